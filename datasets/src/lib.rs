@@ -1,1 +1,24 @@
-//! Under construction.
+//! Recordings of robot motion and torque: readers and writers of the file formats, preprocessing
+//! into a [`signal::Motion`], and the check that says what is wrong with a recording before
+//! anything is fitted to it.
+//!
+//! ```no_run
+//! use datasets::{ReadOptions, read};
+//! let recording = read("run.parquet".as_ref(), &ReadOptions::default())?;
+//! println!("{} samples, {} joints", recording.len(), recording.dof());
+//! # Ok::<(), datasets::ReadError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod assemble;
+pub mod columns;
+pub mod error;
+pub mod read;
+pub mod recording;
+pub mod torque_filter;
+
+pub use columns::{Affine, ColumnMap, Group};
+pub use error::{Problem, ReadError};
+pub use read::{Part, ReadOptions, read};
+pub use recording::{Recording, Trajectory};
+pub use torque_filter::TorqueFilter;

@@ -1,0 +1,206 @@
+//! Why a file is refused.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// A recording that cannot be used: the file, the place in it, what is wrong and what to do.
+#[derive(Debug, thiserror::Error)]
+pub struct ReadError {
+    /// The file.
+    pub file: PathBuf,
+    /// Data row, counted from 1 (the header is not a row).
+    pub row: Option<usize>,
+    /// Line of a text file, counted from 1 (the header is line 1).
+    pub line: Option<u64>,
+    /// Name of the column, as the file has it.
+    pub column: Option<String>,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if let Some(row) = self.row {
+            write!(f, ", row {row}")?;
+            if let Some(line) = self.line {
+                write!(f, " (line {line})")?;
+            }
+        }
+        if let Some(column) = &self.column {
+            write!(f, ", column `{column}`")?;
+        }
+        write!(f, ": {}. {}", self.problem, self.problem.advice())
+    }
+}
+
+/// What is wrong with a file.
+#[derive(Debug, thiserror::Error)]
+pub enum Problem {
+    /// The file cannot be opened or read.
+    #[error("cannot be read ({0})")]
+    Io(#[from] std::io::Error),
+    /// The ending of the name is not one of the formats.
+    #[error("`{0}` is not a known kind of recording")]
+    UnknownFormat(String),
+    /// The file's container (Parquet, zip, MAT) is damaged or of an unknown kind.
+    #[error("is not a readable {format} file ({detail})")]
+    Damaged {
+        /// Name of the format.
+        format: &'static str,
+        /// What the decoder said.
+        detail: String,
+    },
+    /// No rows.
+    #[error("has no samples")]
+    Empty,
+    /// No header at all, or a header of numbers.
+    #[error("has no header with column names (it starts with `{0}`)")]
+    NoHeader(String),
+    /// Two columns have the same name.
+    #[error("the name stands in the header {0} times")]
+    DuplicateColumn(usize),
+    /// A column that is needed is not there.
+    #[error("column `{missing}` is missing (the file has: {present})")]
+    MissingColumn {
+        /// The column looked for.
+        missing: String,
+        /// The columns there are.
+        present: String,
+    },
+    /// More or fewer joints than the robot has.
+    #[error("has columns for {found} joints, the robot has {expected}")]
+    WrongDof {
+        /// Joints of the robot.
+        expected: usize,
+        /// Joints in the file.
+        found: usize,
+    },
+    /// A row with another number of cells than the header.
+    #[error("has {found} cells, the header has {expected}")]
+    RowLength {
+        /// Cells of the header.
+        expected: u64,
+        /// Cells of the row.
+        found: u64,
+    },
+    /// A cell that is not a number.
+    #[error("`{0}` is not a number")]
+    NotANumber(String),
+    /// An empty cell, or a null.
+    #[error("the value is missing")]
+    MissingValue,
+    /// NaN or infinite.
+    #[error("the value is {0}")]
+    NotFinite(f64),
+    /// A column of a type that holds neither numbers nor labels.
+    #[error("has the type {0}, which is neither a number nor a label")]
+    ColumnType(String),
+    /// A table with another shape than needed.
+    #[error("has the shape {found:?}, needed is {needed}")]
+    Shape {
+        /// Shape in the file.
+        found: Vec<usize>,
+        /// Shape needed, in words.
+        needed: String,
+    },
+    /// Time that stands still or goes back inside a trajectory.
+    #[error("time goes from {from} s to {to} s inside trajectory `{trajectory}`")]
+    TimeNotIncreasing {
+        /// Time of the row before.
+        from: f64,
+        /// Time of this row.
+        to: f64,
+        /// Label.
+        trajectory: String,
+    },
+    /// Fewer samples than the filter needs.
+    #[error("trajectory `{trajectory}` has {samples} samples, at least {needed} are needed")]
+    TooShort {
+        /// Label.
+        trajectory: String,
+        /// Samples it has.
+        samples: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// The benchmark's .mat files without the benchmark's robot.
+    #[error("a .mat file is read as the KR300 benchmark, but the robot is another one")]
+    MatNeedsKr300,
+    /// A trajectory of the official .mat layout does not start at rest.
+    #[error(
+        "executions of {seconds} s were expected to start at rest, but joint {joint} moves at {speed_deg_s:.2} deg/s"
+    )]
+    NotAtRest {
+        /// Length of an execution in s.
+        seconds: f64,
+        /// Joint, counted from 1.
+        joint: usize,
+        /// Speed found.
+        speed_deg_s: f64,
+    },
+}
+
+impl Problem {
+    /// What to do about it, as a sentence.
+    pub fn advice(&self) -> &'static str {
+        match self {
+            Self::Io(_) => "Check the path and its permissions.",
+            Self::UnknownFormat(_) => "Give a .csv, .parquet, .npz or (KR300) .mat file.",
+            Self::Damaged { .. } => "Export or copy the file again.",
+            Self::Empty => "Record some motion, or give another file.",
+            Self::NoHeader(_) => "Write the column names (time, q1, …, tau1, …) in the first line.",
+            Self::DuplicateColumn(_) => "Rename or remove all but one of them.",
+            Self::MissingColumn { .. } => {
+                "Add the column, or name the file's own column in the [columns] table of --drive."
+            }
+            Self::WrongDof { .. } => {
+                "Give the robot that made the recording, with one column per moving joint."
+            }
+            Self::RowLength { .. } => "Repair or remove the row.",
+            Self::NotANumber(_) | Self::MissingValue => "Write a number there, or remove the row.",
+            Self::NotFinite(_) => {
+                "Remove the row, or start a new trajectory after it; values are never made up."
+            }
+            Self::ColumnType(_) => "Store it as 32 or 64 bit numbers (labels: text or integers).",
+            Self::Shape { .. } => "Store one row per sample.",
+            Self::TimeNotIncreasing { .. } => {
+                "Sort the rows, or give each run its own label in the column `trajectory`."
+            }
+            Self::TooShort { .. } => {
+                "Record it longer, remove its rows, or join it with its neighbour."
+            }
+            Self::MatNeedsKr300 => "Use --robot kr300, or export the data as CSV or Parquet.",
+            Self::NotAtRest { .. } => {
+                "Export the file as Parquet with a column `trajectory` that marks the executions."
+            }
+        }
+    }
+
+    /// The problem at no particular place of `file`.
+    pub(crate) fn in_file(self, file: &std::path::Path) -> ReadError {
+        ReadError {
+            file: file.to_owned(),
+            row: None,
+            line: None,
+            column: None,
+            problem: self,
+        }
+    }
+
+    /// The problem with a column of `file`.
+    pub(crate) fn in_column(self, file: &std::path::Path, column: &str) -> ReadError {
+        ReadError {
+            column: Some(column.to_owned()),
+            ..self.in_file(file)
+        }
+    }
+}
+
+impl ReadError {
+    /// The same error at a data row, counted from 0.
+    pub(crate) fn at_row(mut self, row: usize) -> Self {
+        self.row = Some(row + 1);
+        self
+    }
+}

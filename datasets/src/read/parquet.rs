@@ -1,0 +1,219 @@
+//! Parquet: flat columns of numbers, labels as text or integers.
+
+use crate::assemble::{Columns, LabelRuns, assemble};
+use crate::columns::{Layout, Role};
+use crate::{Problem, ReadError, ReadOptions, Recording, TorqueFilter};
+use parquet::basic::Type as PhysicalType;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::{ByteArray, DataType};
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use std::path::Path;
+
+/// Key of the file's metadata under which the writer of this crate notes the torque filter.
+pub(crate) const TORQUE_FILTER_KEY: &str = "residyn.torque_filter";
+
+/// Rows decoded at a time.
+const BATCH: usize = 8192;
+
+/// Reads a Parquet file held in memory.
+pub(crate) fn read(
+    bytes: &[u8],
+    file: &Path,
+    options: &ReadOptions,
+) -> Result<Recording, ReadError> {
+    let damaged = |detail: String| Problem::Damaged {
+        format: "Parquet",
+        detail,
+    };
+    if bytes.is_empty() {
+        return Err(Problem::Empty.in_file(file));
+    }
+    let owned = bytes::Bytes::copy_from_slice(bytes);
+    let reader =
+        SerializedFileReader::new(owned).map_err(|e| damaged(e.to_string()).in_file(file))?;
+    let meta = reader.metadata().file_metadata();
+    let schema = meta.schema_descr_ptr();
+    let header: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
+    let layout = Layout::resolve(
+        &header,
+        &options.columns,
+        options.dof,
+        options.torque_needed,
+        file,
+    )?;
+    let mut numbers = Vec::new();
+    let mut labels = None;
+    for column in &layout.used {
+        let descr = schema.column(column.index);
+        if descr.max_rep_level() > 0 {
+            return Err(Problem::ColumnType("list".to_owned()).in_column(file, &column.name));
+        }
+        let mut sink = match column.role {
+            Role::Label => Sink::Labels(LabelRuns::default()),
+            Role::Time | Role::Joint(..) => Sink::Numbers(Vec::new()),
+        };
+        let mut row = 0;
+        for group in 0..reader.num_row_groups() {
+            let column_reader = reader
+                .get_row_group(group)
+                .and_then(|g| g.get_column_reader(column.index))
+                .map_err(|e| damaged(e.to_string()).in_column(file, &column.name))?;
+            drain(column_reader, descr.max_def_level(), &mut sink, &mut row).map_err(|stop| {
+                match stop {
+                    Stop::Decoder(e) => damaged(e.to_string()).in_column(file, &column.name),
+                    Stop::Value(p) => p.in_column(file, &column.name).at_row(row),
+                    Stop::Column(p) => p.in_column(file, &column.name),
+                }
+            })?;
+        }
+        match sink {
+            Sink::Numbers(values) => numbers.push(values),
+            Sink::Labels(runs) => labels = Some(runs),
+        }
+        let rows = numbers.first().map_or(row, Vec::len);
+        if row != rows {
+            let detail = format!("{row} values where the column before has {rows}");
+            return Err(damaged(detail).in_column(file, &column.name));
+        }
+    }
+    let torque_filter = meta
+        .key_value_metadata()
+        .and_then(|all| all.iter().find(|kv| kv.key == TORQUE_FILTER_KEY))
+        .map(|kv| stored_filter(kv.value.as_deref().unwrap_or("")))
+        .transpose()
+        .map_err(|p| p.in_file(file))?;
+    let columns = Columns {
+        numbers,
+        labels,
+        lines: None,
+        torque_filter,
+    };
+    assemble(&layout, columns, options, file)
+}
+
+/// Reads `none` or `order,cutoff_hz,ripple_db`.
+fn stored_filter(text: &str) -> Result<Option<TorqueFilter>, Problem> {
+    if text == "none" {
+        return Ok(None);
+    }
+    let damaged = || Problem::Damaged {
+        format: "Parquet",
+        detail: format!("`{TORQUE_FILTER_KEY}` is `{text}`"),
+    };
+    let mut parts = text.split(',');
+    let mut next = || parts.next().ok_or_else(damaged);
+    let order = next()?.parse().map_err(|_| damaged())?;
+    let cutoff_hz: f64 = next()?.parse().map_err(|_| damaged())?;
+    let ripple_db: f64 = next()?.parse().map_err(|_| damaged())?;
+    let sensible = (1..=16).contains(&order) && cutoff_hz > 0.0 && ripple_db > 0.0;
+    if !(sensible && cutoff_hz.is_finite() && ripple_db < 20.0) {
+        return Err(damaged());
+    }
+    Ok(Some(TorqueFilter {
+        order,
+        cutoff_hz,
+        ripple_db,
+    }))
+}
+
+/// Where the values of a column go.
+enum Sink {
+    Numbers(Vec<f64>),
+    Labels(LabelRuns),
+}
+
+/// Why a column cannot be read.
+enum Stop {
+    Decoder(ParquetError),
+    /// At the current row.
+    Value(Problem),
+    Column(Problem),
+}
+
+/// One value of any physical type.
+enum Value<'a> {
+    Integer(i64),
+    Real(f64),
+    Text(&'a [u8]),
+}
+
+fn drain(reader: ColumnReader, level: i16, sink: &mut Sink, row: &mut usize) -> Result<(), Stop> {
+    let unusable = |kind: PhysicalType| Err(Stop::Column(Problem::ColumnType(kind.to_string())));
+    match reader {
+        ColumnReader::BoolColumnReader(r) => {
+            drain_typed(r, level, sink, row, |v| Value::Integer(i64::from(*v)))
+        }
+        ColumnReader::Int32ColumnReader(r) => {
+            drain_typed(r, level, sink, row, |v| Value::Integer(i64::from(*v)))
+        }
+        ColumnReader::Int64ColumnReader(r) => {
+            drain_typed(r, level, sink, row, |v| Value::Integer(*v))
+        }
+        ColumnReader::FloatColumnReader(r) => {
+            drain_typed(r, level, sink, row, |v| Value::Real(f64::from(*v)))
+        }
+        ColumnReader::DoubleColumnReader(r) => {
+            drain_typed(r, level, sink, row, |v| Value::Real(*v))
+        }
+        ColumnReader::ByteArrayColumnReader(r) => {
+            drain_typed(r, level, sink, row, |v: &ByteArray| Value::Text(v.data()))
+        }
+        ColumnReader::Int96ColumnReader(_) => unusable(PhysicalType::INT96),
+        ColumnReader::FixedLenByteArrayColumnReader(_) => {
+            unusable(PhysicalType::FIXED_LEN_BYTE_ARRAY)
+        }
+    }
+}
+
+fn drain_typed<T: DataType>(
+    mut reader: ColumnReaderImpl<T>,
+    level: i16,
+    sink: &mut Sink,
+    row: &mut usize,
+    convert: impl for<'a> Fn(&'a T::T) -> Value<'a>,
+) -> Result<(), Stop> {
+    let mut values = Vec::with_capacity(BATCH);
+    let mut levels = Vec::with_capacity(BATCH);
+    loop {
+        values.clear();
+        levels.clear();
+        let wanted = (level > 0).then_some(&mut levels);
+        let (records, read, _) = reader
+            .read_records(BATCH, wanted, None, &mut values)
+            .map_err(Stop::Decoder)?;
+        if records == 0 {
+            return Ok(());
+        }
+        if read < records {
+            *row += levels.iter().position(|&l| l < level).unwrap_or(0);
+            return Err(Stop::Value(Problem::MissingValue));
+        }
+        for value in &values {
+            sink.push(convert(value)).map_err(Stop::Value)?;
+            *row += 1;
+        }
+    }
+}
+
+impl Sink {
+    fn push(&mut self, value: Value<'_>) -> Result<(), Problem> {
+        match self {
+            Self::Numbers(numbers) => numbers.push(match value {
+                Value::Integer(v) => v as f64,
+                Value::Real(v) => v,
+                Value::Text(v) => {
+                    let text = String::from_utf8_lossy(v).chars().take(40).collect();
+                    return Err(Problem::NotANumber(text));
+                }
+            }),
+            Self::Labels(labels) => match value {
+                Value::Integer(v) => labels.push(&v.to_string()),
+                Value::Real(v) if v.is_finite() => labels.push(&v.to_string()),
+                Value::Real(v) => return Err(Problem::NotFinite(v)),
+                Value::Text(v) => labels.push(&String::from_utf8_lossy(v)),
+            },
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,224 @@
+//! The recording itself.
+
+use crate::TorqueFilter;
+use ndarray::{Array2, Axis};
+use std::ops::Range;
+
+/// One trajectory of a recording: rows between two breaks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Trajectory {
+    /// The file's label; `"0"` where it has none. Two trajectories may carry the same label when
+    /// it comes back later in the file or when the clock jumps inside it.
+    pub label: String,
+    /// Rows of the recording.
+    pub range: Range<usize>,
+}
+
+/// Motion and torque of one robot, as recorded.
+///
+/// Tables have shape (samples, joints), in SI units, joints base first. Every value is finite and
+/// `time` increases strictly within each trajectory: the readers refuse anything else, and
+/// [`Recording::validate`] checks recordings made in code.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Where it came from, for messages: a path or the name of a simulation.
+    pub source: String,
+    /// Time stamps in s.
+    pub time: Vec<f64>,
+    /// Trajectories in row order; they cover all rows without gaps.
+    pub trajectories: Vec<Trajectory>,
+    /// Joint position (motor side divided by the gear ratio), rad or m.
+    pub q: Array2<f64>,
+    /// Joint position measured on the link side.
+    pub ql: Option<Array2<f64>>,
+    /// Recorded joint velocity, rad/s or m/s; `None` when it has to be derived.
+    pub qd: Option<Array2<f64>>,
+    /// Recorded joint acceleration, rad/s² or m/s²; `None` when it has to be derived.
+    pub qdd: Option<Array2<f64>>,
+    /// Measured joint torque in link-side units, N·m or N.
+    pub tau: Option<Array2<f64>>,
+    /// Commanded position.
+    pub q_ref: Option<Array2<f64>>,
+    /// Commanded velocity.
+    pub qd_ref: Option<Array2<f64>>,
+    /// Joint temperature in °C.
+    pub temp: Option<Array2<f64>>,
+    /// Low-pass that `tau` went through before it was stored.
+    pub torque_filter: Option<TorqueFilter>,
+}
+
+/// Why a recording made in code is not one.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Invalid {
+    /// A table has another shape than `q`.
+    #[error("`{0}` does not have the shape (samples, joints) of `q` and `time`")]
+    Shape(&'static str),
+    /// The trajectories leave a gap, overlap or are empty.
+    #[error("trajectory {0} does not start where the one before it ends, or is empty")]
+    Trajectories(usize),
+    /// Time does not increase within a trajectory.
+    #[error("time does not increase at row {0}")]
+    Time(usize),
+    /// A value is NaN or infinite.
+    #[error("`{0}` has a value that is not finite")]
+    NotFinite(&'static str),
+}
+
+impl Recording {
+    /// A recording of positions and torques alone, as one trajectory labelled `"0"`.
+    pub fn new(source: &str, time: Vec<f64>, q: Array2<f64>, tau: Option<Array2<f64>>) -> Self {
+        let rows = time.len();
+        Self {
+            source: source.to_owned(),
+            time,
+            trajectories: vec![Trajectory {
+                label: "0".to_owned(),
+                range: 0..rows,
+            }],
+            q,
+            ql: None,
+            qd: None,
+            qdd: None,
+            tau,
+            q_ref: None,
+            qd_ref: None,
+            temp: None,
+            torque_filter: None,
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// True when there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.q.ncols()
+    }
+
+    /// Row ranges of the trajectories, as [`signal::Motion::segments`] has them.
+    pub fn segments(&self) -> Vec<Range<usize>> {
+        self.trajectories.iter().map(|t| t.range.clone()).collect()
+    }
+
+    /// Median time step within trajectories in s; NaN when no trajectory has two samples.
+    pub fn median_step(&self) -> f64 {
+        let mut steps: Vec<f64> = self
+            .trajectories
+            .iter()
+            .flat_map(|t| self.time[t.range.clone()].windows(2).map(|w| w[1] - w[0]))
+            .collect();
+        if steps.is_empty() {
+            return f64::NAN;
+        }
+        let middle = steps.len() / 2;
+        *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// The optional tables by name.
+    pub(crate) fn optional_tables(&self) -> [(&'static str, &Option<Array2<f64>>); 7] {
+        [
+            ("ql", &self.ql),
+            ("qd", &self.qd),
+            ("qdd", &self.qdd),
+            ("tau", &self.tau),
+            ("q_ref", &self.q_ref),
+            ("qd_ref", &self.qd_ref),
+            ("temp", &self.temp),
+        ]
+    }
+
+    /// Checks shapes, trajectories, time and finiteness.
+    ///
+    /// # Errors
+    /// The first thing found wrong.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let shape = (self.len(), self.dof());
+        let tables = self.optional_tables();
+        let present = tables
+            .iter()
+            .filter_map(|(name, table)| Some((*name, table.as_ref()?)));
+        for (name, table) in std::iter::once(("q", &self.q)).chain(present) {
+            if table.dim() != shape {
+                return Err(Invalid::Shape(name));
+            }
+            if table.iter().any(|v| !v.is_finite()) {
+                return Err(Invalid::NotFinite(name));
+            }
+        }
+        if self.time.iter().any(|t| !t.is_finite()) {
+            return Err(Invalid::NotFinite("time"));
+        }
+        let mut end = 0;
+        for (i, t) in self.trajectories.iter().enumerate() {
+            if t.range.start != end || t.range.is_empty() {
+                return Err(Invalid::Trajectories(i));
+            }
+            end = t.range.end;
+        }
+        if end != self.len() {
+            return Err(Invalid::Trajectories(self.trajectories.len()));
+        }
+        for t in &self.trajectories {
+            for row in t.range.clone().skip(1) {
+                if self.time[row] <= self.time[row - 1] {
+                    return Err(Invalid::Time(row));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The recording with only these trajectories, in the order given.
+    ///
+    /// # Panics
+    /// If an index is not below `trajectories.len()`.
+    pub fn select(&self, trajectories: &[usize]) -> Self {
+        let rows: Vec<usize> = trajectories
+            .iter()
+            .flat_map(|&i| self.trajectories[i].range.clone())
+            .collect();
+        let mut start = 0;
+        let kept = trajectories
+            .iter()
+            .map(|&i| {
+                let t = &self.trajectories[i];
+                let range = start..start + t.range.len();
+                start = range.end;
+                Trajectory {
+                    label: t.label.clone(),
+                    range,
+                }
+            })
+            .collect();
+        let pick = |table: &Array2<f64>| table.select(Axis(0), &rows);
+        let pick_some = |table: &Option<Array2<f64>>| table.as_ref().map(pick);
+        Self {
+            source: self.source.clone(),
+            time: rows.iter().map(|&r| self.time[r]).collect(),
+            trajectories: kept,
+            q: pick(&self.q),
+            ql: pick_some(&self.ql),
+            qd: pick_some(&self.qd),
+            qdd: pick_some(&self.qdd),
+            tau: pick_some(&self.tau),
+            q_ref: pick_some(&self.q_ref),
+            qd_ref: pick_some(&self.qd_ref),
+            temp: pick_some(&self.temp),
+            torque_filter: self.torque_filter,
+        }
+    }
+
+    /// Splits by trajectories: `(the others, the chosen ones)`, both in file order.
+    pub fn split(&self, chosen: &[usize]) -> (Self, Self) {
+        let (taken, rest): (Vec<usize>, Vec<usize>) =
+            (0..self.trajectories.len()).partition(|i| chosen.contains(i));
+        (self.select(&rest), self.select(&taken))
+    }
+}
