@@ -1,0 +1,103 @@
+//! Torque that a rigid body does not explain: friction, memory, heat, transmissions.
+//!
+//! A [`Term`] is one column of a linear model: the torque on one joint, in N·m (N for prismatic
+//! joints), for a parameter of one. Its shape parameters (a velocity, a width, a time) are fixed
+//! inside the term and chosen on short grids. Terms are causal: [`TermBank::step`] takes one
+//! sample after the other and keeps what memory needs, so that a recording evaluated at once and a
+//! control loop that asks sample by sample read the same numbers.
+
+mod bank;
+mod coupling;
+mod harmonic;
+mod hysteresis;
+mod load;
+mod relaxation;
+mod sliding;
+mod warmup;
+
+pub use crate::robot::Counterbalance;
+pub use bank::{Sample, TermBank, columns};
+pub use coupling::Coupling;
+pub use harmonic::{Harmonic, Phase};
+pub use hysteresis::{Dahl, Stop};
+pub use load::{LoadFriction, LoadShape};
+pub use relaxation::LaggedSign;
+pub use sliding::Sliding;
+pub use warmup::WarmUp;
+
+use serde::{Deserialize, Serialize};
+
+/// One column of a joint's friction and memory model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Term {
+    /// Bias of the torque: the column is one. Parameter in N·m.
+    Offset,
+    /// Reflected inertia of motor and gear: the column is q̈. Parameter in kg·m².
+    RotorInertia,
+    /// Friction that depends on the present velocity alone.
+    Sliding(Sliding),
+    /// Maxwell-slip element: a spring that slides at a given displacement.
+    Stop(Stop),
+    /// Dahl's friction state.
+    Dahl(Dahl),
+    /// Direction of motion through a first-order lag.
+    LaggedSign(LaggedSign),
+    /// Friction that grows with the transmitted torque.
+    Load(LoadFriction),
+    /// Torque periodic in the joint's position.
+    Harmonic(Harmonic),
+    /// Torque caused by the motion of another joint.
+    Coupling(Coupling),
+    /// Gas or hydraulic counterbalance of the joint's own position.
+    Counterbalance(Counterbalance),
+    /// Another term whose coefficient fades as the robot warms up.
+    WarmUp(WarmUp),
+}
+
+impl Term {
+    /// Contract name of the effect that the term belongs to.
+    pub fn effect(&self) -> &'static str {
+        match self {
+            Term::Offset => "torque_offset",
+            Term::RotorInertia => "rotor_inertia",
+            Term::Sliding(s) => s.effect(),
+            Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_) => "presliding_hysteresis",
+            Term::Load(_) => "load_dependent_friction",
+            Term::Harmonic(_) => "torque_ripple",
+            Term::Coupling(_) => "joint_coupling",
+            Term::Counterbalance(_) => "counterbalance",
+            Term::WarmUp(_) => "friction_drift",
+        }
+    }
+
+    /// Readable name with the shape parameters, such as `stop(0.0017 rad)`.
+    pub fn label(&self) -> String {
+        match self {
+            Term::Offset => "offset".into(),
+            Term::RotorInertia => "rotor_inertia".into(),
+            Term::Sliding(s) => s.label(),
+            Term::Stop(s) => format!("stop({:.3e})", s.width),
+            Term::Dahl(d) => format!("dahl({:.3e})", d.stiffness),
+            Term::LaggedSign(l) => format!("lagged_sign({:.3} s)", l.time_constant),
+            Term::Load(l) => format!("load*{}", l.friction.label()),
+            Term::Harmonic(h) => h.label(),
+            Term::Coupling(c) => c.label(),
+            Term::Counterbalance(_) => "counterbalance".into(),
+            Term::WarmUp(w) => format!("warm_up({:.0} s)*{}", w.time_constant, w.term.label()),
+        }
+    }
+
+    /// Unit of the term's parameter for a revolute joint.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Term::RotorInertia => "kg·m²",
+            Term::Sliding(s) => s.unit(),
+            Term::Load(l) => l.unit(),
+            Term::Coupling(c) => c.unit(),
+            Term::Counterbalance(_) => "1",
+            Term::WarmUp(w) => w.term.unit(),
+            _ => "N·m",
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Hydraulic counterbalance with a gas spring.
+
+/// A cylinder between base and link whose oil is loaded by a gas bladder: a torque that depends on the
+/// joint's own position.
+///
+/// Geometry and gas law of Weigand, Götz, Ulmen and Ruskowski (2022), appendix A.2, eqs 14–18, with
+/// δ = q + `zero`:
+/// dl = √(D² + k² − 2 D k cos δ) − (D − k), h = D k sin δ / (dl + D − k),
+/// p = m Z R T / (V − dl·A), τ = `scale`·h·p·A.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Counterbalance {
+    /// Index of the joint on which it acts.
+    pub joint: usize,
+    /// Position of the joint's zero in the cylinder's geometry, rad (δ = q + zero).
+    pub zero: f64,
+    /// Distance D from the joint to the attachment on the base, m.
+    pub distance: f64,
+    /// Radius k of the attachment on the link, m.
+    pub radius: f64,
+    /// Effective area A of the piston, m².
+    pub area: f64,
+    /// Largest gas volume V, m³.
+    pub volume: f64,
+    /// Product m Z R T of gas mass, compressibility, specific gas constant and temperature, J.
+    pub gas_energy: f64,
+    /// Free factor on the torque.
+    pub scale: f64,
+}
+
+impl Counterbalance {
+    /// Torque at joint position `q` (rad), N·m, as a part of the torque that the drive has to deliver (it
+    /// is added to inverse dynamics).
+    pub fn torque(&self, q: f64) -> f64 {
+        let (sin, cos) = (q + self.zero).sin_cos();
+        let (d, k) = (self.distance, self.radius);
+        let length = (d * d + k * k - 2.0 * d * k * cos).sqrt();
+        let extension = length - (d - k);
+        let lever = d * k * sin / length;
+        let pressure = self.gas_energy / (self.volume - extension * self.area);
+        self.scale * lever * pressure * self.area
+    }
+}
