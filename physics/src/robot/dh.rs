@@ -1,0 +1,125 @@
+//! Denavit–Hartenberg tables.
+//!
+//! The joint frames of the resulting robot follow this crate's convention (they turn with the joint, z along its
+//! axis), which for the standard convention is not the frame that the table attaches to a link:
+//! [`Convention::link_frame`] takes inertias from one to the other.
+
+use super::JointKind;
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::FRAC_PI_2;
+
+/// Which of the two conventions a table follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Convention {
+    /// Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α) (Denavit and Hartenberg; Spong).
+    Standard,
+    /// Rot_x(α) Trans_x(a) Rot_z(θ) Trans_z(d), a and α being those of the previous link (Craig; Khalil).
+    Modified,
+}
+
+/// One row of a table. The joint's position is added to `theta` (rotation) or to `d` (translation).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Length a, m.
+    pub a: f64,
+    /// Twist α, rad.
+    pub alpha: f64,
+    /// Offset d, m.
+    pub d: f64,
+    /// Angle θ at q = 0, rad.
+    pub theta: f64,
+    /// What moves.
+    pub kind: JointKind,
+}
+
+impl Row {
+    /// A rotating joint.
+    pub fn revolute(a: f64, alpha: f64, d: f64, theta: f64) -> Self {
+        Self {
+            a,
+            alpha,
+            d,
+            theta,
+            kind: JointKind::Revolute,
+        }
+    }
+}
+
+/// A pose: orientation and origin.
+pub type Pose = (Matrix3<f64>, Vector3<f64>);
+
+/// Poses of the joint frames at q = 0, each in the previous one (the first in the base frame), for the axes
+/// being z. `base` is the pose of the table's frame 0 in the base frame.
+pub fn placements(convention: Convention, base: Pose, rows: &[Row]) -> Vec<Pose> {
+    let mut before = base;
+    rows.iter()
+        .map(|row| {
+            let turn = (rotation_z(row.theta), Vector3::zeros());
+            let lift = (Matrix3::identity(), Vector3::z() * row.d);
+            match convention {
+                // A rotating joint's frame sits at frame i−1, a sliding one's at the displaced d.
+                Convention::Standard => {
+                    let mut placement = compose(&before, &turn);
+                    if row.kind == JointKind::Prismatic {
+                        placement = compose(&placement, &lift);
+                    }
+                    before = convention.link_frame(row);
+                    placement
+                }
+                Convention::Modified => {
+                    let link = (rotation_x(row.alpha), Vector3::x() * row.a);
+                    let placement = compose(&compose(&before, &link), &compose(&turn, &lift));
+                    before = (Matrix3::identity(), Vector3::zeros());
+                    placement
+                }
+            }
+        })
+        .collect()
+}
+
+impl Convention {
+    /// Pose, in the joint frame of this crate, of the frame that the table attaches to the link: what is
+    /// given in the table's frame, such as a centre of mass, is taken to the joint frame by it.
+    pub fn link_frame(self, row: &Row) -> Pose {
+        match self {
+            Self::Standard => {
+                let d = if row.kind == JointKind::Prismatic {
+                    0.0
+                } else {
+                    row.d
+                };
+                (rotation_x(row.alpha), Vector3::new(row.a, 0.0, d))
+            }
+            Self::Modified => (Matrix3::identity(), Vector3::zeros()),
+        }
+    }
+}
+
+fn compose(a: &Pose, b: &Pose) -> Pose {
+    (a.0 * b.0, a.0 * b.1 + a.1)
+}
+
+fn rotation_z(angle: f64) -> Matrix3<f64> {
+    let (s, c) = exact_sin_cos(angle);
+    Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+}
+
+fn rotation_x(angle: f64) -> Matrix3<f64> {
+    let (s, c) = exact_sin_cos(angle);
+    Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
+}
+
+/// Sine and cosine, exact at multiples of a quarter turn: tables are full of them, and a cosine of 6e-17
+/// would blur which parameters are identifiable.
+fn exact_sin_cos(angle: f64) -> (f64, f64) {
+    let quarters = angle / FRAC_PI_2;
+    if (quarters - quarters.round()).abs() > 1e-12 {
+        return angle.sin_cos();
+    }
+    match quarters.round().rem_euclid(4.0) as u8 {
+        0 => (0.0, 1.0),
+        1 => (1.0, 0.0),
+        2 => (0.0, -1.0),
+        _ => (-1.0, 0.0),
+    }
+}

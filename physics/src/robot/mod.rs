@@ -1,0 +1,333 @@
+//! Description of a serial robot: joints, links, gravity, and where they come from.
+//!
+//! A [`Robot`] is immutable. It comes from a URDF ([`Robot::from_urdf_file`]), a Denavit–Hartenberg table
+//! ([`dh`]), or is built in ([`Robot::builtin`]).
+
+pub mod builtin;
+mod chain;
+mod counterbalance;
+pub mod dh;
+mod error;
+mod inertia;
+mod joint;
+mod urdf;
+
+pub(crate) use chain::{Chain, ChainJoint};
+pub use counterbalance::Counterbalance;
+pub use error::RobotError;
+pub use inertia::{Inertia, PARAMETER_NAMES, PARAMETERS_PER_LINK};
+pub use joint::{Joint, JointKind, Limits, Link};
+
+use nalgebra::Vector3;
+use std::path::Path;
+
+/// Standard gravity in the base frame, m/s².
+pub const STANDARD_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+
+/// A serial chain of moving joints on a fixed base.
+#[derive(Debug, Clone)]
+pub struct Robot {
+    name: String,
+    gravity: Vector3<f64>,
+    joints: Vec<Joint>,
+    counterbalance: Option<Counterbalance>,
+    warnings: Vec<String>,
+    chain: Chain,
+}
+
+impl Robot {
+    /// A robot from its joints, base first, under standard gravity.
+    ///
+    /// # Errors
+    /// No joint, numbers that are not finite, axes without direction, links without mass or with an
+    /// inertia that would make the mass matrix indefinite. What is only implausible becomes a warning.
+    pub fn new(name: impl Into<String>, joints: Vec<Joint>) -> Result<Self, RobotError> {
+        let name = name.into();
+        if joints.is_empty() {
+            return Err(RobotError::NoJoints { name });
+        }
+        let mut warnings = Vec::new();
+        for joint in &joints {
+            check_joint(joint)?;
+            check_inertia(joint, &mut warnings)?;
+        }
+        let chain = Chain::new(&joints);
+        Ok(Self {
+            name,
+            gravity: STANDARD_GRAVITY,
+            joints,
+            counterbalance: None,
+            warnings,
+            chain,
+        })
+    }
+
+    /// A built-in robot by name, or else a URDF by path.
+    ///
+    /// # Errors
+    /// Neither exists, or the URDF is refused.
+    pub fn load(name_or_path: &str) -> Result<Self, RobotError> {
+        if let Some(robot) = Self::builtin(name_or_path) {
+            return Ok(robot);
+        }
+        let path = Path::new(name_or_path);
+        if !path.exists() && path.extension().is_none() {
+            return Err(RobotError::UnknownRobot {
+                name: name_or_path.to_owned(),
+                builtins: builtin::NAMES.join(", "),
+            });
+        }
+        Self::from_urdf_file(path)
+    }
+
+    /// A built-in robot: one of [`builtin::NAMES`].
+    pub fn builtin(name: &str) -> Option<Self> {
+        builtin::robot(name)
+    }
+
+    /// Reads a URDF file. See [`Robot::from_urdf_str`].
+    ///
+    /// # Errors
+    /// The file cannot be read, or is refused.
+    pub fn from_urdf_file(path: impl AsRef<Path>) -> Result<Self, RobotError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|source| RobotError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_urdf_str(&text)
+    }
+
+    /// Reads a URDF. Fixed joints are merged with the inertia that they carry; the moving joints
+    /// (revolute, continuous, prismatic) must form one serial chain.
+    ///
+    /// # Errors
+    /// Not a URDF, not one serial chain, or an inertia that no mechanism can have.
+    pub fn from_urdf_str(text: &str) -> Result<Self, RobotError> {
+        urdf::read(text)
+    }
+
+    /// Name of the robot.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of moving joints, N.
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Gravity in the base frame, m/s².
+    pub fn gravity(&self) -> Vector3<f64> {
+        self.gravity
+    }
+
+    /// The moving joints, base first.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Names of the moving joints, base first.
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|j| j.name.clone()).collect()
+    }
+
+    /// Counterbalance, where the robot has a known one. Not part of the rigid-body functions.
+    pub fn counterbalance(&self) -> Option<&Counterbalance> {
+        self.counterbalance.as_ref()
+    }
+
+    /// What is implausible about the description although it can be used.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Standard inertial parameters of all links, base first: 10 N values in the order of
+    /// [`PARAMETER_NAMES`].
+    pub fn parameters(&self) -> Vec<f64> {
+        self.joints
+            .iter()
+            .flat_map(|j| j.link.inertia.parameters())
+            .collect()
+    }
+
+    /// Names of the standard parameters, e.g. `Ixx3` for link 3.
+    pub fn parameter_names(&self) -> Vec<String> {
+        (1..=self.dof())
+            .flat_map(|link| PARAMETER_NAMES.iter().map(move |p| format!("{p}{link}")))
+            .collect()
+    }
+
+    /// The same robot with other inertial parameters (10 N values). They are taken as they are: an
+    /// estimate need not be physically consistent.
+    ///
+    /// # Errors
+    /// Wrong number of values.
+    pub fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RobotError> {
+        let (links, rest) = parameters.as_chunks::<PARAMETERS_PER_LINK>();
+        if links.len() != self.dof() || !rest.is_empty() {
+            return Err(RobotError::WrongLength {
+                what: "inertial parameters",
+                expected: PARAMETERS_PER_LINK * self.dof(),
+                found: parameters.len(),
+            });
+        }
+        let mut robot = self.clone();
+        for (joint, p) in robot.joints.iter_mut().zip(links) {
+            joint.link.inertia = Inertia::from_parameters(p);
+        }
+        robot.chain = Chain::new(&robot.joints);
+        Ok(robot)
+    }
+
+    /// The same robot under another gravity (base frame, m/s²).
+    pub fn with_gravity(mut self, gravity: Vector3<f64>) -> Self {
+        self.gravity = gravity;
+        self
+    }
+
+    /// The same robot with other damping and Coulomb friction (N values each).
+    ///
+    /// # Errors
+    /// Wrong number of values.
+    pub fn with_friction(mut self, damping: &[f64], friction: &[f64]) -> Result<Self, RobotError> {
+        self.each_joint("damping", damping, |j, v| j.damping = v)?;
+        self.each_joint("friction", friction, |j, v| j.friction = v)?;
+        Ok(self)
+    }
+
+    /// The same robot with rotor inertias seen from the links, kg·m² (N values).
+    ///
+    /// # Errors
+    /// Wrong number of values.
+    pub fn with_rotor_inertia(mut self, rotor_inertia: &[f64]) -> Result<Self, RobotError> {
+        self.each_joint("rotor inertia", rotor_inertia, |j, v| j.rotor_inertia = v)?;
+        Ok(self)
+    }
+
+    /// The same robot with a counterbalance.
+    ///
+    /// # Errors
+    /// Its joint does not exist.
+    pub fn with_counterbalance(
+        mut self,
+        counterbalance: Counterbalance,
+    ) -> Result<Self, RobotError> {
+        if counterbalance.joint >= self.dof() {
+            return Err(RobotError::WrongLength {
+                what: "joint index of the counterbalance",
+                expected: self.dof(),
+                found: counterbalance.joint + 1,
+            });
+        }
+        self.counterbalance = Some(counterbalance);
+        Ok(self)
+    }
+
+    /// Rotor inertias seen from the links, kg·m² (N values).
+    pub fn rotor_inertia(&self) -> Vec<f64> {
+        self.joints.iter().map(|j| j.rotor_inertia).collect()
+    }
+
+    pub(crate) fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    fn each_joint(
+        &mut self,
+        what: &'static str,
+        values: &[f64],
+        set: impl Fn(&mut Joint, f64),
+    ) -> Result<(), RobotError> {
+        if values.len() != self.dof() {
+            return Err(RobotError::WrongLength {
+                what,
+                expected: self.dof(),
+                found: values.len(),
+            });
+        }
+        for (joint, &value) in self.joints.iter_mut().zip(values) {
+            set(joint, value);
+        }
+        Ok(())
+    }
+}
+
+/// Relative tolerance on the eigenvalues of a described inertia: published tables carry about six
+/// digits.
+const ROUNDING: f64 = 1e-5;
+
+fn check_joint(joint: &Joint) -> Result<(), RobotError> {
+    if (joint.axis.norm() - 1.0).abs() > 1e-9 {
+        return Err(RobotError::BadAxis {
+            joint: joint.name.clone(),
+            axis: joint.axis.into(),
+        });
+    }
+    let number = |what: &str, value: f64| {
+        if value.is_finite() && value >= 0.0 {
+            return Ok(());
+        }
+        Err(RobotError::BadNumber {
+            owner: joint.name.clone(),
+            what: what.to_owned(),
+            value,
+            hint: "it must be finite and not negative".to_owned(),
+        })
+    };
+    number("damping", joint.damping)?;
+    number("friction", joint.friction)?;
+    number("rotor inertia", joint.rotor_inertia)?;
+    let placement = joint.rotation.iter().chain(joint.translation.iter());
+    for &value in placement {
+        if !value.is_finite() {
+            return Err(RobotError::BadNumber {
+                owner: joint.name.clone(),
+                what: "origin".to_owned(),
+                value,
+                hint: "it must be finite".to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses an inertia with which the mass matrix could be indefinite; warns about one that no mass
+/// distribution has.
+fn check_inertia(joint: &Joint, warnings: &mut Vec<String>) -> Result<(), RobotError> {
+    let (link, inertia) = (&joint.link, &joint.link.inertia);
+    let impossible = |reason: String| RobotError::ImpossibleInertia {
+        link: link.name.clone(),
+        joint: joint.name.clone(),
+        reason,
+    };
+    if let Some(bad) = inertia.parameters().iter().find(|p| !p.is_finite()) {
+        return Err(impossible(format!("it contains {bad}")));
+    }
+    if inertia.mass < 0.0 {
+        return Err(impossible(format!("its mass is {} kg", inertia.mass)));
+    }
+    if inertia.mass == 0.0 {
+        return Err(RobotError::Massless {
+            link: link.name.clone(),
+            joint: joint.name.clone(),
+        });
+    }
+    let principal = inertia.about_com().symmetric_eigenvalues();
+    // Rounding of the parallel-axis terms counts too, hence the scale about the origin.
+    let scale = inertia.about_origin.amax().max(principal.amax());
+    if principal.min() < -ROUNDING * scale {
+        return Err(impossible(format!(
+            "a principal moment is {:.3e} kg·m², below zero",
+            principal.min()
+        )));
+    }
+    if !inertia.is_consistent(ROUNDING) {
+        warnings.push(format!(
+            "link {:?} (moved by joint {:?}): no mass distribution has its inertia: one principal moment exceeds \
+             the sum of the other two; results can be used, but check the numbers",
+            link.name, joint.name
+        ));
+    }
+    Ok(())
+}
