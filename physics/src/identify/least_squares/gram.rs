@@ -1,0 +1,160 @@
+//! Normal equations for searches over subsets of columns.
+
+use super::{LeastSquaresError, Triangle, check_size};
+use faer::Mat;
+
+/// Normal equations of [A b]: N = AᵀA, h = Aᵀb, Σb². Half the digits of a [`Triangle`], but sums and
+/// differences are exact in form (whole minus group is leave-one-group-out) and a fit of k of the columns
+/// costs k³/3, which a forward selection over hundreds of candidates needs.
+#[derive(Debug, Clone)]
+pub struct Gram {
+    /// (p + 1) × (p + 1), symmetric: [[N, h], [hᵀ, Σb²]].
+    products: Mat<f64>,
+    rows: usize,
+}
+
+/// Fit of a subset of the columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GramFit {
+    /// Parameters in the order of the subset.
+    pub parameters: Vec<f64>,
+    /// Residual sum of squares on the rows fitted.
+    pub residual_sum_of_squares: f64,
+}
+
+impl From<&Triangle> for Gram {
+    fn from(triangle: &Triangle) -> Self {
+        let factor = triangle.factor();
+        Self {
+            products: factor.transpose() * factor,
+            rows: triangle.rows(),
+        }
+    }
+}
+
+impl Gram {
+    /// Number of unknowns p.
+    pub fn columns(&self) -> usize {
+        self.products.ncols() - 1
+    }
+
+    /// Number of rows behind the sums.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The sums over the rows of both.
+    ///
+    /// # Errors
+    /// Different numbers of columns.
+    pub fn plus(&self, other: &Gram) -> Result<Gram, LeastSquaresError> {
+        check_size("the other system", other.columns(), self.columns())?;
+        Ok(Gram {
+            products: &self.products + &other.products,
+            rows: self.rows + other.rows,
+        })
+    }
+
+    /// The sums over the rows of `self` without those of `part`, which must be among them.
+    ///
+    /// # Errors
+    /// Different numbers of columns; a part with more rows than the whole.
+    pub fn minus(&self, part: &Gram) -> Result<Gram, LeastSquaresError> {
+        check_size("the part", part.columns(), self.columns())?;
+        let rows = self
+            .rows
+            .checked_sub(part.rows)
+            .ok_or(LeastSquaresError::NoRows)?;
+        Ok(Gram {
+            products: &self.products - &part.products,
+            rows,
+        })
+    }
+
+    /// Least squares on the columns of `subset`, with `ridge` relative to the norm of each column (1e-6 is the
+    /// least that squared condition numbers leave room for; smaller values are raised to it). `None` where
+    /// the columns are numerically dependent all the same.
+    ///
+    /// # Errors
+    /// A column that does not exist.
+    pub fn fit(&self, subset: &[usize], ridge: f64) -> Result<Option<GramFit>, LeastSquaresError> {
+        self.check_columns(subset)?;
+        let (k, p) = (subset.len(), self.columns());
+        let n = &self.products;
+        let scale: Vec<f64> = subset
+            .iter()
+            .map(|&c| {
+                if n[(c, c)] > 0.0 {
+                    n[(c, c)].sqrt()
+                } else {
+                    1.0
+                }
+            })
+            .collect();
+        let ridge2 = ridge.max(1e-6).powi(2);
+        // Cholesky by rows, l[i][j] with j ≤ i in one flat buffer; forward substitution on the way.
+        let mut l = vec![0.0; k * k];
+        let mut y = vec![0.0; k];
+        for i in 0..k {
+            let (done, rest) = l.split_at_mut(i * k);
+            let row = &mut rest[..k];
+            for j in 0..i {
+                let entry = n[(subset[i], subset[j])] / (scale[i] * scale[j]);
+                row[j] = (entry - dot(&row[..j], &done[j * k..])) / done[j * k + j];
+            }
+            let entry = n[(subset[i], subset[i])] / (scale[i] * scale[i]);
+            let pivot = entry + ridge2 - dot(&row[..i], &row[..i]);
+            if pivot.is_nan() || pivot <= 0.0 {
+                return Ok(None);
+            }
+            row[i] = pivot.sqrt();
+            y[i] = (n[(subset[i], p)] / scale[i] - dot(&row[..i], &y)) / row[i];
+        }
+        for i in (0..k).rev() {
+            let later: f64 = (i + 1..k).map(|j| l[j * k + i] * y[j]).sum();
+            y[i] = (y[i] - later) / l[i * k + i];
+        }
+        let parameters: Vec<f64> = std::iter::zip(y, scale).map(|(y, s)| y / s).collect();
+        let residual_sum_of_squares = self.residual_sum_of_squares(subset, &parameters)?;
+        Ok(Some(GramFit {
+            parameters,
+            residual_sum_of_squares,
+        }))
+    }
+
+    /// ‖A_S x − b‖² of parameters x for the columns S of `subset`, on the rows behind `self` (those held out,
+    /// for a fit made on the others).
+    ///
+    /// # Errors
+    /// A column that does not exist; `x` of another length than `subset`.
+    pub fn residual_sum_of_squares(
+        &self,
+        subset: &[usize],
+        x: &[f64],
+    ) -> Result<f64, LeastSquaresError> {
+        self.check_columns(subset)?;
+        check_size("the parameter vector", x.len(), subset.len())?;
+        let (n, p) = (&self.products, self.columns());
+        let mut sum = n[(p, p)];
+        for (&ci, &xi) in std::iter::zip(subset, x) {
+            let nx: f64 = std::iter::zip(subset, x)
+                .map(|(&cj, &xj)| n[(ci, cj)] * xj)
+                .sum();
+            sum += xi * (nx - 2.0 * n[(ci, p)]);
+        }
+        Ok(sum.max(0.0))
+    }
+
+    fn check_columns(&self, subset: &[usize]) -> Result<(), LeastSquaresError> {
+        let columns = self.columns();
+        match subset.iter().find(|&&c| c >= columns) {
+            Some(&column) => Err(LeastSquaresError::NoSuchColumn { column, columns }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Σ a·b over the length of the shorter.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    std::iter::zip(a, b).map(|(a, b)| a * b).sum()
+}

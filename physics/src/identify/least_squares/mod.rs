@@ -1,0 +1,72 @@
+//! Linear least squares on tall systems A x ≈ b that never have to be in memory at once.
+//!
+//! Rows are folded block by block into the triangular factor of [A b] ([`Accumulator`]); every question
+//! about the fit (parameters, covariance, residual of any parameter vector or any subset of columns,
+//! condition numbers) is then answered from that small [`Triangle`]. Triangles of groups of rows
+//! stack exactly into the triangle of all of them, which is what leave-one-group-out needs.
+//! [`Gram`] is the faster, less accurate view of the same data for searches over subsets of columns.
+
+mod condition;
+mod gram;
+mod solve;
+mod triangle;
+
+pub use condition::{SubRegressors, condition_number};
+pub use gram::{Gram, GramFit};
+pub use solve::{Estimate, Prior, SolveOptions, cluster_covariance, solve};
+pub use triangle::{Accumulator, Triangle};
+
+/// Why a least-squares problem could not be set up or solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LeastSquaresError {
+    /// A row, a vector or another triangle has the wrong number of columns.
+    #[error("{what} has {found} entries where the problem has {expected}")]
+    Size {
+        /// What has the wrong size.
+        what: &'static str,
+        /// Its size.
+        found: usize,
+        /// The size that the problem asks for.
+        expected: usize,
+    },
+    /// NaN or infinite values among the rows that were accumulated.
+    #[error("the system holds NaN or infinite values")]
+    NotFinite,
+    /// No row was accumulated, or every row has zero weight.
+    #[error("the system has no rows")]
+    NoRows,
+    /// A column index beyond the last column.
+    #[error("column {column} does not exist: the problem has {columns} columns")]
+    NoSuchColumn {
+        /// The index.
+        column: usize,
+        /// The number of columns.
+        columns: usize,
+    },
+    /// A prior with a standard deviation that is not positive.
+    #[error("the prior standard deviation of column {column} is not positive")]
+    BadPrior {
+        /// The column.
+        column: usize,
+    },
+    /// The iteration of a decomposition did not converge.
+    #[error("the singular value decomposition did not converge")]
+    Decomposition,
+}
+
+/// Refuses a vector of the wrong length.
+pub(crate) fn check_size(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), LeastSquaresError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(LeastSquaresError::Size {
+            what,
+            found,
+            expected,
+        })
+    }
+}

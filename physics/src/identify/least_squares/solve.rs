@@ -1,0 +1,266 @@
+//! Parameters, covariance and standard deviations from a triangle.
+
+use super::triangle::triangle_of;
+use super::{LeastSquaresError, Triangle, check_size};
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
+use faer::{Mat, Par};
+use ndarray::{Array1, Array2, Axis};
+use serde::{Deserialize, Serialize};
+
+/// What is known of the parameters before the data: independent normal distributions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prior {
+    /// Mean, length p.
+    pub mean: Vec<f64>,
+    /// Standard deviation, length p, in the units of the parameters; infinite: nothing is known.
+    pub std: Vec<f64>,
+}
+
+/// Settings of [`solve`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolveOptions {
+    /// Columns to use; the parameters of the others are zero. `None`: all.
+    pub columns: Option<Vec<usize>>,
+    /// Ridge relative to the norm of each column: holds what the data cannot see (singular values
+    /// below this, of the system with columns of unit norm) at the prior mean or zero. Default 1e-9.
+    pub ridge: f64,
+    /// Pull towards a nominal or older model, for short data. Default none.
+    pub prior: Option<Prior>,
+    /// Variance of the noise of a (weighted) row; `None`: estimated from the residual.
+    pub sigma2: Option<f64>,
+}
+
+impl Default for SolveOptions {
+    fn default() -> Self {
+        Self {
+            columns: None,
+            ridge: 1e-9,
+            prior: None,
+            sigma2: None,
+        }
+    }
+}
+
+/// A least-squares estimate with its uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Parameters, length p.
+    pub parameters: Vec<f64>,
+    /// Covariance of the parameters, p × p, for independent noise (but see
+    /// [`Estimate::with_effective_samples`]); zero for columns left out.
+    pub covariance: Array2<f64>,
+    /// Standard deviation of each parameter.
+    pub std: Vec<f64>,
+    /// Standard deviation relative to the parameter's magnitude; `None` for a parameter of zero.
+    pub relative_std: Vec<Option<f64>>,
+    /// Variance of the noise of a (weighted) row.
+    pub sigma2: f64,
+    /// Residual sum of squares over the (weighted) rows, prior and ridge not counted.
+    pub residual_sum_of_squares: f64,
+    /// Number of rows.
+    pub rows: usize,
+    /// Numerical rank of the columns used, at the relative ridge: below their number, some
+    /// parameters are held by prior or ridge alone.
+    pub rank: usize,
+}
+
+impl Estimate {
+    /// The same estimate with the covariance of autocorrelated noise: of `rows` rows only
+    /// `effective` count as independent.
+    pub fn with_effective_samples(mut self, effective: f64) -> Self {
+        let inflation = (self.rows as f64 / effective.max(1.0)).max(1.0);
+        self.covariance *= inflation;
+        self.set_deviations();
+        self
+    }
+
+    /// The same estimate with another covariance (p × p).
+    ///
+    /// # Errors
+    /// A covariance of another size.
+    pub fn with_covariance(mut self, covariance: Array2<f64>) -> Result<Self, LeastSquaresError> {
+        let p = self.parameters.len();
+        check_size("the covariance", covariance.nrows(), p)?;
+        check_size("the covariance", covariance.ncols(), p)?;
+        self.covariance = covariance;
+        self.set_deviations();
+        Ok(self)
+    }
+
+    fn set_deviations(&mut self) {
+        let variances = self.covariance.diag();
+        self.std = variances.iter().map(|v| v.max(0.0).sqrt()).collect();
+        self.relative_std = std::iter::zip(&self.std, &self.parameters)
+            .map(|(s, x)| (*x != 0.0).then(|| s / x.abs()))
+            .collect();
+    }
+}
+
+/// Minimises ‖A x − b‖² + σ² Σ ((x_j − x̄_j)/s_j)² + ridge² Σ (‖A_j‖ (x_j − x̄_j))² over the columns chosen,
+/// where x̄, s are the prior (without one, x̄ = 0 and the second sum is absent).
+///
+/// The covariance is σ² (AᵀA + σ² S⁻² + ridge²)⁻¹: the posterior one where there is a prior. σ² is the
+/// residual sum of squares over rows minus rank, unless given; where there are no more rows than that,
+/// the mean squared error of the prior mean.
+///
+/// # Errors
+/// No rows, a column that does not exist, a prior of the wrong size or without positive deviations.
+pub fn solve(triangle: &Triangle, options: &SolveOptions) -> Result<Estimate, LeastSquaresError> {
+    let p = triangle.columns();
+    if triangle.rows() == 0 {
+        return Err(LeastSquaresError::NoRows);
+    }
+    let prior = options.prior.as_ref();
+    check_prior(prior, p)?;
+    let columns: Vec<usize> = match &options.columns {
+        Some(columns) => columns.clone(),
+        None => (0..p).collect(),
+    };
+    let picked = triangle.select(&columns)?;
+    let mean: Vec<f64> = columns
+        .iter()
+        .map(|&c| prior.map_or(0.0, |prior| prior.mean[c]))
+        .collect();
+    let scale = column_norms(&picked);
+    let rank = rank(&picked, &scale, options.ridge);
+
+    let sigma2 = match options.sigma2 {
+        Some(sigma2) => sigma2,
+        None if picked.rows() > rank => {
+            let free = regularised(&picked, &scale, &mean, options.ridge, None)?;
+            picked.residual_sum_of_squares(&free.x)? / (picked.rows() - rank) as f64
+        }
+        None => picked.residual_sum_of_squares(&mean)? / picked.rows() as f64,
+    };
+    let pull: Option<Vec<f64>> = prior.map(|prior| {
+        let sigma = sigma2.sqrt();
+        columns.iter().map(|&c| sigma / prior.std[c]).collect()
+    });
+    let fit = regularised(&picked, &scale, &mean, options.ridge, pull.as_deref())?;
+
+    let mut parameters = vec![0.0; p];
+    let mut covariance = Array2::zeros((p, p));
+    for (i, &ci) in columns.iter().enumerate() {
+        parameters[ci] = fit.x[i];
+        for (j, &cj) in columns.iter().enumerate() {
+            covariance[(ci, cj)] = sigma2 * fit.inverse_normal[(i, j)];
+        }
+    }
+    let mut estimate = Estimate {
+        residual_sum_of_squares: picked.residual_sum_of_squares(&fit.x)?,
+        parameters,
+        covariance,
+        std: Vec::new(),
+        relative_std: Vec::new(),
+        sigma2,
+        rows: triangle.rows(),
+        rank,
+    };
+    estimate.set_deviations();
+    Ok(estimate)
+}
+
+/// Covariance that holds whatever the correlation of the noise inside a group of rows, from the triangles
+/// of the groups (Liang and Zeger, 1986: the clustered sandwich): N⁻¹ (Σ_g s_g s_gᵀ) N⁻¹ · G/(G − 1) with
+/// s_g = A_gᵀ(b_g − A_g x) and N⁻¹ the estimate's covariance over its σ². Its rank is at most the number
+/// of groups G: single deviations can be read from it, directions cannot when G is small.
+///
+/// # Errors
+/// Fewer than two groups, or groups with another number of columns.
+pub fn cluster_covariance(
+    groups: &[Triangle],
+    estimate: &Estimate,
+) -> Result<Array2<f64>, LeastSquaresError> {
+    let (p, count) = (estimate.parameters.len(), groups.len());
+    if count < 2 {
+        return Err(LeastSquaresError::NoRows);
+    }
+    let mut inner = Array2::<f64>::zeros((p, p));
+    for group in groups {
+        check_size("a group", group.columns(), p)?;
+        let (r, e) = (group.r(), group.residual(&estimate.parameters));
+        let score = Array1::from_shape_fn(p, |j| (0..=j).map(|i| r[(i, j)] * e[i]).sum::<f64>());
+        let score = score.insert_axis(Axis(1));
+        inner += &score.dot(&score.t());
+    }
+    let inverse_normal = &estimate.covariance / estimate.sigma2;
+    let correction = count as f64 / (count - 1) as f64;
+    Ok(inverse_normal.dot(&inner).dot(&inverse_normal) * correction)
+}
+
+fn check_prior(prior: Option<&Prior>, p: usize) -> Result<(), LeastSquaresError> {
+    let Some(prior) = prior else { return Ok(()) };
+    check_size("the prior mean", prior.mean.len(), p)?;
+    check_size("the prior deviation", prior.std.len(), p)?;
+    if prior.mean.iter().any(|m| !m.is_finite()) {
+        return Err(LeastSquaresError::NotFinite);
+    }
+    match prior.std.iter().position(|s| s.is_nan() || *s <= 0.0) {
+        Some(column) => Err(LeastSquaresError::BadPrior { column }),
+        None => Ok(()),
+    }
+}
+
+/// Euclidean norm of each column of A; 1 for a column of zeros.
+fn column_norms(triangle: &Triangle) -> Vec<f64> {
+    let r = triangle.r();
+    (0..triangle.columns())
+        .map(|j| {
+            let norm = r.col(j).norm_l2();
+            if norm > 0.0 { norm } else { 1.0 }
+        })
+        .collect()
+}
+
+/// Number of pivots above `tolerance` in the pivoted QR decomposition of R with unit columns.
+fn rank(triangle: &Triangle, scale: &[f64], tolerance: f64) -> usize {
+    let p = triangle.columns();
+    let r = triangle.r();
+    let unit = Mat::from_fn(p, p, |i, j| r[(i, j)] / scale[j]);
+    let qr = unit.col_piv_qr();
+    let pivots = qr.R();
+    (0..p)
+        .filter(|&i| pivots[(i, i)].abs() > tolerance.max(1e-14))
+        .count()
+}
+
+struct Regularised {
+    x: Vec<f64>,
+    /// (AᵀA + ridge and prior)⁻¹.
+    inverse_normal: Mat<f64>,
+}
+
+/// Solves in y = D (x − x̄), D the column norms, with the rows `ridge` and `pull`/D appended below R D⁻¹.
+fn regularised(
+    triangle: &Triangle,
+    scale: &[f64],
+    mean: &[f64],
+    ridge: f64,
+    pull: Option<&[f64]>,
+) -> Result<Regularised, LeastSquaresError> {
+    let p = triangle.columns();
+    let (r, e) = (triangle.r(), triangle.residual(mean));
+    let mut stacked = Mat::zeros(3 * p, p + 1);
+    for j in 0..p {
+        for i in 0..=j {
+            stacked[(i, j)] = r[(i, j)] / scale[j];
+        }
+        stacked[(p + j, j)] = ridge;
+        stacked[(2 * p + j, j)] = pull.map_or(0.0, |pull| pull[j] / scale[j]);
+        stacked[(j, p)] = e[j];
+    }
+    let factor = triangle_of(stacked.as_mut());
+    let upper = factor.as_ref().submatrix(0, 0, p, p);
+    let mut y = factor.as_ref().submatrix(0, p, p, 1).to_owned();
+    solve_upper_triangular_in_place(upper, y.as_mut(), Par::Seq);
+    let mut inverse = Mat::<f64>::identity(p, p);
+    solve_upper_triangular_in_place(upper, inverse.as_mut(), Par::Seq);
+    if !inverse.is_all_finite() || !y.is_all_finite() {
+        return Err(LeastSquaresError::NotFinite);
+    }
+    let normal = &inverse * inverse.transpose();
+    Ok(Regularised {
+        x: (0..p).map(|j| mean[j] + y[(j, 0)] / scale[j]).collect(),
+        inverse_normal: Mat::from_fn(p, p, |i, j| normal[(i, j)] / (scale[i] * scale[j])),
+    })
+}

@@ -1,0 +1,3 @@
+//! Identification: from recorded motion and torque to parameters.
+
+pub mod least_squares;
