@@ -33,11 +33,9 @@ fn kr300_parquet_has_72_executions_and_the_torque_filter() {
     for r in [&train, &test] {
         r.validate().unwrap();
         assert_eq!(r.torque_filter, Some(TorqueFilter::KR300));
-        assert!(
-            r.trajectories
-                .iter()
-                .all(|t| (603..=604).contains(&t.range.len()))
-        );
+        // The benchmark's last training execution is eight samples short.
+        let lengths = r.trajectories.iter().map(|t| t.range.len());
+        assert!(lengths.into_iter().all(|n| n == 604 || n == 596));
     }
 }
 

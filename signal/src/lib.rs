@@ -1,7 +1,26 @@
 //! Sampled motion and the signal processing that recordings and models share:
 //! zero-phase filters, splines, resampling and spectra.
+//!
+//! Everything is a plain function over `&[f64]`, one signal at a time; nothing here knows of
+//! joints but [`Motion`].
+//!
+//! ```
+//! // A zero-phase low-pass leaves a constant alone.
+//! let sections = signal::sos::butterworth(4, 5.0, 100.0)?;
+//! let y = signal::filter::filtfilt(&sections, &[2.0; 50]);
+//! assert!(y.iter().all(|v| (v - 2.0).abs() < 1e-12));
+//! # Ok::<(), signal::sos::DesignError>(())
+//! ```
 #![forbid(unsafe_code)]
 
+pub mod bootstrap;
+pub mod correlation;
+pub mod differences;
+pub mod filter;
 pub mod motion;
+pub mod resample;
+pub mod sos;
+pub mod spectrum;
+pub mod spline;
 
 pub use motion::Motion;

@@ -1,0 +1,76 @@
+//! Uniform grids, interpolation at jittered stamps and shifts by fractions of a sample.
+
+use crate::spline::{CubicEnd, Spline, SplineError};
+
+/// Uniform grid from `start` to at most `end`; the last point may lie up to one step before it.
+///
+/// A rounding error of a millionth of a step does not lose the last point. A step that is not
+/// positive, or an end before the start, gives no points.
+pub fn uniform_grid(start: f64, end: f64, step: f64) -> Vec<f64> {
+    if !(step > 0.0 && end >= start && (end - start).is_finite()) {
+        return Vec::new();
+    }
+    let last = ((end - start) / step + 1e-6).floor() as usize;
+    (0..=last).map(|k| start + k as f64 * step).collect()
+}
+
+/// Values at `at`, linear between the samples, constant outside them.
+///
+/// # Panics
+/// If there is no sample.
+pub fn linear(time: &[f64], values: &[f64], at: &[f64]) -> Vec<f64> {
+    let last = time.len() - 1;
+    at.iter()
+        .map(|&t| {
+            let right = time.partition_point(|&s| s <= t);
+            if right == 0 {
+                values[0]
+            } else if right > last {
+                values[last]
+            } else {
+                let share = (t - time[right - 1]) / (time[right] - time[right - 1]);
+                values[right - 1] + share * (values[right] - values[right - 1])
+            }
+        })
+        .collect()
+}
+
+/// Values at `at` by a cubic spline through the samples, constant outside them.
+///
+/// # Errors
+/// Fewer than four samples, or times that do not increase.
+pub fn cubic(time: &[f64], values: &[f64], at: &[f64]) -> Result<Vec<f64>, SplineError> {
+    let spline = Spline::cubic(time, values, CubicEnd::NotAKnot)?;
+    let (first, last) = (time[0], time[time.len() - 1]);
+    Ok(at
+        .iter()
+        .map(|&t| spline.at(t.clamp(first, last))[0])
+        .collect())
+}
+
+/// The signal later by `delay` seconds: y(t) = x(t − delay) at the same stamps, by a cubic spline;
+/// the ends are held.
+///
+/// # Errors
+/// Fewer than four samples, or times that do not increase.
+pub fn delayed(time: &[f64], values: &[f64], delay: f64) -> Result<Vec<f64>, SplineError> {
+    let at: Vec<f64> = time.iter().map(|t| t - delay).collect();
+    cubic(time, values, &at)
+}
+
+/// Jittered stamps to a uniform grid of the given step, by a cubic spline: `(grid, values)`.
+///
+/// # Errors
+/// Fewer than four samples, or times that do not increase.
+pub fn uniform(
+    time: &[f64],
+    values: &[f64],
+    step: f64,
+) -> Result<(Vec<f64>, Vec<f64>), SplineError> {
+    let grid = match (time.first(), time.last()) {
+        (Some(&first), Some(&last)) => uniform_grid(first, last, step),
+        _ => Vec::new(),
+    };
+    let resampled = cubic(time, values, &grid)?;
+    Ok((grid, resampled))
+}

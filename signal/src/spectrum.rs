@@ -1,0 +1,87 @@
+//! Power spectral densities.
+
+use rustfft::{FftPlanner, num_complex::Complex};
+
+/// One-sided power spectral density.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    /// Frequencies in Hz, from 0.
+    pub frequency: Vec<f64>,
+    /// Density in units²/Hz.
+    pub density: Vec<f64>,
+}
+
+/// Density of one segment, mean removed, weighted with `window`; adds to `sum`.
+fn accumulate(
+    x: &[f64],
+    window: &[f64],
+    rate_hz: f64,
+    fft: &dyn rustfft::Fft<f64>,
+    sum: &mut [f64],
+) {
+    let n = x.len();
+    let mean = x.iter().sum::<f64>() / n as f64;
+    let mut buffer: Vec<Complex<f64>> = x
+        .iter()
+        .zip(window)
+        .map(|(v, w)| Complex::new((v - mean) * w, 0.0))
+        .collect();
+    fft.process(&mut buffer);
+    let scale = 1.0 / (rate_hz * window.iter().map(|w| w * w).sum::<f64>());
+    for (k, s) in sum.iter_mut().enumerate() {
+        let alone = k == 0 || 2 * k == n;
+        *s += buffer[k].norm_sqr() * scale * if alone { 1.0 } else { 2.0 };
+    }
+}
+
+fn frequencies(n: usize, rate_hz: f64) -> Vec<f64> {
+    (0..=n / 2).map(|k| k as f64 * rate_hz / n as f64).collect()
+}
+
+/// Periodogram of the signal less its mean (`scipy.signal.periodogram`).
+pub fn periodogram(x: &[f64], rate_hz: f64) -> Spectrum {
+    let n = x.len();
+    if n == 0 {
+        return Spectrum {
+            frequency: Vec::new(),
+            density: Vec::new(),
+        };
+    }
+    let fft = FftPlanner::new().plan_fft_forward(n);
+    let mut density = vec![0.0; n / 2 + 1];
+    accumulate(x, &vec![1.0; n], rate_hz, fft.as_ref(), &mut density);
+    Spectrum {
+        frequency: frequencies(n, rate_hz),
+        density,
+    }
+}
+
+/// Welch's average over segments of `segment` samples with a Hann window, overlapping by half,
+/// each less its mean (`scipy.signal.welch`). A longer segment than the signal is cut to it.
+pub fn welch(x: &[f64], rate_hz: f64, segment: usize) -> Spectrum {
+    let n = segment.min(x.len());
+    if n < 2 {
+        return periodogram(x, rate_hz);
+    }
+    let window: Vec<f64> = (0..n)
+        .map(|i| (std::f64::consts::PI * i as f64 / n as f64).sin().powi(2))
+        .collect();
+    let fft = FftPlanner::new().plan_fft_forward(n);
+    let mut density = vec![0.0; n / 2 + 1];
+    let hop = n - n / 2;
+    let starts: Vec<usize> = (0..=x.len() - n).step_by(hop).collect();
+    for &start in &starts {
+        accumulate(
+            &x[start..start + n],
+            &window,
+            rate_hz,
+            fft.as_ref(),
+            &mut density,
+        );
+    }
+    density.iter_mut().for_each(|d| *d /= starts.len() as f64);
+    Spectrum {
+        frequency: frequencies(n, rate_hz),
+        density,
+    }
+}
