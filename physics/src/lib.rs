@@ -3,4 +3,6 @@
 
 pub mod dynamics;
 pub mod effects;
+pub mod identify;
 pub mod robot;
+pub mod torque_model;

@@ -71,6 +71,15 @@ impl Term {
         }
     }
 
+    /// Index of another joint that drives the term, if one does.
+    pub fn driver(&self) -> Option<usize> {
+        match self {
+            Term::Coupling(c) => Some(c.driver()),
+            Term::WarmUp(w) => w.term.driver(),
+            _ => None,
+        }
+    }
+
     /// Readable name with the shape parameters, such as `stop(0.0017 rad)`.
     pub fn label(&self) -> String {
         match self {
