@@ -1,0 +1,63 @@
+//! What can be wrong with a stored compensator.
+
+use std::path::PathBuf;
+
+/// Why a compensator could not be stored, loaded or used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The file could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not a complete safetensors file: cut short, or not one at all.
+    #[error("not a complete safetensors file ({0}); the file is cut short or damaged, train or copy it again")]
+    Container(#[from] safetensors::SafeTensorError),
+    /// A safetensors file of something else.
+    #[error("a safetensors file, but not a compensator: {0}")]
+    NotACompensator(String),
+    /// Written by another version of the format.
+    #[error("compensator format version {found}, this program reads version {supported}; train again or use the matching program")]
+    Version {
+        /// Version in the file.
+        found: u32,
+        /// Version that this build reads and writes.
+        supported: u32,
+    },
+    /// The content is not what was written.
+    #[error("checksum of the weights is {found}, the file says {expected}; the file was altered or damaged")]
+    Checksum {
+        /// As stored, hexadecimal SHA-256.
+        expected: String,
+        /// As computed.
+        found: String,
+    },
+    /// The header contradicts itself or the tensors.
+    #[error("unit {unit}: {problem}")]
+    Unit {
+        /// Position of the unit in the file.
+        unit: usize,
+        /// What is wrong.
+        problem: String,
+    },
+    /// Trained for another robot.
+    #[error("trained for the joints {found:?}, the robot has {expected:?}")]
+    Joints {
+        /// Joints of the robot at hand.
+        expected: Vec<String>,
+        /// Joints in the file.
+        found: Vec<String>,
+    },
+    /// Trained on other input columns.
+    #[error("trained on the inputs {found:?}, given are {expected:?}")]
+    Inputs {
+        /// Columns at hand.
+        expected: Vec<String>,
+        /// Columns in the file.
+        found: Vec<String>,
+    },
+}

@@ -1,0 +1,42 @@
+//! Fully connected network at run-time.
+
+use pulp::Arch;
+
+use super::activation::tanh;
+use super::architecture::Tensor;
+use super::packed::Packed;
+
+/// Packed layers with their activations.
+#[derive(Debug, Clone)]
+pub(super) struct Perceptron {
+    layers: Vec<(Packed, Vec<f32>)>,
+}
+
+impl Perceptron {
+    pub(super) fn new(tensors: &[Tensor], parameters: &[f32]) -> Self {
+        let layers = tensors.chunks_exact(2).map(|pair| {
+            let packed = Packed::new(&parameters[pair[0].range.clone()], &parameters[pair[1].range.clone()], pair[0].shape[0]);
+            let out = vec![0.0; packed.padded()];
+            (packed, out)
+        });
+        Self { layers: layers.collect() }
+    }
+
+    /// Output for a flattened window, oldest sample first.
+    pub(super) fn evaluate(&mut self, arch: Arch, window: &[f32]) -> f32 {
+        let last = self.layers.len() - 1;
+        for i in 0..self.layers.len() {
+            let (before, rest) = self.layers.split_at_mut(i);
+            let (layer, out) = &mut rest[0];
+            let x = before.last().map_or(window, |(_, y)| y);
+            layer.apply(arch, &x[..layer.inputs()], out);
+            if i < last {
+                arch.dispatch(
+                    #[inline(always)]
+                    || out.iter_mut().for_each(|v| *v = tanh(*v)),
+                );
+            }
+        }
+        self.layers[last].1[0]
+    }
+}

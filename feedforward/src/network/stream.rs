@@ -1,0 +1,169 @@
+//! Evaluation sample by sample, without allocation after construction.
+
+use pulp::Arch;
+
+use super::perceptron::Perceptron;
+use super::recurrent::RecurrentNet;
+use super::{Architecture, Bounds, Compensator, Error, Normaliser, Unit};
+
+#[derive(Debug, Clone)]
+enum Net {
+    Recurrent(RecurrentNet),
+    Perceptron(Perceptron),
+}
+
+/// One unit at run-time: packed weights, the window of recent samples, and carried states.
+#[derive(Debug, Clone)]
+pub struct UnitStream {
+    joint: usize,
+    enabled: bool,
+    columns: Vec<usize>,
+    input: Normaliser,
+    target: Normaliser,
+    bounds: Bounds,
+    nets: Vec<Net>,
+    arch: Arch,
+    /// Normalised samples, oldest first.
+    window: Vec<f32>,
+    empty: bool,
+    sample: Vec<f32>,
+    scratch: Vec<f32>,
+}
+
+impl UnitStream {
+    /// Packs the weights of a unit that passed [`Unit::check`] in `joints` joints and `inputs` columns.
+    ///
+    /// # Errors
+    /// The sentence of [`Unit::check`].
+    pub fn new(unit: &Unit, joints: usize, inputs: usize) -> Result<Self, String> {
+        unit.check(joints, inputs)?;
+        let d = unit.columns.len();
+        let tensors = unit.architecture.tensors(d).unwrap_or_default();
+        let nets = unit.members.iter().map(|parameters| match &unit.architecture {
+            Architecture::Recurrent(shape) => {
+                Net::Recurrent(RecurrentNet::new(shape, &tensors, parameters, unit.architecture.attended()))
+            }
+            Architecture::Perceptron { .. } => Net::Perceptron(Perceptron::new(&tensors, parameters)),
+        });
+        Ok(Self {
+            joint: unit.joint,
+            enabled: unit.enabled,
+            columns: unit.columns.clone(),
+            input: unit.input.clone(),
+            target: unit.target.clone(),
+            bounds: unit.bounds.clone(),
+            nets: nets.collect(),
+            arch: Arch::new(),
+            window: vec![0.0; d * unit.architecture.timestep()],
+            empty: true,
+            sample: vec![0.0; d],
+            scratch: vec![0.0; d],
+        })
+    }
+
+    /// Joint whose torque this unit predicts.
+    pub fn joint(&self) -> usize {
+        self.joint
+    }
+
+    /// Forgets every sample: the next one starts a trajectory.
+    pub fn reset(&mut self) {
+        self.empty = true;
+        for net in &mut self.nets {
+            if let Net::Recurrent(net) = net {
+                net.reset();
+            }
+        }
+    }
+
+    /// Residual torque, N·m, after the sample `inputs` (all columns of the compensator, in their units).
+    ///
+    /// Within the bounds this is the mean over the members; away from them it fades to zero, and its
+    /// magnitude never exceeds the largest of training. A sample that is not finite gives 0 and leaves the
+    /// state as it was. A unit that is off gives 0.
+    ///
+    /// # Panics
+    /// Where `inputs` is shorter than the columns the unit was checked against.
+    pub fn step(&mut self, inputs: &[f32]) -> f32 {
+        if !self.enabled {
+            return 0.0;
+        }
+        for (j, (&c, x)) in self.columns.iter().zip(&mut self.sample).enumerate() {
+            *x = self.input.apply(j, inputs[c]);
+        }
+        if !self.sample.iter().all(|x| x.is_finite()) {
+            return 0.0;
+        }
+        let weight = self.bounds.weight(&self.sample, &mut self.scratch);
+        for (j, x) in self.sample.iter_mut().enumerate() {
+            *x = self.bounds.hold(j, *x);
+        }
+        let d = self.sample.len();
+        if self.empty {
+            self.window.chunks_exact_mut(d).for_each(|row| row.copy_from_slice(&self.sample));
+            self.empty = false;
+        } else {
+            self.window.copy_within(d.., 0);
+            let newest = self.window.len() - d;
+            self.window[newest..].copy_from_slice(&self.sample);
+        }
+        let (arch, window) = (self.arch, &self.window[..]);
+        let sum: f32 = self
+            .nets
+            .iter_mut()
+            .map(|net| match net {
+                Net::Recurrent(net) => net.evaluate(arch, window),
+                Net::Perceptron(net) => net.evaluate(arch, window),
+            })
+            .sum();
+        let torque = self.target.invert(0, sum / self.nets.len() as f32);
+        weight * self.bounds.clamp(torque)
+    }
+}
+
+/// All units of a compensator at run-time.
+#[derive(Debug, Clone)]
+pub struct Stream {
+    units: Vec<UnitStream>,
+    inputs: usize,
+    joints: usize,
+}
+
+impl Stream {
+    pub(super) fn new(compensator: &Compensator) -> Result<Self, Error> {
+        let (joints, inputs) = (compensator.joints.len(), compensator.inputs.len());
+        let units = compensator
+            .units
+            .iter()
+            .enumerate()
+            .map(|(unit, u)| UnitStream::new(u, joints, inputs).map_err(|problem| Error::Unit { unit, problem }))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { units, inputs, joints })
+    }
+
+    /// Number of input columns that [`Self::step`] expects.
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Forgets every sample: the next one starts a trajectory.
+    pub fn reset(&mut self) {
+        self.units.iter_mut().for_each(UnitStream::reset);
+    }
+
+    /// Adds the residual torque of every joint, N·m, after the sample `inputs` to `torque`.
+    ///
+    /// # Panics
+    /// Where `inputs` or `torque` do not have one element per column and joint.
+    pub fn step(&mut self, inputs: &[f32], torque: &mut [f64]) {
+        assert_eq!((inputs.len(), torque.len()), (self.inputs, self.joints), "columns and joints of the compensator");
+        for unit in &mut self.units {
+            torque[unit.joint] += f64::from(unit.step(inputs));
+        }
+    }
+}
