@@ -1,0 +1,167 @@
+//! The catalogue: one file per effect, each proposing candidates with their columns, shape grid,
+//! sign constraints and units.
+
+mod asymmetric_friction;
+mod backlash;
+mod base_tilt;
+mod counterbalance;
+mod encoder_offset;
+mod friction_drift;
+mod joint_coupling;
+mod joint_elasticity;
+mod load_dependent_friction;
+mod nonlinear_viscous_friction;
+mod parameters;
+mod presliding_hysteresis;
+mod saturation;
+mod stribeck_friction;
+mod time_delay;
+mod torque_channel;
+
+use crate::effect::Effect;
+use crate::scene::Scene;
+use ndarray::Array1;
+use std::sync::Arc;
+
+pub use parameters::base_columns;
+
+/// Torque per unit of one parameter, on the rows of some joints. Clones are the same column.
+#[derive(Clone)]
+pub struct Column {
+    /// Joints whose torque it changes.
+    pub joints: Vec<usize>,
+    /// Columns of one recording at the fine rate, one per joint of `joints`.
+    pub torque: ColumnTorque,
+}
+
+/// How a column's torque is made.
+#[derive(Clone)]
+pub enum ColumnTorque {
+    /// Column `usize` of the base: inertial parameters, then viscous, then Coulomb friction.
+    Base(usize),
+    /// From the scene.
+    Made(Arc<dyn Fn(&Scene) -> Vec<Array1<f64>> + Send + Sync>),
+}
+
+/// Which values of a coefficient make sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Any.
+    Free,
+    /// Above zero.
+    Positive,
+    /// Between the two: a shape on a grid whose size the coefficient only corrects.
+    Between(f64, f64),
+}
+
+/// Name, unit and conversion of a reported parameter.
+#[derive(Clone, Debug)]
+pub struct Quantity {
+    /// Name of the contract where it has one.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Joint that it belongs to.
+    pub joint: Option<usize>,
+    /// Reported value = `offset` + `factor`·coefficient.
+    pub offset: f64,
+    /// See `offset`.
+    pub factor: f64,
+}
+
+impl Quantity {
+    /// The coefficient itself.
+    pub fn plain(name: &'static str, unit: &'static str, joint: Option<usize>) -> Self {
+        Self { name, unit, joint, offset: 0.0, factor: 1.0 }
+    }
+
+    /// A shape parameter on a grid, corrected by the coefficient.
+    pub fn scaled(name: &'static str, unit: &'static str, joint: Option<usize>, factor: f64) -> Self {
+        Self { name, unit, joint, offset: 0.0, factor }
+    }
+}
+
+/// A hypothesis: an effect at one place with fixed shape parameters.
+pub struct Candidate {
+    /// The effect.
+    pub effect: Effect,
+    /// Joints that the report names.
+    pub joints: Vec<usize>,
+    /// Driving joint of a coupling.
+    pub driver: Option<usize>,
+    /// Its columns.
+    pub columns: Vec<Column>,
+    /// Bound of each coefficient.
+    pub bounds: Vec<Bound>,
+    /// What the coefficients are.
+    pub quantities: Vec<Quantity>,
+    /// Shape parameters: name, value, unit.
+    pub shape: Vec<(&'static str, f64, &'static str)>,
+}
+
+impl Candidate {
+    /// A candidate on one joint with one coefficient.
+    fn single(effect: Effect, joint: usize, quantity: Quantity, bound: Bound, column: Column) -> Self {
+        Self {
+            effect,
+            joints: vec![joint],
+            driver: None,
+            columns: vec![column],
+            bounds: vec![bound],
+            quantities: vec![quantity],
+            shape: Vec::new(),
+        }
+    }
+
+    fn with_shape(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
+        self.shape.push((name, value, unit));
+        self
+    }
+
+    fn and(mut self, quantity: Quantity, bound: Bound, column: Column) -> Self {
+        self.columns.push(column);
+        self.bounds.push(bound);
+        self.quantities.push(quantity);
+        self
+    }
+}
+
+impl Column {
+    /// A column on the rows of one joint.
+    fn own(joint: usize, make: impl Fn(&Scene) -> Array1<f64> + Send + Sync + 'static) -> Self {
+        Self { joints: vec![joint], torque: ColumnTorque::Made(Arc::new(move |s| vec![make(s)])) }
+    }
+
+    /// A column on the rows of all joints, from a table of shape (samples, joints).
+    fn whole(dof: usize, make: impl Fn(&Scene) -> ndarray::Array2<f64> + Send + Sync + 'static) -> Self {
+        Self {
+            joints: (0..dof).collect(),
+            torque: ColumnTorque::Made(Arc::new(move |s| {
+                make(s).columns().into_iter().map(|c| c.to_owned()).collect()
+            })),
+        }
+    }
+}
+
+/// Everything that needs no look at the residual. `prismatic[j]` picks units.
+pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    all.extend(parameters::candidates(scene));
+    all.extend(base_tilt::candidates(scene));
+    all.extend(time_delay::candidates(scene));
+    for joint in 0..scene.dof() {
+        all.extend(torque_channel::candidates(scene, joint));
+        all.extend(encoder_offset::candidates(scene, joint));
+        all.extend(counterbalance::candidates(scene, joint));
+        all.extend(asymmetric_friction::candidates(joint));
+        all.extend(stribeck_friction::candidates(scene, joint));
+        all.extend(nonlinear_viscous_friction::candidates(scene, joint));
+        all.extend(load_dependent_friction::candidates(joint));
+        all.extend(presliding_hysteresis::candidates(scene, joint));
+        all.extend(friction_drift::candidates(joint));
+        all.extend(joint_coupling::candidates(scene, joint));
+        all.extend(joint_elasticity::candidates(scene, joint));
+        all.extend(backlash::candidates(scene, joint));
+    }
+    all
+}

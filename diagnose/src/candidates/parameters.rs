@@ -1,0 +1,69 @@
+//! `link_parameters`, `friction_parameters`, `payload`, `rotor_inertia`: wider freedom for
+//! parameters that the model has, and the inertia of a motor that it lacks.
+//!
+//! The base of every fit already holds all inertial and friction parameters, tied to the given values
+//! by a narrow prior. A candidate of this file fits one link's or joint's parameters a second time
+//! with a wide prior, so that a change beyond a few percent is paid for once, not per sample.
+
+use super::{Bound, Candidate, Column, ColumnTorque, Quantity};
+use crate::effect::Effect;
+use crate::scene::Scene;
+use physics::robot::PARAMETERS_PER_LINK;
+
+const LINK: [(&str, &str); PARAMETERS_PER_LINK] = [
+    ("mass", "kg"),
+    ("first_moment_x", "kg·m"),
+    ("first_moment_y", "kg·m"),
+    ("first_moment_z", "kg·m"),
+    ("inertia_xx", "kg·m²"),
+    ("inertia_xy", "kg·m²"),
+    ("inertia_yy", "kg·m²"),
+    ("inertia_xz", "kg·m²"),
+    ("inertia_yz", "kg·m²"),
+    ("inertia_zz", "kg·m²"),
+];
+
+/// Columns of the base: 10 inertial parameters per link, base first, then viscous, then Coulomb
+/// friction. Changes of parameters, not parameters: the torque to explain is the gap.
+pub fn base_columns(dof: usize) -> Vec<Column> {
+    let inertial = (0..PARAMETERS_PER_LINK * dof).map(|c| (c, (0..=c / PARAMETERS_PER_LINK).collect()));
+    let friction = (0..2 * dof).map(|f| (PARAMETERS_PER_LINK * dof + f, vec![f % dof]));
+    inertial.chain(friction).map(|(c, joints)| Column { joints, torque: ColumnTorque::Base(c) }).collect()
+}
+
+fn base(dof: usize, column: usize) -> Column {
+    base_columns(dof).swap_remove(column)
+}
+
+pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
+    let dof = scene.dof();
+    let link = |effect, link: usize| Candidate {
+        effect,
+        joints: vec![link],
+        driver: None,
+        columns: (0..PARAMETERS_PER_LINK).map(|p| base(dof, PARAMETERS_PER_LINK * link + p)).collect(),
+        bounds: vec![Bound::Free; PARAMETERS_PER_LINK],
+        quantities: LINK.iter().map(|&(name, unit)| Quantity::plain(name, unit, Some(link))).collect(),
+        shape: Vec::new(),
+    };
+    let mut all: Vec<Candidate> = (0..dof).map(|l| link(Effect::LinkParameters, l)).collect();
+    let mut payload = link(Effect::Payload, dof - 1);
+    payload.bounds[0] = Bound::Positive;
+    all.push(payload);
+    for j in 0..dof {
+        let viscous = Quantity::plain("viscous", "N·m·s/rad", Some(j));
+        let friction = Candidate::single(
+            Effect::FrictionParameters,
+            j,
+            viscous,
+            Bound::Free,
+            base(dof, PARAMETERS_PER_LINK * dof + j),
+        );
+        let coulomb = Quantity::plain("coulomb", "N·m", Some(j));
+        all.push(friction.and(coulomb, Bound::Free, base(dof, (PARAMETERS_PER_LINK + 1) * dof + j)));
+        let inertia = Quantity::plain("inertia", "kg·m²", Some(j));
+        let column = Column::own(j, move |s| s.motion.qdd.column(j).to_owned());
+        all.push(Candidate::single(Effect::RotorInertia, j, inertia, Bound::Positive, column));
+    }
+    all
+}

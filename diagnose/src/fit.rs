@@ -1,0 +1,249 @@
+//! A penalised least-squares fit with its leave-one-fold-out errors, and the effect of adding
+//! columns to it without touching a sample.
+//!
+//! With weights w_j (one per joint) and prior precisions λ the fit minimises
+//! Σ_j w_j ‖y_j − X_j β‖² + Σ λ β². Adding the columns C to fitted columns X uses the Schur
+//! complement S = CᵀWC + Λ − CᵀWX (XᵀWX + Λ)⁻¹ XᵀWC.
+
+use crate::cholesky::Cholesky;
+use crate::gram::{Grams, JointGram};
+use ndarray::{Array1, Array2};
+
+/// A fitted coefficient: a column of the dictionary and the precision (1/variance) of its
+/// zero-mean prior. The same column may be fitted twice; the two then share its prior variances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Variable {
+    /// Column of the dictionary.
+    pub column: usize,
+    /// 1/variance of the prior, in 1/unit².
+    pub precision: f64,
+}
+
+/// Fit of everything but one fold (or of everything), scored on that fold (or on everything).
+#[derive(Clone, Debug)]
+struct Part {
+    factor: Cholesky,
+    beta: Array1<f64>,
+    /// Xᵀ(y − Xβ) on the scored rows, over all active columns, by joint.
+    correlation: Vec<Array1<f64>>,
+    /// ‖y − Xβ‖² on the scored rows, by joint.
+    error: Vec<f64>,
+}
+
+/// A fit on all folds and one with each fold left out.
+#[derive(Clone, Debug)]
+pub struct Fit<'a> {
+    grams: &'a Grams,
+    /// What is fitted.
+    pub variables: Vec<Variable>,
+    /// Weight of each joint's squared torque error, 1/(N·m)².
+    pub weights: Vec<f64>,
+    parts: Vec<Part>,
+    all: Part,
+}
+
+/// What adding columns to a fit would give.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// Leave-one-fold-out squared error, by joint, (N·m)².
+    pub error: Vec<f64>,
+    /// Σ λ β² of the fit on all folds.
+    pub penalty: f64,
+    /// Coefficients of the added columns.
+    pub gamma: Vec<f64>,
+}
+
+impl<'a> Fit<'a> {
+    /// Fits `variables`.
+    pub fn new(grams: &'a Grams, variables: Vec<Variable>, weights: Vec<f64>) -> Self {
+        let all = part(grams, &variables, &weights, None);
+        let parts = (0..grams.folds.len()).map(|f| part(grams, &variables, &weights, Some(f))).collect();
+        Self { grams, variables, weights, parts, all }
+    }
+
+    /// Coefficients of the fit on all folds.
+    pub fn beta(&self) -> &Array1<f64> {
+        &self.all.beta
+    }
+
+    /// Posterior standard deviations of the coefficients, given the weights.
+    pub fn std(&self) -> Array1<f64> {
+        self.all.factor.inverse_diagonal().mapv(f64::sqrt)
+    }
+
+    /// Leave-one-fold-out squared error by joint, (N·m)².
+    pub fn error(&self) -> Vec<f64> {
+        (0..self.grams.dof()).map(|j| self.parts.iter().map(|p| p.error[j]).sum()).collect()
+    }
+
+    /// Squared error on the fold that was left out, by fold, then joint.
+    pub fn error_by_fold(&self) -> Vec<&[f64]> {
+        self.parts.iter().map(|p| p.error.as_slice()).collect()
+    }
+
+    /// Σ λ β².
+    pub fn penalty(&self) -> f64 {
+        penalty(&self.variables, &self.all.beta)
+    }
+
+    /// The same fit with `added` columns as well.
+    pub fn trial(&self, added: &[Variable]) -> Trial {
+        let dof = self.grams.dof();
+        let mut error = vec![0.0; dof];
+        for (f, part) in self.parts.iter().enumerate() {
+            let (direction, gamma) = self.step(part, added, Some(f));
+            for (j, e) in error.iter_mut().enumerate() {
+                *e += part.error[j] + self.change(&self.grams.folds[f][j], part, j, added, &direction, &gamma);
+            }
+        }
+        let (direction, gamma) = self.step(&self.all, added, None);
+        let beta = &self.all.beta + &direction;
+        let extra: f64 = added.iter().zip(&gamma).map(|(v, g)| v.precision * g * g).sum();
+        Trial { error, penalty: penalty(&self.variables, &beta) + extra, gamma: gamma.to_vec() }
+    }
+
+    /// Change of the fitted coefficients and value of the new ones.
+    fn step(&self, part: &Part, added: &[Variable], left_out: Option<usize>) -> (Array1<f64>, Array1<f64>) {
+        let k = added.len();
+        let mut cross = Array2::<f64>::zeros((k, self.variables.len()));
+        let mut own = Array2::<f64>::zeros((k, k));
+        let mut right = Array1::<f64>::zeros(k);
+        for (a, v) in added.iter().enumerate() {
+            for (j, &w) in self.weights.iter().enumerate() {
+                let Some(row) = self.grams.layout.position(j, v.column) else { continue };
+                let total = &self.grams.total[j];
+                let out = left_out.map(|f| &self.grams.folds[f][j]);
+                let product = |p: usize| w * (total.xx[[row, p]] - out.map_or(0.0, |g| g.xx[[row, p]]));
+                for (i, x) in self.variables.iter().enumerate() {
+                    if let Some(p) = self.grams.layout.position(j, x.column) {
+                        cross[[a, i]] += product(p);
+                    }
+                }
+                for (b, x) in added.iter().enumerate().take(a + 1) {
+                    if let Some(p) = self.grams.layout.position(j, x.column) {
+                        own[[a, b]] += product(p);
+                    }
+                }
+                right[a] += w * (total.xy[row] - out.map_or(0.0, |g| g.xy[row]));
+            }
+            own[[a, a]] += v.precision;
+        }
+        let solved: Vec<Array1<f64>> = cross.rows().into_iter().map(|row| part.factor.solve(row)).collect();
+        for a in 0..k {
+            right[a] -= cross.row(a).dot(&part.beta);
+            for b in 0..=a {
+                own[[a, b]] -= cross.row(a).dot(&solved[b]);
+            }
+        }
+        let gamma = Cholesky::new(own).solve(right.view());
+        let mut direction = Array1::zeros(self.variables.len());
+        for (s, &g) in solved.iter().zip(&gamma) {
+            direction.scaled_add(-g, s);
+        }
+        (direction, gamma)
+    }
+
+    /// Change of ‖y − Xβ‖² on the rows of `gram` when the coefficients move.
+    fn change(
+        &self,
+        gram: &JointGram,
+        part: &Part,
+        joint: usize,
+        added: &[Variable],
+        direction: &Array1<f64>,
+        gamma: &Array1<f64>,
+    ) -> f64 {
+        let moved = self.variables.iter().zip(direction).chain(added.iter().zip(gamma));
+        let mut d = Array1::<f64>::zeros(gram.xy.len());
+        for (v, &x) in moved {
+            if let Some(p) = self.grams.layout.position(joint, v.column) {
+                d[p] += x;
+            }
+        }
+        d.dot(&gram.xx.dot(&d)) - 2.0 * d.dot(&part.correlation[joint])
+    }
+}
+
+fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
+    variables.iter().zip(beta).map(|(v, b)| v.precision * b * b).sum()
+}
+
+fn part(grams: &Grams, variables: &[Variable], weights: &[f64], left_out: Option<usize>) -> Part {
+    let m = variables.len();
+    let mut a = Array2::<f64>::zeros((m, m));
+    let mut b = Array1::<f64>::zeros(m);
+    let mut places = Vec::with_capacity(grams.dof());
+    for (j, &w) in weights.iter().enumerate() {
+        let place: Vec<(usize, usize)> = variables
+            .iter()
+            .enumerate()
+            .filter_map(|(i, v)| Some((i, grams.layout.position(j, v.column)?)))
+            .collect();
+        let total = &grams.total[j];
+        let out = left_out.map(|f| &grams.folds[f][j]);
+        for &(i, p) in &place {
+            for &(k, r) in place.iter().take_while(|&&(k, _)| k <= i) {
+                a[[i, k]] += w * (total.xx[[p, r]] - out.map_or(0.0, |g| g.xx[[p, r]]));
+            }
+            b[i] += w * (total.xy[p] - out.map_or(0.0, |g| g.xy[p]));
+        }
+        places.push(place);
+    }
+    for (i, v) in variables.iter().enumerate() {
+        a[[i, i]] += v.precision;
+    }
+    let factor = Cholesky::new(a);
+    let beta = factor.solve(b.view());
+    let scored = left_out.map_or(&grams.total, |f| &grams.folds[f]);
+    let mut correlation = Vec::with_capacity(grams.dof());
+    let mut error = Vec::with_capacity(grams.dof());
+    for (gram, place) in scored.iter().zip(&places) {
+        let mut x = Array1::<f64>::zeros(gram.xy.len());
+        for &(i, p) in place {
+            x[p] += beta[i];
+        }
+        let fitted = gram.xx.dot(&x);
+        error.push((gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&fitted)).max(0.0));
+        correlation.push(&gram.xy - &fitted);
+    }
+    Part { factor, beta, correlation, error }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gram::Layout;
+    use proptest::prelude::*;
+
+    fn grams(values: &[f64]) -> Grams {
+        // Two joints; column 0 on both, 1 on the first, 2 on the second, 3 on both.
+        let layout = Layout::new(2, &[vec![0, 1], vec![0], vec![1], vec![0, 1]]);
+        let folds = values
+            .chunks(64)
+            .map(|c| {
+                let half = |x: &[f64]| {
+                    let rows = Array2::from_shape_vec((8, 4), x.to_vec()).expect("32 values");
+                    let ones = Array1::ones(8);
+                    JointGram::new(rows.slice(ndarray::s![.., 0..3]), rows.column(3), ones.view())
+                };
+                vec![half(&c[..32]), half(&c[32..])]
+            })
+            .collect();
+        Grams::new(layout, folds)
+    }
+
+    proptest! {
+        #[test]
+        fn a_trial_is_the_fit_with_the_columns(values in prop::collection::vec(-1.0..1.0f64, 192)) {
+            let grams = grams(&values);
+            let v = |column| Variable { column, precision: 0.1 };
+            let trial = Fit::new(&grams, vec![v(0), v(1)], vec![1.0, 2.0]).trial(&[v(2), v(3)]);
+            let full = Fit::new(&grams, vec![v(0), v(1), v(2), v(3)], vec![1.0, 2.0]);
+            for (a, b) in trial.error.iter().zip(full.error()) {
+                prop_assert!((a - b).abs() < 1e-9);
+            }
+            prop_assert!((trial.penalty - full.penalty()).abs() < 1e-9);
+            prop_assert!((trial.gamma[1] - full.beta()[3]).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! What makes one set of causes better than another.
+//!
+//! J = ½ Σ_j n_j log(MSE_j + floor_j²) + ½ Σ λ β² + cost · coefficients, in nats, smaller is better. MSE_j is the
+//! leave-one-fold-out mean squared error of joint j; n_j counts independent samples, not rows; the second term
+//! is what the given parameters must be bent for the explanation to hold, so that an explanation by few
+//! parameters beats the same torque explained by bending many.
+
+use crate::fit::{Fit, Trial, Variable};
+use crate::gram::Grams;
+use crate::scene::Scale;
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+
+/// How gaps are weighed.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Deviation of the given inertial parameters that is nothing to report, relative.
+    pub inertial_tolerance: f64,
+    /// The same for friction coefficients.
+    pub friction_tolerance: f64,
+    /// Rows per independent sample.
+    pub correlated_rows: f64,
+    /// Price of a coefficient, nats.
+    pub cost: f64,
+    /// Error below which a joint counts as explained, relative to its torque.
+    pub floor: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { inertial_tolerance: 0.04, friction_tolerance: 0.12, correlated_rows: 25.0, cost: 4.0, floor: 0.006 }
+    }
+}
+
+/// The criterion for one set of products.
+pub struct Objective<'a> {
+    /// Products of the dictionary.
+    pub grams: &'a Grams,
+    /// Settings.
+    pub settings: &'a Settings,
+    torque: Vec<f64>,
+}
+
+impl<'a> Objective<'a> {
+    /// For products of recordings of the given size.
+    pub fn new(grams: &'a Grams, scale: &Scale, settings: &'a Settings) -> Self {
+        Self { grams, settings, torque: scale.torque.clone() }
+    }
+
+    /// Mean squared error of each joint with the floor added, (N·m)².
+    pub fn variance(&self, error: &[f64]) -> Vec<f64> {
+        let floor = self.settings.floor;
+        error
+            .iter()
+            .zip(&self.grams.total)
+            .zip(&self.torque)
+            .map(|((e, g), t)| e.max(0.0) / g.samples.max(1.0) + (floor * t).powi(2))
+            .collect()
+    }
+
+    fn independent(&self, joint: usize) -> f64 {
+        self.grams.total[joint].samples / self.settings.correlated_rows
+    }
+
+    /// J of squared errors, penalty and number of added coefficients.
+    pub fn value(&self, error: &[f64], penalty: f64, coefficients: usize) -> f64 {
+        let misfit: f64 =
+            self.variance(error).iter().enumerate().map(|(j, v)| 0.5 * self.independent(j) * v.ln()).sum();
+        misfit + 0.5 * penalty + self.settings.cost * coefficients as f64
+    }
+
+    /// J of a fit with `coefficients` beyond the base.
+    pub fn of_fit(&self, fit: &Fit, coefficients: usize) -> f64 {
+        self.value(&fit.error(), fit.penalty(), coefficients)
+    }
+
+    /// J of a trial that adds to a fit.
+    pub fn of_trial(&self, trial: &Trial, coefficients: usize) -> f64 {
+        self.value(&trial.error, trial.penalty, coefficients)
+    }
+
+    /// Weights of the joints for a given squared error.
+    pub fn weights(&self, error: &[f64]) -> Vec<f64> {
+        self.variance(error).iter().map(|v| 1.0 / (self.settings.correlated_rows * v)).collect()
+    }
+
+    /// Fits variables, the joints' weights found in three passes.
+    pub fn fit(&self, variables: Vec<Variable>) -> Fit<'a> {
+        let empty: Vec<f64> = self.grams.total.iter().map(|g| g.yy).collect();
+        let mut fit = Fit::new(self.grams, variables.clone(), self.weights(&empty));
+        for _ in 0..3 {
+            let weights = self.weights(&fit.error());
+            fit = Fit::new(self.grams, variables.clone(), weights);
+        }
+        fit
+    }
+
+    /// A candidate's coefficient: its torque may reach three times the joint's, one deviation.
+    pub fn wide(&self, column: usize) -> Variable {
+        let size = self.grams.column_rms(column, &self.torque);
+        Variable { column, precision: (size / 3.0).powi(2).max(1e-12) }
+    }
+
+    /// The base columns with the given parameters' tolerances as priors.
+    pub fn base(&self, robot: &Robot) -> Vec<Variable> {
+        let s = self.settings;
+        let mut deviations = Vec::new();
+        for joint in robot.joints() {
+            let body = &joint.link.inertia;
+            let mass = body.mass;
+            let spread = body.about_com().trace() / 2.0 / mass.max(1e-9);
+            let radius = (body.com().norm_squared() + spread).sqrt().max(1e-3);
+            let t = s.inertial_tolerance;
+            deviations.push(t * mass);
+            deviations.extend([t * mass * radius; 3]);
+            deviations.extend([t * mass * radius * radius; PARAMETERS_PER_LINK - 4]);
+        }
+        // A coefficient that the model lacks may still be off by what nobody would report.
+        let least = |column: usize| 0.003 / self.grams.column_rms(column, &self.torque).max(1e-9);
+        let n = deviations.len();
+        let dof = robot.dof();
+        for (j, joint) in robot.joints().iter().enumerate() {
+            deviations.push((s.friction_tolerance * joint.damping).max(least(n + j)));
+        }
+        for (j, joint) in robot.joints().iter().enumerate() {
+            deviations.push((s.friction_tolerance * joint.friction).max(least(n + dof + j)));
+        }
+        deviations.iter().enumerate().map(|(column, d)| Variable { column, precision: 1.0 / (d * d) }).collect()
+    }
+}

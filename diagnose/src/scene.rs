@@ -1,0 +1,163 @@
+//! What the columns of the dictionary see of one recording: motion at the fine rate and the torques that
+//! the present model predicts on it. Measured torque is no part of it.
+
+use ndarray::{Array1, Array2, Axis};
+use physics::dynamics::{Workspace, inverse_dynamics, inverse_dynamics_with_gravity};
+use physics::robot::Robot;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use signal::Motion;
+
+/// Velocity below which the sign of a motion is softened, rad/s (m/s): half of what the contract
+/// allows, so that the reversal keeps its shape.
+pub const SOFT_SIGN: f64 = 0.0025;
+
+/// Sizes that grids of shape parameters are relative to, one value per joint.
+#[derive(Clone, Debug)]
+pub struct Scale {
+    /// Root mean square velocity.
+    pub speed: Vec<f64>,
+    /// Lowest and highest position.
+    pub range: Vec<(f64, f64)>,
+    /// Root mean square of the torque to be explained in absolute terms (the measured one), N·m.
+    pub torque: Vec<f64>,
+    /// First and last time stamp of the session, s.
+    pub session: (f64, f64),
+    /// Sampling interval of the fine motion, s.
+    pub step: f64,
+}
+
+/// One recording with the present model evaluated on it. Tables have shape (samples, joints).
+pub struct Scene<'a> {
+    /// The present model.
+    pub robot: &'a Robot,
+    /// Motion at the fine rate.
+    pub motion: &'a Motion,
+    /// Sizes of the recording that is fitted.
+    pub scale: &'a Scale,
+    /// Softened sign of the velocity.
+    pub sign: Array2<f64>,
+    /// Torque of the rigid body.
+    pub rigid: Array2<f64>,
+    /// Viscous and Coulomb friction, rotor inertia.
+    pub drive: Array2<f64>,
+    /// Order of the samples in session time, where one clock runs through all trajectories.
+    pub order: Vec<std::ops::Range<usize>>,
+}
+
+impl<'a> Scene<'a> {
+    /// Evaluates the model on a motion.
+    pub fn new(robot: &'a Robot, motion: &'a Motion, scale: &'a Scale) -> Self {
+        let sign = motion.qd.mapv(soft_sign);
+        let rigid = rigid_torque(robot, &motion.q, &motion.qd, &motion.qdd);
+        let mut drive = Array2::zeros(motion.q.dim());
+        for (j, joint) in robot.joints().iter().enumerate() {
+            let mut out = drive.column_mut(j);
+            out.scaled_add(joint.damping, &motion.qd.column(j));
+            out.scaled_add(joint.friction, &sign.column(j));
+            out.scaled_add(joint.rotor_inertia, &motion.qdd.column(j));
+        }
+        let mut order = motion.segments.clone();
+        order.sort_by(|a, b| motion.time[a.start].total_cmp(&motion.time[b.start]));
+        Self { robot, motion, scale, sign, rigid, drive, order }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.motion.len()
+    }
+
+    /// True when there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.motion.is_empty()
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.motion.dof()
+    }
+
+    /// Torque that the present model predicts.
+    pub fn predicted(&self) -> Array2<f64> {
+        &self.rigid + &self.drive
+    }
+
+    /// Share of the session that has passed, 0 at its start, 1 at its end; not bounded to [0, 1].
+    pub fn progress(&self) -> Array1<f64> {
+        let (start, end) = self.scale.session;
+        let span = (end - start).max(1e-9);
+        self.motion.time.iter().map(|t| (t - start) / span).collect()
+    }
+
+    /// Change of the rigid torque when the joints follow another motion, which differs by
+    /// (δq, δq̇, δq̈).
+    pub fn rigid_change(&self, dq: &Array2<f64>, dqd: &Array2<f64>, dqdd: &Array2<f64>) -> Array2<f64> {
+        let m = self.motion;
+        rigid_torque(self.robot, &(&m.q + dq), &(&m.qd + dqd), &(&m.qdd + dqdd)) - &self.rigid
+    }
+
+    /// Rigid torque under another gravity, minus that under the robot's.
+    pub fn gravity_change(&self, gravity: Vector3<f64>) -> Array2<f64> {
+        let m = self.motion;
+        rows(self.robot, &m.q, &m.qd, &m.qdd, |r, w, q, qd, qdd, tau| {
+            inverse_dynamics_with_gravity(r, w, &gravity, q, qd, qdd, tau)
+        }) - &self.rigid
+    }
+
+    /// First derivative in time within each segment, by central differences.
+    pub fn derivative(&self, x: &Array1<f64>) -> Array1<f64> {
+        let mut d = Array1::zeros(x.len());
+        for s in &self.motion.segments {
+            let t = &self.motion.time;
+            for i in s.clone() {
+                let (a, b) = (i.saturating_sub(1).max(s.start), (i + 1).min(s.end - 1));
+                if b > a {
+                    d[i] = (x[b] - x[a]) / (t[b] - t[a]);
+                }
+            }
+        }
+        d
+    }
+}
+
+/// tanh(q̇/ε): the sign, softened below [`SOFT_SIGN`].
+pub fn soft_sign(qd: f64) -> f64 {
+    (qd / SOFT_SIGN).tanh()
+}
+
+/// Torque of the rigid body over tables of shape (samples, joints).
+pub fn rigid_torque(robot: &Robot, q: &Array2<f64>, qd: &Array2<f64>, qdd: &Array2<f64>) -> Array2<f64> {
+    rows(robot, q, qd, qdd, inverse_dynamics)
+}
+
+/// Applies an algorithm row by row, both cores at work.
+fn rows(
+    robot: &Robot,
+    q: &Array2<f64>,
+    qd: &Array2<f64>,
+    qdd: &Array2<f64>,
+    algorithm: impl Fn(&Robot, &mut Workspace, &[f64], &[f64], &[f64], &mut [f64]) + Sync,
+) -> Array2<f64> {
+    const BLOCK: usize = 512;
+    let n = robot.dof();
+    let mut out = Array2::zeros(q.dim());
+    let chunk = |table: &Array2<f64>, b: usize| {
+        let end = ((b + 1) * BLOCK).min(table.nrows());
+        table.slice_axis(Axis(0), (b * BLOCK..end).into()).as_standard_layout().into_owned()
+    };
+    out.as_slice_mut()
+        .expect("a new table is in standard layout")
+        .par_chunks_mut(BLOCK * n)
+        .enumerate()
+        .for_each(|(b, tau)| {
+            let mut workspace = Workspace::new(robot);
+            let (q, qd, qdd) = (chunk(q, b), chunk(qd, b), chunk(qdd, b));
+            let (q, qd, qdd) = (q.as_slice(), qd.as_slice(), qdd.as_slice());
+            let (Some(q), Some(qd), Some(qdd)) = (q, qd, qdd) else { unreachable!("standard layout") };
+            for (i, tau) in tau.chunks_mut(n).enumerate() {
+                let r = i * n..(i + 1) * n;
+                algorithm(robot, &mut workspace, &q[r.clone()], &qd[r.clone()], &qdd[r], tau);
+            }
+        });
+    out
+}

@@ -1,0 +1,113 @@
+//! Forward selection of causes with a backward check.
+
+use crate::candidates::{Bound, Candidate};
+use crate::fit::{Fit, Variable};
+use crate::objective::Objective;
+use rayon::prelude::*;
+
+/// A candidate tried on top of a fit.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Fall of J, nats.
+    pub gain: f64,
+    /// Leave-one-fold-out squared error by joint.
+    pub error: Vec<f64>,
+    /// Coefficients.
+    pub gamma: Vec<f64>,
+}
+
+/// Causes found, with what they were chosen among.
+pub struct Selection<'a> {
+    /// Accepted candidates in the order of acceptance.
+    pub accepted: Vec<usize>,
+    /// Fit with all of them.
+    pub fit: Fit<'a>,
+    /// For each accepted candidate everything tried at that step, best first.
+    pub steps: Vec<Vec<Tried>>,
+    /// What was tried after the last acceptance, best first.
+    pub rest: Vec<Tried>,
+}
+
+/// The search over one dictionary.
+pub struct Search<'a> {
+    /// The criterion.
+    pub objective: &'a Objective<'a>,
+    /// The catalogue.
+    pub candidates: &'a [Candidate],
+    /// Columns of each candidate.
+    pub members: &'a [Vec<usize>],
+    /// The base with its priors.
+    pub base: Vec<Variable>,
+}
+
+impl<'a> Search<'a> {
+    /// Coefficients of a candidate with wide priors.
+    pub fn variables(&self, candidate: usize) -> Vec<Variable> {
+        self.members[candidate].iter().map(|&c| self.objective.wide(c)).collect()
+    }
+
+    /// Fit of the base and the given candidates.
+    pub fn fit(&self, accepted: &[usize]) -> Fit<'a> {
+        let mut variables = self.base.clone();
+        variables.extend(accepted.iter().flat_map(|&c| self.variables(c)));
+        self.objective.fit(variables)
+    }
+
+    /// Number of coefficients that candidates add.
+    pub fn coefficients(&self, accepted: &[usize]) -> usize {
+        accepted.iter().map(|&c| self.members[c].len()).sum()
+    }
+
+    /// Every admissible candidate tried on top of a fit, best first.
+    pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<Tried> {
+        let before = self.objective.of_fit(fit, 0);
+        let mut all: Vec<Tried> = (0..self.candidates.len())
+            .into_par_iter()
+            .filter(|c| !accepted.iter().any(|a| self.excludes(*a, *c)))
+            .filter_map(|c| {
+                let trial = fit.trial(&self.variables(c));
+                let within = trial.gamma.iter().zip(&self.candidates[c].bounds).all(|(g, b)| allowed(*g, *b));
+                let gain = before - self.objective.of_trial(&trial, self.members[c].len());
+                within.then_some(Tried { candidate: c, gain, error: trial.error, gamma: trial.gamma })
+            })
+            .collect();
+        all.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.candidate.cmp(&b.candidate)));
+        all
+    }
+
+    /// Whether one accepted candidate rules another out: the same effect at the same place.
+    fn excludes(&self, accepted: usize, other: usize) -> bool {
+        let (a, b) = (&self.candidates[accepted], &self.candidates[other]);
+        a.effect == b.effect && a.joints == b.joints && a.driver == b.driver
+    }
+
+    /// Adds the best candidate until none is worth `enough`, then drops what is no longer.
+    pub fn run(&self, enough: impl Fn(&Fit, &Tried) -> bool, most: usize) -> Selection<'a> {
+        let mut accepted = Vec::new();
+        let mut steps = Vec::new();
+        let mut fit = self.fit(&accepted);
+        let rest = loop {
+            let tried = self.tried(&fit, &accepted);
+            let best = tried.iter().find(|t| t.gain > 0.0 && enough(&fit, t)).map(|t| t.candidate);
+            match best {
+                Some(candidate) if accepted.len() < most => {
+                    accepted.push(candidate);
+                    steps.push(tried);
+                    fit = self.fit(&accepted);
+                }
+                _ => break tried,
+            }
+        };
+        Selection { accepted, fit, steps, rest }
+    }
+}
+
+fn allowed(gamma: f64, bound: Bound) -> bool {
+    match bound {
+        Bound::Free => gamma.is_finite(),
+        Bound::Positive => gamma > 0.0,
+        Bound::Between(low, high) => gamma > low && gamma < high,
+    }
+}
