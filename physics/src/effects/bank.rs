@@ -1,7 +1,6 @@
 //! Terms of one joint with their memory, stepped sample by sample.
 
 use super::Term;
-use super::load::LoadShape;
 use ndarray::Array2;
 use signal::Motion;
 
@@ -82,16 +81,8 @@ fn value(term: &Term, z: &mut f64, joint: usize, dq: f64, s: &Sample) -> f64 {
             *z = lag.next(*z, s.qd[joint], s.dt);
             *z
         }
-        Term::Load(load) => {
-            s.load[joint].abs()
-                * match load.friction {
-                    LoadShape::Sliding(f) => f.at(s.qd[joint]),
-                    LoadShape::Dahl(dahl) => {
-                        *z = dahl.next(*z, dq);
-                        *z
-                    }
-                }
-        }
+        Term::Load(load) => s.load[joint].abs() * load.friction.step(z, s.qd[joint], dq),
+        Term::Position(p) => p.harmonic.at(s.q[joint]) * p.friction.step(z, s.qd[joint], dq),
         Term::Harmonic(h) => h.at(s.q[joint]),
         Term::Coupling(c) => c.at(s.qd, s.qdd),
         Term::Counterbalance(c) => c.torque(s.q[joint]),

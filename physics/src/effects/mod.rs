@@ -11,7 +11,9 @@ mod coupling;
 mod harmonic;
 mod hysteresis;
 mod load;
+mod position;
 mod relaxation;
+mod shape;
 mod sliding;
 mod warmup;
 
@@ -20,8 +22,10 @@ pub use bank::{Sample, TermBank, columns};
 pub use coupling::Coupling;
 pub use harmonic::{Harmonic, Phase};
 pub use hysteresis::{Dahl, Stop};
-pub use load::{LoadFriction, LoadShape};
+pub use load::LoadFriction;
+pub use position::PositionFriction;
 pub use relaxation::LaggedSign;
+pub use shape::FrictionShape;
 pub use sliding::Sliding;
 pub use warmup::WarmUp;
 
@@ -45,6 +49,8 @@ pub enum Term {
     LaggedSign(LaggedSign),
     /// Friction that grows with the transmitted torque.
     Load(LoadFriction),
+    /// Friction that changes with the joint's position.
+    Position(PositionFriction),
     /// Torque periodic in the joint's position.
     Harmonic(Harmonic),
     /// Torque caused by the motion of another joint.
@@ -56,7 +62,7 @@ pub enum Term {
 }
 
 impl Term {
-    /// Contract name of the effect that the term belongs to.
+    /// Name of the effect that the term belongs to, as the diagnosis names it where it has a name.
     pub fn effect(&self) -> &'static str {
         match self {
             Term::Offset => "torque_offset",
@@ -64,6 +70,7 @@ impl Term {
             Term::Sliding(s) => s.effect(),
             Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_) => "presliding_hysteresis",
             Term::Load(_) => "load_dependent_friction",
+            Term::Position(_) => "position_dependent_friction",
             Term::Harmonic(_) => "torque_ripple",
             Term::Coupling(_) => "joint_coupling",
             Term::Counterbalance(_) => "counterbalance",
@@ -90,6 +97,7 @@ impl Term {
             Term::Dahl(d) => format!("dahl({:.3e})", d.stiffness),
             Term::LaggedSign(l) => format!("lagged_sign({:.3} s)", l.time_constant),
             Term::Load(l) => format!("load*{}", l.friction.label()),
+            Term::Position(p) => format!("{}*{}", p.harmonic.label(), p.friction.label()),
             Term::Harmonic(h) => h.label(),
             Term::Coupling(c) => c.label(),
             Term::Counterbalance(_) => "counterbalance".into(),
@@ -103,6 +111,7 @@ impl Term {
             Term::RotorInertia => "kg·m²",
             Term::Sliding(s) => s.unit(),
             Term::Load(l) => l.unit(),
+            Term::Position(p) => p.friction.unit(),
             Term::Coupling(c) => c.unit(),
             Term::Counterbalance(_) => "1",
             Term::WarmUp(w) => w.term.unit(),

@@ -156,6 +156,32 @@ impl Triangle {
         })
     }
 
+    /// The triangle of the same rows among `total` unknowns: column j becomes column `columns[j]`, the
+    /// other columns are zero.
+    ///
+    /// # Errors
+    /// Another number of places than columns; a place that does not exist.
+    pub fn embed(&self, columns: &[usize], total: usize) -> Result<Self, LeastSquaresError> {
+        let p = self.columns();
+        check_size("the list of places", columns.len(), p)?;
+        if let Some(&column) = columns.iter().find(|&&c| c >= total) {
+            return Err(LeastSquaresError::NoSuchColumn {
+                column,
+                columns: total,
+            });
+        }
+        let mut placed = Mat::zeros(total.max(p) + 1, total + 1);
+        for (j, &place) in columns.iter().chain(std::iter::once(&total)).enumerate() {
+            for i in 0..=p {
+                placed[(i, place)] = self.factor[(i, j)];
+            }
+        }
+        Ok(Self {
+            factor: triangle_of(placed.as_mut()),
+            rows: self.rows,
+        })
+    }
+
     pub(super) fn factor(&self) -> MatRef<'_, f64> {
         self.factor.as_ref()
     }

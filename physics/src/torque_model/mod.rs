@@ -1,5 +1,9 @@
 //! An identified torque model: rigid body plus terms, evaluated sample by sample.
 
+mod record;
+
+pub use record::TorqueModelRecord;
+
 use crate::dynamics::{Workspace, inverse_dynamics};
 use crate::effects::{Sample, Term, TermBank};
 use crate::robot::{Robot, RobotError};

@@ -1,0 +1,67 @@
+//! How a torque model is stored.
+
+use super::{TorqueModel, TorqueModelError, WeightedTerm};
+use crate::robot::{Robot, to_urdf};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A [`TorqueModel`] as data: everything needed to evaluate it, the robot included.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TorqueModelRecord {
+    /// Name of the robot.
+    pub robot: String,
+    /// Joint names, base first.
+    pub joints: Vec<String>,
+    /// The nominal robot as a URDF: its kinematics are used, its inertials are replaced.
+    pub urdf: String,
+    /// Gravity in the base frame, m/s².
+    pub gravity: [f64; 3],
+    /// Identified inertial parameters (10 N, see the robot's parameter order); they predict torque
+    /// but need not be feasible link by link.
+    pub rigid: Vec<f64>,
+    /// Inertial parameters behind the load that load-dependent terms see.
+    pub load: Vec<f64>,
+    /// Terms of each joint with their parameters.
+    pub terms: Vec<Vec<WeightedTerm>>,
+}
+
+impl TorqueModelRecord {
+    /// Record of a model of `nominal`.
+    pub fn new(
+        nominal: &Robot,
+        rigid: Vec<f64>,
+        load: Vec<f64>,
+        terms: Vec<Vec<WeightedTerm>>,
+    ) -> Self {
+        Self {
+            robot: nominal.name().to_owned(),
+            joints: nominal.joint_names(),
+            urdf: to_urdf(nominal),
+            gravity: nominal.gravity().into(),
+            rigid,
+            load,
+            terms,
+        }
+    }
+
+    /// The nominal robot.
+    ///
+    /// # Errors
+    /// A URDF that cannot be used.
+    pub fn nominal(&self) -> Result<Robot, TorqueModelError> {
+        Ok(Robot::from_urdf_str(&self.urdf)?.with_gravity(Vector3::from(self.gravity)))
+    }
+
+    /// The model, ready to evaluate.
+    ///
+    /// # Errors
+    /// Parts that do not fit together.
+    pub fn model(&self) -> Result<TorqueModel, TorqueModelError> {
+        TorqueModel::new(
+            &self.nominal()?,
+            &self.rigid,
+            &self.load,
+            self.terms.clone(),
+        )
+    }
+}
