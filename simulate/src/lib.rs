@@ -1,1 +1,23 @@
-//! Under construction.
+//! The "real" robot of proofs and tests: closed-loop forward simulation with the effects that simulators lack, as
+//! mechanisms.
+//!
+//! - [`arm`], [`families`]: robots, and how a plant is built from one.
+//! - [`mechanism`]: what a robot does beyond rigid bodies with viscous and Coulomb friction.
+//! - [`plant`], [`control`], [`reference`], [`run`]: integration, controller, excitation, the loop.
+//! - [`cases`]: sealed diagnosis cases with one withheld effect and their answers.
+//! - [`protocols`]: recordings as the source papers made theirs.
+//!
+//! Of `physics` only robots and rigid-body dynamics are used: nothing here shares a formula with the effects
+//! that a diagnosis fits.
+#![forbid(unsafe_code)]
+
+pub mod arm;
+pub mod control;
+mod error;
+pub mod families;
+pub mod mechanism;
+pub mod plant;
+pub mod reference;
+pub mod run;
+
+pub use error::SimulateError;

@@ -1,0 +1,27 @@
+//! What can go wrong.
+
+use std::path::PathBuf;
+
+/// Why a simulation gave no recording.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulateError {
+    /// A simulated arm is not a possible robot.
+    #[error("the simulated robot is not a possible one: {0}")]
+    Robot(#[from] physics::robot::RobotError),
+    /// A file or folder could not be written.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// File or folder.
+        path: PathBuf,
+        /// Reason.
+        source: std::io::Error,
+    },
+    /// An answer could not be put into JSON.
+    #[error("cannot write {path} as JSON: {source}")]
+    Json {
+        /// File.
+        path: PathBuf,
+        /// Reason.
+        source: serde_json::Error,
+    },
+}
