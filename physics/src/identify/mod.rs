@@ -1,3 +1,4 @@
 //! Identification: from recorded motion and torque to parameters.
 
+pub mod base;
 pub mod least_squares;

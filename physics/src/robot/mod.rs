@@ -7,16 +7,19 @@ pub mod builtin;
 mod chain;
 mod counterbalance;
 pub mod dh;
+pub mod drive;
 mod error;
 mod inertia;
 mod joint;
 mod urdf;
+mod urdf_write;
 
 pub(crate) use chain::{Chain, ChainJoint};
 pub use counterbalance::Counterbalance;
 pub use error::RobotError;
 pub use inertia::{Inertia, PARAMETER_NAMES, PARAMETERS_PER_LINK};
 pub use joint::{Joint, JointKind, Limits, Link};
+pub use urdf_write::{to_urdf, urdf_with};
 
 use nalgebra::Vector3;
 use std::path::Path;
