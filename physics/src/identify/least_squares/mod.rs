@@ -11,6 +11,9 @@ mod gram;
 mod solve;
 mod triangle;
 
+#[cfg(test)]
+mod tests;
+
 pub use condition::{SubRegressors, condition_number};
 pub use gram::{Gram, GramFit};
 pub use solve::{Estimate, Prior, SolveOptions, cluster_covariance, solve};

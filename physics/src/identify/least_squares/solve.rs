@@ -5,7 +5,6 @@ use super::{LeastSquaresError, Triangle, check_size};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par};
 use ndarray::{Array1, Array2, Axis};
-use serde::{Deserialize, Serialize};
 
 /// What is known of the parameters before the data: independent normal distributions.
 #[derive(Debug, Clone, PartialEq)]
@@ -259,6 +258,17 @@ fn regularised(
         return Err(LeastSquaresError::NotFinite);
     }
     let normal = &inverse * inverse.transpose();
+    // One step of refinement (corrected semi-normal equations): the reflections leave rounding of the size of
+    // the target in rows as small as the ridge, which would show in columns held by it alone.
+    let unit = |i: usize, j: usize| r[(i, j)] / scale[j];
+    let left: Vec<f64> = (0..p)
+        .map(|i| e[i] - (i..p).map(|j| unit(i, j) * y[(j, 0)]).sum::<f64>())
+        .collect();
+    let gradient = Mat::from_fn(p, 1, |j, _| {
+        let held = ridge * ridge + pull.map_or(0.0, |pull| (pull[j] / scale[j]).powi(2));
+        (0..=j).map(|i| unit(i, j) * left[i]).sum::<f64>() - held * y[(j, 0)]
+    });
+    y += &normal * gradient;
     Ok(Regularised {
         x: (0..p).map(|j| mean[j] + y[(j, 0)] / scale[j]).collect(),
         inverse_normal: Mat::from_fn(p, p, |i, j| normal[(i, j)] / (scale[i] * scale[j])),
