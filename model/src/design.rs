@@ -1,0 +1,188 @@
+//! The least-squares system of one joint: base parameters and terms against measured torque.
+
+use crate::identification::{MOVING, Target};
+use crate::session::Session;
+use ndarray::Array2;
+use physics::dynamics::{Workspace, regressor};
+use physics::effects::Term;
+use physics::identify::base::BaseParameters;
+use physics::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+
+/// Base columns of every joint and recording: `[joint][recording]`, shape (samples, base parameters).
+pub type RigidColumns = Vec<Vec<Array2<f64>>>;
+
+/// Base columns at the recorded samples of the first `recordings` recordings.
+///
+/// They are smooth, so they are evaluated at the samples and pass the torque's filter unchanged.
+pub fn rigid_columns(
+    robot: &Robot,
+    base: &BaseParameters,
+    session: &Session,
+    recordings: usize,
+) -> RigidColumns {
+    let n = robot.dof();
+    let width = PARAMETERS_PER_LINK * n;
+    let mut workspace = Workspace::new(robot);
+    let mut y = vec![0.0; n * width];
+    let mut columns: RigidColumns = vec![Vec::new(); n];
+    for part in &session.parts[..recordings] {
+        let motion = &part.at_samples;
+        let mut tables = vec![Array2::zeros((motion.len(), base.len())); n];
+        for row in 0..motion.len() {
+            let (q, qd, qdd) = (motion.q.row(row), motion.qd.row(row), motion.qdd.row(row));
+            let (Some(q), Some(qd), Some(qdd)) = (q.to_slice(), qd.to_slice(), qdd.to_slice())
+            else {
+                unreachable!("tables are in standard layout");
+            };
+            regressor(robot, &mut workspace, q, qd, qdd, &mut y);
+            for (joint, table) in tables.iter_mut().enumerate() {
+                for (target, &column) in table.row_mut(row).iter_mut().zip(base.independent()) {
+                    *target = y[joint * width + column];
+                }
+            }
+        }
+        for (list, table) in columns.iter_mut().zip(tables) {
+            list.push(table);
+        }
+    }
+    columns
+}
+
+/// Normal equations of one joint, fold by fold, over its own columns.
+pub struct JointSystem {
+    /// Base parameters that act on this joint: indices into all base parameters.
+    acting: Vec<usize>,
+    terms: usize,
+    folds: Vec<Triangle>,
+}
+
+impl JointSystem {
+    /// Builds the columns and folds them; nothing of sample size is kept.
+    ///
+    /// # Errors
+    /// Columns that are not finite.
+    pub fn new(
+        joint: usize,
+        terms: &[Term],
+        rigid: &RigidColumns,
+        session: &Session,
+        load: &[Array2<f64>],
+        target: &Target,
+        moving_only: bool,
+    ) -> Result<Self, LeastSquaresError> {
+        let acting = acting(&rigid[joint]);
+        let term_columns = session.columns(joint, terms, load);
+        let width = acting.len() + terms.len();
+        let mut folds: Vec<Accumulator> =
+            (0..target.folds).map(|_| Accumulator::new(width)).collect();
+        let mut a = vec![0.0; width];
+        for (part, tau) in target.tau.iter().enumerate() {
+            let motion = &session.parts[part].at_samples;
+            for (segment, &fold) in motion.segments.iter().zip(&target.fold[part]) {
+                for row in segment.clone() {
+                    if moving_only && motion.qd[[row, joint]].abs() <= MOVING {
+                        continue;
+                    }
+                    for (a, &column) in a.iter_mut().zip(&acting) {
+                        *a = rigid[joint][part][[row, column]];
+                    }
+                    for (a, value) in a[acting.len()..]
+                        .iter_mut()
+                        .zip(term_columns[part].row(row))
+                    {
+                        *a = *value;
+                    }
+                    folds[fold].push(&a, tau[[row, joint]], 1.0)?;
+                }
+            }
+        }
+        let folds = folds
+            .into_iter()
+            .map(Accumulator::finish)
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            acting,
+            terms: terms.len(),
+            folds,
+        })
+    }
+
+    /// Number of base parameters that act on this joint.
+    pub fn rigid(&self) -> usize {
+        self.acting.len()
+    }
+
+    /// Number of columns: base parameters, then terms.
+    pub fn columns(&self) -> usize {
+        self.acting.len() + self.terms
+    }
+
+    /// Number of folds.
+    pub fn folds(&self) -> usize {
+        self.folds.len()
+    }
+
+    /// Number of samples.
+    pub fn rows(&self) -> usize {
+        self.folds.iter().map(Triangle::rows).sum()
+    }
+
+    /// Normal equations of each fold.
+    pub fn grams(&self) -> Vec<Gram> {
+        self.folds.iter().map(Gram::from).collect()
+    }
+
+    /// Where this joint's columns stand among all parameters when its terms begin at `offset`.
+    pub fn map(&self, offset: usize) -> Vec<usize> {
+        self.acting
+            .iter()
+            .copied()
+            .chain(offset..offset + self.terms)
+            .collect()
+    }
+
+    /// Root mean square of the measured torque.
+    pub fn target_deviation(&self) -> f64 {
+        let sum: f64 = self.folds.iter().map(Triangle::target_sum_of_squares).sum();
+        (sum / self.rows() as f64).sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// Root mean square of the residual of parameters in this joint's own order.
+    ///
+    /// # Errors
+    /// A parameter vector of another length.
+    pub fn deviation(&self, parameters: &[f64]) -> Result<f64, LeastSquaresError> {
+        let mut sum = 0.0;
+        for fold in &self.folds {
+            sum += fold.residual_sum_of_squares(parameters)?;
+        }
+        Ok((sum / self.rows() as f64).sqrt().max(f64::MIN_POSITIVE))
+    }
+}
+
+/// One fold of all joints as one triangle over `total` parameters, each joint scaled by 1/sigma.
+pub fn joined(
+    joints: &[(&JointSystem, Vec<usize>)],
+    sigma: &[f64],
+    fold: usize,
+    total: usize,
+) -> Result<Triangle, LeastSquaresError> {
+    let mut whole = Triangle::empty(total);
+    for ((system, map), sigma) in joints.iter().zip(sigma) {
+        whole.merge(&system.folds[fold].scaled(1.0 / sigma).embed(map, total)?)?;
+    }
+    Ok(whole)
+}
+
+/// Columns that are not zero throughout: a joint does not feel the links before it.
+fn acting(tables: &[Array2<f64>]) -> Vec<usize> {
+    let count = tables.first().map_or(0, Array2::ncols);
+    (0..count)
+        .filter(|&c| {
+            tables
+                .iter()
+                .any(|t| t.column(c).iter().any(|v| v.abs() > 1e-9))
+        })
+        .collect()
+}

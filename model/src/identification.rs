@@ -1,0 +1,356 @@
+//! From prepared recordings to an identified physical model.
+//!
+//! 1. Base parameters, offset, viscous and Coulomb friction and rotor inertia of all joints
+//!    together, rows weighted by each joint's residual deviation.
+//! 2. The rigid torque of that fit is the load that load-dependent terms see.
+//! 3. Further terms of each joint, chosen by cross-validation over whole groups of trajectories.
+//! 4. Everything together again, weighted, with standard deviations that count the folds rather
+//!    than the samples as independent.
+
+use crate::design::JointSystem;
+use crate::dictionary::{self, SessionClock};
+use crate::folds;
+use crate::selection::{self, ForwardOptions, Selection};
+use crate::session::Session;
+use ndarray::Array2;
+use physics::effects::Term;
+use physics::identify::base::{BaseParameters, Extra};
+use physics::identify::least_squares::{
+    Estimate, LeastSquaresError, SolveOptions, Triangle, cluster_covariance, solve,
+};
+use physics::robot::Robot;
+use rayon::prelude::*;
+
+/// Settings of [`identify`].
+#[derive(Clone, Debug)]
+pub struct IdentifyOptions {
+    /// Fit on moving samples alone: for each joint, those with |q̇| above [`MOVING`].
+    pub moving_only: bool,
+    /// Choose further terms; otherwise the basic ones are all.
+    pub select: bool,
+    /// Most folds of the cross-validation.
+    pub folds: usize,
+    /// Settings of the selection.
+    pub forward: ForwardOptions,
+}
+
+impl Default for IdentifyOptions {
+    fn default() -> Self {
+        Self {
+            moving_only: false,
+            select: true,
+            folds: 6,
+            forward: ForwardOptions::default(),
+        }
+    }
+}
+
+/// Speed above which a joint counts as moving, rad/s or m/s.
+pub const MOVING: f64 = 0.01;
+
+/// Why identification failed.
+#[derive(Debug, thiserror::Error)]
+pub enum IdentifyError {
+    /// A recording has no torque.
+    #[error("{0} has no torque: nothing can be identified from it")]
+    NoTorque(String),
+    /// The recordings have another number of joints than the robot.
+    #[error("the recordings have {found} joints, the robot has {expected}")]
+    Joints {
+        /// Joints of the recordings.
+        found: usize,
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// No sample is left to fit.
+    #[error("no joint moves in these recordings: nothing can be identified")]
+    NothingMoves,
+    /// The least-squares problem could not be solved.
+    #[error(transparent)]
+    LeastSquares(#[from] LeastSquaresError),
+    /// The parts of the model do not fit together.
+    #[error(transparent)]
+    Model(#[from] physics::torque_model::TorqueModelError),
+    /// The parameters do not fit the robot.
+    #[error(transparent)]
+    Robot(#[from] physics::robot::RobotError),
+}
+
+/// What identification found.
+#[derive(Clone, Debug)]
+pub struct Identified {
+    /// Base parameters of the rigid body.
+    pub base: BaseParameters,
+    /// Parameters: the base parameters, then the terms of joint 1, 2, …
+    pub estimate: Estimate,
+    /// Rigid parameters behind the load that load-dependent terms see (base parameters).
+    pub load_base: Vec<f64>,
+    /// Terms of each joint: basic ones first, then the chosen ones in order of choice.
+    pub terms: Vec<Vec<Term>>,
+    /// Cross-validated error of each joint's selection.
+    pub selections: Vec<Selection>,
+    /// Deviation of each joint's residual on the samples fitted, N·m.
+    pub residual_std: Vec<f64>,
+    /// Number of folds that took part.
+    pub folds: usize,
+}
+
+impl Identified {
+    /// Index of the first parameter of each joint's terms in `estimate`.
+    pub fn term_offsets(&self) -> Vec<usize> {
+        self.terms
+            .iter()
+            .scan(self.base.len(), |next, list| {
+                let first = *next;
+                *next += list.len();
+                Some(first)
+            })
+            .collect()
+    }
+}
+
+/// Torque and scope of the samples to fit.
+pub struct Target<'a> {
+    /// Measured torque of each recording, shape (samples, joints).
+    pub tau: Vec<&'a Array2<f64>>,
+    /// Fold of each trajectory of each recording.
+    pub fold: Vec<Vec<usize>>,
+    /// Number of folds.
+    pub folds: usize,
+}
+
+impl<'a> Target<'a> {
+    /// Deals the trajectories of all recordings to folds; `repeats` are pairs of trajectories of
+    /// one recording that execute the same motion.
+    pub fn new(
+        tau: Vec<&'a Array2<f64>>,
+        trajectories: &[usize],
+        repeats: &[Vec<(usize, usize)>],
+        most: usize,
+    ) -> Self {
+        let mut groups = Vec::new();
+        let mut start = 0;
+        for (&count, pairs) in trajectories.iter().zip(repeats) {
+            groups.extend(
+                folds::groups(count, pairs)
+                    .into_iter()
+                    .map(|g| start + g.start..start + g.end),
+            );
+            start += count;
+        }
+        let dealt = folds::deal(&groups, most);
+        let mut rest = dealt.as_slice();
+        let fold = trajectories
+            .iter()
+            .map(|&count| {
+                let (mine, others) = rest.split_at(count);
+                rest = others;
+                mine.to_vec()
+            })
+            .collect();
+        Self {
+            tau,
+            fold,
+            folds: groups.len().min(most),
+        }
+    }
+}
+
+/// Identifies `robot` from the first `target.tau.len()` recordings of `session`; further recordings
+/// of the session lend their motion to memory and nothing else.
+///
+/// # Errors
+/// See [`IdentifyError`].
+pub fn identify(
+    robot: &Robot,
+    session: &Session,
+    target: &Target,
+    options: &IdentifyOptions,
+) -> Result<Identified, IdentifyError> {
+    let base = BaseParameters::of_robot(robot, &[]);
+    // Rotor inertia joins the basic terms where the rigid body does not contain it already.
+    let with_rotors = BaseParameters::of_robot(robot, &[Extra::RotorInertia]);
+    let rigid_columns = physics::robot::PARAMETERS_PER_LINK * robot.dof();
+    let basic: Vec<Vec<Term>> = (0..robot.dof())
+        .map(|joint| {
+            let mut terms = dictionary::basic();
+            if with_rotors.independent().contains(&(rigid_columns + joint)) {
+                terms.push(Term::RotorInertia);
+            }
+            terms
+        })
+        .collect();
+    let regressors = crate::design::rigid_columns(robot, &base, session, target.tau.len());
+    let no_load: Vec<Array2<f64>> = session
+        .parts
+        .iter()
+        .map(|p| Array2::zeros(p.fine.q.dim()))
+        .collect();
+    let system = |terms: &[Vec<Term>],
+                  load: &[Array2<f64>]|
+     -> Result<Vec<JointSystem>, LeastSquaresError> {
+        (0..robot.dof())
+            .into_par_iter()
+            .map(|joint| {
+                JointSystem::new(
+                    joint,
+                    &terms[joint],
+                    &regressors,
+                    session,
+                    load,
+                    target,
+                    options.moving_only,
+                )
+            })
+            .collect()
+    };
+
+    let first = solve_all(&system(&basic, &no_load)?, base.len())?;
+    let load_base = first.estimate.parameters[..base.len()].to_vec();
+    if !options.select || target.folds < 2 {
+        let residual_std = first.residual_std;
+        return Ok(Identified {
+            base,
+            estimate: first.estimate,
+            load_base,
+            selections: vec![Selection::default(); basic.len()],
+            terms: basic,
+            residual_std,
+            folds: target.folds,
+        });
+    }
+
+    let load = session.load(&robot.with_parameters(&base.standard_from(&load_base))?);
+    let clock = clock(session);
+    let chosen: Vec<(Vec<Term>, Selection)> = (0..robot.dof())
+        .into_par_iter()
+        .map(|joint| {
+            let candidates =
+                dictionary::candidates(robot.joints()[joint].kind.is_rotation(), clock);
+            let terms: Vec<Term> = basic[joint].iter().cloned().chain(candidates).collect();
+            let system = JointSystem::new(
+                joint,
+                &terms,
+                &regressors,
+                session,
+                &load,
+                target,
+                options.moving_only,
+            )?;
+            let grams = system.grams();
+            let always: Vec<usize> = (0..system.rigid() + basic[joint].len()).collect();
+            let rest: Vec<usize> = (always.len()..system.columns()).collect();
+            let selection = selection::forward(&grams, &always, &rest, options.forward)?;
+            let taken = selection
+                .taken
+                .iter()
+                .map(|&c| terms[c - system.rigid()].clone());
+            Ok((
+                basic[joint].iter().cloned().chain(taken).collect(),
+                selection,
+            ))
+        })
+        .collect::<Result<_, LeastSquaresError>>()?;
+    let (terms, selections): (Vec<_>, Vec<_>) = chosen.into_iter().unzip();
+    let last = solve_all(&system(&terms, &load)?, base.len())?;
+    Ok(Identified {
+        base,
+        estimate: last.estimate,
+        load_base,
+        terms,
+        selections,
+        residual_std: last.residual_std,
+        folds: target.folds,
+    })
+}
+
+struct Solution {
+    estimate: Estimate,
+    residual_std: Vec<f64>,
+}
+
+/// Weighted least squares over all joints: weights are the inverse residual deviations, found in a
+/// few passes.
+fn solve_all(systems: &[JointSystem], base: usize) -> Result<Solution, IdentifyError> {
+    let total = base
+        + systems
+            .iter()
+            .map(|s| s.columns() - s.rigid())
+            .sum::<usize>();
+    let mut offset = base;
+    let mut joints = Vec::new();
+    for system in systems {
+        let map = system.map(offset);
+        offset += system.columns() - system.rigid();
+        if system.rows() > 0 {
+            joints.push((system, map));
+        }
+    }
+    if joints.is_empty() {
+        return Err(IdentifyError::NothingMoves);
+    }
+    let mut sigma: Vec<f64> = joints.iter().map(|(s, _)| s.target_deviation()).collect();
+    let options = SolveOptions {
+        ridge: 3e-5,
+        ..SolveOptions::default()
+    };
+    let mut estimate = None;
+    for _ in 0..4 {
+        let folds: Vec<Triangle> = (0..systems[0].folds())
+            .into_par_iter()
+            .map(|fold| crate::design::joined(&joints, &sigma, fold, total))
+            .collect::<Result<_, _>>()?;
+        let filled: Vec<&Triangle> = folds.iter().filter(|t| t.rows() > 0).collect();
+        let whole = Triangle::stack(filled.iter().copied())?;
+        let mut fit = solve(&whole, &options)?;
+        if filled.len() > 2 {
+            fit = with_fold_covariance(fit, &filled)?;
+        }
+        for ((system, map), sigma) in joints.iter().zip(&mut sigma) {
+            *sigma =
+                system.deviation(&map.iter().map(|&c| fit.parameters[c]).collect::<Vec<_>>())?;
+        }
+        estimate = Some(fit);
+    }
+    let Some(estimate) = estimate else {
+        unreachable!("at least one pass")
+    };
+    let mut deviations = sigma.into_iter();
+    let residual_std = systems
+        .iter()
+        .map(|s| {
+            if s.rows() > 0 {
+                deviations.next().unwrap_or(f64::NAN)
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    Ok(Solution {
+        estimate,
+        residual_std,
+    })
+}
+
+/// Residuals are autocorrelated: the folds, not the samples, are independent.
+fn with_fold_covariance(fit: Estimate, folds: &[&Triangle]) -> Result<Estimate, LeastSquaresError> {
+    let owned: Vec<Triangle> = folds.iter().map(|&t| t.clone()).collect();
+    let covariance = cluster_covariance(&owned, &fit)?;
+    fit.with_covariance(covariance)
+}
+
+fn clock(session: &Session) -> SessionClock {
+    let known = session
+        .parts
+        .iter()
+        .zip(&session.clock_known)
+        .filter(|&(_, &known)| known);
+    let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (part, _) in known {
+        for [a, b] in crate::session::spans(&part.fine) {
+            start = start.min(a);
+            end = end.max(b);
+        }
+    }
+    SessionClock { start, end }
+}
