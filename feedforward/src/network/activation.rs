@@ -23,7 +23,11 @@ pub fn exp(x: f32) -> f32 {
     let p = p * r + 1.666_666_5e-1;
     let p = p * r + 5.000_000_1e-1;
     let e = p * r * r + r + 1.0;
-    let exponent = shifted.to_bits().wrapping_sub(ROUND.to_bits()).wrapping_add(127) << 23;
+    let exponent = shifted
+        .to_bits()
+        .wrapping_sub(ROUND.to_bits())
+        .wrapping_add(127)
+        << 23;
     e * f32::from_bits(exponent)
 }
 
@@ -50,8 +54,14 @@ mod tests {
             let x = i as f32 * 5e-4;
             let d = f64::from(x);
             let held = d.clamp(-87.0, 87.0);
-            assert!((f64::from(exp(x)) / held.exp() - 1.0).abs() < 2e-7, "exp({x})");
-            assert!((f64::from(sigmoid(x)) - 1.0 / (1.0 + (-d).exp())).abs() < 2e-7, "sigmoid({x})");
+            assert!(
+                (f64::from(exp(x)) / held.exp() - 1.0).abs() < 2e-7,
+                "exp({x})"
+            );
+            assert!(
+                (f64::from(sigmoid(x)) - 1.0 / (1.0 + (-d).exp())).abs() < 2e-7,
+                "sigmoid({x})"
+            );
             assert!((f64::from(tanh(x)) - d.tanh()).abs() < 3e-7, "tanh({x})");
         }
     }

@@ -80,7 +80,10 @@ impl Architecture {
     /// Samples that one output looks back on, itself included (1 where state is carried).
     pub fn timestep(&self) -> usize {
         match self {
-            Self::Recurrent(Recurrent { memory: Memory::Window { timestep }, .. })
+            Self::Recurrent(Recurrent {
+                memory: Memory::Window { timestep },
+                ..
+            })
             | Self::Perceptron { timestep, .. } => *timestep,
             Self::Recurrent(_) => 1,
         }
@@ -89,7 +92,10 @@ impl Architecture {
     /// Encoder states that attention chooses from.
     pub(super) fn attended(&self) -> usize {
         match self {
-            Self::Recurrent(Recurrent { memory: Memory::Carried { attended }, .. }) => *attended,
+            Self::Recurrent(Recurrent {
+                memory: Memory::Carried { attended },
+                ..
+            }) => *attended,
             _ => self.timestep(),
         }
     }
@@ -104,10 +110,22 @@ impl Architecture {
         }
         let mut shapes: Vec<(String, [usize; 2])> = Vec::new();
         match self {
-            Self::Recurrent(Recurrent { encoder, attention, reencoder, .. }) => {
+            Self::Recurrent(Recurrent {
+                encoder,
+                attention,
+                reencoder,
+                ..
+            }) => {
                 let (h, s) = (*encoder, *reencoder);
-                let merged = if attention.is_some() { h.checked_mul(2)? } else { h };
-                shapes.push(("encoder.weight".into(), [inputs.checked_add(h)?, h.checked_mul(4)?]));
+                let merged = if attention.is_some() {
+                    h.checked_mul(2)?
+                } else {
+                    h
+                };
+                shapes.push((
+                    "encoder.weight".into(),
+                    [inputs.checked_add(h)?, h.checked_mul(4)?],
+                ));
                 shapes.push(("encoder.bias".into(), [1, h.checked_mul(4)?]));
                 if let Some(a) = *attention {
                     shapes.push(("attention.query".into(), [s, a]));
@@ -115,7 +133,10 @@ impl Architecture {
                     shapes.push(("attention.bias".into(), [1, a]));
                     shapes.push(("attention.score".into(), [1, a]));
                 }
-                shapes.push(("reencoder.weight".into(), [merged.checked_add(s)?, s.checked_mul(4)?]));
+                shapes.push((
+                    "reencoder.weight".into(),
+                    [merged.checked_add(s)?, s.checked_mul(4)?],
+                ));
                 shapes.push(("reencoder.bias".into(), [1, s.checked_mul(4)?]));
                 shapes.push(("output.weight".into(), [s, 1]));
                 shapes.push(("output.bias".into(), [1, 1]));
@@ -170,10 +191,23 @@ mod tests {
 
     #[test]
     fn sizes_that_overflow_or_vanish_are_refused() {
-        let huge = Architecture::Perceptron { hidden: vec![usize::MAX], timestep: 1 };
+        let huge = Architecture::Perceptron {
+            hidden: vec![usize::MAX],
+            timestep: 1,
+        };
         assert_eq!(huge.parameter_count(3), None);
-        let empty = Architecture::Perceptron { hidden: vec![0], timestep: 1 };
+        let empty = Architecture::Perceptron {
+            hidden: vec![0],
+            timestep: 1,
+        };
         assert_eq!(empty.parameter_count(3), None);
-        assert_eq!(Architecture::Perceptron { hidden: vec![], timestep: 0 }.parameter_count(3), None);
+        assert_eq!(
+            Architecture::Perceptron {
+                hidden: vec![],
+                timestep: 0
+            }
+            .parameter_count(3),
+            None
+        );
     }
 }

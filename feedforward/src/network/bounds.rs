@@ -15,7 +15,10 @@ pub struct Fade {
 
 impl Default for Fade {
     fn default() -> Self {
-        Self { start: 0.1, end: 0.6 }
+        Self {
+            start: 0.1,
+            end: 0.6,
+        }
     }
 }
 
@@ -54,10 +57,20 @@ const KNEE: f32 = 0.9;
 
 impl Bounds {
     /// From stored parts; `None` where lengths disagree, a value is not finite or L is singular.
-    pub fn new(low: Vec<f32>, high: Vec<f32>, mean: Vec<f32>, factor: Vec<f32>, radius: f32, limit: f32, fade: Fade) -> Option<Self> {
+    pub fn new(
+        low: Vec<f32>,
+        high: Vec<f32>,
+        mean: Vec<f32>,
+        factor: Vec<f32>,
+        radius: f32,
+        limit: f32,
+        fade: Fade,
+    ) -> Option<Self> {
         let d = low.len();
         let lengths = high.len() == d && mean.len() == d && factor.len() == d.checked_mul(d)?;
-        let finite = [&low, &high, &mean, &factor].iter().all(|v| v.iter().all(|x| x.is_finite()));
+        let finite = [&low, &high, &mean, &factor]
+            .iter()
+            .all(|v| v.iter().all(|x| x.is_finite()));
         let usable = lengths
             && finite
             && low.iter().zip(&high).all(|(l, h)| l <= h)
@@ -67,7 +80,15 @@ impl Bounds {
             && limit >= 0.0
             && limit.is_finite()
             && fade.is_usable();
-        usable.then_some(Self { low, high, mean, factor, radius, limit, fade })
+        usable.then_some(Self {
+            low,
+            high,
+            mean,
+            factor,
+            radius,
+            limit,
+            fade,
+        })
     }
 
     /// Fits range, mean and covariance to normalised rows, which are gone through twice.
@@ -101,7 +122,9 @@ impl Bounds {
         }
         let trace: f64 = (0..d).map(|j| scatter[j * d + j] / count).sum();
         let ridge = (1e-6 * trace / d as f64).max(1e-12);
-        let factor = cholesky(d, |j, k| scatter[j * d + k] / count + if j == k { ridge } else { 0.0 });
+        let factor = cholesky(d, |j, k| {
+            scatter[j * d + k] / count + if j == k { ridge } else { 0.0 }
+        });
         let mut bounds = Self {
             low,
             high,
@@ -112,9 +135,19 @@ impl Bounds {
             fade,
         };
         let mut scratch = vec![0.0; d];
-        let radius = rows.map(|row| bounds.distance(row, &mut scratch)).fold(0.0, f32::max);
+        let radius = rows
+            .map(|row| bounds.distance(row, &mut scratch))
+            .fold(0.0, f32::max);
         bounds.radius = radius.max(1.0);
-        Self::new(bounds.low, bounds.high, bounds.mean, bounds.factor, bounds.radius, limit, fade)
+        Self::new(
+            bounds.low,
+            bounds.high,
+            bounds.mean,
+            bounds.factor,
+            bounds.radius,
+            limit,
+            fade,
+        )
     }
 
     /// Number of columns.
@@ -182,10 +215,15 @@ impl Bounds {
         for (j, &v) in x.iter().enumerate() {
             let span = self.high[j] - self.low[j];
             if span > 0.0 {
-                weight *= self.fade.weight((v - self.high[j]).max(self.low[j] - v) / span);
+                weight *= self
+                    .fade
+                    .weight((v - self.high[j]).max(self.low[j] - v) / span);
             }
         }
-        weight * self.fade.weight(self.distance(x, scratch) / self.radius - 1.0)
+        weight
+            * self
+                .fade
+                .weight(self.distance(x, scratch) / self.radius - 1.0)
     }
 
     /// Holds a normalised value of column `j` within the region where the output is not yet zero, so that
@@ -206,7 +244,11 @@ impl Bounds {
             return torque;
         }
         let room = self.limit - knee;
-        let bent = if room > 0.0 { room * (above / room).tanh() } else { 0.0 };
+        let bent = if room > 0.0 {
+            room * (above / room).tanh()
+        } else {
+            0.0
+        };
         (knee + bent).min(self.limit).copysign(torque)
     }
 }
@@ -219,7 +261,11 @@ fn cholesky(d: usize, a: impl Fn(usize, usize) -> f64) -> Vec<f64> {
             let inner: f64 = (0..k).map(|i| l[j * d + i] * l[k * d + i]).sum();
             let rest = a(j, k) - inner;
             // Rounding may eat a pivot that the diagonal term kept positive.
-            l[j * d + k] = if j == k { rest.max(1e-12).sqrt() } else { rest / l[k * d + k] };
+            l[j * d + k] = if j == k {
+                rest.max(1e-12).sqrt()
+            } else {
+                rest / l[k * d + k]
+            };
         }
     }
     l
@@ -232,7 +278,10 @@ mod tests {
 
     fn ring() -> Vec<[f32; 2]> {
         // Correlated: y = x + small circle.
-        (0..200).map(|i| i as f32 * 0.0314).map(|t| [t.cos(), t.cos() + 0.1 * t.sin()]).collect()
+        (0..200)
+            .map(|i| i as f32 * 0.0314)
+            .map(|t| [t.cos(), t.cos() + 0.1 * t.sin()])
+            .collect()
     }
 
     fn bounds() -> Bounds {
@@ -256,7 +305,16 @@ mod tests {
     #[test]
     fn distance_matches_a_hand_calculation() {
         // Covariance [[4, 2], [2, 5]] = L Lᵀ with L = [[2, 0], [1, 2]]; x − mean = (2, 3): L⁻¹(2, 3) = (1, 1).
-        let b = Bounds::new(vec![-9.0; 2], vec![9.0; 2], vec![0.0; 2], vec![2.0, 0.0, 1.0, 2.0], 1.0, 1.0, Fade::default()).unwrap();
+        let b = Bounds::new(
+            vec![-9.0; 2],
+            vec![9.0; 2],
+            vec![0.0; 2],
+            vec![2.0, 0.0, 1.0, 2.0],
+            1.0,
+            1.0,
+            Fade::default(),
+        )
+        .unwrap();
         assert!((b.distance(&[2.0, 3.0], &mut [0.0; 2]) - 2.0_f32.sqrt()).abs() < 1e-6);
     }
 

@@ -15,13 +15,17 @@ pub enum Error {
         source: std::io::Error,
     },
     /// Not a complete safetensors file: cut short, or not one at all.
-    #[error("not a complete safetensors file ({0}); the file is cut short or damaged, train or copy it again")]
+    #[error(
+        "not a complete safetensors file ({0}); the file is cut short or damaged, train or copy it again"
+    )]
     Container(#[from] safetensors::SafeTensorError),
     /// A safetensors file of something else.
     #[error("a safetensors file, but not a compensator: {0}")]
     NotACompensator(String),
     /// Written by another version of the format.
-    #[error("compensator format version {found}, this program reads version {supported}; train again or use the matching program")]
+    #[error(
+        "compensator format version {found}, this program reads version {supported}; train again or use the matching program"
+    )]
     Version {
         /// Version in the file.
         found: u32,
@@ -29,7 +33,9 @@ pub enum Error {
         supported: u32,
     },
     /// The content is not what was written.
-    #[error("checksum of the weights is {found}, the file says {expected}; the file was altered or damaged")]
+    #[error(
+        "checksum of the weights is {found}, the file says {expected}; the file was altered or damaged"
+    )]
     Checksum {
         /// As stored, hexadecimal SHA-256.
         expected: String,

@@ -57,14 +57,25 @@ struct Stored {
 
 impl Stored {
     fn new(name: String, shape: &[usize], values: &[&[f32]]) -> Self {
-        let bytes = values.iter().flat_map(|part| part.iter()).flat_map(|v| v.to_le_bytes()).collect();
-        Self { name, shape: shape.to_vec(), bytes }
+        let bytes = values
+            .iter()
+            .flat_map(|part| part.iter())
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
+        Self {
+            name,
+            shape: shape.to_vec(),
+            bytes,
+        }
     }
 }
 
 /// SHA-256, hexadecimal, over the header's bytes and then, by ascending name, each tensor's name, shape
 /// (as decimal numbers) and bytes, all separated by a zero byte.
-fn checksum<'a>(header: &str, tensors: impl Iterator<Item = (&'a str, &'a [usize], &'a [u8])>) -> String {
+fn checksum<'a>(
+    header: &str,
+    tensors: impl Iterator<Item = (&'a str, &'a [usize], &'a [u8])>,
+) -> String {
     let mut tensors: Vec<_> = tensors.collect();
     tensors.sort_by_key(|t| t.0);
     let mut hash = Sha256::new();
@@ -94,10 +105,26 @@ impl Compensator {
         for (i, u) in self.units.iter().enumerate() {
             let d = u.columns.len();
             let b = &u.bounds;
-            stored.push(Stored::new(format!("units.{i}.input"), &[2, d], &[u.input.offset(), u.input.span()]));
-            stored.push(Stored::new(format!("units.{i}.target"), &[2, 1], &[u.target.offset(), u.target.span()]));
-            stored.push(Stored::new(format!("units.{i}.range"), &[3, d], &[b.low(), b.high(), b.mean()]));
-            stored.push(Stored::new(format!("units.{i}.covariance_factor"), &[d, d], &[b.factor()]));
+            stored.push(Stored::new(
+                format!("units.{i}.input"),
+                &[2, d],
+                &[u.input.offset(), u.input.span()],
+            ));
+            stored.push(Stored::new(
+                format!("units.{i}.target"),
+                &[2, 1],
+                &[u.target.offset(), u.target.span()],
+            ));
+            stored.push(Stored::new(
+                format!("units.{i}.range"),
+                &[3, d],
+                &[b.low(), b.high(), b.mean()],
+            ));
+            stored.push(Stored::new(
+                format!("units.{i}.covariance_factor"),
+                &[d, d],
+                &[b.factor()],
+            ));
             let tensors = u.architecture.tensors(d).unwrap_or_default();
             for (m, parameters) in u.members.iter().enumerate() {
                 for t in &tensors {
@@ -116,16 +143,40 @@ impl Compensator {
                 fade: b.fade(),
             });
         }
-        let header = Header { joints: self.joints.clone(), inputs: self.inputs.clone(), units };
-        let header = serde_json::to_string(&header).map_err(|e| Error::NotACompensator(e.to_string()))?;
-        let sha256 = checksum(&header, stored.iter().map(|t| (&t.name[..], &t.shape[..], &t.bytes[..])));
-        let envelope = Envelope { format: FORMAT.into(), version: VERSION, sha256, header };
-        let envelope = serde_json::to_string(&envelope).map_err(|e| Error::NotACompensator(e.to_string()))?;
+        let header = Header {
+            joints: self.joints.clone(),
+            inputs: self.inputs.clone(),
+            units,
+        };
+        let header =
+            serde_json::to_string(&header).map_err(|e| Error::NotACompensator(e.to_string()))?;
+        let sha256 = checksum(
+            &header,
+            stored
+                .iter()
+                .map(|t| (&t.name[..], &t.shape[..], &t.bytes[..])),
+        );
+        let envelope = Envelope {
+            format: FORMAT.into(),
+            version: VERSION,
+            sha256,
+            header,
+        };
+        let envelope =
+            serde_json::to_string(&envelope).map_err(|e| Error::NotACompensator(e.to_string()))?;
         let views = stored
             .iter()
-            .map(|t| Ok((&t.name[..], TensorView::new(Dtype::F32, t.shape.clone(), &t.bytes)?)))
+            .map(|t| {
+                Ok((
+                    &t.name[..],
+                    TensorView::new(Dtype::F32, t.shape.clone(), &t.bytes)?,
+                ))
+            })
             .collect::<Result<Vec<_>, Error>>()?;
-        Ok(safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), envelope)])))?)
+        Ok(safetensors::serialize(
+            views,
+            Some(HashMap::from([(KEY.to_owned(), envelope)])),
+        )?)
     }
 
     /// Reads what [`Self::to_bytes`] wrote.
@@ -137,7 +188,8 @@ impl Compensator {
         let (_, metadata) = SafeTensors::read_metadata(bytes)?;
         let file = SafeTensors::deserialize(bytes)?;
         let envelope = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
-        let envelope = envelope.ok_or_else(|| Error::NotACompensator(format!("no metadata entry `{KEY}`")))?;
+        let envelope =
+            envelope.ok_or_else(|| Error::NotACompensator(format!("no metadata entry `{KEY}`")))?;
         let not_ours = |e: serde_json::Error| Error::NotACompensator(e.to_string());
         // The version comes first: another version may have another envelope.
         let Version { format, version } = serde_json::from_str(envelope).map_err(not_ours)?;
@@ -145,22 +197,39 @@ impl Compensator {
             return Err(Error::NotACompensator(format!("its format is `{format}`")));
         }
         if version != VERSION {
-            return Err(Error::Version { found: version, supported: VERSION });
+            return Err(Error::Version {
+                found: version,
+                supported: VERSION,
+            });
         }
         let envelope: Envelope = serde_json::from_str(envelope).map_err(not_ours)?;
         let tensors = file.tensors();
-        let found = checksum(&envelope.header, tensors.iter().map(|(name, t)| (&name[..], t.shape(), t.data())));
+        let found = checksum(
+            &envelope.header,
+            tensors
+                .iter()
+                .map(|(name, t)| (&name[..], t.shape(), t.data())),
+        );
         if found != envelope.sha256 {
-            return Err(Error::Checksum { expected: envelope.sha256, found });
+            return Err(Error::Checksum {
+                expected: envelope.sha256,
+                found,
+            });
         }
         let header: Header = serde_json::from_str(&envelope.header).map_err(not_ours)?;
         let units = header
             .units
             .iter()
             .enumerate()
-            .map(|(i, u)| read_unit(&file, i, u).map_err(|problem| Error::Unit { unit: i, problem }))
+            .map(|(i, u)| {
+                read_unit(&file, i, u).map_err(|problem| Error::Unit { unit: i, problem })
+            })
             .collect::<Result<_, _>>()?;
-        let compensator = Self { joints: header.joints, inputs: header.inputs, units };
+        let compensator = Self {
+            joints: header.joints,
+            inputs: header.inputs,
+            units,
+        };
         compensator.check()?;
         Ok(compensator)
     }
@@ -180,7 +249,10 @@ impl Compensator {
         written.map_err(|source| {
             // Best effort: the error at hand says more than a failed clean-up would.
             let _ = std::fs::remove_file(temporary);
-            Error::Io { path: path.to_owned(), source }
+            Error::Io {
+                path: path.to_owned(),
+                source,
+            }
         })
     }
 
@@ -189,7 +261,10 @@ impl Compensator {
     /// # Errors
     /// [`Error::Io`], and as [`Self::from_bytes`].
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let bytes = std::fs::read(path).map_err(|source| Error::Io {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::from_bytes(&bytes)
     }
 }
@@ -201,9 +276,15 @@ struct Version {
 }
 
 fn read_tensor(file: &SafeTensors, name: &str, shape: &[usize]) -> Result<Vec<f32>, String> {
-    let view = file.tensor(name).map_err(|e| format!("tensor `{name}`: {e}"))?;
+    let view = file
+        .tensor(name)
+        .map_err(|e| format!("tensor `{name}`: {e}"))?;
     if view.dtype() != Dtype::F32 || view.shape() != shape {
-        return Err(format!("tensor `{name}` is {:?} {:?}, expected F32 {shape:?}", view.dtype(), view.shape()));
+        return Err(format!(
+            "tensor `{name}` is {:?} {:?}, expected F32 {shape:?}",
+            view.dtype(),
+            view.shape()
+        ));
     }
     let (values, _) = view.data().as_chunks::<4>();
     Ok(values.iter().map(|b| f32::from_le_bytes(*b)).collect())
@@ -222,13 +303,21 @@ fn read_unit(file: &SafeTensors, i: usize, u: &UnitHeader) -> Result<Unit, Strin
     let mut high = low.split_off(d);
     let mean = high.split_off(d);
     let factor = read_tensor(file, &format!("units.{i}.covariance_factor"), &[d, d])?;
-    let bounds = Bounds::new(low, high, mean, factor, u.radius, u.limit, u.fade).ok_or("its bounds are not usable")?;
-    let tensors = u.architecture.tensors(d).ok_or("a width of its architecture is zero or absurdly large")?;
+    let bounds = Bounds::new(low, high, mean, factor, u.radius, u.limit, u.fade)
+        .ok_or("its bounds are not usable")?;
+    let tensors = u
+        .architecture
+        .tensors(d)
+        .ok_or("a width of its architecture is zero or absurdly large")?;
     let members = (0..u.members)
         .map(|m| {
             let mut parameters = Vec::new();
             for t in &tensors {
-                parameters.extend(read_tensor(file, &format!("units.{i}.members.{m}.{}", t.name), &t.shape)?);
+                parameters.extend(read_tensor(
+                    file,
+                    &format!("units.{i}.members.{m}.{}", t.name),
+                    &t.shape,
+                )?);
             }
             Ok(parameters)
         })

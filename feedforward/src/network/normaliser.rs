@@ -29,12 +29,23 @@ impl Normaliser {
         let usable = offset.len() == span.len()
             && offset.iter().all(|v| v.is_finite())
             && span.iter().all(|v| v.is_finite() && *v >= 0.0);
-        let inverse = span.iter().map(|&s| if s > 0.0 { 1.0 / s } else { 0.0 }).collect();
-        usable.then_some(Self { offset, span, inverse })
+        let inverse = span
+            .iter()
+            .map(|&s| if s > 0.0 { 1.0 / s } else { 0.0 })
+            .collect();
+        usable.then_some(Self {
+            offset,
+            span,
+            inverse,
+        })
     }
 
     /// Fits `kind` to `rows` yielded as slices of `columns` values each.
-    pub fn fit<'a>(kind: Normalisation, columns: usize, rows: impl Iterator<Item = &'a [f32]>) -> Option<Self> {
+    pub fn fit<'a>(
+        kind: Normalisation,
+        columns: usize,
+        rows: impl Iterator<Item = &'a [f32]>,
+    ) -> Option<Self> {
         let mut low = vec![f32::INFINITY; columns];
         let mut high = vec![f32::NEG_INFINITY; columns];
         let mut mean = vec![0.0_f64; columns];
@@ -58,7 +69,13 @@ impl Normaliser {
             }
             Normalisation::ZScore => {
                 let varies = |j: usize| high[j] > low[j];
-                let span = (0..columns).map(|j| if varies(j) { (square[j] / count).sqrt() as f32 } else { 0.0 });
+                let span = (0..columns).map(|j| {
+                    if varies(j) {
+                        (square[j] / count).sqrt() as f32
+                    } else {
+                        0.0
+                    }
+                });
                 let span = span.collect();
                 (mean.iter().map(|&m| m as f32).collect(), span)
             }
@@ -102,7 +119,10 @@ mod tests {
     fn min_max_maps_the_extremes_to_zero_and_one() {
         let rows: [&[f32]; 3] = [&[2.0, 7.0], &[6.0, 7.0], &[3.0, 7.0]];
         let n = Normaliser::fit(Normalisation::MinMax, 2, rows.into_iter()).unwrap();
-        assert_eq!([n.apply(0, 2.0), n.apply(0, 6.0), n.apply(0, 3.0)], [0.0, 1.0, 0.25]);
+        assert_eq!(
+            [n.apply(0, 2.0), n.apply(0, 6.0), n.apply(0, 3.0)],
+            [0.0, 1.0, 0.25]
+        );
         assert_eq!(n.apply(1, 9.0), 0.0);
         assert_eq!(n.invert(0, 0.25), 3.0);
     }

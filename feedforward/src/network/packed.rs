@@ -30,7 +30,11 @@ impl Packed {
         for (tile, part) in padded.iter_mut().zip(bias.chunks(TILE)) {
             tile[..part.len()].copy_from_slice(part);
         }
-        Self { tiles, bias: padded, inputs }
+        Self {
+            tiles,
+            bias: padded,
+            inputs,
+        }
     }
 
     /// Length of the output buffer: the outputs rounded up to whole tiles.
@@ -58,7 +62,12 @@ impl Packed {
     #[inline(always)]
     fn apply_with(&self, multiply_add: impl Fn(f32, f32, f32) -> f32, x: &[f32], out: &mut [f32]) {
         let (out, _) = out.as_chunks_mut::<TILE>();
-        for ((tile, bias), out) in self.tiles.chunks_exact(self.inputs).zip(&self.bias).zip(out) {
+        for ((tile, bias), out) in self
+            .tiles
+            .chunks_exact(self.inputs)
+            .zip(&self.bias)
+            .zip(out)
+        {
             let mut sum = *bias;
             for (row, &x) in tile.iter().zip(x) {
                 for (s, &w) in sum.iter_mut().zip(row) {
@@ -77,7 +86,9 @@ mod tests {
     #[test]
     fn equals_the_plain_product_whatever_the_shape_and_instruction_set() {
         for (inputs, outputs) in [(1, 1), (3, 40), (18, 512), (146, 33), (5, 64)] {
-            let w: Vec<f32> = (0..inputs * outputs).map(|i| ((i * 37 % 101) as f32 - 50.0) / 64.0).collect();
+            let w: Vec<f32> = (0..inputs * outputs)
+                .map(|i| ((i * 37 % 101) as f32 - 50.0) / 64.0)
+                .collect();
             let b: Vec<f32> = (0..outputs).map(|i| i as f32 / 8.0).collect();
             let x: Vec<f32> = (0..inputs).map(|i| (i as f32 - 2.0) / 4.0).collect();
             let packed = Packed::new(&w, &b, inputs);
@@ -87,7 +98,10 @@ mod tests {
                     packed.apply(arch, &x[..used], &mut out);
                     for j in 0..outputs {
                         let sum: f32 = (0..used).map(|k| x[k] * w[k * outputs + j]).sum();
-                        assert!((out[j] - sum - b[j]).abs() < 1e-3, "{inputs}×{outputs}, output {j}");
+                        assert!(
+                            (out[j] - sum - b[j]).abs() < 1e-3,
+                            "{inputs}×{outputs}, output {j}"
+                        );
                     }
                 }
             }

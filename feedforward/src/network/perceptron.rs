@@ -15,11 +15,17 @@ pub(super) struct Perceptron {
 impl Perceptron {
     pub(super) fn new(tensors: &[Tensor], parameters: &[f32]) -> Self {
         let layers = tensors.chunks_exact(2).map(|pair| {
-            let packed = Packed::new(&parameters[pair[0].range.clone()], &parameters[pair[1].range.clone()], pair[0].shape[0]);
+            let packed = Packed::new(
+                &parameters[pair[0].range.clone()],
+                &parameters[pair[1].range.clone()],
+                pair[0].shape[0],
+            );
             let out = vec![0.0; packed.padded()];
             (packed, out)
         });
-        Self { layers: layers.collect() }
+        Self {
+            layers: layers.collect(),
+        }
     }
 
     /// Output for a flattened window, oldest sample first.

@@ -21,9 +21,19 @@ impl Lstm {
     fn new(weight: &Tensor, bias: &Tensor, parameters: &[f32]) -> Self {
         let hidden = weight.shape[1] / 4;
         let input = weight.shape[0] - hidden;
-        let weights = Packed::new(&parameters[weight.range.clone()], &parameters[bias.range.clone()], weight.shape[0]);
+        let weights = Packed::new(
+            &parameters[weight.range.clone()],
+            &parameters[bias.range.clone()],
+            weight.shape[0],
+        );
         let gates = vec![0.0; weights.padded()];
-        Self { weights, joined: vec![0.0; input + hidden], input, cell: vec![0.0; hidden], gates }
+        Self {
+            weights,
+            joined: vec![0.0; input + hidden],
+            input,
+            cell: vec![0.0; hidden],
+            gates,
+        }
     }
 
     fn hidden(&self) -> &[f32] {
@@ -38,7 +48,8 @@ impl Lstm {
     /// One step (equations 14–18). `first` says that the state is zero, so its products are left away.
     fn step(&mut self, arch: Arch, first: bool) {
         let used = if first { self.input } else { self.joined.len() };
-        self.weights.apply(arch, &self.joined[..used], &mut self.gates);
+        self.weights
+            .apply(arch, &self.joined[..used], &mut self.gates);
         let n = self.cell.len();
         let (i, rest) = self.gates.split_at(n);
         let (f, rest) = rest.split_at(n);
@@ -84,7 +95,12 @@ fn scored(key: &[f32], asked: &[f32], score: &[f32]) -> f32 {
             sum[j] += tanh(k[j] + a[j]) * s[j];
         }
     }
-    let rest: f32 = k_rest.iter().zip(a_rest).zip(s_rest).map(|((k, a), s)| tanh(k + a) * s).sum();
+    let rest: f32 = k_rest
+        .iter()
+        .zip(a_rest)
+        .zip(s_rest)
+        .map(|((k, a), s)| tanh(k + a) * s)
+        .sum();
     sum.iter().sum::<f32>() + rest
 }
 
@@ -94,11 +110,26 @@ impl Attention {
         let key = Packed::new(key, bias, tensors[1].shape[0]);
         let query = Packed::new(query, &[], tensors[0].shape[0]);
         let width = key.padded();
-        Self { keys: vec![0.0; slots * width], asked: vec![0.0; width], weights: vec![0.0; slots], score: score.to_vec(), key, query }
+        Self {
+            keys: vec![0.0; slots * width],
+            asked: vec![0.0; width],
+            weights: vec![0.0; slots],
+            score: score.to_vec(),
+            key,
+            query,
+        }
     }
 
     /// Writes V = Σ α_u h_u over the first `filled` slots for re-encoder state `s`.
-    fn context(&mut self, arch: Arch, s: &[f32], states: &[f32], filled: usize, first: bool, out: &mut [f32]) {
+    fn context(
+        &mut self,
+        arch: Arch,
+        s: &[f32],
+        states: &[f32],
+        filled: usize,
+        first: bool,
+        out: &mut [f32],
+    ) {
         let width = self.asked.len();
         let n = self.score.len();
         let used = if first { 0 } else { s.len() };
@@ -143,8 +174,15 @@ pub(super) struct RecurrentNet {
 }
 
 impl RecurrentNet {
-    pub(super) fn new(shape: &Recurrent, tensors: &[Tensor], parameters: &[f32], slots: usize) -> Self {
-        let attention = shape.attention.map(|_| Attention::new(&tensors[2..6], parameters, slots));
+    pub(super) fn new(
+        shape: &Recurrent,
+        tensors: &[Tensor],
+        parameters: &[f32],
+        slots: usize,
+    ) -> Self {
+        let attention = shape
+            .attention
+            .map(|_| Attention::new(&tensors[2..6], parameters, slots));
         let tail = &tensors[tensors.len() - 4..];
         Self {
             encoder: Lstm::new(&tensors[0], &tensors[1], parameters),
@@ -202,7 +240,9 @@ impl RecurrentNet {
         self.states[slot * h.len()..][..h.len()].copy_from_slice(h);
         if let Some(attention) = &mut self.attention {
             let width = attention.key.padded();
-            attention.key.apply(arch, h, &mut attention.keys[slot * width..][..width]);
+            attention
+                .key
+                .apply(arch, h, &mut attention.keys[slot * width..][..width]);
         }
     }
 

@@ -39,12 +39,20 @@ impl UnitStream {
         unit.check(joints, inputs)?;
         let d = unit.columns.len();
         let tensors = unit.architecture.tensors(d).unwrap_or_default();
-        let nets = unit.members.iter().map(|parameters| match &unit.architecture {
-            Architecture::Recurrent(shape) => {
-                Net::Recurrent(RecurrentNet::new(shape, &tensors, parameters, unit.architecture.attended()))
-            }
-            Architecture::Perceptron { .. } => Net::Perceptron(Perceptron::new(&tensors, parameters)),
-        });
+        let nets = unit
+            .members
+            .iter()
+            .map(|parameters| match &unit.architecture {
+                Architecture::Recurrent(shape) => Net::Recurrent(RecurrentNet::new(
+                    shape,
+                    &tensors,
+                    parameters,
+                    unit.architecture.attended(),
+                )),
+                Architecture::Perceptron { .. } => {
+                    Net::Perceptron(Perceptron::new(&tensors, parameters))
+                }
+            });
         Ok(Self {
             joint: unit.joint,
             enabled: unit.enabled,
@@ -100,7 +108,9 @@ impl UnitStream {
         }
         let d = self.sample.len();
         if self.empty {
-            self.window.chunks_exact_mut(d).for_each(|row| row.copy_from_slice(&self.sample));
+            self.window
+                .chunks_exact_mut(d)
+                .for_each(|row| row.copy_from_slice(&self.sample));
             self.empty = false;
         } else {
             self.window.copy_within(d.., 0);
@@ -136,9 +146,15 @@ impl Stream {
             .units
             .iter()
             .enumerate()
-            .map(|(unit, u)| UnitStream::new(u, joints, inputs).map_err(|problem| Error::Unit { unit, problem }))
+            .map(|(unit, u)| {
+                UnitStream::new(u, joints, inputs).map_err(|problem| Error::Unit { unit, problem })
+            })
             .collect::<Result<_, _>>()?;
-        Ok(Self { units, inputs, joints })
+        Ok(Self {
+            units,
+            inputs,
+            joints,
+        })
     }
 
     /// Number of input columns that [`Self::step`] expects.
@@ -161,7 +177,11 @@ impl Stream {
     /// # Panics
     /// Where `inputs` or `torque` do not have one element per column and joint.
     pub fn step(&mut self, inputs: &[f32], torque: &mut [f64]) {
-        assert_eq!((inputs.len(), torque.len()), (self.inputs, self.joints), "columns and joints of the compensator");
+        assert_eq!(
+            (inputs.len(), torque.len()),
+            (self.inputs, self.joints),
+            "columns and joints of the compensator"
+        );
         for unit in &mut self.units {
             torque[unit.joint] += f64::from(unit.step(inputs));
         }

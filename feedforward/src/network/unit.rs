@@ -47,7 +47,10 @@ impl Unit {
         }
         for member in &self.members {
             if member.len() != count {
-                return Err(format!("{} parameters where its architecture has {count}", member.len()));
+                return Err(format!(
+                    "{} parameters where its architecture has {count}",
+                    member.len()
+                ));
             }
             if !member.iter().all(|v| v.is_finite()) {
                 return Err("a weight is not finite".into());
@@ -75,7 +78,8 @@ impl Compensator {
     /// [`Error::Unit`] with the first contradiction.
     pub fn check(&self) -> Result<(), Error> {
         for (unit, u) in self.units.iter().enumerate() {
-            u.check(self.joints.len(), self.inputs.len()).map_err(|problem| Error::Unit { unit, problem })?;
+            u.check(self.joints.len(), self.inputs.len())
+                .map_err(|problem| Error::Unit { unit, problem })?;
         }
         Ok(())
     }
@@ -88,7 +92,10 @@ impl Compensator {
         if joints == self.joints {
             return Ok(());
         }
-        Err(Error::Joints { expected: joints.to_vec(), found: self.joints.clone() })
+        Err(Error::Joints {
+            expected: joints.to_vec(),
+            found: self.joints.clone(),
+        })
     }
 
     /// Refuses input columns other than those it was trained on.
@@ -99,7 +106,10 @@ impl Compensator {
         if inputs == self.inputs {
             return Ok(());
         }
-        Err(Error::Inputs { expected: inputs.to_vec(), found: self.inputs.clone() })
+        Err(Error::Inputs {
+            expected: inputs.to_vec(),
+            found: self.inputs.clone(),
+        })
     }
 
     /// Streaming evaluation from neutral states.

@@ -1,0 +1,273 @@
+//! LSTM layer over a sequence: forward step, backward step, weight gradient (equations 14–18).
+//!
+//! One weight matrix W of shape (input + hidden) × 4·hidden acts on z_t = [x_t; h_{t−1}]; its columns are
+//! the gates in the order input i, forget f, cell g, output o.
+
+use pulp::Arch;
+
+use super::matmul::{View, ViewMut, multiply, multiply_add};
+use super::real::{Real, add_rows};
+
+/// Widths of a layer.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Widths {
+    pub(crate) input: usize,
+    pub(crate) hidden: usize,
+}
+
+/// What the forward pass leaves for the backward pass.
+#[derive(Debug)]
+pub(crate) struct Lstm<T> {
+    pub(crate) widths: Widths,
+    batch: usize,
+    /// (steps + 1) blocks of batch × (input + hidden): z_t, and h of the last step.
+    joined: Vec<T>,
+    /// Steps blocks of batch × 4·hidden: activated gates; after the backward step their gradients before
+    /// activation.
+    gates: Vec<T>,
+    /// (steps + 1) blocks of batch × hidden: c_{t−1}.
+    cell: Vec<T>,
+    /// Steps blocks of batch × hidden: tanh c_t.
+    bent: Vec<T>,
+}
+
+impl<T: Real> Lstm<T> {
+    pub(crate) fn new(widths: Widths) -> Self {
+        Self {
+            widths,
+            batch: 0,
+            joined: Vec::new(),
+            gates: Vec::new(),
+            cell: Vec::new(),
+            bent: Vec::new(),
+        }
+    }
+
+    /// Makes room and sets the state before the first step to zero.
+    pub(crate) fn begin(&mut self, batch: usize, steps: usize) {
+        let Widths { input, hidden } = self.widths;
+        self.batch = batch;
+        self.joined
+            .resize((steps + 1) * batch * (input + hidden), T::ZERO);
+        self.gates.resize(steps * batch * 4 * hidden, T::ZERO);
+        self.cell.resize((steps + 1) * batch * hidden, T::ZERO);
+        self.bent.resize(steps * batch * hidden, T::ZERO);
+        for row in self.joined[..batch * (input + hidden)].chunks_exact_mut(input + hidden) {
+            row[input..].fill(T::ZERO);
+        }
+        self.cell[..batch * hidden].fill(T::ZERO);
+    }
+
+    fn width(&self) -> usize {
+        self.widths.input + self.widths.hidden
+    }
+
+    /// x_t of one row, to be written before [`Self::step`].
+    pub(crate) fn input_mut(&mut self, t: usize, row: usize) -> &mut [T] {
+        let (width, input) = (self.width(), self.widths.input);
+        &mut self.joined[(t * self.batch + row) * width..][..input]
+    }
+
+    /// x_t of all rows from column `from` on, with the distance from row to row.
+    pub(crate) fn inputs_mut(&mut self, t: usize, from: usize) -> (&mut [T], usize) {
+        let width = self.width();
+        (&mut self.joined[t * self.batch * width + from..], width)
+    }
+
+    /// h_{t−1} of every row as a matrix; h after the last step is `previous(steps)`.
+    pub(crate) fn previous(&self, t: usize) -> View<'_, T> {
+        let width = self.width();
+        View::new(
+            &self.joined[t * self.batch * width + self.widths.input..],
+            self.batch,
+            self.widths.hidden,
+            width,
+        )
+    }
+
+    /// h_{t−1} of one row.
+    pub(crate) fn previous_row(&self, t: usize, row: usize) -> &[T] {
+        let width = self.width();
+        &self.joined[(t * self.batch + row) * width..][self.widths.input..width]
+    }
+
+    /// Forward step t.
+    pub(crate) fn step(&mut self, arch: Arch, t: usize, weight: &[T], bias: &[T]) {
+        let (width, Widths { input, hidden }, batch) = (self.width(), self.widths, self.batch);
+        let gates = &mut self.gates[t * batch * 4 * hidden..][..batch * 4 * hidden];
+        for row in gates.chunks_exact_mut(4 * hidden) {
+            row.copy_from_slice(bias);
+        }
+        // The state before the first step is zero: its products are left away.
+        let used = if t == 0 { input } else { width };
+        let (now, next) = self.joined.split_at_mut((t + 1) * batch * width);
+        multiply_add(
+            ViewMut::new(gates, batch, 4 * hidden, 4 * hidden),
+            View::new(&now[t * batch * width..], batch, used, width),
+            View::new(weight, used, 4 * hidden, 4 * hidden),
+        );
+        let (before, after) = self.cell.split_at_mut((t + 1) * batch * hidden);
+        let before = &before[t * batch * hidden..];
+        let bent = &mut self.bent[t * batch * hidden..];
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for row in 0..batch {
+                    let cells = row * hidden..(row + 1) * hidden;
+                    activate(
+                        &mut gates[row * 4 * hidden..][..4 * hidden],
+                        &before[cells.clone()],
+                        &mut after[cells.clone()],
+                        &mut bent[cells],
+                        &mut next[row * width + input..][..hidden],
+                    );
+                }
+            },
+        );
+    }
+
+    /// Backward step t: takes ∂L/∂h_t and ∂L/∂c_t, leaves the gates' gradients in place and ∂L/∂c_{t−1} in
+    /// `cell`.
+    pub(crate) fn step_back(
+        &mut self,
+        arch: Arch,
+        t: usize,
+        hidden_gradient: &[T],
+        cell_gradient: &mut [T],
+    ) {
+        let (hidden, batch) = (self.widths.hidden, self.batch);
+        let gates = &mut self.gates[t * batch * 4 * hidden..][..batch * 4 * hidden];
+        let before = &self.cell[t * batch * hidden..];
+        let bent = &self.bent[t * batch * hidden..];
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for row in 0..batch {
+                    let cells = row * hidden..(row + 1) * hidden;
+                    deactivate(
+                        &mut gates[row * 4 * hidden..][..4 * hidden],
+                        &before[cells.clone()],
+                        &bent[cells.clone()],
+                        &hidden_gradient[cells.clone()],
+                        &mut cell_gradient[cells],
+                    );
+                }
+            },
+        );
+    }
+
+    /// ∂L/∂z_t restricted to the columns `from..to` of z, after [`Self::step_back`]: dG_t · W[from..to]ᵀ,
+    /// written to `out` (batch × (to − from)).
+    pub(crate) fn joined_gradient(
+        &self,
+        t: usize,
+        weight: &[T],
+        columns: std::ops::Range<usize>,
+        out: &mut [T],
+    ) {
+        let (gates, batch) = (4 * self.widths.hidden, self.batch);
+        let count = columns.len();
+        multiply(
+            ViewMut::new(out, batch, count, count),
+            View::new(&self.gates[t * batch * gates..], batch, gates, gates),
+            View::new(&weight[columns.start * gates..], count, gates, gates).t(),
+        );
+    }
+
+    /// Adds Σ_t z_tᵀ·dG_t to `weight` and Σ_t dG_t to `bias`, once every step went back.
+    pub(crate) fn weight_gradient(&self, steps: usize, weight: &mut [T], bias: &mut [T]) {
+        let (width, Widths { input, hidden }, batch) = (self.width(), self.widths, self.batch);
+        let gates = 4 * hidden;
+        let (on_input, on_state) = weight.split_at_mut(input * gates);
+        multiply_add(
+            ViewMut::new(on_input, input, gates, gates),
+            View::new(&self.joined, steps * batch, input, width).t(),
+            View::new(&self.gates, steps * batch, gates, gates),
+        );
+        if steps > 1 {
+            multiply_add(
+                ViewMut::new(on_state, hidden, gates, gates),
+                View::new(
+                    &self.joined[batch * width + input..],
+                    (steps - 1) * batch,
+                    hidden,
+                    width,
+                )
+                .t(),
+                View::new(
+                    &self.gates[batch * gates..],
+                    (steps - 1) * batch,
+                    gates,
+                    gates,
+                ),
+            );
+        }
+        add_rows(bias, &self.gates[..steps * batch * gates]);
+    }
+}
+
+/// c = f∘c₋ + i∘g, h = o∘tanh c; the gates are activated in place.
+#[inline(always)]
+fn activate<T: Real>(
+    gates: &mut [T],
+    before: &[T],
+    after: &mut [T],
+    bent: &mut [T],
+    hidden: &mut [T],
+) {
+    let n = hidden.len();
+    let (i, rest) = gates.split_at_mut(n);
+    let (f, rest) = rest.split_at_mut(n);
+    let (g, o) = rest.split_at_mut(n);
+    let (o, before, after, bent) = (&mut o[..n], &before[..n], &mut after[..n], &mut bent[..n]);
+    for k in 0..n {
+        i[k] = i[k].sigmoid();
+        f[k] = f[k].sigmoid();
+        g[k] = g[k].tanh();
+        o[k] = o[k].sigmoid();
+        after[k] = f[k] * before[k] + i[k] * g[k];
+        bent[k] = after[k].tanh();
+        hidden[k] = o[k] * bent[k];
+    }
+}
+
+/// Chain rule through [`activate`]: activated gates become gradients before activation.
+#[inline(always)]
+fn deactivate<T: Real>(gates: &mut [T], before: &[T], bent: &[T], dh: &[T], dc: &mut [T]) {
+    let n = dc.len();
+    let (i, rest) = gates.split_at_mut(n);
+    let (f, rest) = rest.split_at_mut(n);
+    let (g, o) = rest.split_at_mut(n);
+    let (o, before, bent, dh) = (&mut o[..n], &before[..n], &bent[..n], &dh[..n]);
+    for k in 0..n {
+        let d = dc[k] + dh[k] * o[k] * (T::ONE - bent[k] * bent[k]);
+        o[k] = dh[k] * bent[k] * o[k] * (T::ONE - o[k]);
+        dc[k] = d * f[k];
+        f[k] = d * before[k] * f[k] * (T::ONE - f[k]);
+        let input = i[k];
+        i[k] = d * g[k] * input * (T::ONE - input);
+        g[k] = d * input * (T::ONE - g[k] * g[k]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One step by hand: x = 1, h₀ = 0, one hidden unit, gate sums i = 0.5, f = 0, g = 1, o = −0.5.
+    /// i = σ(0.5) = 0.622459, g = tanh 1 = 0.761594, c = i·g = 0.474061, tanh c = 0.441475,
+    /// o = σ(−0.5) = 0.377541, h = o·tanh c = 0.166675.
+    #[test]
+    fn one_step_matches_the_hand_calculation() {
+        let mut lstm = Lstm::<f64>::new(Widths {
+            input: 1,
+            hidden: 1,
+        });
+        lstm.begin(1, 1);
+        lstm.input_mut(0, 0)[0] = 1.0;
+        let weight = [0.4, 0.0, 0.7, -0.6, 9.0, 9.0, 9.0, 9.0];
+        lstm.step(Arch::new(), 0, &weight, &[0.1, 0.0, 0.3, 0.1]);
+        assert!((lstm.cell[1] - 0.474061).abs() < 1e-6, "{}", lstm.cell[1]);
+        assert!((lstm.previous_row(1, 0)[0] - 0.166675).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,18 @@
+//! Forward and backward passes, written by hand over matrix kernels and checked against PyTorch.
+//!
+//! Everything is generic over f32 (training) and f64 (gradient checks). Sequences are time-major: the
+//! block of step t holds one row per element of the batch.
+
+mod attention;
+mod lstm;
+mod matmul;
+mod network;
+mod perceptron;
+mod real;
+mod recurrent;
+
+#[cfg(test)]
+mod gradient_tests;
+
+pub(crate) use network::{Dropout, Network, Span};
+pub(crate) use real::Real;

@@ -1,0 +1,72 @@
+//! What can go wrong in training.
+
+use std::path::PathBuf;
+
+/// Why a unit could not be trained.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The tables do not fit together.
+    #[error("training data: {0}")]
+    Samples(String),
+    /// A value that is not finite.
+    #[error(
+        "training data: {table} is not finite in row {row}, column {column}; remove or repair that sample"
+    )]
+    NotFinite {
+        /// `input`, `target` or `weight`.
+        table: &'static str,
+        /// Row, from 0.
+        row: usize,
+        /// Column, from 0.
+        column: usize,
+    },
+    /// Too few trajectories, or none with weight.
+    #[error("{0}")]
+    TooLittleData(String),
+    /// A setting out of its range.
+    #[error("setting `{setting}`: {problem}")]
+    Config {
+        /// Name of the field.
+        setting: &'static str,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The loss left the finite numbers.
+    #[error("training diverged in epoch {epoch}; lower the learning rate")]
+    Diverged {
+        /// Epoch, from 1.
+        epoch: usize,
+    },
+    /// The cancellation flag was raised; a checkpoint lies where one was asked for.
+    #[error("interrupted")]
+    Interrupted,
+    /// A checkpoint of other data, settings or seed.
+    #[error("{path}: the checkpoint belongs to other data or settings; start afresh without it")]
+    OtherCheckpoint {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A checkpoint that cannot be read.
+    #[error("{path}: unusable checkpoint ({problem}); start afresh without it")]
+    BadCheckpoint {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The file could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The trained unit was refused by the run-time.
+    #[error("trained unit: {0}")]
+    Unit(String),
+    /// The linear system of the closed form had no solution.
+    #[error("ridge regression: the normal equations could not be solved")]
+    Singular,
+}

@@ -1,0 +1,200 @@
+//! Settings of a unit and of its training, one line each with its default.
+
+use feedforward::network::{Architecture, Fade, Memory, Normalisation, Recurrent};
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+
+/// What one residual costs, in units of the normalised target.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "kind", deny_unknown_fields)]
+pub enum Loss {
+    /// ½ r².
+    Mse,
+    /// ½ r² up to |r| = delta, then delta·(|r| − delta/2).
+    Huber {
+        /// Where the cost turns linear.
+        delta: f32,
+    },
+}
+
+/// How the learning rate falls.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "kind", deny_unknown_fields)]
+pub enum Schedule {
+    /// It does not.
+    Constant,
+    /// Half a cosine over all epochs, from the rate to `end` times the rate.
+    Cosine {
+        /// Last rate over first rate.
+        end: f32,
+    },
+    /// Times `factor` whenever the validation error has not improved for `patience` epochs.
+    Plateau {
+        /// In (0, 1).
+        factor: f32,
+        /// Epochs to wait.
+        patience: usize,
+    },
+}
+
+/// Settings of the training loop.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Training {
+    /// Passes over the training samples, at most (60).
+    pub epochs: usize,
+    /// Samples, or chunks of carried state, per step (256).
+    pub batch: usize,
+    /// Adam's rate at the start (0.002).
+    pub learning_rate: f32,
+    /// How it falls (cosine to 0.01).
+    pub schedule: Schedule,
+    /// Decoupled weight decay per step, times the rate (1e-4).
+    pub weight_decay: f32,
+    /// Share of the encoder's and re-encoder's outputs dropped in training (0.1).
+    pub dropout: f32,
+    /// Largest Euclidean norm of a gradient (1).
+    pub clip: f32,
+    /// Cost of a residual (Huber at one deviation).
+    pub loss: Loss,
+    /// Epochs without a better validation error before training stops (12).
+    pub patience: usize,
+    /// Carried state: samples per chunk through which gradients flow (64).
+    pub chunk: usize,
+    /// Carried state: first samples of a chunk inside a trajectory that only fill the state (16).
+    pub fill: usize,
+}
+
+impl Default for Training {
+    fn default() -> Self {
+        Self {
+            epochs: 60,
+            batch: 256,
+            learning_rate: 0.002,
+            schedule: Schedule::Cosine { end: 0.01 },
+            weight_decay: 1e-4,
+            dropout: 0.1,
+            clip: 1.0,
+            loss: Loss::Huber { delta: 1.0 },
+            patience: 12,
+            chunk: 64,
+            fill: 16,
+        }
+    }
+}
+
+/// Everything that decides how a unit is trained, but its data and seeds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct UnitConfig {
+    /// What it computes (LSTM 32, attention 32, LSTM 32 on windows of 3).
+    pub architecture: Architecture,
+    /// Scaling of inputs and target (z-score).
+    pub normalisation: Normalisation,
+    /// Where its output fades outside the training inputs.
+    pub fade: Fade,
+    /// Networks trained from different seeds whose outputs are averaged (1).
+    pub members: usize,
+    /// Validation error must fall at least by this share, or the unit is switched off (0.01).
+    pub least_gain: f32,
+    /// The loop.
+    pub training: Training,
+}
+
+fn recurrent(width: usize, timestep: usize) -> Architecture {
+    Architecture::Recurrent(Recurrent {
+        encoder: width,
+        attention: Some(width),
+        reencoder: width,
+        memory: Memory::Window { timestep },
+    })
+}
+
+impl Default for UnitConfig {
+    fn default() -> Self {
+        Self {
+            architecture: recurrent(32, 3),
+            normalisation: Normalisation::ZScore,
+            fade: Fade::default(),
+            members: 1,
+            least_gain: 0.01,
+            training: Training::default(),
+        }
+    }
+}
+
+impl UnitConfig {
+    /// The published unit: 128 + 128, windows of 3, min–max scaling, dropout 0.5, squared error.
+    ///
+    /// The paper gives Adam 0.05, at which these widths do not train (the loss stays at its first value or
+    /// diverges); 0.002 with a cosine fall is used instead.
+    pub fn ucm() -> Self {
+        Self {
+            architecture: recurrent(128, 3),
+            normalisation: Normalisation::MinMax,
+            training: Training {
+                batch: 512,
+                weight_decay: 0.0,
+                dropout: 0.5,
+                loss: Loss::Mse,
+                epochs: 40,
+                ..Training::default()
+            },
+            ..Self::default()
+        }
+    }
+
+    /// Refuses settings that cannot work.
+    ///
+    /// # Errors
+    /// [`Error::Config`] naming the field.
+    pub fn check(&self) -> Result<(), Error> {
+        let t = &self.training;
+        let positive = |x: f32| x > 0.0 && x.is_finite();
+        let refuse = |setting, problem: &str| {
+            Err(Error::Config {
+                setting,
+                problem: problem.into(),
+            })
+        };
+        match () {
+            () if self.members == 0 => refuse("members", "at least one network is needed"),
+            () if t.epochs == 0 => refuse("epochs", "at least one pass is needed"),
+            () if t.batch == 0 => refuse("batch", "at least one sample is needed"),
+            () if !positive(t.learning_rate) => refuse("learning_rate", "must be positive"),
+            () if !(0.0..1.0).contains(&t.dropout) => refuse("dropout", "must be in [0, 1)"),
+            () if !positive(t.clip) => refuse("clip", "must be positive"),
+            () if !(t.weight_decay >= 0.0 && t.weight_decay.is_finite()) => {
+                refuse("weight_decay", "must not be negative")
+            }
+            () if t.chunk <= t.fill => refuse("chunk", "must be longer than `fill`"),
+            () if !(self.fade.start >= 0.0
+                && self.fade.end > self.fade.start
+                && self.fade.end.is_finite()) =>
+            {
+                refuse("fade", "must start at 0 or above and end later")
+            }
+            () if matches!(t.loss, Loss::Huber { delta } if !positive(delta)) => {
+                refuse("loss.delta", "must be positive")
+            }
+            () if matches!(t.schedule, Schedule::Plateau { factor, .. } if !(factor > 0.0 && factor < 1.0)) => {
+                refuse("schedule.factor", "must be in (0, 1)")
+            }
+            () if matches!(t.schedule, Schedule::Cosine { end } if !(0.0..=1.0).contains(&end)) => {
+                refuse("schedule.end", "must be in [0, 1]")
+            }
+            () if self
+                .architecture
+                .parameter_count(1)
+                .is_none_or(|n| n > 1 << 28) =>
+            {
+                refuse(
+                    "architecture",
+                    "every width must be positive and the network below 268 million parameters",
+                )
+            }
+            () => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,410 @@
+//! From jobs to trained units: normalisation and bounds, one network per seed, all cores, switch-off.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
+use std::time::{Duration, Instant};
+
+use feedforward::network::{Bounds, Normaliser, Unit};
+use sha2::{Digest, Sha256};
+
+use super::batches::{Gatherer, Item, Layout};
+use super::config::UnitConfig;
+use super::samples::{Samples, Split};
+use super::trainer::{Epoch, State, Trainer, resume};
+use super::{checkpoint, predict::predict};
+use crate::Error;
+
+/// One unit to train.
+#[derive(Debug, Clone)]
+pub struct Job<'a> {
+    /// Joint whose residual torque the target is.
+    pub joint: usize,
+    /// Input columns the unit sees: its input control module.
+    pub columns: Vec<usize>,
+    /// Data.
+    pub samples: Samples<'a>,
+    /// Which trajectories are fitted and which validate.
+    pub split: Split,
+    /// Settings.
+    pub config: UnitConfig,
+    /// Seed of the first member; the others follow.
+    pub seed: u64,
+}
+
+/// How a training is run: nothing here changes its result.
+#[derive(Clone, Copy)]
+pub struct Control<'a> {
+    /// Threads; networks are trained independently, one per thread.
+    pub threads: usize,
+    /// Directory for checkpoints, one file per network, written after every epoch. Found there, they are
+    /// resumed. The caller removes it once the result is safe.
+    pub checkpoints: Option<&'a std::path::Path>,
+    /// Raised from outside to stop between batches.
+    pub cancel: Option<&'a AtomicBool>,
+    /// Called after every epoch of every network, from any thread.
+    pub progress: Option<&'a (dyn Fn(&Progress) + Sync)>,
+}
+
+impl Default for Control<'_> {
+    fn default() -> Self {
+        Self {
+            threads: 1,
+            checkpoints: None,
+            cancel: None,
+            progress: None,
+        }
+    }
+}
+
+/// State of one network, and an estimate for all of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Progress {
+    /// Index of the job.
+    pub job: usize,
+    /// Joint of the job.
+    pub joint: usize,
+    /// Which of the job's networks, from 0.
+    pub member: usize,
+    /// Finished epochs of this network.
+    pub epoch: usize,
+    /// Most epochs it may take.
+    pub epochs: usize,
+    /// The epoch's figures.
+    pub last: Epoch,
+    /// Smallest validation error so far, N·m.
+    pub best_validation_rmse: Option<f64>,
+    /// Whether this network is done.
+    pub finished: bool,
+    /// Time left for all networks, if none stops early.
+    pub remaining: Duration,
+}
+
+/// How the training of a unit went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// Every epoch of every network.
+    pub history: Vec<Vec<Epoch>>,
+    /// Epoch whose weights were kept, per network, from 0.
+    pub best_epoch: Vec<usize>,
+    /// Validation error with the unit, N·m; bounds and averaging included.
+    pub validation_rmse: Option<f64>,
+    /// Validation error without it, N·m.
+    pub validation_rmse_off: Option<f64>,
+}
+
+/// A trained unit and how it came about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trained {
+    /// Ready for the run-time; off where it did not help.
+    pub unit: Unit,
+    /// History and validation.
+    pub report: Report,
+}
+
+/// A job with what all its networks share.
+pub(super) struct Prepared<'a, 'd> {
+    pub(super) job: &'a Job<'d>,
+    pub(super) input: Normaliser,
+    pub(super) target: Normaliser,
+    pub(super) bounds: Bounds,
+    train: Vec<Item>,
+    validation: Vec<Item>,
+    level: f32,
+    fingerprint: String,
+}
+
+impl<'a, 'd> Prepared<'a, 'd> {
+    pub(super) fn new(job: &'a Job<'d>) -> Result<Self, Error> {
+        let (samples, config) = (&job.samples, &job.config);
+        config.check()?;
+        job.split.check(samples)?;
+        if job.columns.is_empty() || job.columns.iter().any(|&c| c >= samples.columns()) {
+            let problem = format!("input columns {:?} of {}", job.columns, samples.columns());
+            return Err(Error::Samples(problem));
+        }
+        let d = job.columns.len();
+        let rows: Vec<usize> = job
+            .split
+            .train
+            .iter()
+            .flat_map(|&t| samples.trajectories()[t].clone())
+            .filter(|&row| samples.weight(row) > 0.0)
+            .collect();
+        let mut table = vec![0.0; rows.len() * d];
+        for (out, &row) in table.chunks_exact_mut(d).zip(&rows) {
+            samples.gather(row, &job.columns, out);
+        }
+        let unusable = |what: &str| {
+            Error::Samples(format!(
+                "{what} of the training inputs overflows single precision"
+            ))
+        };
+        let input = Normaliser::fit(config.normalisation, d, table.chunks_exact(d))
+            .ok_or_else(|| unusable("the span"))?;
+        let targets: Vec<f32> = rows.iter().map(|&row| samples.target(row)).collect();
+        let target = Normaliser::fit(config.normalisation, 1, targets.chunks_exact(1))
+            .ok_or_else(|| unusable("the target"))?;
+        for row in table.chunks_exact_mut(d) {
+            row.iter_mut()
+                .enumerate()
+                .for_each(|(j, x)| *x = input.apply(j, *x));
+        }
+        let limit = targets.iter().fold(0.0_f32, |m, y| m.max(y.abs()));
+        let bounds = Bounds::fit(d, table.chunks_exact(d), limit, config.fade)
+            .ok_or_else(|| unusable("the covariance"))?;
+        let mean = targets.iter().map(|&y| f64::from(y)).sum::<f64>() / targets.len() as f64;
+        let layout = Layout::new(&config.architecture, &config.training);
+        let mut hash = Sha256::new();
+        samples.digest(&job.columns, &mut hash);
+        hash.update(format!("{:?} {:?} {:?}", config, job.split, job.columns));
+        Ok(Self {
+            job,
+            level: target.apply(0, mean as f32),
+            input,
+            target,
+            bounds,
+            train: layout.items(samples, &job.split.train),
+            validation: layout.items(samples, &job.split.validation),
+            fingerprint: hash.finalize().iter().map(|b| format!("{b:02x}")).collect(),
+        })
+    }
+
+    /// Unit with the given members, on.
+    pub(super) fn unit(&self, members: Vec<Vec<f32>>) -> Unit {
+        Unit {
+            joint: self.job.joint,
+            enabled: true,
+            architecture: self.job.config.architecture.clone(),
+            columns: self.job.columns.clone(),
+            input: self.input.clone(),
+            target: self.target.clone(),
+            bounds: self.bounds.clone(),
+            members,
+        }
+    }
+
+    /// Scores the unit on the validation trajectories and switches it off where it does not help.
+    pub(super) fn judge(&self, mut unit: Unit) -> Result<(Unit, Option<f64>, Option<f64>), Error> {
+        let job = self.job;
+        if job.split.validation.is_empty() {
+            return Ok((unit, None, None));
+        }
+        let predicted = predict(&unit, &job.samples, &job.split.validation)?;
+        let (mut with, mut without, mut total) = (0.0, 0.0, 0.0);
+        for row in job
+            .split
+            .validation
+            .iter()
+            .flat_map(|&t| job.samples.trajectories()[t].clone())
+        {
+            let (w, y) = (
+                f64::from(job.samples.weight(row)),
+                f64::from(job.samples.target(row)),
+            );
+            with += w * (y - f64::from(predicted[row])).powi(2);
+            without += w * y * y;
+            total += w;
+        }
+        let (with, without) = ((with / total).sqrt(), (without / total).sqrt());
+        unit.enabled = with <= without * (1.0 - f64::from(job.config.least_gain));
+        Ok((unit, Some(with), Some(without)))
+    }
+
+    fn network(
+        &self,
+        member: usize,
+        path: Option<PathBuf>,
+        control: &Control,
+        report: impl Fn(&State),
+    ) -> Result<State, Error> {
+        let config = &self.job.config;
+        let seed = self.job.seed.wrapping_add(member as u64);
+        let layout = Layout::new(&config.architecture, &config.training);
+        let gather = Gatherer {
+            samples: self.job.samples,
+            columns: &self.job.columns,
+            input: &self.input,
+            target: &self.target,
+            bounds: &self.bounds,
+            layout,
+        };
+        let fingerprint = format!("{}-{seed}", self.fingerprint);
+        let count = config
+            .architecture
+            .parameter_count(self.job.columns.len())
+            .unwrap_or(0);
+        let state = resume(path.as_deref(), &fingerprint, count)?;
+        let items = (&self.train[..], &self.validation[..]);
+        let mut trainer = Trainer::new(
+            &gather,
+            (&config.architecture, &config.training),
+            items,
+            seed,
+            self.level,
+            state,
+        )?;
+        let run = trainer.run(control.cancel, |state| {
+            report(state);
+            path.as_deref()
+                .map_or(Ok(()), |path| checkpoint::save(path, &fingerprint, state))
+        });
+        if let (Err(Error::Interrupted), Some(path)) = (&run, &path) {
+            checkpoint::save(path, &fingerprint, &trainer.state)?;
+        }
+        run.map(|()| trainer.state)
+    }
+}
+
+/// Trains every job; the result does not depend on the number of threads.
+///
+/// # Errors
+/// The first job's error, in the order of the jobs; [`Error::Interrupted`] once the flag is raised.
+pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
+    let prepared = jobs
+        .iter()
+        .map(Prepared::new)
+        .collect::<Result<Vec<_>, _>>()?;
+    if let Some(directory) = control.checkpoints {
+        std::fs::create_dir_all(directory).map_err(|source| Error::Io {
+            path: directory.to_owned(),
+            source,
+        })?;
+    }
+    let tasks: Vec<(usize, usize)> = jobs
+        .iter()
+        .enumerate()
+        .flat_map(|(i, job)| (0..job.config.members).map(move |m| (i, m)))
+        .collect();
+    let results: Vec<OnceLock<Result<State, Error>>> =
+        tasks.iter().map(|_| OnceLock::new()).collect();
+    let next = AtomicUsize::new(0);
+    let clock = Clock::new(&tasks, &prepared);
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&(i, member)) = tasks.get(index) else {
+                break;
+            };
+            let path = control
+                .checkpoints
+                .map(|d| d.join(format!("unit{i}-member{member}.safetensors")));
+            let result = prepared[i].network(member, path, control, |state| {
+                let remaining = clock.epoch_done(index, state);
+                if let Some(progress) = control.progress {
+                    progress(&describe(&prepared[i], (i, member), state, remaining));
+                }
+            });
+            // Each index is taken once, so the cell is empty.
+            let _ = results[index].set(result);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..control.threads.clamp(1, tasks.len().max(1)) {
+            scope.spawn(work);
+        }
+        work();
+    });
+    let mut states = results
+        .into_iter()
+        .map(|cell| cell.into_inner().unwrap_or(Err(Error::Interrupted)));
+    prepared
+        .iter()
+        .map(|p| {
+            let states = states
+                .by_ref()
+                .take(p.job.config.members)
+                .collect::<Result<Vec<State>, _>>()?;
+            let history = states.iter().map(|s| s.progress.history.clone()).collect();
+            let best_epoch = states.iter().map(|s| s.progress.best_epoch).collect();
+            let unit = p.unit(states.into_iter().map(|s| s.best).collect());
+            let (unit, validation_rmse, validation_rmse_off) = p.judge(unit)?;
+            Ok(Trained {
+                unit,
+                report: Report {
+                    history,
+                    best_epoch,
+                    validation_rmse,
+                    validation_rmse_off,
+                },
+            })
+        })
+        .collect()
+}
+
+fn describe(
+    p: &Prepared,
+    (job, member): (usize, usize),
+    state: &State,
+    remaining: Duration,
+) -> Progress {
+    let position = &state.progress;
+    let last = position.history.last().copied().unwrap_or(Epoch {
+        train_loss: f64::NAN,
+        validation_rmse: None,
+    });
+    Progress {
+        job,
+        joint: p.job.joint,
+        member,
+        epoch: position.history.len(),
+        epochs: p.job.config.training.epochs,
+        last,
+        best_validation_rmse: position
+            .history
+            .get(position.best_epoch)
+            .and_then(|e| e.validation_rmse),
+        finished: position.finished,
+        remaining,
+    }
+}
+
+/// Estimates the time left from epochs done, each weighted by samples × parameters.
+struct Clock {
+    started: Instant,
+    /// Per network: cost of an epoch, epochs left, epochs done here.
+    left: Mutex<Vec<(f64, usize, usize)>>,
+}
+
+impl Clock {
+    fn new(tasks: &[(usize, usize)], prepared: &[Prepared]) -> Self {
+        let left = tasks.iter().map(|&(i, _)| {
+            let p = &prepared[i];
+            let count = p
+                .job
+                .config
+                .architecture
+                .parameter_count(p.job.columns.len())
+                .unwrap_or(1);
+            (
+                p.train.len() as f64 * count as f64,
+                p.job.config.training.epochs,
+                0,
+            )
+        });
+        Self {
+            started: Instant::now(),
+            left: Mutex::new(left.collect()),
+        }
+    }
+
+    fn epoch_done(&self, index: usize, state: &State) -> Duration {
+        let mut left = self
+            .left
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner());
+        let (_, epochs, done) = &mut left[index];
+        *done += 1;
+        *epochs = if state.progress.finished {
+            0
+        } else {
+            epochs.saturating_sub(1)
+        };
+        let (mut ahead, mut behind) = (0.0, 0.0);
+        for &(cost, epochs, done) in left.iter() {
+            ahead += cost * epochs as f64;
+            behind += cost * done as f64;
+        }
+        self.started.elapsed().mul_f64(ahead / behind)
+    }
+}

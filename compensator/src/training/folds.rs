@@ -1,0 +1,126 @@
+//! Cross-validation by whole trajectories, or whole groups of repeats.
+
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use super::ensemble::{Control, Job, Trained, train};
+use super::predict::predict;
+use super::samples::Split;
+use crate::Error;
+
+/// One fold: what is trained on, and what is left out of everything.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fold {
+    /// Fitted and validated trajectories.
+    pub split: Split,
+    /// Held-out trajectories.
+    pub test: Vec<usize>,
+}
+
+/// `k` folds of trajectories; those with the same entry in `groups` (repeats of one motion) stay together.
+///
+/// Groups are shuffled by the seed and dealt out; fold f tests on part f, validates on part f + 1 and
+/// fits the rest.
+///
+/// # Errors
+/// [`Error::TooLittleData`] where there are fewer than `k` groups, or `k` is below 3.
+pub fn folds(groups: &[usize], k: usize, seed: u64) -> Result<Vec<Fold>, Error> {
+    let mut distinct = groups.to_vec();
+    distinct.sort_unstable();
+    distinct.dedup();
+    if k < 3 || distinct.len() < k {
+        let problem = format!(
+            "{} groups of trajectories for {k} folds; 3 or more folds need a group each",
+            distinct.len()
+        );
+        return Err(Error::TooLittleData(problem));
+    }
+    distinct.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    let part = |group: usize| {
+        distinct
+            .iter()
+            .position(|&g| g == group)
+            .map_or(0, |p| p % k)
+    };
+    let of = |wanted: &dyn Fn(usize) -> bool| {
+        (0..groups.len())
+            .filter(|&t| wanted(part(groups[t])))
+            .collect()
+    };
+    let fold = |f: usize| {
+        let next = (f + 1) % k;
+        let split = Split {
+            train: of(&|p| p != f && p != next),
+            validation: of(&|p| p == next),
+        };
+        Fold {
+            split,
+            test: of(&|p| p == f),
+        }
+    };
+    Ok((0..k).map(fold).collect())
+}
+
+/// Trains `job` on every fold and predicts each sample by the unit that never saw its trajectory.
+///
+/// The job's own split is ignored. Returns the units, and the held-out predictions (N·m) of all rows.
+///
+/// # Errors
+/// As [`train`].
+pub fn cross_validate(
+    job: &Job,
+    folds: &[Fold],
+    control: &Control,
+) -> Result<(Vec<Trained>, Vec<f32>), Error> {
+    let jobs: Vec<Job> = folds
+        .iter()
+        .map(|fold| Job {
+            split: fold.split.clone(),
+            ..job.clone()
+        })
+        .collect();
+    let trained = train(&jobs, control)?;
+    let mut torque = vec![0.0; job.samples.rows()];
+    for (fold, t) in folds.iter().zip(&trained) {
+        let predicted = predict(&t.unit, &job.samples, &fold.test)?;
+        for row in fold
+            .test
+            .iter()
+            .flat_map(|&t| job.samples.trajectories()[t].clone())
+        {
+            torque[row] = predicted[row];
+        }
+    }
+    Ok((trained, torque))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_trajectory_is_tested_once_and_groups_stay_together() {
+        let groups = [0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5];
+        let folds = folds(&groups, 3, 1).unwrap();
+        let mut tested = [0; 12];
+        for fold in &folds {
+            fold.test.iter().for_each(|&t| tested[t] += 1);
+            let sides = [&fold.test, &fold.split.train, &fold.split.validation];
+            assert_eq!(sides.iter().map(|s| s.len()).sum::<usize>(), 12);
+            for side in sides {
+                assert!(
+                    side.iter().all(|t| side.contains(&((t + 6) % 12))),
+                    "a group was torn apart"
+                );
+            }
+        }
+        assert_eq!(tested, [1; 12]);
+    }
+
+    #[test]
+    fn too_few_groups_are_refused() {
+        assert!(folds(&[0, 0, 1], 3, 0).is_err());
+        assert!(folds(&[0, 1, 2], 2, 0).is_err());
+    }
+}

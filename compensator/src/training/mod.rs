@@ -1,0 +1,21 @@
+//! Training of one unit, of an ensemble of seeds, and of all units on all cores.
+
+mod adam;
+mod batches;
+mod checkpoint;
+mod config;
+mod ensemble;
+mod folds;
+mod loss;
+mod predict;
+mod ridge;
+mod samples;
+mod trainer;
+
+pub use config::{Loss, Schedule, Training, UnitConfig};
+pub use ensemble::{Control, Job, Progress, Report, Trained, train};
+pub use folds::{Fold, cross_validate, folds};
+pub use predict::predict;
+pub use ridge::train_ridge;
+pub use samples::{Samples, Split};
+pub use trainer::Epoch;
