@@ -1,0 +1,438 @@
+//! Curves, points and bands over a shared horizontal axis.
+
+use super::decimate::{MAX_POINTS, extremes, thin};
+use super::draw::{Legend, TITLE, horizontal_axis, vertical_axis, widest};
+use super::scale::{Scale, padded, range};
+use super::svg::{Anchor, Svg};
+use super::{Figure, Ink};
+use std::ops::Range;
+
+/// One or several panels above each other over the same horizontal axis.
+///
+/// ```
+/// use report::figure::{Ink, Panel, Plot};
+/// let time: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
+/// let torque: Vec<f64> = time.iter().map(|t| (6.0 * t).sin()).collect();
+/// let figure = Plot::new("Elbow", "time / s")
+///     .panel(Panel::new("torque / N·m").line("measured", Ink::Measured, &time, &torque))
+///     .draw("One second of motion.");
+/// assert!(figure.svg.starts_with("<svg"));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Plot {
+    title: String,
+    x_label: String,
+    log_x: bool,
+    width: f64,
+    panels: Vec<Panel>,
+    markers: Vec<(f64, String)>,
+}
+
+/// One pair of axes of a [`Plot`].
+#[derive(Clone, Debug)]
+pub struct Panel {
+    y_label: String,
+    log_y: bool,
+    height: f64,
+    layers: Vec<Layer>,
+}
+
+#[derive(Clone, Debug)]
+struct Layer {
+    name: String,
+    ink: Ink,
+    shape: Shape,
+}
+
+#[derive(Clone, Debug)]
+enum Shape {
+    /// Curves without a connection between them.
+    Curves(Vec<Vec<(f64, f64)>>),
+    Points(Vec<(f64, f64)>),
+    /// (x, low, high)
+    Band(Vec<(f64, f64, f64)>),
+}
+
+impl Panel {
+    /// An empty panel; name the unit in the label, as in `torque / N·m`.
+    pub fn new(y_label: impl Into<String>) -> Self {
+        Self {
+            y_label: y_label.into(),
+            log_y: false,
+            height: 220.0,
+            layers: Vec::new(),
+        }
+    }
+
+    /// Height of the plot area in CSS pixels; default 220.
+    pub fn height(mut self, pixels: f64) -> Self {
+        self.height = pixels.clamp(40.0, 2000.0);
+        self
+    }
+
+    /// A logarithmic vertical axis; values that are not positive are left out.
+    pub fn log(mut self) -> Self {
+        self.log_y = true;
+        self
+    }
+
+    /// A curve. It is interrupted where x or y is not finite; beyond [`MAX_POINTS`] it is thinned
+    /// so that extremes survive.
+    pub fn line(self, name: &str, ink: Ink, x: &[f64], y: &[f64]) -> Self {
+        self.segments(name, ink, x, y, std::slice::from_ref(&(0..x.len())))
+    }
+
+    /// Curves over these row ranges (trajectories), without a connection between them.
+    pub fn segments(
+        mut self,
+        name: &str,
+        ink: Ink,
+        x: &[f64],
+        y: &[f64],
+        rows: &[Range<usize>],
+    ) -> Self {
+        let rows = rows
+            .iter()
+            .map(|r| r.start.min(x.len().min(y.len()))..r.end.min(x.len().min(y.len())))
+            .flat_map(|r| finite_runs(x, y, r))
+            .collect::<Vec<_>>();
+        let total: usize = rows.iter().map(ExactSizeIterator::len).sum();
+        let pieces = rows
+            .into_iter()
+            .map(|r| {
+                let share = (MAX_POINTS * r.len()).div_ceil(total.max(1));
+                let budget = if total > MAX_POINTS { share } else { r.len() };
+                extremes(&y[r.clone()], budget.max(2))
+                    .into_iter()
+                    .map(|i| (x[r.start + i], y[r.start + i]))
+                    .collect()
+            })
+            .collect();
+        self.layers.push(Layer {
+            name: name.to_owned(),
+            ink,
+            shape: Shape::Curves(pieces),
+        });
+        self
+    }
+
+    /// A cloud of points; where many fall on one spot, one is drawn.
+    pub fn points(mut self, name: &str, ink: Ink, x: &[f64], y: &[f64]) -> Self {
+        let points = std::iter::zip(x, y)
+            .map(|(&x, &y)| (x, y))
+            .filter(|(x, y)| x.is_finite() && y.is_finite())
+            .collect();
+        self.layers.push(Layer {
+            name: name.to_owned(),
+            ink,
+            shape: Shape::Points(points),
+        });
+        self
+    }
+
+    /// The area between `low` and `high`.
+    pub fn band(mut self, name: &str, ink: Ink, x: &[f64], low: &[f64], high: &[f64]) -> Self {
+        let edges = std::iter::zip(x, std::iter::zip(low, high))
+            .map(|(&x, (&low, &high))| (x, low, high))
+            .filter(|(x, low, high)| x.is_finite() && low.is_finite() && high.is_finite())
+            .collect();
+        self.layers.push(Layer {
+            name: name.to_owned(),
+            ink,
+            shape: Shape::Band(edges),
+        });
+        self
+    }
+
+    /// The mean of `y` in `bins` equal bins of `x` as a curve, with a band of one standard deviation;
+    /// bins of fewer than five samples are left out.
+    pub fn binned(self, name: &str, ink: Ink, x: &[f64], y: &[f64], bins: usize) -> Self {
+        let b = Bins::of(x, y, bins);
+        let edge = |sign: f64| -> Vec<f64> {
+            std::iter::zip(&b.mean, &b.std)
+                .map(|(m, s)| m + sign * s)
+                .collect()
+        };
+        self.band(name, ink, &b.center, &edge(-1.0), &edge(1.0))
+            .line(name, ink, &b.center, &b.mean)
+    }
+
+    /// All coordinates of one kind: x, or y.
+    fn values(&self, x: bool) -> impl Iterator<Item = f64> + '_ {
+        self.layers.iter().flat_map(move |layer| {
+            let values: Vec<f64> = match &layer.shape {
+                Shape::Curves(pieces) => pieces
+                    .iter()
+                    .flatten()
+                    .map(|p| if x { p.0 } else { p.1 })
+                    .collect(),
+                Shape::Points(points) => points.iter().map(|p| if x { p.0 } else { p.1 }).collect(),
+                Shape::Band(edges) if x => edges.iter().map(|e| e.0).collect(),
+                Shape::Band(edges) => edges.iter().flat_map(|e| [e.1, e.2]).collect(),
+            };
+            values
+        })
+    }
+
+    fn y_scale(&self, top: f64) -> Scale {
+        let found = range(self.values(false), self.log_y);
+        let found = if self.log_y {
+            found
+        } else {
+            padded(found, 0.06)
+        };
+        Scale::new(found, (top + self.height, top), self.log_y)
+    }
+}
+
+impl Plot {
+    /// A plot without panels; name the unit in the label, as in `time / s`.
+    pub fn new(title: impl Into<String>, x_label: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            x_label: x_label.into(),
+            log_x: false,
+            width: 960.0,
+            panels: Vec::new(),
+            markers: Vec::new(),
+        }
+    }
+
+    /// Half the page's width, for figures side by side.
+    pub fn half_width(mut self) -> Self {
+        self.width = 470.0;
+        self
+    }
+
+    /// A logarithmic horizontal axis.
+    pub fn log_x(mut self) -> Self {
+        self.log_x = true;
+        self
+    }
+
+    /// Adds a panel below the others.
+    pub fn panel(mut self, panel: Panel) -> Self {
+        self.panels.push(panel);
+        self
+    }
+
+    /// A labelled vertical line, as for a resonance or an order of rotation.
+    pub fn marker(mut self, x: f64, label: impl Into<String>) -> Self {
+        self.markers.push((x, label.into()));
+        self
+    }
+
+    /// Draws it.
+    pub fn draw(&self, caption: impl Into<String>) -> Figure {
+        let names = self.panels.iter().flat_map(|p| &p.layers);
+        let legend = Legend::new(names.map(|l| (l.name.as_str(), l.ink)), self.width - 60.0);
+        let mut top = TITLE + legend.height + if self.markers.is_empty() { 4.0 } else { 18.0 };
+        let height = top + self.panels.iter().map(|p| p.height + 14.0).sum::<f64>() + 32.0;
+
+        let scales: Vec<(Scale, Vec<(f64, String)>)> = self
+            .panels
+            .iter()
+            .map(|panel| {
+                let scale = panel.y_scale(top);
+                top += panel.height + 14.0;
+                let ticks = scale.ticks((panel.height / 45.0) as usize);
+                (scale, ticks)
+            })
+            .collect();
+        let numbers = scales.iter().flat_map(|s| s.1.iter().map(|t| t.1.as_str()));
+        let left = 30.0 + widest(numbers).max(20.0);
+        let right = self.width - 12.0;
+        let x_range = range(self.panels.iter().flat_map(|p| p.values(true)), self.log_x);
+        let x = Scale::new(x_range, (left, right), self.log_x);
+        let x_ticks = x.ticks(((right - left) / 90.0) as usize);
+
+        let mut svg = Svg::new(self.width, height, &self.title);
+        svg.text("ft", (2.0, 15.0), Anchor::Start, &self.title);
+        legend.draw(&mut svg, left, TITLE);
+        for (index, (panel, (y, ticks))) in self.panels.iter().zip(&scales).enumerate() {
+            let (upper, lower) = (y.at(f64::INFINITY), y.at(f64::NEG_INFINITY));
+            let last = index + 1 == self.panels.len();
+            horizontal_axis(&mut svg, &x, &x_ticks, (upper, lower), last);
+            vertical_axis(&mut svg, y, ticks, left, right);
+            if y.contains(0.0) && !panel.log_y {
+                svg.line("z", (left, y.at(0.0)), (right, y.at(0.0)));
+            }
+            svg.upward_text("l", (11.0, (upper + lower) / 2.0), &panel.y_label);
+            for (at, label) in self.markers.iter().filter(|m| x.contains(m.0)) {
+                svg.line("m", (x.at(*at), upper), (x.at(*at), lower));
+                if index == 0 {
+                    svg.text("t", (x.at(*at), upper - 5.0), Anchor::Middle, label);
+                }
+            }
+            for layer in &panel.layers {
+                layer.draw(&mut svg, &x, y, panel.log_y);
+            }
+            svg.line("a", (left, lower), (right, lower));
+        }
+        svg.text(
+            "l",
+            ((left + right) / 2.0, height - 4.0),
+            Anchor::Middle,
+            &self.x_label,
+        );
+        Figure {
+            svg: svg.finish(),
+            caption: caption.into(),
+        }
+    }
+}
+
+impl Layer {
+    fn draw(&self, svg: &mut Svg, x: &Scale, y: &Scale, log_y: bool) {
+        let ink = self.ink.class();
+        let seen = |v: f64| !log_y || v > 0.0;
+        match &self.shape {
+            Shape::Curves(pieces) => {
+                let pieces: Vec<Vec<(f64, f64)>> = pieces
+                    .iter()
+                    .map(|piece| {
+                        let visible = piece.iter().filter(|p| seen(p.1));
+                        visible.map(|p| (x.at(p.0), y.at(p.1))).collect()
+                    })
+                    .collect();
+                svg.polylines(&format!("c {ink}"), &pieces);
+            }
+            Shape::Points(points) => {
+                let visible = points.iter().filter(|p| seen(p.1));
+                let pixels: Vec<(f64, f64)> = visible.map(|p| (x.at(p.0), y.at(p.1))).collect();
+                svg.dots(&format!("p {ink}"), &thin(&pixels, 2.0));
+            }
+            Shape::Band(edges) => {
+                let low = edges.iter().map(|e| (x.at(e.0), y.at(e.1)));
+                let high = edges.iter().map(|e| (x.at(e.0), y.at(e.2)));
+                let outline: Vec<(f64, f64)> = high.chain(low.rev()).collect();
+                svg.area(&format!("b {ink}"), &outline);
+            }
+        }
+    }
+}
+
+/// Runs of rows where both coordinates are finite.
+fn finite_runs(x: &[f64], y: &[f64], rows: Range<usize>) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut start = None;
+    for i in rows.clone() {
+        match (x[i].is_finite() && y[i].is_finite(), start) {
+            (true, None) => start = Some(i),
+            (false, Some(from)) => {
+                runs.push(from..i);
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    if let Some(from) = start {
+        runs.push(from..rows.end);
+    }
+    runs
+}
+
+/// Mean and standard deviation of y by bin of x.
+struct Bins {
+    center: Vec<f64>,
+    mean: Vec<f64>,
+    std: Vec<f64>,
+}
+
+impl Bins {
+    const FEWEST_SAMPLES: usize = 5;
+
+    fn of(x: &[f64], y: &[f64], bins: usize) -> Self {
+        let pairs = || {
+            std::iter::zip(x, y)
+                .map(|(&x, &y)| (x, y))
+                .filter(|(x, y)| x.is_finite() && y.is_finite())
+        };
+        let (low, high) = range(pairs().map(|p| p.0), false);
+        let width = (high - low) / bins.max(1) as f64;
+        let mut members = vec![Vec::new(); bins.max(1)];
+        for (x, y) in pairs() {
+            let bin = if width > 0.0 {
+                ((x - low) / width) as usize
+            } else {
+                0
+            };
+            members[bin.min(bins.max(1) - 1)].push(y);
+        }
+        let mut found = Self {
+            center: Vec::new(),
+            mean: Vec::new(),
+            std: Vec::new(),
+        };
+        for (bin, y) in members.iter().enumerate() {
+            if y.len() < Self::FEWEST_SAMPLES {
+                continue;
+            }
+            let n = y.len() as f64;
+            let mean = y.iter().sum::<f64>() / n;
+            let variance = y.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
+            found.center.push(low + (bin as f64 + 0.5) * width);
+            found.mean.push(mean);
+            found.std.push(variance.sqrt());
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_hold_mean_and_deviation() {
+        // Five samples below 1 with mean 2 and deviation √2, three above: too few.
+        let x = [0.0, 0.1, 0.2, 0.3, 0.4, 1.8, 1.9, 2.0];
+        let y = [0.0, 1.0, 2.0, 3.0, 4.0, 9.0, 9.0, 9.0];
+        let bins = Bins::of(&x, &y, 2);
+        assert_eq!((bins.center, bins.mean), (vec![0.5], vec![2.0]));
+        assert!((bins.std[0] - 2.0_f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn curves_are_interrupted_at_gaps_and_breaks() {
+        let x: Vec<f64> = (0..8).map(f64::from).collect();
+        let mut y = x.clone();
+        y[2] = f64::NAN;
+        let panel = Panel::new("y").segments("s", Ink::Measured, &x, &y, &[0..5, 5..8]);
+        let Shape::Curves(pieces) = &panel.layers[0].shape else {
+            panic!("a curve was added");
+        };
+        let lengths: Vec<usize> = pieces.iter().map(Vec::len).collect();
+        assert_eq!(lengths, [2, 2, 3]);
+        let svg = Plot::new("t", "x").panel(panel).draw("").svg;
+        let curve = svg.split("class=\"c km\" d=\"").nth(1).unwrap();
+        assert_eq!(curve.split('"').next().unwrap().matches('M').count(), 3);
+    }
+
+    #[test]
+    fn long_curves_are_thinned_and_keep_their_extremes() {
+        let n = 100_000;
+        let x: Vec<f64> = (0..n).map(f64::from).collect();
+        let mut y = vec![0.0; n as usize];
+        y[54_321] = 7.0;
+        let panel = Panel::new("y").line("s", Ink::Residual, &x, &y);
+        let Shape::Curves(pieces) = &panel.layers[0].shape else {
+            panic!("a curve was added");
+        };
+        assert!(pieces[0].len() <= MAX_POINTS);
+        assert!(pieces[0].contains(&(54_321.0, 7.0)));
+    }
+
+    #[test]
+    fn empty_and_odd_data_are_drawn_as_empty_axes() {
+        let nan = [f64::NAN, f64::INFINITY];
+        let plot = Plot::new("t", "x")
+            .log_x()
+            .marker(f64::NAN, "m")
+            .panel(Panel::new("y").log().line("a", Ink::Muted, &nan, &nan))
+            .panel(Panel::new("y").points("b", Ink::Series(9), &[], &[]))
+            .panel(Panel::new("y").binned("c", Ink::Series(1), &[1.0], &[1.0], 0));
+        let svg = plot.draw("").svg;
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+}
