@@ -1,8 +1,9 @@
-//! Gradients against finite differences in f64, for every architecture.
+//! Outputs and gradients in f64 against PyTorch and against finite differences.
 
 use feedforward::network::{Architecture, Memory, Recurrent};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
 
 use super::network::{Dropout, Network, Span};
 
@@ -102,6 +103,90 @@ fn gradients_equal_finite_differences() {
         assert!(
             worst < 1e-8,
             "{architecture:?} dropout {dropout:?}: {worst:e}"
+        );
+    }
+}
+
+#[derive(Deserialize)]
+struct Fixture {
+    batch: usize,
+    steps: usize,
+    encoder: usize,
+    reencoder: usize,
+    input_columns: usize,
+    cases: Vec<Case>,
+}
+
+#[derive(Deserialize)]
+struct Case {
+    name: String,
+    attention: Option<usize>,
+    attended: Option<usize>,
+    inputs: Vec<f64>,
+    parameters: Vec<f64>,
+    outputs: Vec<f64>,
+    slopes: Vec<f64>,
+    gradient: Vec<f64>,
+}
+
+/// `fixtures/torch_reference.py` made the numbers.
+#[test]
+fn outputs_and_gradients_equal_pytorch() {
+    let fixture: Fixture =
+        serde_json::from_str(include_str!("../../fixtures/torch_reference.json")).unwrap();
+    let Fixture {
+        batch,
+        steps,
+        encoder,
+        reencoder,
+        input_columns,
+        cases,
+    } = fixture;
+    assert_eq!(cases.len(), 3);
+    for case in cases {
+        let memory = match case.attended {
+            None => Memory::Window { timestep: steps },
+            Some(attended) => Memory::Carried { attended },
+        };
+        let first = if case.attended.is_none() {
+            steps - 1
+        } else {
+            0
+        };
+        let architecture = Architecture::Recurrent(Recurrent {
+            encoder,
+            attention: case.attention,
+            reencoder,
+            memory,
+        });
+        let span = Span {
+            batch,
+            steps,
+            first,
+        };
+        let mut net = Network::<f64>::new(&architecture, input_columns).unwrap();
+        net.begin(span);
+        for (k, x) in case.inputs.chunks_exact(input_columns).enumerate() {
+            net.input_mut(k / batch, k % batch).copy_from_slice(x);
+        }
+        let mut outputs = vec![0.0; span.outputs()];
+        net.forward(&case.parameters, None, &mut outputs);
+        let mut gradient = vec![0.0; case.parameters.len()];
+        net.backward(&case.parameters, None, &case.slopes, &mut gradient);
+        let worst = |a: &[f64], b: &[f64]| {
+            assert_eq!(a.len(), b.len());
+            a.iter()
+                .zip(b)
+                .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()))
+        };
+        let (y, g) = (
+            worst(&outputs, &case.outputs),
+            worst(&gradient, &case.gradient),
+        );
+        assert!(
+            y < 1e-12 && g < 1e-12,
+            "{}: outputs {y:e}, gradients {g:e}",
+            case.name
         );
     }
 }
