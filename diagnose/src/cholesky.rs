@@ -19,11 +19,12 @@ impl Cholesky {
             current.copy_from_slice(&a.as_slice().expect("standard layout")[i * n..(i + 1) * n]);
             let flat = a.as_slice_mut().expect("standard layout");
             let floor = (1e-13 * current[i]).max(f64::MIN_POSITIVE);
-            for j in 0..=i {
+            for j in 0..i {
                 let dot: f64 = current[..j].iter().zip(&flat[j * n..j * n + j]).map(|(x, y)| x * y).sum();
-                let s = current[j] - dot;
-                current[j] = if i == j { s.max(floor).sqrt() } else { s / flat[j * n + j] };
+                current[j] = (current[j] - dot) / flat[j * n + j];
             }
+            let squares: f64 = current[..i].iter().map(|x| x * x).sum();
+            current[i] = (current[i] - squares).max(floor).sqrt();
             current[i + 1..].fill(0.0);
             flat[i * n..(i + 1) * n].copy_from_slice(&current);
         }

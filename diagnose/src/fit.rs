@@ -8,6 +8,7 @@
 use crate::cholesky::Cholesky;
 use crate::gram::{Grams, JointGram};
 use ndarray::{Array1, Array2};
+use rayon::prelude::*;
 
 /// A fitted coefficient: a column of the dictionary and the precision (1/variance) of its
 /// zero-mean prior. The same column may be fitted twice; the two then share its prior variances.
@@ -28,6 +29,8 @@ struct Part {
     correlation: Vec<Array1<f64>>,
     /// ‖y − Xβ‖² on the scored rows, by joint.
     error: Vec<f64>,
+    /// XᵀX of the fitted columns on the scored rows, by joint, in the order of [`Fit::places`].
+    products: Vec<Array2<f64>>,
 }
 
 /// A fit on all folds and one with each fold left out.
@@ -40,6 +43,8 @@ pub struct Fit<'a> {
     pub weights: Vec<f64>,
     parts: Vec<Part>,
     all: Part,
+    /// Fitted variables that touch each joint: (variable, place among the joint's active columns).
+    places: Vec<Vec<(usize, usize)>>,
 }
 
 /// What adding columns to a fit would give.
@@ -56,9 +61,16 @@ pub struct Trial {
 impl<'a> Fit<'a> {
     /// Fits `variables`.
     pub fn new(grams: &'a Grams, variables: Vec<Variable>, weights: Vec<f64>) -> Self {
-        let all = part(grams, &variables, &weights, None);
-        let parts = (0..grams.folds.len()).map(|f| part(grams, &variables, &weights, Some(f))).collect();
-        Self { grams, variables, weights, parts, all }
+        let places: Vec<Vec<(usize, usize)>> = (0..grams.dof())
+            .map(|j| {
+                let place = |(i, v): (usize, &Variable)| Some((i, grams.layout.position(j, v.column)?));
+                variables.iter().enumerate().filter_map(place).collect()
+            })
+            .collect();
+        let all = part(grams, &variables, &weights, &places, None);
+        let folds: Vec<usize> = (0..grams.folds.len()).collect();
+        let parts = folds.into_par_iter().map(|f| part(grams, &variables, &weights, &places, Some(f))).collect();
+        Self { grams, variables, weights, parts, all, places }
     }
 
     /// Coefficients of the fit on all folds.
@@ -114,10 +126,8 @@ impl<'a> Fit<'a> {
                 let total = &self.grams.total[j];
                 let out = left_out.map(|f| &self.grams.folds[f][j]);
                 let product = |p: usize| w * (total.xx[[row, p]] - out.map_or(0.0, |g| g.xx[[row, p]]));
-                for (i, x) in self.variables.iter().enumerate() {
-                    if let Some(p) = self.grams.layout.position(j, x.column) {
-                        cross[[a, i]] += product(p);
-                    }
+                for &(i, p) in &self.places[j] {
+                    cross[[a, i]] += product(p);
                 }
                 for (b, x) in added.iter().enumerate().take(a + 1) {
                     if let Some(p) = self.grams.layout.position(j, x.column) {
@@ -153,14 +163,19 @@ impl<'a> Fit<'a> {
         direction: &Array1<f64>,
         gamma: &Array1<f64>,
     ) -> f64 {
-        let moved = self.variables.iter().zip(direction).chain(added.iter().zip(gamma));
-        let mut d = Array1::<f64>::zeros(gram.xy.len());
-        for (v, &x) in moved {
-            if let Some(p) = self.grams.layout.position(joint, v.column) {
-                d[p] += x;
-            }
+        let place = &self.places[joint];
+        let old: Array1<f64> = place.iter().map(|&(i, _)| direction[i]).collect();
+        let mut change = old.dot(&part.products[joint].dot(&old));
+        change -= 2.0 * place.iter().map(|&(i, p)| direction[i] * part.correlation[joint][p]).sum::<f64>();
+        let new: Vec<(usize, f64)> =
+            added.iter().zip(gamma).filter_map(|(v, &g)| Some((self.grams.layout.position(joint, v.column)?, g))).collect();
+        for &(p, g) in &new {
+            let row = gram.xx.row(p);
+            let with_old: f64 = place.iter().zip(&old).map(|(&(_, r), d)| row[r] * d).sum();
+            let with_new: f64 = new.iter().map(|&(r, h)| row[r] * h).sum();
+            change += g * (2.0 * with_old + with_new - 2.0 * part.correlation[joint][p]);
         }
-        d.dot(&gram.xx.dot(&d)) - 2.0 * d.dot(&part.correlation[joint])
+        change
     }
 }
 
@@ -168,26 +183,25 @@ fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
     variables.iter().zip(beta).map(|(v, b)| v.precision * b * b).sum()
 }
 
-fn part(grams: &Grams, variables: &[Variable], weights: &[f64], left_out: Option<usize>) -> Part {
+fn part(
+    grams: &Grams,
+    variables: &[Variable],
+    weights: &[f64],
+    places: &[Vec<(usize, usize)>],
+    left_out: Option<usize>,
+) -> Part {
     let m = variables.len();
     let mut a = Array2::<f64>::zeros((m, m));
     let mut b = Array1::<f64>::zeros(m);
-    let mut places = Vec::with_capacity(grams.dof());
-    for (j, &w) in weights.iter().enumerate() {
-        let place: Vec<(usize, usize)> = variables
-            .iter()
-            .enumerate()
-            .filter_map(|(i, v)| Some((i, grams.layout.position(j, v.column)?)))
-            .collect();
+    for (j, (&w, place)) in weights.iter().zip(places).enumerate() {
         let total = &grams.total[j];
         let out = left_out.map(|f| &grams.folds[f][j]);
-        for &(i, p) in &place {
+        for &(i, p) in place {
             for &(k, r) in place.iter().take_while(|&&(k, _)| k <= i) {
                 a[[i, k]] += w * (total.xx[[p, r]] - out.map_or(0.0, |g| g.xx[[p, r]]));
             }
             b[i] += w * (total.xy[p] - out.map_or(0.0, |g| g.xy[p]));
         }
-        places.push(place);
     }
     for (i, v) in variables.iter().enumerate() {
         a[[i, i]] += v.precision;
@@ -197,7 +211,8 @@ fn part(grams: &Grams, variables: &[Variable], weights: &[f64], left_out: Option
     let scored = left_out.map_or(&grams.total, |f| &grams.folds[f]);
     let mut correlation = Vec::with_capacity(grams.dof());
     let mut error = Vec::with_capacity(grams.dof());
-    for (gram, place) in scored.iter().zip(&places) {
+    let mut products = Vec::with_capacity(grams.dof());
+    for (gram, place) in scored.iter().zip(places) {
         let mut x = Array1::<f64>::zeros(gram.xy.len());
         for &(i, p) in place {
             x[p] += beta[i];
@@ -205,8 +220,9 @@ fn part(grams: &Grams, variables: &[Variable], weights: &[f64], left_out: Option
         let fitted = gram.xx.dot(&x);
         error.push((gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&fitted)).max(0.0));
         correlation.push(&gram.xy - &fitted);
+        products.push(Array2::from_shape_fn((place.len(), place.len()), |(a, b)| gram.xx[[place[a].1, place[b].1]]));
     }
-    Part { factor, beta, correlation, error }
+    Part { factor, beta, correlation, error, products }
 }
 
 #[cfg(test)]

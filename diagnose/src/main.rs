@@ -10,13 +10,14 @@ fn main() {
     let tau = rec.tau.clone().unwrap();
     let frame = frame::Frame::new(&rec, tau);
     let scale = frame.scale(&[]);
-    let scene = scene::Scene::new(&robot, &frame.motion, &scale);
+    let scene = scene::Scene::new(&robot, &frame.motion, &scale).with_tangents();
     let cands = candidates::catalogue(&scene);
     let dict = dictionary::Dictionary::new(robot.dof(), &cands);
     let gap = &frame.tau - &scene.predicted();
     let mut y = Array2::zeros((frame.len(), robot.dof()));
     for j in 0..robot.dof() { y.column_mut(j).assign(&frame.thin(&gap.column(j).to_vec())); }
-    let w = Array2::ones(y.dim());
+    let mut w = Array2::ones(y.dim());
+    for j in 0..robot.dof() { let v = frame.thin(&frame.motion.qd.column(j).mapv(f64::abs).to_vec()); for i in 0..y.nrows() { if v[i] < 0.008 { w[[i,j]] = 0.1 } } }
     let folds: Vec<_> = frame.rows.iter().map(|r| vec![r.clone()]).collect();
     println!("{} candidates {} columns {:?}", cands.len(), dict.len(), t0.elapsed());
     let grams = dict.grams(&scene, &frame, &y, &w, &folds);

@@ -12,6 +12,9 @@ use signal::Motion;
 /// allows, so that the reversal keeps its shape.
 pub const SOFT_SIGN: f64 = 0.0025;
 
+/// Change of a position (rad) or velocity (rad/s) over which the rigid torque is differenced.
+const STEP: f64 = 1e-4;
+
 /// Sizes that grids of shape parameters are relative to, one value per joint.
 #[derive(Clone, Debug)]
 pub struct Scale {
@@ -25,6 +28,17 @@ pub struct Scale {
     pub session: (f64, f64),
     /// Sampling interval of the fine motion, s.
     pub step: f64,
+}
+
+/// Partial derivatives of the rigid torque of all joints by the position, velocity and acceleration of
+/// one; tables of shape (samples, joints).
+pub struct Tangent {
+    /// By position, N·m/rad.
+    pub q: Array2<f64>,
+    /// By velocity, N·m·s/rad.
+    pub qd: Array2<f64>,
+    /// By acceleration, kg·m².
+    pub qdd: Array2<f64>,
 }
 
 /// One recording with the present model evaluated on it. Tables have shape (samples, joints).
@@ -41,6 +55,8 @@ pub struct Scene<'a> {
     pub rigid: Array2<f64>,
     /// Viscous and Coulomb friction, rotor inertia.
     pub drive: Array2<f64>,
+    /// Partial derivatives of the rigid torque, by joint that moves.
+    pub tangents: Vec<Tangent>,
     /// Order of the samples in session time, where one clock runs through all trajectories.
     pub order: Vec<std::ops::Range<usize>>,
 }
@@ -59,7 +75,25 @@ impl<'a> Scene<'a> {
         }
         let mut order = motion.segments.clone();
         order.sort_by(|a, b| motion.time[a.start].total_cmp(&motion.time[b.start]));
-        Self { robot, motion, scale, sign, rigid, drive, order }
+        Self { robot, motion, scale, sign, rigid, drive, tangents: Vec::new(), order }
+    }
+
+    /// The same with the derivatives that compliant transmissions and joint zeros need.
+    pub fn with_tangents(mut self) -> Self {
+        let m = self.motion;
+        let shifted = |table: &Array2<f64>, joint: usize, step: f64| {
+            let mut t = table.clone();
+            t.column_mut(joint).mapv_inplace(|x| x + step);
+            t
+        };
+        self.tangents = (0..self.dof())
+            .map(|j| Tangent {
+                q: (rigid_torque(self.robot, &shifted(&m.q, j, STEP), &m.qd, &m.qdd) - &self.rigid) / STEP,
+                qd: (rigid_torque(self.robot, &m.q, &shifted(&m.qd, j, STEP), &m.qdd) - &self.rigid) / STEP,
+                qdd: (rigid_torque(self.robot, &m.q, &m.qd, &shifted(&m.qdd, j, 1.0)) - &self.rigid),
+            })
+            .collect();
+        self
     }
 
     /// Number of samples.
@@ -89,11 +123,13 @@ impl<'a> Scene<'a> {
         self.motion.time.iter().map(|t| (t - start) / span).collect()
     }
 
-    /// Change of the rigid torque when the joints follow another motion, which differs by
-    /// (δq, δq̇, δq̈).
-    pub fn rigid_change(&self, dq: &Array2<f64>, dqd: &Array2<f64>, dqdd: &Array2<f64>) -> Array2<f64> {
-        let m = self.motion;
-        rigid_torque(self.robot, &(&m.q + dq), &(&m.qd + dqd), &(&m.qdd + dqdd)) - &self.rigid
+    /// First-order change of the rigid torque when one joint's link departs from its motor by `dq`.
+    pub fn departure(&self, joint: usize, dq: &Array1<f64>) -> Array2<f64> {
+        let rate = self.derivative(dq);
+        let acceleration = self.derivative(&rate);
+        let by = &self.tangents[joint];
+        let column = |x: &Array1<f64>| x.clone().insert_axis(Axis(1));
+        &by.q * &column(dq) + &by.qd * &column(&rate) + &by.qdd * &column(&acceleration)
     }
 
     /// Rigid torque under another gravity, minus that under the robot's.

@@ -5,14 +5,12 @@
 use super::{Bound, Candidate, Column, Quantity};
 use crate::effect::Effect;
 use crate::scene::Scene;
-use ndarray::{Array1, Array2};
+use ndarray::Array1;
 
 /// Torque of half contact relative to the joint's torque.
 const SOFTNESS: [f64; 3] = [0.02, 0.06, 0.2];
 /// Time in which the gap is crossed, s (standard deviation of the rounding).
 const CROSSING: [f64; 2] = [0.012, 0.035];
-/// Play over which the torque is differenced, rad.
-const STEP: f64 = 1e-3;
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let dof = scene.dof();
@@ -22,15 +20,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             let soft = softness * scene.scale.torque[joint];
             let column = Column::whole(dof, move |s| {
                 let side = s.rigid.column(joint).mapv(|t| (t / soft).tanh());
-                let side = rounded(s, &side, crossing) * -STEP;
-                let rate = s.derivative(&side);
-                let acceleration = s.derivative(&rate);
-                let table = |x: &Array1<f64>| {
-                    let mut t = Array2::zeros(s.rigid.dim());
-                    t.column_mut(joint).assign(x);
-                    t
-                };
-                s.rigid_change(&table(&side), &table(&rate), &table(&acceleration)) / STEP
+                s.departure(joint, &-rounded(s, &side, crossing))
             });
             let play = Quantity::plain("half_play", "rad", Some(joint));
             all.push(Candidate::single(Effect::Backlash, joint, play, Bound::Positive, column));

@@ -1,6 +1,6 @@
 //! `joint_elasticity`: a compliant transmission, q being the motor side. The link stands at q_link = q − T/K, T being
 //! the torque through the spring, which is the rigid torque of the link's own motion: two fixed-point
-//! steps. The whole rigid model is evaluated there, so that the neighbours' torques change too.
+//! steps. The rigid model is linearised there, gravity gradient and the neighbours' torques included.
 //! Confounders: backlash (odd in T but flat), delay (first derivative), rotor and link inertia.
 
 use super::{Bound, Candidate, Column, Quantity};
@@ -27,33 +27,12 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
 
 /// Change of the rigid torque by a transmission of the given compliance, rad/(N·m).
 fn compliant(scene: &Scene, joint: usize, compliance: f64) -> Array2<f64> {
-    let mut change = Array2::zeros(scene.rigid.dim());
-    for _ in 0..2 {
-        let spring = &scene.rigid.column(joint) + &change.column(joint);
-        let wind_up = spring * -compliance;
-        let rate = scene.derivative(&wind_up);
-        let acceleration = scene.derivative(&rate);
-        let table = |x: &ndarray::Array1<f64>| {
-            let mut t = Array2::zeros(scene.rigid.dim());
-            t.column_mut(joint).assign(x);
-            t
-        };
-        change = scene.rigid_change(&table(&wind_up), &table(&rate), &table(&acceleration));
-    }
-    change
+    let rigid = scene.rigid.column(joint).to_owned();
+    let first = scene.departure(joint, &(&rigid * -compliance));
+    scene.departure(joint, &((rigid + first.column(joint)) * -compliance))
 }
 
-/// Mean inertia that the joint turns, kg·m², over a few poses of the recording.
-pub(super) fn own_inertia(scene: &Scene, joint: usize) -> f64 {
-    const POSES: usize = 50;
-    let stride = (scene.len() / POSES).max(1);
-    let rows: Vec<usize> = (0..scene.len()).step_by(stride).collect();
-    let q = scene.motion.q.select(ndarray::Axis(0), &rows);
-    let zero = Array2::zeros(q.dim());
-    let mut qdd = zero.clone();
-    qdd.column_mut(joint).fill(1.0);
-    let at_rest = crate::scene::rigid_torque(scene.robot, &q, &zero, &zero);
-    let accelerated = crate::scene::rigid_torque(scene.robot, &q, &zero, &qdd);
-    let change = accelerated - at_rest;
-    (change.column(joint).sum() / rows.len() as f64).max(1e-9)
+/// Mean inertia that the joint turns, kg·m².
+fn own_inertia(scene: &Scene, joint: usize) -> f64 {
+    (scene.tangents[joint].qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
 }

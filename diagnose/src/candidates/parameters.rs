@@ -46,10 +46,11 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         quantities: LINK.iter().map(|&(name, unit)| Quantity::plain(name, unit, Some(link))).collect(),
         shape: Vec::new(),
     };
-    let mut all: Vec<Candidate> = (0..dof).map(|l| link(Effect::LinkParameters, l)).collect();
+    // Before the last link's parameters, whose columns are the same: of two equal answers the first wins.
     let mut payload = link(Effect::Payload, dof - 1);
     payload.bounds[0] = Bound::Positive;
-    all.push(payload);
+    let mut all = vec![payload];
+    all.extend((0..dof).map(|l| link(Effect::LinkParameters, l)));
     for j in 0..dof {
         let viscous = Quantity::plain("viscous", "N·m·s/rad", Some(j));
         let friction = Candidate::single(

@@ -4,9 +4,10 @@
 
 use super::{Bound, Candidate, Column, Quantity};
 use crate::effect::Effect;
-use crate::scene::Scene;
+use crate::scene::{SOFT_SIGN, Scene};
 
-/// Stribeck velocities relative to the joint's root mean square velocity.
+/// Stribeck velocities relative to the joint's root mean square velocity. What is narrower than the softened sign is
+/// not told from it.
 const VELOCITIES: [f64; 7] = [0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0];
 /// Exponents: Tustin's and the Gaussian form.
 const EXPONENTS: [f64; 2] = [1.0, 2.0];
@@ -17,6 +18,9 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     for v in VELOCITIES {
         for exponent in EXPONENTS {
             let velocity = v * speed;
+            if velocity < 3.0 * SOFT_SIGN {
+                continue;
+            }
             let column = Column::own(joint, move |s| {
                 let qd = s.motion.qd.column(joint);
                 let mut out = s.sign.column(joint).to_owned();
