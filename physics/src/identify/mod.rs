@@ -1,4 +1,5 @@
 //! Identification: from recorded motion and torque to parameters.
 
 pub mod base;
+pub mod feasible;
 pub mod least_squares;

@@ -1,7 +1,7 @@
 //! Normal equations for searches over subsets of columns.
 
 use super::{LeastSquaresError, Triangle, check_size};
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 /// Normal equations of [A b]: N = AᵀA, h = Aᵀb, Σb². Half the digits of a [`Triangle`], but sums and
 /// differences are exact in form (whole minus group is leave-one-group-out) and a fit of k of the columns
@@ -41,6 +41,16 @@ impl Gram {
     /// Number of rows behind the sums.
     pub fn rows(&self) -> usize {
         self.rows
+    }
+
+    /// From the sums themselves: (p + 1) × (p + 1), symmetric, the target last.
+    pub(crate) fn from_products(products: Mat<f64>, rows: usize) -> Self {
+        Self { products, rows }
+    }
+
+    /// The sums: [[N, h], [hᵀ, Σb²]].
+    pub(crate) fn products(&self) -> MatRef<'_, f64> {
+        self.products.as_ref()
     }
 
     /// The sums over the rows of both.
