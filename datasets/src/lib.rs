@@ -13,12 +13,14 @@
 mod assemble;
 pub mod columns;
 pub mod error;
+pub mod prepare;
 pub mod read;
 pub mod recording;
 pub mod torque_filter;
 
 pub use columns::{Affine, ColumnMap, Group};
 pub use error::{Problem, ReadError};
+pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use read::{Part, ReadOptions, read};
 pub use recording::{Recording, Trajectory};
 pub use torque_filter::TorqueFilter;

@@ -19,6 +19,7 @@ pub mod differences;
 pub mod filter;
 pub mod motion;
 pub mod resample;
+pub mod smoother;
 pub mod sos;
 pub mod spectrum;
 pub mod spline;

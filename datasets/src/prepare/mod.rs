@@ -1,0 +1,423 @@
+//! Preprocessing: from a recording to smooth motion with derivatives.
+//!
+//! Per trajectory and joint: resample the recorded stamps to a uniform grid, low-pass with zero
+//! phase ([`signal::smoother`]), put a quintic spline through the result and take its derivatives. Nothing crosses a
+//! break. See `docs` of [`cutoff`] for how the cut-off is chosen and [`fuse`] for what a recorded
+//! velocity is used for.
+
+pub mod cutoff;
+pub mod fuse;
+
+use crate::{Recording, TorqueFilter};
+use cutoff::NoiseFloor;
+use ndarray::Array2;
+use serde::Serialize;
+use signal::spline::{Spline, SplineError};
+use signal::{Motion, filter, resample, smoother, sos};
+use std::ops::Range;
+
+/// Below this rate in Hz a recording is interpolated as it is: it was low-passed before it was
+/// decimated, or nobody could derive accelerations from it anyway.
+const SLOW_HZ: f64 = 40.0;
+
+/// Which derivatives to take.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Derivatives {
+    /// Derive from position; a recorded velocity that is consistent and less noisy is fused in.
+    #[default]
+    Auto,
+    /// Derive from position alone.
+    FromPosition,
+    /// Take the recorded columns at the samples as they are, where there are any.
+    Recorded,
+}
+
+/// How to prepare a recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrepareOptions {
+    /// Cut-off of the low-pass in Hz (−6 dB after both passes); `None` chooses it from the data.
+    pub cutoff_hz: Option<f64>,
+    /// The fine grid has at least about this rate in Hz; default 100.
+    pub fine_hz: f64,
+    /// Which derivatives to take.
+    pub derivatives: Derivatives,
+}
+
+impl Default for PrepareOptions {
+    fn default() -> Self {
+        Self {
+            cutoff_hz: None,
+            fine_hz: 100.0,
+            derivatives: Derivatives::Auto,
+        }
+    }
+}
+
+/// Where a derivative comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// The recorded column as it is.
+    Recorded,
+    /// Derivative of the smoothed position; nothing was recorded.
+    Derived,
+    /// Derivative of the smoothed position instead of the recorded column.
+    Replaced,
+    /// Derivative of position and recorded velocity fused.
+    Fused,
+}
+
+/// What was done, for reports and `model.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PrepareReport {
+    /// Median sampling rate in Hz.
+    pub rate_hz: f64,
+    /// Rate of the fine grid in Hz.
+    pub fine_hz: f64,
+    /// Standard deviation of the time step over its median.
+    pub jitter: f64,
+    /// Cut-off in Hz; `None` when the positions are interpolated without a low-pass.
+    pub cutoff_hz: Option<f64>,
+    /// Whether the cut-off was given rather than chosen.
+    pub cutoff_given: bool,
+    /// Where velocity at the samples comes from, per joint.
+    pub velocity: Vec<Source>,
+    /// Where acceleration at the samples comes from.
+    pub acceleration: Source,
+    /// Noise floors found, per joint; empty for an interpolated recording.
+    pub noise: Vec<NoiseFloor>,
+    /// Filter applied to every prediction before it is compared with the recorded torque.
+    pub torque_filter: Option<TorqueFilter>,
+}
+
+/// A recording that cannot be prepared.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PrepareError {
+    /// The cut-off does not fit the rate.
+    #[error("{0}; give another --cutoff-hz")]
+    Cutoff(#[from] sos::DesignError),
+    /// No spline through a trajectory.
+    #[error("trajectory `{label}`: {source}")]
+    Spline {
+        /// Label.
+        label: String,
+        /// Why.
+        source: SplineError,
+    },
+    /// The fine rate is not a positive number.
+    #[error("fine rate {0} Hz is not positive")]
+    FineRate(f64),
+}
+
+/// Smooth motion of a recording, on a fine uniform grid and at the recorded stamps.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// Motion on a uniform grid per trajectory, at least about `fine_hz`. Non-smooth columns
+    /// (sign, hysteresis) are built here.
+    pub fine: Motion,
+    /// Motion at the recorded stamps: row i belongs to row i of the recording.
+    pub at_samples: Motion,
+    /// What was done.
+    pub report: PrepareReport,
+    torque_sections: Vec<Vec<sos::Section>>,
+}
+
+/// One trajectory: uniform grid and the grid's step.
+struct Grid {
+    rows: Range<usize>,
+    coarse: Vec<f64>,
+    fine: Vec<f64>,
+}
+
+/// Prepares a recording.
+///
+/// # Errors
+/// A cut-off that does not fit the rate, or trajectories too short for a spline (the readers
+/// refuse those).
+pub fn prepare(recording: &Recording, options: &PrepareOptions) -> Result<Prepared, PrepareError> {
+    if !(options.fine_hz > 0.0 && options.fine_hz.is_finite()) {
+        return Err(PrepareError::FineRate(options.fine_hz));
+    }
+    let step = recording.median_step();
+    let rate_hz = 1.0 / step;
+    // Ten percent of slack: a recording at about the fine rate is not doubled.
+    let factor = if rate_hz > 0.9 * options.fine_hz {
+        1
+    } else {
+        (options.fine_hz / rate_hz - 1e-3).ceil().max(1.0) as usize
+    };
+    let grids: Vec<Grid> = recording
+        .trajectories
+        .iter()
+        .map(|t| grid(&recording.time, t.range.clone(), step, factor))
+        .collect();
+    let slow = rate_hz < SLOW_HZ;
+    let fused = fuse_wanted(recording, options, slow);
+    let jitter = jitter(recording, step);
+    let band = cutoff::floor_band(jitter);
+
+    let mut joints = Vec::with_capacity(recording.dof());
+    for j in 0..recording.dof() {
+        joints.push(uniform_joint(recording, &grids, j, fused, step, band)?);
+    }
+    let noise: Vec<NoiseFloor> = if slow {
+        Vec::new()
+    } else {
+        joints.iter().map(|joint| joint.noise.clone()).collect()
+    };
+    let cutoff_hz = match (options.cutoff_hz, slow) {
+        (Some(given), _) => Some(given),
+        (None, true) => None,
+        (None, false) => Some(cutoff::common(
+            &joints.iter().map(|j| &j.cost).collect::<Vec<_>>(),
+            rate_hz,
+        )),
+    };
+
+    let (fine_rows, sample_rows) = (grids.iter().map(|g| g.fine.len()).sum(), recording.len());
+    let mut fine = empty_motion(fine_rows, recording.dof());
+    let mut at_samples = empty_motion(sample_rows, recording.dof());
+    at_samples.time.clone_from(&recording.time);
+    at_samples.segments = recording.segments();
+    let mut start = 0;
+    for g in &grids {
+        fine.time.extend_from_slice(&g.fine);
+        fine.segments.push(start..start + g.fine.len());
+        start += g.fine.len();
+    }
+    let segments = fine.segments.clone();
+    for (j, joint) in joints.iter().enumerate() {
+        for ((g, values), segment) in grids.iter().zip(&joint.values).zip(&segments) {
+            let smooth = match cutoff_hz {
+                Some(hz) => smoother::low_pass(values, hz, rate_hz)?,
+                None => values.clone(),
+            };
+            let label = || label_of(recording, g);
+            let spline =
+                Spline::quintic(&g.coarse, &smooth).map_err(|source| PrepareError::Spline {
+                    label: label(),
+                    source,
+                })?;
+            for (row, &t) in segment.clone().zip(&g.fine) {
+                set(&mut fine, row, j, spline.at(t));
+            }
+            for row in g.rows.clone() {
+                set(&mut at_samples, row, j, spline.at(recording.time[row]));
+            }
+        }
+    }
+    let (velocity, acceleration) = take_recorded(recording, options, &joints, &mut at_samples);
+    let torque_sections = match recording.torque_filter {
+        None => Vec::new(),
+        Some(f) => fine
+            .segments
+            .iter()
+            .map(|s| {
+                let rate = (s.len() - 1) as f64 / (fine.time[s.end - 1] - fine.time[s.start]);
+                sos::chebyshev1(f.order, f.ripple_db, f.cutoff_hz, rate)
+            })
+            .collect::<Result<_, _>>()?,
+    };
+    let report = PrepareReport {
+        rate_hz,
+        fine_hz: rate_hz * factor as f64,
+        jitter,
+        cutoff_hz,
+        cutoff_given: options.cutoff_hz.is_some(),
+        velocity,
+        acceleration,
+        noise,
+        torque_filter: recording.torque_filter,
+    };
+    Ok(Prepared {
+        fine,
+        at_samples,
+        report,
+        torque_sections,
+    })
+}
+
+impl Prepared {
+    /// Passes a column on the fine grid through the low-pass of the recorded torque, trajectory
+    /// by trajectory; without such a filter the column comes back as it is.
+    ///
+    /// # Panics
+    /// If the column has not one entry per row of `fine`.
+    pub fn torque_filtered(&self, column: &[f64]) -> Vec<f64> {
+        assert_eq!(
+            column.len(),
+            self.fine.len(),
+            "one entry per row of the fine grid"
+        );
+        if self.torque_sections.is_empty() {
+            return column.to_vec();
+        }
+        let parts = self.fine.segments.iter().zip(&self.torque_sections);
+        parts
+            .flat_map(|(s, sections)| filter::filtfilt(sections, &column[s.clone()]))
+            .collect()
+    }
+
+    /// Takes a torque-like column from the fine grid to the recorded stamps: through the low-pass
+    /// of the recorded torque where there is one, then linearly between the two fine points next
+    /// to each stamp. Never over a break.
+    ///
+    /// # Panics
+    /// If the column has not one entry per row of `fine`.
+    pub fn to_samples(&self, column: &[f64]) -> Vec<f64> {
+        let filtered = self.torque_filtered(column);
+        let mut out = Vec::with_capacity(self.at_samples.len());
+        for (f, s) in self.fine.segments.iter().zip(&self.at_samples.segments) {
+            let at = &self.at_samples.time[s.clone()];
+            out.extend(resample::linear(
+                &self.fine.time[f.clone()],
+                &filtered[f.clone()],
+                at,
+            ));
+        }
+        out
+    }
+}
+
+fn empty_motion(rows: usize, dof: usize) -> Motion {
+    let table = || Array2::zeros((rows, dof));
+    Motion {
+        time: Vec::new(),
+        segments: Vec::new(),
+        q: table(),
+        qd: table(),
+        qdd: table(),
+    }
+}
+
+fn set(motion: &mut Motion, row: usize, joint: usize, [q, qd, qdd]: [f64; 3]) {
+    motion.q[(row, joint)] = q;
+    motion.qd[(row, joint)] = qd;
+    motion.qdd[(row, joint)] = qdd;
+}
+
+fn label_of(recording: &Recording, grid: &Grid) -> String {
+    let of = |t: &&crate::Trajectory| t.range == grid.rows;
+    recording
+        .trajectories
+        .iter()
+        .find(of)
+        .map_or_else(String::new, |t| t.label.clone())
+}
+
+/// Uniform grids that begin and end exactly with the trajectory.
+fn grid(time: &[f64], rows: Range<usize>, step: f64, factor: usize) -> Grid {
+    let (first, last) = (time[rows.start], time[rows.end - 1]);
+    let intervals = (((last - first) / step).round() as usize)
+        .max(rows.len().min(6) - 1)
+        .max(1);
+    let points = |n: usize| -> Vec<f64> {
+        (0..=n)
+            .map(|k| first + (last - first) * k as f64 / n as f64)
+            .collect()
+    };
+    Grid {
+        coarse: points(intervals),
+        fine: points(intervals * factor),
+        rows,
+    }
+}
+
+/// One joint on the coarse grids.
+struct UniformJoint {
+    values: Vec<Vec<f64>>,
+    fused: bool,
+    noise: NoiseFloor,
+    cost: cutoff::Cost,
+}
+
+fn fuse_wanted(recording: &Recording, options: &PrepareOptions, slow: bool) -> bool {
+    options.derivatives == Derivatives::Auto && !slow && recording.qd.is_some()
+}
+
+fn uniform_joint(
+    recording: &Recording,
+    grids: &[Grid],
+    joint: usize,
+    fuse: bool,
+    step: f64,
+    band: [f64; 2],
+) -> Result<UniformJoint, PrepareError> {
+    let onto_grid = |table: &Array2<f64>, g: &Grid| {
+        let column: Vec<f64> = g.rows.clone().map(|r| table[(r, joint)]).collect();
+        resample::cubic(&recording.time[g.rows.clone()], &column, &g.coarse).map_err(|source| {
+            PrepareError::Spline {
+                label: label_of(recording, g),
+                source,
+            }
+        })
+    };
+    let position: Vec<Vec<f64>> = grids
+        .iter()
+        .map(|g| onto_grid(&recording.q, g))
+        .collect::<Result<_, _>>()?;
+    let (mut noise, cost) = cutoff::position_floor(&position, step, band);
+    if let (Some(qd), true) = (&recording.qd, fuse) {
+        let velocity: Vec<Vec<f64>> = grids
+            .iter()
+            .map(|g| onto_grid(qd, g))
+            .collect::<Result<_, _>>()?;
+        if let Some((values, density)) = fuse::fuse(&position, &velocity, step, &noise, band) {
+            noise.velocity_density = Some(density);
+            return Ok(UniformJoint {
+                values,
+                fused: true,
+                noise,
+                cost,
+            });
+        }
+    }
+    Ok(UniformJoint {
+        values: position,
+        fused: false,
+        noise,
+        cost,
+    })
+}
+
+/// Overwrites derivatives at the samples by recorded ones where asked for; says where all come
+/// from.
+fn take_recorded(
+    recording: &Recording,
+    options: &PrepareOptions,
+    joints: &[UniformJoint],
+    at_samples: &mut Motion,
+) -> (Vec<Source>, Source) {
+    let as_recorded = options.derivatives == Derivatives::Recorded;
+    let source = |recorded: bool, fused: bool| match (recorded, as_recorded, fused) {
+        (true, true, _) => Source::Recorded,
+        (_, _, true) => Source::Fused,
+        (true, false, _) => Source::Replaced,
+        (false, ..) => Source::Derived,
+    };
+    if let (Some(qd), true) = (&recording.qd, as_recorded) {
+        at_samples.qd.assign(qd);
+    }
+    if let (Some(qdd), true) = (&recording.qdd, as_recorded) {
+        at_samples.qdd.assign(qdd);
+    }
+    let velocity = joints
+        .iter()
+        .map(|j| source(recording.qd.is_some(), j.fused))
+        .collect();
+    (velocity, source(recording.qdd.is_some(), false))
+}
+
+fn jitter(recording: &Recording, step: f64) -> f64 {
+    let steps = recording.trajectories.iter().flat_map(|t| {
+        recording.time[t.range.clone()]
+            .windows(2)
+            .map(|w| w[1] - w[0])
+    });
+    let (mut sum, mut count) = (0.0, 0);
+    for s in steps {
+        sum += (s - step) * (s - step);
+        count += 1;
+    }
+    (sum / f64::from(count.max(1))).sqrt() / step
+}
