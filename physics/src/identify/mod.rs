@@ -2,4 +2,5 @@
 
 pub mod base;
 pub mod feasible;
+pub mod iterative;
 pub mod least_squares;

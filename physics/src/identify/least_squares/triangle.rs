@@ -274,6 +274,24 @@ impl Accumulator {
         Ok(())
     }
 
+    /// Adds weighted rows (rows × p + 1, the target last), `live` of which are not all zero.
+    pub(crate) fn push_block(&mut self, block: MatRef<'_, f64>, live: usize) {
+        let n = self.buffer.ncols();
+        let mut taken = 0;
+        while taken < block.nrows() {
+            if n + self.pending == self.buffer.nrows() {
+                self.fold();
+            }
+            let at = n + self.pending;
+            let count = (self.buffer.nrows() - at).min(block.nrows() - taken);
+            let mut target = self.buffer.as_mut().subrows_mut(at, count);
+            target.copy_from(block.subrows(taken, count));
+            self.pending += count;
+            taken += count;
+        }
+        self.rows += live;
+    }
+
     /// The triangle of everything pushed.
     ///
     /// # Errors

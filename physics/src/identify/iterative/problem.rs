@@ -1,0 +1,189 @@
+//! The rows of an identification problem, joint by joint.
+
+use crate::identify::least_squares::{Gram, LeastSquaresError, check_size};
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, Mat, MatRef, Par};
+use ndarray::{Array2, ArrayView1, ArrayView2};
+
+/// Samples handled at once: a block of 60 columns is 0.5 MB, within the second-level cache.
+const BLOCK: usize = 1024;
+
+/// Torque of all joints as a linear function of the parameters, for every sample.
+///
+/// Stored joint by joint, so that whitening across joints (eq. 18) is a sum of whole blocks.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// For each joint samples × (p + 1), column-major, the torque last.
+    joints: Vec<Mat<f64>>,
+}
+
+impl Problem {
+    /// From the stacked regressor (samples·N × p, the N rows of a sample together, joints in order: eq. 7) and
+    /// the torques in the same order (eq. 8).
+    ///
+    /// # Errors
+    /// Sizes that do not agree (rows must be a multiple of `dof`), no rows, values that are not finite.
+    pub fn new(
+        regressor: ArrayView2<f64>,
+        torque: ArrayView1<f64>,
+        dof: usize,
+    ) -> Result<Self, LeastSquaresError> {
+        check_size("the torque", torque.len(), regressor.nrows())?;
+        if dof == 0 || torque.is_empty() {
+            return Err(LeastSquaresError::NoRows);
+        }
+        let samples = regressor.nrows() / dof;
+        check_size("the regressor", regressor.nrows(), samples * dof)?;
+        let p = regressor.ncols();
+        let joints: Vec<Mat<f64>> = (0..dof)
+            .map(|joint| {
+                Mat::from_fn(samples, p + 1, |k, j| {
+                    let row = k * dof + joint;
+                    if j < p {
+                        regressor[(row, j)]
+                    } else {
+                        torque[row]
+                    }
+                })
+            })
+            .collect();
+        if joints.iter().any(|m| !m.is_all_finite()) {
+            return Err(LeastSquaresError::NotFinite);
+        }
+        Ok(Self { joints })
+    }
+
+    /// Number of joints N.
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.joints[0].nrows()
+    }
+
+    /// Number of parameters p.
+    pub fn columns(&self) -> usize {
+        self.joints[0].ncols() - 1
+    }
+
+    /// Measured less predicted torque, samples × N.
+    pub(super) fn residual(&self, parameters: &[f64]) -> Array2<f64> {
+        let mut residual = Array2::zeros((self.samples(), self.dof()));
+        for (joint, rows) in self.joints.iter().enumerate() {
+            let e = residual_of(rows.as_ref(), parameters);
+            for (k, e) in e.into_iter().enumerate() {
+                residual[(k, joint)] = e;
+            }
+        }
+        residual
+    }
+
+    /// Ω^(−1/2) of the residual, samples × N (eq. 26); `root` is Ω^(−1/2).
+    pub(super) fn whitened_residual(&self, root: &Mat<f64>, parameters: &[f64]) -> Array2<f64> {
+        let n = self.dof();
+        let mut residual = self.residual(parameters);
+        let mut white = vec![0.0; n];
+        for mut row in residual.rows_mut() {
+            for (i, w) in white.iter_mut().enumerate() {
+                *w = (0..n).map(|k| root[(i, k)] * row[k]).sum();
+            }
+            for (e, w) in std::iter::zip(&mut row, &white) {
+                *e = *w;
+            }
+        }
+        residual
+    }
+
+    /// Passes the whitened, weighted rows to `visit` block by block, each (rows × p + 1, torque last) with the number
+    /// of its rows that have weight.
+    pub(super) fn whitened_blocks(
+        &self,
+        root: &Mat<f64>,
+        weights: &Array2<f64>,
+        mut visit: impl FnMut(MatRef<'_, f64>, usize),
+    ) {
+        let (n, samples, width) = (self.dof(), self.samples(), self.columns() + 1);
+        let mut buffer = Mat::zeros(BLOCK.min(samples), width);
+        let mut scale = vec![0.0; BLOCK];
+        for first in (0..samples).step_by(BLOCK) {
+            let rows = BLOCK.min(samples - first);
+            for i in 0..n {
+                let mut live = 0;
+                for (k, s) in scale[..rows].iter_mut().enumerate() {
+                    let w = weights[(first + k, i)];
+                    *s = w.sqrt();
+                    live += usize::from(w > 0.0);
+                }
+                for j in 0..width {
+                    let Some(target) = buffer.col_as_slice_mut(j).get_mut(..rows) else {
+                        continue;
+                    };
+                    target.fill(0.0);
+                    for (k, joint) in self.joints.iter().enumerate() {
+                        let c = root[(i, k)];
+                        if c == 0.0 {
+                            continue;
+                        }
+                        let source = &joint.col_as_slice(j)[first..first + rows];
+                        for (t, s) in std::iter::zip(target.iter_mut(), source) {
+                            *t += c * s;
+                        }
+                    }
+                    for (t, s) in std::iter::zip(target.iter_mut(), &scale) {
+                        *t *= s;
+                    }
+                }
+                visit(buffer.as_ref().subrows(0, rows), live);
+            }
+        }
+    }
+
+    /// Normal equations of the whitened, weighted rows.
+    pub(super) fn gram(&self, root: &Mat<f64>, weights: &Array2<f64>) -> Gram {
+        let width = self.columns() + 1;
+        let mut products = Mat::<f64>::zeros(width, width);
+        let mut rows = 0;
+        self.whitened_blocks(root, weights, |block, live| {
+            rows += live;
+            triangular::matmul(
+                products.as_mut(),
+                BlockStructure::TriangularLower,
+                Accum::Add,
+                block.transpose(),
+                BlockStructure::Rectangular,
+                block,
+                BlockStructure::Rectangular,
+                1.0,
+                Par::Seq,
+            );
+        });
+        let symmetric = Mat::from_fn(width, width, |i, j| products[(i.max(j), i.min(j))]);
+        Gram::from_products(symmetric, rows)
+    }
+
+    /// One column of one joint's rows, to be overwritten.
+    pub(super) fn column_mut(&mut self, joint: usize, column: usize) -> &mut [f64] {
+        self.joints[joint].col_as_slice_mut(column)
+    }
+
+    /// One column of one joint's rows.
+    pub(super) fn column(&self, joint: usize, column: usize) -> &[f64] {
+        self.joints[joint].col_as_slice(column)
+    }
+}
+
+fn residual_of(rows: MatRef<'_, f64>, parameters: &[f64]) -> Vec<f64> {
+    let p = parameters.len();
+    let mut e: Vec<f64> = rows.col(p).iter().copied().collect();
+    for (j, &x) in parameters.iter().enumerate() {
+        if x == 0.0 {
+            continue;
+        }
+        for (e, a) in std::iter::zip(&mut e, rows.col(j).iter()) {
+            *e -= a * x;
+        }
+    }
+    e
+}
