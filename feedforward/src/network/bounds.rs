@@ -27,7 +27,8 @@ impl Fade {
     #[inline]
     pub fn weight(&self, excess: f32) -> f32 {
         let s = ((excess - self.start) / (self.end - self.start)).clamp(0.0, 1.0);
-        1.0 - s * s * s * (s * (s * 6.0 - 15.0) + 10.0)
+        // Rounding may leave −10⁻⁷ just before the end.
+        (1.0 - s * s * s * (s * (s * 6.0 - 15.0) + 10.0)).max(0.0)
     }
 
     pub(super) fn is_usable(&self) -> bool {

@@ -13,6 +13,8 @@ mod architecture;
 mod bounds;
 mod error;
 mod file;
+#[cfg(test)]
+mod fixture;
 mod normaliser;
 mod packed;
 mod perceptron;

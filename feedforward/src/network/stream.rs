@@ -187,3 +187,58 @@ impl Stream {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::{compensator, samples};
+    use super::*;
+
+    #[test]
+    fn a_window_forgets_what_lies_before_it() {
+        let c = compensator();
+        for unit in c.units.iter().filter(|u| u.architecture.timestep() > 1) {
+            let mut long = UnitStream::new(unit, 2, 3).unwrap();
+            let mut short = long.clone();
+            let all = samples(20);
+            let last = all.iter().map(|x| long.step(x)).last();
+            let recent = &all[all.len() - unit.architecture.timestep()..];
+            assert_eq!(
+                last,
+                recent.iter().map(|x| short.step(x)).last(),
+                "{:?}",
+                unit.architecture
+            );
+        }
+    }
+
+    #[test]
+    fn carried_state_remembers_until_it_is_reset() {
+        let c = compensator();
+        let mut stream = UnitStream::new(&c.units[2], 2, 3).unwrap();
+        let all = samples(11);
+        let run = |stream: &mut UnitStream| all.iter().map(|x| stream.step(x)).collect::<Vec<_>>();
+        let first = run(&mut stream);
+        assert_ne!(first, run(&mut stream));
+        stream.reset();
+        assert_eq!(first, run(&mut stream));
+    }
+
+    #[test]
+    fn units_of_one_joint_add_up_and_a_unit_that_is_off_is_silent() {
+        let mut c = compensator();
+        c.units[1].enabled = false;
+        let mut stream = c.stream().unwrap();
+        let mut units: Vec<_> = c
+            .units
+            .iter()
+            .map(|u| UnitStream::new(u, 2, 3).unwrap())
+            .collect();
+        for x in samples(8) {
+            let mut torque = [1.0, -1.0];
+            stream.step(&x, &mut torque);
+            let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| f64::from(units[i].step(&x)));
+            assert_eq!(b, 0.0);
+            assert_eq!(torque, [1.0 + a + c + e, -1.0 + d]);
+        }
+    }
+}
