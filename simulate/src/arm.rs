@@ -17,6 +17,9 @@ pub struct Arm {
     pub reach: Vec<f64>,
     /// Speed below which the plant's sign of velocity is softened, rad/s or m/s.
     pub v_eps: Vec<f64>,
+    /// Inertia of a disc about the axis that is part of the link's inertia, kg·m²: what turns with the motor where
+    /// the joint's gear is made elastic. Zero where the link has none.
+    pub disc: Vec<f64>,
 }
 
 impl Arm {
@@ -48,16 +51,29 @@ impl Arm {
         self.joints.iter().map(|j| j.limits.velocity).collect()
     }
 
-    /// Divides joint `j` into a rotor, which keeps the joint and the fraction `share` of its link, and a new
-    /// joint about the same axis that carries the rest. With the new joint locked the arm moves as before.
-    pub fn split_joint(&mut self, j: usize, share: f64) {
+    /// Makes a disc of inertia `inertia` (kg·m²) about joint `j`'s axis part of its link.
+    pub fn add_disc(&mut self, j: usize, inertia: f64) {
+        let joint = &mut self.joints[j];
+        joint.link.inertia.about_origin += disc(&joint.axis, inertia);
+        self.disc[j] += inertia;
+    }
+
+    /// Divides joint `j` into a rotor, which keeps the joint, most of the link's disc and a tenth of the rest, and a
+    /// new joint about the same axis that carries what is left. With the new joint locked the arm moves as before.
+    pub fn split_joint(&mut self, j: usize) {
         let whole = self.joints[j].link.inertia;
-        self.joints[j].link.inertia = scaled(&whole, share);
+        let disc = disc(&self.joints[j].axis, self.disc[j]);
+        let mut bare = whole;
+        bare.about_origin -= disc;
+        let mut rotor = scaled(&bare, 0.1);
+        rotor.about_origin += disc * 0.85;
+        let output = whole.plus(&scaled(&rotor, -1.0));
+        self.joints[j].link.inertia = rotor;
         let mut gear = self.joints[j].clone();
         gear.name = format!("{}_gear", gear.name);
         gear.link = Link {
             name: format!("{}_output", gear.link.name),
-            inertia: scaled(&whole, 1.0 - share),
+            inertia: output,
         };
         gear.rotation = Matrix3::identity();
         gear.translation = Vector3::zeros();
@@ -121,6 +137,11 @@ impl Arm {
     }
 }
 
+/// Inertia of a thin disc about `axis`: half as much about its diameters.
+fn disc(axis: &Vector3<f64>, inertia: f64) -> Matrix3<f64> {
+    (Matrix3::identity() + axis * axis.transpose()) * (0.5 * inertia)
+}
+
 /// The same mass distribution with `factor` times the density.
 pub fn scaled(body: &Inertia, factor: f64) -> Inertia {
     Inertia {
@@ -155,11 +176,12 @@ mod tests {
 
     #[test]
     fn a_locked_gear_changes_nothing() {
-        let arm = families::ur5();
+        let mut arm = families::ur5();
+        arm.add_disc(1, 0.7);
         let (q, qd, qdd) = ([0.3, -1.0, 0.8, 0.2, -0.5, 0.4], [0.5; 6], [1.0; 6]);
         let whole = torque(&arm, &q, &qd, &qdd);
         let mut split = arm.clone();
-        split.split_joint(1, 0.3);
+        split.split_joint(1);
         let put = |x: &[f64], v: f64| {
             let mut y = x.to_vec();
             y.insert(2, v);

@@ -36,7 +36,7 @@ pub struct Controller {
 
 /// Speed below which the feed-forward of friction is softened, rad/s: commanded speed is smooth, so that a narrow
 /// step would only make noise.
-const FEEDFORWARD_EPS: f64 = 0.02;
+const FEEDFORWARD_EPS: f64 = 0.004;
 
 impl Controller {
     /// A controller that knows `nominal`, with the given position bandwidth (Hz) and control period (s).

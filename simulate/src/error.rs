@@ -8,6 +8,14 @@ pub enum SimulateError {
     /// A simulated arm is not a possible robot.
     #[error("the simulated robot is not a possible one: {0}")]
     Robot(#[from] physics::robot::RobotError),
+    /// No random robot suited the case.
+    #[error("case {index} ({kind}): no random robot suits it")]
+    NoCase {
+        /// Kind of the case.
+        kind: &'static str,
+        /// Its index.
+        index: u64,
+    },
     /// A file or folder could not be written.
     #[error("cannot write {path}: {source}")]
     Write {

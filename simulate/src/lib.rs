@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 pub mod arm;
+pub mod cases;
 pub mod control;
 mod error;
 pub mod families;

@@ -1,0 +1,23 @@
+//! Sealed diagnosis cases: a simulator's model, recordings of a slightly different robot with one withheld effect,
+//! and the answer.
+//!
+//! [`draw`] says which kind a case is, [`generate`] makes it, [`write()`] puts it into the files that a diagnosis
+//! reads (`cases/ID/`) and the one that it must not (`truth/ID.json`). The same index and seed give the same
+//! case on any number of threads.
+
+mod build;
+mod generate;
+mod kind;
+mod measure;
+mod oracle;
+mod rehearsal;
+mod shapes;
+mod truth;
+mod withheld;
+//mod write;
+
+pub use generate::{Case, generate};
+pub use kind::{CaseSpec, EFFECTS, Kind, ROUND, draw};
+pub use oracle::{Nrmse, Oracle};
+pub use truth::{PlantTruth, Truth, TruthEffect};
+//pub use write::{write, write_all};
