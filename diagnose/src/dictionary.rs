@@ -91,7 +91,7 @@ impl Dictionary {
         let reduced: Vec<(usize, usize, Array1<f64>)> = self
             .evaluate(scene, &ids)
             .into_par_iter()
-            .map(|(c, j, fine)| (c, j, frame.reduce(fine)))
+            .map(|(c, j, fine)| (c, j, frame.reduce(&fine)))
             .collect();
         let mut tables: Vec<Array2<f64>> =
             layout.active.iter().map(|a| Array2::zeros((frame.len(), a.len()))).collect();

@@ -240,7 +240,7 @@ mod tests {
                 let half = |x: &[f64]| {
                     let rows = Array2::from_shape_vec((8, 4), x.to_vec()).expect("32 values");
                     let ones = Array1::ones(8);
-                    JointGram::new(rows.slice(ndarray::s![.., 0..3]), rows.column(3), ones.view())
+                    JointGram::new(rows.slice_axis(ndarray::Axis(1), (0..3).into()), rows.column(3), ones.view())
                 };
                 vec![half(&c[..32]), half(&c[32..])]
             })

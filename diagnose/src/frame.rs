@@ -1,69 +1,74 @@
-//! A recording on the clocks that the analysis uses.
+//! A recording on the clocks that the analysis uses: the fine grid of its motion, the recorded
+//! stamps, and the thinned rows that are fitted.
 
 use crate::scene::Scale;
-use datasets::Recording;
-use ndarray::{Array1, Array2};
+use datasets::prepare::{PrepareError, PrepareReport};
+use datasets::{PrepareOptions, Prepared, Recording, prepare};
+use ndarray::{Array1, Array2, ArrayView1};
 use signal::Motion;
 use signal::filter::filtfilt;
 use signal::sos::{Section, butterworth};
 use std::ops::Range;
 
-/// Rate of the rows that are fitted, Hz: no effect but ripple lives above a third of it.
+/// Rate of the rows that are fitted, Hz: no effect but ripple lives above a third of it, and ripple
+/// is searched on the recorded samples.
 const ANALYSIS_RATE: f64 = 62.5;
+/// Cut-off of the low-pass before thinning, relative to the rate of the rows.
+const ANALYSIS_CUTOFF: f64 = 0.4;
+/// A reversal: the joint is slower than this, rad/s (m/s).
+pub const REVERSAL_SPEED: f64 = 0.01;
+/// Time on either side of a reversal that the low-pass smears it over, s.
+const REVERSAL_TIME: f64 = 0.03;
+/// Weight of rows at a reversal, where not even the true plant's model reaches the noise.
+const REVERSAL_WEIGHT: f64 = 0.1;
 
-/// A recording's motion at the fine rate, its torque as recorded, and the way from one to rows that
-/// are fitted.
+/// A prepared recording with torque.
 pub struct Frame {
-    /// Filtered motion at the fine rate.
-    pub motion: Motion,
-    /// Recorded torque at the recorded samples, shape (samples, joints).
+    prepared: Prepared,
+    /// Recorded torque at the recorded stamps, shape (samples, joints).
     pub tau: Array2<f64>,
-    /// Recorded samples of each trajectory.
-    pub segments: Vec<Range<usize>>,
     /// Rows that are fitted, by trajectory.
     pub rows: Vec<Range<usize>>,
-    lowpass: Vec<Section>,
+    lowpass: Option<Vec<Section>>,
     stride: usize,
 }
 
 impl Frame {
-    /// Prepares a recording whose torque is present.
-    pub fn new(recording: &Recording, tau: Array2<f64>) -> Self {
-        let step = recording.median_step();
-        let rate = 1.0 / step;
-        let segments = recording.segments();
+    /// Prepares a recording and its torque.
+    ///
+    /// # Errors
+    /// As [`prepare`].
+    pub fn new(recording: &Recording, tau: Array2<f64>, cutoff_hz: Option<f64>) -> Result<Self, PrepareError> {
+        let prepared = prepare(recording, &PrepareOptions { cutoff_hz, ..PrepareOptions::default() })?;
+        let rate = prepared.report.rate_hz;
         let stride = ((rate / ANALYSIS_RATE).round() as usize).max(1);
-        let cutoff = (0.4 * rate / stride as f64).min(25.0);
-        let lowpass = butterworth(4, cutoff, rate).expect("the cut-off lies below half the rate");
-        let mut motion = Motion {
-            time: recording.time.clone(),
-            segments: segments.clone(),
-            q: recording.q.clone(),
-            qd: Array2::zeros(recording.q.dim()),
-            qdd: Array2::zeros(recording.q.dim()),
-        };
-        for s in &segments {
-            for j in 0..recording.dof() {
-                let raw: Vec<f64> = s.clone().map(|i| recording.q[[i, j]]).collect();
-                let q = filtfilt(&lowpass, &raw);
-                let time = &recording.time[s.clone()];
-                let qd = signal::differences::differences(time, &q);
-                let qdd = signal::differences::differences(time, &qd);
-                for (k, i) in s.clone().enumerate() {
-                    motion.q[[i, j]] = q[k];
-                    motion.qd[[i, j]] = qd[k];
-                    motion.qdd[[i, j]] = qdd[k];
-                }
-            }
-        }
+        // A recording that was low-passed before it was stored is fitted as it is.
+        let lowpass = (stride > 1)
+            .then(|| butterworth(4, ANALYSIS_CUTOFF * rate / stride as f64, rate).ok())
+            .flatten();
         let mut rows = Vec::new();
         let mut start = 0;
-        for s in &segments {
+        for s in &prepared.at_samples.segments {
             let n = s.len().div_ceil(stride);
             rows.push(start..start + n);
             start += n;
         }
-        Self { motion, tau, segments, rows, lowpass, stride }
+        Ok(Self { prepared, tau, rows, lowpass, stride })
+    }
+
+    /// Motion on the fine grid.
+    pub fn motion(&self) -> &Motion {
+        &self.prepared.fine
+    }
+
+    /// Motion at the recorded stamps.
+    pub fn samples(&self) -> &Motion {
+        &self.prepared.at_samples
+    }
+
+    /// What preparation did.
+    pub fn report(&self) -> &PrepareReport {
+        &self.prepared.report
     }
 
     /// Number of rows that are fitted.
@@ -76,44 +81,102 @@ impl Frame {
         self.len() == 0
     }
 
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.tau.ncols()
+    }
+
+    /// Rows per second.
+    pub fn row_rate(&self) -> f64 {
+        self.report().rate_hz / self.stride as f64
+    }
+
     /// A torque at the recorded samples on the rows that are fitted: low-passed within each
     /// trajectory, then thinned out.
     pub fn thin(&self, samples: &[f64]) -> Array1<f64> {
+        let Some(lowpass) = &self.lowpass else { return Array1::from(samples.to_vec()) };
         let mut out = Vec::with_capacity(self.len());
-        for s in &self.segments {
-            let smooth = filtfilt(&self.lowpass, &samples[s.clone()]);
-            out.extend(smooth.into_iter().step_by(self.stride));
+        for s in &self.samples().segments {
+            out.extend(filtfilt(lowpass, &samples[s.clone()]).into_iter().step_by(self.stride));
         }
         Array1::from(out)
     }
 
-    /// Values at the fine rate on the recorded samples.
-    pub fn to_samples(&self, fine: Array1<f64>) -> Array1<f64> {
-        fine
+    /// Values at the recorded samples on the rows that are fitted, without filtering.
+    pub fn pick(&self, samples: ArrayView1<f64>) -> Array1<f64> {
+        self.samples().segments.iter().flat_map(|s| s.clone().step_by(self.stride)).map(|i| samples[i]).collect()
+    }
+
+    /// A column at the fine rate as the recorded torque would show it.
+    pub fn to_samples(&self, fine: &Array1<f64>) -> Vec<f64> {
+        self.prepared.to_samples(&fine.to_vec())
     }
 
     /// A column at the fine rate on the rows that are fitted.
-    pub fn reduce(&self, fine: Array1<f64>) -> Array1<f64> {
-        let samples = self.to_samples(fine);
-        self.thin(samples.as_slice().expect("a vector in standard layout"))
+    pub fn reduce(&self, fine: &Array1<f64>) -> Array1<f64> {
+        self.thin(&self.to_samples(fine))
+    }
+
+    /// A table at the fine rate on the recorded samples.
+    pub fn table_to_samples(&self, fine: &Array2<f64>) -> Array2<f64> {
+        let mut out = Array2::zeros(self.tau.dim());
+        for (j, column) in fine.columns().into_iter().enumerate() {
+            out.column_mut(j).assign(&Array1::from(self.to_samples(&column.to_owned())));
+        }
+        out
+    }
+
+    /// A table at the recorded samples on the rows that are fitted.
+    pub fn table_thin(&self, samples: &Array2<f64>) -> Array2<f64> {
+        let mut out = Array2::zeros((self.len(), samples.ncols()));
+        for (j, column) in samples.columns().into_iter().enumerate() {
+            out.column_mut(j).assign(&self.thin(&column.to_vec()));
+        }
+        out
+    }
+
+    /// Whether a row of a joint lies at a reversal; shape (rows, joints).
+    pub fn reversals(&self) -> Array2<bool> {
+        let reach = (REVERSAL_TIME * self.row_rate()).ceil() as usize;
+        let mut out = Array2::from_elem((self.len(), self.dof()), false);
+        for j in 0..self.dof() {
+            let qd = self.pick(self.samples().qd.column(j));
+            for range in &self.rows {
+                for i in range.clone() {
+                    let crossed = i + 1 < range.end && qd[i] * qd[i + 1] < 0.0;
+                    if qd[i].abs() < REVERSAL_SPEED || crossed {
+                        let (a, b) = (i.saturating_sub(reach).max(range.start), (i + reach + 1).min(range.end));
+                        (a..b).for_each(|k| out[[k, j]] = true);
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Weights of the rows, shape (rows, joints).
+    pub fn weights(&self) -> Array2<f64> {
+        // Rows of a slow recording show every reversal whole.
+        if self.lowpass.is_none() {
+            return Array2::ones((self.len(), self.dof()));
+        }
+        self.reversals().mapv(|r| if r { REVERSAL_WEIGHT } else { 1.0 })
     }
 
     /// Sizes for grids of shape parameters; `others` are recordings of the same session.
     pub fn scale(&self, others: &[&Frame]) -> Scale {
-        let rms = |x: ndarray::ArrayView1<f64>| (x.dot(&x) / x.len() as f64).sqrt().max(1e-9);
-        let times = || std::iter::once(self).chain(others.iter().copied()).flat_map(|f| f.motion.time.iter());
+        let m = self.samples();
+        let rms = |x: ArrayView1<f64>| (x.dot(&x) / x.len().max(1) as f64).sqrt().max(1e-9);
+        let spread = |x: ArrayView1<f64>| x.std(0.0).max(1e-9);
+        let bounds = |x: &mut dyn Iterator<Item = f64>| x.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let frames = || std::iter::once(self).chain(others.iter().copied());
+        let fine = &self.motion().time;
         Scale {
-            speed: self.motion.qd.columns().into_iter().map(rms).collect(),
-            range: self
-                .motion
-                .q
-                .columns()
-                .into_iter()
-                .map(|q| q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x))))
-                .collect(),
-            torque: self.tau.columns().into_iter().map(rms).collect(),
-            session: (times().fold(f64::INFINITY, |a, &t| a.min(t)), times().fold(f64::NEG_INFINITY, |a, &t| a.max(t))),
-            step: self.motion.time.get(1).map_or(0.01, |t| t - self.motion.time[0]),
+            speed: m.qd.columns().into_iter().map(rms).collect(),
+            range: m.q.columns().into_iter().map(|q| bounds(&mut q.iter().copied())).collect(),
+            torque: self.tau.columns().into_iter().map(spread).collect(),
+            session: bounds(&mut frames().flat_map(|f| f.samples().time.iter().copied())),
+            step: if fine.len() > 1 { fine[1] - fine[0] } else { 0.01 },
         }
     }
 }

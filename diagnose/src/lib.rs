@@ -2,13 +2,23 @@
 //! it, and how far it shrinks.
 #![forbid(unsafe_code)]
 
+pub mod analysis;
 pub mod candidates;
 pub mod cholesky;
+pub mod diagnosis;
 pub mod dictionary;
 pub mod effect;
+pub mod error;
+pub mod explain;
 pub mod fit;
+pub mod folds;
 pub mod frame;
 pub mod gram;
+pub mod ladder;
+pub mod locate;
+pub mod model;
 pub mod objective;
+pub mod report;
 pub mod scene;
 pub mod select;
+pub mod unknown;

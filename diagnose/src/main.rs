@@ -1,46 +1,88 @@
-use datasets::{ReadOptions, read};
-use diagnose::*;
-use ndarray::Array2;
+//! `diagnose`: where the gap between a simulator and a real robot lies, and what causes it.
+
+use clap::Parser;
+use datasets::{Part, ReadOptions, Recording, read};
+use diagnose::diagnosis::diagnose;
+use diagnose::error::DiagnoseError;
+use diagnose::model::NominalModel;
+use diagnose::objective::Settings;
 use physics::robot::Robot;
-fn main() {
-    let dir = std::env::args().nth(1).unwrap();
-    let t0 = std::time::Instant::now();
-    let robot = Robot::load(&format!("{dir}/robot.urdf")).unwrap();
-    let rec = read(format!("{dir}/train.parquet").as_ref(), &ReadOptions::for_robot(robot.dof())).unwrap();
-    let tau = rec.tau.clone().unwrap();
-    let frame = frame::Frame::new(&rec, tau);
-    let scale = frame.scale(&[]);
-    let scene = scene::Scene::new(&robot, &frame.motion, &scale).with_tangents();
-    let cands = candidates::catalogue(&scene);
-    let dict = dictionary::Dictionary::new(robot.dof(), &cands);
-    let gap = &frame.tau - &scene.predicted();
-    let mut y = Array2::zeros((frame.len(), robot.dof()));
-    for j in 0..robot.dof() { y.column_mut(j).assign(&frame.thin(&gap.column(j).to_vec())); }
-    let mut w = Array2::ones(y.dim());
-    for j in 0..robot.dof() { let v = frame.thin(&frame.motion.qd.column(j).mapv(f64::abs).to_vec()); for i in 0..y.nrows() { if v[i] < 0.008 { w[[i,j]] = 0.1 } } }
-    let folds: Vec<_> = frame.rows.iter().map(|r| vec![r.clone()]).collect();
-    println!("{} candidates {} columns {:?}", cands.len(), dict.len(), t0.elapsed());
-    let grams = dict.grams(&scene, &frame, &y, &w, &folds);
-    println!("grams {:?}", t0.elapsed());
-    let settings = objective::Settings::default();
-    let obj = objective::Objective::new(&grams, &scale, &settings);
-    let search = select::Search { objective: &obj, candidates: &cands, members: &dict.members, base: obj.base(&robot) };
-    let f = search.fit(&[]);
-    let nr = |e: &[f64]| -> Vec<String> { e.iter().zip(&grams.total).zip(&scale.torque).map(|((e,g),t)| format!("{:.4}", (e.max(0.0)/g.samples).sqrt()/t)).collect() };
-    println!("given {:?}", nr(&grams.total.iter().map(|g| g.yy).collect::<Vec<_>>()));
-    println!("tight {:?} J {:.1} pen {:.1}", nr(&f.error()), obj.of_fit(&f,0), f.penalty());
-    let sel = search.run(|_, t| t.gain > 10.0, 5);
-    println!("select {:?}", t0.elapsed());
-    for (k, s) in sel.steps.iter().chain([&sel.rest]).enumerate() {
-        println!("step {k}");
-        let mut seen = vec![];
-        for t in s.iter() {
-            let c = &cands[t.candidate];
-            if seen.contains(&(c.effect, c.joints.clone(), c.driver)) { continue }
-            seen.push((c.effect, c.joints.clone(), c.driver));
-            if seen.len() > 7 { break }
-            println!("   {:28} j{:?} d{:?} gain {:8.1} shape {:?} gamma {:?} err {:?}", c.effect.name(), if c.joints.len()>1 {vec![]} else {c.joints.clone()}, c.driver, t.gain, c.shape.iter().map(|s| format!("{} {:.4}",s.0,s.1)).collect::<Vec<_>>(), t.gamma.iter().take(3).collect::<Vec<_>>(), nr(&t.error));
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Diagnose the gap between a simulator's torque and a real robot's.
+#[derive(Parser)]
+struct Arguments {
+    /// The simulator's model: a URDF or a built-in name.
+    #[arg(long)]
+    robot: String,
+    /// Recording on which effects are fitted.
+    #[arg(long)]
+    data: PathBuf,
+    /// Recording on which every figure is measured.
+    #[arg(long)]
+    heldout: PathBuf,
+    /// Write the report as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(if error.is_input() { 2 } else { 1 })
         }
     }
-    println!("final {:?} pen {:.1}", nr(&sel.fit.error()), sel.fit.penalty());
+}
+
+fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
+    let robot = Robot::load(&arguments.robot)?;
+    let options = |part| if arguments.robot == "kr300" { ReadOptions::kr300(part) } else { ReadOptions::for_robot(robot.dof()) };
+    let data: Recording = read(&arguments.data, &options(Part::Train))?;
+    let heldout = read(&arguments.heldout, &options(Part::Test))?;
+    let model = NominalModel { robot: robot.clone() };
+    let outcome = diagnose(&model, &data, &heldout, Settings::default())?;
+    if std::env::var_os("DIAG").is_some() {
+        for (k, s) in outcome.findings.accepted.iter().map(|a| &a.tried).chain([&outcome.findings.rest]).enumerate() {
+            println!("cause {k}");
+            let mut seen = vec![];
+            for t in s.iter() {
+                let c = &outcome.findings.candidates[t.candidate];
+                if seen.contains(&(c.effect, c.joints.clone(), c.driver)) {
+                    continue;
+                }
+                seen.push((c.effect, c.joints.clone(), c.driver));
+                if seen.len() > 8 {
+                    break;
+                }
+                println!(
+                    "   {:28} j{:?} d{:?} gain {:8.1} shape {:?} gamma {:?}",
+                    c.effect.name(),
+                    if c.joints.len() > 1 { vec![] } else { c.joints.clone() },
+                    c.driver,
+                    t.gain,
+                    c.shape.iter().map(|s| format!("{} {:.4}", s.0, s.1)).collect::<Vec<_>>(),
+                    t.gamma.iter().take(3).map(|g| format!("{g:.4}")).collect::<Vec<_>>()
+                );
+            }
+        }
+        for l in &outcome.left {
+            println!("{l:?} structured {:.4}", l.structured());
+        }
+        for s in &outcome.diagnosis.ladder {
+            println!("{:24} {:.4} {:?}", s.step, s.all.mean_nrmse, s.all.nrmse.iter().flatten().map(|v| format!("{v:.4}")).collect::<Vec<_>>());
+        }
+    }
+    println!("{}", outcome.diagnosis.verdict.name());
+    for c in &outcome.diagnosis.causes {
+        println!("{} {:?} share {:.3} closes {:.3}", c.effect.name(), c.joints, c.share_of_gap, c.gap_closed);
+    }
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&outcome.diagnosis).expect("numbers and strings");
+        std::fs::write(path, text).map_err(|error| DiagnoseError::Write { path: path.display().to_string(), error })?;
+    }
+    Ok(())
 }

@@ -21,13 +21,19 @@ pub struct Settings {
     pub correlated_rows: f64,
     /// Price of a coefficient, nats.
     pub cost: f64,
+    /// Gain from which a cause is named, nats.
+    pub enough: f64,
+    /// Error that a cause must remove on some joint, relative to the joint's torque.
+    pub visible: f64,
+    /// Share of the whole gap that a cause must remove.
+    pub share: f64,
     /// Error below which a joint counts as explained, relative to its torque.
     pub floor: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { inertial_tolerance: 0.04, friction_tolerance: 0.12, correlated_rows: 25.0, cost: 4.0, floor: 0.006 }
+        Self { inertial_tolerance: 0.04, friction_tolerance: 0.12, correlated_rows: 25.0, cost: 4.0, enough: 10.0, visible: 0.015, share: 0.015, floor: 0.006 }
     }
 }
 
@@ -55,6 +61,17 @@ impl<'a> Objective<'a> {
             .zip(&self.torque)
             .map(|((e, g), t)| e.max(0.0) / g.samples.max(1.0) + (floor * t).powi(2))
             .collect()
+    }
+
+    /// Root mean squared error of each joint relative to its torque.
+    pub fn relative(&self, error: &[f64]) -> Vec<f64> {
+        let each = error.iter().zip(&self.grams.total).zip(&self.torque);
+        each.map(|((e, g), t)| (e.max(0.0) / g.samples.max(1.0)).sqrt() / t).collect()
+    }
+
+    /// The same of the gap itself.
+    pub fn given(&self) -> Vec<f64> {
+        self.relative(&self.grams.total.iter().map(|g| g.yy).collect::<Vec<_>>())
     }
 
     fn independent(&self, joint: usize) -> f64 {

@@ -8,9 +8,9 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use signal::Motion;
 
-/// Velocity below which the sign of a motion is softened, rad/s (m/s): half of what the contract
+/// Velocity below which the sign of a motion is softened, rad/s (m/s): well below what the contract
 /// allows, so that the reversal keeps its shape.
-pub const SOFT_SIGN: f64 = 0.0025;
+pub const SOFT_SIGN: f64 = 0.001;
 
 /// Change of a position (rad) or velocity (rad/s) over which the rigid torque is differenced.
 const STEP: f64 = 1e-4;
@@ -53,7 +53,7 @@ pub struct Scene<'a> {
     pub sign: Array2<f64>,
     /// Torque of the rigid body.
     pub rigid: Array2<f64>,
-    /// Viscous and Coulomb friction, rotor inertia.
+    /// Viscous and Coulomb friction, rotor inertia, counterbalance.
     pub drive: Array2<f64>,
     /// Partial derivatives of the rigid torque, by joint that moves.
     pub tangents: Vec<Tangent>,
@@ -72,6 +72,11 @@ impl<'a> Scene<'a> {
             out.scaled_add(joint.damping, &motion.qd.column(j));
             out.scaled_add(joint.friction, &sign.column(j));
             out.scaled_add(joint.rotor_inertia, &motion.qdd.column(j));
+        }
+        if let Some(c) = robot.counterbalance() {
+            let torque = motion.q.column(c.joint).mapv(|q| c.torque(q));
+            let mut out = drive.column_mut(c.joint);
+            out += &torque;
         }
         let mut order = motion.segments.clone();
         order.sort_by(|a, b| motion.time[a.start].total_cmp(&motion.time[b.start]));

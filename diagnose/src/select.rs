@@ -14,6 +14,8 @@ pub struct Tried {
     pub gain: f64,
     /// Leave-one-fold-out squared error by joint.
     pub error: Vec<f64>,
+    /// Σ λ β² of the whole fit.
+    pub penalty: f64,
     /// Coefficients.
     pub gamma: Vec<f64>,
 }
@@ -24,7 +26,7 @@ pub struct Selection<'a> {
     pub accepted: Vec<usize>,
     /// Fit with all of them.
     pub fit: Fit<'a>,
-    /// For each accepted candidate everything tried at that step, best first.
+    /// For each accepted candidate everything tried in its place, the others standing, best first.
     pub steps: Vec<Vec<Tried>>,
     /// What was tried after the last acceptance, best first.
     pub rest: Vec<Tried>,
@@ -70,7 +72,7 @@ impl<'a> Search<'a> {
                 let trial = fit.trial(&self.variables(c));
                 let within = trial.gamma.iter().zip(&self.candidates[c].bounds).all(|(g, b)| allowed(*g, *b));
                 let gain = before - self.objective.of_trial(&trial, self.members[c].len());
-                within.then_some(Tried { candidate: c, gain, error: trial.error, gamma: trial.gamma })
+                within.then_some(Tried { candidate: c, gain, error: trial.error, penalty: trial.penalty, gamma: trial.gamma })
             })
             .collect();
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.candidate.cmp(&b.candidate)));
@@ -83,25 +85,80 @@ impl<'a> Search<'a> {
         a.effect == b.effect && a.joints == b.joints && a.driver == b.driver
     }
 
-    /// Adds the best candidate until none is worth `enough`, then drops what is no longer.
-    pub fn run(&self, enough: impl Fn(&Fit, &Tried) -> bool, most: usize) -> Selection<'a> {
-        let mut accepted = Vec::new();
-        let mut steps = Vec::new();
+    /// Adds the best candidate until none is worth it, exchanging earlier choices for better ones on the way, then
+    /// drops what the rest has made superfluous.
+    pub fn run(&self, most: usize) -> Selection<'a> {
+        let mut accepted: Vec<usize> = Vec::new();
         let mut fit = self.fit(&accepted);
         let rest = loop {
             let tried = self.tried(&fit, &accepted);
-            let best = tried.iter().find(|t| t.gain > 0.0 && enough(&fit, t)).map(|t| t.candidate);
+            let best = tried.iter().find(|t| self.worth(&fit, t)).map(|t| t.candidate);
             match best {
                 Some(candidate) if accepted.len() < most => {
                     accepted.push(candidate);
-                    steps.push(tried);
+                    self.exchange(&mut accepted);
                     fit = self.fit(&accepted);
                 }
                 _ => break tried,
             }
         };
+        self.drop_superfluous(&mut accepted);
+        let fit = self.fit(&accepted);
+        let steps = (0..accepted.len())
+            .map(|i| {
+                let others = without(&accepted, i);
+                self.tried(&self.fit(&others), &others)
+            })
+            .collect();
         Selection { accepted, fit, steps, rest }
     }
+
+    /// Whether a trial explains enough to be named: it lowers J, and either the error it removes is visible
+    /// on some joint and in the whole gap, or it spares the given parameters a bend.
+    fn worth(&self, fit: &Fit, tried: &Tried) -> bool {
+        let s = self.objective.settings;
+        if tried.gain < s.enough {
+            return false;
+        }
+        let before = self.objective.relative(&fit.error());
+        let after = self.objective.relative(&tried.error);
+        let removed: Vec<f64> = before.iter().zip(&after).map(|(b, a)| b * b - a * a).collect();
+        let visible = removed.iter().any(|r| *r > s.visible * s.visible);
+        let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
+        let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
+        misfit || fit.penalty() - tried.penalty > 2.0 * s.enough
+    }
+
+    /// One round over all but the newest choice: each is replaced by what explains more in its place.
+    fn exchange(&self, accepted: &mut [usize]) {
+        for i in 0..accepted.len().saturating_sub(1) {
+            let others = without(accepted, i);
+            let tried = self.tried(&self.fit(&others), &others);
+            let own = tried.iter().find(|t| t.candidate == accepted[i]).map_or(f64::NEG_INFINITY, |t| t.gain);
+            if let Some(best) = tried.first().filter(|t| t.gain > own + self.objective.settings.cost) {
+                accepted[i] = best.candidate;
+            }
+        }
+    }
+
+    fn drop_superfluous(&self, accepted: &mut Vec<usize>) {
+        let mut i = 0;
+        while i < accepted.len() {
+            let others = without(accepted, i);
+            let fit = self.fit(&others);
+            let tried = self.tried(&fit, &others);
+            let own = tried.iter().find(|t| t.candidate == accepted[i]);
+            if own.is_some_and(|t| self.worth(&fit, t)) {
+                i += 1;
+            } else {
+                accepted.remove(i);
+            }
+        }
+    }
+}
+
+fn without(accepted: &[usize], i: usize) -> Vec<usize> {
+    accepted.iter().enumerate().filter(|&(k, _)| k != i).map(|(_, &c)| c).collect()
 }
 
 fn allowed(gamma: f64, bound: Bound) -> bool {

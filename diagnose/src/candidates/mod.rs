@@ -17,6 +17,7 @@ mod saturation;
 mod stribeck_friction;
 mod time_delay;
 mod torque_channel;
+pub mod torque_ripple;
 
 use crate::effect::Effect;
 use crate::scene::Scene;

@@ -18,7 +18,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     for v in VELOCITIES {
         for exponent in EXPONENTS {
             let velocity = v * speed;
-            if velocity < 3.0 * SOFT_SIGN {
+            if velocity < 8.0 * SOFT_SIGN {
                 continue;
             }
             let column = Column::own(joint, move |s| {

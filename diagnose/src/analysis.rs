@@ -1,0 +1,201 @@
+//! The diagnosis, step by step: recording → gap → first fit → catalogue → causes.
+
+use crate::candidates::{self, Candidate, torque_ripple};
+use crate::dictionary::Dictionary;
+use crate::error::DiagnoseError;
+use crate::fit::{Fit, Variable};
+use crate::folds::folds;
+use crate::frame::Frame;
+use crate::gram::Grams;
+use crate::model::NominalModel;
+use crate::objective::{Objective, Settings};
+use crate::scene::{Scale, Scene};
+use crate::select::{Search, Tried};
+use datasets::Recording;
+use ndarray::{Array1, Array2};
+use physics::robot::Robot;
+use rayon::prelude::*;
+
+/// Most causes that are named.
+const MOST_CAUSES: usize = 6;
+
+/// The recordings on their clocks.
+pub struct Frames {
+    /// What is fitted.
+    pub data: Frame,
+    /// What is scored.
+    pub heldout: Frame,
+    /// Sizes of the fitted recording.
+    pub scale: Scale,
+}
+
+impl Frames {
+    /// Prepares both recordings.
+    ///
+    /// # Errors
+    /// No torque, or a recording that cannot be prepared.
+    pub fn new(data: &Recording, heldout: &Recording, cutoff_hz: Option<f64>) -> Result<Self, DiagnoseError> {
+        let frame = |r: &Recording| {
+            let tau = r.tau.clone().ok_or_else(|| DiagnoseError::NoTorque(r.source.clone()))?;
+            Frame::new(r, tau, cutoff_hz)
+                .map_err(|error| DiagnoseError::Prepare { source_name: r.source.clone(), error })
+        };
+        let (data, heldout) = (frame(data)?, frame(heldout)?);
+        let scale = data.scale(&[&heldout]);
+        Ok(Self { data, heldout, scale })
+    }
+}
+
+/// An accepted cause among the candidates.
+#[derive(Clone, Debug)]
+pub struct Accepted {
+    /// Index of its candidate.
+    pub candidate: usize,
+    /// Its variables in the fit.
+    pub variables: std::ops::Range<usize>,
+    /// Everything tried in its place, best first.
+    pub tried: Vec<Tried>,
+}
+
+/// What the search came to.
+pub struct Findings {
+    /// The model with the first fit's parameters: what derived columns are built on.
+    pub present: Robot,
+    /// The catalogue with the lines found in this recording.
+    pub candidates: Vec<Candidate>,
+    /// Its columns.
+    pub dictionary: Dictionary,
+    /// Products over the fitted recording.
+    pub grams: Grams,
+    /// Number of base variables, first in every fit.
+    pub base: usize,
+    /// Causes in the order of acceptance.
+    pub accepted: Vec<Accepted>,
+    /// Variables and coefficients, the base near the given values.
+    pub tight: (Vec<Variable>, Array1<f64>),
+    /// Posterior standard deviations of the same.
+    pub std: Array1<f64>,
+    /// The best of what was not accepted.
+    pub rest: Vec<Tried>,
+    /// Settings of the search.
+    pub settings: Settings,
+}
+
+/// Torque of the gap on a frame's recorded samples: measured − given.
+pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
+    let scene = Scene::new(&model.robot, frame.motion(), scale);
+    &frame.tau - &frame.table_to_samples(&model.predicted(&scene))
+}
+
+/// Chosen columns of a recording at its recorded samples: (column, joint, torque per unit).
+pub struct Columns(Vec<(usize, usize, Array1<f64>)>);
+
+impl Columns {
+    /// Evaluates columns on a frame. `scene` must show its motion.
+    pub fn new(dictionary: &Dictionary, scene: &Scene, frame: &Frame, variables: &[Variable]) -> Self {
+        let mut ids: Vec<usize> = variables.iter().map(|v| v.column).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        let fine = dictionary.evaluate(scene, &ids);
+        Self(fine.into_par_iter().map(|(c, j, x)| (c, j, Array1::from(frame.to_samples(&x)))).collect())
+    }
+
+    /// Torque of the given coefficients, shape (samples, joints).
+    pub fn torque(&self, shape: (usize, usize), variables: &[Variable], beta: &Array1<f64>) -> Array2<f64> {
+        let mut by_column = std::collections::HashMap::new();
+        for (v, b) in variables.iter().zip(beta) {
+            *by_column.entry(v.column).or_insert(0.0) += b;
+        }
+        let mut out = Array2::zeros(shape);
+        for (c, j, x) in &self.0 {
+            if let Some(&b) = by_column.get(c) {
+                out.column_mut(*j).scaled_add(b, x);
+            }
+        }
+        out
+    }
+}
+
+/// Finds the causes.
+///
+/// # Errors
+/// None beyond those of the model's own numbers.
+pub fn find(model: &NominalModel, frames: &Frames, weight: &Array2<f64>, settings: Settings) -> Result<Findings, DiagnoseError> {
+    let (data, scale) = (&frames.data, &frames.scale);
+    let gap = gap(model, data, scale);
+    let y = data.table_thin(&gap);
+    let folds = folds(&data.rows);
+    let given = Scene::new(&model.robot, data.motion(), scale);
+    let (present, residual) = first_fit(model, frames, &given, &gap, &y, weight, &settings)?;
+    let scene = Scene::new(&present, data.motion(), scale).with_tangents();
+    let mut candidates = candidates::catalogue(&scene);
+    for j in 0..data.dof() {
+        let q = data.samples().q.column(j).to_owned();
+        let orders = torque_ripple::orders(&residual.column(j).to_owned(), &q, scale.speed[j], data.report().rate_hz);
+        candidates.extend(torque_ripple::candidates(j, &orders));
+    }
+    let dictionary = Dictionary::new(data.dof(), &candidates);
+    let grams = dictionary.grams(&scene, data, &y, weight, &folds);
+    let objective = Objective::new(&grams, scale, &settings);
+    let base = objective.base(&model.robot);
+    let search = Search { objective: &objective, candidates: &candidates, members: &dictionary.members, base: base.clone() };
+    let selection = search.run(MOST_CAUSES);
+    let mut start = base.len();
+    let accepted = selection
+        .accepted
+        .iter()
+        .zip(selection.steps)
+        .map(|(&candidate, tried)| {
+            let variables = start..start + dictionary.members[candidate].len();
+            start = variables.end;
+            Accepted { candidate, variables, tried }
+        })
+        .collect();
+    let tight = (selection.fit.variables.clone(), selection.fit.beta().clone());
+    let (std, rest) = (selection.fit.std(), selection.rest);
+    Ok(Findings { present, candidates, dictionary, grams, base: base.len(), accepted, tight, std, rest, settings })
+}
+
+/// Parameters alone, near the given ones: the model that derived columns are built on, and what it
+/// leaves at the recorded samples.
+fn first_fit(
+    model: &NominalModel,
+    frames: &Frames,
+    given: &Scene,
+    gap: &Array2<f64>,
+    y: &Array2<f64>,
+    weight: &Array2<f64>,
+    settings: &Settings,
+) -> Result<(Robot, Array2<f64>), DiagnoseError> {
+    let data = &frames.data;
+    let dictionary = Dictionary::new(data.dof(), &[]);
+    let grams = dictionary.grams(given, data, y, weight, &folds(&data.rows));
+    let objective = Objective::new(&grams, &frames.scale, settings);
+    let base = objective.base(&model.robot);
+    let fit = objective.fit(base.clone());
+    let columns = Columns::new(&dictionary, given, data, &base);
+    let residual = gap - &columns.torque(gap.dim(), &base, fit.beta());
+    Ok((model.moved(&fit.beta().to_vec())?, residual))
+}
+
+impl Findings {
+    /// Fit of the base and some accepted causes with the given parameters' tolerances widened by `freedom`.
+    pub fn refit(&self, model: &NominalModel, scale: &Scale, causes: &[usize], freedom: f64) -> (Vec<Variable>, Array1<f64>) {
+        let objective = Objective::new(&self.grams, scale, &self.settings);
+        let mut variables = objective.base(&model.robot);
+        for v in &mut variables {
+            v.precision /= freedom * freedom;
+        }
+        for &c in causes {
+            variables.extend(self.dictionary.members[self.accepted[c].candidate].iter().map(|&m| objective.wide(m)));
+        }
+        let fit: Fit = objective.fit(variables.clone());
+        let beta = fit.beta().clone();
+        (variables, beta)
+    }
+
+    /// The candidate behind an accepted cause.
+    pub fn candidate(&self, cause: usize) -> &Candidate {
+        &self.candidates[self.accepted[cause].candidate]
+    }
+}

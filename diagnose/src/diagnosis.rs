@@ -1,0 +1,150 @@
+//! The whole diagnosis of a pair of recordings.
+
+use crate::analysis::{Findings, Frames, find};
+use crate::effect::Effect;
+use crate::error::DiagnoseError;
+use crate::explain::{Explanation, explain, removed};
+use crate::locate::locate;
+use crate::model::NominalModel;
+use crate::objective::Settings;
+use crate::report::{Diagnosis, NotIdentifiable, Tested, Unexplained, Verdict};
+use crate::scene::rigid_torque;
+use crate::unknown::{Left, examine};
+use datasets::Recording;
+
+/// Structure left on some joint, relative to its torque, from which it counts as clear.
+const CLEAR: f64 = 0.03;
+/// Part of the whole gap that it must be.
+const CLEAR_SHARE: f64 = 0.02;
+/// Part of the gap that the causes must remove to explain it.
+const EXPLAINED: f64 = 0.8;
+/// Gap on the worst joint below which there is none.
+const SMALL: f64 = 0.05;
+/// Range of a joint that never moves, rad (m).
+const STILL: f64 = 1e-3;
+
+/// Everything a report is made of.
+pub struct Outcome {
+    /// The report.
+    pub diagnosis: Diagnosis,
+    /// The search behind it.
+    pub findings: Findings,
+    /// Prepared recordings.
+    pub frames: Frames,
+    /// The measured explanation.
+    pub explanation: Explanation,
+    /// What is left per joint, on the fitted recording.
+    pub left: Vec<Left>,
+}
+
+/// Diagnoses the gap between a model and recordings.
+///
+/// # Errors
+/// A recording that cannot be used.
+pub fn diagnose(model: &NominalModel, data: &Recording, heldout: &Recording, settings: Settings) -> Result<Outcome, DiagnoseError> {
+    let frames = Frames::new(data, heldout, None)?;
+    let weight = frames.data.weights();
+    let findings = find(model, &frames, &weight, settings)?;
+    let explanation = explain(model, &frames, &findings)?;
+    let left = examine(&frames.data, &explanation.residual_data);
+    let names = model.robot.joint_names();
+    let samples = frames.heldout.samples();
+    let load = rigid_torque(&model.robot, &samples.q, &samples.qd, &samples.qdd);
+    let diagnosis = Diagnosis {
+        schema: "diagnosis/1",
+        joints: names.clone(),
+        verdict: verdict(&explanation, &left),
+        ladder: explanation.ladder.clone(),
+        places: locate(&explanation.gap, &frames.heldout.tau, &load, samples, &names),
+        causes: explanation.causes.clone(),
+        candidates: tested(&findings, &names),
+        not_identifiable: not_identifiable(&frames, &names),
+        unexplained: names
+            .iter()
+            .zip(&left)
+            .map(|(joint, l)| Unexplained { joint: joint.clone(), nrmse: l.structured(), learnable: l.learnable })
+            .collect(),
+        notes: notes(&frames),
+    };
+    Ok(Outcome { diagnosis, findings, frames, explanation, left })
+}
+
+fn verdict(explanation: &Explanation, left: &[Left]) -> Verdict {
+    let given = explanation.ladder[0].all.nrmse.iter().flatten().map(|v| v * v).sum::<f64>();
+    let clear = left.iter().any(|l| {
+        let s = l.structured();
+        s > CLEAR && s * s > CLEAR_SHARE * given
+    });
+    if clear {
+        return Verdict::UnknownEffect;
+    }
+    if explanation.causes.is_empty() {
+        return if given.sqrt() < SMALL || removed(&explanation.ladder) < EXPLAINED { Verdict::NoGap } else { Verdict::Explained };
+    }
+    let floor = left.iter().all(|l| l.structured() < CLEAR / 2.0);
+    if floor || removed(&explanation.ladder) > EXPLAINED { Verdict::Explained } else { Verdict::PartlyExplained }
+}
+
+/// The best candidate of each effect and place beyond the accepted causes.
+fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
+    const MOST: usize = 40;
+    let mut seen: Vec<(Effect, Vec<usize>, Option<usize>)> = Vec::new();
+    let mut out = Vec::new();
+    for t in findings.accepted.iter().flat_map(|a| &a.tried).chain(&findings.rest) {
+        let c = &findings.candidates[t.candidate];
+        let key = (c.effect, c.joints.clone(), c.driver);
+        if seen.contains(&key) || out.len() >= MOST {
+            continue;
+        }
+        seen.push(key);
+        let given: f64 = c.joints.iter().map(|&j| findings.grams.total[j].yy).sum();
+        let now: f64 = c.joints.iter().map(|&j| t.error[j]).sum();
+        out.push(Tested {
+            effect: c.effect,
+            joints: c.joints.iter().map(|&j| names[j].clone()).collect(),
+            gap_closed: 1.0 - now / given.max(1e-300),
+            p_value: (-t.gain.max(0.0)).exp(),
+        });
+    }
+    out
+}
+
+fn not_identifiable(frames: &Frames, names: &[String]) -> Vec<NotIdentifiable> {
+    let mut out = Vec::new();
+    for (j, (low, high)) in frames.scale.range.iter().enumerate() {
+        if high - low < STILL {
+            for effect in Effect::ALL {
+                out.push(NotIdentifiable {
+                    effect,
+                    joints: vec![names[j].clone()],
+                    reason: format!("{} never moves in this recording", names[j]),
+                });
+            }
+        }
+    }
+    let seconds: f64 = frames.data.len() as f64 / frames.data.row_rate();
+    if seconds < 30.0 {
+        for effect in [Effect::FrictionDrift, Effect::LinkParameters, Effect::TorqueRipple] {
+            out.push(NotIdentifiable {
+                effect,
+                joints: names.to_vec(),
+                reason: format!("{seconds:.0} s of motion are too short to tell it from other effects; record a minute or more"),
+            });
+        }
+    }
+    out
+}
+
+fn notes(frames: &Frames) -> Vec<String> {
+    let mut out = Vec::new();
+    for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {
+        let r = frame.report();
+        let cutoff = r.cutoff_hz.map_or("interpolated without a low-pass".to_owned(), |c| format!("low-passed at {c:.1} Hz"));
+        out.push(format!("{what}: {:.1} Hz, motion {cutoff}, derivatives made from position", r.rate_hz));
+    }
+    let (a, b) = (frames.data.report().rate_hz, frames.heldout.report().rate_hz);
+    if (a / b - 1.0).abs() > 0.02 {
+        out.push(format!("the recordings have different rates ({a:.0} and {b:.0} Hz); each is fitted and scored at its own"));
+    }
+    out
+}

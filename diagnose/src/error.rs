@@ -1,0 +1,52 @@
+//! Why a diagnosis cannot be made.
+
+use datasets::ReadError;
+use datasets::prepare::PrepareError;
+use physics::robot::RobotError;
+
+/// Why a diagnosis cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// The robot's description is refused.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// A recording is refused.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A recording cannot be prepared.
+    #[error("{source_name}: {error}")]
+    Prepare {
+        /// The recording.
+        source_name: String,
+        /// Why.
+        error: PrepareError,
+    },
+    /// A recording without torque.
+    #[error("{0}: no measured torque (columns tau1, tau2, …): a gap cannot be measured without it")]
+    NoTorque(String),
+    /// Too little data for a fit.
+    #[error("{source_name}: {seconds:.1} s of motion are too little; record at least {needed:.0} s that move every joint")]
+    TooShort {
+        /// The recording.
+        source_name: String,
+        /// What it has.
+        seconds: f64,
+        /// What is needed.
+        needed: f64,
+    },
+    /// A result cannot be written.
+    #[error("cannot write {path}: {error}")]
+    Write {
+        /// Where to.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
+}
+
+impl DiagnoseError {
+    /// Whether the input is at fault (exit status 2) rather than the machine (1).
+    pub fn is_input(&self) -> bool {
+        !matches!(self, DiagnoseError::Write { .. })
+    }
+}

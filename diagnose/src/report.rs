@@ -1,0 +1,176 @@
+//! The report as the JSON file has it (schema `diagnosis/1`).
+
+use crate::effect::Effect;
+use serde::Serialize;
+
+/// A diagnosis.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// `diagnosis/1`
+    pub schema: &'static str,
+    /// Joint names, base first.
+    pub joints: Vec<String>,
+    /// What it comes to.
+    pub verdict: Verdict,
+    /// How far the gap shrinks, step by step, on the held-out recording.
+    pub ladder: Vec<Step>,
+    /// Where the gap lies.
+    #[serde(rename = "where")]
+    pub places: Vec<Place>,
+    /// Accepted causes, largest share first.
+    pub causes: Vec<Cause>,
+    /// Everything tried, best first.
+    pub candidates: Vec<Tested>,
+    /// What this recording cannot show.
+    pub not_identifiable: Vec<NotIdentifiable>,
+    /// What is left, and whether it has structure.
+    pub unexplained: Vec<Unexplained>,
+    /// What was done to the recordings, and what is odd about them.
+    pub notes: Vec<String>,
+}
+
+/// Verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing but noise and small parameter changes.
+    NoGap,
+    /// The causes bring the gap to the floor.
+    Explained,
+    /// More than the floor is left, without clear structure.
+    PartlyExplained,
+    /// Clear structure is left that no effect of the catalogue explains.
+    UnknownEffect,
+}
+
+impl Verdict {
+    /// Name in the report.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::NoGap => "no_gap",
+            Verdict::Explained => "explained",
+            Verdict::PartlyExplained => "partly_explained",
+            Verdict::UnknownEffect => "unknown_effect",
+        }
+    }
+}
+
+/// Errors per joint, N·m and relative; null where a joint's torque does not vary.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// Root mean squared error.
+    pub rmse: Vec<f64>,
+    /// The same over the standard deviation of the measured torque.
+    pub nrmse: Vec<Option<f64>>,
+    /// 100·(1 − NRMSE²), percent.
+    pub r2: Vec<Option<f64>>,
+    /// Mean NRMSE over joints.
+    pub mean_nrmse: f64,
+}
+
+/// A step of the ladder.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// `as_given`, `reidentified`, an effect, `learned` or `repeatability`.
+    pub step: String,
+    /// Over all samples.
+    #[serde(flatten)]
+    pub all: Figures,
+    /// Over samples in motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moving: Option<Figures>,
+}
+
+/// A region where the gap lies.
+#[derive(Clone, Debug, Serialize)]
+pub struct Place {
+    /// Joint.
+    pub joint: String,
+    /// Coordinate of the contract.
+    pub coordinate: &'static str,
+    /// From, to.
+    pub range: [f64; 2],
+    /// Unit of the range.
+    pub unit: &'static str,
+    /// Share of the squared held-out error.
+    pub share_of_gap: f64,
+    /// Share of the samples.
+    pub share_of_time: f64,
+}
+
+/// A parameter of a cause.
+#[derive(Clone, Debug, Serialize)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Joint, where it belongs to one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// Value.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Unit.
+    pub unit: String,
+}
+
+/// An accepted cause.
+#[derive(Clone, Debug, Serialize)]
+pub struct Cause {
+    /// Effect.
+    pub effect: Effect,
+    /// `parameter` or `structure`.
+    pub kind: &'static str,
+    /// Joints that it touches.
+    pub joints: Vec<String>,
+    /// Driving joint of a coupling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driver: Option<String>,
+    /// How sure the name is, 0 to 1.
+    pub confidence: f64,
+    /// Part of what all causes remove.
+    pub share_of_gap: f64,
+    /// Part of the named joints' squared error that it removes.
+    pub gap_closed: f64,
+    /// 90 % interval of the same.
+    pub gap_closed_interval: [f64; 2],
+    /// Sizes.
+    pub parameters: Vec<Parameter>,
+    /// What this recording cannot tell from it.
+    pub ambiguous_with: Vec<Effect>,
+}
+
+/// A candidate that was tried.
+#[derive(Clone, Debug, Serialize)]
+pub struct Tested {
+    /// Effect.
+    pub effect: Effect,
+    /// Joints.
+    pub joints: Vec<String>,
+    /// Part of the joints' squared error that it removes on trajectories left out, the accepted causes in place.
+    pub gap_closed: f64,
+    /// Probability of so large a gain by chance, from the gain in nats.
+    pub p_value: f64,
+}
+
+/// What this recording cannot show.
+#[derive(Clone, Debug, Serialize)]
+pub struct NotIdentifiable {
+    /// Effect.
+    pub effect: Effect,
+    /// Joints.
+    pub joints: Vec<String>,
+    /// Why.
+    pub reason: String,
+}
+
+/// What is left on a joint away from reversals.
+#[derive(Clone, Debug, Serialize)]
+pub struct Unexplained {
+    /// Joint.
+    pub joint: String,
+    /// Root mean squared error above the noise, relative to the joint's torque.
+    pub nrmse: f64,
+    /// Part of it that a flexible learner predicts on trajectories left out.
+    pub learnable: f64,
+}
