@@ -29,6 +29,13 @@ struct Bar {
     interval: Option<(f64, f64)>,
 }
 
+impl Bar {
+    const MISSING: Self = Self {
+        value: None,
+        interval: None,
+    };
+}
+
 impl Bars {
     /// No series yet; name the unit in the label.
     pub fn new(
@@ -120,9 +127,7 @@ impl Bars {
                 &fit(category, 280.0),
             );
             for (s, series) in self.series.iter().enumerate() {
-                let Some(bar) = series.bars.get(c) else {
-                    continue;
-                };
+                let bar = series.bars.get(c).unwrap_or(&Bar::MISSING);
                 let y = upper + BAR * s as f64;
                 self.draw_bar(&mut svg, &x, y, series.ink, bar);
             }

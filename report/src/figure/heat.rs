@@ -45,7 +45,7 @@ impl HeatMap {
     pub fn draw(&self, caption: impl Into<String>) -> Figure {
         const WIDTH: f64 = 960.0;
         const ROW: f64 = 28.0;
-        const STRONGEST: f64 = 0.8;
+        const STRONGEST: f64 = 0.6;
         let left = 14.0 + widest(self.rows.iter().map(|r| r.0.as_str())).min(260.0);
         let top = TITLE + 26.0;
         let cell = (WIDTH - left - 2.0) / self.columns.len().max(1) as f64;
@@ -104,7 +104,7 @@ mod tests {
             .row("joint_2", &[Some(1.0), Some(f64::NAN)])
             .draw("")
             .svg;
-        for shade in ["0.04", "0.42", "0.8"] {
+        for shade in ["0.04", "0.32", "0.6"] {
             let cell = format!("fill-opacity=\"{shade}\"");
             assert_eq!(svg.matches(&cell).count(), 1, "{shade}");
         }

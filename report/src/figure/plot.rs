@@ -235,7 +235,7 @@ impl Plot {
             .map(|panel| {
                 let scale = panel.y_scale(top);
                 top += panel.height + 14.0;
-                let ticks = scale.ticks((panel.height / 45.0) as usize);
+                let ticks = scale.ticks((panel.height / 36.0) as usize);
                 (scale, ticks)
             })
             .collect();

@@ -1,0 +1,72 @@
+//! Linear baselines of the KR300 benchmark paper (J. Weigand, J. Götz, J. Ulmen, M. Ruskowski,
+//! "Dataset and Baseline for an Industrial Robot Identification Benchmark", version 2.0, 2022), and
+//! what has been published on it.
+
+pub mod forward;
+pub mod inverse;
+mod normal;
+pub mod published;
+
+pub use forward::{ForwardSettings, LinearForward};
+pub use inverse::LinearInverse;
+pub use normal::Normalisation;
+
+use physics::identify::least_squares::LeastSquaresError;
+
+/// Why a baseline could not be fitted or applied.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BaselineError {
+    /// A table of the wrong shape.
+    #[error("{what} has the shape {found:?} (samples, joints), needed is {needed:?}")]
+    Shape {
+        /// The table.
+        what: &'static str,
+        /// Its shape.
+        found: (usize, usize),
+        /// The shape needed.
+        needed: (usize, usize),
+    },
+    /// NaN or infinite values.
+    #[error("{0} holds NaN or infinite values")]
+    NotFinite(&'static str),
+    /// Too little data.
+    #[error("{found} samples in unbroken stretches are too few: at least {needed} are needed")]
+    TooShort {
+        /// Samples that can be used.
+        found: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// Trajectories that reach beyond the tables.
+    #[error("trajectory {0} reaches beyond the last sample")]
+    Trajectory(usize),
+    /// Settings that describe no model.
+    #[error("a state-space model needs at least one state and a horizon of two samples")]
+    Settings,
+    /// A matrix decomposition did not converge.
+    #[error("a matrix decomposition did not converge")]
+    Decomposition,
+    /// The least-squares problem could not be solved.
+    #[error(transparent)]
+    LeastSquares(#[from] LeastSquaresError),
+}
+
+/// Refuses a table of another shape than needed or with values that are not finite.
+fn check(
+    what: &'static str,
+    table: ndarray::ArrayView2<f64>,
+    needed: (usize, usize),
+) -> Result<(), BaselineError> {
+    if table.dim() != needed {
+        let found = table.dim();
+        return Err(BaselineError::Shape {
+            what,
+            found,
+            needed,
+        });
+    }
+    if table.iter().any(|v| !v.is_finite()) {
+        return Err(BaselineError::NotFinite(what));
+    }
+    Ok(())
+}
