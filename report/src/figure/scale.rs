@@ -145,7 +145,10 @@ mod tests {
         let scale = Scale::new((0.0, 1000.0), (0.0, 100.0), false);
         assert_eq!(labels(&scale, 4), ["0", "500", "1000"]);
         let scale = Scale::new((2e-5, 3e2), (0.0, 100.0), true);
-        assert_eq!(labels(&scale, 9), ["0.001", "0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(
+            labels(&scale, 9),
+            ["0.001", "0.01", "0.1", "1", "10", "100"]
+        );
     }
 
     #[test]
