@@ -8,27 +8,29 @@ use physics::effects::Term;
 use physics::identify::base::BaseParameters;
 use physics::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Base columns of every joint and recording: `[joint][recording]`, shape (samples, base parameters).
 pub type RigidColumns = Vec<Vec<Array2<f64>>>;
 
-/// Base columns at the recorded samples of the first `recordings` recordings.
-///
-/// They are smooth, so they are evaluated at the samples and pass the torque's filter unchanged.
+/// Base columns of some of the recordings at their samples, as the recorded torque would
+/// show them: see [`datasets::Prepared::to_samples`].
 pub fn rigid_columns(
     robot: &Robot,
     base: &BaseParameters,
     session: &Session,
-    recordings: usize,
+    recordings: Range<usize>,
 ) -> RigidColumns {
     let n = robot.dof();
     let width = PARAMETERS_PER_LINK * n;
     let mut workspace = Workspace::new(robot);
     let mut y = vec![0.0; n * width];
     let mut columns: RigidColumns = vec![Vec::new(); n];
-    for part in &session.parts[..recordings] {
-        let motion = &part.at_samples;
-        let mut tables = vec![Array2::zeros((motion.len(), base.len())); n];
+    for part in &session.parts[recordings] {
+        let motion = &part.fine;
+        // One fine column per joint and base parameter, column-major.
+        let mut fine = vec![vec![0.0; motion.len()]; n * base.len()];
         for row in 0..motion.len() {
             let (q, qd, qdd) = (motion.q.row(row), motion.qd.row(row), motion.qdd.row(row));
             let (Some(q), Some(qd), Some(qdd)) = (q.to_slice(), qd.to_slice(), qdd.to_slice())
@@ -36,14 +38,21 @@ pub fn rigid_columns(
                 unreachable!("tables are in standard layout");
             };
             regressor(robot, &mut workspace, q, qd, qdd, &mut y);
-            for (joint, table) in tables.iter_mut().enumerate() {
-                for (target, &column) in table.row_mut(row).iter_mut().zip(base.independent()) {
-                    *target = y[joint * width + column];
+            for joint in 0..n {
+                for (k, &column) in base.independent().iter().enumerate() {
+                    fine[joint * base.len() + k][row] = y[joint * width + column];
                 }
             }
         }
-        for (list, table) in columns.iter_mut().zip(tables) {
-            list.push(table);
+        let sampled: Vec<Vec<f64>> = fine
+            .par_iter()
+            .map(|column| part.to_samples(column))
+            .collect();
+        for (list, block) in columns.iter_mut().zip(sampled.chunks(base.len())) {
+            list.push(Array2::from_shape_fn(
+                (part.at_samples.len(), base.len()),
+                |(r, c)| block[c][r],
+            ));
         }
     }
     columns

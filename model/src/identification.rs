@@ -180,7 +180,7 @@ pub fn identify(
             terms
         })
         .collect();
-    let regressors = crate::design::rigid_columns(robot, &base, session, target.tau.len());
+    let regressors = crate::design::rigid_columns(robot, &base, session, 0..target.tau.len());
     let no_load: Vec<Array2<f64>> = session
         .parts
         .iter()

@@ -5,8 +5,14 @@
 pub mod baseline;
 pub mod design;
 pub mod dictionary;
+pub mod directory;
+pub mod evaluation;
 pub mod folds;
 pub mod identification;
 pub mod metrics;
+pub mod physics_fit;
+pub mod predict;
+pub mod residual;
 pub mod selection;
 pub mod session;
+pub mod setup;

@@ -110,7 +110,7 @@ impl Session {
             .collect();
         let mut bank = TermBank::new(joint, terms.to_vec());
         let mut values = vec![0.0; terms.len()];
-        self.walk(load, |restart, part, row, sample| {
+        self.walk(Some(load), |restart, part, row, sample| {
             if restart {
                 bank.reset();
             }
@@ -132,8 +132,14 @@ impl Session {
             .collect()
     }
 
-    /// Visits every fine sample in the order of memory: whether memory restarts, recording, row.
-    pub fn walk(&self, load: &[Array2<f64>], mut visit: impl FnMut(bool, usize, usize, &Sample)) {
+    /// Visits every fine sample in the order of memory: whether memory restarts, recording, row, sample.
+    ///
+    /// Without `load` the samples carry an empty one.
+    pub fn walk(
+        &self,
+        load: Option<&[Array2<f64>]>,
+        mut visit: impl FnMut(bool, usize, usize, &Sample),
+    ) {
         let mut last = f64::NAN;
         for step in &self.steps {
             let motion = &self.parts[step.part].fine;
@@ -142,15 +148,14 @@ impl Session {
                 let time = motion.time[row];
                 let dt = if restart { 0.0 } else { time - last };
                 last = time;
-                let (q, qd, qdd, load) = (
-                    motion.q.row(row),
-                    motion.qd.row(row),
-                    motion.qdd.row(row),
-                    load[step.part].row(row),
-                );
-                let (Some(q), Some(qd), Some(qdd), Some(load)) =
-                    (q.to_slice(), qd.to_slice(), qdd.to_slice(), load.to_slice())
-                else {
+                let (q, qd, qdd) = (motion.q.row(row), motion.qd.row(row), motion.qdd.row(row));
+                let load = load.map(|tables| tables[step.part].row(row));
+                let (Some(q), Some(qd), Some(qdd), Some(load)) = (
+                    q.to_slice(),
+                    qd.to_slice(),
+                    qdd.to_slice(),
+                    load.map_or(Some(&[][..]), |l| l.to_slice()),
+                ) else {
                     unreachable!("tables are in standard layout");
                 };
                 let clock = self.clock_known[step.part].then_some(time);

@@ -29,6 +29,16 @@ pub enum Schedule {
         /// Last rate over first rate.
         end: f32,
     },
+    /// Up and down along cosines (Smith and Topin, 2019): from `start` to 1 times the rate over the
+    /// first part `warm_up` of all steps, then down to `end`.
+    OneCycle {
+        /// Part of the steps, in (0, 1).
+        warm_up: f32,
+        /// First rate over highest rate.
+        start: f32,
+        /// Last rate over highest rate.
+        end: f32,
+    },
     /// Times `factor` whenever the validation error has not improved for `patience` epochs.
     Plateau {
         /// In (0, 1).
@@ -46,7 +56,9 @@ pub struct Training {
     pub epochs: usize,
     /// Samples, or chunks of carried state, per step (256).
     pub batch: usize,
-    /// Adam's rate at the start (0.002).
+    /// Part of the training samples, drawn anew, that each epoch visits (1).
+    pub share: f32,
+    /// Adam's highest rate (0.002).
     pub learning_rate: f32,
     /// How it falls (cosine to 0.01).
     pub schedule: Schedule,
@@ -71,6 +83,7 @@ impl Default for Training {
         Self {
             epochs: 60,
             batch: 256,
+            share: 1.0,
             learning_rate: 0.002,
             schedule: Schedule::Cosine { end: 0.01 },
             weight_decay: 1e-4,
@@ -162,6 +175,7 @@ impl UnitConfig {
             () if self.members == 0 => refuse("members", "at least one network is needed"),
             () if t.epochs == 0 => refuse("epochs", "at least one pass is needed"),
             () if t.batch == 0 => refuse("batch", "at least one sample is needed"),
+            () if !(t.share > 0.0 && t.share <= 1.0) => refuse("share", "must be in (0, 1]"),
             () if !positive(t.learning_rate) => refuse("learning_rate", "must be positive"),
             () if !(0.0..1.0).contains(&t.dropout) => refuse("dropout", "must be in [0, 1)"),
             () if !positive(t.clip) => refuse("clip", "must be positive"),

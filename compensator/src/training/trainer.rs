@@ -176,13 +176,15 @@ impl<'a, 'd> Trainer<'a, 'd> {
         cancel: Option<&AtomicBool>,
         mut after: impl FnMut(&State) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let batches = self.train.len().div_ceil(self.settings.batch);
+        let visited = (self.train.len() as f32 * self.settings.share).ceil() as usize;
+        let batches = visited.div_ceil(self.settings.batch);
         let mut order = Vec::new();
         while !self.state.progress.finished {
             let epoch = self.state.progress.history.len();
             order.clear();
             order.extend_from_slice(self.train);
             order.shuffle(&mut generator(self.seed, 1, epoch, 0));
+            order.truncate(visited);
             while self.state.progress.batch < batches {
                 if cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
                     return Err(Error::Interrupted);
@@ -258,14 +260,28 @@ impl<'a, 'd> Trainer<'a, 'd> {
         );
     }
 
+    /// Part of all steps that is done.
+    fn done(&self, epoch: usize, batches: usize) -> f32 {
+        (epoch * batches + self.state.progress.batch) as f32
+            / (self.settings.epochs * batches) as f32
+    }
+
     fn rate(&self, epoch: usize, batches: usize) -> f32 {
         let factor = match self.settings.schedule {
             Schedule::Constant => 1.0,
             Schedule::Plateau { .. } => self.state.progress.rate,
-            Schedule::Cosine { end } => {
-                let done = (epoch * batches + self.state.progress.batch) as f32
-                    / (self.settings.epochs * batches) as f32;
-                end + (1.0 - end) * 0.5 * (1.0 + (std::f32::consts::PI * done).cos())
+            Schedule::Cosine { end } => fall(self.done(epoch, batches), 1.0, end),
+            Schedule::OneCycle {
+                warm_up,
+                start,
+                end,
+            } => {
+                let done = self.done(epoch, batches);
+                if done < warm_up {
+                    fall(done / warm_up, start, 1.0)
+                } else {
+                    fall((done - warm_up) / (1.0 - warm_up), 1.0, end)
+                }
             }
         };
         self.settings.learning_rate * factor
@@ -343,4 +359,9 @@ pub(super) fn resume(
         }
         _ => Ok(None),
     }
+}
+
+/// Half a cosine from `from` at 0 to `to` at 1.
+fn fall(done: f32, from: f32, to: f32) -> f32 {
+    to + (from - to) * 0.5 * (1.0 + (std::f32::consts::PI * done).cos())
 }

@@ -1,6 +1,6 @@
 //! Weight matrix packed for matrix × vector at run-time.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Outputs computed together; their accumulators stay in vector registers over all inputs.
 const TILE: usize = 32;
@@ -51,31 +51,49 @@ impl Packed {
     /// and cost nothing: the first step of a recurrence leaves its zero state away.
     pub(super) fn apply(&self, arch: Arch, x: &[f32], out: &mut [f32]) {
         match arch {
-            Arch::Scalar => self.apply_with(|x, w, y| x * w + y, x, out),
-            arch => arch.dispatch(
-                #[inline(always)]
-                || self.apply_with(f32::mul_add, x, out),
-            ),
+            Arch::Scalar => product::<false>(self, x, out),
+            arch => arch.dispatch(Product {
+                packed: self,
+                x,
+                out,
+            }),
         }
     }
+}
+
+/// Product for an instruction set with fused multiply-add. (A closure would not do: it is compiled for
+/// the default instruction set and called.)
+struct Product<'a> {
+    packed: &'a Packed,
+    x: &'a [f32],
+    out: &'a mut [f32],
+}
+
+impl WithSimd for Product<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn apply_with(&self, multiply_add: impl Fn(f32, f32, f32) -> f32, x: &[f32], out: &mut [f32]) {
-        let (out, _) = out.as_chunks_mut::<TILE>();
-        for ((tile, bias), out) in self
-            .tiles
-            .chunks_exact(self.inputs)
-            .zip(&self.bias)
-            .zip(out)
-        {
-            let mut sum = *bias;
-            for (row, &x) in tile.iter().zip(x) {
-                for (s, &w) in sum.iter_mut().zip(row) {
-                    *s = multiply_add(x, w, *s);
-                }
+    fn with_simd<S: Simd>(self, _: S) {
+        product::<true>(self.packed, self.x, self.out);
+    }
+}
+
+#[inline(always)]
+fn product<const FUSED: bool>(packed: &Packed, x: &[f32], out: &mut [f32]) {
+    let (out, _) = out.as_chunks_mut::<TILE>();
+    let tiles = packed.tiles.chunks_exact(packed.inputs);
+    for ((tile, bias), out) in tiles.zip(&packed.bias).zip(out) {
+        let mut sum = *bias;
+        for (row, &x) in tile.iter().zip(x) {
+            for j in 0..TILE {
+                sum[j] = if FUSED {
+                    x.mul_add(row[j], sum[j])
+                } else {
+                    x * row[j] + sum[j]
+                };
             }
-            *out = sum;
         }
+        *out = sum;
     }
 }
 

@@ -1,10 +1,24 @@
 //! Fully connected network at run-time.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::activation::tanh;
 use super::architecture::Tensor;
 use super::packed::Packed;
+
+/// tanh of every element, in place.
+struct Bend<'a>(&'a mut [f32]);
+
+impl WithSimd for Bend<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for v in self.0 {
+            *v = tanh(*v);
+        }
+    }
+}
 
 /// Packed layers with their activations.
 #[derive(Debug, Clone)]
@@ -37,10 +51,7 @@ impl Perceptron {
             let x = before.last().map_or(window, |(_, y)| y);
             layer.apply(arch, &x[..layer.inputs()], out);
             if i < last {
-                arch.dispatch(
-                    #[inline(always)]
-                    || out.iter_mut().for_each(|v| *v = tanh(*v)),
-                );
+                arch.dispatch(Bend(out));
             }
         }
         self.layers[last].1[0]

@@ -1,6 +1,6 @@
 //! The published unit at run-time: one window, or one step of the carried state.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::activation::{exp, sigmoid, tanh};
 use super::architecture::{Memory, Recurrent, Tensor};
@@ -54,18 +54,39 @@ impl Lstm {
         let (i, rest) = self.gates.split_at(n);
         let (f, rest) = rest.split_at(n);
         let (g, rest) = rest.split_at(n);
-        let (o, _) = rest.split_at(n);
-        let (cell, hidden) = (&mut self.cell[..], &mut self.joined[self.input..]);
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for k in 0..n {
-                    let c = sigmoid(f[k]) * cell[k] + sigmoid(i[k]) * tanh(g[k]);
-                    cell[k] = c;
-                    hidden[k] = sigmoid(o[k]) * tanh(c);
-                }
-            },
-        );
+        let gates = [i, f, g, &rest[..n]];
+        arch.dispatch(Activate {
+            gates,
+            cell: &mut self.cell,
+            hidden: &mut self.joined[self.input..],
+        });
+    }
+}
+
+/// c ← f∘c + i∘g, h = o∘tanh c, from gate sums in the order i, f, g, o.
+struct Activate<'a> {
+    gates: [&'a [f32]; 4],
+    cell: &'a mut [f32],
+    hidden: &'a mut [f32],
+}
+
+impl WithSimd for Activate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        activate(self.gates, self.cell, self.hidden);
+    }
+}
+
+#[inline(always)]
+fn activate([i, f, g, o]: [&[f32]; 4], cell: &mut [f32], hidden: &mut [f32]) {
+    let n = cell.len();
+    let (i, f, g, o, hidden) = (&i[..n], &f[..n], &g[..n], &o[..n], &mut hidden[..n]);
+    for k in 0..n {
+        let c = sigmoid(f[k]) * cell[k] + sigmoid(i[k]) * tanh(g[k]);
+        cell[k] = c;
+        hidden[k] = sigmoid(o[k]) * tanh(c);
     }
 }
 
@@ -95,13 +116,14 @@ fn scored(key: &[f32], asked: &[f32], score: &[f32]) -> f32 {
             sum[j] += tanh(k[j] + a[j]) * s[j];
         }
     }
-    let rest: f32 = k_rest
-        .iter()
-        .zip(a_rest)
-        .zip(s_rest)
-        .map(|((k, a), s)| tanh(k + a) * s)
-        .sum();
-    sum.iter().sum::<f32>() + rest
+    let mut total = 0.0;
+    for j in 0..k_rest.len() {
+        total += tanh(k_rest[j] + a_rest[j]) * s_rest[j];
+    }
+    for s in sum {
+        total += s;
+    }
+    total
 }
 
 impl Attention {
@@ -134,27 +156,57 @@ impl Attention {
         let n = self.score.len();
         let used = if first { 0 } else { s.len() };
         self.query.apply(arch, &s[..used], &mut self.asked);
-        let (keys, asked, score) = (&self.keys[..], &self.asked[..n], &self.score[..]);
-        let weights = &mut self.weights[..filled];
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for (e, key) in weights.iter_mut().zip(keys.chunks_exact(width)) {
-                    *e = scored(&key[..n], asked, score);
-                }
-                let top = weights.iter().fold(f32::NEG_INFINITY, |m, &e| m.max(e));
-                let mut total = 0.0;
-                for e in weights.iter_mut() {
-                    *e = exp(*e - top);
-                    total += *e;
-                }
-                out.fill(0.0);
-                for (e, h) in weights.iter().zip(states.chunks_exact(out.len())) {
-                    let alpha = e / total;
-                    out.iter_mut().zip(h).for_each(|(v, &h)| *v += alpha * h);
-                }
-            },
-        );
+        arch.dispatch(Attend {
+            keys: self.keys.chunks_exact(width),
+            asked: &self.asked[..n],
+            score: &self.score,
+            weights: &mut self.weights[..filled],
+            states,
+            out,
+        });
+    }
+}
+
+/// Equations 22–24 once W_s s and the keys are there.
+struct Attend<'a> {
+    keys: std::slice::ChunksExact<'a, f32>,
+    asked: &'a [f32],
+    score: &'a [f32],
+    weights: &'a mut [f32],
+    states: &'a [f32],
+    out: &'a mut [f32],
+}
+
+impl WithSimd for Attend<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self {
+            keys,
+            asked,
+            score,
+            weights,
+            states,
+            out,
+        } = self;
+        let mut top = f32::NEG_INFINITY;
+        for (e, key) in weights.iter_mut().zip(keys) {
+            *e = scored(&key[..score.len()], asked, score);
+            top = top.max(*e);
+        }
+        let mut total = 0.0;
+        for e in weights.iter_mut() {
+            *e = exp(*e - top);
+            total += *e;
+        }
+        out.fill(0.0);
+        for (e, h) in weights.iter().zip(states.chunks_exact(out.len())) {
+            let alpha = e / total;
+            for (v, &h) in out.iter_mut().zip(h) {
+                *v += alpha * h;
+            }
+        }
     }
 }
 

@@ -1,0 +1,71 @@
+//! What the units of a compensator see.
+
+use physics::effects::Term;
+use serde::{Deserialize, Serialize};
+
+/// One input column, in physical units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Joint to which it belongs, base first.
+    pub joint: usize,
+    /// What of the joint.
+    pub signal: Signal,
+}
+
+/// A quantity of one joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Signal {
+    /// q, rad or m.
+    Position,
+    /// q̇, rad/s or m/s.
+    Velocity,
+    /// q̈, rad/s² or m/s².
+    Acceleration,
+    /// |rigid-body torque|, N·m or N.
+    Load,
+    /// Column of a physical term with its memory.
+    Term(Term),
+}
+
+impl Input {
+    /// Readable name, such as `dahl(1.000e4) of joint 2`.
+    pub fn name(&self) -> String {
+        let what = match &self.signal {
+            Signal::Position => "q".to_owned(),
+            Signal::Velocity => "qd".to_owned(),
+            Signal::Acceleration => "qdd".to_owned(),
+            Signal::Load => "load".to_owned(),
+            Signal::Term(term) => term.label(),
+        };
+        format!("{what} of joint {}", self.joint + 1)
+    }
+}
+
+/// What `model.json` says of the compensator beside it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CompensatorRecord {
+    /// Input columns, in the order in which the units index them.
+    pub inputs: Vec<Input>,
+    /// Time between the samples of a window, s.
+    pub period: f64,
+    /// SHA-256 of `compensator.safetensors`.
+    pub sha256: String,
+    /// How each unit fared on the trajectories held back for validation, N·m.
+    pub validation: Vec<UnitValidation>,
+}
+
+/// Validation of one unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UnitValidation {
+    /// Joint name.
+    pub joint: String,
+    /// Whether the unit is on.
+    pub enabled: bool,
+    /// RMS error of the physics alone, N·m.
+    pub physics: Option<f64>,
+    /// RMS error with the unit, N·m.
+    pub with_unit: Option<f64>,
+    /// RMS error with a ridge regression on the same inputs instead, N·m.
+    pub with_ridge: Option<f64>,
+}

@@ -1,0 +1,219 @@
+//! The model directory: `model.json`, `compensator.safetensors`, `metrics.json`, `identified.urdf`.
+
+use crate::baseline::inverse::LinearInverse;
+use datasets::TorqueFilter;
+use ndarray::Array2;
+use physics::torque_model::{TorqueModelError, TorqueModelRecord};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Version of `model.json` that this program writes and reads.
+pub const SCHEMA: &str = "model/1";
+
+/// Contents of `model.json`. Units are SI; joints base first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelFile {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// Version of the program that wrote it.
+    pub residyn: String,
+    /// Joint names.
+    pub joints: Vec<String>,
+    /// The identified physics.
+    pub physics: TorqueModelRecord,
+    /// Base parameters with their deviations.
+    pub base_parameters: Vec<BaseParameter>,
+    /// Covariance of the base parameters, then each joint's fitted terms, row by row.
+    pub covariance: Vec<Vec<f64>>,
+    /// Deviation of the physics' residual on the training samples.
+    pub residual_std: ResidualStd,
+    /// How the recordings were prepared.
+    pub preprocessing: Preprocessing,
+    /// The benchmark paper's linear baseline, fitted on the same samples.
+    pub linear_baseline: LinearInverse,
+    /// Spans of time of the training trajectories, on which memory and warm-up run on, s.
+    pub clock: Vec<[f64; 2]>,
+    /// Where the model comes from.
+    pub provenance: Provenance,
+    /// What the compensator sees and how it was trained, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compensator: Option<feedforward::inputs::CompensatorRecord>,
+}
+
+/// One base parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BaseParameter {
+    /// Name of the standard parameter that stands for it.
+    pub name: String,
+    /// The standard parameters that form it.
+    pub formula: String,
+    /// Identified value.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Value of the nominal robot.
+    pub nominal: f64,
+    /// kg, kg·m or kg·m².
+    pub unit: String,
+}
+
+/// Residual deviation in N·m (N), per joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResidualStd {
+    /// Where the joint moves.
+    pub moving: Vec<f64>,
+    /// Where it stands still.
+    pub standstill: Vec<f64>,
+}
+
+/// How recordings were prepared before the fit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Preprocessing {
+    /// Rate of the recorded samples, Hz.
+    pub rate_hz: f64,
+    /// Rate of the grid on which memory runs, Hz.
+    pub fine_hz: f64,
+    /// Zero-phase low-pass of the motion, Hz; none where positions were interpolated.
+    pub cutoff_hz: Option<f64>,
+    /// Whether recorded velocity was used as recorded.
+    pub recorded_velocity: bool,
+    /// Low-pass that the recorded torque went through.
+    pub torque_filter: Option<TorqueFilter>,
+    /// Whether only moving samples were fitted.
+    pub moving_only: bool,
+}
+
+/// Where a model comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Training recordings.
+    pub recordings: Vec<Source>,
+    /// Seed.
+    pub seed: u64,
+    /// Folds of the cross-validation that chose the terms.
+    pub folds: usize,
+}
+
+/// One recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    /// File name without its folder, or the name of a simulation.
+    pub name: String,
+    /// SHA-256 of the file; empty for a simulation.
+    pub sha256: String,
+    /// Number of samples.
+    pub samples: usize,
+    /// Number of trajectories.
+    pub trajectories: usize,
+}
+
+/// A model directory that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum DirectoryError {
+    /// A file cannot be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file is no model.
+    #[error("{path}: not a model of this program: {reason}")]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The model was written by another version.
+    #[error("{path}: schema {found:?}, this program reads {SCHEMA:?}; train the model again")]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Its schema.
+        found: String,
+    },
+    /// The parts of the model do not fit together.
+    #[error("{path}: {source}")]
+    Model {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: TorqueModelError,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] report::WriteError),
+}
+
+impl ModelFile {
+    /// Reads `model.json` of a model directory.
+    ///
+    /// # Errors
+    /// A missing or damaged file, or one of another version.
+    pub fn load(directory: &Path) -> Result<Self, DirectoryError> {
+        let path = directory.join("model.json");
+        let text = std::fs::read_to_string(&path).map_err(|source| DirectoryError::Read {
+            path: path.clone(),
+            source,
+        })?;
+        let format = |e: serde_json::Error| DirectoryError::Format {
+            path: path.clone(),
+            reason: e.to_string(),
+        };
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(format)?;
+        let found = value
+            .get("schema")
+            .and_then(|s| s.as_str())
+            .unwrap_or("none")
+            .to_owned();
+        if found != SCHEMA {
+            return Err(DirectoryError::Schema { path, found });
+        }
+        let file: Self = serde_json::from_value(value).map_err(format)?;
+        file.physics
+            .model()
+            .map_err(|source| DirectoryError::Model {
+                path: path.clone(),
+                source,
+            })?;
+        let size = file.covariance.len();
+        let wrong = file.covariance.iter().any(|row| row.len() != size)
+            || file.joints != file.physics.joints
+            || file.residual_std.moving.len() != file.joints.len()
+            || file.residual_std.standstill.len() != file.joints.len();
+        if wrong {
+            return Err(DirectoryError::Format {
+                path,
+                reason: "its parts have different sizes".into(),
+            });
+        }
+        Ok(file)
+    }
+
+    /// Writes `model.json`; the directory exists.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn save(&self, directory: &Path) -> Result<(), DirectoryError> {
+        Ok(report::write_atomic(
+            &directory.join("model.json"),
+            &json(self),
+        )?)
+    }
+
+    /// The covariance as a table.
+    pub fn covariance_table(&self) -> Array2<f64> {
+        let n = self.covariance.len();
+        Array2::from_shape_fn((n, n), |(i, j)| self.covariance[i][j])
+    }
+}
+
+/// Pretty JSON with a line break at the end.
+pub fn json<T: Serialize>(value: &T) -> String {
+    // Types here hold no map with keys other than strings and no failing serialiser.
+    let mut text = serde_json::to_string_pretty(value).unwrap_or_default();
+    text.push('\n');
+    text
+}

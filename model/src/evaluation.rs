@@ -1,0 +1,271 @@
+//! `eval`: scores and predictions of a model directory on a recording.
+
+use crate::baseline::BaselineError;
+use crate::baseline::published::{Part as PublishedPart, Task, rows as published_rows};
+use crate::directory::{DirectoryError, ModelFile};
+use crate::identification::MOVING;
+use crate::metrics::{Row, ShapeError};
+use crate::predict::{parameter_deviation, predict};
+use crate::residual::{self, ResidualError};
+use crate::session::Session;
+use datasets::prepare::{PrepareError, PrepareOptions, prepare};
+use datasets::repeats::{self, Repeatability};
+use datasets::{Part, Recording, Trajectory};
+use ndarray::Array2;
+use physics::torque_model::TorqueModelError;
+use serde::Serialize;
+use std::path::Path;
+
+/// Settings of [`evaluate`].
+#[derive(Clone, Debug, Default)]
+pub struct EvaluateOptions {
+    /// Preparation of the recording.
+    pub prepare: PrepareOptions,
+}
+
+/// Contents of `eval --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EvalReport {
+    /// `eval/1`.
+    pub schema: &'static str,
+    /// Joint names.
+    pub joints: Vec<String>,
+    /// Number of samples.
+    pub samples: usize,
+    /// Scores.
+    pub rows: Vec<Row>,
+    /// Spread of repeated motions, where the recording has some: the floor in motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeatability: Option<Repeatability>,
+    /// What the figures depend on, in words.
+    pub notes: Vec<String>,
+}
+
+/// A recording with everything that was computed for it.
+pub struct Evaluation {
+    /// Scores and notes.
+    pub report: EvalReport,
+    /// The recording.
+    pub recording: Recording,
+    /// Its motion at the recorded samples.
+    pub session: Session,
+    /// Torque of the whole model, shape (samples, joints).
+    pub torque: Array2<f64>,
+    /// Torque of the physics alone.
+    pub physics: Array2<f64>,
+    /// Standard deviation of `torque`.
+    pub deviation: Array2<f64>,
+}
+
+/// Why an evaluation failed.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluateError {
+    /// The model directory.
+    #[error(transparent)]
+    Directory(#[from] DirectoryError),
+    /// The recording cannot be prepared.
+    #[error("{file}: {source}")]
+    Prepare {
+        /// The recording.
+        file: String,
+        /// Why.
+        source: PrepareError,
+    },
+    /// The stored model.
+    #[error(transparent)]
+    Model(#[from] TorqueModelError),
+    /// The compensator.
+    #[error(transparent)]
+    Residual(#[from] ResidualError),
+    /// The linear baseline.
+    #[error(transparent)]
+    Baseline(#[from] BaselineError),
+    /// Tables of different shapes.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// The model is for another robot.
+    #[error(
+        "{file} has {found} joints, the model {expected}; give a recording of the model's robot ({robot})"
+    )]
+    Joints {
+        /// The recording.
+        file: String,
+        /// Its joints.
+        found: usize,
+        /// Joints of the model.
+        expected: usize,
+        /// Name of the robot.
+        robot: String,
+    },
+}
+
+/// Options for reading recordings of a stored model's robot; `--drive` is applied by the caller.
+pub fn read_options(file: &ModelFile, part: Part, torque_needed: bool) -> datasets::ReadOptions {
+    let mut options = if file.physics.robot == "kr300" {
+        datasets::ReadOptions::kr300(part)
+    } else {
+        datasets::ReadOptions {
+            part,
+            ..datasets::ReadOptions::for_robot(file.joints.len())
+        }
+    };
+    options.torque_needed = torque_needed;
+    options.torque_filter = options.torque_filter.or(file.preprocessing.torque_filter);
+    options
+}
+
+/// Scores a model on a recording; a recording without torque gets predictions and no rows.
+///
+/// # Errors
+/// See [`EvaluateError`].
+pub fn evaluate(
+    directory: &Path,
+    file: &ModelFile,
+    recording: Recording,
+    options: &EvaluateOptions,
+) -> Result<Evaluation, EvaluateError> {
+    if recording.dof() != file.joints.len() {
+        return Err(EvaluateError::Joints {
+            found: recording.dof(),
+            file: recording.source,
+            expected: file.joints.len(),
+            robot: file.physics.robot.clone(),
+        });
+    }
+    let prepared =
+        prepare(&recording, &options.prepare).map_err(|source| EvaluateError::Prepare {
+            file: recording.source.clone(),
+            source,
+        })?;
+    let session = Session::new(vec![prepared], &file.clock);
+    let model = file.physics.model()?;
+    let physics = predict(&model, &session).swap_remove(0);
+    let mut deviation = parameter_deviation(&model, &session, &file.covariance_table());
+    let motion = &session.parts[0].at_samples;
+    for ((row, joint), sigma) in deviation.indexed_iter_mut() {
+        let regime = if motion.qd[[row, joint]].abs() > MOVING {
+            &file.residual_std.moving
+        } else {
+            &file.residual_std.standstill
+        };
+        *sigma = sigma.hypot(regime[joint]);
+    }
+    let torque = match residual::load(directory, file)? {
+        Some(compensator) => {
+            &physics + &residual::predict(&compensator, file, &model, &session, 0)?
+        }
+        None => physics.clone(),
+    };
+    let mut rows = Vec::new();
+    if let Some(tau) = &recording.tau {
+        let linear =
+            file.linear_baseline
+                .predict(motion.q.view(), motion.qd.view(), motion.qdd.view())?;
+        rows.extend(Row::both_scopes(
+            "linear_baseline",
+            tau,
+            &linear,
+            &motion.qd,
+        )?);
+        rows.extend(Row::both_scopes("physics", tau, &physics, &motion.qd)?);
+        if file.compensator.is_some() {
+            rows.extend(Row::both_scopes(
+                "physics+compensator",
+                tau,
+                &torque,
+                &motion.qd,
+            )?);
+        }
+    }
+    let report = EvalReport {
+        schema: "eval/1",
+        joints: file.joints.clone(),
+        samples: recording.len(),
+        rows,
+        repeatability: repeats::repeatability(&recording, &motion.qd, &repeats::find(&recording)),
+        notes: notes(&session, file),
+    };
+    Ok(Evaluation {
+        report,
+        recording,
+        session,
+        torque,
+        physics,
+        deviation,
+    })
+}
+
+impl Evaluation {
+    /// Writes predicted torque and its standard deviation as CSV: `trajectory,time,tau1…,tau1_std…`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_prediction(&self, path: &Path) -> Result<(), report::WriteError> {
+        use std::fmt::Write;
+        let joints = self.torque.ncols();
+        let mut text = String::from("trajectory,time");
+        for suffix in ["", "_std"] {
+            for joint in 1..=joints {
+                let _ = write!(text, ",tau{joint}{suffix}");
+            }
+        }
+        text.push('\n');
+        for Trajectory { label, range } in &self.recording.trajectories {
+            let label = if label.contains([',', '"', '\n', '\r']) {
+                format!("\"{}\"", label.replace('"', "\"\""))
+            } else {
+                label.clone()
+            };
+            for row in range.clone() {
+                let _ = write!(text, "{label},{}", self.recording.time[row]);
+                for value in self.torque.row(row).iter().chain(self.deviation.row(row)) {
+                    let _ = write!(text, ",{value}");
+                }
+                text.push('\n');
+            }
+        }
+        report::write_atomic(path, &text)
+    }
+
+    /// Whether published results of the KR300 benchmark belong beside these scores.
+    pub fn published(
+        &self,
+        file: &ModelFile,
+    ) -> Vec<&'static crate::baseline::published::Published> {
+        if file.physics.robot != "kr300" {
+            return Vec::new();
+        }
+        published_rows(Task::Inverse, PublishedPart::Test)
+            .chain(published_rows(Task::Inverse, PublishedPart::Train))
+            .collect()
+    }
+}
+
+fn notes(session: &Session, file: &ModelFile) -> Vec<String> {
+    let report = &session.parts[0].report;
+    let mut notes = Vec::new();
+    match report.cutoff_hz {
+        Some(hz) => notes.push(format!(
+            "Motion: zero-phase low-pass at {hz:.3} Hz, {}; not causal.",
+            if report.cutoff_given {
+                "as given"
+            } else {
+                "chosen from the data"
+            }
+        )),
+        None => notes.push("Motion: splines through the recorded positions; not causal.".into()),
+    }
+    if let Some(f) = report.torque_filter {
+        notes.push(format!(
+            "The recorded torque has been low-passed (zero-phase Chebyshev, order {}, {} Hz): the same filter was applied to every prediction before scoring.",
+            f.order, f.cutoff_hz
+        ));
+    }
+    if !session.clock_known[0] {
+        notes.push("The recording does not continue the clock of the training recordings: friction memory starts neutral and warm-up takes its mean.".into());
+    }
+    if file.preprocessing.moving_only {
+        notes.push("The model was fitted on moving samples alone (--moving-only).".into());
+    }
+    notes
+}

@@ -1,0 +1,334 @@
+//! `train --physics-only`: recordings to an identified model with its scores.
+
+use crate::baseline::{BaselineError, inverse::LinearInverse};
+use crate::directory::{
+    BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
+};
+use crate::identification::{Identified, IdentifyError, IdentifyOptions, MOVING, Target, identify};
+use crate::metrics::{Row, ShapeError};
+use crate::predict::predict;
+use crate::session::{Session, spans};
+use datasets::prepare::Source as Derivative;
+use datasets::prepare::{PrepareError, PrepareOptions, prepare};
+use datasets::{Recording, repeats};
+use ndarray::Array2;
+use physics::effects::Term;
+use physics::identify::base::BaseParameters;
+use physics::robot::Robot;
+use physics::torque_model::{TorqueModelRecord, WeightedTerm};
+use sha2::{Digest, Sha256};
+use std::path::Path;
+
+/// Settings of [`fit_physics`].
+#[derive(Clone, Debug, Default)]
+pub struct FitOptions {
+    /// Identification.
+    pub identify: IdentifyOptions,
+    /// Preparation of the recordings.
+    pub prepare: PrepareOptions,
+    /// Seed, for provenance.
+    pub seed: u64,
+}
+
+/// Why a fit failed.
+#[derive(Debug, thiserror::Error)]
+pub enum FitError {
+    /// A recording cannot be prepared.
+    #[error("{file}: {source}")]
+    Prepare {
+        /// The recording.
+        file: String,
+        /// Why.
+        source: PrepareError,
+    },
+    /// Identification.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// The linear baseline.
+    #[error(transparent)]
+    Baseline(#[from] BaselineError),
+    /// Tables of different shapes.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// A stored model does not fit together.
+    #[error(transparent)]
+    Model(#[from] physics::torque_model::TorqueModelError),
+}
+
+/// A fitted model with what its fit was made of.
+pub struct Fit {
+    /// The model.
+    pub file: ModelFile,
+    /// Training recordings, then the held-out one where there is one.
+    pub session: Session,
+    /// What identification found.
+    pub identified: Identified,
+    /// Predictions of the physics for every recording of the session.
+    pub physics: Vec<Array2<f64>>,
+    /// Groups of training trajectories that a fold never splits, per recording.
+    pub fold: Vec<Vec<usize>>,
+}
+
+/// Identifies `robot` from `data`; of `heldout` only the motion is used, by memory.
+///
+/// # Errors
+/// See [`FitError`].
+pub fn fit_physics(
+    robot: &Robot,
+    data: &[Recording],
+    heldout: Option<&Recording>,
+    options: &FitOptions,
+) -> Result<Fit, FitError> {
+    let mut parts = Vec::new();
+    for recording in data.iter().chain(heldout) {
+        parts.push(
+            prepare(recording, &options.prepare).map_err(|source| FitError::Prepare {
+                file: recording.source.clone(),
+                source,
+            })?,
+        );
+    }
+    let session = Session::new(parts, &[]);
+    // A known counterbalance is not identified: its torque is taken off before the fit.
+    let known: Vec<Array2<f64>> = session.parts[..data.len()]
+        .iter()
+        .map(|part| {
+            let mut table = Array2::zeros((part.at_samples.len(), robot.dof()));
+            if let Some(c) = robot.counterbalance() {
+                let fine: Vec<f64> = part
+                    .fine
+                    .q
+                    .column(c.joint)
+                    .iter()
+                    .map(|&q| c.torque(q))
+                    .collect();
+                table
+                    .column_mut(c.joint)
+                    .assign(&ndarray::Array1::from(part.to_samples(&fine)));
+            }
+            table
+        })
+        .collect();
+    let mut rest = Vec::new();
+    for (recording, known) in data.iter().zip(&known) {
+        let tau = recording
+            .tau
+            .as_ref()
+            .ok_or_else(|| IdentifyError::NoTorque(recording.source.clone()))?;
+        rest.push(tau - known);
+    }
+    let pairs: Vec<Vec<(usize, usize)>> = data.iter().map(repeats::find).collect();
+    let trajectories: Vec<usize> = data.iter().map(|r| r.trajectories.len()).collect();
+    let target = Target::new(
+        rest.iter().collect(),
+        &trajectories,
+        &pairs,
+        options.identify.folds,
+    );
+    let identified = identify(robot, &session, &target, &options.identify)?;
+    let record = record(robot, &identified);
+    let model = record.model()?;
+    let physics = predict(&model, &session);
+    let base = BaseParameters::of_robot(robot, &[]);
+    let first = &session.parts[0].report;
+    let file = ModelFile {
+        schema: SCHEMA.into(),
+        residyn: env!("CARGO_PKG_VERSION").into(),
+        joints: robot.joint_names(),
+        base_parameters: base_parameters(robot, &base, &identified),
+        covariance: identified
+            .estimate
+            .covariance
+            .rows()
+            .into_iter()
+            .map(|r| r.to_vec())
+            .collect(),
+        residual_std: residual_std(data, &session, &physics),
+        preprocessing: Preprocessing {
+            rate_hz: first.rate_hz,
+            fine_hz: first.fine_hz,
+            cutoff_hz: first.cutoff_hz,
+            recorded_velocity: first.velocity.iter().all(|v| *v == Derivative::Recorded),
+            torque_filter: first.torque_filter,
+            moving_only: options.identify.moving_only,
+        },
+        linear_baseline: baseline(data, &session)?,
+        clock: session.parts[..data.len()]
+            .iter()
+            .zip(&session.clock_known)
+            .filter(|&(_, &known)| known)
+            .flat_map(|(part, _)| spans(&part.fine))
+            .collect(),
+        provenance: Provenance {
+            recordings: data.iter().map(source).collect(),
+            seed: options.seed,
+            folds: identified.folds,
+        },
+        physics: record,
+        compensator: None,
+    };
+    Ok(Fit {
+        file,
+        session,
+        identified,
+        physics,
+        fold: target.fold,
+    })
+}
+
+impl Fit {
+    /// Rows of `linear_baseline` and `physics` for one recording of the session.
+    ///
+    /// # Errors
+    /// Tables of different shapes.
+    pub fn rows(&self, part: usize, recording: &Recording) -> Result<Vec<Row>, FitError> {
+        let Some(tau) = &recording.tau else {
+            return Ok(Vec::new());
+        };
+        let motion = &self.session.parts[part].at_samples;
+        let linear = self.file.linear_baseline.predict(
+            motion.q.view(),
+            motion.qd.view(),
+            motion.qdd.view(),
+        )?;
+        let mut rows = Vec::new();
+        rows.extend(Row::both_scopes(
+            "linear_baseline",
+            tau,
+            &linear,
+            &motion.qd,
+        )?);
+        rows.extend(Row::both_scopes(
+            "physics",
+            tau,
+            &self.physics[part],
+            &motion.qd,
+        )?);
+        Ok(rows)
+    }
+}
+
+fn record(robot: &Robot, identified: &Identified) -> TorqueModelRecord {
+    let base = identified.base.len();
+    let estimate = &identified.estimate;
+    let mut terms: Vec<Vec<WeightedTerm>> = Vec::new();
+    for (list, offset) in identified.terms.iter().zip(identified.term_offsets()) {
+        terms.push(
+            list.iter()
+                .enumerate()
+                .map(|(k, term)| WeightedTerm {
+                    term: term.clone(),
+                    value: estimate.parameters[offset + k],
+                    std: estimate.std[offset + k],
+                })
+                .collect(),
+        );
+    }
+    if let Some(c) = robot.counterbalance() {
+        terms[c.joint].push(WeightedTerm {
+            term: Term::Counterbalance(*c),
+            value: 1.0,
+            std: 0.0,
+        });
+    }
+    TorqueModelRecord::new(
+        robot,
+        identified.base.standard_from(&estimate.parameters[..base]),
+        identified.base.standard_from(&identified.load_base),
+        terms,
+    )
+}
+
+fn base_parameters(
+    robot: &Robot,
+    base: &BaseParameters,
+    identified: &Identified,
+) -> Vec<BaseParameter> {
+    let nominal = base.base_from(&robot.parameters());
+    let names = base.base_names();
+    base.formulae()
+        .into_iter()
+        .enumerate()
+        .map(|(i, formula)| BaseParameter {
+            unit: match base.independent()[i] % 10 {
+                0 => "kg",
+                1..=3 => "kg·m",
+                _ => "kg·m²",
+            }
+            .into(),
+            name: names[i].clone(),
+            formula,
+            value: identified.estimate.parameters[i],
+            std: identified.estimate.std[i],
+            nominal: nominal[i],
+        })
+        .collect()
+}
+
+fn baseline(data: &[Recording], session: &Session) -> Result<LinearInverse, BaselineError> {
+    let stack = |table: &dyn Fn(usize) -> Array2<f64>| {
+        let tables: Vec<Array2<f64>> = (0..data.len()).map(table).collect();
+        let views: Vec<_> = tables.iter().map(|t| t.view()).collect();
+        ndarray::concatenate(ndarray::Axis(0), &views).unwrap_or_default()
+    };
+    let motion = |i: usize| &session.parts[i].at_samples;
+    LinearInverse::fit(
+        stack(&|i| motion(i).q.clone()).view(),
+        stack(&|i| motion(i).qd.clone()).view(),
+        stack(&|i| motion(i).qdd.clone()).view(),
+        stack(&|i| data[i].tau.clone().unwrap_or_default()).view(),
+    )
+}
+
+fn residual_std(data: &[Recording], session: &Session, physics: &[Array2<f64>]) -> ResidualStd {
+    let joints = physics[0].ncols();
+    let deviation = |joint: usize, moving: bool| {
+        let (mut sum, mut count) = (0.0, 0usize);
+        for (part, recording) in data.iter().enumerate() {
+            let Some(tau) = &recording.tau else { continue };
+            let qd = session.parts[part].at_samples.qd.column(joint);
+            for ((t, p), v) in tau
+                .column(joint)
+                .iter()
+                .zip(physics[part].column(joint))
+                .zip(qd)
+            {
+                if (v.abs() > MOVING) == moving {
+                    sum += (t - p).powi(2);
+                    count += 1;
+                }
+            }
+        }
+        if count == 0 {
+            0.0
+        } else {
+            (sum / count as f64).sqrt()
+        }
+    };
+    ResidualStd {
+        moving: (0..joints).map(|j| deviation(j, true)).collect(),
+        standstill: (0..joints).map(|j| deviation(j, false)).collect(),
+    }
+}
+
+fn source(recording: &Recording) -> Source {
+    let path = Path::new(&recording.source);
+    let sha256 = std::fs::read(path).map_or_else(
+        |_| String::new(),
+        |bytes| {
+            Sha256::digest(&bytes)
+                .iter()
+                .map(|b| format!("{b:02x}"))
+                .collect()
+        },
+    );
+    Source {
+        name: path.file_name().map_or_else(
+            || recording.source.clone(),
+            |n| n.to_string_lossy().into_owned(),
+        ),
+        sha256,
+        samples: recording.len(),
+        trajectories: recording.trajectories.len(),
+    }
+}

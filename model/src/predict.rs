@@ -1,0 +1,84 @@
+//! Torque of a model over recordings, as their torque sensors would have recorded it.
+
+use crate::design::rigid_columns;
+use crate::session::Session;
+use ndarray::Array2;
+use physics::effects::Term;
+use physics::identify::base::BaseParameters;
+use physics::torque_model::TorqueModel;
+
+/// Torque at the recorded samples of every recording, shape (samples, joints).
+///
+/// The model itself runs causally over the fine motion; the recording's own torque filter, where it
+/// has one, is applied to what it predicts.
+pub fn predict(model: &TorqueModel, session: &Session) -> Vec<Array2<f64>> {
+    let n = model.dof();
+    let mut predictor = model.predictor();
+    let mut fine: Vec<Vec<Vec<f64>>> = session
+        .parts
+        .iter()
+        .map(|p| vec![vec![0.0; p.fine.len()]; n])
+        .collect();
+    let mut tau = vec![0.0; n];
+    session.walk(None, |restart, part, row, s| {
+        if restart {
+            predictor.reset();
+        }
+        predictor.step(s.clock, s.dt, s.q, s.qd, s.qdd, &mut tau);
+        for (column, tau) in fine[part].iter_mut().zip(&tau) {
+            column[row] = *tau;
+        }
+    });
+    session
+        .parts
+        .iter()
+        .zip(fine)
+        .map(|(part, columns)| {
+            let mut table = Array2::zeros((part.at_samples.len(), n));
+            for (mut target, column) in table.columns_mut().into_iter().zip(columns) {
+                target.assign(&ndarray::Array1::from(part.to_samples(&column)));
+            }
+            table
+        })
+        .collect()
+}
+
+/// Standard deviation of the predicted torque that comes from the parameters' covariance alone, for
+/// the last recording of the session, shape (samples, joints).
+///
+/// `covariance` is over the base parameters, then each joint's fitted terms; terms whose deviation is
+/// zero by construction (a known counterbalance) are not among them.
+pub fn parameter_deviation(
+    model: &TorqueModel,
+    session: &Session,
+    covariance: &Array2<f64>,
+) -> Array2<f64> {
+    let robot = model.robot();
+    let base = BaseParameters::of_robot(robot, &[]);
+    let last = session.parts.len() - 1;
+    let rigid = rigid_columns(robot, &base, session, last..last + 1);
+    let load = session.load(model.load_robot());
+    let mut offset = base.len();
+    let mut table = Array2::zeros((session.parts[last].at_samples.len(), robot.dof()));
+    for joint in 0..robot.dof() {
+        let terms: Vec<Term> = model.terms()[joint]
+            .iter()
+            .filter(|w| !matches!(w.term, Term::Counterbalance(_)))
+            .map(|w| w.term.clone())
+            .collect();
+        let columns = &session.columns(joint, &terms, &load)[last];
+        let places: Vec<usize> = (0..base.len())
+            .chain(offset..offset + terms.len())
+            .collect();
+        offset += terms.len();
+        let own = Array2::from_shape_fn((places.len(), places.len()), |(i, k)| {
+            covariance[[places[i], places[k]]]
+        });
+        let rows = ndarray::concatenate![ndarray::Axis(1), rigid[joint][0], *columns];
+        let spread = rows.dot(&own);
+        for (row, target) in table.column_mut(joint).iter_mut().enumerate() {
+            *target = spread.row(row).dot(&rows.row(row)).max(0.0).sqrt();
+        }
+    }
+    table
+}
