@@ -4,7 +4,7 @@
 //! PYTHON=python3 benches/peers/build.sh && cargo bench -p benches --bench dynamics
 //! ```
 
-use benches::{Peer, median, target_dir};
+use benches::{Peer, quiet, target_dir};
 use criterion::Criterion;
 use physics::dynamics::*;
 use physics::robot::Robot;
@@ -39,9 +39,18 @@ fn main() {
                 q[0] += 1e-9;
                 match name {
                     "inverse_dynamics" => {
-                        inverse_dynamics(&robot, &mut workspace, black_box(&q), &qd, &qdd, &mut vector);
+                        inverse_dynamics(
+                            &robot,
+                            &mut workspace,
+                            black_box(&q),
+                            &qd,
+                            &qdd,
+                            &mut vector,
+                        );
                     }
-                    "mass_matrix" => mass_matrix(&robot, &mut workspace, black_box(&q), &mut matrix),
+                    "mass_matrix" => {
+                        mass_matrix(&robot, &mut workspace, black_box(&q), &mut matrix)
+                    }
                     "forward_dynamics" => forward_dynamics(
                         &robot,
                         &mut workspace,
@@ -64,12 +73,15 @@ fn main() {
     }
     group.finish();
 
-    println!("\n{:<18}{:>10}{:>16}{:>8}", "median", "here", "Pinocchio C++", "ratio");
+    println!(
+        "\n{:<18}{:>10}{:>16}{:>8}",
+        "first decile", "here", "Pinocchio C++", "ratio"
+    );
     for name in ALGORITHMS {
-        let Some(ours) = median(GROUP, name) else {
+        let Some(ours) = quiet(GROUP, name) else {
             continue;
         };
-        match median(GROUP, &format!("{name}_pinocchio")).filter(|_| peer.is_some()) {
+        match quiet(GROUP, &format!("{name}_pinocchio")).filter(|_| peer.is_some()) {
             Some(theirs) => println!(
                 "{name:<18}{ours:>7.0} ns{theirs:>13.0} ns{:>8.2}",
                 ours / theirs

@@ -40,3 +40,46 @@ impl Counterbalance {
         self.scale * lever * pressure * self.area
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::dynamics::{Workspace, inverse_dynamics};
+    use crate::robot::Robot;
+
+    #[test]
+    fn torque_is_the_derivative_of_the_gas_energy() {
+        // A static force law is conservative: τ = dW/dq with W = −E ln(V − dl·A) (isothermal gas).
+        let robot = Robot::builtin("kr300").expect("built in");
+        let c = *robot.counterbalance().expect("it has one");
+        let work = |q: f64| {
+            let (d, k) = (c.distance, c.radius);
+            let length = (d * d + k * k - 2.0 * d * k * (q + c.zero).cos()).sqrt();
+            -c.gas_energy * (c.volume - (length - (d - k)) * c.area).ln()
+        };
+        for q in [-0.8, -0.3, 0.0, 0.4, 1.2] {
+            let h = 1e-5;
+            let slope = (work(q + h) - work(q - h)) / (2.0 * h);
+            assert!((c.torque(q) - slope).abs() < 1e-6 * slope.abs(), "{q}");
+        }
+    }
+
+    /// It holds up the arm: where the arm leans forward it takes the load off the drive.
+    #[test]
+    fn it_opposes_gravity() {
+        let robot = Robot::builtin("kr300").expect("built in");
+        let c = robot.counterbalance().expect("it has one");
+        let mut workspace = Workspace::new(&robot);
+        for q2 in [0.2, 0.4, 0.6] {
+            let mut tau = [0.0; 6];
+            let q = [0.0, q2, 0.0, 0.0, 0.0, 0.0];
+            inverse_dynamics(&robot, &mut workspace, &q, &[0.0; 6], &[0.0; 6], &mut tau);
+            assert!(
+                tau[c.joint] * c.torque(q2) < 0.0,
+                "{} {}",
+                tau[c.joint],
+                c.torque(q2)
+            );
+            assert!((tau[c.joint] + c.torque(q2)).abs() < tau[c.joint].abs());
+        }
+    }
+}

@@ -123,3 +123,78 @@ fn exact_sin_cos(angle: f64) -> (f64, f64) {
         _ => (-1.0, 0.0),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::link_placements;
+    use crate::robot::{Inertia, Joint, Limits, Link, Robot};
+
+    /// Two turning joints around a sliding one.
+    fn rows() -> [Row; 3] {
+        let slide = Row {
+            kind: JointKind::Prismatic,
+            ..Row::revolute(0.2, -0.7, 0.4, 0.3)
+        };
+        [
+            Row::revolute(0.1, FRAC_PI_2, 0.5, 0.2),
+            slide,
+            Row::revolute(-0.3, 1.1, -0.2, -FRAC_PI_2),
+        ]
+    }
+
+    fn robot(convention: Convention, rows: &[Row]) -> Robot {
+        let base = (rotation_x(0.4), Vector3::new(0.0, 0.0, 1.0));
+        let joints = placements(convention, base, rows)
+            .into_iter()
+            .zip(rows)
+            .map(|((rotation, translation), row)| Joint {
+                name: String::new(),
+                kind: row.kind,
+                axis: Vector3::z(),
+                rotation,
+                translation,
+                limits: Limits::NONE,
+                damping: 0.0,
+                friction: 0.0,
+                rotor_inertia: 0.0,
+                gear_ratio: None,
+                torque_constant: None,
+                link: Link {
+                    name: String::new(),
+                    inertia: Inertia::from_com(1.0, Vector3::zeros(), Matrix3::identity()),
+                },
+            })
+            .collect();
+        Robot::new("table", joints).expect("a possible robot")
+    }
+
+    /// The end of the chain equals the product of the table's own matrices, with q put into θ or d.
+    #[test]
+    fn chain_is_the_product_of_the_tables_matrices() {
+        let q = [0.7, 0.15, -1.2];
+        for convention in [Convention::Standard, Convention::Modified] {
+            let rows = rows();
+            let mut expected = (rotation_x(0.4), Vector3::new(0.0, 0.0, 1.0));
+            for (row, q) in rows.iter().zip(q) {
+                let (theta, d) = match row.kind {
+                    JointKind::Prismatic => (row.theta, row.d + q),
+                    _ => (row.theta + q, row.d),
+                };
+                let turn = (rotation_z(theta), Vector3::z() * d);
+                let twist = (rotation_x(row.alpha), Vector3::x() * row.a);
+                let matrix = match convention {
+                    Convention::Standard => compose(&turn, &twist),
+                    Convention::Modified => compose(&twist, &turn),
+                };
+                expected = compose(&expected, &matrix);
+            }
+            let robot = robot(convention, &rows);
+            let last = link_placements(&robot, &q).last().expect("three joints");
+            let frame = convention.link_frame(&rows[2]);
+            let found = compose(&(last.rotation, last.translation), &frame);
+            assert!((found.0 - expected.0).amax() < 1e-15, "{convention:?}");
+            assert!((found.1 - expected.1).amax() < 1e-15, "{convention:?}");
+        }
+    }
+}
