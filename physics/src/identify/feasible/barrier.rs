@@ -93,7 +93,8 @@ pub(super) fn minimise(
                 break 'path;
             };
             // λ²/2 estimates the distance from the centre; far less than ν is near enough to go on.
-            let near = newton.decrement2 <= if last { 1e-8 } else { 0.25 };
+            // The step still to be taken squares what is left.
+            let near = newton.decrement2 <= if last { 1e-4 } else { 0.25 };
             let Some(length) = line_search(&newton, constraints, &x, t) else {
                 if !near {
                     status = Status::Stalled;

@@ -255,8 +255,8 @@ impl Feasibility {
         let (b, s) = (self.grouping.nrows(), self.grouping.ncols());
         check_size("the base parameters", base.len(), b)?;
         let scaled = Mat::from_fn(b, s, |i, j| self.grouping[(i, j)] * self.nominal.std[j]);
-        // One thousandth of a permille of what the nominal deviations let a base parameter vary.
-        const TIGHTNESS: f64 = 1e12;
+        // A ten-thousandth of what the nominal deviations let a base parameter vary.
+        const TIGHTNESS: f64 = 1e8;
         let weight: Vec<f64> = (0..b)
             .map(|i| {
                 let variance = scaled.row(i).squared_norm_l2();

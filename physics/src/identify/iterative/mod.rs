@@ -8,6 +8,10 @@
 //! - L3 (outer): exponent α of each joint's friction Fc·sign(q̇) + Fv·|q̇|^α·sign(q̇) + B, from the torque that the
 //!   other terms leave to friction (eqs 29–31).
 //!
+//! Rows are weighted before they are whitened across joints, by their residual over its own joint's deviation. The
+//! paper weights whitened rows; those are mixtures of joints that change whenever Ω does, so that rows left out
+//! return as others: on correlated noise with outliers Ω then grew without bound. For diagonal Ω both are the same.
+//!
 //! Each step solves the same problem (eq. 23), with or without the condition that every link be a possible body.
 //! Ordinary and weighted least squares are the same loops with fewer of them ([`Noise`], [`Weight`]).
 
@@ -117,7 +121,7 @@ pub struct Identification {
     pub triangle: Triangle,
     /// Ω, N × N, squared torque units.
     pub noise: Array2<f64>,
-    /// Weight of each whitened row, samples × N, from 0 (left out) to 1.
+    /// Weight of each row, samples × N, from 0 (left out) to 1.
     pub weights: Array2<f64>,
     /// Measured less predicted torque, samples × N, of the feasible estimate if there is one.
     pub residual: Array2<f64>,
@@ -209,13 +213,16 @@ impl State {
             if options.weight == Weight::Equal {
                 return Ok(());
             }
-            let (root, _) = roots(&self.noise)?;
-            let normalised = problem.whitened_residual(&root, &self.parameters);
+            let residual = problem.residual(&self.parameters);
             let mut change = 0.0;
-            for (w, r) in std::iter::zip(&mut self.weights, &normalised) {
-                let new = options.weight.of(*r);
-                change += (new - *w).abs();
-                *w = new;
+            for joint in 0..problem.dof() {
+                let deviation = self.noise[(joint, joint)].sqrt();
+                let column = self.weights.column_mut(joint);
+                for (w, e) in std::iter::zip(column, residual.column(joint)) {
+                    let new = options.weight.of(e / deviation);
+                    change += (new - *w).abs();
+                    *w = new;
+                }
             }
             if change <= options.weight_tolerance * self.weights.len() as f64 {
                 return Ok(());
@@ -232,12 +239,11 @@ impl State {
         options: &IterativeOptions,
     ) -> Result<(), IterativeError> {
         for _ in 0..options.rounds[0].max(1) {
-            let (root, back) = roots(&self.noise)?;
+            let root = inverse_root(&self.noise)?;
             let gram = problem.gram(&root, &self.weights);
             self.step(&gram, options)?;
-            let normalised = problem.whitened_residual(&root, &self.parameters);
-            let spread = self.spread(&normalised, problem.columns(), options);
-            let noise = &back * spread * &back;
+            let residual = problem.residual(&self.parameters);
+            let noise = self.covariance(&residual, problem.columns(), options);
             let change = largest_change(&noise, &self.noise);
             self.noise = noise;
             if change <= options.noise_tolerance {
@@ -270,47 +276,35 @@ impl State {
         Ok(())
     }
 
-    /// Covariance of the weighted, whitened residual: the identity once Ω has settled.
+    /// Ω from the weighted residual (eqs 17, 27).
     ///
-    /// Weighted rows count by their weight, parameters are shared out over the joints, and the part of a normal
+    /// Rows count by their weight, parameters are shared out over the joints, and the part of a normal
     /// distribution that the weight function cuts off is put back; without that, outliers would shrink Ω and
     /// Ω would make outliers.
-    fn spread(
+    fn covariance(
         &self,
-        normalised: &Array2<f64>,
+        residual: &Array2<f64>,
         columns: usize,
         options: &IterativeOptions,
     ) -> Mat<f64> {
-        let n = normalised.ncols();
+        let n = residual.ncols();
         let kept = options.weight.variance_of_normal();
         let live: Vec<f64> = (0..n).map(|j| self.weights.column(j).sum()).collect();
-        let mut spread = Mat::<f64>::zeros(n, n);
-        for (r, w) in std::iter::zip(normalised.rows(), self.weights.rows()) {
-            for j in 0..n {
-                for k in 0..=j {
-                    spread[(j, k)] += (w[j] * w[k]).sqrt() * r[j] * r[k];
-                }
-            }
-        }
+        let weighted = residual * &self.weights.mapv(f64::sqrt);
+        let sums = weighted.t().dot(&weighted);
         let used = columns as f64 / n as f64;
-        for j in 0..n {
-            for k in 0..=j {
-                let count = ((live[j] * live[k]).sqrt() - used).max(1.0);
-                let value = spread[(j, k)] / (count * kept);
-                let value = if options.noise == Noise::Full || j == k {
-                    value
-                } else {
-                    0.0
-                };
-                spread[(j, k)] = value;
-                spread[(k, j)] = value;
+        let entry = |j: usize, k: usize| {
+            let count = ((live[j] * live[k]).sqrt() - used).max(1.0);
+            sums[(j, k)] / (count * kept)
+        };
+        match options.noise {
+            Noise::Full => Mat::from_fn(n, n, entry),
+            Noise::PerJoint => Mat::from_fn(n, n, |j, k| if j == k { entry(j, j) } else { 0.0 }),
+            Noise::Equal => {
+                let mean = (0..n).map(|j| entry(j, j)).sum::<f64>() / n as f64;
+                faer::Scale(mean) * Mat::<f64>::identity(n, n)
             }
         }
-        if options.noise == Noise::Equal {
-            let mean = (0..n).map(|j| spread[(j, j)]).sum::<f64>() / n as f64;
-            return faer::Scale(mean) * Mat::<f64>::identity(n, n);
-        }
-        spread
     }
 }
 
@@ -320,7 +314,7 @@ fn finish(
     state: State,
     exponents: Vec<f64>,
 ) -> Result<Identification, IterativeError> {
-    let (root, _) = roots(&state.noise)?;
+    let root = inverse_root(&state.noise)?;
     let mut rows = Accumulator::new(problem.columns());
     problem.whitened_blocks(&root, &state.weights, |block, live| {
         rows.push_block(block, live)
@@ -348,8 +342,8 @@ fn finish(
     })
 }
 
-/// Ω^(−1/2) and Ω^(1/2), symmetric.
-fn roots(noise: &Mat<f64>) -> Result<(Mat<f64>, Mat<f64>), IterativeError> {
+/// Ω^(−1/2), symmetric (eq. 18).
+fn inverse_root(noise: &Mat<f64>) -> Result<Mat<f64>, IterativeError> {
     let eigen = noise
         .self_adjoint_eigen(faer::Side::Lower)
         .map_err(|_| LeastSquaresError::Decomposition)?;
@@ -358,11 +352,8 @@ fn roots(noise: &Mat<f64>) -> Result<(Mat<f64>, Mat<f64>), IterativeError> {
     if (0..n).any(|i| values[i].is_nan() || values[i] <= 0.0) {
         return Err(IterativeError::Singular);
     }
-    let power = |exponent: f64| {
-        let scaled = Mat::from_fn(n, n, |i, j| u[(i, j)] * values[j].powf(exponent));
-        scaled * u.transpose()
-    };
-    Ok((power(-0.5), power(0.5)))
+    let scaled = Mat::from_fn(n, n, |i, j| u[(i, j)] / values[j].sqrt());
+    Ok(scaled * u.transpose())
 }
 
 /// Largest change of an entry, relative to the deviations of its two joints.

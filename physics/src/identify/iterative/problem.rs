@@ -80,23 +80,7 @@ impl Problem {
         residual
     }
 
-    /// Ω^(−1/2) of the residual, samples × N (eq. 26); `root` is Ω^(−1/2).
-    pub(super) fn whitened_residual(&self, root: &Mat<f64>, parameters: &[f64]) -> Array2<f64> {
-        let n = self.dof();
-        let mut residual = self.residual(parameters);
-        let mut white = vec![0.0; n];
-        for mut row in residual.rows_mut() {
-            for (i, w) in white.iter_mut().enumerate() {
-                *w = (0..n).map(|k| root[(i, k)] * row[k]).sum();
-            }
-            for (e, w) in std::iter::zip(&mut row, &white) {
-                *e = *w;
-            }
-        }
-        residual
-    }
-
-    /// Passes the whitened, weighted rows to `visit` block by block, each (rows × p + 1, torque last) with the number
+    /// Passes the weighted, whitened rows Ω^(−1/2) W^(1/2) [Y τ] (eqs 18, 22; `root` is Ω^(−1/2)) to `visit` block by block, each (rows × p + 1, torque last) with the number
     /// of its rows that have weight.
     pub(super) fn whitened_blocks(
         &self,
@@ -106,33 +90,30 @@ impl Problem {
     ) {
         let (n, samples, width) = (self.dof(), self.samples(), self.columns() + 1);
         let mut buffer = Mat::zeros(BLOCK.min(samples), width);
-        let mut scale = vec![0.0; BLOCK];
+        // Factor of each joint's rows in the whitened row at hand: Ω^(−1/2)_ik √w_k.
+        let mut factors = vec![[0.0; BLOCK]; n];
         for first in (0..samples).step_by(BLOCK) {
             let rows = BLOCK.min(samples - first);
             for i in 0..n {
-                let mut live = 0;
-                for (k, s) in scale[..rows].iter_mut().enumerate() {
-                    let w = weights[(first + k, i)];
-                    *s = w.sqrt();
-                    live += usize::from(w > 0.0);
+                let live = (first..first + rows).filter(|&k| weights[(k, i)] > 0.0);
+                let live = live.count();
+                for (k, factor) in factors.iter_mut().enumerate() {
+                    for (s, f) in factor[..rows].iter_mut().enumerate() {
+                        *f = root[(i, k)] * weights[(first + s, k)].sqrt();
+                    }
                 }
                 for j in 0..width {
-                    let Some(target) = buffer.col_as_slice_mut(j).get_mut(..rows) else {
-                        continue;
-                    };
+                    let target = &mut buffer.col_as_slice_mut(j)[..rows];
                     target.fill(0.0);
                     for (k, joint) in self.joints.iter().enumerate() {
-                        let c = root[(i, k)];
-                        if c == 0.0 {
+                        if root[(i, k)] == 0.0 {
                             continue;
                         }
                         let source = &joint.col_as_slice(j)[first..first + rows];
-                        for (t, s) in std::iter::zip(target.iter_mut(), source) {
-                            *t += c * s;
+                        let terms = std::iter::zip(source, &factors[k]);
+                        for (t, (s, f)) in std::iter::zip(target.iter_mut(), terms) {
+                            *t += f * s;
                         }
-                    }
-                    for (t, s) in std::iter::zip(target.iter_mut(), &scale) {
-                        *t *= s;
                     }
                 }
                 visit(buffer.as_ref().subrows(0, rows), live);

@@ -167,7 +167,7 @@ fn outliers_are_left_out() {
         s.torque[k * 6 + 1] += 25.0;
     }
     let options = |weight| IterativeOptions {
-        noise: Noise::PerJoint,
+        noise: Noise::Full,
         weight,
         ..IterativeOptions::default()
     };
