@@ -203,7 +203,10 @@ mod tests {
             moved.shift_zero(j, 0.03);
             let mut true_q = q.clone();
             true_q[j] -= 0.03;
-            let (a, b) = (torque(&moved, &q, &qd, &qdd), torque(&arm, &true_q, &qd, &qdd));
+            let (a, b) = (
+                torque(&moved, &q, &qd, &qdd),
+                torque(&arm, &true_q, &qd, &qdd),
+            );
             for (a, b) in a.iter().zip(&b) {
                 assert!((a - b).abs() < 1e-11);
             }

@@ -36,7 +36,7 @@ pub struct Controller {
 
 /// Speed below which the feed-forward of friction is softened, rad/s: commanded speed is smooth, so that a narrow
 /// step would only make noise.
-const FEEDFORWARD_EPS: f64 = 0.004;
+const FEEDFORWARD_EPS: f64 = 0.003;
 
 impl Controller {
     /// A controller that knows `nominal`, with the given position bandwidth (Hz) and control period (s).
@@ -75,7 +75,14 @@ impl Controller {
 
     /// Torque command for the measured state, N·m.
     pub fn torque(&mut self, command: &Command, q: &[f64], v: &[f64], u: &mut [f64]) {
-        inverse_dynamics(&self.model, &mut self.workspace, &command.q, &command.qd, &command.qdd, u);
+        inverse_dynamics(
+            &self.model,
+            &mut self.workspace,
+            &command.q,
+            &command.qd,
+            &command.qdd,
+            u,
+        );
         let w = TAU * self.sensing.corner * self.period;
         let pass = w / (1.0 + w);
         for (j, u) in u.iter_mut().enumerate() {

@@ -24,6 +24,9 @@ pub enum SimulateError {
         /// Reason.
         source: std::io::Error,
     },
+    /// A recording could not be written.
+    #[error(transparent)]
+    Recording(#[from] datasets::WriteError),
     /// An answer could not be put into JSON.
     #[error("cannot write {path} as JSON: {source}")]
     Json {

@@ -1,18 +1,80 @@
-//! `simulate`
-fn main() {
-    let n: u64 = std::env::args().nth(1).and_then(|x| x.parse().ok()).unwrap_or(8);
-    for i in 0..n {
-        let spec = simulate::cases::draw(i, 5);
-        match simulate::cases::generate(&spec, 5) {
-            Ok(c) => {
-                let t = &c.truth;
-                let e: Vec<String> = t.effects.iter().map(|e| format!("{}/{} {:?} share {:.3} after {:.3} level {:.4}", e.effect, e.mechanism, e.joints, e.share, e.share_after_reidentification, e.level)).collect();
-                println!("{i} {} {} att {} {:.1}s cut {} given {:.3} wo {:.3} with {:.3} floor {:.3} | {}", t.kind, t.robot, t.seed[2], t.seconds, t.oracle.cutoff_hz, t.oracle.mean_nrmse.as_given, t.oracle.mean_nrmse.without_effect, t.oracle.mean_nrmse.with_effect, t.oracle.mean_nrmse.noise_floor, e.join("; "));
-                println!("      with {:?}\n      floor {:?}", t.oracle.nrmse.with_effect.iter().map(|x| (x*1e3).round()/1e3).collect::<Vec<_>>(), t.oracle.nrmse.noise_floor.iter().map(|x| (x*1e3).round()/1e3).collect::<Vec<_>>());
-                let qd = c.train.qd.as_ref().unwrap();
-                println!("      still {:?} effect {:?}", (0..t.joints).map(|j| (qd.column(j).iter().filter(|v| v.abs() < 0.01).count() * 100 / qd.nrows())).collect::<Vec<_>>(), t.effect_rms.iter().zip(&t.torque_rms).map(|(e, t)| (e / t * 1e4).round() / 1e4).collect::<Vec<_>>());
-            }
-            Err(e) => println!("{i} {:?} {e}", spec.kind),
+//! `simulate`: recordings of simulated robots.
+
+use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+use simulate::{SimulateError, cases};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Recordings of simulated robots, with effects that a rigid-body model lacks.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    what: What,
+    /// Threads (0: all).
+    #[arg(long, global = true, default_value_t = 0)]
+    threads: usize,
+    /// No progress bar.
+    #[arg(long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Sealed cases for `diagnose`: robot.urdf, train.parquet and test.parquet for each, and truth/ID.json.
+    Cases {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// Number of cases.
+        #[arg(long, default_value_t = cases::ROUND)]
+        cases: u64,
+        /// Seed of the run.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads)
+        .build();
+    let result = match pool {
+        Ok(pool) => pool.install(|| run(&arguments)),
+        Err(error) => {
+            eprintln!("simulate: cannot start threads: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("simulate: {error}");
+            ExitCode::FAILURE
         }
     }
+}
+
+fn run(arguments: &Arguments) -> Result<(), SimulateError> {
+    match &arguments.what {
+        What::Cases { out, cases, seed } => {
+            let bar = bar(*cases, arguments.quiet);
+            cases::write_all(*cases, *seed, out, |id, _| {
+                bar.set_message(id.to_owned());
+                bar.inc(1);
+            })?;
+            bar.finish_with_message(format!("written to {}", out.display()));
+            Ok(())
+        }
+    }
+}
+
+fn bar(length: u64, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} (left {eta}) {msg}");
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

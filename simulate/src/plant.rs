@@ -79,7 +79,11 @@ impl Plant {
         let n = robot.dof();
         assert!(armature.len() == n && friction.len() == n && q.len() == n);
         let resisting = (0..n)
-            .map(|j| (0..mechanisms.len()).filter(|&m| mechanisms[m].joint() == Some(j)).collect())
+            .map(|j| {
+                (0..mechanisms.len())
+                    .filter(|&m| mechanisms[m].joint() == Some(j))
+                    .collect()
+            })
             .collect();
         Self {
             workspace: Workspace::new(&robot),
@@ -120,7 +124,12 @@ impl Plant {
             self.velocity[j] = self.v[j] + 0.5 * dt * self.a[j];
             self.end[j] = self.v[j] + dt * self.a[j];
         }
-        mass_matrix(&self.robot, &mut self.workspace, &self.middle, &mut self.mass);
+        mass_matrix(
+            &self.robot,
+            &mut self.workspace,
+            &self.middle,
+            &mut self.mass,
+        );
         inverse_dynamics(
             &self.robot,
             &mut self.workspace,
@@ -141,10 +150,16 @@ impl Plant {
         self.exerted.fill(0.0);
         for (m, exerted) in self.mechanisms.iter_mut().zip(self.exerted.chunks_mut(n)) {
             m.push(&now, exerted);
-            self.force.iter_mut().zip(exerted).for_each(|(f, e)| *f += *e);
+            self.force
+                .iter_mut()
+                .zip(exerted)
+                .for_each(|(f, e)| *f += *e);
         }
         let resistance = |j: usize, v: f64| {
-            let extra: f64 = self.resisting[j].iter().map(|&m| self.mechanisms[m].resist(&now, v)).sum();
+            let extra: f64 = self.resisting[j]
+                .iter()
+                .map(|&m| self.mechanisms[m].resist(&now, v))
+                .sum();
             self.friction[j].torque(v) + extra
         };
         for j in 0..n {
@@ -153,13 +168,18 @@ impl Plant {
         for _ in 0..MOST_SOLVES {
             for j in 0..n {
                 let floor = 1e-3 * self.friction[j].v_eps;
-                let v = if self.end[j].abs() < floor { floor } else { self.end[j] };
+                let v = if self.end[j].abs() < floor {
+                    floor
+                } else {
+                    self.end[j]
+                };
                 self.chord[j] = (resistance(j, v) - self.still[j]) / v;
             }
             self.factor.copy_from_slice(&self.mass);
             for j in 0..n {
                 self.factor[j * n + j] += self.armature[j] + dt * self.chord[j];
-                self.rest[j] = self.force[j] - self.bias[j] - self.still[j] - self.chord[j] * self.v[j];
+                self.rest[j] =
+                    self.force[j] - self.bias[j] - self.still[j] - self.chord[j] * self.v[j];
             }
             solve(&mut self.factor, &mut self.rest, n);
             let mut settled = true;
@@ -195,7 +215,11 @@ fn solve(m: &mut [f64], b: &mut [f64], n: usize) {
         for j in 0..=i {
             let dot: f64 = (0..j).map(|k| m[i * n + k] * m[j * n + k]).sum();
             let value = m[i * n + j] - dot;
-            m[i * n + j] = if i == j { value.sqrt() } else { value / m[j * n + j] };
+            m[i * n + j] = if i == j {
+                value.sqrt()
+            } else {
+                value / m[j * n + j]
+            };
         }
         let dot: f64 = (0..i).map(|k| m[i * n + k] * b[k]).sum();
         b[i] = (b[i] - dot) / m[i * n + i];
@@ -220,13 +244,20 @@ mod tests {
             v_eps: 0.002,
         };
         let q = vec![0.3, 0.5, -0.2, -1.2, 0.4, 1.5, 0.1];
-        Plant::new(arm.robot().unwrap(), vec![0.0; 7], vec![friction; 7], Vec::new(), q)
+        Plant::new(
+            arm.robot().unwrap(),
+            vec![0.0; 7],
+            vec![friction; 7],
+            Vec::new(),
+            q,
+        )
     }
 
     #[test]
     fn free_fall_keeps_its_energy() {
         let mut p = plant(0.0, 0.0);
-        let energy = |p: &Plant| kinetic_energy(&p.robot, &p.q, &p.v) + potential_energy(&p.robot, &p.q);
+        let energy =
+            |p: &Plant| kinetic_energy(&p.robot, &p.q, &p.v) + potential_energy(&p.robot, &p.q);
         let before = energy(&p);
         let mut kinetic = 0.0f64;
         for k in 0..1000 {
@@ -234,13 +265,18 @@ mod tests {
             kinetic = kinetic.max(kinetic_energy(&p.robot, &p.q, &p.v));
         }
         assert!(kinetic > 5.0);
-        assert!((energy(&p) - before).abs() < 2e-3 * kinetic, "{} of {kinetic}", energy(&p) - before);
+        assert!(
+            (energy(&p) - before).abs() < 2e-3 * kinetic,
+            "{} of {kinetic}",
+            energy(&p) - before
+        );
     }
 
     #[test]
     fn friction_takes_what_energy_loses() {
         let mut p = plant(1.0, 0.5);
-        let energy = |p: &Plant| kinetic_energy(&p.robot, &p.q, &p.v) + potential_energy(&p.robot, &p.q);
+        let energy =
+            |p: &Plant| kinetic_energy(&p.robot, &p.q, &p.v) + potential_energy(&p.robot, &p.q);
         let (before, dt) = (energy(&p), 5e-4);
         let (mut lost, mut swing) = (0.0, 0.0f64);
         for k in 0..2000 {
@@ -252,7 +288,11 @@ mod tests {
             swing = swing.max(kinetic_energy(&p.robot, &p.q, &p.v));
         }
         assert!(lost > 3.0, "{lost}");
-        assert!((before - energy(&p) - lost).abs() < 0.01 * lost, "{} {lost}", before - energy(&p));
+        assert!(
+            (before - energy(&p) - lost).abs() < 0.01 * lost,
+            "{} {lost}",
+            before - energy(&p)
+        );
     }
 
     #[test]

@@ -141,10 +141,15 @@ pub fn run(
         }
         plant.step(t, clock.step, &u);
         if sampled {
-            trace.qdd.extend(axes.iter().zip(&before).map(|(&axis, b)| 0.5 * (b + plant.a[axis])));
+            trace.qdd.extend(
+                axes.iter()
+                    .zip(&before)
+                    .map(|(&axis, b)| 0.5 * (b + plant.a[axis])),
+            );
             for m in 0..mechanisms {
                 let row = m * plant.dof();
-                let mean = |&axis: &usize| -0.5 * (exerted_before[row + axis] + plant.exerted[row + axis]);
+                let mean =
+                    |&axis: &usize| -0.5 * (exerted_before[row + axis] + plant.exerted[row + axis]);
                 trace.exerted.extend(axes.iter().map(mean));
             }
         }
@@ -155,8 +160,13 @@ pub fn run(
         // held[k] spans [k, k+1] periods, so that its time is k + 1/2.
         let x = ((t - delay - start) / period - 0.5).clamp(0.0, (periods - 1) as f64 - 1e-9);
         let (k, w) = (x as usize, x.fract());
-        let (a, b) = (&held[k * n..][..n], &held[(k + 1).min(periods - 1) * n..][..n]);
-        trace.tau.extend(a.iter().zip(b).map(|(a, b)| a + (b - a) * w));
+        let (a, b) = (
+            &held[k * n..][..n],
+            &held[(k + 1).min(periods - 1) * n..][..n],
+        );
+        trace
+            .tau
+            .extend(a.iter().zip(b).map(|(a, b)| a + (b - a) * w));
     }
     trace
 }

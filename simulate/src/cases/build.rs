@@ -106,7 +106,13 @@ impl Build {
         for (&axis, q) in self.axes.iter().zip(q) {
             at[axis] = *q;
         }
-        let plant = Plant::new(self.arm.robot()?, self.armature, self.friction, self.mechanisms, at);
+        let plant = Plant::new(
+            self.arm.robot()?,
+            self.armature,
+            self.friction,
+            self.mechanisms,
+            at,
+        );
         Ok((plant, self.axes))
     }
 }

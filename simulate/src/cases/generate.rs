@@ -50,7 +50,7 @@ const RATE: f64 = 250.0;
 const STEP: f64 = 5e-4;
 const CONTROL: f64 = 1e-3;
 /// Torque of effects that vibrate counts up to here, Hz.
-const VIBRATION: f64 = 40.0;
+const VIBRATION: f64 = 20.0;
 /// Attempts at a case before giving up; one in some ten draws does not suit its effect.
 const ATTEMPTS: u64 = 200;
 /// Smallest part of a joint's torque, and largest, that an effect may make.
@@ -101,20 +101,37 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     };
     let errors = Errors {
         count: (0..n)
-            .map(|j| nominal.reach[j] / 1.4 * TAU / f64::from(1u32 << rng.random_range(15..21)))
+            .map(|j| nominal.reach[j] / 1.4 * TAU / f64::from(1u32 << rng.random_range(18..21)))
             .collect(),
-        velocity: nominal.speed().iter().map(|v| v * rng.random_range(0.0004..0.0014)).collect(),
+        velocity: nominal
+            .speed()
+            .iter()
+            .map(|v| v * rng.random_range(0.0004..0.0014))
+            .collect(),
         torque: (0..n).map(|_| log_uniform(rng, 0.005, 0.02)).collect(),
     };
-    let bandwidth = rng.random_range(5.0..9.0);
+    let bandwidth = rng.random_range(6.0..10.0);
     let control_rng = ChaCha8Rng::from_rng(rng);
     // Sizes of effects that change the motion itself are only guessed; correct them on what came out.
     for round in 0..3 {
-        let Some(run) = simulate(&nominal, &plain, &withheld, &session, &errors, bandwidth, control_rng.clone())? else {
+        let Some(run) = simulate(
+            &nominal,
+            &plain,
+            &withheld,
+            &session,
+            &errors,
+            bandwidth,
+            control_rng.clone(),
+        )?
+        else {
             return Ok(None);
         };
         let mut found = effect_torques(&plain, &withheld, &run)?;
-        for (e, _) in found.iter_mut().zip(&withheld).filter(|(_, w)| w.effect.vibrates()) {
+        for (e, _) in found
+            .iter_mut()
+            .zip(&withheld)
+            .filter(|(_, w)| w.effect.vibrates())
+        {
             *e = low_passed(e, &run.trace.bounds(), n, RATE, VIBRATION);
         }
         let shares: Vec<f64> = withheld
@@ -122,7 +139,10 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
             .zip(&found)
             .map(|(w, e)| column_rms(e, n)[w.at] / column_rms(&run.noted, n)[w.at])
             .collect();
-        let wrong = withheld.iter().zip(&shares).any(|(w, s)| !(0.55..1.8).contains(&(s / w.share)));
+        let wrong = withheld
+            .iter()
+            .zip(&shares)
+            .any(|(w, s)| !(0.55..1.8).contains(&(s / w.share)));
         if wrong && round < 2 {
             for (w, s) in withheld.iter_mut().zip(&shares) {
                 w.size = (w.size * (w.share / s).clamp(0.2, 4.0)).min(w.effect.largest());
@@ -132,7 +152,10 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
         if shares.iter().any(|s| !SHARES.contains(s)) {
             return Ok(None);
         }
-        return finish(kind, id, &nominal, &plain, &withheld, &run, &found, &errors, rng).map(Some);
+        return finish(
+            kind, id, &nominal, &plain, &withheld, &run, &found, &errors, rng,
+        )
+        .map(Some);
     }
     Ok(None)
 }
@@ -147,16 +170,28 @@ struct Chosen {
 }
 
 /// Draws the effects of a case; none if the arm has no place for them.
-fn effects(kind: Kind, scene: &Scene, rng: &mut ChaCha8Rng) -> Result<Option<Vec<Chosen>>, RobotError> {
+fn effects(
+    kind: Kind,
+    scene: &Scene,
+    rng: &mut ChaCha8Rng,
+) -> Result<Option<Vec<Chosen>>, RobotError> {
     let names = match kind {
         Kind::None => vec![],
         Kind::Single(e) => vec![EFFECTS[e]],
         Kind::Outside => vec!["outside"],
-        Kind::Two => vec![EFFECTS[rng.random_range(0..EFFECTS.len())], EFFECTS[rng.random_range(0..EFFECTS.len())]],
+        Kind::Two => vec![
+            EFFECTS[rng.random_range(0..EFFECTS.len())],
+            EFFECTS[rng.random_range(0..EFFECTS.len())],
+        ],
     };
     let mut chosen: Vec<Chosen> = Vec::new();
     for name in names {
-        let Some(Shape { effect, joint, share }) = shape(name, scene, rng) else {
+        let Some(Shape {
+            effect,
+            joint,
+            share,
+        }) = shape(name, scene, rng)
+        else {
             return Ok(None);
         };
         let Some((size, at)) = scene.rehearsal.size_for(&effect, joint, share)? else {
@@ -205,7 +240,11 @@ fn session(arm: &Arm, rng: &mut ChaCha8Rng) -> Session {
         let segment = if with_moves && rng.random_bool(0.3) {
             Segment::Moves(Moves::draw(arm, LENGTH, rng.random_range(0.5..0.85), rng))
         } else {
-            let pace = if rng.random_bool(0.12) { Pace::slow() } else { Pace::lively() };
+            let pace = if rng.random_bool(0.12) {
+                Pace::slow()
+            } else {
+                Pace::lively()
+            };
             Segment::Multisine(Multisine::draw(arm, &pace, LENGTH, rng))
         };
         (segment, LENGTH)
@@ -250,7 +289,7 @@ fn simulate(
     let sensing = Sensing {
         count: errors.count.clone(),
         velocity_noise: errors.velocity.iter().map(|v| v * 0.4).collect(),
-        corner: 35.0,
+        corner: 60.0,
     };
     let mut controller = Controller::new(nominal, bandwidth, CONTROL, sensing, rng)?;
     let mut start = crate::reference::Command::new(nominal.dof());
@@ -261,12 +300,24 @@ fn simulate(
         control: (CONTROL / finest).round() as usize,
         sample: (1.0 / (RATE * finest)).round() as usize,
     };
-    let trace = run(session, &mut controller, &mut plant, &axes, clock, measurement.delay);
+    let trace = run(
+        session,
+        &mut controller,
+        &mut plant,
+        &axes,
+        clock,
+        measurement.delay,
+    );
     let n = trace.dof;
-    let follows = trace.q.iter().zip(&trace.q_ref).enumerate().all(|(i, (q, r))| {
-        // Also false for what is not a number.
-        (q - r).abs() < 0.25 * nominal.reach[i % n]
-    });
+    let follows = trace
+        .q
+        .iter()
+        .zip(&trace.q_ref)
+        .enumerate()
+        .all(|(i, (q, r))| {
+            // Also false for what is not a number.
+            (q - r).abs() < 0.25 * nominal.reach[i % n]
+        });
     Ok(follows.then(|| Run {
         noted: noted(&trace, &measurement),
         trace,
@@ -294,7 +345,11 @@ fn step_for(effect: &Withheld, size: f64, arm: &Arm) -> Option<f64> {
 
 /// Torque of each effect in every row: all that separates the noted torque from the plain plant's on the true motion,
 /// and of two effects the part of the last as it was exerted.
-fn effect_torques(plain: &Arm, withheld: &[Chosen], run: &Run) -> Result<Vec<Vec<f64>>, RobotError> {
+fn effect_torques(
+    plain: &Arm,
+    withheld: &[Chosen],
+    run: &Run,
+) -> Result<Vec<Vec<f64>>, RobotError> {
     let trace = &run.trace;
     let n = trace.dof;
     let robot = plain.robot()?;
@@ -325,10 +380,15 @@ fn effect_torques(plain: &Arm, withheld: &[Chosen], run: &Run) -> Result<Vec<Vec
 }
 
 fn column_rms(table: &[f64], n: usize) -> Vec<f64> {
-    (0..n).map(|j| rms(table.iter().skip(j).step_by(n).copied())).collect()
+    (0..n)
+        .map(|j| rms(table.iter().skip(j).step_by(n).copied()))
+        .collect()
 }
 
-#[expect(clippy::too_many_arguments, reason = "the parts of one case, used once")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the parts of one case, used once"
+)]
 fn finish(
     kind: Kind,
     id: &str,
@@ -344,7 +404,12 @@ fn finish(
     let trace = &run.trace;
     let torque_rms = column_rms(&run.noted, n);
     let scaled = Errors {
-        torque: errors.torque.iter().zip(&torque_rms).map(|(e, t)| e * t).collect(),
+        torque: errors
+            .torque
+            .iter()
+            .zip(&torque_rms)
+            .map(|(e, t)| e * t)
+            .collect(),
         ..errors.clone()
     };
     let (recording, noise) = record(trace, &run.noted, &scaled, rng);
@@ -361,27 +426,57 @@ fn finish(
     let left = unabsorbed(plain, &trace.q, &trace.qd, &trace.qdd, &noise_rms, &parts)?;
     let held_out = |table: &[f64]| -> Vec<f64> {
         let bounds = trace.bounds();
-        HELD_OUT.iter().flat_map(|&i| table[bounds[i] * n..bounds[i + 1] * n].to_vec()).collect()
+        HELD_OUT
+            .iter()
+            .flat_map(|&i| table[bounds[i] * n..bounds[i + 1] * n].to_vec())
+            .collect()
     };
-    let oracle = oracle(nominal, plain, &test, RATE, &held_out(&parts[0]), &held_out(&noise))?;
+    let vibrates = withheld.iter().any(|w| w.effect.vibrates());
+    let oracle = oracle(
+        nominal,
+        plain,
+        &test,
+        RATE,
+        &held_out(&parts[0]),
+        vibrates,
+        &held_out(&noise),
+    )?;
     let effects = withheld.iter().enumerate().map(|(i, w)| {
         let own = if withheld.len() > 1 { i + 1 } else { 0 };
         let strength = column_rms(&parts[own], n);
         let description = describe(&w.effect, w.size, n);
-        let touched = || (0..n).filter(|&j| strength[j] > 0.02 * torque_rms[j]).collect();
+        let touched = || {
+            (0..n)
+                .filter(|&j| strength[j] > 0.02 * torque_rms[j])
+                .collect()
+        };
         let unknown = w.name == "outside";
         TruthEffect {
             effect: if unknown { "unknown" } else { w.name }.to_owned(),
             mechanism: description.mechanism.to_owned(),
-            scope: if description.joints.is_some() { "joint" } else { "global" }.to_owned(),
-            joints: description.joints.unwrap_or_else(touched).into_iter().map(name).collect(),
+            scope: if description.joints.is_some() {
+                "joint"
+            } else {
+                "global"
+            }
+            .to_owned(),
+            joints: description
+                .joints
+                .unwrap_or_else(touched)
+                .into_iter()
+                .map(name)
+                .collect(),
             reference_joint: name(w.at),
             level: w.size,
             parameters: description.parameters,
             share: strength[w.at] / torque_rms[w.at],
             share_after_reidentification: left[own][w.at] / torque_rms[w.at],
             snr_after_reidentification: left[own][w.at] / noise_rms[w.at],
-            indistinguishable: description.indistinguishable.into_iter().map(str::to_owned).collect(),
+            indistinguishable: description
+                .indistinguishable
+                .into_iter()
+                .map(str::to_owned)
+                .collect(),
         }
     });
     let truth = Truth {
@@ -398,7 +493,11 @@ fn finish(
         v_eps: plain.v_eps.clone(),
         oracle,
         plant: PlantTruth {
-            inertias: plain.joints.iter().map(|j| j.link.inertia.parameters().to_vec()).collect(),
+            inertias: plain
+                .joints
+                .iter()
+                .map(|j| j.link.inertia.parameters().to_vec())
+                .collect(),
             coulomb: plain.friction(),
             viscous: plain.damping(),
         },

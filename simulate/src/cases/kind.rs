@@ -94,11 +94,20 @@ mod tests {
     fn a_round_is_balanced() {
         let kinds: Vec<Kind> = (ROUND..2 * ROUND).map(|i| draw(i, 7).kind).collect();
         let count = |kind| kinds.iter().filter(|&&k| k == kind).count();
-        assert_eq!((count(Kind::None), count(Kind::Outside), count(Kind::Two)), (30, 30, 16));
+        assert_eq!(
+            (count(Kind::None), count(Kind::Outside), count(Kind::Two)),
+            (30, 30, 16)
+        );
         for e in 0..EFFECTS.len() {
             assert!((7..=8).contains(&count(Kind::Single(e))), "{}", EFFECTS[e]);
         }
-        assert_ne!(draw(0, 7), CaseSpec { index: 0, ..draw(1, 7) });
+        assert_ne!(
+            draw(0, 7),
+            CaseSpec {
+                index: 0,
+                ..draw(1, 7)
+            }
+        );
         assert_eq!(draw(17, 7), draw(17, 7));
     }
 }

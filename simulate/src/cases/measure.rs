@@ -21,11 +21,21 @@ pub struct Errors {
 /// Torque as the channel notes it, without noise: samples × joints, row after row.
 pub fn noted(trace: &Trace, measurement: &Measurement) -> Vec<f64> {
     let n = trace.dof;
-    trace.tau.iter().enumerate().map(|(i, t)| measurement.note(i % n, *t)).collect()
+    trace
+        .tau
+        .iter()
+        .enumerate()
+        .map(|(i, t)| measurement.note(i % n, *t))
+        .collect()
 }
 
 /// The recording of all trajectories, labelled from 1, and the torque noise in it.
-pub fn record(trace: &Trace, noted: &[f64], errors: &Errors, rng: &mut ChaCha8Rng) -> (Recording, Vec<f64>) {
+pub fn record(
+    trace: &Trace,
+    noted: &[f64],
+    errors: &Errors,
+    rng: &mut ChaCha8Rng,
+) -> (Recording, Vec<f64>) {
     let (rows, n) = (trace.len(), trace.dof);
     let table = |values: Vec<f64>| Array2::from_shape_fn((rows, n), |(k, j)| values[k * n + j]);
     let mut noise = |size: &[f64]| -> Vec<f64> {

@@ -14,10 +14,10 @@ mod rehearsal;
 mod shapes;
 mod truth;
 mod withheld;
-//mod write;
+mod write;
 
 pub use generate::{Case, generate};
 pub use kind::{CaseSpec, EFFECTS, Kind, ROUND, draw};
 pub use oracle::{Nrmse, Oracle};
 pub use truth::{PlantTruth, Truth, TruthEffect};
-//pub use write::{write, write_all};
+pub use write::{write, write_all};

@@ -83,7 +83,9 @@ pub fn low_passed(table: &[f64], bounds: &[usize], n: usize, rate: f64, cutoff: 
         for j in 0..n {
             let raw: Vec<f64> = (w[0]..w[1]).map(|k| table[k * n + j]).collect();
             let smooth = signal::filter::filtfilt(&sections, &raw);
-            (w[0]..w[1]).zip(smooth).for_each(|(k, x)| out[k * n + j] = x);
+            (w[0]..w[1])
+                .zip(smooth)
+                .for_each(|(k, x)| out[k * n + j] = x);
         }
     }
     out
@@ -104,7 +106,11 @@ fn torque(robot: &Robot, motion: &Motion, friction: impl Fn(usize, f64) -> f64) 
     let n = robot.dof();
     let mut workspace = Workspace::new(robot);
     let mut tau = vec![0.0; motion.q.len()];
-    let rows = motion.q.chunks(n).zip(motion.qd.chunks(n)).zip(motion.qdd.chunks(n));
+    let rows = motion
+        .q
+        .chunks(n)
+        .zip(motion.qd.chunks(n))
+        .zip(motion.qdd.chunks(n));
     for (((q, qd), qdd), tau) in rows.zip(tau.chunks_mut(n)) {
         inverse_dynamics(robot, &mut workspace, q, qd, qdd, tau);
         for (j, t) in tau.iter_mut().enumerate() {
@@ -114,7 +120,8 @@ fn torque(robot: &Robot, motion: &Motion, friction: impl Fn(usize, f64) -> f64) 
     tau
 }
 
-/// The oracle on a held-out recording. `effect` is the effect's torque in its rows, `noise` the torque noise.
+/// The oracle on a held-out recording. `effect` is the effect's torque in its rows, `noise` the torque noise;
+/// with `smooth_effect` the effect is filtered as the motion is.
 ///
 /// # Errors
 /// An arm is no possible robot.
@@ -124,18 +131,30 @@ pub fn oracle(
     held_out: &Recording,
     rate: f64,
     effect: &[f64],
+    smooth_effect: bool,
     noise: &[f64],
 ) -> Result<Oracle, RobotError> {
     let n = nominal.dof();
     let (given, real) = (nominal.robot()?, plant.robot()?);
     let measured: Vec<f64> = held_out.tau.iter().flatten().copied().collect();
-    let spread: Vec<f64> = (0..n).map(|j| deviation(measured.iter().skip(j).step_by(n))).collect();
+    let spread: Vec<f64> = (0..n)
+        .map(|j| deviation(measured.iter().skip(j).step_by(n)))
+        .collect();
     let score = |model: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        let error = |j: usize| rms((j..measured.len()).step_by(n).map(|i| measured[i] - model(i)));
+        let error = |j: usize| {
+            rms((j..measured.len())
+                .step_by(n)
+                .map(|i| measured[i] - model(i)))
+        };
         (0..n).map(|j| error(j) / spread[j]).collect()
     };
     let friction = frictions(plant);
+    let bounds: Vec<usize> = std::iter::once(0)
+        .chain(held_out.segments().iter().map(|s| s.end))
+        .collect();
     let at = |cutoff: f64| {
+        let smoothed = smooth_effect.then(|| low_passed(effect, &bounds, n, rate, cutoff));
+        let effect = smoothed.as_deref().unwrap_or(effect);
         let motion = smooth(held_out, rate, cutoff);
         let without = torque(&real, &motion, |j, v| friction[j].torque(v));
         let as_given = torque(&given, &motion, |j, v| {
@@ -211,7 +230,14 @@ pub fn unabsorbed(
     let mut columns = DMatrix::<f64>::zeros(width, samples.len() * n);
     for (s, &k) in samples.iter().enumerate() {
         let at = k * n..(k + 1) * n;
-        regressor(&robot, &mut workspace, &q[at.clone()], &qd[at.clone()], &qdd[at], &mut y);
+        regressor(
+            &robot,
+            &mut workspace,
+            &q[at.clone()],
+            &qd[at.clone()],
+            &qdd[at],
+            &mut y,
+        );
         for j in 0..n {
             let mut row = columns.column_mut(s * n + j);
             for (c, value) in y[j * rigid..(j + 1) * rigid].iter().enumerate() {
@@ -222,7 +248,8 @@ pub fn unabsorbed(
             row[rigid + 2 * j + 1] = soft_sign(v, arm.v_eps[j]) / noise[j];
         }
     }
-    let scale = DVector::from_iterator(width, columns.row_iter().map(|r| 1.0 / r.norm().max(1e-12)));
+    let scale =
+        DVector::from_iterator(width, columns.row_iter().map(|r| 1.0 / r.norm().max(1e-12)));
     for (mut row, s) in columns.row_iter_mut().zip(scale.iter()) {
         row *= *s;
     }
@@ -251,7 +278,11 @@ pub fn unabsorbed(
 /// Root mean square.
 pub fn rms(x: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = x.fold((0.0, 0.0), |(s, c), v| (s + v * v, c + 1.0));
-    if count == 0.0 { 0.0 } else { f64::sqrt(sum / count) }
+    if count == 0.0 {
+        0.0
+    } else {
+        f64::sqrt(sum / count)
+    }
 }
 
 fn deviation<'a>(x: impl Iterator<Item = &'a f64> + Clone) -> f64 {

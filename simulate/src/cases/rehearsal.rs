@@ -125,7 +125,8 @@ impl Rehearsal {
         let n = robot.dof();
         let mut workspace = Workspace::new(robot);
         let mut tau = vec![0.0; n];
-        let with_hinge = |x: &[f64]| -> Vec<f64> { std::iter::once(0.0).chain(x.iter().copied()).collect() };
+        let with_hinge =
+            |x: &[f64]| -> Vec<f64> { std::iter::once(0.0).chain(x.iter().copied()).collect() };
         let rows = self.rows.iter().map(|c| {
             let (q, qd, qdd) = (with_hinge(&c.q), with_hinge(&c.qd), with_hinge(&c.qdd));
             inverse_dynamics(robot, &mut workspace, &q, &qd, &qdd, &mut tau);
@@ -149,10 +150,17 @@ impl Rehearsal {
         let mut tau = vec![0.0; n + first];
         let mut sum = vec![0.0; n];
         let mut used = 0.0;
-        for k in (1..self.rows.len() - 1).step_by(STRIDE).filter(|&k| self.inside[k]) {
+        for k in (1..self.rows.len() - 1)
+            .step_by(STRIDE)
+            .filter(|&k| self.inside[k])
+        {
             let [a, b, c] = [displacement(k - 1), displacement(k), displacement(k + 1)];
             let row = &self.rows[k];
-            let widen = |x: &[f64]| -> Vec<f64> { std::iter::repeat_n(0.0, first).chain(x.iter().copied()).collect() };
+            let widen = |x: &[f64]| -> Vec<f64> {
+                std::iter::repeat_n(0.0, first)
+                    .chain(x.iter().copied())
+                    .collect()
+            };
             let (mut q, mut qd, mut qdd) = (widen(&row.q), widen(&row.qd), widen(&row.qdd));
             q[joint] += b;
             qd[joint] += (c - a) / (2.0 * STEP);
@@ -245,5 +253,7 @@ impl Rehearsal {
 }
 
 fn largest(x: &[f64]) -> usize {
-    (0..x.len()).max_by(|&a, &b| x[a].total_cmp(&x[b])).unwrap_or(0)
+    (0..x.len())
+        .max_by(|&a, &b| x[a].total_cmp(&x[b]))
+        .unwrap_or(0)
 }

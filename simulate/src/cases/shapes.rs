@@ -39,7 +39,9 @@ pub struct Shape {
 pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let n = scene.arm.dof();
     let rehearsal = scene.rehearsal;
-    let loaded: Vec<usize> = (0..n).filter(|&j| rehearsal.gravity[j] > 0.3 * rehearsal.torque[j]).collect();
+    let loaded: Vec<usize> = (0..n)
+        .filter(|&j| rehearsal.gravity[j] > 0.3 * rehearsal.torque[j])
+        .collect();
     let any = rng.random_range(0..n);
     let heavy = loaded.choose(rng).copied();
     let geared: Vec<usize> = (0..n).filter(|&j| scene.arm.disc[j] > 0.0).collect();
@@ -106,10 +108,18 @@ pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
             };
             let effect = if rng.random_bool(0.5) {
                 let volume = base * rng.random_range(0.8..2.0);
-                Withheld::Gas { joint: j, pins, volume }
+                Withheld::Gas {
+                    joint: j,
+                    pins,
+                    volume,
+                }
             } else {
                 let free = rng.random_range(0.5..1.0);
-                Withheld::Coil { joint: j, pins, free }
+                Withheld::Coil {
+                    joint: j,
+                    pins,
+                    free,
+                }
             };
             on(j, effect, 0.1, 0.5, rng)
         }
@@ -120,7 +130,17 @@ pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
                 (0.2 * sign * rng.random_range(-1.0..1.0), sign / speed(any))
             };
             let joint = any;
-            on(any, Withheld::Asymmetric { joint, coulomb, viscous }, 0.05, 0.2, rng)
+            on(
+                any,
+                Withheld::Asymmetric {
+                    joint,
+                    coulomb,
+                    viscous,
+                },
+                0.05,
+                0.2,
+                rng,
+            )
         }
         "stribeck_friction" => {
             let law = match rng.random_range(0..3) {
@@ -129,7 +149,17 @@ pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
                 _ => StribeckKind::Film(rng.random_range(0.01..0.04)),
             };
             let v_s = speed(any) * rng.random_range(0.12..0.5);
-            on(any, Withheld::Stribeck { joint: any, v_s, law }, 0.06, 0.25, rng)
+            on(
+                any,
+                Withheld::Stribeck {
+                    joint: any,
+                    v_s,
+                    law,
+                },
+                0.06,
+                0.25,
+                rng,
+            )
         }
         "nonlinear_viscous_friction" => {
             let law = *[DragKind::Eyring, DragKind::Churning, DragKind::Carreau].choose(rng)?;
@@ -171,7 +201,11 @@ pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
             let mut waves = vec![[first, 1.0, rng.random_range(0.0..TAU)]];
             for _ in 0..rng.random_range(1..3) {
                 let order = first * rng.random_range(1.3..3.7);
-                waves.push([order, rng.random_range(0.2..0.7), rng.random_range(0.0..TAU)]);
+                waves.push([
+                    order,
+                    rng.random_range(0.2..0.7),
+                    rng.random_range(0.0..TAU),
+                ]);
             }
             on(any, Withheld::Ripple { joint: any, waves }, 0.05, 0.25, rng)
         }
@@ -187,10 +221,21 @@ pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
         "backlash" => {
             let j = geared?;
             let stiffness = scene.inertia[j] * (TAU * rng.random_range(25.0..40.0)).powi(2);
-            on(j, Withheld::Play { joint: j, stiffness }, 0.05, 0.15, rng)
+            on(
+                j,
+                Withheld::Play {
+                    joint: j,
+                    stiffness,
+                },
+                0.05,
+                0.15,
+                rng,
+            )
         }
         "joint_coupling" => {
-            let driver = (0..n).filter(|&j| j != any && angular(j) == angular(any)).collect::<Vec<_>>();
+            let driver = (0..n)
+                .filter(|&j| j != any && angular(j) == angular(any))
+                .collect::<Vec<_>>();
             let driver = *driver.choose(rng)?;
             let law = match rng.random_range(0..5) {
                 0 | 1 => CouplingKind::Viscous,
@@ -212,7 +257,16 @@ pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
         }
         "saturation" => {
             let greatest = rehearsal.greatest[any];
-            on(any, Withheld::Saturation { joint: any, greatest }, 0.05, 0.15, rng)
+            on(
+                any,
+                Withheld::Saturation {
+                    joint: any,
+                    greatest,
+                },
+                0.05,
+                0.15,
+                rng,
+            )
         }
         "encoder_offset" => on(any, Withheld::Zero { joint: any, sign }, 0.04, 0.2, rng),
         "external_contact" => {
@@ -233,7 +287,9 @@ fn outside(scene: &Scene, j: usize, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let n = scene.arm.dof();
     let other = (j + rng.random_range(1..n)) % n;
     let joints = [j, other];
-    let centre = |j: usize, rng: &mut ChaCha8Rng| scene.arm.centre[j] + scene.arm.reach[j] * rng.random_range(-0.4..0.4);
+    let centre = |j: usize, rng: &mut ChaCha8Rng| {
+        scene.arm.centre[j] + scene.arm.reach[j] * rng.random_range(-0.4..0.4)
+    };
     let (start, end) = scene.session.span();
     let (effect, joint) = match rng.random_range(0..8) {
         0 => {
@@ -297,7 +353,14 @@ fn outside(scene: &Scene, j: usize, rng: &mut ChaCha8Rng) -> Option<Shape> {
                 value
             });
             let knots = knots.collect();
-            (Withheld::Wander { joint: j, step, knots }, Some(j))
+            (
+                Withheld::Wander {
+                    joint: j,
+                    step,
+                    knots,
+                },
+                Some(j),
+            )
         }
         _ => {
             let effect = Withheld::Worn {
@@ -309,7 +372,11 @@ fn outside(scene: &Scene, j: usize, rng: &mut ChaCha8Rng) -> Option<Shape> {
         }
     };
     let share = log_uniform(rng, 0.1, 0.35);
-    Some(Shape { effect, joint, share })
+    Some(Shape {
+        effect,
+        joint,
+        share,
+    })
 }
 
 /// Touches in about half of the trajectories, in train and test alike.

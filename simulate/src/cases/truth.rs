@@ -94,10 +94,23 @@ pub struct Description {
 /// Describes an effect of a given size on an arm with `dof` joints.
 pub fn describe(effect: &Withheld, size: f64, dof: usize) -> Description {
     let last = dof - 1;
-    let (mechanism, joints, parameters, indistinguishable): (_, Option<Vec<usize>>, _, Vec<&'static str>) = match effect
-    {
-        Withheld::Link { link, mass, shift, inertia } => {
-            let same = if *link == last { vec!["payload"] } else { vec![] };
+    let (mechanism, joints, parameters, indistinguishable): (
+        _,
+        Option<Vec<usize>>,
+        _,
+        Vec<&'static str>,
+    ) = match effect {
+        Withheld::Link {
+            link,
+            mass,
+            shift,
+            inertia,
+        } => {
+            let same = if *link == last {
+                vec!["payload"]
+            } else {
+                vec![]
+            };
             let values = json!({"link": link + 1, "mass_factor": 1.0 + size * mass, "com_shift": (shift * size).as_slice(),
                 "inertia_factor": 1.0 + size * inertia});
             ("link_parameters", None, values, same)
@@ -111,7 +124,12 @@ pub fn describe(effect: &Withheld, size: f64, dof: usize) -> Description {
                 })
                 .collect();
             let on = joints.iter().map(|j| j.0).collect();
-            ("friction_parameters", Some(on), json!({"factors": factors}), vec![])
+            (
+                "friction_parameters",
+                Some(on),
+                json!({"factors": factors}),
+                vec![],
+            )
         }
         Withheld::Payload { com, gyration } => {
             let values = json!({"mass": size, "com": com.as_slice(), "gyration": gyration});
@@ -119,14 +137,28 @@ pub fn describe(effect: &Withheld, size: f64, dof: usize) -> Description {
         }
         Withheld::Rotor { joint } => {
             // The first link turns only about its joint: there both inertias are one.
-            let same = if *joint == 0 { vec!["link_parameters"] } else { vec![] };
-            ("rotor_inertia", Some(vec![*joint]), json!({"inertia": size}), same)
+            let same = if *joint == 0 {
+                vec!["link_parameters"]
+            } else {
+                vec![]
+            };
+            (
+                "rotor_inertia",
+                Some(vec![*joint]),
+                json!({"inertia": size}),
+                same,
+            )
         }
         Withheld::Tilt { direction } => {
-            let values = json!({"tilt_x": size * direction.cos(), "tilt_y": size * direction.sin()});
+            let values =
+                json!({"tilt_x": size * direction.cos(), "tilt_y": size * direction.sin()});
             ("base_tilt", None, values, vec![])
         }
-        Withheld::Gas { joint, pins, volume } => {
+        Withheld::Gas {
+            joint,
+            pins,
+            volume,
+        } => {
             let values = json!({"force": size, "lever": pins.lever, "base": pins.base, "angle": pins.angle,
                 "volume": volume});
             ("gas_strut", Some(vec![*joint]), values, vec![])
@@ -136,21 +168,42 @@ pub fn describe(effect: &Withheld, size: f64, dof: usize) -> Description {
                 "free": free});
             ("coil_spring", Some(vec![*joint]), values, vec![])
         }
-        Withheld::Asymmetric { joint, coulomb, viscous } => {
+        Withheld::Asymmetric {
+            joint,
+            coulomb,
+            viscous,
+        } => {
             let values = json!({"coulomb": coulomb * size, "viscous": viscous * size});
             // Without a viscous part the joint only pulls to one side.
-            let same = if *viscous == 0.0 { vec!["torque_offset"] } else { vec![] };
+            let same = if *viscous == 0.0 {
+                vec!["torque_offset"]
+            } else {
+                vec![]
+            };
             ("asymmetric_friction", Some(vec![*joint]), values, same)
         }
         Withheld::Stribeck { joint, v_s, law } => {
             let (mechanism, values) = match law {
-                StribeckKind::Lorentz => ("stribeck_lorentz", json!({"stribeck": size, "v_s": v_s})),
-                StribeckKind::HalfCosine => ("stribeck_half_cosine", json!({"stribeck": size, "v_s": v_s})),
-                StribeckKind::Film(time) => ("lubricant_film", json!({"stribeck": size, "v_s": v_s, "time": time})),
+                StribeckKind::Lorentz => {
+                    ("stribeck_lorentz", json!({"stribeck": size, "v_s": v_s}))
+                }
+                StribeckKind::HalfCosine => (
+                    "stribeck_half_cosine",
+                    json!({"stribeck": size, "v_s": v_s}),
+                ),
+                StribeckKind::Film(time) => (
+                    "lubricant_film",
+                    json!({"stribeck": size, "v_s": v_s, "time": time}),
+                ),
             };
             (mechanism, Some(vec![*joint]), values, vec![])
         }
-        Withheld::Drag { joint, v_0, v_top, law } => {
+        Withheld::Drag {
+            joint,
+            v_0,
+            v_top,
+            law,
+        } => {
             let mechanism = match law {
                 DragKind::Eyring => "eyring_flow",
                 DragKind::Churning => "churning_oil",
@@ -159,13 +212,31 @@ pub fn describe(effect: &Withheld, size: f64, dof: usize) -> Description {
             let values = json!({"size": size, "v_0": v_0, "v_top": v_top});
             (mechanism, Some(vec![*joint]), values, vec![])
         }
-        Withheld::Mesh { joint } => ("gear_mesh", Some(vec![*joint]), json!({"loss": size}), vec![]),
-        Withheld::Bristle { joint, elastic, more, .. } => {
-            let values = json!({"deflection": size, "elastic": elastic, "coulomb_factor": 1.0 + more});
+        Withheld::Mesh { joint } => (
+            "gear_mesh",
+            Some(vec![*joint]),
+            json!({"loss": size}),
+            vec![],
+        ),
+        Withheld::Bristle {
+            joint,
+            elastic,
+            more,
+            ..
+        } => {
+            let values =
+                json!({"deflection": size, "elastic": elastic, "coulomb_factor": 1.0 + more});
             ("bristles", Some(vec![*joint]), values, vec![])
         }
-        Withheld::Warm { joint, fading, time, coulomb, .. } => {
-            let values = json!({"cold": size, "fading": fading, "time": time, "coulomb_share": coulomb});
+        Withheld::Warm {
+            joint,
+            fading,
+            time,
+            coulomb,
+            ..
+        } => {
+            let values =
+                json!({"cold": size, "fading": fading, "time": time, "coulomb_share": coulomb});
             ("warming_grease", Some(vec![*joint]), values, vec![])
         }
         Withheld::Ripple { joint, waves } => {
@@ -174,58 +245,131 @@ pub fn describe(effect: &Withheld, size: f64, dof: usize) -> Description {
                 "phase": column(2)});
             ("torque_ripple", Some(vec![*joint]), values, vec![])
         }
-        Withheld::Elastic { joint, hardening, ratio, .. } => {
-            let values = json!({"stiffness": 1.0 / size, "hardening": hardening, "damping_ratio": ratio});
+        Withheld::Elastic {
+            joint,
+            hardening,
+            ratio,
+            ..
+        } => {
+            let values =
+                json!({"stiffness": 1.0 / size, "hardening": hardening, "damping_ratio": ratio});
             ("gear_spring", Some(vec![*joint]), values, vec![])
         }
-        Withheld::Play { joint, stiffness, .. } => {
+        Withheld::Play {
+            joint, stiffness, ..
+        } => {
             let values = json!({"play": 2.0 * size, "flank_stiffness": stiffness});
             ("gear_play", Some(vec![*joint]), values, vec![])
         }
-        Withheld::Coupling { driver, driven, law } => {
+        Withheld::Coupling {
+            driver,
+            driven,
+            law,
+        } => {
             let (mechanism, values) = match law {
-                CouplingKind::Viscous => ("shared_oil", json!({"driver": name(*driver), "viscous": size})),
-                CouplingKind::Seal(ratio) => {
-                    ("shared_seal", json!({"driver": name(*driver), "coulomb": size, "ratio": ratio}))
-                }
-                CouplingKind::Wheel => ("shared_wheel", json!({"driver": name(*driver), "inertia": size})),
+                CouplingKind::Viscous => (
+                    "shared_oil",
+                    json!({"driver": name(*driver), "viscous": size}),
+                ),
+                CouplingKind::Seal(ratio) => (
+                    "shared_seal",
+                    json!({"driver": name(*driver), "coulomb": size, "ratio": ratio}),
+                ),
+                CouplingKind::Wheel => (
+                    "shared_wheel",
+                    json!({"driver": name(*driver), "inertia": size}),
+                ),
             };
             (mechanism, Some(vec![*driven]), values, vec![])
         }
-        Withheld::Gain { joint, sign } => {
-            ("torque_gain", Some(vec![*joint]), json!({"gain": 1.0 + sign * size}), vec![])
-        }
-        Withheld::Offset { joint, sign } => {
-            ("torque_offset", Some(vec![*joint]), json!({"offset": sign * size}), vec!["asymmetric_friction"])
-        }
+        Withheld::Gain { joint, sign } => (
+            "torque_gain",
+            Some(vec![*joint]),
+            json!({"gain": 1.0 + sign * size}),
+            vec![],
+        ),
+        Withheld::Offset { joint, sign } => (
+            "torque_offset",
+            Some(vec![*joint]),
+            json!({"offset": sign * size}),
+            vec!["asymmetric_friction"],
+        ),
         Withheld::Delay { sign } => ("time_delay", None, json!({"delay": sign * size}), vec![]),
-        Withheld::Saturation { joint, greatest } => {
-            ("saturation", Some(vec![*joint]), json!({"limit": greatest * (1.0 - size)}), vec![])
-        }
+        Withheld::Saturation { joint, greatest } => (
+            "saturation",
+            Some(vec![*joint]),
+            json!({"limit": greatest * (1.0 - size)}),
+            vec![],
+        ),
         Withheld::Zero { joint, sign } => {
             // Turning the last link's frame turns its mass distribution, nothing else.
-            let same = if *joint == last { vec!["link_parameters"] } else { vec![] };
-            ("encoder_offset", Some(vec![*joint]), json!({"zero": sign * size}), same)
+            let same = if *joint == last {
+                vec!["link_parameters"]
+            } else {
+                vec![]
+            };
+            (
+                "encoder_offset",
+                Some(vec![*joint]),
+                json!({"zero": sign * size}),
+                same,
+            )
         }
         Withheld::Contact { grabs, point } => {
             let times: Vec<[f64; 2]> = grabs.iter().map(|g| [g.start, g.end]).collect();
             let values = json!({"scale": size, "point": point.as_slice(), "times": times});
             ("tool_held", None, values, vec![])
         }
-        Withheld::CrossDrag { joints, .. } => ("cross_drag", Some(joints.to_vec()), json!({}), vec![]),
-        Withheld::CableTug { joints, .. } => ("cable_tug", Some(joints.to_vec()), json!({}), vec![]),
-        Withheld::Mount { .. } => ("flexible_mount", None, json!({"stiffness": 1.0 / size}), vec![]),
-        Withheld::Dropouts { joint, .. } => ("torque_dropouts", Some(vec![*joint]), json!({"depth": size}), vec![]),
-        Withheld::Hum { joint, frequency, .. } => {
-            ("floor_hum", Some(vec![*joint]), json!({"frequency": frequency}), vec![])
+        Withheld::CrossDrag { joints, .. } => {
+            ("cross_drag", Some(joints.to_vec()), json!({}), vec![])
         }
-        Withheld::Tank { joint, frequency, .. } => {
-            ("sloshing_tank", Some(vec![*joint]), json!({"frequency": frequency}), vec![])
+        Withheld::CableTug { joints, .. } => {
+            ("cable_tug", Some(joints.to_vec()), json!({}), vec![])
         }
-        Withheld::Wander { joint, step, .. } => ("wandering_torque", Some(vec![*joint]), json!({"step": step}), vec![]),
-        Withheld::Worn { joint, centre, half } => {
-            ("worn_sector", Some(vec![*joint]), json!({"centre": centre, "half": half}), vec![])
-        }
+        Withheld::Mount { .. } => (
+            "flexible_mount",
+            None,
+            json!({"stiffness": 1.0 / size}),
+            vec![],
+        ),
+        Withheld::Dropouts { joint, .. } => (
+            "torque_dropouts",
+            Some(vec![*joint]),
+            json!({"depth": size}),
+            vec![],
+        ),
+        Withheld::Hum {
+            joint, frequency, ..
+        } => (
+            "floor_hum",
+            Some(vec![*joint]),
+            json!({"frequency": frequency}),
+            vec![],
+        ),
+        Withheld::Tank {
+            joint, frequency, ..
+        } => (
+            "sloshing_tank",
+            Some(vec![*joint]),
+            json!({"frequency": frequency}),
+            vec![],
+        ),
+        Withheld::Wander { joint, step, .. } => (
+            "wandering_torque",
+            Some(vec![*joint]),
+            json!({"step": step}),
+            vec![],
+        ),
+        Withheld::Worn {
+            joint,
+            centre,
+            half,
+        } => (
+            "worn_sector",
+            Some(vec![*joint]),
+            json!({"centre": centre, "half": half}),
+            vec![],
+        ),
     };
     Description {
         mechanism,

@@ -11,7 +11,12 @@ use physics::robot::{Inertia, RobotError};
 #[derive(Debug, Clone)]
 pub enum Withheld {
     /// Size: relative error of mass; centre of mass and inertia err along.
-    Link { link: usize, mass: f64, shift: Vector3<f64>, inertia: f64 },
+    Link {
+        link: usize,
+        mass: f64,
+        shift: Vector3<f64>,
+        inertia: f64,
+    },
     /// Size: relative error; joint, part in Coulomb and part in viscous friction.
     Friction { joints: Vec<(usize, f64, f64)> },
     /// Size: kg.
@@ -21,29 +26,65 @@ pub enum Withheld {
     /// Size: rad.
     Tilt { direction: f64 },
     /// Size: N at middle length.
-    Gas { joint: usize, pins: Pins, volume: f64 },
+    Gas {
+        joint: usize,
+        pins: Pins,
+        volume: f64,
+    },
     /// Size: N/m.
     Coil { joint: usize, pins: Pins, free: f64 },
     /// Size: N·m at top speed.
-    Asymmetric { joint: usize, coulomb: f64, viscous: f64 },
+    Asymmetric {
+        joint: usize,
+        coulomb: f64,
+        viscous: f64,
+    },
     /// Size: N·m.
-    Stribeck { joint: usize, v_s: f64, law: StribeckKind },
+    Stribeck {
+        joint: usize,
+        v_s: f64,
+        law: StribeckKind,
+    },
     /// Size: N·m.
-    Drag { joint: usize, v_0: f64, v_top: f64, law: DragKind },
+    Drag {
+        joint: usize,
+        v_0: f64,
+        v_top: f64,
+        law: DragKind,
+    },
     /// Size: lost share.
     Mesh { joint: usize },
     /// Size: deflection when sliding, rad.
-    Bristle { joint: usize, elastic: f64, more: f64, damping: f64 },
+    Bristle {
+        joint: usize,
+        elastic: f64,
+        more: f64,
+        damping: f64,
+    },
     /// Size: extra friction of the cold gear over the warm one.
-    Warm { joint: usize, fading: f64, time: f64, coulomb: f64, power: f64 },
+    Warm {
+        joint: usize,
+        fading: f64,
+        time: f64,
+        coulomb: f64,
+        power: f64,
+    },
     /// Size: N·m of the first wave. Order, relative amplitude, phase.
     Ripple { joint: usize, waves: Vec<[f64; 3]> },
     /// Size: rad/N·m.
-    Elastic { joint: usize, hardening: f64, ratio: f64 },
+    Elastic {
+        joint: usize,
+        hardening: f64,
+        ratio: f64,
+    },
     /// Size: rad (half of the play).
     Play { joint: usize, stiffness: f64 },
     /// Size: that of the kind.
-    Coupling { driver: usize, driven: usize, law: CouplingKind },
+    Coupling {
+        driver: usize,
+        driven: usize,
+        law: CouplingKind,
+    },
     /// Size: gain − 1.
     Gain { joint: usize, sign: f64 },
     /// Size: N·m.
@@ -55,23 +96,55 @@ pub enum Withheld {
     /// Size: rad.
     Zero { joint: usize, sign: f64 },
     /// Size: scale of stiffness and force.
-    Contact { point: Vector3<f64>, grabs: Vec<Grab> },
+    Contact {
+        point: Vector3<f64>,
+        grabs: Vec<Grab>,
+    },
     /// Size: N·m at 1 rad/s of both.
     CrossDrag { joints: [usize; 2], ratio: f64 },
     /// Size: N·m.
-    CableTug { joints: [usize; 2], centre: [f64; 2], ratio: f64, slack: f64 },
+    CableTug {
+        joints: [usize; 2],
+        centre: [f64; 2],
+        ratio: f64,
+        slack: f64,
+    },
     /// Size: rad/N·m.
-    Mount { axis: Vector3<f64>, below: f64, mass: f64, ratio: f64 },
+    Mount {
+        axis: Vector3<f64>,
+        below: f64,
+        mass: f64,
+        ratio: f64,
+    },
     /// Size: lost share.
-    Dropouts { joint: usize, times: Vec<(f64, f64)> },
+    Dropouts {
+        joint: usize,
+        times: Vec<(f64, f64)>,
+    },
     /// Size: N·m.
-    Hum { joint: usize, frequency: f64, swell: f64 },
+    Hum {
+        joint: usize,
+        frequency: f64,
+        swell: f64,
+    },
     /// Size: kg·m².
-    Tank { joint: usize, frequency: f64, damping: f64 },
+    Tank {
+        joint: usize,
+        frequency: f64,
+        damping: f64,
+    },
     /// Size: N·m.
-    Wander { joint: usize, step: f64, knots: Vec<f64> },
+    Wander {
+        joint: usize,
+        step: f64,
+        knots: Vec<f64>,
+    },
     /// Size: N·m.
-    Worn { joint: usize, centre: f64, half: f64 },
+    Worn {
+        joint: usize,
+        centre: f64,
+        half: f64,
+    },
 }
 
 impl Withheld {
@@ -84,7 +157,12 @@ impl Withheld {
         let axis = |build: &Build, j: usize| build.axes[j];
         let mut add: Option<Box<dyn Mechanism>> = None;
         match self {
-            Self::Link { link, mass, shift, inertia } => {
+            Self::Link {
+                link,
+                mass,
+                shift,
+                inertia,
+            } => {
                 let link = axis(build, *link);
                 let body = &mut build.arm.joints[link].link.inertia;
                 *body = altered(body, 1.0 + size * mass, shift * size, 1.0 + size * inertia);
@@ -105,9 +183,15 @@ impl Withheld {
                 build.armature[j] += size;
             }
             Self::Tilt { direction } => {
-                build.arm.tilt(Vector3::new(direction.cos(), direction.sin(), 0.0) * size);
+                build
+                    .arm
+                    .tilt(Vector3::new(direction.cos(), direction.sin(), 0.0) * size);
             }
-            Self::Gas { joint, pins, volume } => {
+            Self::Gas {
+                joint,
+                pins,
+                volume,
+            } => {
                 add = Some(Box::new(GasStrut {
                     joint: axis(build, *joint),
                     pins: *pins,
@@ -123,7 +207,11 @@ impl Withheld {
                     free: *free,
                 }));
             }
-            Self::Asymmetric { joint, coulomb, viscous } => {
+            Self::Asymmetric {
+                joint,
+                coulomb,
+                viscous,
+            } => {
                 add = Some(Box::new(AsymmetricFriction {
                     joint: axis(build, *joint),
                     coulomb: size * coulomb,
@@ -141,7 +229,12 @@ impl Withheld {
                     film: 0.0,
                 }));
             }
-            Self::Drag { joint, v_0, v_top, law } => {
+            Self::Drag {
+                joint,
+                v_0,
+                v_top,
+                law,
+            } => {
                 add = Some(Box::new(Drag {
                     joint: axis(build, *joint),
                     size,
@@ -157,7 +250,12 @@ impl Withheld {
                     v_eps: eps(build, *joint),
                 }));
             }
-            Self::Bristle { joint, elastic, more, damping } => {
+            Self::Bristle {
+                joint,
+                elastic,
+                more,
+                damping,
+            } => {
                 let j = axis(build, *joint);
                 // The bristles carry what was the joint's Coulomb friction.
                 let coulomb = std::mem::take(&mut build.friction[j].coulomb) * (1.0 + more);
@@ -170,7 +268,13 @@ impl Withheld {
                     z: 0.0,
                 }));
             }
-            Self::Warm { joint, fading, time, coulomb, power } => {
+            Self::Warm {
+                joint,
+                fading,
+                time,
+                coulomb,
+                power,
+            } => {
                 let j = axis(build, *joint);
                 let friction = build.friction[j];
                 add = Some(Box::new(WarmingGrease {
@@ -191,7 +295,11 @@ impl Withheld {
                     waves: waves.iter().map(|[n, a, p]| [*n, a * size, *p]).collect(),
                 }));
             }
-            Self::Elastic { joint, hardening, ratio } => {
+            Self::Elastic {
+                joint,
+                hardening,
+                ratio,
+            } => {
                 let disc = build.arm.disc[*joint];
                 let gear = build.split(*joint);
                 let stiffness = 1.0 / size;
@@ -213,7 +321,11 @@ impl Withheld {
                     grease: 0.003 * critical,
                 }));
             }
-            Self::Coupling { driver, driven, law } => {
+            Self::Coupling {
+                driver,
+                driven,
+                law,
+            } => {
                 add = Some(Box::new(Coupling {
                     driver: axis(build, *driver),
                     driven: axis(build, *driven),
@@ -239,7 +351,11 @@ impl Withheld {
                     limit: g.limit * size,
                     ..*g
                 });
-                add = Some(Box::new(ToolContact::new(build.arm.robot()?, *point, grabs.collect())));
+                add = Some(Box::new(ToolContact::new(
+                    build.arm.robot()?,
+                    *point,
+                    grabs.collect(),
+                )));
             }
             Self::CrossDrag { joints, ratio } => {
                 add = Some(Box::new(CrossDrag {
@@ -247,7 +363,12 @@ impl Withheld {
                     size: [size * ratio, size],
                 }));
             }
-            Self::CableTug { joints, centre, ratio, slack } => {
+            Self::CableTug {
+                joints,
+                centre,
+                ratio,
+                slack,
+            } => {
                 add = Some(Box::new(CableTug {
                     joints: joints.map(|j| axis(build, j)),
                     centre: *centre,
@@ -256,10 +377,20 @@ impl Withheld {
                     size,
                 }));
             }
-            Self::Mount { axis, below, mass, ratio } => {
+            Self::Mount {
+                axis,
+                below,
+                mass,
+                ratio,
+            } => {
                 build.arm.put_on_hinge(*axis, *below, *mass, 0.3);
                 build.insert(0);
-                let height = build.arm.joints.iter().map(|j| j.link.inertia.mass).sum::<f64>();
+                let height = build
+                    .arm
+                    .joints
+                    .iter()
+                    .map(|j| j.link.inertia.mass)
+                    .sum::<f64>();
                 let stiffness = 1.0 / size;
                 add = Some(Box::new(SpringDamper {
                     joint: 0,
@@ -274,7 +405,11 @@ impl Withheld {
                     times: times.clone(),
                 }));
             }
-            Self::Hum { joint, frequency, swell } => {
+            Self::Hum {
+                joint,
+                frequency,
+                swell,
+            } => {
                 add = Some(Box::new(FloorHum {
                     joint: axis(build, *joint),
                     size,
@@ -282,7 +417,11 @@ impl Withheld {
                     swell: *swell,
                 }));
             }
-            Self::Tank { joint, frequency, damping } => {
+            Self::Tank {
+                joint,
+                frequency,
+                damping,
+            } => {
                 add = Some(Box::new(SloshingTank {
                     joint: axis(build, *joint),
                     inertia: size,
@@ -301,7 +440,11 @@ impl Withheld {
                     knots: knots.clone(),
                 }));
             }
-            Self::Worn { joint, centre, half } => {
+            Self::Worn {
+                joint,
+                centre,
+                half,
+            } => {
                 add = Some(Box::new(WornSector {
                     joint: axis(build, *joint),
                     size,
@@ -334,7 +477,7 @@ impl Withheld {
         }
     }
 
-    /// Whether it acts through the plant's own vibration: then its torque is noted below 40 Hz only, as above that it
+    /// Whether it acts through the plant's own vibration: then its torque is noted below 20 Hz only, as above that it
     /// is the difference of two large torques.
     pub fn vibrates(&self) -> bool {
         matches!(

@@ -31,7 +31,9 @@ impl Bristle {
             let u = ((x.abs() - self.elastic) / (1.0 - self.elastic)).min(1.0);
             0.5 - 0.5 * (std::f64::consts::PI * u).cos()
         };
-        (self.z + dt * v) / (1.0 + dt * sliding * v.abs() / self.deflection)
+        let z = (self.z + dt * v) / (1.0 + dt * sliding * v.abs() / self.deflection);
+        // A step may be longer than the bristles: they slide then.
+        z.clamp(-self.deflection, self.deflection)
     }
 }
 

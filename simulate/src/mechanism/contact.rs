@@ -47,7 +47,11 @@ impl ToolContact {
 
 impl Mechanism for ToolContact {
     fn push(&mut self, now: &Instant, force: &mut [f64]) {
-        let Some(grab) = self.grabs.iter().find(|g| (g.start..g.end).contains(&now.t)) else {
+        let Some(grab) = self
+            .grabs
+            .iter()
+            .find(|g| (g.start..g.end).contains(&now.t))
+        else {
             self.anchor = None;
             return;
         };
@@ -57,7 +61,14 @@ impl Mechanism for ToolContact {
         };
         let here = tool.rotation * self.point + tool.translation;
         let anchor = *self.anchor.get_or_insert(here);
-        point_jacobian(&self.robot, &mut self.workspace, now.q, n - 1, &self.point, &mut self.jacobian);
+        point_jacobian(
+            &self.robot,
+            &mut self.workspace,
+            now.q,
+            n - 1,
+            &self.point,
+            &mut self.jacobian,
+        );
         let velocity = Vector3::from_fn(|k, _| {
             let row = &self.jacobian[k * n..][..n];
             row.iter().zip(now.v).map(|(j, v)| j * v).sum()
@@ -67,7 +78,9 @@ impl Mechanism for ToolContact {
         let pull = (anchor - here) * grab.stiffness - velocity * grab.damping;
         let pull = pull * (ease * (grab.limit / pull.norm().max(1e-9)).min(1.0));
         for (j, f) in force.iter_mut().enumerate() {
-            *f += (0..3).map(|k| self.jacobian[k * n + j] * pull[k]).sum::<f64>();
+            *f += (0..3)
+                .map(|k| self.jacobian[k * n + j] * pull[k])
+                .sum::<f64>();
         }
     }
 }

@@ -132,7 +132,8 @@ pub struct SloshingTank {
 impl Mechanism for SloshingTank {
     fn push(&mut self, _now: &Instant, force: &mut [f64]) {
         let w = TAU * self.frequency;
-        force[self.joint] += self.inertia * (w * w * self.angle + 2.0 * self.damping * w * self.rate);
+        force[self.joint] +=
+            self.inertia * (w * w * self.angle + 2.0 * self.damping * w * self.rate);
     }
 
     fn advance(&mut self, now: &Instant, _v: &[f64]) {
@@ -164,7 +165,8 @@ impl Mechanism for WanderingOffset {
         let k = (x as usize).min(self.knots.len().saturating_sub(2));
         if let [a, b, ..] = self.knots[k..] {
             let u = (x - k as f64).min(1.0);
-            force[self.joint] += self.size * (a + (b - a) * 0.5 * (1.0 - (std::f64::consts::PI * u).cos()));
+            force[self.joint] +=
+                self.size * (a + (b - a) * 0.5 * (1.0 - (std::f64::consts::PI * u).cos()));
         }
     }
 }

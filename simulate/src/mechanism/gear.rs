@@ -21,7 +21,11 @@ impl Mechanism for GearMesh {
 
     fn resist(&self, now: &Instant, v: f64) -> f64 {
         let load = now.load[self.joint];
-        let lost = if load * v > 0.0 { self.loss / (1.0 - self.loss) } else { self.loss };
+        let lost = if load * v > 0.0 {
+            self.loss / (1.0 - self.loss)
+        } else {
+            self.loss
+        };
         lost * load.abs() * soft_sign(v, self.v_eps)
     }
 }

@@ -19,7 +19,8 @@ pub use bristle::Bristle;
 pub use contact::{Grab, ToolContact};
 pub use coupling::{Coupling, CouplingKind};
 pub use foreign::{
-    CableTug, CrossDrag, Dropouts, FloorHum, SloshingTank, SpringDamper, WanderingOffset, WornSector,
+    CableTug, CrossDrag, Dropouts, FloorHum, SloshingTank, SpringDamper, WanderingOffset,
+    WornSector,
 };
 pub use friction::{AsymmetricFriction, Drag, DragKind, Stribeck, StribeckKind};
 pub use gear::{GearMesh, GearPlay, GearSpring};

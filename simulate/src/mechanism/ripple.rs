@@ -15,7 +15,10 @@ pub struct Ripple {
 impl Mechanism for Ripple {
     fn push(&mut self, now: &Instant, force: &mut [f64]) {
         let q = now.q[self.joint];
-        let waves = self.waves.iter().map(|[n, a, phase]| a * (n * q + phase).sin());
+        let waves = self
+            .waves
+            .iter()
+            .map(|[n, a, phase]| a * (n * q + phase).sin());
         force[self.joint] -= waves.sum::<f64>();
     }
 }

@@ -133,9 +133,15 @@ mod tests {
         let arm = families::ur5();
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let segments = vec![
-            (Segment::Multisine(Multisine::draw(&arm, &Pace::lively(), 15.0, &mut rng)), 15.0),
+            (
+                Segment::Multisine(Multisine::draw(&arm, &Pace::lively(), 15.0, &mut rng)),
+                15.0,
+            ),
             (Segment::Moves(Moves::draw(&arm, 15.0, 0.5, &mut rng)), 15.0),
-            (Segment::Multisine(Multisine::draw(&arm, &Pace::slow(), 15.0, &mut rng)), 15.0),
+            (
+                Segment::Multisine(Multisine::draw(&arm, &Pace::slow(), 15.0, &mut rng)),
+                15.0,
+            ),
         ];
         let session = Session::new(segments, 2.0, 6);
         let (start, end) = session.span();
@@ -149,7 +155,10 @@ mod tests {
             session.sample(t + h, &mut c);
             for j in 0..6 {
                 assert!((c.q[j] - a.q[j] - 2.0 * h * b.qd[j]).abs() < 1e-8, "t {t}");
-                assert!((c.qd[j] - a.qd[j] - 2.0 * h * b.qdd[j]).abs() < 1e-6, "t {t}");
+                assert!(
+                    (c.qd[j] - a.qd[j] - 2.0 * h * b.qdd[j]).abs() < 1e-6,
+                    "t {t}"
+                );
                 let inside = t < 0.0 || [15.0, 32.0].iter().any(|&x| t > x && t < x + 2.0);
                 if !inside {
                     assert!((b.q[j] - arm.centre[j]).abs() <= arm.reach[j] * 1.0001);

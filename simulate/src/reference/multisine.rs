@@ -26,8 +26,8 @@ impl Pace {
     /// Fast and slow in turn: the usual excitation.
     pub fn lively() -> Self {
         Self {
-            rate: 0.095,
-            depth: 1.25,
+            rate: 0.11,
+            depth: 1.05,
             period: 7.5,
             harmonics: 6,
             haste: 0.8,
@@ -122,7 +122,8 @@ impl Multisine {
         }
         for j in 0..n {
             let reach = arm.reach[j] * rng.random_range(0.6..0.97);
-            let limit = arm.joints[j].limits.velocity * self.pace.haste * rng.random_range(0.5..1.0);
+            let limit =
+                arm.joints[j].limits.velocity * self.pace.haste * rng.random_range(0.5..1.0);
             // Top speed is reached in no less than 0.15 s.
             let scale = (reach / top[j])
                 .min(limit / speed[j])

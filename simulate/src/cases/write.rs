@@ -1,0 +1,64 @@
+//! Cases as files.
+
+use super::generate::{Case, generate};
+use super::kind::draw;
+use crate::SimulateError;
+use rayon::prelude::*;
+use std::fs;
+use std::path::Path;
+
+/// Writes `cases/ID/{robot.urdf,train.parquet,test.parquet}` and `truth/ID.json` into `folder`.
+///
+/// # Errors
+/// A file cannot be written; what is there is then whole, but the case is not complete.
+pub fn write(case: &Case, folder: &Path) -> Result<(), SimulateError> {
+    let open = folder.join("cases").join(&case.id);
+    let sealed = folder.join("truth");
+    for path in [&open, &sealed] {
+        fs::create_dir_all(path).map_err(|source| SimulateError::Write {
+            path: path.clone(),
+            source,
+        })?;
+    }
+    datasets::write(&case.train, &open.join("train.parquet"))?;
+    datasets::write(&case.test, &open.join("test.parquet"))?;
+    write_whole(&open.join("robot.urdf"), &case.urdf)?;
+    let path = sealed.join(format!("{}.json", case.id));
+    let text = serde_json::to_string_pretty(&case.truth).map_err(|source| SimulateError::Json {
+        path: path.clone(),
+        source,
+    })?;
+    write_whole(&path, &text)
+}
+
+/// Generates the first `count` cases of a run and writes them, on the threads of the current pool. `done` is told the
+/// name and kind of each as it is written.
+///
+/// # Errors
+/// The first case that could not be made or written.
+pub fn write_all(
+    count: u64,
+    seed: u64,
+    folder: &Path,
+    done: impl Fn(&str, &str) + Sync,
+) -> Result<(), SimulateError> {
+    (0..count).into_par_iter().try_for_each(|index| {
+        let case = generate(&draw(index, seed), seed)?;
+        write(&case, folder)?;
+        done(&case.id, &case.truth.kind);
+        Ok(())
+    })
+}
+
+/// Writes a text under a temporary name first.
+pub(crate) fn write_whole(path: &Path, text: &str) -> Result<(), SimulateError> {
+    let fail = |source| SimulateError::Write {
+        path: path.to_owned(),
+        source,
+    };
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let temporary = tempfile::NamedTempFile::new_in(folder).map_err(fail)?;
+    fs::write(temporary.path(), text).map_err(fail)?;
+    temporary.persist(path).map_err(|e| fail(e.error))?;
+    Ok(())
+}
