@@ -1,19 +1,19 @@
 //! Why a file is refused.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::Path;
 
 /// A recording that cannot be used: the file, the place in it, what is wrong and what to do.
 #[derive(Debug, thiserror::Error)]
 pub struct ReadError {
     /// The file.
-    pub file: PathBuf,
+    pub file: Box<Path>,
     /// Data row, counted from 1 (the header is not a row).
     pub row: Option<usize>,
     /// Line of a text file, counted from 1 (the header is line 1).
     pub line: Option<u64>,
     /// Name of the column, as the file has it.
-    pub column: Option<String>,
+    pub column: Option<Box<str>>,
     /// What is wrong.
     pub problem: Problem,
 }
@@ -178,9 +178,9 @@ impl Problem {
     }
 
     /// The problem at no particular place of `file`.
-    pub(crate) fn in_file(self, file: &std::path::Path) -> ReadError {
+    pub(crate) fn in_file(self, file: &Path) -> ReadError {
         ReadError {
-            file: file.to_owned(),
+            file: file.into(),
             row: None,
             line: None,
             column: None,
@@ -189,9 +189,9 @@ impl Problem {
     }
 
     /// The problem with a column of `file`.
-    pub(crate) fn in_column(self, file: &std::path::Path, column: &str) -> ReadError {
+    pub(crate) fn in_column(self, file: &Path, column: &str) -> ReadError {
         ReadError {
-            column: Some(column.to_owned()),
+            column: Some(column.into()),
             ..self.in_file(file)
         }
     }

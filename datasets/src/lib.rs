@@ -11,12 +11,16 @@
 #![forbid(unsafe_code)]
 
 mod assemble;
+pub mod check;
 pub mod columns;
 pub mod error;
 pub mod prepare;
 pub mod read;
 pub mod recording;
+pub mod repeats;
+pub mod session;
 pub mod torque_filter;
+pub mod write;
 
 pub use columns::{Affine, ColumnMap, Group};
 pub use error::{Problem, ReadError};
@@ -24,3 +28,4 @@ pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use read::{Part, ReadOptions, read};
 pub use recording::{Recording, Trajectory};
 pub use torque_filter::TorqueFilter;
+pub use write::{WriteError, write};

@@ -83,7 +83,7 @@ fn warp(cutoff_hz: f64, rate_hz: f64) -> Result<f64, DesignError> {
 /// Sections from the analogue poles −σ_k ± iω_k, k = 0 … ⌈n/2⌉, given by angle.
 fn from_poles(order: usize, warped: f64, real: f64, imaginary: f64) -> Vec<Section> {
     let mut sections = Vec::with_capacity(order.div_ceil(2));
-    if order % 2 == 1 {
+    if !order.is_multiple_of(2) {
         sections.push(Section::from_analogue_real(real * warped));
     }
     for k in 0..order / 2 {
@@ -137,7 +137,7 @@ pub fn chebyshev1(
     let epsilon = (10.0_f64.powf(0.1 * ripple_db) - 1.0).sqrt();
     let mu = (1.0 / epsilon).asinh() / order as f64;
     let mut sections = from_poles(order, warped, mu.sinh(), mu.cosh());
-    if order % 2 == 0 {
+    if order.is_multiple_of(2) {
         let gain = 1.0 / (1.0 + epsilon * epsilon).sqrt();
         if let Some(first) = sections.first_mut() {
             first.b.iter_mut().for_each(|b| *b *= gain);

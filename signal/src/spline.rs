@@ -160,9 +160,9 @@ impl BSpline {
             system.set(1, j, left[j]);
             system.set(m - 2, m - 3 + j, right[j]);
         }
-        for row in 1..n - 1 {
-            let piece = spline.piece_among(time[row], m);
-            for (j, b) in spline.basis(time[row], piece).iter().take(4).enumerate() {
+        for (row, &t) in time.iter().enumerate().take(n - 1).skip(1) {
+            let piece = spline.piece_among(t, m);
+            for (j, b) in spline.basis(t, piece).iter().take(4).enumerate() {
                 system.set(row + 1, piece - 3 + j, *b);
             }
         }
@@ -211,10 +211,10 @@ impl BSpline {
         b[0] = 1.0;
         for d in 1..=self.degree {
             let mut carried = 0.0;
-            for r in 0..d {
+            for (r, value) in b.iter_mut().enumerate().take(d) {
                 let (low, high) = (self.knots[piece + 1 + r - d], self.knots[piece + 1 + r]);
-                let share = b[r] / (high - low);
-                b[r] = carried + (high - t) * share;
+                let share = *value / (high - low);
+                *value = carried + (high - t) * share;
                 carried = (t - low) * share;
             }
             b[d] = carried;
@@ -313,8 +313,8 @@ impl Banded {
         for row in (0..self.size).rev() {
             let end = (row + self.band + 1).min(self.size);
             let mut sum = x[row];
-            for column in row + 1..end {
-                sum -= self.cells[self.index(row, column)] * x[column];
+            for (column, known) in x.iter().enumerate().take(end).skip(row + 1) {
+                sum -= self.cells[self.index(row, column)] * known;
             }
             x[row] = sum / self.cells[self.index(row, row)];
         }

@@ -2,10 +2,15 @@
 
 mod csv;
 mod mat;
+mod npy;
+mod npz;
 mod parquet;
 
 use crate::{ColumnMap, Problem, ReadError, Recording, TorqueFilter};
 use std::path::Path;
+
+pub use mat::GEAR_RATIOS as KR300_GEAR_RATIOS;
+pub(crate) use parquet::TORQUE_FILTER_KEY;
 
 /// Which part of a file that holds both (the benchmark's .mat files).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,18 +67,59 @@ impl ReadOptions {
 /// [`ReadError`] for a file that cannot be used, with the place and what to do. Nothing is
 /// repaired: no value is made up and no row is left out.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
-    let ending = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or("")
-        .to_ascii_lowercase();
-    let reader: fn(&[u8], &Path, &ReadOptions) -> Result<Recording, ReadError> =
-        match ending.as_str() {
-            "csv" => csv::read,
-            "parquet" => parquet::read,
-            "mat" => mat::read,
-            _ => return Err(Problem::UnknownFormat(ending).in_file(path)),
-        };
+    let format = Format::of(path)?;
     let bytes = std::fs::read(path).map_err(|e| Problem::Io(e).in_file(path))?;
-    reader(&bytes, path, options)
+    read_bytes(&bytes, format, path, options)
+}
+
+/// A format of recordings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Text with commas.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+    /// NumPy archive.
+    Npz,
+    /// The KR300 benchmark's MATLAB files.
+    Mat,
+}
+
+impl Format {
+    /// The format that the ending of a name stands for.
+    ///
+    /// # Errors
+    /// An ending that is none of them.
+    pub fn of(path: &Path) -> Result<Self, ReadError> {
+        let ending = path
+            .extension()
+            .and_then(|e| e.to_str())
+            .unwrap_or("")
+            .to_ascii_lowercase();
+        match ending.as_str() {
+            "csv" => Ok(Self::Csv),
+            "parquet" => Ok(Self::Parquet),
+            "npz" => Ok(Self::Npz),
+            "mat" => Ok(Self::Mat),
+            _ => Err(Problem::UnknownFormat(ending).in_file(path)),
+        }
+    }
+}
+
+/// Reads a recording from memory; `name` stands for the file in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_bytes(
+    bytes: &[u8],
+    format: Format,
+    name: &Path,
+    options: &ReadOptions,
+) -> Result<Recording, ReadError> {
+    match format {
+        Format::Csv => csv::read(bytes, name, options),
+        Format::Parquet => parquet::read(bytes, name, options),
+        Format::Npz => npz::read(bytes, name, options),
+        Format::Mat => mat::read(bytes, name, options),
+    }
 }
