@@ -179,18 +179,17 @@ fn batch_and_streaming_predict_the_same() {
         assert!(unit.enabled);
         let batch = predict(unit, &samples, &TEST).unwrap();
         let mut stream = UnitStream::new(unit, 1, 3).unwrap();
+        let mut worst = 0.0_f32;
         for &t in &TEST {
             stream.reset();
             for i in data.trajectories[t].clone() {
                 let row = data.inputs.row(i).to_vec();
-                let y = stream.step(&row);
-                assert!(
-                    (y - batch[i]).abs() < 2e-5,
-                    "row {i}: streaming {y}, batch {}",
-                    batch[i]
-                );
+                worst = worst.max((stream.step(&row) - batch[i]).abs());
             }
         }
+        println!("streaming and batch differ by at most {worst:e} N·m");
+        // Torques reach 4 N·m; the sums run in another order.
+        assert!(worst < 4e-6, "{worst:e}");
     }
 }
 

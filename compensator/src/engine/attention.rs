@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::matmul::{View, ViewMut, multiply, multiply_add};
 use super::real::{Real, add_rows, add_scaled, dot};
@@ -104,37 +104,24 @@ impl<T: Real> Attention<T> {
         score: &[T],
         (out, stride): (&mut [T], usize),
     ) {
-        let (width, encoder, batch, reach) = (self.width, self.encoder, self.batch, self.reach);
-        let (keys, asked) = (&self.keys[..], &self.asked[..]);
-        let bent = &mut self.bent[t * batch * reach * width..];
-        let alpha = &mut self.alpha[t * batch * reach..];
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for row in 0..batch {
-                    let alpha = &mut alpha[row * reach..][..attended.len()];
-                    let asked = &asked[row * width..][..width];
-                    for (k, u) in attended.clone().enumerate() {
-                        let key = &keys[(u * batch + row) * width..][..width];
-                        let bent = &mut bent[(row * reach + k) * width..][..width];
-                        for j in 0..width {
-                            bent[j] = (key[j] + asked[j]).tanh();
-                        }
-                        alpha[k] = dot(bent, score);
-                    }
-                    softmax(alpha);
-                    let context = &mut out[row * stride..][..encoder];
-                    context.fill(T::ZERO);
-                    for (&a, u) in alpha.iter().zip(attended.clone()) {
-                        add_scaled(
-                            context,
-                            a,
-                            &states[(u * batch + row) * encoder..][..encoder],
-                        );
-                    }
-                }
+        let (width, batch, reach) = (self.width, self.batch, self.reach);
+        arch.dispatch(Context {
+            sizes: Sizes {
+                width,
+                encoder: self.encoder,
+                batch,
+                reach,
             },
-        );
+            attended,
+            keys: &self.keys,
+            asked: &self.asked,
+            score,
+            states,
+            bent: &mut self.bent[t * batch * reach * width..],
+            alpha: &mut self.alpha[t * batch * reach..],
+            out,
+            stride,
+        });
     }
 
     /// Starts the backward pass.
@@ -155,39 +142,26 @@ impl<T: Real> Attention<T> {
         (states, state_gradient): (&[T], &mut [T]),
         (score, score_gradient): (&[T], &mut [T]),
     ) {
-        let (width, encoder, batch, reach) = (self.width, self.encoder, self.batch, self.reach);
-        let (keys, asked) = (&mut self.key_gradient[..], &mut self.asked[..]);
-        let bent = &self.bent[t * batch * reach * width..];
-        let alpha = &self.alpha[t * batch * reach..];
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for row in 0..batch {
-                    let context = &context[row * stride..][..encoder];
-                    let asked = &mut asked[row * width..][..width];
-                    asked.fill(T::ZERO);
-                    let alpha = &alpha[row * reach..][..attended.len()];
-                    // Σ_u α_u ∂L/∂α_u, which the softmax subtracts, is Vᵀ ∂L/∂V.
-                    let mut mean = T::ZERO;
-                    for (&a, u) in alpha.iter().zip(attended.clone()) {
-                        mean += a * dot(context, &states[(u * batch + row) * encoder..][..encoder]);
-                    }
-                    for (k, u) in attended.clone().enumerate() {
-                        let place = (u * batch + row) * encoder;
-                        let e = alpha[k] * (dot(context, &states[place..][..encoder]) - mean);
-                        add_scaled(&mut state_gradient[place..][..encoder], alpha[k], context);
-                        let bent = &bent[(row * reach + k) * width..][..width];
-                        add_scaled(score_gradient, e, bent);
-                        let key = &mut keys[(u * batch + row) * width..][..width];
-                        for j in 0..width {
-                            let d = e * score[j] * (T::ONE - bent[j] * bent[j]);
-                            key[j] += d;
-                            asked[j] += d;
-                        }
-                    }
-                }
+        let (width, batch, reach) = (self.width, self.batch, self.reach);
+        arch.dispatch(ContextBack {
+            sizes: Sizes {
+                width,
+                encoder: self.encoder,
+                batch,
+                reach,
             },
-        );
+            attended,
+            context,
+            stride,
+            states,
+            state_gradient,
+            score,
+            score_gradient,
+            bent: &self.bent[t * batch * reach * width..],
+            alpha: &self.alpha[t * batch * reach..],
+            keys: &mut self.key_gradient,
+            asked: &mut self.asked,
+        });
     }
 
     /// Adds what W_s s_{t−1} received to ∂L/∂s_{t−1} (batch × re-encoder) and ∂L/∂W_s.
@@ -238,10 +212,151 @@ impl<T: Real> Attention<T> {
     }
 }
 
+#[derive(Clone, Copy)]
+struct Sizes {
+    width: usize,
+    encoder: usize,
+    batch: usize,
+    reach: usize,
+}
+
+struct Context<'a, T> {
+    sizes: Sizes,
+    attended: Range<usize>,
+    keys: &'a [T],
+    asked: &'a [T],
+    score: &'a [T],
+    states: &'a [T],
+    bent: &'a mut [T],
+    alpha: &'a mut [T],
+    out: &'a mut [T],
+    stride: usize,
+}
+
+impl<T: Real> WithSimd for Context<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Sizes {
+            width,
+            encoder,
+            batch,
+            reach,
+        } = self.sizes;
+        for row in 0..batch {
+            let alpha = &mut self.alpha[row * reach..][..self.attended.len()];
+            let asked = &self.asked[row * width..][..width];
+            for (k, u) in self.attended.clone().enumerate() {
+                let bent = &mut self.bent[(row * reach + k) * width..][..width];
+                bend(
+                    &self.keys[(u * batch + row) * width..][..width],
+                    asked,
+                    bent,
+                );
+                alpha[k] = dot(bent, self.score);
+            }
+            softmax(alpha);
+            let context = &mut self.out[row * self.stride..][..encoder];
+            context.fill(T::ZERO);
+            for (k, u) in self.attended.clone().enumerate() {
+                add_scaled(
+                    context,
+                    alpha[k],
+                    &self.states[(u * batch + row) * encoder..][..encoder],
+                );
+            }
+        }
+    }
+}
+
+/// tanh(key + asked).
+#[inline(always)]
+fn bend<T: Real>(key: &[T], asked: &[T], bent: &mut [T]) {
+    for j in 0..bent.len() {
+        bent[j] = (key[j] + asked[j]).tanh();
+    }
+}
+
+struct ContextBack<'a, T> {
+    sizes: Sizes,
+    attended: Range<usize>,
+    context: &'a [T],
+    stride: usize,
+    states: &'a [T],
+    state_gradient: &'a mut [T],
+    score: &'a [T],
+    score_gradient: &'a mut [T],
+    bent: &'a [T],
+    alpha: &'a [T],
+    keys: &'a mut [T],
+    asked: &'a mut [T],
+}
+
+impl<T: Real> WithSimd for ContextBack<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Sizes {
+            width,
+            encoder,
+            batch,
+            reach,
+        } = self.sizes;
+        for row in 0..batch {
+            let context = &self.context[row * self.stride..][..encoder];
+            let asked = &mut self.asked[row * width..][..width];
+            asked.fill(T::ZERO);
+            let alpha = &self.alpha[row * reach..][..self.attended.len()];
+            // What the softmax subtracts: Σ_u α_u ∂L/∂α_u.
+            let mut mean = T::ZERO;
+            for (k, u) in self.attended.clone().enumerate() {
+                mean += alpha[k]
+                    * dot(
+                        context,
+                        &self.states[(u * batch + row) * encoder..][..encoder],
+                    );
+            }
+            for (k, u) in self.attended.clone().enumerate() {
+                let place = (u * batch + row) * encoder;
+                let e = alpha[k] * (dot(context, &self.states[place..][..encoder]) - mean);
+                add_scaled(
+                    &mut self.state_gradient[place..][..encoder],
+                    alpha[k],
+                    context,
+                );
+                let bent = &self.bent[(row * reach + k) * width..][..width];
+                add_scaled(self.score_gradient, e, bent);
+                unbend(
+                    e,
+                    self.score,
+                    bent,
+                    &mut self.keys[(u * batch + row) * width..][..width],
+                    asked,
+                );
+            }
+        }
+    }
+}
+
+/// Adds e·w_a∘(1 − bent²) to both.
+#[inline(always)]
+fn unbend<T: Real>(e: T, score: &[T], bent: &[T], key: &mut [T], asked: &mut [T]) {
+    for j in 0..key.len() {
+        let d = e * score[j] * (T::ONE - bent[j] * bent[j]);
+        key[j] += d;
+        asked[j] += d;
+    }
+}
+
 /// exp(e_u)/Σ exp(e_i), shifted by the largest exponent against overflow.
 #[inline(always)]
 fn softmax<T: Real>(e: &mut [T]) {
-    let top = e.iter().fold(e[0], |m, &x| if x > m { x } else { m });
+    let mut top = e[0];
+    for &x in e.iter() {
+        top = if x > top { x } else { top };
+    }
     let mut sum = T::ZERO;
     for x in e.iter_mut() {
         *x = (*x - top).exp();

@@ -3,7 +3,7 @@
 //! One weight matrix W of shape (input + hidden) × 4·hidden acts on z_t = [x_t; h_{t−1}]; its columns are
 //! the gates in the order input i, forget f, cell g, output o.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::matmul::{View, ViewMut, multiply, multiply_add};
 use super::real::{Real, add_rows};
@@ -107,23 +107,14 @@ impl<T: Real> Lstm<T> {
             View::new(weight, used, 4 * hidden, 4 * hidden),
         );
         let (before, after) = self.cell.split_at_mut((t + 1) * batch * hidden);
-        let before = &before[t * batch * hidden..];
-        let bent = &mut self.bent[t * batch * hidden..];
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for row in 0..batch {
-                    let cells = row * hidden..(row + 1) * hidden;
-                    activate(
-                        &mut gates[row * 4 * hidden..][..4 * hidden],
-                        &before[cells.clone()],
-                        &mut after[cells.clone()],
-                        &mut bent[cells],
-                        &mut next[row * width + input..][..hidden],
-                    );
-                }
-            },
-        );
+        arch.dispatch(Activate {
+            widths: self.widths,
+            gates,
+            before: &before[t * batch * hidden..],
+            after,
+            bent: &mut self.bent[t * batch * hidden..],
+            next,
+        });
     }
 
     /// Backward step t: takes ∂L/∂h_t and ∂L/∂c_t, leaves the gates' gradients in place and ∂L/∂c_{t−1} in
@@ -137,23 +128,14 @@ impl<T: Real> Lstm<T> {
     ) {
         let (hidden, batch) = (self.widths.hidden, self.batch);
         let gates = &mut self.gates[t * batch * 4 * hidden..][..batch * 4 * hidden];
-        let before = &self.cell[t * batch * hidden..];
-        let bent = &self.bent[t * batch * hidden..];
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for row in 0..batch {
-                    let cells = row * hidden..(row + 1) * hidden;
-                    deactivate(
-                        &mut gates[row * 4 * hidden..][..4 * hidden],
-                        &before[cells.clone()],
-                        &bent[cells.clone()],
-                        &hidden_gradient[cells.clone()],
-                        &mut cell_gradient[cells],
-                    );
-                }
-            },
-        );
+        arch.dispatch(Deactivate {
+            hidden,
+            gates,
+            before: &self.cell[t * batch * hidden..],
+            bent: &self.bent[t * batch * hidden..],
+            hidden_gradient,
+            cell_gradient,
+        });
     }
 
     /// ∂L/∂z_t restricted to the columns `from..to` of z, after [`Self::step_back`]: dG_t · W[from..to]ᵀ,
@@ -206,20 +188,58 @@ impl<T: Real> Lstm<T> {
     }
 }
 
+/// [`activate`] on every row of a batch.
+struct Activate<'a, T> {
+    widths: Widths,
+    gates: &'a mut [T],
+    before: &'a [T],
+    after: &'a mut [T],
+    bent: &'a mut [T],
+    next: &'a mut [T],
+}
+
+impl<T: Real> WithSimd for Activate<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Widths { input, hidden: n } = self.widths;
+        for (row, gates) in self.gates.chunks_exact_mut(4 * n).enumerate() {
+            let (i, rest) = gates.split_at_mut(n);
+            let (f, rest) = rest.split_at_mut(n);
+            let (g, o) = rest.split_at_mut(n);
+            let cells = row * n..(row + 1) * n;
+            activate(
+                (i, f, g, o),
+                &self.before[cells.clone()],
+                &mut self.after[cells.clone()],
+                &mut self.bent[cells],
+                &mut self.next[row * (input + n) + input..][..n],
+            );
+        }
+    }
+}
+
+/// i, f, g, o of one row.
+type Gates<'a, T> = (&'a mut [T], &'a mut [T], &'a mut [T], &'a mut [T]);
+
 /// c = f∘c₋ + i∘g, h = o∘tanh c; the gates are activated in place.
 #[inline(always)]
 fn activate<T: Real>(
-    gates: &mut [T],
+    gates: Gates<T>,
     before: &[T],
     after: &mut [T],
     bent: &mut [T],
     hidden: &mut [T],
 ) {
     let n = hidden.len();
-    let (i, rest) = gates.split_at_mut(n);
-    let (f, rest) = rest.split_at_mut(n);
-    let (g, o) = rest.split_at_mut(n);
-    let (o, before, after, bent) = (&mut o[..n], &before[..n], &mut after[..n], &mut bent[..n]);
+    let (i, f, g, o) = (
+        &mut gates.0[..n],
+        &mut gates.1[..n],
+        &mut gates.2[..n],
+        &mut gates.3[..n],
+    );
+    let (before, after, bent) = (&before[..n], &mut after[..n], &mut bent[..n]);
     for k in 0..n {
         i[k] = i[k].sigmoid();
         f[k] = f[k].sigmoid();
@@ -231,14 +251,49 @@ fn activate<T: Real>(
     }
 }
 
+/// [`deactivate`] on every row of a batch.
+struct Deactivate<'a, T> {
+    hidden: usize,
+    gates: &'a mut [T],
+    before: &'a [T],
+    bent: &'a [T],
+    hidden_gradient: &'a [T],
+    cell_gradient: &'a mut [T],
+}
+
+impl<T: Real> WithSimd for Deactivate<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let n = self.hidden;
+        for (row, gates) in self.gates.chunks_exact_mut(4 * n).enumerate() {
+            let (i, rest) = gates.split_at_mut(n);
+            let (f, rest) = rest.split_at_mut(n);
+            let (g, o) = rest.split_at_mut(n);
+            let cells = row * n..(row + 1) * n;
+            deactivate(
+                (i, f, g, o),
+                &self.before[cells.clone()],
+                &self.bent[cells.clone()],
+                &self.hidden_gradient[cells.clone()],
+                &mut self.cell_gradient[cells],
+            );
+        }
+    }
+}
+
 /// Chain rule through [`activate`]: activated gates become gradients before activation.
 #[inline(always)]
-fn deactivate<T: Real>(gates: &mut [T], before: &[T], bent: &[T], dh: &[T], dc: &mut [T]) {
+fn deactivate<T: Real>(gates: Gates<T>, before: &[T], bent: &[T], dh: &[T], dc: &mut [T]) {
     let n = dc.len();
-    let (i, rest) = gates.split_at_mut(n);
-    let (f, rest) = rest.split_at_mut(n);
-    let (g, o) = rest.split_at_mut(n);
-    let (o, before, bent, dh) = (&mut o[..n], &before[..n], &bent[..n], &dh[..n]);
+    let (i, f, g, o) = (
+        &mut gates.0[..n],
+        &mut gates.1[..n],
+        &mut gates.2[..n],
+        &mut gates.3[..n],
+    );
+    let (before, bent, dh) = (&before[..n], &bent[..n], &dh[..n]);
     for k in 0..n {
         let d = dc[k] + dh[k] * o[k] * (T::ONE - bent[k] * bent[k]);
         o[k] = dh[k] * bent[k] * o[k] * (T::ONE - o[k]);

@@ -1,11 +1,25 @@
 //! Fully connected network with tanh hidden layers; without a hidden layer, a linear model.
 
 use feedforward::network::Tensor;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::matmul::{View, ViewMut, multiply, multiply_add};
 use super::network::{Dropout, Span};
 use super::real::{Real, add_rows};
+
+/// tanh of every element, in place.
+struct Bend<'a, T>(&'a mut [T]);
+
+impl<T: Real> WithSimd for Bend<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for v in self.0 {
+            *v = v.tanh();
+        }
+    }
+}
 
 /// Forward and backward pass with their buffers.
 #[derive(Debug)]
@@ -74,10 +88,7 @@ impl<T: Real> Perceptron<T> {
                 View::new(&parameters[weight.range.clone()], rows, columns, columns),
             );
             if i < last {
-                self.arch.dispatch(
-                    #[inline(always)]
-                    || out.iter_mut().for_each(|v| *v = v.tanh()),
-                );
+                self.arch.dispatch(Bend(out));
             }
             if i + 1 == last {
                 self.kept.clear();

@@ -1,6 +1,6 @@
 //! Adam with decoupled weight decay (Kingma & Ba 2015; Loshchilov & Hutter 2019).
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 const BETA1: f32 = 0.9;
 const BETA2: f32 = 0.999;
@@ -37,20 +37,51 @@ impl Adam {
         let steps = i32::try_from(self.steps).unwrap_or(i32::MAX);
         let correction1 = 1.0 / (1.0 - f64::from(BETA1).powi(steps)) as f32;
         let correction2 = 1.0 / (1.0 - f64::from(BETA2).powi(steps)) as f32;
-        let (first, second) = (&mut self.first[..], &mut self.second[..]);
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for (((p, &g), m), v) in parameters.iter_mut().zip(gradient).zip(first).zip(second)
-                {
-                    let g = g * scale;
-                    *m = BETA1 * *m + (1.0 - BETA1) * g;
-                    *v = BETA2 * *v + (1.0 - BETA2) * g * g;
-                    let direction = *m * correction1 / ((*v * correction2).sqrt() + EPSILON);
-                    *p -= rate * (direction + decay * *p);
-                }
-            },
-        );
+        let moments = (&mut self.first[..], &mut self.second[..]);
+        let corrections = (correction1, correction2);
+        arch.dispatch(Step {
+            parameters,
+            gradient,
+            moments,
+            corrections,
+            scale,
+            rate,
+            decay,
+        });
+    }
+}
+
+struct Step<'a> {
+    parameters: &'a mut [f32],
+    gradient: &'a [f32],
+    moments: (&'a mut [f32], &'a mut [f32]),
+    corrections: (f32, f32),
+    scale: f32,
+    rate: f32,
+    decay: f32,
+}
+
+impl WithSimd for Step<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self {
+            parameters,
+            gradient,
+            moments: (first, second),
+            corrections,
+            scale,
+            rate,
+            decay,
+        } = self;
+        for (((p, &g), m), v) in parameters.iter_mut().zip(gradient).zip(first).zip(second) {
+            let g = g * scale;
+            *m = BETA1 * *m + (1.0 - BETA1) * g;
+            *v = BETA2 * *v + (1.0 - BETA2) * g * g;
+            let direction = *m * corrections.0 / ((*v * corrections.1).sqrt() + EPSILON);
+            *p -= rate * (direction + decay * *p);
+        }
     }
 }
 
