@@ -17,7 +17,7 @@ use physics::robot::Robot;
 use rayon::prelude::*;
 
 /// Most causes that are named.
-const MOST_CAUSES: usize = 6;
+const MOST_CAUSES: usize = 8;
 
 /// The recordings on their clocks.
 pub struct Frames {
@@ -138,7 +138,7 @@ pub fn find(model: &NominalModel, frames: &Frames, weight: &Array2<f64>, setting
     let grams = dictionary.grams(&scene, data, &y, weight, &folds);
     let objective = Objective::new(&grams, scale, &settings);
     let base = objective.base(&model.robot);
-    let search = Search { objective: &objective, candidates: &candidates, members: &dictionary.members, base: base.clone() };
+    let search = Search { objective: &objective, candidates: &candidates, members: &dictionary.members, robot: &model.robot, base: base.clone() };
     let selection = search.run(MOST_CAUSES);
     let mut start = base.len();
     let accepted = selection

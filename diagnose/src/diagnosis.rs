@@ -1,6 +1,7 @@
 //! The whole diagnosis of a pair of recordings.
 
 use crate::analysis::{Findings, Frames, find};
+use crate::contact::detect;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::explain::{Explanation, explain, removed};
@@ -20,6 +21,10 @@ const CLEAR_SHARE: f64 = 0.02;
 const EXPLAINED: f64 = 0.8;
 /// Gap on the worst joint below which there is none.
 const SMALL: f64 = 0.05;
+/// Part of the error that a learner may predict for the rest to count as contact.
+const CONTACT_LEARNABLE: f64 = 0.35;
+/// Time around a burst that is not fitted either, s.
+const CONTACT_MARGIN: f64 = 0.1;
 /// Range of a joint that never moves, rad (m).
 const STILL: f64 = 1e-3;
 
@@ -43,10 +48,25 @@ pub struct Outcome {
 /// A recording that cannot be used.
 pub fn diagnose(model: &NominalModel, data: &Recording, heldout: &Recording, settings: Settings) -> Result<Outcome, DiagnoseError> {
     let frames = Frames::new(data, heldout, None)?;
-    let weight = frames.data.weights();
-    let findings = find(model, &frames, &weight, settings)?;
-    let explanation = explain(model, &frames, &findings)?;
-    let left = examine(&frames.data, &explanation.residual_data);
+    let mut weight = frames.data.weights();
+    let mut findings = find(model, &frames, &weight, settings.clone())?;
+    let mut explanation = explain(model, &frames, &findings, false)?;
+    let mut left = examine(&frames.data, &explanation.residual_data);
+    // What a learner predicts from motion repeats, and is no contact.
+    let repeats = left.iter().any(|l| l.structured() > CLEAR && l.learnable > CONTACT_LEARNABLE);
+    if let Some(contact) = detect(&frames.data, &explanation.residual_data).filter(|_| !repeats) {
+        let margin = (CONTACT_MARGIN * frames.data.report().rate_hz) as usize;
+        for (mut row, hit) in weight.rows_mut().into_iter().zip(contact.covers(&frames.data, margin)) {
+            if hit {
+                row.fill(0.0);
+            }
+        }
+        findings = find(model, &frames, &weight, settings)?;
+        explanation = explain(model, &frames, &findings, true)?;
+        let rest = detect(&frames.data, &explanation.residual_data);
+        let cleaned = rest.map_or_else(|| explanation.residual_data.clone(), |c| &explanation.residual_data - &c.torque);
+        left = examine(&frames.data, &cleaned);
+    }
     let names = model.robot.joint_names();
     let samples = frames.heldout.samples();
     let load = rigid_torque(&model.robot, &samples.q, &samples.qd, &samples.qdd);

@@ -6,6 +6,7 @@
 
 use crate::analysis::{Columns, Findings, Frames, gap};
 use crate::candidates::Candidate;
+use crate::contact::{Contact, detect};
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::ladder::{deviations, figures, total};
@@ -42,15 +43,23 @@ pub struct Explanation {
     pub gap: Array2<f64>,
     /// Held-out residual of the last step.
     pub residual: Array2<f64>,
-    /// Residual of the last step on the fitted recording.
+    /// Residual of the last step on the fitted recording, contact still in it.
     pub residual_data: Array2<f64>,
+    /// Contact found in the held-out recording.
+    pub contact: Option<Contact>,
 }
 
-/// Measures the findings on the held-out recording.
+/// Measures the findings on the held-out recording. `with_contact`: the fitted recording shows a force from
+/// outside, so it is looked for in the held-out one.
 ///
 /// # Errors
 /// None beyond those of the model's own numbers.
-pub fn explain(model: &NominalModel, frames: &Frames, found: &Findings) -> Result<Explanation, DiagnoseError> {
+pub fn explain(
+    model: &NominalModel,
+    frames: &Frames,
+    found: &Findings,
+    with_contact: bool,
+) -> Result<Explanation, DiagnoseError> {
     let held = &frames.heldout;
     let names = model.robot.joint_names();
     let gap_held = gap(model, held, &frames.scale);
@@ -76,7 +85,15 @@ pub fn explain(model: &NominalModel, frames: &Frames, found: &Findings) -> Resul
         residual = left(&structure[..n]);
         ladder.push(step(found.candidate(structure[n - 1]).effect.name(), &residual));
     }
-    let parts = parts(model, found, &columns, shape);
+    let contact = if with_contact { detect(held, &residual) } else { None };
+    if let Some(c) = &contact {
+        residual -= &c.torque;
+        ladder.push(step(Effect::ExternalContact.name(), &residual));
+    }
+    let mut parts = parts(model, found, &columns, shape);
+    if let Some(c) = &contact {
+        parts.push(Part { effect: Effect::ExternalContact, accepted: None, torque: c.torque.clone() });
+    }
     let all: Array2<f64> = parts.iter().fold(Array2::zeros(shape), |sum, p| sum + &p.torque);
     let tight_residual = &gap_held - &all;
     let shares = shapley(&gap_held, &parts, &deviation);
@@ -95,8 +112,13 @@ pub fn explain(model: &NominalModel, frames: &Frames, found: &Findings) -> Resul
         let (with, without) = match part.accepted {
             Some(c) if !part.effect.is_absorbable() => {
                 let others: Vec<usize> = structure.iter().copied().filter(|&o| o != c).collect();
-                (residual.clone(), left(&others))
+                let mut without = left(&others);
+                if let Some(contact) = &contact {
+                    without -= &contact.torque;
+                }
+                (residual.clone(), without)
             }
+            None if part.effect == Effect::ExternalContact => (residual.clone(), &residual + &part.torque),
             _ => (tight_residual.clone(), without),
         };
         let (closed, interval) = closed(&with, &without, &joints, (BLOCK * held.report().rate_hz) as usize);
@@ -113,6 +135,9 @@ pub fn explain(model: &NominalModel, frames: &Frames, found: &Findings) -> Resul
             gap_closed_interval: interval,
             parameters: match part.accepted {
                 Some(c) => parameters(found, c, &names),
+                None if part.effect == Effect::ExternalContact => {
+                    contact.as_ref().map_or_else(Vec::new, |c| pushed(model, c, frames, &names))
+                }
                 None => moved(model, found, part.effect, &joints, &names),
             },
             ambiguous_with: cause.map_or_else(Vec::new, |a| ambiguous(found, &a.tried, a.candidate)),
@@ -124,7 +149,7 @@ pub fn explain(model: &NominalModel, frames: &Frames, found: &Findings) -> Resul
     let data_columns = Columns::new(&found.dictionary, &data_scene, &frames.data, &variables);
     let gap_data = gap(model, &frames.data, &frames.scale);
     let residual_data = &gap_data - &data_columns.torque(gap_data.dim(), &variables, &beta);
-    Ok(Explanation { ladder, causes, gap: gap_held, residual, residual_data })
+    Ok(Explanation { ladder, causes, gap: gap_held, residual, residual_data, contact })
 }
 
 /// Torques of all causes from the joint fit near the given parameters.
@@ -322,6 +347,29 @@ fn moved(model: &NominalModel, found: &Findings, effect: Effect, joints: &[usize
                 out.push(parameter(label, c / PARAMETERS_PER_LINK, p + change, std, unit));
             }
         }
+    }
+    out
+}
+
+/// Force, link and time of the strongest burst.
+fn pushed(model: &NominalModel, contact: &Contact, frames: &Frames, names: &[String]) -> Vec<Parameter> {
+    let Some(burst) = contact.bursts.iter().max_by(|a, b| a.height.total_cmp(&b.height)) else { return Vec::new() };
+    let time = &frames.heldout.samples().time;
+    let joint = Some(names[burst.last_joint].clone());
+    let new = |name: &str, value: f64, std: f64, unit: &str| Parameter {
+        name: name.to_owned(),
+        joint: joint.clone(),
+        value,
+        std,
+        unit: unit.to_owned(),
+    };
+    let mut out = vec![
+        new("start", time[burst.samples.start], 0.12, "s"),
+        new("end", time[burst.samples.end - 1], 0.12, "s"),
+        new("bursts", contact.bursts.len() as f64, 0.0, "1"),
+    ];
+    if let Some(force) = contact.force(&model.robot, &frames.heldout) {
+        out.push(new("force", force, 0.3 * force, "N"));
     }
     out
 }

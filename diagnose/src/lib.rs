@@ -5,6 +5,7 @@
 pub mod analysis;
 pub mod candidates;
 pub mod cholesky;
+pub mod contact;
 pub mod diagnosis;
 pub mod dictionary;
 pub mod effect;

@@ -8,7 +8,7 @@
 use crate::fit::{Fit, Trial, Variable};
 use crate::gram::Grams;
 use crate::scene::Scale;
-use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use physics::robot::{Joint, PARAMETERS_PER_LINK, Robot};
 
 /// How gaps are weighed.
 #[derive(Clone, Debug)]
@@ -117,22 +117,26 @@ impl<'a> Objective<'a> {
         Variable { column, precision: (size / 3.0).powi(2).max(1e-12) }
     }
 
-    /// The base columns with the given parameters' tolerances as priors.
+    /// Freedom of a link's parameters when they are suspected: half their size.
+    pub fn freed_link(&self, robot: &Robot, link: usize) -> Vec<Variable> {
+        let first = PARAMETERS_PER_LINK * link;
+        let sizes = link_sizes(&robot.joints()[link]);
+        let variable = |(p, size): (usize, f64)| Variable { column: first + p, precision: (0.5 * size).powi(-2) };
+        sizes.into_iter().enumerate().map(variable).collect()
+    }
+
+    /// The base columns with the given parameters' tolerances as priors. Friction that the model lacks altogether
+    /// is free: nobody claimed that it is zero.
     pub fn base(&self, robot: &Robot) -> Vec<Variable> {
         let s = self.settings;
-        let mut deviations = Vec::new();
-        for joint in robot.joints() {
-            let body = &joint.link.inertia;
-            let mass = body.mass;
-            let spread = body.about_com().trace() / 2.0 / mass.max(1e-9);
-            let radius = (body.com().norm_squared() + spread).sqrt().max(1e-3);
-            let t = s.inertial_tolerance;
-            deviations.push(t * mass);
-            deviations.extend([t * mass * radius; 3]);
-            deviations.extend([t * mass * radius * radius; PARAMETERS_PER_LINK - 4]);
-        }
-        // A coefficient that the model lacks may still be off by what nobody would report.
-        let least = |column: usize| 0.003 / self.grams.column_rms(column, &self.torque).max(1e-9);
+        let mut deviations: Vec<f64> =
+            robot.joints().iter().flat_map(|j| link_sizes(j).map(|x| s.inertial_tolerance * x)).collect();
+        let lacking = robot.joints().iter().all(|j| j.damping == 0.0 && j.friction == 0.0);
+        // A coefficient may be off by what nobody would report, however small it is given.
+        let least = |column: usize| {
+            let size = self.grams.column_rms(column, &self.torque).max(1e-9);
+            if lacking { 3.0 / size } else { 0.003 / size }
+        };
         let n = deviations.len();
         let dof = robot.dof();
         for (j, joint) in robot.joints().iter().enumerate() {
@@ -143,4 +147,13 @@ impl<'a> Objective<'a> {
         }
         deviations.iter().enumerate().map(|(column, d)| Variable { column, precision: 1.0 / (d * d) }).collect()
     }
+}
+
+/// Size of each inertial parameter of a link: its mass, times its radius of gyration about the joint, times that again.
+fn link_sizes(joint: &Joint) -> [f64; PARAMETERS_PER_LINK] {
+    let body = &joint.link.inertia;
+    let spread = body.about_com().trace() / 2.0 / body.mass.max(1e-9);
+    let radius = (body.com().norm_squared() + spread).sqrt().max(1e-3);
+    let (m, h, i) = (body.mass, body.mass * radius, body.mass * radius * radius);
+    [m, h, h, h, i, i, i, i, i, i]
 }

@@ -1,8 +1,10 @@
 //! Forward selection of causes with a backward check.
 
 use crate::candidates::{Bound, Candidate};
+use crate::effect::Effect;
 use crate::fit::{Fit, Variable};
 use crate::objective::Objective;
+use physics::robot::Robot;
 use rayon::prelude::*;
 
 /// A candidate tried on top of a fit.
@@ -40,6 +42,8 @@ pub struct Search<'a> {
     pub candidates: &'a [Candidate],
     /// Columns of each candidate.
     pub members: &'a [Vec<usize>],
+    /// The model as given.
+    pub robot: &'a Robot,
     /// The base with its priors.
     pub base: Vec<Variable>,
 }
@@ -47,6 +51,10 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// Coefficients of a candidate with wide priors.
     pub fn variables(&self, candidate: usize) -> Vec<Variable> {
+        let c = &self.candidates[candidate];
+        if c.effect == Effect::LinkParameters {
+            return self.objective.freed_link(self.robot, c.joints[0]);
+        }
         self.members[candidate].iter().map(|&c| self.objective.wide(c)).collect()
     }
 
@@ -57,9 +65,9 @@ impl<'a> Search<'a> {
         self.objective.fit(variables)
     }
 
-    /// Number of coefficients that candidates add.
-    pub fn coefficients(&self, accepted: &[usize]) -> usize {
-        accepted.iter().map(|&c| self.members[c].len()).sum()
+    /// Causes beyond parameters.
+    fn named(&self, accepted: &[usize]) -> usize {
+        accepted.iter().filter(|&&c| !self.candidates[c].effect.is_parameter()).count()
     }
 
     /// Every admissible candidate tried on top of a fit, best first.
@@ -94,7 +102,7 @@ impl<'a> Search<'a> {
             let tried = self.tried(&fit, &accepted);
             let best = tried.iter().find(|t| self.worth(&fit, t)).map(|t| t.candidate);
             match best {
-                Some(candidate) if accepted.len() < most => {
+                Some(candidate) if self.named(&accepted) < most => {
                     accepted.push(candidate);
                     self.exchange(&mut accepted);
                     fit = self.fit(&accepted);

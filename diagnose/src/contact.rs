@@ -1,0 +1,185 @@
+//! `external_contact`: a force from outside during part of the recording.
+//!
+//! It does not repeat, so nothing fitted on one trajectory predicts it on another: it is found as bursts of what
+//! the other causes leave, in the recording that is scored. A force on link k loads joints 1…k, not those beyond:
+//! the last loaded joint names the link. Within a burst the torque is followed in time by means over short
+//! windows. Confounder: any rare event that repeats with the motion, which a learner then predicts.
+
+use crate::frame::Frame;
+use ndarray::{Array1, Array2};
+use physics::dynamics::{Workspace, point_jacobian};
+use physics::robot::Robot;
+use std::ops::Range;
+
+/// Length of a window, s.
+const WINDOW: f64 = 0.12;
+/// Height of a burst over the usual window mean of its joint.
+const HEIGHT: f64 = 8.0;
+/// Gap between windows of one burst, s.
+const GAP: f64 = 0.4;
+/// Most of the time that bursts may take.
+const MOST_TIME: f64 = 0.4;
+/// Least part of the squared window means that lies in bursts.
+const LEAST_SHARE: f64 = 0.5;
+/// Window mean below which a joint counts as unloaded, relative to its torque.
+const QUIET: f64 = 0.004;
+
+/// One burst.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Burst {
+    /// Recorded samples.
+    pub samples: Range<usize>,
+    /// Last joint that it loads.
+    pub last_joint: usize,
+    /// Largest torque over its usual level.
+    pub height: f64,
+}
+
+/// Bursts of a recording and the torque that they stand for.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Bursts in the order of the samples.
+    pub bursts: Vec<Burst>,
+    /// Torque, shape (samples, joints); zero outside bursts.
+    pub torque: Array2<f64>,
+    /// Part of the squared window means that lies in bursts.
+    pub share: f64,
+}
+
+/// Windows of a trajectory: mean residual per joint.
+struct Windows {
+    samples: Vec<Range<usize>>,
+    mean: Array2<f64>,
+}
+
+/// Looks for bursts in a residual at the recorded samples. None where nothing stands out, or too much does.
+pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
+    let windows = windows(frame, residual);
+    let n = windows.samples.len();
+    if n < 20 {
+        return None;
+    }
+    let usual: Vec<f64> = (0..frame.dof())
+        .map(|j| {
+            let mut size: Vec<f64> = windows.mean.column(j).iter().map(|m| m.abs()).collect();
+            size.sort_by(f64::total_cmp);
+            let least = QUIET * frame.tau.column(j).std(0.0);
+            (1.4826 * size[n / 2]).max(least).max(1e-9)
+        })
+        .collect();
+    let height = |w: usize| (0..frame.dof()).map(|j| windows.mean[[w, j]].abs() / usual[j]).fold(0.0, f64::max);
+    let reach = ((GAP / WINDOW).round() as usize).max(1);
+    let mut bursts: Vec<Range<usize>> = Vec::new();
+    for w in (0..n).filter(|&w| height(w) > HEIGHT) {
+        match bursts.last_mut() {
+            Some(b) if w - (b.end - 1) <= reach && adjacent(&windows.samples, b.end - 1, w) => b.end = w + 1,
+            _ => bursts.push(w..w + 1),
+        }
+    }
+    // A single window may be a reversal.
+    bursts.retain(|b| b.len() >= 2);
+    for b in &mut bursts {
+        let start = b.start.saturating_sub(1);
+        if adjacent(&windows.samples, start, b.start) {
+            b.start = start;
+        }
+        if b.end < n && adjacent(&windows.samples, b.end - 1, b.end) {
+            b.end += 1;
+        }
+    }
+    let inside: usize = bursts.iter().map(Range::len).sum();
+    let energy = |w: usize| (0..frame.dof()).map(|j| (windows.mean[[w, j]] / usual[j]).powi(2)).sum::<f64>();
+    let all: f64 = (0..n).map(energy).sum();
+    let share = bursts.iter().cloned().flatten().map(energy).sum::<f64>() / all;
+    if bursts.is_empty() || inside as f64 > MOST_TIME * n as f64 || share < LEAST_SHARE {
+        return None;
+    }
+    let mut torque = Array2::zeros(residual.dim());
+    let bursts = bursts
+        .into_iter()
+        .map(|b| {
+            let peak = |j: usize| b.clone().map(|w| windows.mean[[w, j]].abs() / usual[j]).fold(0.0, f64::max);
+            let highest = (0..frame.dof()).map(peak).fold(0.0, f64::max);
+            let last = (0..frame.dof()).rev().find(|&j| peak(j) > (0.15 * highest).max(4.0)).unwrap_or(0);
+            for j in 0..=last {
+                follow(&windows, &b, j, &mut torque);
+            }
+            let samples = windows.samples[b.start].start..windows.samples[b.end - 1].end;
+            Burst { samples, last_joint: last, height: highest }
+        })
+        .collect();
+    Some(Contact { bursts, torque, share })
+}
+
+/// Whether two windows follow each other without a break between trajectories.
+fn adjacent(samples: &[Range<usize>], a: usize, b: usize) -> bool {
+    a <= b && (a..b).all(|w| samples[w].end == samples[w + 1].start)
+}
+
+fn windows(frame: &Frame, residual: &Array2<f64>) -> Windows {
+    let length = ((WINDOW * frame.report().rate_hz).round() as usize).max(2);
+    let samples: Vec<Range<usize>> = frame
+        .samples()
+        .segments
+        .iter()
+        .flat_map(|s| (0..s.len() / length).map(move |w| s.start + w * length..s.start + (w + 1) * length))
+        .collect();
+    let mean = Array2::from_shape_fn((samples.len(), residual.ncols()), |(w, j)| {
+        samples[w].clone().map(|i| residual[[i, j]]).sum::<f64>() / length as f64
+    });
+    Windows { samples, mean }
+}
+
+/// Window means joined by straight lines inside a burst.
+fn follow(windows: &Windows, burst: &Range<usize>, joint: usize, torque: &mut Array2<f64>) {
+    let middle = |w: usize| (windows.samples[w].start + windows.samples[w].end) as f64 / 2.0;
+    let first = windows.samples[burst.start].start;
+    let last = windows.samples[burst.end - 1].end;
+    let mut w = burst.start;
+    for i in first..last {
+        let x = i as f64 + 0.5;
+        while w + 1 < burst.end && middle(w + 1) <= x {
+            w += 1;
+        }
+        let next = (w + 1).min(burst.end - 1);
+        let (a, b) = (windows.mean[[w, joint]], windows.mean[[next, joint]]);
+        let share = if next > w { ((x - middle(w)) / (middle(next) - middle(w))).clamp(0.0, 1.0) } else { 0.0 };
+        torque[[i, joint]] = a + share * (b - a);
+    }
+}
+
+impl Contact {
+    /// Whether a row that is fitted lies in a burst, on any joint; `margin` in samples on either side.
+    pub fn covers(&self, frame: &Frame, margin: usize) -> Vec<bool> {
+        let index: Array1<f64> = (0..frame.tau.nrows()).map(|i| i as f64).collect();
+        frame
+            .pick(index.view())
+            .iter()
+            .map(|&i| {
+                let i = i as usize;
+                self.bursts.iter().any(|b| i + margin >= b.samples.start && i < b.samples.end + margin)
+            })
+            .collect()
+    }
+
+    /// Largest force at the origin of the frame after the loaded link, N, by least squares over J_vᵀ f, for the
+    /// strongest burst.
+    pub fn force(&self, robot: &Robot, frame: &Frame) -> Option<f64> {
+        let burst = self.bursts.iter().max_by(|a, b| a.height.total_cmp(&b.height))?;
+        let n = robot.dof();
+        let point = robot.joints().get(burst.last_joint + 1).map_or(nalgebra::Vector3::zeros(), |j| j.translation);
+        let mut workspace = Workspace::new(robot);
+        let mut jacobian = vec![0.0; 6 * n];
+        let mut most = 0.0f64;
+        for i in burst.samples.clone().step_by(8) {
+            let q = frame.samples().q.row(i).to_vec();
+            point_jacobian(robot, &mut workspace, &q, burst.last_joint, &point, &mut jacobian);
+            let j = nalgebra::DMatrix::from_row_slice(6, n, &jacobian).rows(0, 3).transpose();
+            let tau = nalgebra::DVector::from_iterator(n, self.torque.row(i).iter().copied());
+            let jtj = j.transpose() * &j + nalgebra::DMatrix::identity(3, 3) * 1e-4;
+            let f = jtj.lu().solve(&(j.transpose() * tau))?;
+            most = most.max(f.norm());
+        }
+        Some(most)
+    }
+}
