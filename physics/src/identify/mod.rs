@@ -4,3 +4,4 @@ pub mod base;
 pub mod feasible;
 pub mod iterative;
 pub mod least_squares;
+pub mod residuals;

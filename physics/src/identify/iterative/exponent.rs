@@ -44,31 +44,23 @@ impl PowerLaw {
         }
     }
 
-    /// Sets the columns to the starting exponent.
-    pub(super) fn apply_start(&self, problem: &mut Problem) -> Vec<f64> {
-        (0..problem.dof())
-            .map(|joint| {
-                if self.columns[joint].is_some() {
-                    self.apply(problem, joint, self.start);
-                    self.start
-                } else {
-                    1.0
-                }
-            })
-            .collect()
+    /// Exponent of each joint to start from; one where friction is linear.
+    pub(super) fn starts(&self) -> Vec<f64> {
+        let start = |column: &Option<usize>| column.map_or(1.0, |_| self.start);
+        self.columns.iter().map(start).collect()
     }
 
-    /// One round of L3: each exponent that fits best the torque left to friction (eqs 29, 31), weights kept.
-    /// Returns the largest change.
-    pub(super) fn update(
+    /// One round of L3: how far each exponent is from the one that fits best the torque left to friction (eqs 29,
+    /// 31), weights kept.
+    pub(super) fn steps(
         &self,
-        problem: &mut Problem,
-        exponents: &mut [f64],
+        problem: &Problem,
+        exponents: &[f64],
         parameters: &[f64],
         residual: &Array2<f64>,
         weights: &Array2<f64>,
-    ) -> f64 {
-        let mut largest = 0.0_f64;
+    ) -> Vec<f64> {
+        let mut steps = vec![0.0; exponents.len()];
         for joint in 0..problem.dof() {
             let Some(column) = self.columns[joint] else {
                 continue;
@@ -86,28 +78,29 @@ impl PowerLaw {
                     }
                 })
                 .collect();
-            if points.len() < 4 {
-                continue;
+            // Three coefficients and the exponent: fewer samples say nothing.
+            if points.len() > 4 {
+                let best = minimum(self.range, |alpha| misfit(&points, alpha));
+                steps[joint] = best - exponents[joint];
             }
-            let alpha = minimum(self.range, |alpha| misfit(&points, alpha));
-            largest = largest.max((alpha - exponents[joint]).abs());
-            exponents[joint] = alpha;
-            self.apply(problem, joint, alpha);
         }
-        largest
+        steps
     }
 
-    fn apply(&self, problem: &mut Problem, joint: usize, alpha: f64) {
-        let Some(column) = self.columns[joint] else {
-            return;
-        };
-        let target = problem.column_mut(joint, column);
-        for (entry, v) in std::iter::zip(target, self.velocity.column(joint)) {
-            *entry = if *v == 0.0 {
-                0.0
-            } else {
-                v.signum() * v.abs().powf(alpha)
+    /// Writes |q̇|^α·sign(q̇) into the columns.
+    pub(super) fn apply(&self, problem: &mut Problem, exponents: &[f64]) {
+        for (joint, &alpha) in exponents.iter().enumerate() {
+            let Some(column) = self.columns[joint] else {
+                continue;
             };
+            let target = problem.column_mut(joint, column);
+            for (entry, v) in std::iter::zip(target, self.velocity.column(joint)) {
+                *entry = if *v == 0.0 {
+                    0.0
+                } else {
+                    v.signum() * v.abs().powf(alpha)
+                };
+            }
         }
     }
 }

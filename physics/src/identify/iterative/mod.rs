@@ -164,10 +164,14 @@ pub fn identify(
         converged: true,
     };
     let mut exponents = match &options.power_law {
-        Some(law) => law.apply_start(problem),
+        Some(law) => law.starts(),
         None => vec![1.0; n],
     };
+    if let Some(law) = &options.power_law {
+        law.apply(problem, &exponents);
+    }
     let mut settled = options.power_law.is_none();
+    let mut previous = vec![0.0; n];
     for round in 0..options.rounds[2].max(1) {
         // Weights were judged with another exponent: start them afresh.
         state.weights.fill(1.0);
@@ -177,14 +181,29 @@ pub fn identify(
             break;
         }
         let residual = problem.residual(&state.parameters);
-        let change = law.update(
+        let steps = law.steps(
             problem,
-            &mut exponents,
+            &exponents,
             &state.parameters,
             &residual,
             &state.weights,
         );
-        settled = change <= options.exponent_tolerance;
+        settled = true;
+        for (joint, step) in steps.iter().enumerate() {
+            // Steps shrink geometrically, because the other columns absorb part of a wrong exponent; every second
+            // one goes to the limit of the series (Aitken).
+            let ratio = if previous[joint] == 0.0 {
+                0.0
+            } else {
+                step / previous[joint]
+            };
+            let series = 1.0 / (1.0 - ratio.clamp(0.0, 0.9));
+            settled &= (step * series).abs() <= options.exponent_tolerance;
+            let step = if round % 2 == 1 { step * series } else { *step };
+            exponents[joint] = (exponents[joint] + step).clamp(law.range.0, law.range.1);
+        }
+        law.apply(problem, &exponents);
+        previous = steps;
     }
     state.converged &= settled;
     finish(problem, options, state, exponents)
