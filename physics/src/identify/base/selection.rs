@@ -29,8 +29,8 @@ pub(super) fn select(samples: MatRef<'_, f64>, order: &[usize]) -> Selection {
     let longest = lengths.iter().copied().fold(0.0, f64::max);
     let silent = |j: usize| lengths[j] <= DEPENDENT * longest;
     let mut scaled = samples.to_owned();
-    for j in 0..p {
-        let scale = if silent(j) { 0.0 } else { 1.0 / lengths[j] };
+    for (j, &length) in lengths.iter().enumerate() {
+        let scale = if silent(j) { 0.0 } else { 1.0 / length };
         scaled.col_mut(j).iter_mut().for_each(|v| *v *= scale);
     }
     let pivoted = scaled.col_piv_qr();
