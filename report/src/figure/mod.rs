@@ -8,6 +8,7 @@
 //! | [`HeatMap`] | a table of values as shades |
 
 mod bars;
+mod bins;
 mod decimate;
 mod draw;
 mod heat;

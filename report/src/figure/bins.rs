@@ -1,0 +1,68 @@
+//! A cloud of points as a curve with its spread.
+
+use super::scale::range;
+
+/// Mean and standard deviation of y by bin of x.
+pub(super) struct Bins {
+    /// Centres of the bins that hold enough samples, ascending.
+    pub(super) center: Vec<f64>,
+    pub(super) mean: Vec<f64>,
+    pub(super) std: Vec<f64>,
+}
+
+impl Bins {
+    /// Below this, a mean says little.
+    const FEWEST_SAMPLES: usize = 5;
+
+    /// Equal bins over the range of x; pairs that are not finite are left out.
+    pub(super) fn of(x: &[f64], y: &[f64], bins: usize) -> Self {
+        let pairs = || {
+            std::iter::zip(x, y)
+                .map(|(&x, &y)| (x, y))
+                .filter(|(x, y)| x.is_finite() && y.is_finite())
+        };
+        let (low, high) = range(pairs().map(|p| p.0), false);
+        let width = (high - low) / bins.max(1) as f64;
+        let mut members = vec![Vec::new(); bins.max(1)];
+        for (x, y) in pairs() {
+            let bin = if width > 0.0 {
+                ((x - low) / width) as usize
+            } else {
+                0
+            };
+            members[bin.min(bins.max(1) - 1)].push(y);
+        }
+        let mut found = Self {
+            center: Vec::new(),
+            mean: Vec::new(),
+            std: Vec::new(),
+        };
+        for (bin, y) in members.iter().enumerate() {
+            if y.len() < Self::FEWEST_SAMPLES {
+                continue;
+            }
+            let n = y.len() as f64;
+            let mean = y.iter().sum::<f64>() / n;
+            let variance = y.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
+            found.center.push(low + (bin as f64 + 0.5) * width);
+            found.mean.push(mean);
+            found.std.push(variance.sqrt());
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_hold_mean_and_deviation() {
+        // Five samples below 1 with mean 2 and deviation √2, three above: too few.
+        let x = [0.0, 0.1, 0.2, 0.3, 0.4, 1.8, 1.9, 2.0];
+        let y = [0.0, 1.0, 2.0, 3.0, 4.0, 9.0, 9.0, 9.0];
+        let bins = Bins::of(&x, &y, 2);
+        assert_eq!((bins.center, bins.mean), (vec![0.5], vec![2.0]));
+        assert!((bins.std[0] - 2.0_f64.sqrt()).abs() < 1e-15);
+    }
+}
