@@ -3,6 +3,7 @@
 
 pub mod dynamics;
 pub mod effects;
+pub mod excitation;
 pub mod identify;
 pub mod robot;
 pub mod torque_model;
