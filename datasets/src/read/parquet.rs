@@ -17,11 +17,25 @@ pub(crate) const TORQUE_FILTER_KEY: &str = "residyn.torque_filter";
 const BATCH: usize = 8192;
 
 /// Reads a Parquet file held in memory.
+///
+/// The decoder asserts in places what a damaged file does not keep (a dictionary page before the
+/// pages that use it, for one); such a panic is caught and refused like any other damage.
 pub(crate) fn read(
     bytes: &[u8],
     file: &Path,
     options: &ReadOptions,
 ) -> Result<Recording, ReadError> {
+    std::panic::catch_unwind(|| decode(bytes, file, options)).unwrap_or_else(|_| {
+        let detail = "the decoder gave up on its pages".to_owned();
+        Err(Problem::Damaged {
+            format: "Parquet",
+            detail,
+        }
+        .in_file(file))
+    })
+}
+
+fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
     let damaged = |detail: String| Problem::Damaged {
         format: "Parquet",
         detail,

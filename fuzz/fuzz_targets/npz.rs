@@ -1,0 +1,17 @@
+//! Any bytes as a .npz file: an error or a sound recording, never a panic.
+//! Run with `cargo +nightly fuzz run npz`.
+#![no_main]
+
+use datasets::read::{Format, read_bytes};
+use datasets::{Part, ReadOptions};
+use libfuzzer_sys::fuzz_target;
+use std::path::Path;
+
+fuzz_target!(|bytes: &[u8]| {
+    for part in [Part::Train, Part::Test] {
+        let options = ReadOptions::kr300(part);
+        if let Ok(recording) = read_bytes(bytes, Format::Npz, Path::new("fuzz"), &options) {
+            recording.validate().expect("what is read is sound");
+        }
+    }
+});
