@@ -8,6 +8,9 @@ pub enum SimulateError {
     /// A simulated arm is not a possible robot.
     #[error("the simulated robot is not a possible one: {0}")]
     Robot(#[from] physics::robot::RobotError),
+    /// A built-in robot is missing.
+    #[error("no built-in robot `{0}`")]
+    NoRobot(&'static str),
     /// No random robot suited the case.
     #[error("case {index} ({kind}): no random robot suits it")]
     NoCase {

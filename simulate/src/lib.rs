@@ -16,9 +16,12 @@ pub mod cases;
 pub mod control;
 mod error;
 pub mod families;
+mod measure;
 pub mod mechanism;
 pub mod plant;
+pub mod protocols;
 pub mod reference;
 pub mod run;
 
 pub use error::SimulateError;
+pub use protocols::{Protocol, Simulated, cached};

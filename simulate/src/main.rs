@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use simulate::{SimulateError, cases};
+use simulate::{Protocol, SimulateError, cases};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -34,6 +34,26 @@ enum What {
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
+    /// UR5: Fourier excitations at 100 Hz, 154,440 samples of point-to-point moves at 60 Hz, a verification run.
+    Ur5(Recordings),
+    /// KR300: 36 trajectories of 60.6 s run twice, 10 Hz behind a 2 Hz low-pass.
+    Kr300(Recordings),
+    /// Foxbot A05: Fourier series with friction by a power of speed.
+    #[command(name = "foxbot_a05")]
+    FoxbotA05(Recordings),
+}
+
+#[derive(clap::Args)]
+struct Recordings {
+    /// Folder for NAME-PART.parquet and NAME-truth.json.
+    #[arg(long)]
+    out: PathBuf,
+    /// Format: parquet or csv.
+    #[arg(long, default_value = "parquet", value_parser = ["parquet", "csv"])]
+    format: String,
+    /// Seed.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
 }
 
 fn main() -> ExitCode {
@@ -68,7 +88,21 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
             bar.finish_with_message(format!("written to {}", out.display()));
             Ok(())
         }
+        What::Ur5(to) => record(Protocol::Ur5, to, arguments.quiet),
+        What::Kr300(to) => record(Protocol::Kr300, to, arguments.quiet),
+        What::FoxbotA05(to) => record(Protocol::FoxbotA05, to, arguments.quiet),
     }
+}
+
+fn record(protocol: Protocol, to: &Recordings, quiet: bool) -> Result<(), SimulateError> {
+    let bar = bar(100, quiet);
+    bar.set_message(protocol.name());
+    let made = protocol.simulate(to.seed, &|part| bar.set_position((100.0 * part) as u64))?;
+    bar.finish();
+    for file in made.write(&to.out, &to.format)? {
+        println!("{}", file.display());
+    }
+    Ok(())
 }
 
 fn bar(length: u64, quiet: bool) -> ProgressBar {

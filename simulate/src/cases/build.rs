@@ -3,6 +3,7 @@
 use crate::arm::Arm;
 use crate::mechanism::Mechanism;
 use crate::plant::{Friction, Plant};
+use crate::run::Trace;
 use physics::robot::RobotError;
 
 /// Bodies, friction, mechanisms and measurement chain of the robot that is recorded.
@@ -50,6 +51,17 @@ impl Measurement {
         let limit = self.limit[j];
         (self.gain[j] * torque + self.offset[j]).clamp(-limit, limit)
     }
+}
+
+/// Torque as the channel notes it, without noise: samples × joints, row after row.
+pub fn noted(trace: &Trace, measurement: &Measurement) -> Vec<f64> {
+    let n = trace.dof;
+    trace
+        .tau
+        .iter()
+        .enumerate()
+        .map(|(i, t)| measurement.note(i % n, *t))
+        .collect()
 }
 
 impl Build {

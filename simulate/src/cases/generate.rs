@@ -1,8 +1,7 @@
 //! Making a case.
 
-use super::build::Build;
+use super::build::{Build, noted};
 use super::kind::{CaseSpec, EFFECTS, Kind};
-use super::measure::{Errors, noted, record};
 use super::oracle::{frictions, low_passed, oracle, rms, unabsorbed};
 use super::rehearsal::Rehearsal;
 use super::shapes::{Scene, Shape, shape};
@@ -12,6 +11,7 @@ use crate::SimulateError;
 use crate::arm::{Arm, altered};
 use crate::control::{Controller, Sensing};
 use crate::families::{log_uniform, relative};
+use crate::measure::{Errors, record};
 use crate::reference::{Moves, Multisine, Pace, Segment, Session};
 use crate::run::{Clock, Trace, run};
 use datasets::Recording;

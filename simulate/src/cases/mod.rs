@@ -8,7 +8,6 @@
 mod build;
 mod generate;
 mod kind;
-mod measure;
 mod oracle;
 mod rehearsal;
 mod shapes;
@@ -18,6 +17,9 @@ mod write;
 
 pub use generate::{Case, generate};
 pub use kind::{CaseSpec, EFFECTS, Kind, ROUND, draw};
+#[cfg(test)]
+pub(crate) use oracle::left_by_parameters;
 pub use oracle::{Nrmse, Oracle};
 pub use truth::{PlantTruth, Truth, TruthEffect};
+pub(crate) use write::write_whole;
 pub use write::{write, write_all};

@@ -275,6 +275,19 @@ pub fn unabsorbed(
     Ok(left.collect())
 }
 
+/// Root mean square per joint of what rigid-body parameters, Coulomb and viscous friction leave of a recording's torque on
+/// its motion low-passed at `cutoff` Hz.
+///
+/// # Errors
+/// The arm is no possible robot.
+#[cfg(test)]
+pub fn left_by_parameters(arm: &Arm, recording: &Recording, rate: f64, cutoff: f64) -> Result<Vec<f64>, RobotError> {
+    let motion = smooth(recording, rate, cutoff);
+    let torque: Vec<f64> = recording.tau.iter().flatten().copied().collect();
+    let equal = vec![1.0; arm.dof()];
+    Ok(unabsorbed(arm, &motion.q, &motion.qd, &motion.qdd, &equal, &[torque])?.remove(0))
+}
+
 /// Root mean square.
 pub fn rms(x: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = x.fold((0.0, 0.0), |(s, c), v| (s + v * v, c + 1.0));

@@ -208,6 +208,7 @@ pub fn describe(effect: &Withheld, size: f64, dof: usize) -> Description {
                 DragKind::Eyring => "eyring_flow",
                 DragKind::Churning => "churning_oil",
                 DragKind::Carreau => "shear_thinning",
+                DragKind::Power(_) => "power_law",
             };
             let values = json!({"size": size, "v_0": v_0, "v_top": v_top});
             (mechanism, Some(vec![*joint]), values, vec![])

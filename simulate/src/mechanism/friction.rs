@@ -90,6 +90,8 @@ pub enum DragKind {
     /// What a shear-thinning grease (Carreau) lacks against a Newtonian one:
     /// ((1 + (v/v₀)²)^−0.35 − 1)·v/v_top.
     Carreau,
+    /// (|v|/v_top)^α sign v.
+    Power(f64),
 }
 
 /// Nonlinear fluid friction of one joint, on top of its viscous friction.
@@ -119,6 +121,7 @@ impl Mechanism for Drag {
             * match self.kind {
                 DragKind::Eyring => y.asinh() / (self.v_top / self.v_0).asinh(),
                 DragKind::Churning => x * x.abs().powf(0.8),
+                DragKind::Power(alpha) => x.abs().powf(alpha) * v.signum(),
                 DragKind::Carreau => x * ((1.0 + y * y).powf(-0.35) - 1.0),
             }
     }

@@ -6,6 +6,7 @@ mod multisine;
 
 pub use blend::Blend;
 pub use moves::{Move, Moves};
+pub(crate) use moves::{STEP_ACCELERATION, STEP_SPEED};
 pub use multisine::{Multisine, Pace};
 
 /// Commanded position, velocity and acceleration of every joint.

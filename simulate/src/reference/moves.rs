@@ -25,7 +25,7 @@ pub struct Moves {
 }
 
 /// Position, velocity and acceleration of 10u³ − 15u⁴ + 6u⁵, which rests at both ends.
-fn smooth_step(u: f64) -> (f64, f64, f64) {
+pub(super) fn smooth_step(u: f64) -> (f64, f64, f64) {
     let position = u * u * u * (10.0 + u * (6.0 * u - 15.0));
     let velocity = 30.0 * u * u * (1.0 - u) * (1.0 - u);
     let acceleration = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u);

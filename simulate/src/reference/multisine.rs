@@ -1,6 +1,7 @@
 //! Fourier series run through at a varying pace.
 
 use super::Command;
+use super::moves::smooth_step;
 use crate::arm::Arm;
 use crate::families::log_uniform;
 use rand::RngExt;
@@ -20,6 +21,8 @@ pub struct Pace {
     pub harmonics: usize,
     /// Share of the joints' speed limit that may be used.
     pub haste: f64,
+    /// Time over which the motion swells from rest in mid-region and dies down again, s; 0: it starts and ends in motion.
+    pub ease: f64,
 }
 
 impl Pace {
@@ -31,6 +34,7 @@ impl Pace {
             period: 7.5,
             harmonics: 6,
             haste: 0.8,
+            ease: 0.0,
         }
     }
 
@@ -42,6 +46,7 @@ impl Pace {
             period: 6.0,
             harmonics: 5,
             haste: 0.5,
+            ease: 0.0,
         }
     }
 
@@ -53,6 +58,7 @@ impl Pace {
             period: 1.0,
             harmonics,
             haste,
+            ease: 0.0,
         }
     }
 }
@@ -66,6 +72,7 @@ pub struct Multisine {
     harmonics: usize,
     pace: Pace,
     phase: f64,
+    length: f64,
     /// s at multiples of [`GRID`].
     progress: Vec<f64>,
 }
@@ -97,6 +104,7 @@ impl Multisine {
             harmonics: pace.harmonics,
             pace,
             phase,
+            length,
             progress: Vec::new(),
         };
         series.tabulate(length);
@@ -132,7 +140,8 @@ impl Multisine {
                 wave.0 *= scale;
             }
             let spare = arm.reach[j] * 0.99 - scale * top[j];
-            self.centre[j] = arm.centre[j] + spare.max(0.0) * rng.random_range(-1.0..1.0);
+            let aside = spare.max(0.0) * rng.random_range(-1.0..1.0);
+            self.centre[j] = arm.centre[j] + if self.pace.ease > 0.0 { 0.0 } else { aside };
         }
     }
 
@@ -170,11 +179,23 @@ impl Multisine {
         (self.progress[k] + part, rate, change)
     }
 
+    /// Weight of the series at time `t` and its first two derivatives.
+    fn weight(&self, t: f64) -> [f64; 3] {
+        let ease = self.pace.ease;
+        if ease <= 0.0 {
+            return [1.0, 0.0, 0.0];
+        }
+        let (left, rising) = if t < 0.5 * self.length { (t, 1.0) } else { (self.length - t, -1.0) };
+        let (p, v, a) = smooth_step((left / ease).clamp(0.0, 1.0));
+        [p, rising * v / ease, a / (ease * ease)]
+    }
+
     /// The command at time `t`, s.
     pub fn sample(&self, t: f64, out: &mut Command) {
         let (s, rate, change) = self.progress_at(t);
+        let [w0, w1, w2] = self.weight(t);
         for (j, waves) in self.waves.chunks(self.harmonics).enumerate() {
-            let (mut p, mut v, mut a) = (self.centre[j], 0.0, 0.0);
+            let (mut p, mut v, mut a) = (0.0, 0.0, 0.0);
             for (k, (amplitude, phase)) in waves.iter().enumerate() {
                 let w = TAU * (k + 1) as f64;
                 let (sin, cos) = (w * s + phase).sin_cos();
@@ -182,9 +203,10 @@ impl Multisine {
                 v += amplitude * w * cos;
                 a -= amplitude * w * w * sin;
             }
-            out.q[j] = p;
-            out.qd[j] = v * rate;
-            out.qdd[j] = a * rate * rate + v * change;
+            let (v, a) = (v * rate, a * rate * rate + v * change);
+            out.q[j] = self.centre[j] + w0 * p;
+            out.qd[j] = w0 * v + w1 * p;
+            out.qdd[j] = w0 * a + 2.0 * w1 * v + w2 * p;
         }
     }
 }

@@ -1,6 +1,5 @@
-//! From a perfect trace to a recording: counts, noise, and the torque channel.
+//! From a perfect trace to a recording: counts and noise.
 
-use super::build::Measurement;
 use crate::run::Trace;
 use datasets::{Recording, Trajectory};
 use ndarray::Array2;
@@ -16,17 +15,6 @@ pub struct Errors {
     pub velocity: Vec<f64>,
     /// Deviation of recorded torque, N·m.
     pub torque: Vec<f64>,
-}
-
-/// Torque as the channel notes it, without noise: samples × joints, row after row.
-pub fn noted(trace: &Trace, measurement: &Measurement) -> Vec<f64> {
-    let n = trace.dof;
-    trace
-        .tau
-        .iter()
-        .enumerate()
-        .map(|(i, t)| measurement.note(i % n, *t))
-        .collect()
 }
 
 /// The recording of all trajectories, labelled from 1, and the torque noise in it.
