@@ -9,6 +9,7 @@
 mod engine;
 mod error;
 pub mod inputs;
+pub mod onnx;
 pub mod training;
 
 pub use error::Error;

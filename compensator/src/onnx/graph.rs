@@ -1,0 +1,198 @@
+//! Small builder over `onnx-rs`: names values, collects constants and nodes.
+
+use onnx_rs::ast::{
+    Attribute, AttributeType, DataType, Dimension, Graph as Proto, Model, Node, OpType,
+    OperatorSetId, TensorProto, TensorShape, TensorShapeDimension, TensorTypeProto, TypeProto,
+    TypeValue, ValueInfo,
+};
+
+const INPUT: &str = "window";
+const OUTPUT: &str = "torque";
+
+struct Operation {
+    name: &'static str,
+    inputs: Vec<String>,
+    outputs: Vec<String>,
+    integers: Vec<(&'static str, Vec<i64>)>,
+}
+
+/// A graph under construction.
+#[derive(Default)]
+pub(super) struct Graph {
+    operations: Vec<Operation>,
+    constants: Vec<(String, Vec<i64>, Vec<f32>)>,
+    indices: Vec<(String, i64)>,
+    values: usize,
+}
+
+impl Graph {
+    fn fresh(&mut self) -> String {
+        self.values += 1;
+        format!("v{}", self.values)
+    }
+
+    /// A constant of the given shape.
+    pub(super) fn constant(&mut self, shape: &[usize], values: Vec<f32>) -> String {
+        let name = self.fresh();
+        self.constants.push((
+            name.clone(),
+            shape.iter().map(|&n| n as i64).collect(),
+            values,
+        ));
+        name
+    }
+
+    /// An operator with one output.
+    pub(super) fn op(&mut self, name: &'static str, inputs: &[&str]) -> String {
+        self.push(name, inputs, Vec::new(), 1).swap_remove(0)
+    }
+
+    /// Concatenation or splitting along the columns.
+    pub(super) fn concatenate(&mut self, inputs: &[&str]) -> String {
+        self.push("Concat", inputs, vec![("axis", vec![1])], 1)
+            .swap_remove(0)
+    }
+
+    /// Equal parts along the columns.
+    pub(super) fn split(&mut self, input: &str, parts: usize) -> Vec<String> {
+        self.push("Split", &[input], vec![("axis", vec![1])], parts)
+    }
+
+    /// Reduction over the columns that keeps them as one.
+    pub(super) fn reduce(&mut self, name: &'static str, input: &str) -> String {
+        self.push(
+            name,
+            &[input],
+            vec![("axes", vec![1]), ("keepdims", vec![1])],
+            1,
+        )
+        .swap_remove(0)
+    }
+
+    /// Softmax over the columns.
+    pub(super) fn softmax(&mut self, input: &str) -> String {
+        self.push("Softmax", &[input], vec![("axis", vec![1])], 1)
+            .swap_remove(0)
+    }
+
+    /// Sample t of the window, (batch × columns).
+    pub(super) fn step(&mut self, t: usize) -> String {
+        let index = self.fresh();
+        self.indices.push((index.clone(), t as i64));
+        self.push("Gather", &[INPUT, &index], vec![("axis", vec![1])], 1)
+            .swap_remove(0)
+    }
+
+    fn push(
+        &mut self,
+        name: &'static str,
+        inputs: &[&str],
+        integers: Vec<(&'static str, Vec<i64>)>,
+        outputs: usize,
+    ) -> Vec<String> {
+        let outputs: Vec<String> = (0..outputs).map(|_| self.fresh()).collect();
+        let inputs = inputs.iter().map(|s| s.to_string()).collect();
+        self.operations.push(Operation {
+            name,
+            inputs,
+            outputs: outputs.clone(),
+            integers,
+        });
+        outputs
+    }
+
+    /// The model's bytes; `torque` (batch × 1) becomes the output, flattened to (batch).
+    pub(super) fn encode(&mut self, torque: &str, timestep: usize, columns: usize) -> Vec<u8> {
+        let shape = self.fresh();
+        self.operations.push(Operation {
+            name: "Reshape",
+            inputs: vec![torque.to_owned(), shape.clone()],
+            outputs: vec![OUTPUT.to_owned()],
+            integers: Vec::new(),
+        });
+        let mut initializer: Vec<TensorProto> = self
+            .constants
+            .iter()
+            .map(|(name, dims, v)| TensorProto::from_f32(name, dims.clone(), v.clone()))
+            .collect();
+        initializer.extend(
+            self.indices
+                .iter()
+                .map(|(name, t)| TensorProto::from_i64(name, Vec::new(), vec![*t])),
+        );
+        initializer.push(TensorProto::from_i64(&shape, vec![1], vec![-1]));
+        let graph = Proto {
+            name: "unit",
+            node: self.operations.iter().map(node).collect(),
+            initializer,
+            input: vec![value(
+                INPUT,
+                vec![
+                    Dimension::Value(timestep as i64),
+                    Dimension::Value(columns as i64),
+                ],
+            )],
+            output: vec![value(OUTPUT, Vec::new())],
+            ..Proto::default()
+        };
+        onnx_rs::encode(&Model {
+            ir_version: 8,
+            producer_name: "residyn",
+            opset_import: vec![OperatorSetId {
+                domain: "",
+                version: 17,
+            }],
+            graph: Some(graph),
+            ..Model::default()
+        })
+    }
+}
+
+fn node(o: &Operation) -> Node<'_> {
+    let attribute = o.integers.iter().map(|(name, values)| {
+        // `axes` is a list even when it has one entry; the others are plain integers.
+        let list = *name == "axes";
+        Attribute {
+            name,
+            r#type: if list {
+                AttributeType::Ints
+            } else {
+                AttributeType::Int
+            },
+            i: if list { 0 } else { values[0] },
+            ints: if list { values.clone() } else { Vec::new() },
+            ..Attribute::default()
+        }
+    });
+    Node {
+        input: o.inputs.iter().map(String::as_str).collect(),
+        output: o.outputs.iter().map(String::as_str).collect(),
+        op_type: OpType::from(o.name),
+        attribute: attribute.collect(),
+        ..Node::default()
+    }
+}
+
+/// A float tensor with a free batch dimension in front.
+fn value<'a>(name: &'a str, rest: Vec<Dimension<'a>>) -> ValueInfo<'a> {
+    let dim = std::iter::once(Dimension::Param("batch"))
+        .chain(rest)
+        .map(|value| TensorShapeDimension {
+            value,
+            ..TensorShapeDimension::default()
+        })
+        .collect();
+    let tensor = TensorTypeProto {
+        elem_type: DataType::Float,
+        shape: Some(TensorShape { dim }),
+    };
+    let r#type = Some(TypeProto {
+        value: Some(TypeValue::Tensor(tensor)),
+        ..TypeProto::default()
+    });
+    ValueInfo {
+        name,
+        r#type,
+        ..ValueInfo::default()
+    }
+}

@@ -1,0 +1,188 @@
+//! ONNX export of a trained unit.
+//!
+//! The graph takes `window` (batch × T × columns, SI units, oldest sample first) and gives `torque` (batch,
+//! N·m): scaling, network, averaging over members, limit and fade are all inside, so its output is what the
+//! run-time predicts for samples that are finite.
+
+mod graph;
+mod network;
+
+use feedforward::network::{Architecture, Memory, Recurrent, Unit};
+
+use crate::Error;
+use graph::Graph;
+
+/// Serialised ONNX model (operator set 17) of a unit on windows.
+///
+/// A unit that is off gives zero torque, as everywhere.
+///
+/// # Errors
+/// [`Error::Unit`] for carried state, which has no window to start from, and for a unit that contradicts
+/// itself.
+pub fn export(unit: &Unit) -> Result<Vec<u8>, Error> {
+    let highest = unit.columns.iter().max().map_or(0, |c| c + 1);
+    unit.check(unit.joint + 1, highest).map_err(Error::Unit)?;
+    if let Architecture::Recurrent(Recurrent {
+        memory: Memory::Carried { .. },
+        ..
+    }) = unit.architecture
+    {
+        return Err(Error::Unit(
+            "carried state cannot be exported as a graph over one window".into(),
+        ));
+    }
+    let d = unit.columns.len();
+    let timestep = unit.architecture.timestep();
+    let mut g = Graph::default();
+
+    let scaled: Vec<String> = (0..timestep).map(|t| scale(&mut g, unit, t)).collect();
+    let held: Vec<String> = scaled.iter().map(|x| hold(&mut g, unit, x)).collect();
+    let mut sum: Option<String> = None;
+    for member in &unit.members {
+        let y = network::output(&mut g, &unit.architecture, d, member, &held);
+        sum = Some(match sum {
+            None => y,
+            Some(before) => g.op("Add", &[&before, &y]),
+        });
+    }
+    let sum = sum.ok_or_else(|| Error::Unit("no weights".into()))?;
+    let span = g.constant(
+        &[1],
+        vec![unit.target.span()[0] / unit.members.len() as f32],
+    );
+    let offset = g.constant(&[1], unit.target.offset().to_vec());
+    let torque = g.op("Mul", &[&sum, &span]);
+    let torque = g.op("Add", &[&torque, &offset]);
+    let torque = limit(&mut g, unit, &torque);
+    let weight = fade(&mut g, unit, &scaled[timestep - 1]);
+    let torque = g.op("Mul", &[&torque, &weight]);
+    let on = g.constant(&[1], vec![if unit.enabled { 1.0 } else { 0.0 }]);
+    let torque = g.op("Mul", &[&torque, &on]);
+    Ok(g.encode(&torque, timestep, d))
+}
+
+/// (x − offset)/span of step t; a column that never varied gives 0.
+fn scale(g: &mut Graph, unit: &Unit, t: usize) -> String {
+    let d = unit.columns.len();
+    let offset = g.constant(&[1, d], unit.input.offset().to_vec());
+    let inverse = unit
+        .input
+        .span()
+        .iter()
+        .map(|&s| if s > 0.0 { 1.0 / s } else { 0.0 })
+        .collect();
+    let inverse = g.constant(&[1, d], inverse);
+    let x = g.step(t);
+    let x = g.op("Sub", &[&x, &offset]);
+    g.op("Mul", &[&x, &inverse])
+}
+
+fn hold(g: &mut Graph, unit: &Unit, x: &str) -> String {
+    let d = unit.columns.len();
+    let ends = |far: f32| (0..d).map(|j| unit.bounds.hold(j, far)).collect();
+    let low = g.constant(&[1, d], ends(f32::MIN));
+    let high = g.constant(&[1, d], ends(f32::MAX));
+    let x = g.op("Max", &[x, &low]);
+    g.op("Min", &[&x, &high])
+}
+
+/// The bend of [`feedforward::network::Bounds::clamp`].
+fn limit(g: &mut Graph, unit: &Unit, torque: &str) -> String {
+    let limit = unit.bounds.limit();
+    let knee_value = 0.9 * limit;
+    let room_value = limit - knee_value;
+    let knee = g.constant(&[1], vec![knee_value]);
+    let room = g.constant(&[1], vec![room_value]);
+    let inverse = g.constant(
+        &[1],
+        vec![if room_value > 0.0 {
+            1.0 / room_value
+        } else {
+            0.0
+        }],
+    );
+    let size = g.op("Abs", &[torque]);
+    let sign = g.op("Sign", &[torque]);
+    let above = g.op("Sub", &[&size, &knee]);
+    let above = g.op("Relu", &[&above]);
+    let bent = g.op("Mul", &[&above, &inverse]);
+    let bent = g.op("Tanh", &[&bent]);
+    let bent = g.op("Mul", &[&bent, &room]);
+    let below = g.op("Min", &[&size, &knee]);
+    let size = g.op("Add", &[&below, &bent]);
+    g.op("Mul", &[&size, &sign])
+}
+
+/// The weight of [`feedforward::network::Bounds::weight`], (batch × 1).
+fn fade(g: &mut Graph, unit: &Unit, x: &str) -> String {
+    let d = unit.columns.len();
+    let b = &unit.bounds;
+    let low = g.constant(&[1, d], b.low().to_vec());
+    let high = g.constant(&[1, d], b.high().to_vec());
+    let spans = b
+        .high()
+        .iter()
+        .zip(b.low())
+        .map(|(h, l)| if h > l { 1.0 / (h - l) } else { 0.0 });
+    let spans = g.constant(&[1, d], spans.collect());
+    let above = g.op("Sub", &[x, &high]);
+    let below = g.op("Sub", &[&low, x]);
+    let excess = g.op("Max", &[&above, &below]);
+    let excess = g.op("Mul", &[&excess, &spans]);
+    let per_column = smooth(g, unit, &excess);
+    let range = g.reduce("ReduceProd", &per_column);
+
+    let mean = g.constant(&[1, d], b.mean().to_vec());
+    let whitener = g.constant(&[d, d], inverse_transposed(b.factor(), d));
+    let radius = g.constant(&[1], vec![1.0 / b.radius()]);
+    let one = g.constant(&[1], vec![1.0]);
+    let centred = g.op("Sub", &[x, &mean]);
+    let white = g.op("MatMul", &[&centred, &whitener]);
+    let distance = g.reduce("ReduceL2", &white);
+    let distance = g.op("Mul", &[&distance, &radius]);
+    let excess = g.op("Sub", &[&distance, &one]);
+    let ellipsoid = smooth(g, unit, &excess);
+    g.op("Mul", &[&range, &ellipsoid])
+}
+
+/// 1 − s³(6s² − 15s + 10) of s = (excess − start)/(end − start) held in [0, 1].
+fn smooth(g: &mut Graph, unit: &Unit, excess: &str) -> String {
+    let fade = unit.bounds.fade();
+    let number = |g: &mut Graph, v: f32| g.constant(&[1], vec![v]);
+    let start = number(g, fade.start);
+    let inverse = number(g, 1.0 / (fade.end - fade.start));
+    let (zero, one, six, ten, fifteen) = (
+        number(g, 0.0),
+        number(g, 1.0),
+        number(g, 6.0),
+        number(g, 10.0),
+        number(g, 15.0),
+    );
+    let s = g.op("Sub", &[excess, &start]);
+    let s = g.op("Mul", &[&s, &inverse]);
+    let s = g.op("Max", &[&s, &zero]);
+    let s = g.op("Min", &[&s, &one]);
+    let p = g.op("Mul", &[&s, &six]);
+    let p = g.op("Sub", &[&p, &fifteen]);
+    let p = g.op("Mul", &[&p, &s]);
+    let p = g.op("Add", &[&p, &ten]);
+    let cube = g.op("Mul", &[&s, &s]);
+    let cube = g.op("Mul", &[&cube, &s]);
+    let p = g.op("Mul", &[&p, &cube]);
+    g.op("Sub", &[&one, &p])
+}
+
+/// L⁻ᵀ, so that (x − mean)·L⁻ᵀ has the Mahalanobis norm.
+fn inverse_transposed(l: &[f32], d: usize) -> Vec<f32> {
+    let mut out = vec![0.0; d * d];
+    for column in 0..d {
+        let mut y = vec![0.0_f64; d];
+        for j in column..d {
+            let inner: f64 = (column..j).map(|k| f64::from(l[j * d + k]) * y[k]).sum();
+            let unit = if j == column { 1.0 } else { 0.0 };
+            y[j] = (unit - inner) / f64::from(l[j * d + j]);
+            out[column * d + j] = y[j] as f32;
+        }
+    }
+    out
+}

@@ -1,0 +1,158 @@
+//! The network itself, unrolled over the window.
+
+use feedforward::network::{Architecture, Recurrent, Tensor};
+
+use super::graph::Graph;
+
+/// Parameters of one member by position.
+struct Member<'a> {
+    tensors: Vec<Tensor>,
+    parameters: &'a [f32],
+}
+
+impl Member<'_> {
+    fn constant(&self, g: &mut Graph, i: usize) -> String {
+        let t = &self.tensors[i];
+        g.constant(&t.shape, self.parameters[t.range.clone()].to_vec())
+    }
+
+    /// The transposed tensor of one row: a column vector.
+    fn column(&self, g: &mut Graph, i: usize) -> String {
+        let t = &self.tensors[i];
+        g.constant(
+            &[t.shape[1], t.shape[0]],
+            self.parameters[t.range.clone()].to_vec(),
+        )
+    }
+}
+
+/// Normalised output (batch × 1) of one member for the held samples, oldest first.
+pub(super) fn output(
+    g: &mut Graph,
+    architecture: &Architecture,
+    inputs: usize,
+    parameters: &[f32],
+    samples: &[String],
+) -> String {
+    let member = Member {
+        tensors: architecture.tensors(inputs).unwrap_or_default(),
+        parameters,
+    };
+    match architecture {
+        Architecture::Recurrent(shape) => recurrent(g, shape, &member, samples),
+        Architecture::Perceptron { hidden, .. } => {
+            let parts: Vec<&str> = samples.iter().map(String::as_str).collect();
+            let mut x = g.concatenate(&parts);
+            for i in 0..=hidden.len() {
+                let (w, b) = (member.constant(g, 2 * i), member.constant(g, 2 * i + 1));
+                x = g.op("Gemm", &[&x, &w, &b]);
+                if i < hidden.len() {
+                    x = g.op("Tanh", &[&x]);
+                }
+            }
+            x
+        }
+    }
+}
+
+/// State of an LSTM layer; none before the first step, when it is zero.
+type State = Option<(String, String)>;
+
+fn recurrent(g: &mut Graph, shape: &Recurrent, member: &Member, samples: &[String]) -> String {
+    let tail = member.tensors.len() - 4;
+    let encoder = (member.constant(g, 0), member.constant(g, 1));
+    let reencoder = (member.constant(g, tail), member.constant(g, tail + 1));
+    let mut state = None;
+    let mut states = Vec::new();
+    for x in samples {
+        let zero = zeros(
+            g,
+            x,
+            member.tensors[0].shape[0] - shape.encoder,
+            shape.encoder,
+        );
+        let next = lstm(g, x, &zero, state, &encoder);
+        states.push(next.0.clone());
+        state = Some(next);
+    }
+    let attention = shape.attention.map(|_| {
+        let query = member.constant(g, 2);
+        let (key, bias, score) = (
+            member.constant(g, 3),
+            member.constant(g, 4),
+            member.column(g, 5),
+        );
+        let keys: Vec<String> = states
+            .iter()
+            .map(|h| g.op("Gemm", &[h, &key, &bias]))
+            .collect();
+        (query, keys, score)
+    });
+    let mut state: State = None;
+    for h in &states {
+        let zero = zeros(g, h, shape.encoder, shape.reencoder);
+        let mut merged = h.clone();
+        if let Some((query, keys, score)) = &attention {
+            let s = state.as_ref().map_or(&zero, |(s, _)| s);
+            let asked = g.op("MatMul", &[s, query]);
+            let scores: Vec<String> = keys
+                .iter()
+                .map(|key| {
+                    let sum = g.op("Add", &[key, &asked]);
+                    let bent = g.op("Tanh", &[&sum]);
+                    g.op("MatMul", &[&bent, score])
+                })
+                .collect();
+            let context = weighted(g, &scores, &states);
+            merged = g.concatenate(&[h, &context]);
+        }
+        state = Some(lstm(g, &merged, &zero, state, &reencoder));
+    }
+    let (weight, bias) = (member.constant(g, tail + 2), member.constant(g, tail + 3));
+    let s = state.map_or_else(String::new, |(s, _)| s);
+    g.op("Gemm", &[&s, &weight, &bias])
+}
+
+/// Zeros of (batch × columns), made from x (batch × width).
+fn zeros(g: &mut Graph, x: &str, width: usize, columns: usize) -> String {
+    let nothing = g.constant(&[width, columns], vec![0.0; width * columns]);
+    g.op("MatMul", &[x, &nothing])
+}
+
+/// Equations 14–18; gives (h, c).
+fn lstm(
+    g: &mut Graph,
+    x: &str,
+    zero: &str,
+    state: State,
+    (weight, bias): &(String, String),
+) -> (String, String) {
+    let before = state.unwrap_or_else(|| (zero.to_owned(), zero.to_owned()));
+    let joined = g.concatenate(&[x, &before.0]);
+    let gates = g.op("Gemm", &[&joined, weight, bias]);
+    let gates = g.split(&gates, 4);
+    let [i, f, o] = [0, 1, 3].map(|k| g.op("Sigmoid", &[&gates[k]]));
+    let cell = g.op("Tanh", &[&gates[2]]);
+    let kept = g.op("Mul", &[&f, &before.1]);
+    let added = g.op("Mul", &[&i, &cell]);
+    let c = g.op("Add", &[&kept, &added]);
+    let bent = g.op("Tanh", &[&c]);
+    (g.op("Mul", &[&o, &bent]), c)
+}
+
+/// Σ softmax(scores)·states.
+fn weighted(g: &mut Graph, scores: &[String], states: &[String]) -> String {
+    let parts: Vec<&str> = scores.iter().map(String::as_str).collect();
+    let all = g.concatenate(&parts);
+    let alpha = g.softmax(&all);
+    let alpha = g.split(&alpha, scores.len());
+    let mut sum: Option<String> = None;
+    for (a, h) in alpha.iter().zip(states) {
+        let part = g.op("Mul", &[h, a]);
+        sum = Some(match sum {
+            None => part,
+            Some(before) => g.op("Add", &[&before, &part]),
+        });
+    }
+    sum.unwrap_or_default()
+}
