@@ -17,13 +17,14 @@ use rand_distr::StandardNormal;
 use std::time::{Duration, Instant};
 
 type Failure = Box<dyn std::error::Error>;
+type Part = fn() -> Result<(), Failure>;
 
 fn main() -> Result<(), Failure> {
     let chosen: Vec<String> = std::env::args()
         .skip(1)
         .filter(|a| !a.starts_with('-'))
         .collect();
-    let parts: [(&str, fn() -> Result<(), Failure>); 4] = [
+    let parts: [(&str, Part); 4] = [
         ("least_squares", tall_least_squares),
         ("iterative", iterative),
         ("feasible", feasible),

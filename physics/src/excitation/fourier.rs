@@ -80,8 +80,8 @@ impl Fourier {
         for (j, limit) in limits.iter().enumerate() {
             // q̇(0) = Σ ω_i μ_i = 0.
             let start: f64 = (0..harmonics).map(|i| w[i] * self.sine[(j, i)]).sum();
-            for i in 0..harmonics {
-                self.sine[(j, i)] -= w[i] * start / w2;
+            for (i, w) in w.iter().enumerate() {
+                self.sine[(j, i)] -= w * start / w2;
             }
             let middle = 0.5 * (limit.lower + limit.upper);
             let half = 0.5 * (limit.upper - limit.lower);
