@@ -1,0 +1,198 @@
+//! The check of a recording on recordings with one known fault each, and the order of sessions.
+
+use datasets::check::{CheckOptions, CheckReport, Kind, check};
+use datasets::session::{on_one_clock, order};
+use datasets::{Part, PrepareOptions, ReadOptions, Recording, Trajectory, prepare, read, repeats};
+use ndarray::Array2;
+
+/// Two joints at 100 Hz for 20 s in two trajectories.
+fn good() -> Recording {
+    let time: Vec<f64> = (0..2000)
+        .map(|i| f64::from(i) * 0.01 + if i < 1000 { 0.0 } else { 5.0 })
+        .collect();
+    let q = Array2::from_shape_fn((2000, 2), |(i, j)| {
+        let t = time[i];
+        (1.7 * t + j as f64).sin() + 0.4 * (3.1 * t).cos()
+    });
+    let tau = q.mapv(|v| 20.0 * v + 3.0 * (9.0 * v).sin());
+    let mut r = Recording::new("made", time, q, Some(tau));
+    r.trajectories = vec![
+        Trajectory {
+            label: "a".into(),
+            range: 0..1000,
+        },
+        Trajectory {
+            label: "b".into(),
+            range: 1000..2000,
+        },
+    ];
+    r.validate().unwrap();
+    r
+}
+
+fn report(r: &Recording, options: &CheckOptions) -> CheckReport {
+    let o = PrepareOptions {
+        cutoff_hz: Some(10.0),
+        ..PrepareOptions::default()
+    };
+    check(r, &prepare(r, &o).unwrap(), options).unwrap()
+}
+
+fn kinds(r: &Recording) -> Vec<(Kind, Option<usize>)> {
+    report(r, &CheckOptions::default())
+        .findings
+        .iter()
+        .map(|f| (f.kind, f.joint))
+        .collect()
+}
+
+#[test]
+fn nothing_is_found_in_a_good_recording() {
+    assert_eq!(kinds(&good()), []);
+}
+
+#[test]
+fn each_fault_is_found_and_nothing_else() {
+    let mut r = good();
+    r.q.column_mut(1).fill(0.3);
+    assert_eq!(kinds(&r), [(Kind::NeverMoves, Some(1))]);
+
+    let mut r = good();
+    r.q.column_mut(1).mapv_inplace(|q| 0.02 * q);
+    let found = kinds(&r);
+    assert!(
+        found.contains(&(Kind::TooSlow, Some(1)))
+            || found.contains(&(Kind::RegionTooSmall, Some(1)))
+    );
+    assert!(found.iter().all(|(_, j)| *j == Some(1)), "{found:?}");
+
+    let mut r = good();
+    r.tau.as_mut().unwrap().column_mut(0).fill(0.0);
+    assert_eq!(kinds(&r), [(Kind::DeadChannel, Some(0))]);
+
+    let mut r = good();
+    r.tau
+        .as_mut()
+        .unwrap()
+        .column_mut(0)
+        .mapv_inplace(|t| t.clamp(-15.0, 15.0));
+    assert!(kinds(&r).contains(&(Kind::TorquePlateau, Some(0))));
+
+    let mut r = good();
+    r.q[(500, 1)] += 0.5;
+    assert!(kinds(&r).contains(&(Kind::CorruptRow, Some(1))));
+
+    let mut r = good();
+    r.time[300..1000].iter_mut().for_each(|t| *t += 0.05);
+    assert!(kinds(&r).contains(&(Kind::ClockJump, None)));
+
+    let mut r = good();
+    r.qd = Some(r.q.mapv(|q| 57.0 * q.cos()));
+    assert!(kinds(&r).iter().all(|(k, _)| *k == Kind::VelocityMismatch) && !kinds(&r).is_empty());
+
+    let short = good().select(&[0]);
+    let rows = 0..150;
+    let cut = Recording {
+        trajectories: vec![Trajectory {
+            label: "a".into(),
+            range: rows.clone(),
+        }],
+        ..Recording::new(
+            "short",
+            short.time[rows.clone()].to_vec(),
+            short
+                .q
+                .select(ndarray::Axis(0), &rows.clone().collect::<Vec<_>>()),
+            None,
+        )
+    };
+    assert!(kinds(&cut).contains(&(Kind::TooShort, Some(0))));
+}
+
+#[test]
+fn a_wrong_torque_scale_is_found_against_a_reference() {
+    let r = good();
+    let rms = report(&r, &CheckOptions::default()).joints[0]
+        .torque_rms
+        .unwrap();
+    let options = CheckOptions {
+        torque_reference: vec![100.0 * rms, rms],
+        ..CheckOptions::default()
+    };
+    let found = report(&r, &options).findings;
+    assert_eq!(found.len(), 1);
+    assert_eq!(
+        (found[0].kind, found[0].joint),
+        (Kind::TorqueScale, Some(0))
+    );
+}
+
+#[test]
+fn repeats_are_found_from_the_motion_and_give_the_noise() {
+    // The second trajectory repeats the first under another label; torques differ by ±0.5.
+    let mut r = good();
+    for i in 0..1000 {
+        for j in 0..2 {
+            r.q[(1000 + i, j)] = r.q[(i, j)];
+            let tau = r.tau.as_mut().unwrap();
+            tau[(1000 + i, j)] = tau[(i, j)] + if i % 2 == 0 { 0.5 } else { -0.5 };
+        }
+    }
+    assert_eq!(repeats::find(&r), [(0, 1)]);
+    let floor = report(&r, &CheckOptions::default()).repeatability.unwrap();
+    assert!(
+        (floor.all[0] - 0.5 / 2.0_f64.sqrt()).abs() < 1e-6,
+        "{floor:?}"
+    );
+    assert!(repeats::find(&good()).is_empty());
+}
+
+#[test]
+fn interleaved_recordings_share_a_clock_and_restarted_ones_do_not() {
+    let whole = good();
+    let (first, second) = (whole.select(&[0]), whole.select(&[1]));
+    assert!(on_one_clock(&first, &second) && on_one_clock(&second, &first));
+    let steps = order(&[&second, &first]);
+    let ids: Vec<_> = steps
+        .iter()
+        .map(|s| (s.recording, s.pause.is_some()))
+        .collect();
+    assert_eq!(ids, [(1, false), (0, true)]);
+    assert!(!on_one_clock(&whole, &whole));
+    assert!(order(&[&first, &first]).iter().all(|s| s.pause.is_none()));
+}
+
+#[test]
+fn shared_sessions_and_repeats() {
+    let shared = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    if !shared.exists() {
+        println!("skipped: {} is not there", shared.display());
+        return;
+    }
+    let kr300 = |f: &str| {
+        read(
+            &shared.join("data/kr300").join(f),
+            &ReadOptions::kr300(Part::Train),
+        )
+        .unwrap()
+    };
+    let (train, test) = (kr300("train.parquet"), kr300("test.parquet"));
+    let steps = order(&[&train, &test]);
+    assert_eq!(steps.len(), 72);
+    assert_eq!(steps.iter().filter(|s| s.pause.is_none()).count(), 1);
+    assert_eq!(repeats::find(&train).len(), 33);
+    assert_eq!(repeats::find(&test), [(0, 3), (1, 4), (2, 5)]);
+    for case in std::fs::read_dir(shared.join("cases/cases")).unwrap() {
+        let of = |f: &str| {
+            read(
+                &case.as_ref().unwrap().path().join(f),
+                &ReadOptions::default(),
+            )
+            .unwrap()
+        };
+        let (train, test) = (of("train.parquet"), of("test.parquet"));
+        let steps = order(&[&train, &test]);
+        let files: Vec<usize> = steps.iter().map(|s| s.recording).collect();
+        assert_eq!(files, [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1]);
+    }
+}
