@@ -4,7 +4,7 @@
 //! The unknowns are the standard parameters x (10 per link, then extras); the data speak of the base
 //! parameters β = G x only, so a nominal model with generous deviations decides the directions
 //! that the data leave open. All problems are one: a convex quadratic over a product of 4×4 cones and half-lines
-//! ([`barrier`]), solved to a stated duality gap in milliseconds.
+//! (`barrier`), solved to a stated duality gap in milliseconds.
 //!
 //! Sousa and Cortesão, "Physical feasibility of robot base inertial parameter identification: a linear
 //! matrix inequality approach", IJRR 33(6), 2014; Wensing, Kim and Slotine, IEEE RA-L 3(1), 2018 (the 4×4 form,
