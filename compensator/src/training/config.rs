@@ -140,8 +140,7 @@ impl Default for UnitConfig {
 impl UnitConfig {
     /// The published unit: 128 + 128, windows of 3, min–max scaling, dropout 0.5, squared error.
     ///
-    /// The paper gives Adam 0.05, at which these widths do not train (the loss stays at its first value or
-    /// diverges); 0.002 with a cosine fall is used instead.
+    /// The paper gives Adam a rate of 0.05; here it starts at 0.002 and falls by a cosine.
     pub fn ucm() -> Self {
         Self {
             architecture: recurrent(128, 3),

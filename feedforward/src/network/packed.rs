@@ -6,8 +6,7 @@ use pulp::{Arch, Simd, WithSimd};
 const TILE: usize = 32;
 
 /// y = xᵀ·W + b with W cut into tiles of 32 outputs, each stored input by input, so one pass streams the
-/// weights in order. The instruction set is chosen at run-time: on the machine of the notes the kernel
-/// runs several times faster with it than with the default build's (see `docs/compensator.md`).
+/// weights in order. The instruction set is chosen at run-time.
 #[derive(Debug, Clone)]
 pub(super) struct Packed {
     tiles: Vec<[f32; TILE]>,
