@@ -1,1 +1,109 @@
-fn main() {}
+//! `eval`: scores and predictions of a model directory on a recording.
+#![forbid(unsafe_code)]
+
+use clap::Parser;
+use datasets::prepare::PrepareOptions;
+use datasets::{Part, read};
+use model::directory::{ModelFile, json};
+use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
+use model::failure::Failure;
+use model::{page, tables};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Scores a model directory on a recording and predicts its torque.
+#[derive(Debug, Parser)]
+#[command(name = "eval", version)]
+struct Arguments {
+    /// Model directory.
+    #[arg(long)]
+    model: PathBuf,
+    /// Recording (.csv, .parquet, .npz, or the KR300 benchmark's .mat: its test part).
+    #[arg(long)]
+    data: PathBuf,
+    /// Write the scores as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Write a report page.
+    #[arg(long)]
+    html: Option<PathBuf>,
+    /// Write predicted torque and its standard deviation as CSV; the recording needs no torque.
+    #[arg(long)]
+    predict: Option<PathBuf>,
+    /// Drive file: names and units of the recording's columns, gear ratios, torque constants.
+    #[arg(long)]
+    drive: Option<PathBuf>,
+    /// Cut-off of the zero-phase low-pass of the motion, Hz [default: chosen from the data].
+    #[arg(long)]
+    cutoff_hz: Option<f64>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(e) => {
+            let _ = e.print();
+            return ExitCode::from(if e.use_stderr() { 2 } else { 0 });
+        }
+    };
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let file = ModelFile::load(&arguments.model)?;
+    let torque_needed = arguments.predict.is_none();
+    let options = read_options(&file, arguments.drive.as_deref(), Part::Test, torque_needed)?;
+    let recording =
+        read(&arguments.data, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
+    let options = EvaluateOptions {
+        prepare: PrepareOptions {
+            cutoff_hz: arguments.cutoff_hz,
+            ..PrepareOptions::default()
+        },
+    };
+    let evaluation = evaluate(&arguments.model, &file, recording, &options)?;
+    // Pages first: nothing is printed of a run whose files cannot be written.
+    if let Some(path) = &arguments.json {
+        report::write_atomic(path, &json(&evaluation.report))?;
+    }
+    if let Some(path) = &arguments.html {
+        report::write_atomic(path, &page::page(&file, &evaluation).render())?;
+    }
+    if let Some(path) = &arguments.predict {
+        evaluation.write_prediction(path)?;
+    }
+    if !arguments.quiet {
+        print(&file, &evaluation);
+    }
+    Ok(())
+}
+
+fn print(file: &ModelFile, evaluation: &Evaluation) {
+    let report = &evaluation.report;
+    println!(
+        "{}: {} samples, robot {}",
+        evaluation.recording.source, report.samples, file.physics.robot
+    );
+    if !report.rows.is_empty() {
+        let published = evaluation.published(file);
+        println!("\nNRMSE");
+        print!(
+            "{}",
+            tables::scores(&file.joints, &report.rows, &published).to_text()
+        );
+        println!("\nRMSE");
+        print!("{}", tables::errors(&file.joints, &report.rows).to_text());
+        for p in published {
+            println!("{} ({:?}, {:?}): {}", p.model, p.task, p.part, p.source);
+        }
+    }
+    for note in &report.notes {
+        println!("{note}");
+    }
+}

@@ -8,6 +8,7 @@ use crate::metrics::{Row, ShapeError};
 use crate::predict::{parameter_deviation, predict};
 use crate::residual::{self, ResidualError};
 use crate::session::Session;
+use crate::setup::{Setup, SetupError};
 use datasets::prepare::{PrepareError, PrepareOptions, prepare};
 use datasets::repeats::{self, Repeatability};
 use datasets::{Part, Recording, Trajectory};
@@ -99,19 +100,24 @@ pub enum EvaluateError {
     },
 }
 
-/// Options for reading recordings of a stored model's robot; `--drive` is applied by the caller.
-pub fn read_options(file: &ModelFile, part: Part, torque_needed: bool) -> datasets::ReadOptions {
-    let mut options = if file.physics.robot == "kr300" {
-        datasets::ReadOptions::kr300(part)
-    } else {
-        datasets::ReadOptions {
-            part,
-            ..datasets::ReadOptions::for_robot(file.joints.len())
-        }
-    };
-    options.torque_needed = torque_needed;
+/// Options for reading recordings of a stored model's robot.
+///
+/// # Errors
+/// A drive file that does not fit the robot.
+pub fn read_options(
+    file: &ModelFile,
+    drive: Option<&Path>,
+    part: Part,
+    torque_needed: bool,
+) -> Result<datasets::ReadOptions, SetupError> {
+    let robot = file.physics.nominal().map_err(|e| match e {
+        TorqueModelError::Robot(e) => SetupError::Robot(e),
+        // Only the URDF is parsed here.
+        e => unreachable!("{e}"),
+    })?;
+    let mut options = Setup::of(robot, drive)?.read_options(part, torque_needed)?;
     options.torque_filter = options.torque_filter.or(file.preprocessing.torque_filter);
-    options
+    Ok(options)
 }
 
 /// Scores a model on a recording; a recording without torque gets predictions and no rows.

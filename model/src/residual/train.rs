@@ -28,6 +28,13 @@ pub struct ResidualOptions {
     pub moving_only: bool,
 }
 
+impl ResidualOptions {
+    /// Networks that a training of `joints` units goes through, the trial included.
+    pub fn networks(&self, joints: usize) -> usize {
+        joints * (1 + config(self, 1).members)
+    }
+}
+
 /// A trained compensator with what `model.json` says of it.
 pub struct Learned {
     /// The units.

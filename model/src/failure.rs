@@ -1,0 +1,141 @@
+//! What a command line says when it cannot go on.
+
+use crate::directory::DirectoryError;
+use crate::evaluation::EvaluateError;
+use crate::identification::IdentifyError;
+use crate::physics_fit::FitError;
+use crate::residual::ResidualError;
+use crate::setup::SetupError;
+
+/// One line for the user, a hint, and the exit status.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// What is wrong.
+    pub message: String,
+    /// What to do; empty where nothing can be advised.
+    pub hint: String,
+    /// 2: the input cannot be used; 130: interrupted; 1: anything else.
+    pub status: u8,
+}
+
+impl Failure {
+    /// Input that cannot be used.
+    pub fn input(message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self {
+            message: message.into(),
+            hint: hint.into(),
+            status: 2,
+        }
+    }
+
+    /// Anything that is not the input's fault.
+    pub fn other(message: impl Into<String>) -> Self {
+        Self {
+            message: message.into(),
+            hint: String::new(),
+            status: 1,
+        }
+    }
+
+    /// Stopped by the user.
+    pub fn interrupted(hint: impl Into<String>) -> Self {
+        Self {
+            message: "interrupted".into(),
+            hint: hint.into(),
+            status: 130,
+        }
+    }
+
+    /// Prints message and hint to standard error and returns the exit status.
+    pub fn report(&self) -> std::process::ExitCode {
+        eprintln!("error: {}", self.message);
+        if !self.hint.is_empty() {
+            eprintln!("hint: {}", self.hint);
+        }
+        std::process::ExitCode::from(self.status)
+    }
+}
+
+impl From<SetupError> for Failure {
+    fn from(error: SetupError) -> Self {
+        match error {
+            SetupError::Robot(e) => Self::input(
+                e.to_string(),
+                "See the built-in names (ur5, kr300, foxbot_a05), or give the path of a URDF.",
+            ),
+            SetupError::Read(e) => Self::input(e.to_string(), ""),
+        }
+    }
+}
+
+impl From<FitError> for Failure {
+    fn from(error: FitError) -> Self {
+        let hint = match &error {
+            FitError::Prepare { .. } => {
+                "Give a recording with longer trajectories, or another --cutoff-hz."
+            }
+            FitError::Identify(IdentifyError::NoTorque(_)) => {
+                "Only eval --predict takes a recording without torque."
+            }
+            FitError::Identify(IdentifyError::NothingMoves) => {
+                "Record motion of at least one joint; see train --check-only."
+            }
+            FitError::Identify(IdentifyError::Joints { .. }) => {
+                "Give the robot that made the recording."
+            }
+            FitError::Baseline(_) => "Record more samples: three per joint are the least.",
+            _ => return Self::other(error.to_string()),
+        };
+        Self::input(error.to_string(), hint)
+    }
+}
+
+impl From<DirectoryError> for Failure {
+    fn from(error: DirectoryError) -> Self {
+        match error {
+            DirectoryError::Write(e) => Self::other(e.to_string()),
+            e => Self::input(
+                e.to_string(),
+                "Give a directory that train has written, whole and by this version.",
+            ),
+        }
+    }
+}
+
+impl From<ResidualError> for Failure {
+    fn from(error: ResidualError) -> Self {
+        match error {
+            ResidualError::Compensator(compensator::Error::Interrupted) => {
+                Self::interrupted("Run the same command with --resume to go on.")
+            }
+            ResidualError::Compensator(e) => Self::input(
+                e.to_string(),
+                "See train --check-only, or train with --physics-only.",
+            ),
+            e => Self::input(
+                e.to_string(),
+                "Copy the whole model directory again, or train the model again.",
+            ),
+        }
+    }
+}
+
+impl From<EvaluateError> for Failure {
+    fn from(error: EvaluateError) -> Self {
+        match error {
+            EvaluateError::Directory(e) => e.into(),
+            EvaluateError::Residual(e) => e.into(),
+            EvaluateError::Joints { .. } => Self::input(error.to_string(), ""),
+            e => Self::input(
+                e.to_string(),
+                "Check the recording with train --check-only.",
+            ),
+        }
+    }
+}
+
+impl From<report::WriteError> for Failure {
+    fn from(error: report::WriteError) -> Self {
+        Self::other(error.to_string())
+    }
+}

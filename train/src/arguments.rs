@@ -1,0 +1,77 @@
+//! Command line of `train`.
+
+use clap::{Parser, ValueEnum};
+use std::path::PathBuf;
+
+/// Identifies a robot's physics from recordings, trains the compensator on what is left, and writes a
+/// model directory. Without arguments: the simulated UR5, end to end.
+#[derive(Debug, Parser)]
+#[command(name = "train", version)]
+pub struct Arguments {
+    /// Built-in robot (ur5, kr300, foxbot_a05) or URDF [default: the simulated ur5].
+    #[arg(long)]
+    pub robot: Option<String>,
+    /// Recordings to learn from (.csv, .parquet, .npz; .mat with --robot kr300).
+    #[arg(long, num_args = 1..)]
+    pub data: Vec<PathBuf>,
+    /// Recording that is scored and nothing else; its torque chooses and fits nothing.
+    #[arg(long)]
+    pub heldout: Option<PathBuf>,
+    /// Model directory to write.
+    #[arg(long, default_value = "residyn-model")]
+    pub out: PathBuf,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Identify the physics alone.
+    #[arg(long)]
+    pub physics_only: bool,
+    /// Basic friction alone: viscous, Coulomb, offset, rotor inertia; nothing is selected.
+    #[arg(long)]
+    pub basic: bool,
+    /// Fit on samples in motion alone (|q̇| > 0.01 rad/s or m/s, joint by joint).
+    #[arg(long)]
+    pub moving_only: bool,
+    /// Which compensator.
+    #[arg(long, value_enum, default_value_t = PresetName::Default)]
+    pub preset: PresetName,
+    /// Networks averaged per joint.
+    #[arg(long)]
+    pub members: Option<usize>,
+    /// Passes over the data.
+    #[arg(long)]
+    pub epochs: Option<usize>,
+    /// Go on from the checkpoint of an interrupted run with the same arguments.
+    #[arg(long)]
+    pub resume: bool,
+    /// Stop after the check of the recordings.
+    #[arg(long)]
+    pub check_only: bool,
+    /// With --check-only: print the check as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Drive file: gear ratios, torque constants, joint zeros, names and units of columns.
+    #[arg(long)]
+    pub drive: Option<PathBuf>,
+    /// Gravity in the base frame, m/s².
+    #[arg(long, value_delimiter = ',', num_args = 3, allow_hyphen_values = true)]
+    pub gravity: Option<Vec<f64>>,
+    /// Cut-off of the zero-phase low-pass of the motion, Hz [default: chosen from the data].
+    #[arg(long)]
+    pub cutoff_hz: Option<f64>,
+    /// Threads; the result does not depend on it [default: all cores].
+    #[arg(long)]
+    pub threads: Option<usize>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Names of the presets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PresetName {
+    /// Own motion, load and friction memory; what the evidence favours.
+    Default,
+    /// The published unit: motion of the joint and those further from the base, LSTM 128 + 128.
+    Ucm,
+}

@@ -1,0 +1,157 @@
+//! The steps of `train`.
+
+use crate::arguments::{Arguments, PresetName};
+use crate::{checkpoint, input, output, progress};
+use compensator::training::Control;
+use datasets::check::{CheckOptions, CheckReport, check};
+use datasets::prepare::{PrepareOptions, prepare};
+use model::failure::Failure;
+use model::identification::IdentifyOptions;
+use model::physics_fit::{FitOptions, fit_physics};
+use model::residual::{Preset, ResidualOptions, train_residual};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Runs `train`.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&cancel);
+    ctrlc::set_handler(move || {
+        // A second Ctrl-C does not wait for a place to stop.
+        if flag.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(|e| Failure::other(e.to_string()))?;
+    let threads = arguments
+        .threads
+        .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    if threads == 0 {
+        return Err(Failure::input(
+            "--threads 0: at least one thread is needed",
+            "",
+        ));
+    }
+    // Fails only where the pool exists already, which it does not this early.
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|e| Failure::other(e.to_string()))?;
+
+    let input = input::read(arguments)?;
+    let prepare_options = PrepareOptions {
+        cutoff_hz: arguments.cutoff_hz,
+        ..PrepareOptions::default()
+    };
+    output::check(
+        &checks(&input, &prepare_options)?,
+        arguments.check_only && arguments.json,
+        arguments.quiet,
+    );
+    if arguments.check_only {
+        return Ok(());
+    }
+    stop(&cancel, "Nothing was written.")?;
+    let folder = if arguments.physics_only {
+        None
+    } else {
+        Some(checkpoint::open(arguments, &input)?)
+    };
+
+    let spinner = progress::spinner(arguments.quiet, "identifying");
+    let options = FitOptions {
+        identify: IdentifyOptions {
+            moving_only: arguments.moving_only,
+            select: !arguments.basic,
+            ..IdentifyOptions::default()
+        },
+        prepare: prepare_options,
+        seed: arguments.seed,
+    };
+    let mut fit = fit_physics(
+        &input.setup.robot,
+        &input.data,
+        input.heldout.as_ref(),
+        &options,
+    )?;
+    spinner.finish_and_clear();
+    stop(&cancel, "Run the same command again.")?;
+
+    let learned = match &folder {
+        None => None,
+        Some(folder) => {
+            let options = ResidualOptions {
+                preset: match arguments.preset {
+                    PresetName::Default => Preset::Default,
+                    PresetName::Ucm => Preset::Ucm,
+                },
+                seed: arguments.seed,
+                members: arguments.members,
+                epochs: arguments.epochs,
+                moving_only: arguments.moving_only,
+            };
+            let bar = progress::Training::new(
+                arguments.quiet,
+                &fit.file.joints,
+                options.networks(fit.file.joints.len()),
+            );
+            let show = |p: &compensator::training::Progress| bar.update(p);
+            let control = Control {
+                threads,
+                checkpoints: Some(folder),
+                cancel: Some(&cancel),
+                progress: Some(&show),
+            };
+            let learned = train_residual(&fit, &input.data, &options, &control);
+            bar.finish();
+            Some(learned?)
+        }
+    };
+    if let Some(learned) = &learned {
+        fit.file.compensator = Some(learned.record.clone());
+    }
+    let metrics = output::metrics(&fit, learned.as_ref(), &input.data, input.heldout.as_ref())?;
+    output::write(arguments, &fit.file, learned.as_ref(), &metrics, &fit)?;
+    if let Some(folder) = &folder {
+        checkpoint::remove(folder);
+    }
+    if !arguments.quiet {
+        output::print(&fit.file, &metrics, arguments);
+    }
+    Ok(())
+}
+
+fn stop(cancel: &AtomicBool, hint: &str) -> Result<(), Failure> {
+    if cancel.load(Ordering::SeqCst) {
+        Err(Failure::interrupted(hint))
+    } else {
+        Ok(())
+    }
+}
+
+fn checks(input: &input::Input, options: &PrepareOptions) -> Result<Vec<CheckReport>, Failure> {
+    let robot = &input.setup.robot;
+    let options_for_check = CheckOptions {
+        joints: robot.joint_names(),
+        position_limits: robot
+            .joints()
+            .iter()
+            .map(|j| [j.limits.lower, j.limits.upper])
+            .collect(),
+        torque_reference: Vec::new(),
+    };
+    input
+        .data
+        .iter()
+        .map(|recording| {
+            let prepared = prepare(recording, options).map_err(|e| {
+                Failure::input(
+                    format!("{}: {e}", recording.source),
+                    "Give a recording with longer trajectories.",
+                )
+            })?;
+            check(recording, &prepared, &options_for_check)
+                .map_err(|e| Failure::input(format!("{}: {e}", recording.source), e.advice()))
+        })
+        .collect()
+}
