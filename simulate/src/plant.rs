@@ -199,8 +199,8 @@ impl Plant {
             }
             m.advance(&now, &self.end);
         }
-        for j in 0..n {
-            self.load[j] = u[j] - self.still[j] - self.chord[j] * self.end[j];
+        for (j, u) in u.iter().enumerate() {
+            self.load[j] = u - self.still[j] - self.chord[j] * self.end[j];
             self.q[j] += 0.5 * dt * (self.v[j] + self.end[j]);
         }
         self.v.copy_from_slice(&self.end);
@@ -282,8 +282,8 @@ mod tests {
         for k in 0..2000 {
             let v0 = p.v.clone();
             p.step(k as f64 * dt, dt, &[0.0; 7]);
-            for j in 0..7 {
-                lost += dt * 0.5 * (v0[j] + p.v[j]) * p.friction[j].torque(p.v[j]);
+            for (j, v0) in v0.iter().enumerate() {
+                lost += dt * 0.5 * (v0 + p.v[j]) * p.friction[j].torque(p.v[j]);
             }
             swing = swing.max(kinetic_energy(&p.robot, &p.q, &p.v));
         }

@@ -98,8 +98,8 @@ mod tests {
             (count(Kind::None), count(Kind::Outside), count(Kind::Two)),
             (30, 30, 16)
         );
-        for e in 0..EFFECTS.len() {
-            assert!((7..=8).contains(&count(Kind::Single(e))), "{}", EFFECTS[e]);
+        for (e, name) in EFFECTS.iter().enumerate() {
+            assert!((7..=8).contains(&count(Kind::Single(e))), "{name}");
         }
         assert_ne!(
             draw(0, 7),

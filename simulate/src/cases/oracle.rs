@@ -281,7 +281,12 @@ pub fn unabsorbed(
 /// # Errors
 /// The arm is no possible robot.
 #[cfg(test)]
-pub fn left_by_parameters(arm: &Arm, recording: &Recording, rate: f64, cutoff: f64) -> Result<Vec<f64>, RobotError> {
+pub fn left_by_parameters(
+    arm: &Arm,
+    recording: &Recording,
+    rate: f64,
+    cutoff: f64,
+) -> Result<Vec<f64>, RobotError> {
     let motion = smooth(recording, rate, cutoff);
     let torque: Vec<f64> = recording.tau.iter().flatten().copied().collect();
     let equal = vec![1.0; arm.dof()];

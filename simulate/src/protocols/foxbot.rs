@@ -56,12 +56,20 @@ fn power_of_speed() -> Vec<Box<dyn Mechanism>> {
     (0..6).map(drag).collect()
 }
 
-pub(super) fn simulate(seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Simulated, SimulateError> {
+pub(super) fn simulate(
+    seed: u64,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Simulated, SimulateError> {
     let machine = machine()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let length = 1.0 / FUNDAMENTAL;
     let plan = |i: usize| {
-        let series = Multisine::draw(&machine.arm, &Pace::constant(FUNDAMENTAL, 3, 0.9), length, &mut rng);
+        let series = Multisine::draw(
+            &machine.arm,
+            &Pace::constant(FUNDAMENTAL, 3, 0.9),
+            length,
+            &mut rng,
+        );
         Plan {
             session: Session::new(vec![(Segment::Multisine(series), length)], 2.0, 6),
             offset: i as f64 * (length + 2.0),
@@ -112,18 +120,28 @@ mod tests {
         assert_eq!(made.part("identification").unwrap().len(), 5250);
         let robot = machine.arm.robot().unwrap();
         let mut workspace = Workspace::new(&robot);
-        let (qd, tau) = (recording.qd.as_ref().unwrap(), recording.tau.as_ref().unwrap());
+        let (qd, tau) = (
+            recording.qd.as_ref().unwrap(),
+            recording.tau.as_ref().unwrap(),
+        );
         let (mut sum, mut count) = ([0.0; 6], [0.0; 6]);
         for range in recording.segments() {
             for k in range.start + 3..range.end - 3 {
                 // Seven-point slope of the noisy velocity.
-                let slope = |j: usize| (1..=3).map(|i| i as f64 * (qd[[k + i, j]] - qd[[k - i, j]])).sum::<f64>() / 0.28;
+                let slope = |j: usize| {
+                    (1..=3)
+                        .map(|i| i as f64 * (qd[[k + i, j]] - qd[[k - i, j]]))
+                        .sum::<f64>()
+                        / 0.28
+                };
                 let qdd: Vec<f64> = (0..6).map(slope).collect();
                 let (q, v) = (recording.q.row(k).to_vec(), qd.row(k).to_vec());
                 let mut model = vec![0.0; 6];
                 inverse_dynamics(&robot, &mut workspace, &q, &v, &qdd, &mut model);
                 for j in (0..6).filter(|&j| v[j].abs() > 0.1) {
-                    let friction = (COULOMB[j] + VISCOUS[j] * v[j].abs().powf(ALPHA[j])) * v[j].signum() + OFFSET[j];
+                    let friction = (COULOMB[j] + VISCOUS[j] * v[j].abs().powf(ALPHA[j]))
+                        * v[j].signum()
+                        + OFFSET[j];
                     let rotor = robot.joints()[j].rotor_inertia * qdd[j];
                     sum[j] += (tau[[k, j]] - model[j] - friction - rotor).powi(2);
                     count[j] += 1.0;
@@ -133,7 +151,11 @@ mod tests {
         for j in 0..6 {
             let left = f64::sqrt(sum[j] / count[j]);
             let noise = machine.errors.torque[j];
-            assert!(left > 0.8 * noise && left < 1.5 * noise, "joint {}: {left} N·m, noise {noise}", j + 1);
+            assert!(
+                left > 0.8 * noise && left < 1.5 * noise,
+                "joint {}: {left} N·m, noise {noise}",
+                j + 1
+            );
         }
     }
 }

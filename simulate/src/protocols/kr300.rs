@@ -35,15 +35,19 @@ fn machine() -> Result<Machine, SimulateError> {
     let reach = [1.9, 0.75, 1.3, 2.6, 1.5, 3.0];
     let robot = Robot::builtin("kr300").ok_or(SimulateError::NoRobot("kr300"))?;
     let arm = arm("kr300", &robot, centre, reach, friction);
-    let effects = arm.joints.iter().enumerate().map(|(j, joint)| JointEffects {
-        stribeck: 0.25 * joint.friction,
-        stribeck_speed: 0.06,
-        flow: 0.5 * joint.friction,
-        loss: 0.04,
-        deflection: [0.002, 0.002, 0.0025, 0.004, 0.004, 0.005][j],
-        cold: [0.5, 0.3, 0.3, 0.25, 0.25, 0.25][j],
-        ..JointEffects::default()
-    });
+    let effects = arm
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| JointEffects {
+            stribeck: 0.25 * joint.friction,
+            stribeck_speed: 0.06,
+            flow: 0.5 * joint.friction,
+            loss: 0.04,
+            deflection: [0.002, 0.002, 0.0025, 0.004, 0.004, 0.005][j],
+            cold: [0.5, 0.3, 0.3, 0.25, 0.25, 0.25][j],
+            ..JointEffects::default()
+        });
     Ok(Machine {
         effects: effects.collect(),
         warm_up: (1500.0, vec![500.0, 200.0, 300.0, 120.0, 90.0, 80.0]),
@@ -73,7 +77,19 @@ fn counterbalance() -> Vec<Box<dyn Mechanism>> {
     })]
 }
 
-pub(super) fn simulate(seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Simulated, SimulateError> {
+pub(super) fn simulate(
+    seed: u64,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Simulated, SimulateError> {
+    sessions(SESSIONS, seed, progress)
+}
+
+/// The first sessions; the last of them is the test.
+fn sessions(
+    count: usize,
+    seed: u64,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Simulated, SimulateError> {
     let machine = machine()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let pace = Pace {
@@ -81,11 +97,17 @@ pub(super) fn simulate(seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Sim
         ..Pace::constant(1.0 / 60.0, 16, 0.85)
     };
     let mut clock = 0.0;
-    let plans: Vec<Plan> = (0..SESSIONS)
+    let plans: Vec<Plan> = (0..count)
         .map(|s| {
-            let draw = |_| Segment::Multisine(Multisine::draw(&machine.arm, &pace, LENGTH, &mut rng));
+            let draw =
+                |_| Segment::Multisine(Multisine::draw(&machine.arm, &pace, LENGTH, &mut rng));
             let distinct: Vec<Segment> = (0..DISTINCT).map(draw).collect();
-            let twice = distinct.iter().chain(&distinct).cloned().map(|m| (m, LENGTH)).collect();
+            let twice = distinct
+                .iter()
+                .chain(&distinct)
+                .cloned()
+                .map(|m| (m, LENGTH))
+                .collect();
             let session = Session::new(twice, 0.4, 6);
             let offset = clock;
             clock += session.span().1 + 60.0;
@@ -99,7 +121,7 @@ pub(super) fn simulate(seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Sim
                     control: 1,
                     sample: 4,
                 },
-                part: usize::from(s + 1 == SESSIONS),
+                part: usize::from(s + 1 == count),
             }
         })
         .collect();
@@ -118,17 +140,26 @@ pub(super) fn simulate(seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Sim
 /// Listing 1 of the paper: zero-phase Chebyshev low-pass of motion and torque, every 25th sample.
 fn benchmark(raw: &Recording) -> Recording {
     let filter = TorqueFilter::KR300;
-    let Ok(sections) = signal::sos::chebyshev1(filter.order, filter.ripple_db, filter.cutoff_hz, RAW) else {
+    let Ok(sections) =
+        signal::sos::chebyshev1(filter.order, filter.ripple_db, filter.cutoff_hz, RAW)
+    else {
         return raw.clone();
     };
-    let kept: Vec<usize> = raw.segments().into_iter().flat_map(|s| s.step_by(DECIMATION)).collect();
+    let kept: Vec<usize> = raw
+        .segments()
+        .into_iter()
+        .flat_map(|s| s.step_by(DECIMATION))
+        .collect();
     let smooth = |table: &Array2<f64>| {
         let mut out = table.clone();
         for range in raw.segments() {
             for j in 0..table.ncols() {
                 let column: Vec<f64> = range.clone().map(|k| table[[k, j]]).collect();
                 let filtered = signal::filter::filtfilt(&sections, &column);
-                range.clone().zip(filtered).for_each(|(k, x)| out[[k, j]] = x);
+                range
+                    .clone()
+                    .zip(filtered)
+                    .for_each(|(k, x)| out[[k, j]] = x);
             }
         }
         out.select(Axis(0), &kept)
@@ -163,16 +194,24 @@ mod tests {
 
     #[test]
     fn has_the_shape_of_the_benchmark() {
-        let made = simulate(1, &|_| {}).unwrap();
+        let made = sessions(2, 1, &|_| {}).unwrap();
         let (train, test) = (made.part("train").unwrap(), made.part("test").unwrap());
-        // 33 and 3 trajectories of 606 samples, each twice; the published files hold 39988 and 3636.
-        assert_eq!((train.len(), test.len()), (66 * 606, 6 * 606));
+        // Three trajectories of 606 samples, each twice; of all twelve sessions, 39996 and 3636 (published: 39988 and 3636).
+        assert_eq!((train.len(), test.len()), (6 * 606, 6 * 606));
         train.validate().unwrap();
         test.validate().unwrap();
         assert!((train.median_step() - 0.1).abs() < 1e-9);
         // Trajectories repeat: the two executions differ far less than the motion itself.
-        let rows = |t: usize| test.q.column(0).slice_axis(Axis(0), (t * 606..(t + 1) * 606).into()).to_owned();
-        let difference = (&rows(0) - &rows(3)).mapv(f64::abs).iter().fold(0.0, |a: f64, b| a.max(*b));
+        let rows = |t: usize| {
+            test.q
+                .column(0)
+                .slice_axis(Axis(0), (t * 606..(t + 1) * 606).into())
+                .to_owned()
+        };
+        let difference = (&rows(0) - &rows(3))
+            .mapv(f64::abs)
+            .iter()
+            .fold(0.0, |a: f64, b| a.max(*b));
         assert!(difference < 0.01 && rows(0).std(0.0) > 0.1, "{difference}");
     }
 }

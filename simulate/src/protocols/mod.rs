@@ -52,7 +52,11 @@ impl Protocol {
     ///
     /// # Errors
     /// The simulated robot is not a possible one.
-    pub fn simulate(self, seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Simulated, SimulateError> {
+    pub fn simulate(
+        self,
+        seed: u64,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Simulated, SimulateError> {
         match self {
             Self::Ur5 => ur5::simulate(seed, progress),
             Self::Kr300 => kr300::simulate(seed, progress),
@@ -97,10 +101,11 @@ impl Simulated {
             files.push(path);
         }
         let path = folder.join(format!("{name}-truth.json"));
-        let text = serde_json::to_string_pretty(&self.truth).map_err(|source| SimulateError::Json {
-            path: path.clone(),
-            source,
-        })?;
+        let text =
+            serde_json::to_string_pretty(&self.truth).map_err(|source| SimulateError::Json {
+                path: path.clone(),
+                source,
+            })?;
         write_whole(&path, &text)?;
         files.push(path);
         Ok(files)
@@ -141,10 +146,45 @@ fn read(protocol: Protocol, folder: &Path) -> Option<Simulated> {
         let recording = datasets::read(&path, &ReadOptions::default()).ok()?;
         Some(((*part).to_owned(), recording))
     };
-    let parts = protocol.parts().iter().map(read).collect::<Option<Vec<_>>>()?;
+    let parts = protocol
+        .parts()
+        .iter()
+        .map(read)
+        .collect::<Option<Vec<_>>>()?;
     Some(Simulated {
         protocol,
         parts,
         truth,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cache_gives_what_was_simulated() {
+        let cache = tempfile::tempdir().unwrap();
+        let get = || cached(Protocol::FoxbotA05, 6, cache.path(), &|_| {}).unwrap();
+        let (first, second) = (get(), get());
+        let fresh = Protocol::FoxbotA05.simulate(6, &|_| {}).unwrap();
+        for made in [&first, &second] {
+            assert_eq!(made.truth, fresh.truth);
+            for (name, recording) in &fresh.parts {
+                let found = made.part(name).unwrap();
+                assert_eq!(
+                    (&found.q, &found.qd, &found.tau),
+                    (&recording.q, &recording.qd, &recording.tau)
+                );
+                assert_eq!(found.trajectories, recording.trajectories);
+            }
+        }
+        // A broken cache is made anew.
+        let file = cache
+            .path()
+            .join("foxbot_a05-6-1")
+            .join("foxbot_a05-identification.parquet");
+        fs::write(&file, "broken").unwrap();
+        assert_eq!(get().parts[0].1.q, fresh.parts[0].1.q);
+    }
 }

@@ -4,7 +4,9 @@ use crate::SimulateError;
 use crate::arm::Arm;
 use crate::control::{Controller, Sensing};
 use crate::measure::{Errors, record};
-use crate::mechanism::{Bristle, Drag, DragKind, GearMesh, Mechanism, Ripple, Stribeck, StribeckKind, WarmingGrease};
+use crate::mechanism::{
+    Bristle, Drag, DragKind, GearMesh, Mechanism, Ripple, Stribeck, StribeckKind, WarmingGrease,
+};
 use crate::plant::{Friction, Plant};
 use crate::reference::{Command, Session};
 use crate::run::{Clock, run};
@@ -69,7 +71,13 @@ pub struct Machine {
 }
 
 /// An arm from a built-in robot with its region of motion and friction.
-pub fn arm(family: &'static str, robot: &Robot, centre: [f64; 6], reach: [f64; 6], friction: [(f64, f64); 6]) -> Arm {
+pub fn arm(
+    family: &'static str,
+    robot: &Robot,
+    centre: [f64; 6],
+    reach: [f64; 6],
+    friction: [(f64, f64); 6],
+) -> Arm {
     let mut joints = robot.joints().to_vec();
     for (joint, (viscous, coulomb)) in joints.iter_mut().zip(friction) {
         joint.damping = viscous;
@@ -159,7 +167,13 @@ impl Machine {
             }
             friction.push(own);
         }
-        Ok(Plant::new(self.arm.robot()?, armature, friction, mechanisms, q.to_vec()))
+        Ok(Plant::new(
+            self.arm.robot()?,
+            armature,
+            friction,
+            mechanisms,
+            q.to_vec(),
+        ))
     }
 
     /// Simulates the plans; the recording of each part, in order of the plans.
@@ -184,7 +198,12 @@ impl Machine {
             })
             .collect::<Result<Vec<Recording>, SimulateError>>()?;
         let of_part = |part: usize| {
-            let mine: Vec<&Recording> = plans.iter().zip(&runs).filter(|(p, _)| p.part == part).map(|(_, r)| r).collect();
+            let mine: Vec<&Recording> = plans
+                .iter()
+                .zip(&runs)
+                .filter(|(p, _)| p.part == part)
+                .map(|(_, r)| r)
+                .collect();
             joined(&mine)
         };
         Ok((0..parts).filter_map(of_part).collect())
@@ -200,10 +219,18 @@ impl Machine {
         };
         let period = plan.clock.step * plan.clock.control as f64;
         let control_rng = ChaCha8Rng::from_rng(rng);
-        let mut controller = Controller::new(&self.arm, self.bandwidth, period, sensing, control_rng)?;
+        let mut controller =
+            Controller::new(&self.arm, self.bandwidth, period, sensing, control_rng)?;
         let mut plant = self.plant(&start.q, plan.offset)?;
         let axes: Vec<usize> = (0..self.arm.dof()).collect();
-        let mut trace = run(&plan.session, &mut controller, &mut plant, &axes, plan.clock, 0.0);
+        let mut trace = run(
+            &plan.session,
+            &mut controller,
+            &mut plant,
+            &axes,
+            plan.clock,
+            0.0,
+        );
         trace.time.iter_mut().for_each(|t| *t += plan.offset);
         let (mut recording, _) = record(&trace, &trace.tau, &self.errors, rng);
         for (trajectory, label) in recording.trajectories.iter_mut().zip(&plan.labels) {
@@ -243,10 +270,12 @@ fn joined(runs: &[&Recording]) -> Option<Recording> {
     for run in &runs[1..] {
         let start = whole.time.len();
         whole.time.extend_from_slice(&run.time);
-        whole.trajectories.extend(run.trajectories.iter().map(|t| Trajectory {
-            label: t.label.clone(),
-            range: t.range.start + start..t.range.end + start,
-        }));
+        whole
+            .trajectories
+            .extend(run.trajectories.iter().map(|t| Trajectory {
+                label: t.label.clone(),
+                range: t.range.start + start..t.range.end + start,
+            }));
     }
     Some(whole)
 }

@@ -53,9 +53,9 @@ impl Moves {
         let mut clock = rng.random_range(0.1..0.6);
         while clock < length {
             let mut to = here.clone();
-            for j in 0..n {
+            for (j, to) in to.iter_mut().enumerate() {
                 if rng.random_bool(0.75) {
-                    to[j] = arm.centre[j] + arm.reach[j] * rng.random_range(-0.9..0.9);
+                    *to = arm.centre[j] + arm.reach[j] * rng.random_range(-0.9..0.9);
                 }
             }
             let hurry = haste * rng.random_range(0.3..1.0f64);

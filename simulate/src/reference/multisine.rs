@@ -185,7 +185,11 @@ impl Multisine {
         if ease <= 0.0 {
             return [1.0, 0.0, 0.0];
         }
-        let (left, rising) = if t < 0.5 * self.length { (t, 1.0) } else { (self.length - t, -1.0) };
+        let (left, rising) = if t < 0.5 * self.length {
+            (t, 1.0)
+        } else {
+            (self.length - t, -1.0)
+        };
         let (p, v, a) = smooth_step((left / ease).clamp(0.0, 1.0));
         [p, rising * v / ease, a / (ease * ease)]
     }
