@@ -130,7 +130,10 @@ pub fn fit_physics(
     let model = record.model()?;
     let physics = predict(&model, &session);
     let base = BaseParameters::of_robot(robot, &[]);
-    let first = &session.parts[0].report;
+    // The recording with most samples speaks for all.
+    let first = (0..data.len())
+        .max_by_key(|&i| (data[i].len(), std::cmp::Reverse(i)))
+        .map_or(&session.parts[0].report, |i| &session.parts[i].report);
     let file = ModelFile {
         schema: SCHEMA.into(),
         residyn: env!("CARGO_PKG_VERSION").into(),

@@ -4,6 +4,7 @@ use crate::arguments::Arguments;
 use datasets::{Part, Recording};
 use model::failure::Failure;
 use model::setup::Setup;
+use simulate::protocols::{Protocol, cached};
 
 /// Robot and recordings.
 pub struct Input {
@@ -15,7 +16,7 @@ pub struct Input {
     pub heldout: Option<Recording>,
 }
 
-/// Reads what the arguments name; without `--data`, the built-in simulation of the robot is recorded.
+/// Reads what the arguments name; without `--data`, the built-in robot is simulated.
 pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
     let gravity = arguments.gravity.as_ref().map(|g| [g[0], g[1], g[2]]);
     let setup = Setup::new(
@@ -24,17 +25,28 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
         gravity,
     )?;
     if arguments.data.is_empty() {
-        if arguments.robot.is_some() || arguments.heldout.is_some() {
+        let protocol = match arguments.robot.as_deref() {
+            None | Some("ur5") => Protocol::Ur5,
+            Some("kr300") => Protocol::Kr300,
+            Some("foxbot_a05") => Protocol::FoxbotA05,
+            Some(_) => {
+                return Err(Failure::input(
+                    "--data is missing",
+                    "Give recordings of the robot; only the built-in robots can be simulated instead.",
+                ));
+            }
+        };
+        if arguments.heldout.is_some() {
             return Err(Failure::input(
-                "--data is missing",
-                "Give recordings of the robot, or no argument at all for the simulated UR5.",
+                "--heldout without --data",
+                "Give recordings to learn from, or leave --heldout out for the simulated robot.",
             ));
         }
-        let (data, heldout) = simulated(arguments)?;
+        let (data, heldout) = simulated(protocol, arguments)?;
         return Ok(Input {
             setup,
             data,
-            heldout: Some(heldout),
+            heldout,
         });
     }
     let data = setup.read(&arguments.data, Part::Train, true)?;
@@ -51,9 +63,25 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
     })
 }
 
-fn simulated(_arguments: &Arguments) -> Result<(Vec<Recording>, Recording), Failure> {
-    Err(Failure::input(
-        "--robot and --data are missing",
-        "Give a robot and its recordings.",
-    ))
+/// Training recordings and the one held out (the protocol's last part), simulated once and cached.
+fn simulated(
+    protocol: Protocol,
+    arguments: &Arguments,
+) -> Result<(Vec<Recording>, Option<Recording>), Failure> {
+    let bar = crate::progress::bar(
+        arguments.quiet,
+        &format!("simulating the {}", protocol.name()),
+    );
+    let cache = arguments.out.join("simulated");
+    let progress = |done: f64| bar.set_position((100.0 * done) as u64);
+    let set = cached(protocol, arguments.seed, &cache, &progress)
+        .map_err(|e| Failure::other(e.to_string()))?;
+    bar.finish_and_clear();
+    let mut parts: Vec<Recording> = set
+        .parts
+        .into_iter()
+        .map(|(_, recording)| recording)
+        .collect();
+    let heldout = parts.pop();
+    Ok((parts, heldout))
 }

@@ -47,13 +47,23 @@ pub struct Learned {
     pub torque: Vec<Array2<f64>>,
 }
 
+/// Two rates are the same where they differ by less than this part.
+const SAME_RATE: f64 = 0.05;
+
 /// Settings of a unit for `samples` training samples.
 ///
 /// The default's rates and widths were chosen on KR300 training groups alone; an epoch visits part of
 /// the samples so that long recordings do not take longer than they teach.
 fn config(options: &ResidualOptions, samples: usize) -> UnitConfig {
     let mut config = match options.preset {
-        Preset::Ucm => UnitConfig::ucm(),
+        Preset::Ucm => {
+            let ucm = UnitConfig::ucm();
+            let training = Training {
+                share: (40_000.0 / samples as f32).min(1.0),
+                ..ucm.training.clone()
+            };
+            UnitConfig { training, ..ucm }
+        }
         Preset::Default => {
             let (learning_rate, epochs) = if options.moving_only {
                 (5e-3, 16)
@@ -108,12 +118,18 @@ pub fn train_residual(
     let model = fit.file.physics.model()?;
     let (list, seen) = inputs(options.preset, joints, options.moving_only);
     let tables = input_table(&fit.session, &list, &fit.session.load(model.load_robot()));
+    // Windows count samples, so only recordings at one rate can be learned from together.
+    let rate = fit.file.preprocessing.rate_hz;
+    let used: Vec<usize> = (0..data.len())
+        .filter(|&i| (fit.session.parts[i].report.rate_hz / rate - 1.0).abs() < SAME_RATE)
+        .collect();
     // One table over all training recordings.
-    let stacked = stack(&tables[..data.len()]);
+    let stacked = stack(used.iter().map(|&i| &tables[i]));
     let mut segments: Vec<Range<usize>> = Vec::new();
     let mut folds = Vec::new();
     let mut start = 0;
-    for (part, fold) in fit.session.parts[..data.len()].iter().zip(&fit.fold) {
+    for &i in &used {
+        let (part, fold) = (&fit.session.parts[i], &fit.fold[i]);
         segments.extend(
             part.at_samples
                 .segments
@@ -123,9 +139,9 @@ pub fn train_residual(
         folds.extend(fold.iter().copied());
         start += part.at_samples.len();
     }
-    let targets: Vec<Array1<f32>> = (0..joints).map(|j| residual(fit, data, j)).collect();
+    let targets: Vec<Array1<f32>> = (0..joints).map(|j| residual(fit, data, &used, j)).collect();
     let weights: Vec<Array1<f32>> = (0..joints)
-        .map(|j| weight(fit, data, j, options.moving_only))
+        .map(|j| weight(fit, &used, j, options.moving_only))
         .collect();
     let jobs = |split: &Split| -> Result<Vec<Job<'_>>, ResidualError> {
         let mut jobs = Vec::new();
@@ -239,25 +255,23 @@ fn hold_back(folds: &[usize]) -> Option<Split> {
     Some(Split { train, validation })
 }
 
-fn stack(tables: &[Array2<f32>]) -> Array2<f32> {
-    let views: Vec<_> = tables.iter().map(|t| t.view()).collect();
+fn stack<'a>(tables: impl Iterator<Item = &'a Array2<f32>>) -> Array2<f32> {
+    let views: Vec<_> = tables.map(|t| t.view()).collect();
     ndarray::concatenate(ndarray::Axis(0), &views).unwrap_or_default()
 }
 
-fn residual(fit: &Fit, data: &[Recording], joint: usize) -> Array1<f32> {
-    data.iter()
-        .zip(&fit.physics)
-        .filter_map(|(recording, physics)| Some((recording.tau.as_ref()?, physics)))
+fn residual(fit: &Fit, data: &[Recording], used: &[usize], joint: usize) -> Array1<f32> {
+    used.iter()
+        .filter_map(|&i| Some((data[i].tau.as_ref()?, &fit.physics[i])))
         .flat_map(|(tau, physics)| {
             std::iter::zip(tau.column(joint), physics.column(joint)).map(|(t, p)| (t - p) as f32)
         })
         .collect()
 }
 
-fn weight(fit: &Fit, data: &[Recording], joint: usize, moving_only: bool) -> Array1<f32> {
-    fit.session.parts[..data.len()]
-        .iter()
-        .flat_map(|part| part.at_samples.qd.column(joint).to_vec())
+fn weight(fit: &Fit, used: &[usize], joint: usize, moving_only: bool) -> Array1<f32> {
+    used.iter()
+        .flat_map(|&i| fit.session.parts[i].at_samples.qd.column(joint).to_vec())
         .map(|v| {
             if !moving_only || v.abs() > crate::identification::MOVING {
                 1.0
