@@ -5,7 +5,7 @@
 //! the last loaded joint names the link. Within a burst the torque is followed in time by means over short
 //! windows. Confounder: any rare event that repeats with the motion, which a learner then predicts.
 
-use crate::frame::Frame;
+use crate::frame::{Frame, REVERSAL_SPEED};
 use ndarray::{Array1, Array2};
 use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
@@ -44,6 +44,8 @@ pub struct Contact {
     pub torque: Array2<f64>,
     /// Part of the squared window means that lies in bursts.
     pub share: f64,
+    /// Sum over joints of the torque's mean square over the variance of the measured torque.
+    pub size: f64,
 }
 
 /// Windows of a trajectory: mean residual per joint.
@@ -76,8 +78,8 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
             _ => bursts.push(w..w + 1),
         }
     }
-    // A single window may be a reversal.
-    bursts.retain(|b| b.len() >= 2);
+    // Short ones may be reversals.
+    bursts.retain(|b| b.len() >= 3);
     for b in &mut bursts {
         let start = b.start.saturating_sub(1);
         if adjacent(&windows.samples, start, b.start) {
@@ -95,7 +97,7 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
         return None;
     }
     let mut torque = Array2::zeros(residual.dim());
-    let bursts = bursts
+    let bursts: Vec<Burst> = bursts
         .into_iter()
         .map(|b| {
             let peak = |j: usize| b.clone().map(|w| windows.mean[[w, j]].abs() / usual[j]).fold(0.0, f64::max);
@@ -108,7 +110,9 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
             Burst { samples, last_joint: last, height: highest }
         })
         .collect();
-    Some(Contact { bursts, torque, share })
+    let squares = |j: usize| torque.column(j).dot(&torque.column(j)) / residual.nrows() as f64;
+    let size = (0..frame.dof()).map(|j| squares(j) / frame.tau.column(j).var(0.0).max(1e-12)).sum();
+    Some(Contact { bursts, torque, share, size })
 }
 
 /// Whether two windows follow each other without a break between trajectories.
@@ -124,7 +128,12 @@ fn windows(frame: &Frame, residual: &Array2<f64>) -> Windows {
         .iter()
         .flat_map(|s| (0..s.len() / length).map(move |w| s.start + w * length..s.start + (w + 1) * length))
         .collect();
+    // What happens while a joint turns round is friction's.
+    let qd = &frame.samples().qd;
     let mean = Array2::from_shape_fn((samples.len(), residual.ncols()), |(w, j)| {
+        if samples[w].clone().any(|i| qd[[i, j]] * qd[[samples[w].start, j]] <= 0.0 || qd[[i, j]].abs() < REVERSAL_SPEED) {
+            return 0.0;
+        }
         samples[w].clone().map(|i| residual[[i, j]]).sum::<f64>() / length as f64
     });
     Windows { samples, mean }

@@ -19,8 +19,11 @@ const ANALYSIS_CUTOFF: f64 = 0.4;
 pub const REVERSAL_SPEED: f64 = 0.01;
 /// Time on either side of a reversal that the low-pass smears it over, s.
 const REVERSAL_TIME: f64 = 0.03;
-/// Weight of rows at a reversal, where not even the true plant's model reaches the noise.
-const REVERSAL_WEIGHT: f64 = 0.1;
+/// Speed below which rows weigh less, rad/s (m/s): where the sign of a filtered velocity is a guess. Narrow, because
+/// friction with memory shows next to it.
+const CROSSING_SPEED: f64 = 0.004;
+/// Weight of such rows.
+const CROSSING_WEIGHT: f64 = 0.15;
 
 /// A prepared recording with torque.
 pub struct Frame {
@@ -137,14 +140,18 @@ impl Frame {
 
     /// Whether a row of a joint lies at a reversal; shape (rows, joints).
     pub fn reversals(&self) -> Array2<bool> {
-        let reach = (REVERSAL_TIME * self.row_rate()).ceil() as usize;
+        self.slow(REVERSAL_SPEED, (REVERSAL_TIME * self.row_rate()).ceil() as usize)
+    }
+
+    /// Rows slower than `speed`, crossings of zero velocity, and `reach` rows on either side.
+    fn slow(&self, speed: f64, reach: usize) -> Array2<bool> {
         let mut out = Array2::from_elem((self.len(), self.dof()), false);
         for j in 0..self.dof() {
             let qd = self.pick(self.samples().qd.column(j));
             for range in &self.rows {
                 for i in range.clone() {
                     let crossed = i + 1 < range.end && qd[i] * qd[i + 1] < 0.0;
-                    if qd[i].abs() < REVERSAL_SPEED || crossed {
+                    if qd[i].abs() < speed || crossed {
                         let (a, b) = (i.saturating_sub(reach).max(range.start), (i + reach + 1).min(range.end));
                         (a..b).for_each(|k| out[[k, j]] = true);
                     }
@@ -160,7 +167,7 @@ impl Frame {
         if self.lowpass.is_none() {
             return Array2::ones((self.len(), self.dof()));
         }
-        self.reversals().mapv(|r| if r { REVERSAL_WEIGHT } else { 1.0 })
+        self.slow(CROSSING_SPEED, 0).mapv(|r| if r { CROSSING_WEIGHT } else { 1.0 })
     }
 
     /// Sizes for grids of shape parameters; `others` are recordings of the same session.

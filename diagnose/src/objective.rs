@@ -23,6 +23,10 @@ pub struct Settings {
     pub cost: f64,
     /// Gain from which a cause is named, nats.
     pub enough: f64,
+    /// Part of an earlier cause's gain that a further cause must exceed.
+    pub leftover: f64,
+    /// The same for the same effect on another joint.
+    pub leftover_same: f64,
     /// Error that a cause must remove on some joint, relative to the joint's torque.
     pub visible: f64,
     /// Share of the whole gap that a cause must remove.
@@ -33,7 +37,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { inertial_tolerance: 0.04, friction_tolerance: 0.12, correlated_rows: 25.0, cost: 4.0, enough: 10.0, visible: 0.015, share: 0.015, floor: 0.006 }
+        Self { inertial_tolerance: 0.04, friction_tolerance: 0.12, correlated_rows: 25.0, cost: 4.0, enough: 10.0, leftover: 0.12, leftover_same: 0.35, visible: 0.015, share: 0.015, floor: 0.006 }
     }
 }
 

@@ -97,13 +97,18 @@ impl<'a> Search<'a> {
     /// drops what the rest has made superfluous.
     pub fn run(&self, most: usize) -> Selection<'a> {
         let mut accepted: Vec<usize> = Vec::new();
+        let mut gains: Vec<f64> = Vec::new();
         let mut fit = self.fit(&accepted);
         let rest = loop {
             let tried = self.tried(&fit, &accepted);
-            let best = tried.iter().find(|t| self.worth(&fit, t)).map(|t| t.candidate);
+            let best = tried
+                .iter()
+                .find(|t| self.worth(&fit, t) && t.gain > self.relative_price(&accepted, &gains, t.candidate))
+                .map(|t| (t.candidate, t.gain));
             match best {
-                Some(candidate) if self.named(&accepted) < most => {
+                Some((candidate, gain)) if self.named(&accepted) < most => {
                     accepted.push(candidate);
+                    gains.push(gain);
                     self.exchange(&mut accepted);
                     fit = self.fit(&accepted);
                 }
@@ -121,8 +126,8 @@ impl<'a> Search<'a> {
         Selection { accepted, fit, steps, rest }
     }
 
-    /// Whether a trial explains enough to be named: it lowers J, and either the error it removes is visible
-    /// on some joint and in the whole gap, or it spares the given parameters a bend.
+    /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
+    /// visible on some joint and in the whole gap.
     fn worth(&self, fit: &Fit, tried: &Tried) -> bool {
         let s = self.objective.settings;
         if tried.gain < s.enough {
@@ -134,7 +139,23 @@ impl<'a> Search<'a> {
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
         let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
-        misfit || fit.penalty() - tried.penalty > 2.0 * s.enough
+        misfit || tried.gain > 2.0 * s.enough
+    }
+
+    /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form
+    /// leaves behind looks like a small effect, most of all like its own effect next door.
+    fn relative_price(&self, accepted: &[usize], gains: &[f64], candidate: usize) -> f64 {
+        let s = self.objective.settings;
+        let effect = self.candidates[candidate].effect;
+        let price = |(&a, &gain): (&usize, &f64)| {
+            let earlier = self.candidates[a].effect;
+            match (earlier.is_parameter(), earlier == effect) {
+                (true, _) => 0.0,
+                (false, true) => s.leftover_same * gain,
+                (false, false) => s.leftover * gain,
+            }
+        };
+        accepted.iter().zip(gains).map(price).fold(0.0, f64::max)
     }
 
     /// One round over all but the newest choice: each is replaced by what explains more in its place.

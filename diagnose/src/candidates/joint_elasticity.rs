@@ -9,27 +9,32 @@ use crate::scene::Scene;
 use ndarray::Array2;
 
 /// Frequencies of the joint's own oscillation against the rigid arm, Hz.
-const FREQUENCIES: [f64; 5] = [4.0, 6.5, 10.0, 16.0, 26.0];
+const FREQUENCIES: [f64; 4] = [4.5, 7.5, 12.0, 20.0];
+/// Rounding of the spring torque before it is differentiated twice, s: noise of the acceleration grows with the
+/// square of the frequency, the wind-up of a motion does not.
+const ROUNDING: [f64; 2] = [0.01, 0.025];
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let inertia = own_inertia(scene, joint);
     FREQUENCIES
         .into_iter()
-        .map(|f| {
+        .flat_map(|f| ROUNDING.map(|r| (f, r)))
+        .map(|(f, rounding)| {
             let stiffness = inertia * (std::f64::consts::TAU * f).powi(2);
-            let column = Column::whole(scene.dof(), move |s| compliant(s, joint, 1.0 / stiffness));
+            let column = Column::whole(scene.dof(), move |s| compliant(s, joint, 1.0 / stiffness, rounding));
             // The column is nearly proportional to 1/K: the coefficient corrects the compliance.
             let compliance = Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
-            Candidate::single(Effect::JointElasticity, joint, compliance, Bound::Between(0.4, 2.5), column)
+            Candidate::single(Effect::JointElasticity, joint, compliance, Bound::Between(0.1, 2.5), column)
         })
         .collect()
 }
 
 /// Change of the rigid torque by a transmission of the given compliance, rad/(N·m).
-fn compliant(scene: &Scene, joint: usize, compliance: f64) -> Array2<f64> {
-    let rigid = scene.rigid.column(joint).to_owned();
+fn compliant(scene: &Scene, joint: usize, compliance: f64, rounding: f64) -> Array2<f64> {
+    let rigid = scene.rounded(&scene.rigid.column(joint).to_owned(), rounding);
     let first = scene.departure(joint, &(&rigid * -compliance));
-    scene.departure(joint, &((rigid + first.column(joint)) * -compliance))
+    let spring = rigid + scene.rounded(&first.column(joint).to_owned(), rounding);
+    scene.departure(joint, &(spring * -compliance))
 }
 
 /// Mean inertia that the joint turns, kg·m².

@@ -16,29 +16,34 @@ const WIDTHS: [f64; 7] = [3e-4, 1e-3, 3e-3, 8e-3, 0.02, 0.05, 0.12];
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let (low, high) = scene.scale.range[joint];
     let range = (high - low).max(1e-6);
+    let amplitude = || Quantity::plain("hysteresis", "N·m", Some(joint));
+    let single = |width: f64, column: Column| {
+        Candidate::single(Effect::PreslidingHysteresis, joint, amplitude(), Bound::Positive, column)
+            .with_shape("width", width, "rad")
+    };
     let mut all = Vec::new();
+    let mut elements = Vec::new();
     for w in WIDTHS {
         let width = w * range;
-        for (dahl, replaces) in [(false, false), (false, true), (true, false), (true, true)] {
-            let column = Column::own(joint, move |s| {
-                let mut z = if dahl {
-                    let dahl = Dahl { stiffness: 1.0 / width };
-                    state(s, joint, |z, dq| dahl.next(z, dq))
-                } else {
-                    let stop = Stop { width };
-                    state(s, joint, |z, dq| stop.next(z, dq))
-                };
-                if replaces {
-                    z -= &s.sign.column(joint);
-                }
-                z
-            });
-            let amplitude = Quantity::plain("hysteresis", "N·m", Some(joint));
-            all.push(
-                Candidate::single(Effect::PreslidingHysteresis, joint, amplitude, Bound::Positive, column)
-                    .with_shape("width", width, "rad"),
-            );
+        let (stop, dahl) = (Stop { width }, Dahl { stiffness: 1.0 / width });
+        let element = Column::own(joint, move |s| state(s, joint, |z, dq| stop.next(z, dq)) - s.sign.column(joint));
+        all.push(single(width, Column::own(joint, move |s| state(s, joint, |z, dq| stop.next(z, dq)))));
+        all.push(single(width, Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq)))));
+        all.push(single(width, element.clone()));
+        all.push(single(
+            width,
+            Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)),
+        ));
+        elements.push((width, element));
+    }
+    // A distribution of widths: three neighbouring elements at once.
+    for three in elements.windows(3) {
+        let mut c = single(three[0].0, three[0].1.clone());
+        for (width, element) in &three[1..] {
+            c = c.and(amplitude(), Bound::Free, element.clone()).with_shape("width", *width, "rad");
         }
+        c.bounds = vec![Bound::Free; 3];
+        all.push(c);
     }
     all
 }
