@@ -34,6 +34,11 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             width,
             Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)),
         ));
+        // Micro-damping: the rate of the state, as bristles have it.
+        let damped = Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint));
+        let rate = Column::own(joint, move |s| s.derivative(&state(s, joint, |z, dq| dahl.next(z, dq))));
+        let damping = Quantity::plain("micro_damping", "N·m·s", Some(joint));
+        all.push(single(width, damped).and(damping, Bound::Free, rate));
         elements.push((width, element));
     }
     // A distribution of widths: three neighbouring elements at once.
