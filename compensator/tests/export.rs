@@ -94,7 +94,14 @@ fn onnx_runtime_and_numpy_reproduce_the_torque() {
         ((0.37 + 0.11 * j as f32) * i as f32).sin()
     });
     let target = Array1::zeros(rows);
-    let samples = Samples::new(inputs.view(), target.view(), None, &[0..300]).unwrap();
+    let trajectory = 0..rows;
+    let samples = Samples::new(
+        inputs.view(),
+        target.view(),
+        None,
+        std::slice::from_ref(&trajectory),
+    )
+    .unwrap();
     let directory = tempfile::tempdir().unwrap();
     let (mut windows, mut torque) = (Vec::new(), Vec::new());
     for (i, unit) in compensator.units.iter().enumerate() {

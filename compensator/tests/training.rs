@@ -372,7 +372,15 @@ fn bad_data_and_settings_are_refused() {
             column: 2
         })
     ));
-    assert!(Samples::new(data.inputs.view(), data.target.view(), None, &[5..5]).is_err());
+    assert!(
+        Samples::new(
+            data.inputs.view(),
+            data.target.view(),
+            None,
+            std::slice::from_ref(&(5..5))
+        )
+        .is_err()
+    );
 
     let train_one = |job: Job| train(&[job], &Control::default()).map(|_| ());
     let mut job = data.job(short(WINDOW));

@@ -321,7 +321,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn weight_falls_monotonically_on_every_ray_and_reaches_zero(angle in 0.0_f32..6.283) {
+        fn weight_falls_monotonically_on_every_ray_and_reaches_zero(angle in 0.0_f32..std::f32::consts::TAU) {
             let b = bounds();
             let mut s = [0.0; 2];
             let mut last = 1.0;

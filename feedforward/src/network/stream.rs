@@ -8,7 +8,7 @@ use super::{Architecture, Bounds, Compensator, Error, Normaliser, Unit};
 
 #[derive(Debug, Clone)]
 enum Net {
-    Recurrent(RecurrentNet),
+    Recurrent(Box<RecurrentNet>),
     Perceptron(Perceptron),
 }
 
@@ -43,12 +43,12 @@ impl UnitStream {
             .members
             .iter()
             .map(|parameters| match &unit.architecture {
-                Architecture::Recurrent(shape) => Net::Recurrent(RecurrentNet::new(
+                Architecture::Recurrent(shape) => Net::Recurrent(Box::new(RecurrentNet::new(
                     shape,
                     &tensors,
                     parameters,
                     unit.architecture.attended(),
-                )),
+                ))),
                 Architecture::Perceptron { .. } => {
                     Net::Perceptron(Perceptron::new(&tensors, parameters))
                 }
