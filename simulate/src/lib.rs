@@ -3,7 +3,7 @@
 //!
 //! - [`arm`], [`families`]: robots, and how a plant is built from one.
 //! - [`mechanism`]: what a robot does beyond rigid bodies with viscous and Coulomb friction.
-//! - [`plant`], [`control`], [`reference`], [`run`]: integration, controller, excitation, the loop.
+//! - [`plant`], [`control`], [`mod@reference`], [`run`]: integration, controller, excitation, the loop.
 //! - [`cases`]: sealed diagnosis cases with one withheld effect and their answers.
 //! - [`protocols`]: recordings as the source papers made theirs.
 //!

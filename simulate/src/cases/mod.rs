@@ -6,11 +6,14 @@
 //! case on any number of threads.
 
 mod build;
+mod experiment;
 mod generate;
 mod kind;
 mod oracle;
+mod outside;
 mod rehearsal;
 mod shapes;
+mod sizes;
 mod truth;
 mod withheld;
 mod write;
