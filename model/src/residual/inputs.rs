@@ -21,7 +21,8 @@ pub enum Preset {
 ///
 /// The default preset gives each joint its own motion, the size of its load, and friction states:
 /// on KR300, motion of the other joints lets a network recognise the 33 trajectories and memory is
-/// what generalises. `moving_only` takes a finer set of states. The warm-up clock is left to the
+/// what generalises. `moving_only` takes a finer set of states, and the wrist's two last joints see each
+/// other's velocity. The warm-up clock is left to the
 /// physics: a network extrapolates it without bound.
 pub fn inputs(preset: Preset, joints: usize, moving_only: bool) -> (Vec<Input>, Vec<Vec<usize>>) {
     let mut list: Vec<Input> = Vec::new();
@@ -51,10 +52,26 @@ pub fn inputs(preset: Preset, joints: usize, moving_only: bool) -> (Vec<Input>, 
                     columns.push(list.len());
                     list.push(Input { joint, signal });
                 }
+                if let Some(joint) = wrist_partner(joint, joints).filter(|_| moving_only) {
+                    columns.push(list.len());
+                    list.push(Input {
+                        joint,
+                        signal: Signal::Velocity,
+                    });
+                }
             }
         }
     }
     (list, seen)
+}
+
+/// The other of the last two joints of a six-joint arm or longer: their gears run inside each other.
+fn wrist_partner(joint: usize, joints: usize) -> Option<usize> {
+    match joints - joint {
+        1 if joints >= 6 => Some(joint - 1),
+        2 if joints >= 6 => Some(joint + 1),
+        _ => None,
+    }
 }
 
 fn states(moving_only: bool) -> Vec<Term> {

@@ -71,7 +71,7 @@ fn config(options: &ResidualOptions, samples: usize) -> UnitConfig {
                 (1e-2, 24)
             };
             UnitConfig {
-                members: 2,
+                members: 3,
                 training: Training {
                     epochs,
                     batch: 128,
@@ -248,10 +248,12 @@ impl Phase {
     }
 }
 
-/// The last fold validates; None where there is one fold only.
+/// The last fold validates, and where there are four or more the one two before it: one visit to the
+/// robot alone decides too little. None where there is one fold only.
 fn hold_back(folds: &[usize]) -> Option<Split> {
     let last = folds.iter().copied().max().filter(|&last| last > 0)?;
-    let (validation, train) = (0..folds.len()).partition(|&i| folds[i] == last);
+    let held = |fold: usize| fold == last || (last > 2 && fold + 2 == last);
+    let (validation, train) = (0..folds.len()).partition(|&i| held(folds[i]));
     Some(Split { train, validation })
 }
 
