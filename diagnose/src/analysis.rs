@@ -134,15 +134,12 @@ pub fn find(model: &NominalModel, frames: &Frames, weight: &Array2<f64>, setting
         let orders = torque_ripple::orders(&residual.column(j).to_owned(), &q, scale.speed[j], data.report().rate_hz);
         candidates.extend(torque_ripple::candidates(j, &orders));
     }
-    let clock = std::time::Instant::now();
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let grams = dictionary.grams(&scene, data, &y, weight, &folds);
-    eprintln!("TIME grams {:?}", clock.elapsed());
     let objective = Objective::new(&grams, scale, &settings);
     let base = objective.base(&model.robot);
     let search = Search { objective: &objective, candidates: &candidates, members: &dictionary.members, robot: &model.robot, base: base.clone() };
     let selection = search.run(MOST_CAUSES);
-    eprintln!("TIME search {:?}", clock.elapsed());
     let mut start = base.len();
     let accepted = selection
         .accepted

@@ -51,17 +51,12 @@ pub struct Outcome {
 pub fn diagnose(model: &NominalModel, data: &Recording, heldout: &Recording, settings: Settings) -> Result<Outcome, DiagnoseError> {
     let frames = Frames::new(data, heldout, None)?;
     let mut weight = frames.data.weights();
-    let clock = std::time::Instant::now();
     let mut findings = find(model, &frames, &weight, settings.clone())?;
-    eprintln!("TIME found {:?}", clock.elapsed());
     let mut explanation = explain(model, &frames, &findings, false)?;
-    eprintln!("TIME explained {:?}", clock.elapsed());
     let mut left = examine(&frames.data, &explanation.residual_data);
-    eprintln!("TIME examined {:?}", clock.elapsed());
     // What a learner predicts from motion repeats, and is no contact.
     let repeats = left.iter().any(|l| l.structured() > CLEAR && l.learnable > CONTACT_LEARNABLE);
     if let Some(contact) = detect(&frames.data, &explanation.residual_data)
-        .inspect(|c| eprintln!("CONTACT share {:.3} size {:.6} of {:.6} bursts {} repeats {repeats}", c.share, c.size, crate::ladder::total(&explanation.ladder[0].all), c.bursts.len()))
         .filter(|c| !repeats && c.size > CONTACT_SIZE * crate::ladder::total(&explanation.ladder[0].all)) {
         let margin = (CONTACT_MARGIN * frames.data.report().rate_hz) as usize;
         for (mut row, hit) in weight.rows_mut().into_iter().zip(contact.covers(&frames.data, margin)) {

@@ -35,18 +35,13 @@ pub enum DiagnoseError {
         needed: f64,
     },
     /// A result cannot be written.
-    #[error("cannot write {path}: {error}")]
-    Write {
-        /// Where to.
-        path: String,
-        /// Why.
-        error: std::io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] report::WriteError),
 }
 
 impl DiagnoseError {
     /// Whether the input is at fault (exit status 2) rather than the machine (1).
     pub fn is_input(&self) -> bool {
-        !matches!(self, DiagnoseError::Write { .. })
+        !matches!(self, DiagnoseError::Write(_))
     }
 }

@@ -1,0 +1,102 @@
+//! The proof: sealed simulated cases with a withheld effect, diagnosed and scored.
+
+use crate::diagnosis::diagnose;
+use crate::model::NominalModel;
+use crate::objective::Settings;
+use crate::score::{Score, judge, mean};
+use physics::robot::Robot;
+use rayon::prelude::*;
+use report::{Cell, Column, Table};
+use serde_json::Value;
+use simulate::cases::{draw, generate, write};
+use std::path::Path;
+
+/// A proof that cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum ProveError {
+    /// A case cannot be made or written.
+    #[error(transparent)]
+    Simulate(#[from] simulate::SimulateError),
+    /// A case cannot be diagnosed.
+    #[error("case {case}: {error}")]
+    Diagnose {
+        /// Its name.
+        case: String,
+        /// Why.
+        error: crate::error::DiagnoseError,
+    },
+    /// A report cannot be written.
+    #[error(transparent)]
+    Write(#[from] report::WriteError),
+    /// A folder cannot be made.
+    #[error("cannot make {path}: {error}")]
+    Folder {
+        /// The folder.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
+}
+
+/// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it.
+///
+/// # Errors
+/// The first case that fails.
+pub fn prove(cases: u64, seed: u64, out: Option<&Path>, done: impl Fn() + Sync) -> Result<Vec<Score>, ProveError> {
+    let reports = out.map(|o| o.join("reports"));
+    if let Some(folder) = &reports {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| ProveError::Folder { path: folder.display().to_string(), error })?;
+    }
+    (0..cases)
+        .into_par_iter()
+        .map(|index| {
+            let case = generate(&draw(index, seed), seed)?;
+            let fail = |error| ProveError::Diagnose { case: case.id.clone(), error };
+            let robot = Robot::from_urdf_str(&case.urdf).map_err(|e| fail(e.into()))?;
+            let model = NominalModel { robot };
+            let outcome = diagnose(&model, &case.train, &case.test, Settings::default()).map_err(fail)?;
+            let found = serde_json::to_value(&outcome.diagnosis).expect("numbers and strings");
+            if let (Some(out), Some(folder)) = (out, &reports) {
+                write(&case, out)?;
+                let text = serde_json::to_string_pretty(&found).expect("numbers and strings");
+                report::write_atomic(&folder.join(format!("{}.json", case.id)), &text)?;
+            }
+            let truth: Value = serde_json::to_value(&case.truth).expect("numbers and strings");
+            done();
+            Ok(judge(&truth, &found))
+        })
+        .collect()
+}
+
+/// Scores by kind of case, singles together, and the rates that only some kinds have.
+pub fn table(scores: &[Score]) -> Table {
+    let mut kinds: Vec<&str> = scores.iter().map(|s| s.kind.as_str()).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let heads = ["top-1*", "lenient", "top-3", "joint", "closure", "false alarm", "unknown found", "false unknown"];
+    let mut columns = vec![Column::text("truth"), Column::number("cases")];
+    columns.extend(heads.map(Column::number));
+    let mut table = Table::new(columns);
+    let mut push = |name: &str, of: Vec<&Score>| {
+        let cell = |f: fn(&Score) -> Option<f64>| Cell::optional(mean(&of, f), 2);
+        table.push([
+            Cell::text(name),
+            Cell::number(of.len() as f64, 0),
+            cell(|s| s.top1),
+            cell(|s| s.lenient),
+            cell(|s| s.top3),
+            cell(|s| s.joint),
+            cell(|s| s.closure),
+            cell(|s| s.false_alarm),
+            cell(|s| s.unknown_found),
+            cell(|s| s.false_unknown),
+        ]);
+    };
+    for kind in kinds {
+        push(kind, scores.iter().filter(|s| s.kind == kind).collect());
+    }
+    push("all single", scores.iter().filter(|s| !["none", "outside", "two"].contains(&s.kind.as_str())).collect());
+    push("all", scores.iter().collect());
+    table.emphasise_last()
+}

@@ -1,0 +1,161 @@
+//! The report in words, for the terminal and the page.
+
+use crate::effect::Effect;
+use crate::report::{Cause, Diagnosis, Parameter, Verdict};
+
+/// The diagnosis as lines of text, the most important first.
+pub fn lines(d: &Diagnosis) -> Vec<String> {
+    let mut out = vec![verdict(d)];
+    match d.causes.first() {
+        Some(first) => {
+            out.push(format!("Biggest cause: {}.", sentence(first)));
+            out.push(format!("  {}", closes(first)));
+            out.push(format!("  In the simulator: {}", remedy(first)));
+            for cause in &d.causes[1..] {
+                out.push(format!("Also: {}; {}.", sentence(cause), closes(cause)));
+            }
+        }
+        None => out.push("No cause to report.".to_owned()),
+    }
+    for cause in d.causes.iter().filter(|c| !c.ambiguous_with.is_empty()) {
+        let others: Vec<String> = cause.ambiguous_with.iter().map(|e| plain(*e).to_owned()).collect();
+        let (a, b) = (plain(cause.effect), others.join(" or "));
+        out.push(format!("Cannot be told apart here: {a} and {b}. {}", experiment(cause)));
+    }
+    for n in &d.not_identifiable {
+        out.push(format!("Cannot be known: {} on {}: {}.", plain(n.effect), n.joints.join(", "), n.reason));
+    }
+    out
+}
+
+fn verdict(d: &Diagnosis) -> String {
+    let nrmse = |name: &str| d.ladder.iter().find(|s| s.step == name).map_or(0.0, |s| s.all.mean_nrmse);
+    let last = d.ladder.iter().rfind(|s| s.step != "learned" && s.step != "repeatability").map_or(0.0, |s| s.all.mean_nrmse);
+    let figures = format!("mean NRMSE on held-out data {:.3} as given, {last:.3} explained", nrmse("as_given"));
+    let says = match d.verdict {
+        Verdict::NoGap => "Nothing is missing: what separates model and recording is noise and small parameter changes",
+        Verdict::Explained => "The gap is explained",
+        Verdict::PartlyExplained => "The gap is explained in part",
+        Verdict::UnknownEffect => {
+            let worst = d.unexplained.iter().max_by(|a, b| a.nrmse.total_cmp(&b.nrmse));
+            let place = worst.map_or("", |w| w.joint.as_str());
+            return format!("Something is there that the catalogue does not know, on {place} ({figures}).");
+        }
+    };
+    format!("{says} ({figures}).")
+}
+
+/// Cause, joint and size.
+pub fn sentence(cause: &Cause) -> String {
+    let size = cause.parameters.first().map_or(String::new(), |p| format!(", {}", value(p)));
+    let driver = cause.driver.as_ref().map_or(String::new(), |d| format!(" driven by {d}"));
+    format!("{} on {}{driver}{size}", plain(cause.effect), cause.joints.join(", "))
+}
+
+/// How much of the gap it closes.
+pub fn closes(cause: &Cause) -> String {
+    let [low, high] = cause.gap_closed_interval;
+    format!(
+        "closes {:.0} % of the gap of {} on held-out data ({:.0}–{:.0} %)",
+        100.0 * cause.gap_closed,
+        cause.joints.join(", "),
+        100.0 * low,
+        100.0 * high
+    )
+}
+
+/// A parameter with its deviation and unit.
+pub fn value(p: &Parameter) -> String {
+    let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+    if p.std > 0.0 {
+        format!("{} {:.4} ± {:.2}{unit}", p.name, Short(p.value), Short(p.std))
+    } else {
+        format!("{} {:.4}{unit}", p.name, Short(p.value))
+    }
+}
+
+/// A number with as many significant digits as the precision asks for.
+struct Short(f64);
+
+impl std::fmt::Display for Short {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let digits = f.precision().unwrap_or(4) as i32;
+        if self.0 == 0.0 || !self.0.is_finite() {
+            return write!(f, "{}", self.0);
+        }
+        let magnitude = self.0.abs().log10().floor() as i32;
+        if !(-4..6).contains(&magnitude) {
+            return write!(f, "{:.*e}", (digits - 1).max(0) as usize, self.0);
+        }
+        write!(f, "{:.*}", (digits - 1 - magnitude).max(0) as usize, self.0)
+    }
+}
+
+/// The effect's name in plain words.
+pub fn plain(effect: Effect) -> &'static str {
+    match effect {
+        Effect::LinkParameters => "inertial parameters of links",
+        Effect::FrictionParameters => "friction coefficients",
+        Effect::Payload => "a payload on the last link",
+        Effect::RotorInertia => "rotor inertia",
+        Effect::BaseTilt => "a tilted base",
+        Effect::Counterbalance => "a counterbalance",
+        Effect::AsymmetricFriction => "friction that differs by direction",
+        Effect::StribeckFriction => "Stribeck friction",
+        Effect::NonlinearViscousFriction => "nonlinear viscous friction",
+        Effect::LoadDependentFriction => "load-dependent friction",
+        Effect::PreslidingHysteresis => "presliding hysteresis",
+        Effect::FrictionDrift => "friction that drifts over the session",
+        Effect::TorqueRipple => "torque ripple",
+        Effect::JointElasticity => "elasticity of the transmission",
+        Effect::Backlash => "backlash",
+        Effect::JointCoupling => "coupling to another joint",
+        Effect::TorqueGain => "a wrong torque scale",
+        Effect::TorqueOffset => "a torque offset",
+        Effect::TimeDelay => "a time shift between torque and motion",
+        Effect::Saturation => "a saturated torque signal",
+        Effect::EncoderOffset => "a wrong joint zero",
+        Effect::ExternalContact => "contact",
+    }
+}
+
+/// What to set in a simulator.
+pub fn remedy(cause: &Cause) -> String {
+    let size: Vec<String> = cause.parameters.iter().take(4).map(value).collect();
+    let size = size.join(", ");
+    match cause.effect {
+        Effect::LinkParameters => format!("set the links' inertials ({size}); --patch writes them"),
+        Effect::FrictionParameters => format!("set joint damping and friction loss ({size}); --patch writes them"),
+        Effect::Payload => format!("attach a body to the last link ({size}); --patch writes it"),
+        Effect::RotorInertia => format!("set the joint's armature ({size})"),
+        Effect::BaseTilt => format!("turn gravity in the base frame ({size})"),
+        Effect::Counterbalance => format!("add a passive torque of the joint's position ({size})"),
+        Effect::TimeDelay => format!("shift the torque in the recording, or delay the actuator ({size})"),
+        Effect::TorqueGain => format!("correct the torque constant or gear ratio ({size})"),
+        Effect::TorqueOffset => format!("take the bias off the torque ({size})"),
+        Effect::EncoderOffset => format!("correct the joint's zero ({size})"),
+        Effect::Saturation => format!("leave out cut samples, or limit the actuator ({size})"),
+        Effect::JointElasticity => format!("split the joint into motor and link with a spring ({size})"),
+        Effect::Backlash => format!("add a joint with this range between motor and link ({size})"),
+        Effect::ExternalContact => format!("nothing: leave this part of the recording out ({size})"),
+        _ => format!("no standard parameter: add the torque by a plug-in ({size})"),
+    }
+}
+
+/// The motion that would separate the cause from its rivals.
+fn experiment(cause: &Cause) -> &'static str {
+    let with = |e| cause.ambiguous_with.contains(&e) || cause.effect == e;
+    if with(Effect::TorqueOffset) && with(Effect::AsymmetricFriction) {
+        "Record rests that are reached from both directions."
+    } else if with(Effect::Payload) || with(Effect::LinkParameters) {
+        "Record the same motions with and without a known mass on the last link."
+    } else if with(Effect::FrictionDrift) {
+        "Repeat one motion cold and warm."
+    } else if with(Effect::LoadDependentFriction) || with(Effect::TorqueGain) {
+        "Repeat the same speeds in poses with different load, up and down."
+    } else if with(Effect::StribeckFriction) || with(Effect::NonlinearViscousFriction) {
+        "Record constant speeds from the slowest to the fastest."
+    } else {
+        "Record slow reversals of single joints, and fast ones."
+    }
+}
