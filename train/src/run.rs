@@ -62,7 +62,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = FitOptions {
         identify: IdentifyOptions {
             moving_only: arguments.moving_only,
-            select: !arguments.basic,
+            // The published compensator corrects the published physics: rigid body, viscous, Coulomb.
+            select: !arguments.basic && arguments.preset != PresetName::Ucm,
             ..IdentifyOptions::default()
         },
         prepare: prepare_options,

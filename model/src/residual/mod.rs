@@ -1,9 +1,11 @@
 //! The learned part of a model: inputs, training on the residual torque, prediction.
 
 mod inputs;
+mod pace;
 mod train;
 
 pub use inputs::{Preset, input_table, inputs};
+pub use pace::Pace;
 pub use train::{Learned, ResidualOptions, train_residual};
 
 use crate::directory::ModelFile;
@@ -11,7 +13,7 @@ use crate::session::Session;
 use compensator::training::{Samples, predict as predict_unit};
 use feedforward::LoadError;
 use feedforward::network::Compensator;
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Axis};
 use physics::torque_model::TorqueModel;
 use std::path::Path;
 
@@ -61,11 +63,16 @@ pub fn predict(
     let Some(record) = &file.compensator else {
         return Ok(Array2::zeros(session.parts[part].at_samples.q.dim()));
     };
+    let part_motion = &session.parts[part];
+    let Some(pace) = Pace::new(part_motion.report.rate_hz, record.period) else {
+        return Ok(Array2::zeros(part_motion.at_samples.q.dim()));
+    };
     let tables = input_table(session, &record.inputs, &session.load(model.load_robot()));
     predict_from(
         compensator,
         &tables[part],
-        &session.parts[part].at_samples.segments,
+        &part_motion.at_samples.segments,
+        pace,
     )
 }
 
@@ -74,15 +81,18 @@ pub(crate) fn predict_from(
     compensator: &Compensator,
     table: &Array2<f32>,
     segments: &[std::ops::Range<usize>],
+    pace: Pace,
 ) -> Result<Array2<f64>, ResidualError> {
+    let (rows, phases) = pace.rows(segments);
+    let paced = table.select(Axis(0), &rows);
     let mut torque = Array2::zeros((table.nrows(), compensator.joints.len()));
-    let nothing = Array1::<f32>::zeros(table.nrows());
-    let samples = Samples::new(table.view(), nothing.view(), None, segments)?;
-    let all: Vec<usize> = (0..segments.len()).collect();
+    let nothing = Array1::<f32>::zeros(rows.len());
+    let samples = Samples::new(paced.view(), nothing.view(), None, &phases)?;
+    let all: Vec<usize> = (0..phases.len()).collect();
     for unit in &compensator.units {
         let residual = predict_unit(unit, &samples, &all)?;
-        for (target, value) in torque.column_mut(unit.joint).iter_mut().zip(residual) {
-            *target += f64::from(value);
+        for (&row, value) in rows.iter().zip(residual) {
+            torque[[row, unit.joint]] += f64::from(value);
         }
     }
     Ok(torque)

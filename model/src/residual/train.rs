@@ -1,7 +1,7 @@
 //! Training of the units on what the physics leaves.
 
 use super::inputs::{Preset, input_table, inputs};
-use super::{ResidualError, predict_from};
+use super::{Pace, ResidualError, predict_from};
 use crate::physics_fit::Fit;
 use compensator::training::{
     Control, Job, Loss, Samples, Schedule, Split, Trained, Training, UnitConfig, train, train_ridge,
@@ -9,7 +9,7 @@ use compensator::training::{
 use datasets::Recording;
 use feedforward::inputs::{CompensatorRecord, UnitValidation};
 use feedforward::network::Compensator;
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Axis};
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 
@@ -46,9 +46,6 @@ pub struct Learned {
     /// Residual torque of every recording of the session, shape (samples, joints).
     pub torque: Vec<Array2<f64>>,
 }
-
-/// Two rates are the same where they differ by less than this part.
-const SAME_RATE: f64 = 0.05;
 
 /// Settings of a unit for `samples` training samples.
 ///
@@ -118,30 +115,35 @@ pub fn train_residual(
     let model = fit.file.physics.model()?;
     let (list, seen) = inputs(options.preset, joints, options.moving_only);
     let tables = input_table(&fit.session, &list, &fit.session.load(model.load_robot()));
-    // Windows count samples, so only recordings at one rate can be learned from together.
-    let rate = fit.file.preprocessing.rate_hz;
-    let used: Vec<usize> = (0..data.len())
-        .filter(|&i| (fit.session.parts[i].report.rate_hz / rate - 1.0).abs() < SAME_RATE)
+    // Windows keep their length in time: faster recordings are taken apart into several sequences.
+    let period = 1.0 / fit.file.preprocessing.rate_hz;
+    let paces: Vec<(usize, Pace)> = (0..data.len())
+        .filter_map(|i| Some((i, Pace::new(fit.session.parts[i].report.rate_hz, period)?)))
         .collect();
-    // One table over all training recordings.
-    let stacked = stack(used.iter().map(|&i| &tables[i]));
+    let mut rows = Vec::new();
     let mut segments: Vec<Range<usize>> = Vec::new();
     let mut folds = Vec::new();
+    let mut blocks = Vec::new();
     let mut start = 0;
-    for &i in &used {
-        let (part, fold) = (&fit.session.parts[i], &fit.fold[i]);
-        segments.extend(
-            part.at_samples
-                .segments
-                .iter()
-                .map(|s| start + s.start..start + s.end),
-        );
-        folds.extend(fold.iter().copied());
-        start += part.at_samples.len();
+    for &(i, pace) in &paces {
+        let (order, phases) = pace.rows(&fit.session.parts[i].at_samples.segments);
+        let lengths = fit.session.parts[i]
+            .at_samples
+            .segments
+            .iter()
+            .map(ExactSizeIterator::len);
+        for (fold, length) in fit.fold[i].iter().zip(lengths) {
+            folds.extend(std::iter::repeat_n(*fold, pace.phases().min(length)));
+        }
+        segments.extend(phases.iter().map(|s| start + s.start..start + s.end));
+        blocks.push(tables[i].select(Axis(0), &order));
+        start += order.len();
+        rows.push((i, order));
     }
-    let targets: Vec<Array1<f32>> = (0..joints).map(|j| residual(fit, data, &used, j)).collect();
+    let stacked = stack(&blocks);
+    let targets: Vec<Array1<f32>> = (0..joints).map(|j| residual(fit, data, &rows, j)).collect();
     let weights: Vec<Array1<f32>> = (0..joints)
-        .map(|j| weight(fit, &used, j, options.moving_only))
+        .map(|j| weight(fit, &rows, j, options.moving_only))
         .collect();
     let jobs = |split: &Split| -> Result<Vec<Job<'_>>, ResidualError> {
         let mut jobs = Vec::new();
@@ -209,11 +211,16 @@ pub fn train_residual(
     let torque = tables
         .iter()
         .zip(&fit.session.parts)
-        .map(|(table, part)| predict_from(&compensator, table, &part.at_samples.segments))
+        .map(
+            |(table, part)| match Pace::new(part.report.rate_hz, period) {
+                Some(pace) => predict_from(&compensator, table, &part.at_samples.segments, pace),
+                None => Ok(Array2::zeros(part.at_samples.q.dim())),
+            },
+        )
         .collect::<Result<_, _>>()?;
     let record = CompensatorRecord {
         inputs: list,
-        period: 1.0 / fit.file.preprocessing.rate_hz,
+        period,
         sha256: Sha256::digest(&bytes)
             .iter()
             .map(|b| format!("{b:02x}"))
@@ -257,29 +264,41 @@ fn hold_back(folds: &[usize]) -> Option<Split> {
     Some(Split { train, validation })
 }
 
-fn stack<'a>(tables: impl Iterator<Item = &'a Array2<f32>>) -> Array2<f32> {
-    let views: Vec<_> = tables.map(|t| t.view()).collect();
-    ndarray::concatenate(ndarray::Axis(0), &views).unwrap_or_default()
+fn stack(tables: &[Array2<f32>]) -> Array2<f32> {
+    let views: Vec<_> = tables.iter().map(|t| t.view()).collect();
+    ndarray::concatenate(Axis(0), &views).unwrap_or_default()
 }
 
-fn residual(fit: &Fit, data: &[Recording], used: &[usize], joint: usize) -> Array1<f32> {
-    used.iter()
-        .filter_map(|&i| Some((data[i].tau.as_ref()?, &fit.physics[i])))
-        .flat_map(|(tau, physics)| {
-            std::iter::zip(tau.column(joint), physics.column(joint)).map(|(t, p)| (t - p) as f32)
-        })
-        .collect()
+/// Measured torque minus physics in the order of the sequences.
+fn residual(
+    fit: &Fit,
+    data: &[Recording],
+    rows: &[(usize, Vec<usize>)],
+    joint: usize,
+) -> Array1<f32> {
+    let mut target = Vec::new();
+    for (i, order) in rows {
+        let Some(tau) = &data[*i].tau else { continue };
+        let physics = &fit.physics[*i];
+        target.extend(
+            order
+                .iter()
+                .map(|&r| (tau[[r, joint]] - physics[[r, joint]]) as f32),
+        );
+    }
+    target.into()
 }
 
-fn weight(fit: &Fit, used: &[usize], joint: usize, moving_only: bool) -> Array1<f32> {
-    used.iter()
-        .flat_map(|&i| fit.session.parts[i].at_samples.qd.column(joint).to_vec())
-        .map(|v| {
-            if !moving_only || v.abs() > crate::identification::MOVING {
-                1.0
-            } else {
-                0.0
-            }
-        })
-        .collect()
+fn weight(fit: &Fit, rows: &[(usize, Vec<usize>)], joint: usize, moving_only: bool) -> Array1<f32> {
+    let mut weights = Vec::new();
+    for (i, order) in rows {
+        let qd = &fit.session.parts[*i].at_samples.qd;
+        let moves = |r: usize| qd[[r, joint]].abs() > crate::identification::MOVING;
+        weights.extend(
+            order
+                .iter()
+                .map(|&r| if !moving_only || moves(r) { 1.0 } else { 0.0 }),
+        );
+    }
+    weights.into()
 }

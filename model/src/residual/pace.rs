@@ -1,0 +1,57 @@
+//! Recordings at another rate than the network's: windows keep their length in time.
+
+use std::ops::Range;
+
+/// Every how many samples of a recording one sample of a window is taken.
+///
+/// At a pace of two, odd and even samples are two interleaved sequences, each as far apart as in
+/// training; the run-time does the same with one stream per phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pace(usize);
+
+/// A window may be longer or shorter than in training by this factor.
+const TOLERANCE: f64 = 1.5;
+
+impl Pace {
+    /// Pace for a recording at `rate_hz` and a network trained at `period` seconds; None where the
+    /// recording is too slow for it.
+    pub fn new(rate_hz: f64, period: f64) -> Option<Self> {
+        let exact = rate_hz * period;
+        let stride = exact.round().max(1.0);
+        (exact * TOLERANCE >= stride).then_some(Self(stride as usize))
+    }
+
+    /// Rows in the order of the sequences, and the range of each sequence in that order.
+    pub fn rows(self, segments: &[Range<usize>]) -> (Vec<usize>, Vec<Range<usize>>) {
+        let mut rows = Vec::new();
+        let mut phases = Vec::new();
+        for segment in segments {
+            for phase in 0..self.0.min(segment.len()) {
+                let start = rows.len();
+                rows.extend((segment.start + phase..segment.end).step_by(self.0));
+                phases.push(start..rows.len());
+            }
+        }
+        (rows, phases)
+    }
+
+    /// Number of sequences that each segment becomes (for segments of at least that many rows).
+    pub fn phases(self) -> usize {
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_and_even_samples_at_twice_the_rate() {
+        let pace = Pace::new(100.0, 0.02).unwrap();
+        let (rows, phases) = pace.rows(&[0..5, 5..7]);
+        assert_eq!(rows, [0, 2, 4, 1, 3, 5, 6]);
+        assert_eq!(phases, [0..3, 3..5, 5..6, 6..7]);
+        assert_eq!(Pace::new(10.0, 0.01), None, "ten times too slow");
+        assert_eq!(Pace::new(60.0, 1.0 / 60.0), Some(Pace(1)));
+    }
+}
