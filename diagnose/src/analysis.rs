@@ -19,6 +19,12 @@ use rayon::prelude::*;
 /// Most causes that are named.
 const MOST_CAUSES: usize = 8;
 
+/// Cut-offs tried for the motion, Hz, beside the one that its noise suggests: too low takes real acceleration away, too
+/// high lets noise in, and both show in the gap itself.
+const CUTOFFS: [f64; 3] = [15.0, 20.0, 27.0];
+/// Trajectories that they are tried on.
+const CUTOFF_TRAJECTORIES: usize = 3;
+
 /// The recordings on their clocks.
 pub struct Frames {
     /// What is fitted.
@@ -34,12 +40,23 @@ impl Frames {
     ///
     /// # Errors
     /// No torque, or a recording that cannot be prepared.
-    pub fn new(data: &Recording, heldout: &Recording, cutoff_hz: Option<f64>) -> Result<Self, DiagnoseError> {
-        let frame = |r: &Recording| {
+    pub fn new(model: &NominalModel, data: &Recording, heldout: &Recording) -> Result<Self, DiagnoseError> {
+        let frame = |r: &Recording, cutoff_hz: Option<f64>| {
             let tau = r.tau.clone().ok_or_else(|| DiagnoseError::NoTorque(r.source.clone()))?;
             Frame::new(r, tau, cutoff_hz)
                 .map_err(|error| DiagnoseError::Prepare { source_name: r.source.clone(), error })
         };
+        let few: Vec<usize> = (0..data.trajectories.len().min(CUTOFF_TRAJECTORIES)).collect();
+        let sample = data.select(&few);
+        let chosen = frame(&sample, None)?;
+        let cutoff = chosen.report().cutoff_hz.map(|automatic| {
+            let rate = chosen.report().rate_hz;
+            let options = CUTOFFS.into_iter().filter(|c| *c < 0.3 * rate).chain([automatic.min(CUTOFFS[2])]);
+            let error = |c: f64| frame(&sample, Some(c)).map_or(f64::INFINITY, |f| relative_gap(model, &f));
+            let scored: Vec<(f64, f64)> = options.map(|c| (c, error(c))).collect();
+            scored.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(automatic, |best| best.0)
+        });
+        let frame = |r: &Recording| frame(r, cutoff);
         let (data, heldout) = (frame(data)?, frame(heldout)?);
         let scale = data.scale(&[&heldout]);
         Ok(Self { data, heldout, scale })
@@ -85,6 +102,13 @@ pub struct Findings {
 pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
     let scene = Scene::new(&model.robot, frame.motion(), scale);
     &frame.tau - &frame.table_to_samples(&model.predicted(&scene))
+}
+
+/// Sum over joints of the gap's mean square over the variance of the measured torque.
+fn relative_gap(model: &NominalModel, frame: &Frame) -> f64 {
+    let gap = gap(model, frame, &frame.scale(&[]));
+    let square = |j: usize| gap.column(j).dot(&gap.column(j)) / gap.nrows().max(1) as f64;
+    (0..frame.dof()).map(|j| square(j) / frame.tau.column(j).var(0.0).max(1e-12)).sum()
 }
 
 /// Chosen columns of a recording at its recorded samples: (column, joint, torque per unit).

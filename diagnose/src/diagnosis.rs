@@ -49,7 +49,7 @@ pub struct Outcome {
 /// # Errors
 /// A recording that cannot be used.
 pub fn diagnose(model: &NominalModel, data: &Recording, heldout: &Recording, settings: Settings) -> Result<Outcome, DiagnoseError> {
-    let frames = Frames::new(data, heldout, None)?;
+    let frames = Frames::new(model, data, heldout)?;
     let mut weight = frames.data.weights();
     let mut findings = find(model, &frames, &weight, settings.clone())?;
     let mut explanation = explain(model, &frames, &findings, false)?;

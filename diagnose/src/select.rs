@@ -139,7 +139,10 @@ impl<'a> Search<'a> {
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
         let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
-        misfit || tried.gain > 2.0 * s.enough
+        // What the sign of a filtered velocity gets wrong at reversals looks like memory.
+        let memory = self.candidates[tried.candidate].effect == Effect::PreslidingHysteresis;
+        let clear = if memory { 2.0 * s.enough } else { 1.4 * s.enough };
+        (misfit && !memory) || tried.gain > clear
     }
 
     /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form

@@ -1,31 +1,31 @@
-//! `backlash`: play in the transmission, q being the motor side. The link stands at q − b·h, h being the sign of the
-//! torque through the teeth, rounded because the gap takes time to cross.
-//! Confounders: elasticity, presliding hysteresis (reversal of velocity, not of torque).
+//! `backlash`: play in the transmission, q being the motor side. The link crosses the gap on its own inertia and
+//! meets the other flank: [`super::transmission`] with a stiff spring behind the gap.
+//! Confounders: elasticity (no gap), presliding hysteresis (reversal of velocity, not of torque).
 
+use super::transmission::Transmission;
 use super::{Bound, Candidate, Column, Quantity};
 use crate::effect::Effect;
 use crate::scene::Scene;
 
-/// Torque of half contact relative to the joint's torque.
-const SOFTNESS: [f64; 3] = [0.02, 0.06, 0.2];
-/// Largest half play, rad: more would be a loose screw.
-const MOST_PLAY: f64 = 0.015;
-/// Time in which the gap is crossed, s (standard deviation of the rounding).
-const CROSSING: [f64; 2] = [0.012, 0.035];
+/// Half plays, rad (m for prismatic joints, where they are a tenth).
+const HALF_PLAYS: [f64; 6] = [2e-4, 6e-4, 1.3e-3, 2.6e-3, 5e-3, 9e-3];
+/// Natural frequencies on the flanks, Hz, with their damping.
+const FLANKS: [(f64, f64); 2] = [(14.0, 0.3), (28.0, 0.3)];
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let dof = scene.dof();
+    let unit = if scene.robot.joints()[joint].kind.is_rotation() { 1.0 } else { 0.1 };
     let mut all = Vec::new();
-    for softness in SOFTNESS {
-        for crossing in CROSSING {
-            let soft = softness * scene.scale.torque[joint];
-            let column = Column::whole(dof, move |s| {
-                let side = s.rigid.column(joint).mapv(|t| (t / soft).tanh());
-                s.departure(joint, &-s.rounded(&side, crossing))
-            });
-            let play = Quantity::plain("half_play", "rad", Some(joint));
-            let bound = Bound::Between(0.0, MOST_PLAY);
-            all.push(Candidate::single(Effect::Backlash, joint, play, bound, column));
+    for play in HALF_PLAYS {
+        for (frequency, damping) in FLANKS {
+            let half_play = play * unit;
+            let transmission = Transmission { frequency, damping, half_play };
+            let column = Column::whole(dof, move |s| transmission.change(s, joint));
+            let quantity = Quantity::scaled("half_play", "rad", Some(joint), half_play);
+            all.push(
+                Candidate::single(Effect::Backlash, joint, quantity, Bound::Between(0.4, 2.0), column)
+                    .with_shape("flank_frequency", frequency, "Hz"),
+            );
         }
     }
     all

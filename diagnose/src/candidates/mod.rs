@@ -18,6 +18,7 @@ mod stribeck_friction;
 mod time_delay;
 mod torque_channel;
 pub mod torque_ripple;
+mod transmission;
 
 use crate::effect::Effect;
 use crate::scene::Scene;
