@@ -7,6 +7,10 @@ use crate::objective::Objective;
 use physics::robot::Robot;
 use rayon::prelude::*;
 
+/// Largest change of a suspected link's parameter, in squares of its prior deviation (half its size): beyond that the
+/// link is not the cause, it stands in for something else.
+const MOST_CHANGE: f64 = 9.0;
+
 /// A candidate tried on top of a fit.
 #[derive(Clone, Debug)]
 pub struct Tried {
@@ -77,8 +81,11 @@ impl<'a> Search<'a> {
             .into_par_iter()
             .filter(|c| !accepted.iter().any(|a| self.excludes(*a, *c)))
             .filter_map(|c| {
-                let trial = fit.trial(&self.variables(c));
-                let within = trial.gamma.iter().zip(&self.candidates[c].bounds).all(|(g, b)| allowed(*g, *b));
+                let variables = self.variables(c);
+                let trial = fit.trial(&variables);
+                let link = self.candidates[c].effect == Effect::LinkParameters;
+                let within = trial.gamma.iter().zip(&self.candidates[c].bounds).all(|(g, b)| allowed(*g, *b))
+                    && (!link || trial.gamma.iter().zip(&variables).all(|(g, v)| g * g * v.precision < MOST_CHANGE));
                 let gain = before - self.objective.of_trial(&trial, self.members[c].len());
                 within.then_some(Tried { candidate: c, gain, error: trial.error, penalty: trial.penalty, gamma: trial.gamma })
             })
@@ -139,8 +146,11 @@ impl<'a> Search<'a> {
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
         let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
-        // What the sign of a filtered velocity gets wrong at reversals looks like memory.
-        let memory = self.candidates[tried.candidate].effect == Effect::PreslidingHysteresis;
+        let c = &self.candidates[tried.candidate];
+        let memory = c.effect == Effect::PreslidingHysteresis;
+        if fraction(&before, &after, &c.joints) < least_fraction(c) {
+            return false;
+        }
         let clear = if memory { 2.0 * s.enough } else { 1.4 * s.enough };
         (misfit && !memory) || tried.gain > clear
     }
@@ -186,6 +196,29 @@ impl<'a> Search<'a> {
                 accepted.remove(i);
             }
         }
+    }
+}
+
+/// Part of the joints' squared relative error that a trial removes.
+fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
+    let squares = |e: &[f64]| joints.iter().map(|&j| e[j] * e[j]).sum::<f64>();
+    1.0 - squares(after) / squares(before).max(1e-300)
+}
+
+/// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
+/// spare them a bend instead. What the sign of a filtered velocity gets wrong at reversals looks like memory over
+/// less than a milliradian, which therefore has to show plainly.
+fn least_fraction(candidate: &Candidate) -> f64 {
+    const NARROW: f64 = 1.2e-3;
+    match candidate.effect {
+        Effect::PreslidingHysteresis if candidate.shape.first().is_some_and(|s| s.1 < NARROW) => 0.35,
+        Effect::PreslidingHysteresis
+        | Effect::JointCoupling
+        | Effect::TimeDelay
+        | Effect::Backlash
+        | Effect::JointElasticity
+        | Effect::TorqueRipple => 0.06,
+        _ => f64::NEG_INFINITY,
     }
 }
 
