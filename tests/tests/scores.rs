@@ -1,0 +1,183 @@
+//! Scores and predictions of `eval`, and recordings that say little.
+
+use physics::robot::Robot;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tests::csv::Csv;
+use tests::program::{files, json, mean_nrmse, program, row, run};
+use tests::shared::shared;
+use tests::synthetic::{Plan, record, record_to};
+
+fn ur5() -> Robot {
+    Robot::builtin("ur5").expect("built in")
+}
+
+/// Trains on `data` into `folder`/model, basic terms and a short compensator.
+fn train(folder: &Path, data: &Path, extra: &[&str]) -> PathBuf {
+    let out = folder.join("model");
+    let mut train = program("train");
+    train.args(["--robot", "ur5", "--basic", "--quiet"]);
+    train.args(["--epochs", "4", "--members", "1"]);
+    train.arg("--data").arg(data).arg("--out").arg(&out);
+    run(train.args(extra)).succeeded();
+    out
+}
+
+fn eval(model: &Path, data: &Path) -> Command {
+    let mut eval = program("eval");
+    eval.arg("--model").arg(model).arg("--data").arg(data);
+    eval
+}
+
+#[test]
+fn scores_and_predictions() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let place = |name: &str| folder.path().join(name);
+    let data = record_to(folder.path(), "train.csv", &ur5(), &Plan::default());
+    let other = Plan {
+        seed: 2,
+        ..Plan::default()
+    };
+    let test = record_to(folder.path(), "test.csv", &ur5(), &other);
+    let held = ["--heldout", test.to_str().expect("a name in UTF-8")];
+    let model = train(folder.path(), &data, &held);
+    let names: Vec<String> = files(&model).into_iter().map(|f| f.0).collect();
+    for name in ["model.json", "metrics.json", "compensator.safetensors"] {
+        assert!(names.iter().any(|n| n == name), "{name} among {names:?}");
+    }
+    // The directory stands alone.
+    let moved = place("moved");
+    std::fs::rename(&model, &moved).expect("movable");
+    std::fs::remove_file(&data).expect("removable");
+
+    let ended = run(eval(&moved, &test)
+        .arg("--json")
+        .arg(place("scores.json"))
+        .arg("--html")
+        .arg(place("page.html"))
+        .arg("--predict")
+        .arg(place("torque.csv")));
+    ended.succeeded();
+    for name in ["linear_baseline", "physics", "physics+compensator"] {
+        assert!(ended.out.contains(name), "no {name} in {}", ended.out);
+    }
+    let scores = json(&place("scores.json"));
+    assert_eq!(scores["schema"], "eval/1");
+    assert_eq!(scores["samples"], 1503);
+    // What train said of the held-out recording is what eval says.
+    let metrics = json(&moved.join("metrics.json"));
+    for name in ["linear_baseline", "physics", "physics+compensator"] {
+        for scope in ["all", "moving"] {
+            let (a, b) = (
+                mean_nrmse(&scores, "rows", name, scope),
+                mean_nrmse(&metrics, "heldout", name, scope),
+            );
+            assert!((a - b).abs() < 1e-9 * b, "{name}, {scope}: {a} and {b}");
+        }
+    }
+    let page = std::fs::read_to_string(place("page.html")).expect("a page");
+    assert!(page.contains("<svg") && page.contains("physics+compensator"));
+
+    let predicted = std::fs::read_to_string(place("torque.csv")).expect("a prediction");
+    let header = predicted.lines().next().unwrap_or_default();
+    assert!(header.starts_with("trajectory,time,tau1,tau2,tau3,tau4,tau5,tau6"));
+    rmse_is_that_of_the_prediction(&scores, &test, &predicted);
+
+    // Without torque: the same prediction, no scores.
+    let bare = place("bare.csv");
+    let torque = ["tau1", "tau2", "tau3", "tau4", "tau5", "tau6"];
+    Csv::of(&record(&ur5(), &other))
+        .without(&torque)
+        .write(&bare);
+    run(eval(&moved, &bare)
+        .arg("--predict")
+        .arg(place("bare-torque.csv")))
+    .succeeded();
+    let again = std::fs::read_to_string(place("bare-torque.csv")).expect("a prediction");
+    assert_eq!(again, predicted);
+
+    if let Some(checker) = shared("tools/check_contract.py") {
+        run(Command::new("python3")
+            .arg(checker)
+            .arg(place("scores.json")))
+        .succeeded();
+    }
+}
+
+/// The scores are those of what --predict writes, against the torque as it stands in the file.
+fn rmse_is_that_of_the_prediction(scores: &Value, recording: &Path, predicted: &str) {
+    let table = |text: &str| -> Vec<Vec<f64>> {
+        let mut lines = text.lines().map(|line| line.split(','));
+        let header: Vec<&str> = lines.next().map(Iterator::collect).unwrap_or_default();
+        let places: Vec<usize> = (1..=6)
+            .filter_map(|j| header.iter().position(|h| *h == format!("tau{j}")))
+            .collect();
+        lines
+            .map(|cells| {
+                let cells: Vec<&str> = cells.collect();
+                let number = |&p: &usize| cells[p].parse().expect("a number");
+                places.iter().map(number).collect()
+            })
+            .collect()
+    };
+    let measured = table(&std::fs::read_to_string(recording).expect("readable"));
+    let predicted = table(predicted);
+    assert_eq!(measured.len(), predicted.len());
+    let stated = &row(scores, "rows", "physics+compensator", "all")["rmse"];
+    for joint in 0..6 {
+        let sum: f64 = std::iter::zip(&measured, &predicted)
+            .map(|(m, p)| (m[joint] - p[joint]).powi(2))
+            .sum();
+        let rmse = (sum / measured.len() as f64).sqrt();
+        let stated = stated[joint].as_f64().expect("a number");
+        assert!((rmse - stated).abs() < 1e-9 * stated, "{rmse} {stated}");
+    }
+}
+
+#[test]
+fn a_joint_that_never_moves() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let plan = Plan {
+        still: vec![2],
+        ..Plan::default()
+    };
+    let data = record_to(folder.path(), "still.csv", &ur5(), &plan);
+    let check = run(program("train")
+        .args(["--robot", "ur5", "--check-only", "--json", "--data"])
+        .arg(&data)
+        .current_dir(folder.path()));
+    check.succeeded();
+    let report: Value = serde_json::from_str(&check.out).expect("JSON alone");
+    let findings = report[0]["findings"].as_array().expect("findings");
+    assert!(
+        findings
+            .iter()
+            .any(|f| f["kind"] == "never_moves" && f["joint"] == 2),
+        "{findings:?}"
+    );
+    assert_eq!(files(folder.path()).len(), 1, "--check-only writes nothing");
+
+    let model = train(folder.path(), &data, &[]);
+    let out = folder.path().join("scores.json");
+    run(eval(&model, &data).arg("--json").arg(&out)).succeeded();
+    let scores = json(&out);
+    for name in ["physics", "physics+compensator"] {
+        for scope in ["all", "moving"] {
+            let row = row(&scores, "rows", name, scope);
+            for joint in 0..6 {
+                let nrmse = row["nrmse"][joint].as_f64();
+                if joint == 2 {
+                    assert_eq!(nrmse, None, "{name}, {scope}");
+                } else {
+                    // Noise and ripple are about a twentieth of the torque.
+                    let nrmse = nrmse.expect("a figure");
+                    assert!(nrmse < 0.15, "{name}, {scope}, joint {joint}: {nrmse}");
+                }
+            }
+        }
+    }
+    if let Some(checker) = shared("tools/check_contract.py") {
+        run(Command::new("python3").arg(checker).arg(&out)).succeeded();
+    }
+}

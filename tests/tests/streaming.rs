@@ -1,0 +1,176 @@
+//! The run-time against `eval`: the same torque over whole recordings, sample by sample, without allocation.
+
+use datasets::prepare::{PrepareOptions, Prepared, prepare};
+use datasets::{ReadOptions, Recording};
+use feedforward::Feedforward;
+use physics::robot::Robot;
+use signal::Motion;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+use tests::program::{program, run};
+use tests::synthetic::{Plan, record_to};
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counting the calls of each thread.
+struct Counting;
+
+// SAFETY: every call is handed on to `System` unchanged; the counter is a `Cell` without destructor in
+// constant-initialised thread-local storage, so counting itself neither allocates nor unwinds.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller upholds the contract of `alloc`, which is that of `System`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `alloc` above, thus from `System`, with the same layout.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Further apart than memory is carried, so that both start every trajectory neutral.
+const FAR: f64 = 1000.0;
+
+fn train(robot: &str, data: &Path, out: &Path, extra: &[&str]) {
+    let mut train = program("train");
+    train.args(["--robot", robot, "--quiet"]);
+    train.args(["--epochs", "4", "--members", "2"]);
+    train.arg("--data").arg(data).arg("--out").arg(out);
+    run(train.args(extra)).succeeded();
+}
+
+/// The recording, and what `eval --predict` makes of it, row by row.
+fn predicted(model: &Path, data: &Path, to: &Path) -> (Recording, Vec<Vec<f64>>) {
+    let mut eval = program("eval");
+    eval.arg("--model").arg(model).arg("--data").arg(data);
+    run(eval.arg("--predict").arg(to)).succeeded();
+    let recording = datasets::read(data, &ReadOptions::default()).expect("a recording");
+    let joints = recording.dof();
+    let text = std::fs::read_to_string(to).expect("a prediction");
+    let rows = text
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let torque = line.split(',').skip(2).take(joints);
+            torque.map(|t| t.parse().expect("a number")).collect()
+        })
+        .collect();
+    (recording, rows)
+}
+
+/// Streams a motion through the run-time, a reset before each trajectory, and hands every row's torque on.
+/// Counts the allocations in between.
+fn stream(
+    model: &mut Feedforward,
+    motion: &Motion,
+    clock: bool,
+    mut visit: impl FnMut(usize, &[f64]),
+) {
+    let rows: Vec<[Vec<f64>; 3]> = (0..motion.len())
+        .map(|r| [&motion.q, &motion.qd, &motion.qdd].map(|table| table.row(r).to_vec()))
+        .collect();
+    let mut tau = vec![0.0; model.dof()];
+    let mut allocations = 0;
+    for segment in &motion.segments {
+        model.reset(clock.then(|| motion.time[segment.start]));
+        for row in segment.clone() {
+            let [q, qd, qdd] = &rows[row];
+            let before = ALLOCATIONS.get();
+            model.torque(q, qd, qdd, &mut tau);
+            allocations += ALLOCATIONS.get() - before;
+            visit(row, &tau);
+        }
+    }
+    assert_eq!(allocations, 0, "the control loop allocates");
+    // The counter does count.
+    let before = ALLOCATIONS.get();
+    drop(std::hint::black_box(vec![0_u8; 9]));
+    assert!(ALLOCATIONS.get() > before);
+}
+
+fn prepared(recording: &Recording) -> Prepared {
+    prepare(recording, &PrepareOptions::default()).expect("it was used by eval")
+}
+
+/// Largest difference of one row from the prediction, N·m.
+fn difference(tau: &[f64], expected: &[f64]) -> f64 {
+    std::iter::zip(tau, expected)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}
+
+/// At a rate at which nothing is resampled, the motion that eval took is fed to the run-time as it is.
+#[test]
+fn same_torque_as_eval_at_the_recorded_rate() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let place = |name: &str| -> PathBuf { folder.path().join(name) };
+    let robot = Robot::builtin("ur5").expect("built in");
+    let plan = |seed: u64| Plan {
+        trajectories: 4,
+        pause: FAR,
+        seed,
+        ..Plan::default()
+    };
+    let data = record_to(folder.path(), "train.csv", &robot, &plan(1));
+    let test = record_to(folder.path(), "test.csv", &robot, &plan(2));
+    // Everything there is to choose: memory terms, load, couplings.
+    train("ur5", &data, &place("model"), &[]);
+    let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
+    let mut model = Feedforward::load(&place("model"), None).expect("a model");
+    assert!((model.period() - 0.01).abs() < 1e-9);
+    let motion = prepared(&recording);
+    let mut worst = 0.0_f64;
+    stream(&mut model, &motion.at_samples, false, |row, tau| {
+        worst = worst.max(difference(tau, &expected[row]));
+    });
+    assert!(worst < 1e-6, "{worst} N·m from eval");
+}
+
+/// Recorded at 60 Hz, memory runs on a grid of 120 Hz and the network sees every second point of it: a loop at
+/// 120 Hz, fed the motion on that grid, gives eval's torque at every recorded stamp.
+#[test]
+fn same_torque_as_eval_between_the_recorded_samples() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let place = |name: &str| -> PathBuf { folder.path().join(name) };
+    let robot = Robot::builtin("foxbot_a05").expect("built in");
+    let plan = |seed: u64| Plan {
+        trajectories: 4,
+        rate: 60.0,
+        pause: FAR,
+        seed,
+        ..Plan::default()
+    };
+    let data = record_to(folder.path(), "train.csv", &robot, &plan(3));
+    let test = record_to(folder.path(), "test.csv", &robot, &plan(4));
+    train("foxbot_a05", &data, &place("model"), &["--preset", "ucm"]);
+    let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
+    let mut model = Feedforward::load(&place("model"), Some(1.0 / 120.0)).expect("a model");
+    let motion = prepared(&recording);
+    let starts: Vec<[usize; 2]> = std::iter::zip(&motion.fine.segments, recording.segments())
+        .map(|(fine, rows)| {
+            assert_eq!(fine.len(), 2 * rows.len() - 1, "two fine steps per sample");
+            [fine.start, rows.start]
+        })
+        .collect();
+    let mut worst = 0.0_f64;
+    let mut compared = 0;
+    stream(&mut model, &motion.fine, false, |row, tau| {
+        let [fine, recorded] = starts[starts.partition_point(|s| s[0] <= row) - 1];
+        if (row - fine) % 2 == 0 {
+            let sample = recorded + (row - fine) / 2;
+            worst = worst.max(difference(tau, &expected[sample]));
+            compared += 1;
+        }
+    });
+    assert_eq!(compared, recording.len());
+    assert!(worst < 1e-6, "{worst} N·m from eval");
+}
