@@ -4,8 +4,9 @@
 //! Confounders: none at high orders; below a few cycles per range, gravity and counterbalance.
 
 use super::{Bound, Candidate, Column, Quantity};
+use crate::cholesky::Cholesky;
 use crate::effect::Effect;
-use ndarray::Array1;
+use ndarray::{Array1, Array2};
 
 /// Fewest cycles over the recorded range.
 const FEWEST_CYCLES: f64 = 2.5;
@@ -73,26 +74,66 @@ pub fn orders(residual: &Array1<f64>, q: &Array1<f64>, speed: f64, rate: f64) ->
         count[b] += 1.0;
     }
     let place = |b: usize| low + (b as f64 + 0.5) * range / bins as f64;
+    remove_trend(&mut sum, &count);
     let step = 0.5 * std::f64::consts::PI / range;
     let n = ((most - least) / step) as usize;
-    let mut found = Vec::new();
-    for _ in 0..LINES {
-        let gain = |k: f64| line(&sum, &count, &place, k).2;
-        let grid: Vec<f64> = (0..n).map(|i| gain(least + i as f64 * step)).collect();
-        let Some(best) = (0..n).max_by(|&a, &b| grid[a].total_cmp(&grid[b])) else { break };
-        let mut k = least + best as f64 * step;
+    let refine = |sum: &[f64], mut k: f64| {
+        let gain = |k: f64| line(sum, &count, &place, k).2;
         for width in [step / 2.0, step / 8.0, step / 32.0] {
             let around = (-3..=3).map(|i| k + width * f64::from(i) / 2.0);
             k = around.max_by(|a, b| gain(*a).total_cmp(&gain(*b))).unwrap_or(k);
         }
-        let (s, c, _) = line(&sum, &count, &place, k);
-        for b in 0..bins {
+        k
+    };
+    let take = |sum: &mut [f64], (k, s, c): (f64, f64, f64), sign: f64| {
+        for (b, (sum, n)) in sum.iter_mut().zip(&count).enumerate() {
             let x = place(b);
-            sum[b] -= count[b] * (s * (k * x).sin() + c * (k * x).cos());
+            *sum -= sign * n * (s * (k * x).sin() + c * (k * x).cos());
         }
-        found.push(k);
+    };
+    let fitted = |sum: &[f64], k: f64| {
+        let (s, c, _) = line(sum, &count, &place, k);
+        (k, s, c)
+    };
+    let mut found: Vec<(f64, f64, f64)> = Vec::new();
+    for _ in 0..LINES {
+        let gain = |i: &usize| line(&sum, &count, &place, least + *i as f64 * step).2;
+        let Some((best, _)) = (0..n).map(|i| (i, gain(&i))).max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let new = fitted(&sum, refine(&sum, least + best as f64 * step));
+        take(&mut sum, new, 1.0);
+        found.push(new);
+        // Uneven coverage makes the lines lean on each other: each is fitted again without the rest.
+        for l in (0..found.len()).chain(0..found.len()) {
+            take(&mut sum, found[l], -1.0);
+            found[l] = fitted(&sum, refine(&sum, found[l].0));
+            take(&mut sum, found[l], 1.0);
+        }
     }
-    found
+    found.into_iter().map(|(k, _, _)| k).collect()
+}
+
+/// Takes a polynomial of degree four over the range out of the sums: slow torques of position leak into low orders.
+fn remove_trend(sum: &mut [f64], count: &[f64]) {
+    const TERMS: usize = 5;
+    let powers = |b: usize| {
+        let x = 2.0 * (b as f64 + 0.5) / count.len() as f64 - 1.0;
+        std::array::from_fn::<f64, TERMS, _>(|k| x.powi(k as i32))
+    };
+    let mut a = Array2::<f64>::eye(TERMS) * 1e-9;
+    let mut y = Array1::<f64>::zeros(TERMS);
+    for (b, (s, n)) in sum.iter().zip(count).enumerate() {
+        let p = powers(b);
+        for i in 0..TERMS {
+            y[i] += p[i] * s;
+            for k in 0..TERMS {
+                a[[i, k]] += n * p[i] * p[k];
+            }
+        }
+    }
+    let c = Cholesky::new(a).solve(y.view());
+    for (b, (s, n)) in sum.iter_mut().zip(count).enumerate() {
+        *s -= n * powers(b).iter().zip(&c).map(|(p, c)| p * c).sum::<f64>();
+    }
 }
 
 /// Least-squares sine and cosine of one order, and the squared error that they remove.
