@@ -7,6 +7,7 @@ use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::Robot;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
@@ -91,8 +92,8 @@ pub fn record(robot: &Robot, plan: &Plan) -> Recording {
             let v: f64 = qd[[row, j]];
             let friction = FRICTION[0] * v + FRICTION[1] * (v / 1e-3).tanh();
             let ripple = RIPPLE * (9.0 * q[[row, j]]).sin();
-            let noise = NOISE * normal(&mut rng);
-            tau[[row, j]] += size * (friction + ripple + noise);
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            tau[[row, j]] += size * (friction + ripple + NOISE * noise);
         }
     }
     Recording {
@@ -132,13 +133,4 @@ fn position(waves: &[[f64; 3]; 3], t: f64) -> [f64; 3] {
         at[2] -= a * w * w * sin;
     }
     at
-}
-
-/// Standard normal, by Box and Muller.
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let (u, v): (f64, f64) = (
-        rng.random_range(f64::MIN_POSITIVE..1.0),
-        rng.random_range(0.0..1.0),
-    );
-    (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
 }

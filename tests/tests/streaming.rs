@@ -8,7 +8,7 @@ use signal::Motion;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
-use tests::program::{program, run};
+use tests::program::{json, program, run};
 use tests::synthetic::{Plan, record_to};
 
 thread_local! {
@@ -46,6 +46,13 @@ fn train(robot: &str, data: &Path, out: &Path, extra: &[&str]) {
     train.args(["--epochs", "4", "--members", "2"]);
     train.arg("--data").arg(data).arg("--out").arg(out);
     run(train.args(extra)).succeeded();
+}
+
+/// Whether some joint's network is on: without one, little would be compared.
+fn has_a_unit(model: &Path) -> bool {
+    let file = json(&model.join("model.json"));
+    let units = file["compensator"]["validation"].as_array();
+    units.is_some_and(|units| units.iter().any(|u| u["enabled"] == true))
 }
 
 /// The recording, and what `eval --predict` makes of it, row by row.
@@ -124,6 +131,7 @@ fn same_torque_as_eval_at_the_recorded_rate() {
     let test = record_to(folder.path(), "test.csv", &robot, &plan(2));
     // Everything there is to choose: memory terms, load, couplings.
     train("ur5", &data, &place("model"), &[]);
+    assert!(has_a_unit(&place("model")));
     let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
     let mut model = Feedforward::load(&place("model"), None).expect("a model");
     assert!((model.period() - 0.01).abs() < 1e-9);
@@ -152,6 +160,7 @@ fn same_torque_as_eval_between_the_recorded_samples() {
     let data = record_to(folder.path(), "train.csv", &robot, &plan(3));
     let test = record_to(folder.path(), "test.csv", &robot, &plan(4));
     train("foxbot_a05", &data, &place("model"), &["--preset", "ucm"]);
+    assert!(has_a_unit(&place("model")));
     let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
     let mut model = Feedforward::load(&place("model"), Some(1.0 / 120.0)).expect("a model");
     let motion = prepared(&recording);
