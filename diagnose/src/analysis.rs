@@ -40,26 +40,46 @@ impl Frames {
     ///
     /// # Errors
     /// No torque, or a recording that cannot be prepared.
-    pub fn new(model: &NominalModel, data: &Recording, heldout: &Recording) -> Result<Self, DiagnoseError> {
+    pub fn new(
+        model: &NominalModel,
+        data: &Recording,
+        heldout: &Recording,
+    ) -> Result<Self, DiagnoseError> {
         let frame = |r: &Recording, cutoff_hz: Option<f64>| {
-            let tau = r.tau.clone().ok_or_else(|| DiagnoseError::NoTorque(r.source.clone()))?;
-            Frame::new(r, tau, cutoff_hz)
-                .map_err(|error| DiagnoseError::Prepare { source_name: r.source.clone(), error })
+            let tau = r
+                .tau
+                .clone()
+                .ok_or_else(|| DiagnoseError::NoTorque(r.source.clone()))?;
+            Frame::new(r, tau, cutoff_hz).map_err(|error| DiagnoseError::Prepare {
+                source_name: r.source.clone(),
+                error,
+            })
         };
         let few: Vec<usize> = (0..data.trajectories.len().min(CUTOFF_TRAJECTORIES)).collect();
         let sample = data.select(&few);
         let chosen = frame(&sample, None)?;
         let cutoff = chosen.report().cutoff_hz.map(|automatic| {
             let rate = chosen.report().rate_hz;
-            let options = CUTOFFS.into_iter().filter(|c| *c < 0.3 * rate).chain([automatic.min(CUTOFFS[2])]);
-            let error = |c: f64| frame(&sample, Some(c)).map_or(f64::INFINITY, |f| relative_gap(model, &f));
+            let options = CUTOFFS
+                .into_iter()
+                .filter(|c| *c < 0.3 * rate)
+                .chain([automatic.min(CUTOFFS[2])]);
+            let error =
+                |c: f64| frame(&sample, Some(c)).map_or(f64::INFINITY, |f| relative_gap(model, &f));
             let scored: Vec<(f64, f64)> = options.map(|c| (c, error(c))).collect();
-            scored.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(automatic, |best| best.0)
+            scored
+                .into_iter()
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map_or(automatic, |best| best.0)
         });
         let frame = |r: &Recording| frame(r, cutoff);
         let (data, heldout) = (frame(data)?, frame(heldout)?);
         let scale = data.scale(&[&heldout]);
-        Ok(Self { data, heldout, scale })
+        Ok(Self {
+            data,
+            heldout,
+            scale,
+        })
     }
 }
 
@@ -108,7 +128,9 @@ pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
 fn relative_gap(model: &NominalModel, frame: &Frame) -> f64 {
     let gap = gap(model, frame, &frame.scale(&[]));
     let square = |j: usize| gap.column(j).dot(&gap.column(j)) / gap.nrows().max(1) as f64;
-    (0..frame.dof()).map(|j| square(j) / frame.tau.column(j).var(0.0).max(1e-12)).sum()
+    (0..frame.dof())
+        .map(|j| square(j) / frame.tau.column(j).var(0.0).max(1e-12))
+        .sum()
 }
 
 /// Chosen columns of a recording at its recorded samples: (column, joint, torque per unit).
@@ -116,16 +138,30 @@ pub struct Columns(Vec<(usize, usize, Array1<f64>)>);
 
 impl Columns {
     /// Evaluates columns on a frame. `scene` must show its motion.
-    pub fn new(dictionary: &Dictionary, scene: &Scene, frame: &Frame, variables: &[Variable]) -> Self {
+    pub fn new(
+        dictionary: &Dictionary,
+        scene: &Scene,
+        frame: &Frame,
+        variables: &[Variable],
+    ) -> Self {
         let mut ids: Vec<usize> = variables.iter().map(|v| v.column).collect();
         ids.sort_unstable();
         ids.dedup();
         let fine = dictionary.evaluate(scene, &ids);
-        Self(fine.into_par_iter().map(|(c, j, x)| (c, j, Array1::from(frame.to_samples(&x)))).collect())
+        Self(
+            fine.into_par_iter()
+                .map(|(c, j, x)| (c, j, Array1::from(frame.to_samples(&x))))
+                .collect(),
+        )
     }
 
     /// Torque of the given coefficients, shape (samples, joints).
-    pub fn torque(&self, shape: (usize, usize), variables: &[Variable], beta: &Array1<f64>) -> Array2<f64> {
+    pub fn torque(
+        &self,
+        shape: (usize, usize),
+        variables: &[Variable],
+        beta: &Array1<f64>,
+    ) -> Array2<f64> {
         let mut by_column = std::collections::HashMap::new();
         for (v, b) in variables.iter().zip(beta) {
             *by_column.entry(v.column).or_insert(0.0) += b;
@@ -144,7 +180,12 @@ impl Columns {
 ///
 /// # Errors
 /// None beyond those of the model's own numbers.
-pub fn find(model: &NominalModel, frames: &Frames, weight: &Array2<f64>, settings: Settings) -> Result<Findings, DiagnoseError> {
+pub fn find(
+    model: &NominalModel,
+    frames: &Frames,
+    weight: &Array2<f64>,
+    settings: Settings,
+) -> Result<Findings, DiagnoseError> {
     let (data, scale) = (&frames.data, &frames.scale);
     let gap = gap(model, data, scale);
     let y = data.table_thin(&gap);
@@ -155,14 +196,25 @@ pub fn find(model: &NominalModel, frames: &Frames, weight: &Array2<f64>, setting
     let mut candidates = candidates::catalogue(&scene);
     for j in 0..data.dof() {
         let q = data.samples().q.column(j).to_owned();
-        let orders = torque_ripple::orders(&residual.column(j).to_owned(), &q, scale.speed[j], data.report().rate_hz);
+        let orders = torque_ripple::orders(
+            &residual.column(j).to_owned(),
+            &q,
+            scale.speed[j],
+            data.report().rate_hz,
+        );
         candidates.extend(torque_ripple::candidates(j, &orders));
     }
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let grams = dictionary.grams(&scene, data, &y, weight, &folds);
     let objective = Objective::new(&grams, scale, &settings);
     let base = objective.base(&model.robot);
-    let search = Search { objective: &objective, candidates: &candidates, members: &dictionary.members, robot: &model.robot, base: base.clone() };
+    let search = Search {
+        objective: &objective,
+        candidates: &candidates,
+        members: &dictionary.members,
+        robot: &model.robot,
+        base: base.clone(),
+    };
     let selection = search.run(MOST_CAUSES);
     let mut start = base.len();
     let accepted = selection
@@ -172,12 +224,30 @@ pub fn find(model: &NominalModel, frames: &Frames, weight: &Array2<f64>, setting
         .map(|(&candidate, tried)| {
             let variables = start..start + dictionary.members[candidate].len();
             start = variables.end;
-            Accepted { candidate, variables, tried }
+            Accepted {
+                candidate,
+                variables,
+                tried,
+            }
         })
         .collect();
-    let tight = (selection.fit.variables.clone(), selection.fit.beta().clone());
+    let tight = (
+        selection.fit.variables.clone(),
+        selection.fit.beta().clone(),
+    );
     let (std, rest) = (selection.fit.std(), selection.rest);
-    Ok(Findings { present, candidates, dictionary, grams, base: base.len(), accepted, tight, std, rest, settings })
+    Ok(Findings {
+        present,
+        candidates,
+        dictionary,
+        grams,
+        base: base.len(),
+        accepted,
+        tight,
+        std,
+        rest,
+        settings,
+    })
 }
 
 /// Parameters alone, near the given ones: the model that derived columns are built on, and what it
@@ -204,14 +274,24 @@ fn first_fit(
 
 impl Findings {
     /// Fit of the base and some accepted causes with the given parameters' tolerances widened by `freedom`.
-    pub fn refit(&self, model: &NominalModel, scale: &Scale, causes: &[usize], freedom: f64) -> (Vec<Variable>, Array1<f64>) {
+    pub fn refit(
+        &self,
+        model: &NominalModel,
+        scale: &Scale,
+        causes: &[usize],
+        freedom: f64,
+    ) -> (Vec<Variable>, Array1<f64>) {
         let objective = Objective::new(&self.grams, scale, &self.settings);
         let mut variables = objective.base(&model.robot);
         for v in &mut variables {
             v.precision /= freedom * freedom;
         }
         for &c in causes {
-            variables.extend(self.dictionary.members[self.accepted[c].candidate].iter().map(|&m| objective.wide(m)));
+            variables.extend(
+                self.dictionary.members[self.accepted[c].candidate]
+                    .iter()
+                    .map(|&m| objective.wide(m)),
+            );
         }
         let fit: Fit = objective.fit(variables.clone());
         let beta = fit.beta().clone();

@@ -20,7 +20,11 @@ impl Cholesky {
             let flat = a.as_slice_mut().expect("standard layout");
             let floor = (1e-13 * current[i]).max(f64::MIN_POSITIVE);
             for j in 0..i {
-                let dot: f64 = current[..j].iter().zip(&flat[j * n..j * n + j]).map(|(x, y)| x * y).sum();
+                let dot: f64 = current[..j]
+                    .iter()
+                    .zip(&flat[j * n..j * n + j])
+                    .map(|(x, y)| x * y)
+                    .sum();
                 current[j] = (current[j] - dot) / flat[j * n + j];
             }
             let squares: f64 = current[..i].iter().map(|x| x * x).sum();
@@ -42,7 +46,11 @@ impl Cholesky {
         let l = self.l.as_slice().expect("standard layout");
         let mut x = b.to_vec();
         for i in 0..n {
-            let dot: f64 = l[i * n..i * n + i].iter().zip(&x[..i]).map(|(p, q)| p * q).sum();
+            let dot: f64 = l[i * n..i * n + i]
+                .iter()
+                .zip(&x[..i])
+                .map(|(p, q)| p * q)
+                .sum();
             x[i] = (x[i] - dot) / l[i * n + i];
         }
         Array1::from(x)

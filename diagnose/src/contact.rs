@@ -69,12 +69,18 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
             (1.4826 * size[n / 2]).max(least).max(1e-9)
         })
         .collect();
-    let height = |w: usize| (0..frame.dof()).map(|j| windows.mean[[w, j]].abs() / usual[j]).fold(0.0, f64::max);
+    let height = |w: usize| {
+        (0..frame.dof())
+            .map(|j| windows.mean[[w, j]].abs() / usual[j])
+            .fold(0.0, f64::max)
+    };
     let reach = ((GAP / WINDOW).round() as usize).max(1);
     let mut bursts: Vec<Range<usize>> = Vec::new();
     for w in (0..n).filter(|&w| height(w) > HEIGHT) {
         match bursts.last_mut() {
-            Some(b) if w - (b.end - 1) <= reach && adjacent(&windows.samples, b.end - 1, w) => b.end = w + 1,
+            Some(b) if w - (b.end - 1) <= reach && adjacent(&windows.samples, b.end - 1, w) => {
+                b.end = w + 1
+            }
             _ => bursts.push(w..w + 1),
         }
     }
@@ -90,7 +96,11 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
         }
     }
     let inside: usize = bursts.iter().map(Range::len).sum();
-    let energy = |w: usize| (0..frame.dof()).map(|j| (windows.mean[[w, j]] / usual[j]).powi(2)).sum::<f64>();
+    let energy = |w: usize| {
+        (0..frame.dof())
+            .map(|j| (windows.mean[[w, j]] / usual[j]).powi(2))
+            .sum::<f64>()
+    };
     let all: f64 = (0..n).map(energy).sum();
     let share = bursts.iter().cloned().flatten().map(energy).sum::<f64>() / all;
     if bursts.is_empty() || inside as f64 > MOST_TIME * n as f64 || share < LEAST_SHARE {
@@ -100,19 +110,37 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
     let bursts: Vec<Burst> = bursts
         .into_iter()
         .map(|b| {
-            let peak = |j: usize| b.clone().map(|w| windows.mean[[w, j]].abs() / usual[j]).fold(0.0, f64::max);
+            let peak = |j: usize| {
+                b.clone()
+                    .map(|w| windows.mean[[w, j]].abs() / usual[j])
+                    .fold(0.0, f64::max)
+            };
             let highest = (0..frame.dof()).map(peak).fold(0.0, f64::max);
-            let last = (0..frame.dof()).rev().find(|&j| peak(j) > (0.15 * highest).max(4.0)).unwrap_or(0);
+            let last = (0..frame.dof())
+                .rev()
+                .find(|&j| peak(j) > (0.15 * highest).max(4.0))
+                .unwrap_or(0);
             for j in 0..=last {
                 follow(&windows, &b, j, &mut torque);
             }
             let samples = windows.samples[b.start].start..windows.samples[b.end - 1].end;
-            Burst { samples, last_joint: last, height: highest }
+            Burst {
+                samples,
+                last_joint: last,
+                height: highest,
+            }
         })
         .collect();
     let squares = |j: usize| torque.column(j).dot(&torque.column(j)) / residual.nrows() as f64;
-    let size = (0..frame.dof()).map(|j| squares(j) / frame.tau.column(j).var(0.0).max(1e-12)).sum();
-    Some(Contact { bursts, torque, share, size })
+    let size = (0..frame.dof())
+        .map(|j| squares(j) / frame.tau.column(j).var(0.0).max(1e-12))
+        .sum();
+    Some(Contact {
+        bursts,
+        torque,
+        share,
+        size,
+    })
 }
 
 /// Whether two windows follow each other without a break between trajectories.
@@ -126,12 +154,16 @@ fn windows(frame: &Frame, residual: &Array2<f64>) -> Windows {
         .samples()
         .segments
         .iter()
-        .flat_map(|s| (0..s.len() / length).map(move |w| s.start + w * length..s.start + (w + 1) * length))
+        .flat_map(|s| {
+            (0..s.len() / length).map(move |w| s.start + w * length..s.start + (w + 1) * length)
+        })
         .collect();
     // What happens while a joint turns round is friction's.
     let qd = &frame.samples().qd;
     let mean = Array2::from_shape_fn((samples.len(), residual.ncols()), |(w, j)| {
-        if samples[w].clone().any(|i| qd[[i, j]] * qd[[samples[w].start, j]] <= 0.0 || qd[[i, j]].abs() < REVERSAL_SPEED) {
+        if samples[w].clone().any(|i| {
+            qd[[i, j]] * qd[[samples[w].start, j]] <= 0.0 || qd[[i, j]].abs() < REVERSAL_SPEED
+        }) {
             return 0.0;
         }
         samples[w].clone().map(|i| residual[[i, j]]).sum::<f64>() / length as f64
@@ -152,7 +184,11 @@ fn follow(windows: &Windows, burst: &Range<usize>, joint: usize, torque: &mut Ar
         }
         let next = (w + 1).min(burst.end - 1);
         let (a, b) = (windows.mean[[w, joint]], windows.mean[[next, joint]]);
-        let share = if next > w { ((x - middle(w)) / (middle(next) - middle(w))).clamp(0.0, 1.0) } else { 0.0 };
+        let share = if next > w {
+            ((x - middle(w)) / (middle(next) - middle(w))).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         torque[[i, joint]] = a + share * (b - a);
     }
 }
@@ -166,7 +202,9 @@ impl Contact {
             .iter()
             .map(|&i| {
                 let i = i as usize;
-                self.bursts.iter().any(|b| i + margin >= b.samples.start && i < b.samples.end + margin)
+                self.bursts
+                    .iter()
+                    .any(|b| i + margin >= b.samples.start && i < b.samples.end + margin)
             })
             .collect()
     }
@@ -174,16 +212,31 @@ impl Contact {
     /// Largest force at the origin of the frame after the loaded link, N, by least squares over J_vᵀ f, for the
     /// strongest burst.
     pub fn force(&self, robot: &Robot, frame: &Frame) -> Option<f64> {
-        let burst = self.bursts.iter().max_by(|a, b| a.height.total_cmp(&b.height))?;
+        let burst = self
+            .bursts
+            .iter()
+            .max_by(|a, b| a.height.total_cmp(&b.height))?;
         let n = robot.dof();
-        let point = robot.joints().get(burst.last_joint + 1).map_or(nalgebra::Vector3::zeros(), |j| j.translation);
+        let point = robot
+            .joints()
+            .get(burst.last_joint + 1)
+            .map_or(nalgebra::Vector3::zeros(), |j| j.translation);
         let mut workspace = Workspace::new(robot);
         let mut jacobian = vec![0.0; 6 * n];
         let mut most = 0.0f64;
         for i in burst.samples.clone().step_by(8) {
             let q = frame.samples().q.row(i).to_vec();
-            point_jacobian(robot, &mut workspace, &q, burst.last_joint, &point, &mut jacobian);
-            let j = nalgebra::DMatrix::from_row_slice(6, n, &jacobian).rows(0, 3).transpose();
+            point_jacobian(
+                robot,
+                &mut workspace,
+                &q,
+                burst.last_joint,
+                &point,
+                &mut jacobian,
+            );
+            let j = nalgebra::DMatrix::from_row_slice(6, n, &jacobian)
+                .rows(0, 3)
+                .transpose();
             let tau = nalgebra::DVector::from_iterator(n, self.torque.row(i).iter().copied());
             let jtj = j.transpose() * &j + nalgebra::DMatrix::identity(3, 3) * 1e-4;
             let f = jtj.lu().solve(&(j.transpose() * tau))?;

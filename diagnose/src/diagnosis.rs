@@ -48,18 +48,30 @@ pub struct Outcome {
 ///
 /// # Errors
 /// A recording that cannot be used.
-pub fn diagnose(model: &NominalModel, data: &Recording, heldout: &Recording, settings: Settings) -> Result<Outcome, DiagnoseError> {
+pub fn diagnose(
+    model: &NominalModel,
+    data: &Recording,
+    heldout: &Recording,
+    settings: Settings,
+) -> Result<Outcome, DiagnoseError> {
     let frames = Frames::new(model, data, heldout)?;
     let mut weight = frames.data.weights();
     let mut findings = find(model, &frames, &weight, settings.clone())?;
     let mut explanation = explain(model, &frames, &findings, false)?;
     let mut left = examine(&frames.data, &explanation.residual_data);
     // What a learner predicts from motion repeats, and is no contact.
-    let repeats = left.iter().any(|l| l.structured() > CLEAR && l.learnable > CONTACT_LEARNABLE);
-    if let Some(contact) = detect(&frames.data, &explanation.residual_data)
-        .filter(|c| !repeats && c.size > CONTACT_SIZE * crate::ladder::total(&explanation.ladder[0].all)) {
+    let repeats = left
+        .iter()
+        .any(|l| l.structured() > CLEAR && l.learnable > CONTACT_LEARNABLE);
+    if let Some(contact) = detect(&frames.data, &explanation.residual_data).filter(|c| {
+        !repeats && c.size > CONTACT_SIZE * crate::ladder::total(&explanation.ladder[0].all)
+    }) {
         let margin = (CONTACT_MARGIN * frames.data.report().rate_hz) as usize;
-        for (mut row, hit) in weight.rows_mut().into_iter().zip(contact.covers(&frames.data, margin)) {
+        for (mut row, hit) in weight
+            .rows_mut()
+            .into_iter()
+            .zip(contact.covers(&frames.data, margin))
+        {
             if hit {
                 row.fill(0.0);
             }
@@ -67,7 +79,10 @@ pub fn diagnose(model: &NominalModel, data: &Recording, heldout: &Recording, set
         findings = find(model, &frames, &weight, settings)?;
         explanation = explain(model, &frames, &findings, true)?;
         let rest = detect(&frames.data, &explanation.residual_data);
-        let cleaned = rest.map_or_else(|| explanation.residual_data.clone(), |c| &explanation.residual_data - &c.torque);
+        let cleaned = rest.map_or_else(
+            || explanation.residual_data.clone(),
+            |c| &explanation.residual_data - &c.torque,
+        );
         left = examine(&frames.data, &cleaned);
     }
     let names = model.robot.joint_names();
@@ -78,22 +93,44 @@ pub fn diagnose(model: &NominalModel, data: &Recording, heldout: &Recording, set
         joints: names.clone(),
         verdict: verdict(&explanation, &left),
         ladder: explanation.ladder.clone(),
-        places: locate(&explanation.gap, &frames.heldout.tau, &load, samples, &names),
+        places: locate(
+            &explanation.gap,
+            &frames.heldout.tau,
+            &load,
+            samples,
+            &names,
+        ),
         causes: explanation.causes.clone(),
         candidates: tested(&findings, &names),
         not_identifiable: not_identifiable(&frames, &names),
         unexplained: names
             .iter()
             .zip(&left)
-            .map(|(joint, l)| Unexplained { joint: joint.clone(), nrmse: l.structured(), learnable: l.learnable })
+            .map(|(joint, l)| Unexplained {
+                joint: joint.clone(),
+                nrmse: l.structured(),
+                learnable: l.learnable,
+            })
             .collect(),
         notes: notes(&frames),
     };
-    Ok(Outcome { diagnosis, findings, frames, explanation, left })
+    Ok(Outcome {
+        diagnosis,
+        findings,
+        frames,
+        explanation,
+        left,
+    })
 }
 
 fn verdict(explanation: &Explanation, left: &[Left]) -> Verdict {
-    let given = explanation.ladder[0].all.nrmse.iter().flatten().map(|v| v * v).sum::<f64>();
+    let given = explanation.ladder[0]
+        .all
+        .nrmse
+        .iter()
+        .flatten()
+        .map(|v| v * v)
+        .sum::<f64>();
     let clear = left.iter().any(|l| {
         let s = l.structured();
         s > CLEAR && s * s > CLEAR_SHARE * given
@@ -102,10 +139,18 @@ fn verdict(explanation: &Explanation, left: &[Left]) -> Verdict {
         return Verdict::UnknownEffect;
     }
     if explanation.causes.is_empty() {
-        return if given.sqrt() < SMALL || removed(&explanation.ladder) < EXPLAINED { Verdict::NoGap } else { Verdict::Explained };
+        return if given.sqrt() < SMALL || removed(&explanation.ladder) < EXPLAINED {
+            Verdict::NoGap
+        } else {
+            Verdict::Explained
+        };
     }
     let floor = left.iter().all(|l| l.structured() < CLEAR / 2.0);
-    if floor || removed(&explanation.ladder) > EXPLAINED { Verdict::Explained } else { Verdict::PartlyExplained }
+    if floor || removed(&explanation.ladder) > EXPLAINED {
+        Verdict::Explained
+    } else {
+        Verdict::PartlyExplained
+    }
 }
 
 /// The best candidate of each effect and place beyond the accepted causes.
@@ -113,7 +158,12 @@ fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
     const MOST: usize = 40;
     let mut seen: Vec<(Effect, Vec<usize>, Option<usize>)> = Vec::new();
     let mut out = Vec::new();
-    for t in findings.accepted.iter().flat_map(|a| &a.tried).chain(&findings.rest) {
+    for t in findings
+        .accepted
+        .iter()
+        .flat_map(|a| &a.tried)
+        .chain(&findings.rest)
+    {
         let c = &findings.candidates[t.candidate];
         let key = (c.effect, c.joints.clone(), c.driver);
         if seen.contains(&key) || out.len() >= MOST {
@@ -147,7 +197,11 @@ fn not_identifiable(frames: &Frames, names: &[String]) -> Vec<NotIdentifiable> {
     }
     let seconds: f64 = frames.data.len() as f64 / frames.data.row_rate();
     if seconds < 30.0 {
-        for effect in [Effect::FrictionDrift, Effect::LinkParameters, Effect::TorqueRipple] {
+        for effect in [
+            Effect::FrictionDrift,
+            Effect::LinkParameters,
+            Effect::TorqueRipple,
+        ] {
             out.push(NotIdentifiable {
                 effect,
                 joints: names.to_vec(),
@@ -162,10 +216,20 @@ fn notes(frames: &Frames) -> Vec<String> {
     let mut out = Vec::new();
     for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {
         let r = frame.report();
-        let cutoff = r.cutoff_hz.map_or("interpolated without a low-pass".to_owned(), |c| format!("low-passed at {c:.1} Hz"));
-        out.push(format!("{what}: {:.1} Hz, motion {cutoff}, derivatives made from position", r.rate_hz));
+        let cutoff = r
+            .cutoff_hz
+            .map_or("interpolated without a low-pass".to_owned(), |c| {
+                format!("low-passed at {c:.1} Hz")
+            });
+        out.push(format!(
+            "{what}: {:.1} Hz, motion {cutoff}, derivatives made from position",
+            r.rate_hz
+        ));
     }
-    let (a, b) = (frames.data.report().rate_hz, frames.heldout.report().rate_hz);
+    let (a, b) = (
+        frames.data.report().rate_hz,
+        frames.heldout.report().rate_hz,
+    );
     if (a / b - 1.0).abs() > 0.02 {
         out.push(format!("the recordings have different rates ({a:.0} and {b:.0} Hz); each is fitted and scored at its own"));
     }

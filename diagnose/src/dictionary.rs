@@ -68,13 +68,21 @@ impl Dictionary {
             .filter(|&&c| c >= inertial)
             .map(|&c| match &self.columns[c].torque {
                 ColumnTorque::Base(b) => {
-                    let (kind, joint) = ((b - inertial) / scene.dof(), (b - inertial) % scene.dof());
-                    let table = if kind == 0 { &scene.motion.qd } else { &scene.sign };
+                    let (kind, joint) =
+                        ((b - inertial) / scene.dof(), (b - inertial) % scene.dof());
+                    let table = if kind == 0 {
+                        &scene.motion.qd
+                    } else {
+                        &scene.sign
+                    };
                     vec![(c, joint, table.column(joint).to_owned())]
                 }
                 ColumnTorque::Made(make) => {
                     let joints = self.columns[c].joints.iter();
-                    joints.zip(make(scene)).map(|(&j, values)| (c, j, values)).collect()
+                    joints
+                        .zip(make(scene))
+                        .map(|(&j, values)| (c, j, values))
+                        .collect()
                 }
             })
             .collect();
@@ -83,7 +91,14 @@ impl Dictionary {
     }
 
     /// Products of all columns and the gap `y` (rows, joints), by fold of whole trajectories.
-    pub fn grams(&self, scene: &Scene, frame: &Frame, y: &Array2<f64>, weight: &Array2<f64>, folds: &[Vec<Range<usize>>]) -> Grams {
+    pub fn grams(
+        &self,
+        scene: &Scene,
+        frame: &Frame,
+        y: &Array2<f64>,
+        weight: &Array2<f64>,
+        folds: &[Vec<Range<usize>>],
+    ) -> Grams {
         let dof = scene.dof();
         let joints: Vec<Vec<usize>> = self.columns.iter().map(|c| c.joints.clone()).collect();
         let layout = Layout::new(dof, &joints);
@@ -93,23 +108,37 @@ impl Dictionary {
             .into_par_iter()
             .map(|(c, j, fine)| (c, j, frame.reduce(&fine)))
             .collect();
-        let mut tables: Vec<Array2<f64>> =
-            layout.active.iter().map(|a| Array2::zeros((frame.len(), a.len()))).collect();
+        let mut tables: Vec<Array2<f64>> = layout
+            .active
+            .iter()
+            .map(|a| Array2::zeros((frame.len(), a.len())))
+            .collect();
         for (c, j, values) in reduced {
-            let p = layout.position(j, c).expect("a column touches the joints that it names");
+            let p = layout
+                .position(j, c)
+                .expect("a column touches the joints that it names");
             tables[j].column_mut(p).assign(&values);
         }
-        let cells: Vec<(usize, usize)> = (0..folds.len()).flat_map(|f| (0..dof).map(move |j| (f, j))).collect();
+        let cells: Vec<(usize, usize)> = (0..folds.len())
+            .flat_map(|f| (0..dof).map(move |j| (f, j)))
+            .collect();
         let grams: Vec<JointGram> = cells
             .into_par_iter()
             .map(|(f, j)| {
                 let rows: Vec<usize> = folds[f].iter().cloned().flatten().collect();
                 let axis = ndarray::Axis(0);
                 let pick = |t: &Array2<f64>| t.column(j).select(axis, &rows);
-                JointGram::new(tables[j].select(axis, &rows).view(), pick(y).view(), pick(weight).view())
+                JointGram::new(
+                    tables[j].select(axis, &rows).view(),
+                    pick(y).view(),
+                    pick(weight).view(),
+                )
             })
             .collect();
-        Grams::new(layout, grams.chunks(dof).map(<[JointGram]>::to_vec).collect())
+        Grams::new(
+            layout,
+            grams.chunks(dof).map(<[JointGram]>::to_vec).collect(),
+        )
     }
 }
 
@@ -126,7 +155,14 @@ fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array
     let m = scene.motion;
     for i in 0..n {
         let row = |t: &Array2<f64>| t.row(i).to_vec();
-        regressor(scene.robot, &mut workspace, &row(&m.q), &row(&m.qd), &row(&m.qdd), &mut y);
+        regressor(
+            scene.robot,
+            &mut workspace,
+            &row(&m.q),
+            &row(&m.qd),
+            &row(&m.qdd),
+            &mut y,
+        );
         for (c, j, values) in &mut out {
             values[i] = y[*j * width + *c];
         }

@@ -25,7 +25,9 @@ pub enum DiagnoseError {
     #[error("{0}: no measured torque (columns tau1, tau2, …): a gap cannot be measured without it")]
     NoTorque(String),
     /// Too little data for a fit.
-    #[error("{source_name}: {seconds:.1} s of motion are too little; record at least {needed:.0} s that move every joint")]
+    #[error(
+        "{source_name}: {seconds:.1} s of motion are too little; record at least {needed:.0} s that move every joint"
+    )]
     TooShort {
         /// The recording.
         source_name: String,

@@ -12,7 +12,11 @@ use std::path::{Path, PathBuf};
 /// The file cannot be used.
 pub fn recording(robot: &Robot, path: &Path, part: Part) -> Result<Recording, DiagnoseError> {
     // The benchmark's torque was low-passed; its files come with a robot of this name.
-    let options = if robot.name() == "kr300" { ReadOptions::kr300(part) } else { ReadOptions::for_robot(robot.dof()) };
+    let options = if robot.name() == "kr300" {
+        ReadOptions::kr300(part)
+    } else {
+        ReadOptions::for_robot(robot.dof())
+    };
     Ok(read(path, &options)?)
 }
 
@@ -21,7 +25,10 @@ pub fn recording(robot: &Robot, path: &Path, part: Part) -> Result<Recording, Di
 /// # Errors
 /// A file cannot be used.
 pub fn data(robot: &Robot, paths: &[PathBuf]) -> Result<Recording, DiagnoseError> {
-    let all: Result<Vec<Recording>, _> = paths.iter().map(|p| recording(robot, p, Part::Train)).collect();
+    let all: Result<Vec<Recording>, _> = paths
+        .iter()
+        .map(|p| recording(robot, p, Part::Train))
+        .collect();
     Ok(joined(&all?))
 }
 
@@ -30,15 +37,18 @@ fn joined(all: &[Recording]) -> Recording {
     let mut out = all[0].clone();
     for next in &all[1..] {
         let start = out.len();
-        out.trajectories.extend(next.trajectories.iter().map(|t| Trajectory {
-            label: t.label.clone(),
-            range: start + t.range.start..start + t.range.end,
-        }));
+        out.trajectories
+            .extend(next.trajectories.iter().map(|t| Trajectory {
+                label: t.label.clone(),
+                range: start + t.range.start..start + t.range.end,
+            }));
         out.time.extend_from_slice(&next.time);
         let both = |a: &Array2<f64>, b: &Array2<f64>| {
-            concatenate(Axis(0), &[a.view(), b.view()]).expect("recordings of one robot have the same joints")
+            concatenate(Axis(0), &[a.view(), b.view()])
+                .expect("recordings of one robot have the same joints")
         };
-        let some = |a: &Option<Array2<f64>>, b: &Option<Array2<f64>>| Some(both(a.as_ref()?, b.as_ref()?));
+        let some =
+            |a: &Option<Array2<f64>>, b: &Option<Array2<f64>>| Some(both(a.as_ref()?, b.as_ref()?));
         out.q = both(&out.q, &next.q);
         out.tau = some(&out.tau, &next.tau);
         out.qd = some(&out.qd, &next.qd);

@@ -63,14 +63,25 @@ impl<'a> Fit<'a> {
     pub fn new(grams: &'a Grams, variables: Vec<Variable>, weights: Vec<f64>) -> Self {
         let places: Vec<Vec<(usize, usize)>> = (0..grams.dof())
             .map(|j| {
-                let place = |(i, v): (usize, &Variable)| Some((i, grams.layout.position(j, v.column)?));
+                let place =
+                    |(i, v): (usize, &Variable)| Some((i, grams.layout.position(j, v.column)?));
                 variables.iter().enumerate().filter_map(place).collect()
             })
             .collect();
         let all = part(grams, &variables, &weights, &places, None);
         let folds: Vec<usize> = (0..grams.folds.len()).collect();
-        let parts = folds.into_par_iter().map(|f| part(grams, &variables, &weights, &places, Some(f))).collect();
-        Self { grams, variables, weights, parts, all, places }
+        let parts = folds
+            .into_par_iter()
+            .map(|f| part(grams, &variables, &weights, &places, Some(f)))
+            .collect();
+        Self {
+            grams,
+            variables,
+            weights,
+            parts,
+            all,
+            places,
+        }
     }
 
     /// Coefficients of the fit on all folds.
@@ -85,7 +96,9 @@ impl<'a> Fit<'a> {
 
     /// Leave-one-fold-out squared error by joint, (N·m)².
     pub fn error(&self) -> Vec<f64> {
-        (0..self.grams.dof()).map(|j| self.parts.iter().map(|p| p.error[j]).sum()).collect()
+        (0..self.grams.dof())
+            .map(|j| self.parts.iter().map(|p| p.error[j]).sum())
+            .collect()
     }
 
     /// Squared error on the fold that was left out, by fold, then joint.
@@ -105,27 +118,44 @@ impl<'a> Fit<'a> {
         for (f, part) in self.parts.iter().enumerate() {
             let (direction, gamma) = self.step(part, added, Some(f));
             for (j, e) in error.iter_mut().enumerate() {
-                *e += part.error[j] + self.change(&self.grams.folds[f][j], part, j, added, &direction, &gamma);
+                *e += part.error[j]
+                    + self.change(&self.grams.folds[f][j], part, j, added, &direction, &gamma);
             }
         }
         let (direction, gamma) = self.step(&self.all, added, None);
         let beta = &self.all.beta + &direction;
-        let extra: f64 = added.iter().zip(&gamma).map(|(v, g)| v.precision * g * g).sum();
-        Trial { error, penalty: penalty(&self.variables, &beta) + extra, gamma: gamma.to_vec() }
+        let extra: f64 = added
+            .iter()
+            .zip(&gamma)
+            .map(|(v, g)| v.precision * g * g)
+            .sum();
+        Trial {
+            error,
+            penalty: penalty(&self.variables, &beta) + extra,
+            gamma: gamma.to_vec(),
+        }
     }
 
     /// Change of the fitted coefficients and value of the new ones.
-    fn step(&self, part: &Part, added: &[Variable], left_out: Option<usize>) -> (Array1<f64>, Array1<f64>) {
+    fn step(
+        &self,
+        part: &Part,
+        added: &[Variable],
+        left_out: Option<usize>,
+    ) -> (Array1<f64>, Array1<f64>) {
         let k = added.len();
         let mut cross = Array2::<f64>::zeros((k, self.variables.len()));
         let mut own = Array2::<f64>::zeros((k, k));
         let mut right = Array1::<f64>::zeros(k);
         for (a, v) in added.iter().enumerate() {
             for (j, &w) in self.weights.iter().enumerate() {
-                let Some(row) = self.grams.layout.position(j, v.column) else { continue };
+                let Some(row) = self.grams.layout.position(j, v.column) else {
+                    continue;
+                };
                 let total = &self.grams.total[j];
                 let out = left_out.map(|f| &self.grams.folds[f][j]);
-                let product = |p: usize| w * (total.xx[[row, p]] - out.map_or(0.0, |g| g.xx[[row, p]]));
+                let product =
+                    |p: usize| w * (total.xx[[row, p]] - out.map_or(0.0, |g| g.xx[[row, p]]));
                 for &(i, p) in &self.places[j] {
                     cross[[a, i]] += product(p);
                 }
@@ -138,7 +168,11 @@ impl<'a> Fit<'a> {
             }
             own[[a, a]] += v.precision;
         }
-        let solved: Vec<Array1<f64>> = cross.rows().into_iter().map(|row| part.factor.solve(row)).collect();
+        let solved: Vec<Array1<f64>> = cross
+            .rows()
+            .into_iter()
+            .map(|row| part.factor.solve(row))
+            .collect();
         for a in 0..k {
             right[a] -= cross.row(a).dot(&part.beta);
             for b in 0..=a {
@@ -166,9 +200,16 @@ impl<'a> Fit<'a> {
         let place = &self.places[joint];
         let old: Array1<f64> = place.iter().map(|&(i, _)| direction[i]).collect();
         let mut change = old.dot(&part.products[joint].dot(&old));
-        change -= 2.0 * place.iter().map(|&(i, p)| direction[i] * part.correlation[joint][p]).sum::<f64>();
-        let new: Vec<(usize, f64)> =
-            added.iter().zip(gamma).filter_map(|(v, &g)| Some((self.grams.layout.position(joint, v.column)?, g))).collect();
+        change -= 2.0
+            * place
+                .iter()
+                .map(|&(i, p)| direction[i] * part.correlation[joint][p])
+                .sum::<f64>();
+        let new: Vec<(usize, f64)> = added
+            .iter()
+            .zip(gamma)
+            .filter_map(|(v, &g)| Some((self.grams.layout.position(joint, v.column)?, g)))
+            .collect();
         for &(p, g) in &new {
             let row = gram.xx.row(p);
             let with_old: f64 = place.iter().zip(&old).map(|(&(_, r), d)| row[r] * d).sum();
@@ -180,7 +221,11 @@ impl<'a> Fit<'a> {
 }
 
 fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
-    variables.iter().zip(beta).map(|(v, b)| v.precision * b * b).sum()
+    variables
+        .iter()
+        .zip(beta)
+        .map(|(v, b)| v.precision * b * b)
+        .sum()
 }
 
 fn part(
@@ -220,9 +265,18 @@ fn part(
         let fitted = gram.xx.dot(&x);
         error.push((gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&fitted)).max(0.0));
         correlation.push(&gram.xy - &fitted);
-        products.push(Array2::from_shape_fn((place.len(), place.len()), |(a, b)| gram.xx[[place[a].1, place[b].1]]));
+        products.push(Array2::from_shape_fn(
+            (place.len(), place.len()),
+            |(a, b)| gram.xx[[place[a].1, place[b].1]],
+        ));
     }
-    Part { factor, beta, correlation, error, products }
+    Part {
+        factor,
+        beta,
+        correlation,
+        error,
+        products,
+    }
 }
 
 #[cfg(test)]
@@ -240,7 +294,11 @@ mod tests {
                 let half = |x: &[f64]| {
                     let rows = Array2::from_shape_vec((8, 4), x.to_vec()).expect("32 values");
                     let ones = Array1::ones(8);
-                    JointGram::new(rows.slice_axis(ndarray::Axis(1), (0..3).into()), rows.column(3), ones.view())
+                    JointGram::new(
+                        rows.slice_axis(ndarray::Axis(1), (0..3).into()),
+                        rows.column(3),
+                        ones.view(),
+                    )
                 };
                 vec![half(&c[..32]), half(&c[32..])]
             })

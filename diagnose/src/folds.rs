@@ -13,14 +13,18 @@ pub fn folds(trajectories: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
     let n = trajectories.len();
     if n >= FEWEST {
         let k = n.min(MOST);
-        return (0..k).map(|f| trajectories[f * n / k..(f + 1) * n / k].to_vec()).collect();
+        return (0..k)
+            .map(|f| trajectories[f * n / k..(f + 1) * n / k].to_vec())
+            .collect();
     }
     let pieces = (2 * FEWEST).div_ceil(n.max(1));
     trajectories
         .iter()
-        .flat_map(|t| {
+        .flat_map(|t| -> Vec<Vec<Range<usize>>> {
             let at = move |p: usize| t.start + t.len() * p / pieces;
-            (0..pieces).map(move |p| vec![at(p)..at(p + 1)])
+            (0..pieces)
+                .map(move |p| std::iter::once(at(p)..at(p + 1)).collect())
+                .collect()
         })
         .filter(|f| !f[0].is_empty())
         .collect()

@@ -41,8 +41,18 @@ impl Frame {
     ///
     /// # Errors
     /// As [`prepare`].
-    pub fn new(recording: &Recording, tau: Array2<f64>, cutoff_hz: Option<f64>) -> Result<Self, PrepareError> {
-        let prepared = prepare(recording, &PrepareOptions { cutoff_hz, ..PrepareOptions::default() })?;
+    pub fn new(
+        recording: &Recording,
+        tau: Array2<f64>,
+        cutoff_hz: Option<f64>,
+    ) -> Result<Self, PrepareError> {
+        let prepared = prepare(
+            recording,
+            &PrepareOptions {
+                cutoff_hz,
+                ..PrepareOptions::default()
+            },
+        )?;
         let rate = prepared.report.rate_hz;
         let stride = ((rate / ANALYSIS_RATE).round() as usize).max(1);
         // A recording that was low-passed before it was stored is fitted as it is.
@@ -56,7 +66,13 @@ impl Frame {
             rows.push(start..start + n);
             start += n;
         }
-        Ok(Self { prepared, tau, rows, lowpass, stride })
+        Ok(Self {
+            prepared,
+            tau,
+            rows,
+            lowpass,
+            stride,
+        })
     }
 
     /// Motion on the fine grid.
@@ -97,17 +113,28 @@ impl Frame {
     /// A torque at the recorded samples on the rows that are fitted: low-passed within each
     /// trajectory, then thinned out.
     pub fn thin(&self, samples: &[f64]) -> Array1<f64> {
-        let Some(lowpass) = &self.lowpass else { return Array1::from(samples.to_vec()) };
+        let Some(lowpass) = &self.lowpass else {
+            return Array1::from(samples.to_vec());
+        };
         let mut out = Vec::with_capacity(self.len());
         for s in &self.samples().segments {
-            out.extend(filtfilt(lowpass, &samples[s.clone()]).into_iter().step_by(self.stride));
+            out.extend(
+                filtfilt(lowpass, &samples[s.clone()])
+                    .into_iter()
+                    .step_by(self.stride),
+            );
         }
         Array1::from(out)
     }
 
     /// Values at the recorded samples on the rows that are fitted, without filtering.
     pub fn pick(&self, samples: ArrayView1<f64>) -> Array1<f64> {
-        self.samples().segments.iter().flat_map(|s| s.clone().step_by(self.stride)).map(|i| samples[i]).collect()
+        self.samples()
+            .segments
+            .iter()
+            .flat_map(|s| s.clone().step_by(self.stride))
+            .map(|i| samples[i])
+            .collect()
     }
 
     /// A column at the fine rate as the recorded torque would show it.
@@ -124,7 +151,8 @@ impl Frame {
     pub fn table_to_samples(&self, fine: &Array2<f64>) -> Array2<f64> {
         let mut out = Array2::zeros(self.tau.dim());
         for (j, column) in fine.columns().into_iter().enumerate() {
-            out.column_mut(j).assign(&Array1::from(self.to_samples(&column.to_owned())));
+            out.column_mut(j)
+                .assign(&Array1::from(self.to_samples(&column.to_owned())));
         }
         out
     }
@@ -140,7 +168,10 @@ impl Frame {
 
     /// Whether a row of a joint lies at a reversal; shape (rows, joints).
     pub fn reversals(&self) -> Array2<bool> {
-        self.slow(REVERSAL_SPEED, (REVERSAL_TIME * self.row_rate()).ceil() as usize)
+        self.slow(
+            REVERSAL_SPEED,
+            (REVERSAL_TIME * self.row_rate()).ceil() as usize,
+        )
     }
 
     /// Rows slower than `speed`, crossings of zero velocity, and `reach` rows on either side.
@@ -152,7 +183,10 @@ impl Frame {
                 for i in range.clone() {
                     let crossed = i + 1 < range.end && qd[i] * qd[i + 1] < 0.0;
                     if qd[i].abs() < speed || crossed {
-                        let (a, b) = (i.saturating_sub(reach).max(range.start), (i + reach + 1).min(range.end));
+                        let (a, b) = (
+                            i.saturating_sub(reach).max(range.start),
+                            (i + reach + 1).min(range.end),
+                        );
                         (a..b).for_each(|k| out[[k, j]] = true);
                     }
                 }
@@ -167,7 +201,8 @@ impl Frame {
         if self.lowpass.is_none() {
             return Array2::ones((self.len(), self.dof()));
         }
-        self.slow(CROSSING_SPEED, 0).mapv(|r| if r { CROSSING_WEIGHT } else { 1.0 })
+        self.slow(CROSSING_SPEED, 0)
+            .mapv(|r| if r { CROSSING_WEIGHT } else { 1.0 })
     }
 
     /// Sizes for grids of shape parameters; `others` are recordings of the same session.
@@ -175,15 +210,28 @@ impl Frame {
         let m = self.samples();
         let rms = |x: ArrayView1<f64>| (x.dot(&x) / x.len().max(1) as f64).sqrt().max(1e-9);
         let spread = |x: ArrayView1<f64>| x.std(0.0).max(1e-9);
-        let bounds = |x: &mut dyn Iterator<Item = f64>| x.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let bounds = |x: &mut dyn Iterator<Item = f64>| {
+            x.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                (a.min(x), b.max(x))
+            })
+        };
         let frames = || std::iter::once(self).chain(others.iter().copied());
         let fine = &self.motion().time;
         Scale {
             speed: m.qd.columns().into_iter().map(rms).collect(),
-            range: m.q.columns().into_iter().map(|q| bounds(&mut q.iter().copied())).collect(),
+            range: m
+                .q
+                .columns()
+                .into_iter()
+                .map(|q| bounds(&mut q.iter().copied()))
+                .collect(),
             torque: self.tau.columns().into_iter().map(spread).collect(),
             session: bounds(&mut frames().flat_map(|f| f.samples().time.iter().copied())),
-            step: if fine.len() > 1 { fine[1] - fine[0] } else { 0.01 },
+            step: if fine.len() > 1 {
+                fine[1] - fine[0]
+            } else {
+                0.01
+            },
         }
     }
 }

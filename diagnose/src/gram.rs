@@ -30,7 +30,12 @@ impl JointGram {
             row *= r;
         }
         let yw = &y * &root;
-        Self { xx: xw.t().dot(&xw), xy: xw.t().dot(&yw), yy: yw.dot(&yw), samples: weight.sum() }
+        Self {
+            xx: xw.t().dot(&xw),
+            xy: xw.t().dot(&yw),
+            yy: yw.dot(&yw),
+            samples: weight.sum(),
+        }
     }
 
     fn add(&mut self, other: &Self) {
@@ -94,7 +99,11 @@ impl Grams {
                 sum.add(joint);
             }
         }
-        Self { layout, folds, total }
+        Self {
+            layout,
+            folds,
+            total,
+        }
     }
 
     /// Number of joints.

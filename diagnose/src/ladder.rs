@@ -8,11 +8,18 @@ const MOVING: f64 = 0.01;
 
 /// Standard deviation of the measured torque per joint; None where it does not vary.
 pub fn deviations(tau: &Array2<f64>) -> Vec<Option<f64>> {
-    tau.columns().into_iter().map(|c| Some(c.std(0.0)).filter(|s| *s > 1e-12)).collect()
+    tau.columns()
+        .into_iter()
+        .map(|c| Some(c.std(0.0)).filter(|s| *s > 1e-12))
+        .collect()
 }
 
 /// Figures of a residual over all samples, or over those of each joint in motion.
-pub fn figures(residual: &Array2<f64>, deviation: &[Option<f64>], moving_at: Option<&Array2<f64>>) -> Figures {
+pub fn figures(
+    residual: &Array2<f64>,
+    deviation: &[Option<f64>],
+    moving_at: Option<&Array2<f64>>,
+) -> Figures {
     let rmse: Vec<f64> = (0..residual.ncols())
         .map(|j| {
             let squares = residual
@@ -24,10 +31,17 @@ pub fn figures(residual: &Array2<f64>, deviation: &[Option<f64>], moving_at: Opt
             (squares.0 / squares.1.max(1) as f64).sqrt()
         })
         .collect();
-    let nrmse: Vec<Option<f64>> = rmse.iter().zip(deviation).map(|(r, d)| d.map(|d| r / d)).collect();
+    let nrmse: Vec<Option<f64>> = rmse
+        .iter()
+        .zip(deviation)
+        .map(|(r, d)| d.map(|d| r / d))
+        .collect();
     let known: Vec<f64> = nrmse.iter().flatten().copied().collect();
     Figures {
-        r2: nrmse.iter().map(|v| v.map(|v| 100.0 * (1.0 - v * v))).collect(),
+        r2: nrmse
+            .iter()
+            .map(|v| v.map(|v| 100.0 * (1.0 - v * v)))
+            .collect(),
         mean_nrmse: known.iter().sum::<f64>() / known.len().max(1) as f64,
         rmse,
         nrmse,

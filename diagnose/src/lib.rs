@@ -23,6 +23,7 @@ pub mod objective;
 pub mod page;
 pub mod patch;
 pub mod prove;
+pub mod quantities;
 pub mod report;
 pub mod scene;
 pub mod score;

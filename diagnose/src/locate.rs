@@ -12,10 +12,21 @@ const BINS: usize = 8;
 
 /// Regions with the largest shares of the squared error, in mean over joints of squared NRMSE. Each joint and coordinate
 /// gives its most overloaded region: the one whose share exceeds its share of time most.
-pub fn locate(gap: &Array2<f64>, tau: &Array2<f64>, load: &Array2<f64>, motion: &Motion, names: &[String]) -> Vec<Place> {
+pub fn locate(
+    gap: &Array2<f64>,
+    tau: &Array2<f64>,
+    load: &Array2<f64>,
+    motion: &Motion,
+    names: &[String],
+) -> Vec<Place> {
     let deviation = deviations(tau);
-    let weight: Vec<f64> = deviation.iter().map(|d| d.map_or(0.0, |d| 1.0 / (d * d))).collect();
-    let total: f64 = (0..gap.ncols()).map(|j| weight[j] * gap.column(j).dot(&gap.column(j))).sum();
+    let weight: Vec<f64> = deviation
+        .iter()
+        .map(|d| d.map_or(0.0, |d| 1.0 / (d * d)))
+        .collect();
+    let total: f64 = (0..gap.ncols())
+        .map(|j| weight[j] * gap.column(j).dot(&gap.column(j)))
+        .sum();
     if total <= 0.0 {
         return Vec::new();
     }
@@ -76,7 +87,10 @@ fn region(values: &Array1<f64>, share: &Array1<f64>) -> Option<([f64; 2], f64, f
             let (low, high) = (edge(from), edge(to));
             let (s, t) = sums(share, &|i| values[i] >= low && values[i] <= high);
             let excess = s / all - t;
-            if best.as_ref().is_none_or(|(_, bs, bt)| excess > bs / all - bt) {
+            if best
+                .as_ref()
+                .is_none_or(|(_, bs, bt)| excess > bs / all - bt)
+            {
                 best = Some(([low, high], s, t));
             }
         }
@@ -85,7 +99,9 @@ fn region(values: &Array1<f64>, share: &Array1<f64>) -> Option<([f64; 2], f64, f
 }
 
 fn sums(share: &Array1<f64>, inside: &dyn Fn(usize) -> bool) -> (f64, f64) {
-    let (s, n) = (0..share.len()).filter(|&i| inside(i)).fold((0.0, 0usize), |(s, n), i| (s + share[i], n + 1));
+    let (s, n) = (0..share.len())
+        .filter(|&i| inside(i))
+        .fold((0.0, 0usize), |(s, n), i| (s + share[i], n + 1));
     (s, n as f64 / share.len().max(1) as f64)
 }
 

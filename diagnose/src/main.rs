@@ -51,7 +51,13 @@ struct Arguments {
     #[arg(long)]
     heldout: PathBuf,
     /// Gravity in the base frame, m/s².
-    #[arg(long, value_delimiter = ',', num_args = 3, allow_hyphen_values = true, value_name = "X,Y,Z")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        num_args = 3,
+        allow_hyphen_values = true,
+        value_name = "X,Y,Z"
+    )]
     gravity: Option<Vec<f64>>,
     /// Write the report as JSON.
     #[arg(long)]
@@ -67,13 +73,15 @@ struct Arguments {
 fn main() -> ExitCode {
     let command = Command::parse();
     match (command.proof, command.arguments) {
-        (Some(Proof::Prove { cases, seed, out }), _) => match run_proof(cases, seed, out.as_deref()) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(error) => {
-                eprintln!("diagnose: {error}");
-                ExitCode::FAILURE
+        (Some(Proof::Prove { cases, seed, out }), _) => {
+            match run_proof(cases, seed, out.as_deref()) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(error) => {
+                    eprintln!("diagnose: {error}");
+                    ExitCode::FAILURE
+                }
             }
-        },
+        }
         (None, Some(arguments)) => match run(&arguments) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
@@ -103,13 +111,25 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     write_files(arguments, &model, &outcome)
 }
 
-fn write_files(arguments: &Arguments, model: &NominalModel, outcome: &Outcome) -> Result<(), DiagnoseError> {
+fn write_files(
+    arguments: &Arguments,
+    model: &NominalModel,
+    outcome: &Outcome,
+) -> Result<(), DiagnoseError> {
     if let Some(path) = &arguments.json {
-        write(path, &serde_json::to_string_pretty(&outcome.diagnosis).expect("numbers and strings"))?;
+        write(
+            path,
+            &serde_json::to_string_pretty(&outcome.diagnosis).expect("numbers and strings"),
+        )?;
     }
     if let Some(path) = &arguments.html {
         let name = |p: &Path| p.display().to_string();
-        let data = arguments.data.iter().map(|p| name(p)).collect::<Vec<_>>().join(", ");
+        let data = arguments
+            .data
+            .iter()
+            .map(|p| name(p))
+            .collect::<Vec<_>>()
+            .join(", ");
         let inputs = [
             ("robot".to_owned(), arguments.robot.clone()),
             ("data".to_owned(), data),
@@ -123,7 +143,10 @@ fn write_files(arguments: &Arguments, model: &NominalModel, outcome: &Outcome) -
         write(path, &patch.urdf)?;
         write(&path.with_extension("mjcf.xml"), &patch.mjcf)?;
         write(&path.with_extension("values.tsv"), &patch.values)?;
-        println!("Patched model: {}", patch::summary(&outcome.diagnosis.causes));
+        println!(
+            "Patched model: {}",
+            patch::summary(&outcome.diagnosis.causes)
+        );
     }
     Ok(())
 }

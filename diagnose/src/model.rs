@@ -27,10 +27,26 @@ impl NominalModel {
     pub fn moved(&self, change: &[f64]) -> Result<Robot, RobotError> {
         let n = self.robot.dof();
         let (inertial, friction) = change.split_at(PARAMETERS_PER_LINK * n);
-        let parameters: Vec<f64> = self.robot.parameters().iter().zip(inertial).map(|(p, d)| p + d).collect();
+        let parameters: Vec<f64> = self
+            .robot
+            .parameters()
+            .iter()
+            .zip(inertial)
+            .map(|(p, d)| p + d)
+            .collect();
         let joints = self.robot.joints();
-        let damping: Vec<f64> = joints.iter().zip(friction).map(|(j, d)| (j.damping + d).max(0.0)).collect();
-        let coulomb: Vec<f64> = joints.iter().zip(&friction[n..]).map(|(j, d)| (j.friction + d).max(0.0)).collect();
-        self.robot.with_parameters(&parameters)?.with_friction(&damping, &coulomb)
+        let damping: Vec<f64> = joints
+            .iter()
+            .zip(friction)
+            .map(|(j, d)| (j.damping + d).max(0.0))
+            .collect();
+        let coulomb: Vec<f64> = joints
+            .iter()
+            .zip(&friction[n..])
+            .map(|(j, d)| (j.friction + d).max(0.0))
+            .collect();
+        self.robot
+            .with_parameters(&parameters)?
+            .with_friction(&damping, &coulomb)
     }
 }

@@ -37,7 +37,18 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { inertial_tolerance: 0.04, friction_tolerance: 0.12, correlated_rows: 25.0, cost: 4.0, enough: 10.0, leftover: 0.12, leftover_same: 0.35, visible: 0.015, share: 0.015, floor: 0.006 }
+        Self {
+            inertial_tolerance: 0.04,
+            friction_tolerance: 0.12,
+            correlated_rows: 25.0,
+            cost: 4.0,
+            enough: 10.0,
+            leftover: 0.12,
+            leftover_same: 0.35,
+            visible: 0.015,
+            share: 0.015,
+            floor: 0.006,
+        }
     }
 }
 
@@ -53,7 +64,11 @@ pub struct Objective<'a> {
 impl<'a> Objective<'a> {
     /// For products of recordings of the given size.
     pub fn new(grams: &'a Grams, scale: &Scale, settings: &'a Settings) -> Self {
-        Self { grams, settings, torque: scale.torque.clone() }
+        Self {
+            grams,
+            settings,
+            torque: scale.torque.clone(),
+        }
     }
 
     /// Mean squared error of each joint with the floor added, (N·m)².
@@ -70,7 +85,8 @@ impl<'a> Objective<'a> {
     /// Root mean squared error of each joint relative to its torque.
     pub fn relative(&self, error: &[f64]) -> Vec<f64> {
         let each = error.iter().zip(&self.grams.total).zip(&self.torque);
-        each.map(|((e, g), t)| (e.max(0.0) / g.samples.max(1.0)).sqrt() / t).collect()
+        each.map(|((e, g), t)| (e.max(0.0) / g.samples.max(1.0)).sqrt() / t)
+            .collect()
     }
 
     /// The same of the gap itself.
@@ -84,8 +100,12 @@ impl<'a> Objective<'a> {
 
     /// J of squared errors, penalty and number of added coefficients.
     pub fn value(&self, error: &[f64], penalty: f64, coefficients: usize) -> f64 {
-        let misfit: f64 =
-            self.variance(error).iter().enumerate().map(|(j, v)| 0.5 * self.independent(j) * v.ln()).sum();
+        let misfit: f64 = self
+            .variance(error)
+            .iter()
+            .enumerate()
+            .map(|(j, v)| 0.5 * self.independent(j) * v.ln())
+            .sum();
         misfit + 0.5 * penalty + self.settings.cost * coefficients as f64
     }
 
@@ -101,7 +121,10 @@ impl<'a> Objective<'a> {
 
     /// Weights of the joints for a given squared error.
     pub fn weights(&self, error: &[f64]) -> Vec<f64> {
-        self.variance(error).iter().map(|v| 1.0 / (self.settings.correlated_rows * v)).collect()
+        self.variance(error)
+            .iter()
+            .map(|v| 1.0 / (self.settings.correlated_rows * v))
+            .collect()
     }
 
     /// Fits variables, the joints' weights found in three passes.
@@ -118,14 +141,20 @@ impl<'a> Objective<'a> {
     /// A candidate's coefficient: its torque may reach three times the joint's, one deviation.
     pub fn wide(&self, column: usize) -> Variable {
         let size = self.grams.column_rms(column, &self.torque);
-        Variable { column, precision: (size / 3.0).powi(2).max(1e-12) }
+        Variable {
+            column,
+            precision: (size / 3.0).powi(2).max(1e-12),
+        }
     }
 
     /// Freedom of a link's parameters when they are suspected: half their size.
     pub fn freed_link(&self, robot: &Robot, link: usize) -> Vec<Variable> {
         let first = PARAMETERS_PER_LINK * link;
         let sizes = link_sizes(&robot.joints()[link]);
-        let variable = |(p, size): (usize, f64)| Variable { column: first + p, precision: (0.5 * size).powi(-2) };
+        let variable = |(p, size): (usize, f64)| Variable {
+            column: first + p,
+            precision: (0.5 * size).powi(-2),
+        };
         sizes.into_iter().enumerate().map(variable).collect()
     }
 
@@ -133,9 +162,15 @@ impl<'a> Objective<'a> {
     /// is free: nobody claimed that it is zero.
     pub fn base(&self, robot: &Robot) -> Vec<Variable> {
         let s = self.settings;
-        let mut deviations: Vec<f64> =
-            robot.joints().iter().flat_map(|j| link_sizes(j).map(|x| s.inertial_tolerance * x)).collect();
-        let lacking = robot.joints().iter().all(|j| j.damping == 0.0 && j.friction == 0.0);
+        let mut deviations: Vec<f64> = robot
+            .joints()
+            .iter()
+            .flat_map(|j| link_sizes(j).map(|x| s.inertial_tolerance * x))
+            .collect();
+        let lacking = robot
+            .joints()
+            .iter()
+            .all(|j| j.damping == 0.0 && j.friction == 0.0);
         // A coefficient may be off by what nobody would report, however small it is given.
         let least = |column: usize| {
             let size = self.grams.column_rms(column, &self.torque).max(1e-9);
@@ -149,7 +184,14 @@ impl<'a> Objective<'a> {
         for (j, joint) in robot.joints().iter().enumerate() {
             deviations.push((s.friction_tolerance * joint.friction).max(least(n + dof + j)));
         }
-        deviations.iter().enumerate().map(|(column, d)| Variable { column, precision: 1.0 / (d * d) }).collect()
+        deviations
+            .iter()
+            .enumerate()
+            .map(|(column, d)| Variable {
+                column,
+                precision: 1.0 / (d * d),
+            })
+            .collect()
     }
 }
 

@@ -24,10 +24,18 @@ pub struct Patch {
 ///
 /// # Errors
 /// The fitted parameters make no robot.
-pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: Option<&str>) -> Result<Patch, DiagnoseError> {
+pub fn patch(
+    model: &NominalModel,
+    outcome: &Outcome,
+    urdf: Option<&str>,
+) -> Result<Patch, DiagnoseError> {
     let robot = patched_robot(model, outcome)?;
     let urdf = urdf.map_or_else(|| Ok(to_urdf(&robot)), |text| urdf_with(text, &robot))?;
-    Ok(Patch { urdf, mjcf: mjcf(&outcome.diagnosis.causes), values: values(&outcome.diagnosis.causes) })
+    Ok(Patch {
+        urdf,
+        mjcf: mjcf(&outcome.diagnosis.causes),
+        values: values(&outcome.diagnosis.causes),
+    })
 }
 
 /// The model with every fitted change of parameters that it has a place for, payload included.
@@ -35,7 +43,11 @@ fn patched_robot(model: &NominalModel, outcome: &Outcome) -> Result<Robot, Robot
     let found = &outcome.findings;
     let (variables, beta) = &found.tight;
     let mut change = vec![0.0; 12 * model.robot.dof()];
-    for (v, b) in variables.iter().zip(beta).filter(|(v, _)| v.column < 12 * model.robot.dof()) {
+    for (v, b) in variables
+        .iter()
+        .zip(beta)
+        .filter(|(v, _)| v.column < 12 * model.robot.dof())
+    {
         change[v.column] += b;
     }
     model.moved(&change)
@@ -47,15 +59,33 @@ fn mjcf(causes: &[Cause]) -> String {
         let first = cause.parameters.first();
         let joint = cause.joints.first().map_or("", String::as_str);
         let _ = match (cause.effect, first) {
-            (Effect::RotorInertia, Some(p)) => writeln!(out, "  <!-- <joint name=\"{joint}\" armature=\"{:.6}\"/> -->", p.value),
-            (Effect::TimeDelay, Some(p)) => writeln!(out, "  <!-- actuator delay=\"{:.6}\" -->", p.value),
+            (Effect::RotorInertia, Some(p)) => writeln!(
+                out,
+                "  <!-- <joint name=\"{joint}\" armature=\"{:.6}\"/> -->",
+                p.value
+            ),
+            (Effect::TimeDelay, Some(p)) => {
+                writeln!(out, "  <!-- actuator delay=\"{:.6}\" -->", p.value)
+            }
             (Effect::JointElasticity, Some(p)) => {
-                writeln!(out, "  <!-- second joint at {joint} with stiffness=\"{:.6}\" between motor and link -->", p.value)
+                writeln!(
+                    out,
+                    "  <!-- second joint at {joint} with stiffness=\"{:.6}\" between motor and link -->",
+                    p.value
+                )
             }
             (Effect::Backlash, Some(p)) => {
-                writeln!(out, "  <!-- second joint at {joint} with range=\"{:.6} {:.6}\" -->", -p.value, p.value)
+                writeln!(
+                    out,
+                    "  <!-- second joint at {joint} with range=\"{:.6} {:.6}\" -->",
+                    -p.value, p.value
+                )
             }
-            (Effect::EncoderOffset, Some(p)) => writeln!(out, "  <!-- <joint name=\"{joint}\" ref=\"{:.6}\"/> -->", p.value),
+            (Effect::EncoderOffset, Some(p)) => writeln!(
+                out,
+                "  <!-- <joint name=\"{joint}\" ref=\"{:.6}\"/> -->",
+                p.value
+            ),
             _ => Ok(()),
         };
     }
@@ -68,10 +98,23 @@ fn values(causes: &[Cause]) -> String {
     for cause in causes {
         for p in &cause.parameters {
             let joints = p.joint.clone().unwrap_or_else(|| cause.joints.join(","));
-            let _ = writeln!(out, "{}\t{joints}\t{}\t{}\t{}\t{}", cause.effect.name(), p.name, p.value, p.std, p.unit);
+            let _ = writeln!(
+                out,
+                "{}\t{joints}\t{}\t{}\t{}\t{}",
+                cause.effect.name(),
+                p.name,
+                p.value,
+                p.std,
+                p.unit
+            );
         }
         if cause.parameters.is_empty() {
-            let _ = writeln!(out, "{}\t{}\t\t\t\t", cause.effect.name(), cause.joints.join(","));
+            let _ = writeln!(
+                out,
+                "{}\t{}\t\t\t\t",
+                cause.effect.name(),
+                cause.joints.join(",")
+            );
         }
     }
     out
@@ -79,11 +122,30 @@ fn values(causes: &[Cause]) -> String {
 
 /// One line on what the patch holds.
 pub fn summary(causes: &[Cause]) -> String {
-    let written = |c: &&Cause| matches!(c.effect, Effect::LinkParameters | Effect::FrictionParameters | Effect::Payload);
+    let written = |c: &&Cause| {
+        matches!(
+            c.effect,
+            Effect::LinkParameters | Effect::FrictionParameters | Effect::Payload
+        )
+    };
     let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(written);
     let list = |c: &[&Cause]| {
-        let one = |c: &&Cause| c.parameters.first().map_or(c.effect.name().to_owned(), |p| format!("{} ({})", c.effect.name(), value(p)));
-        if c.is_empty() { "nothing".to_owned() } else { c.iter().map(one).collect::<Vec<_>>().join(", ") }
+        let one = |c: &&Cause| {
+            c.parameters
+                .first()
+                .map_or(c.effect.name().to_owned(), |p| {
+                    format!("{} ({})", c.effect.name(), value(p))
+                })
+        };
+        if c.is_empty() {
+            "nothing".to_owned()
+        } else {
+            c.iter().map(one).collect::<Vec<_>>().join(", ")
+        }
     };
-    format!("in the URDF: {}; beside it: {}", list(&inside), list(&outside))
+    format!(
+        "in the URDF: {}; beside it: {}",
+        list(&inside),
+        list(&outside)
+    )
 }

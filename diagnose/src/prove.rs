@@ -23,7 +23,7 @@ pub enum ProveError {
         /// Its name.
         case: String,
         /// Why.
-        error: crate::error::DiagnoseError,
+        error: Box<crate::error::DiagnoseError>,
     },
     /// A report cannot be written.
     #[error(transparent)]
@@ -42,20 +42,31 @@ pub enum ProveError {
 ///
 /// # Errors
 /// The first case that fails.
-pub fn prove(cases: u64, seed: u64, out: Option<&Path>, done: impl Fn() + Sync) -> Result<Vec<Score>, ProveError> {
+pub fn prove(
+    cases: u64,
+    seed: u64,
+    out: Option<&Path>,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Score>, ProveError> {
     let reports = out.map(|o| o.join("reports"));
     if let Some(folder) = &reports {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| ProveError::Folder { path: folder.display().to_string(), error })?;
+        std::fs::create_dir_all(folder).map_err(|error| ProveError::Folder {
+            path: folder.display().to_string(),
+            error,
+        })?;
     }
     (0..cases)
         .into_par_iter()
         .map(|index| {
             let case = generate(&draw(index, seed), seed)?;
-            let fail = |error| ProveError::Diagnose { case: case.id.clone(), error };
+            let fail = |error| ProveError::Diagnose {
+                case: case.id.clone(),
+                error: Box::new(error),
+            };
             let robot = Robot::from_urdf_str(&case.urdf).map_err(|e| fail(e.into()))?;
             let model = NominalModel { robot };
-            let outcome = diagnose(&model, &case.train, &case.test, Settings::default()).map_err(fail)?;
+            let outcome =
+                diagnose(&model, &case.train, &case.test, Settings::default()).map_err(fail)?;
             let found = serde_json::to_value(&outcome.diagnosis).expect("numbers and strings");
             if let (Some(out), Some(folder)) = (out, &reports) {
                 write(&case, out)?;
@@ -74,7 +85,16 @@ pub fn table(scores: &[Score]) -> Table {
     let mut kinds: Vec<&str> = scores.iter().map(|s| s.kind.as_str()).collect();
     kinds.sort_unstable();
     kinds.dedup();
-    let heads = ["top-1*", "lenient", "top-3", "joint", "closure", "false alarm", "unknown found", "false unknown"];
+    let heads = [
+        "top-1*",
+        "lenient",
+        "top-3",
+        "joint",
+        "closure",
+        "false alarm",
+        "unknown found",
+        "false unknown",
+    ];
     let mut columns = vec![Column::text("truth"), Column::number("cases")];
     columns.extend(heads.map(Column::number));
     let mut table = Table::new(columns);
@@ -96,7 +116,13 @@ pub fn table(scores: &[Score]) -> Table {
     for kind in kinds {
         push(kind, scores.iter().filter(|s| s.kind == kind).collect());
     }
-    push("all single", scores.iter().filter(|s| !["none", "outside", "two"].contains(&s.kind.as_str())).collect());
+    push(
+        "all single",
+        scores
+            .iter()
+            .filter(|s| !["none", "outside", "two"].contains(&s.kind.as_str()))
+            .collect(),
+    );
     push("all", scores.iter().collect());
     table.emphasise_last()
 }

@@ -1,10 +1,10 @@
 //! What the columns of the dictionary see of one recording: motion at the fine rate and the torques that
 //! the present model predicts on it. Measured torque is no part of it.
 
+use nalgebra::Vector3;
 use ndarray::{Array1, Array2, Axis};
 use physics::dynamics::{Workspace, inverse_dynamics, inverse_dynamics_with_gravity};
 use physics::robot::Robot;
-use nalgebra::Vector3;
 use rayon::prelude::*;
 use signal::Motion;
 
@@ -80,7 +80,16 @@ impl<'a> Scene<'a> {
         }
         let mut order = motion.segments.clone();
         order.sort_by(|a, b| motion.time[a.start].total_cmp(&motion.time[b.start]));
-        Self { robot, motion, scale, sign, rigid, drive, tangents: Vec::new(), order }
+        Self {
+            robot,
+            motion,
+            scale,
+            sign,
+            rigid,
+            drive,
+            tangents: Vec::new(),
+            order,
+        }
     }
 
     /// The same with the derivatives that compliant transmissions and joint zeros need.
@@ -93,9 +102,13 @@ impl<'a> Scene<'a> {
         };
         self.tangents = (0..self.dof())
             .map(|j| Tangent {
-                q: (rigid_torque(self.robot, &shifted(&m.q, j, STEP), &m.qd, &m.qdd) - &self.rigid) / STEP,
-                qd: (rigid_torque(self.robot, &m.q, &shifted(&m.qd, j, STEP), &m.qdd) - &self.rigid) / STEP,
-                qdd: (rigid_torque(self.robot, &m.q, &m.qd, &shifted(&m.qdd, j, 1.0)) - &self.rigid),
+                q: (rigid_torque(self.robot, &shifted(&m.q, j, STEP), &m.qd, &m.qdd) - &self.rigid)
+                    / STEP,
+                qd: (rigid_torque(self.robot, &m.q, &shifted(&m.qd, j, STEP), &m.qdd)
+                    - &self.rigid)
+                    / STEP,
+                qdd: (rigid_torque(self.robot, &m.q, &m.qd, &shifted(&m.qdd, j, 1.0))
+                    - &self.rigid),
             })
             .collect();
         self
@@ -125,7 +138,11 @@ impl<'a> Scene<'a> {
     pub fn progress(&self) -> Array1<f64> {
         let (start, end) = self.scale.session;
         let span = (end - start).max(1e-9);
-        self.motion.time.iter().map(|t| (t - start) / span).collect()
+        self.motion
+            .time
+            .iter()
+            .map(|t| (t - start) / span)
+            .collect()
     }
 
     /// First-order change of the rigid torque when one joint's link departs from its motor by `dq`.
@@ -188,7 +205,12 @@ pub fn soft_sign(qd: f64) -> f64 {
 }
 
 /// Torque of the rigid body over tables of shape (samples, joints).
-pub fn rigid_torque(robot: &Robot, q: &Array2<f64>, qd: &Array2<f64>, qdd: &Array2<f64>) -> Array2<f64> {
+pub fn rigid_torque(
+    robot: &Robot,
+    q: &Array2<f64>,
+    qd: &Array2<f64>,
+    qdd: &Array2<f64>,
+) -> Array2<f64> {
     rows(robot, q, qd, qdd, inverse_dynamics)
 }
 
@@ -205,7 +227,10 @@ fn rows(
     let mut out = Array2::zeros(q.dim());
     let chunk = |table: &Array2<f64>, b: usize| {
         let end = ((b + 1) * BLOCK).min(table.nrows());
-        table.slice_axis(Axis(0), (b * BLOCK..end).into()).as_standard_layout().into_owned()
+        table
+            .slice_axis(Axis(0), (b * BLOCK..end).into())
+            .as_standard_layout()
+            .into_owned()
     };
     out.as_slice_mut()
         .expect("a new table is in standard layout")
@@ -215,10 +240,19 @@ fn rows(
             let mut workspace = Workspace::new(robot);
             let (q, qd, qdd) = (chunk(q, b), chunk(qd, b), chunk(qdd, b));
             let (q, qd, qdd) = (q.as_slice(), qd.as_slice(), qdd.as_slice());
-            let (Some(q), Some(qd), Some(qdd)) = (q, qd, qdd) else { unreachable!("standard layout") };
+            let (Some(q), Some(qd), Some(qdd)) = (q, qd, qdd) else {
+                unreachable!("standard layout")
+            };
             for (i, tau) in tau.chunks_mut(n).enumerate() {
                 let r = i * n..(i + 1) * n;
-                algorithm(robot, &mut workspace, &q[r.clone()], &qd[r.clone()], &qdd[r], tau);
+                algorithm(
+                    robot,
+                    &mut workspace,
+                    &q[r.clone()],
+                    &qd[r.clone()],
+                    &qdd[r],
+                    tau,
+                );
             }
         });
     out

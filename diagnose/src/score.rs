@@ -32,11 +32,19 @@ fn text<'a>(v: &'a Value, key: &str) -> &'a str {
 }
 
 fn texts(v: &Value) -> Vec<&str> {
-    v.as_array().into_iter().flatten().filter_map(Value::as_str).collect()
+    v.as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_str)
+        .collect()
 }
 
 fn squares(v: &Value) -> f64 {
-    v.as_array().into_iter().flatten().map(|x| x.as_f64().unwrap_or(0.0).powi(2)).sum()
+    v.as_array()
+        .into_iter()
+        .flatten()
+        .map(|x| x.as_f64().unwrap_or(0.0).powi(2))
+        .sum()
 }
 
 fn hit(cause: Option<&Value>, names: &[&str]) -> f64 {
@@ -44,39 +52,75 @@ fn hit(cause: Option<&Value>, names: &[&str]) -> f64 {
     if names.contains(&text(cause, "effect")) {
         return 1.0;
     }
-    if texts(&cause["ambiguous_with"]).iter().any(|e| names.contains(e)) { 0.5 } else { 0.0 }
+    if texts(&cause["ambiguous_with"])
+        .iter()
+        .any(|e| names.contains(e))
+    {
+        0.5
+    } else {
+        0.0
+    }
 }
 
 /// Judges a report (schema `diagnosis/1`) by a truth file's content.
 pub fn judge(truth: &Value, report: &Value) -> Score {
     let list = |v: &Value| v.as_array().cloned().unwrap_or_default();
     let (effects, causes) = (list(&truth["effects"]), list(&report["causes"]));
-    let names: Vec<&str> = effects.iter().map(|e| text(e, "effect")).filter(|e| *e != "unknown").collect();
+    let names: Vec<&str> = effects
+        .iter()
+        .map(|e| text(e, "effect"))
+        .filter(|e| *e != "unknown")
+        .collect();
     let by_parameters = names.iter().any(|n| PARAMETERS.contains(n));
-    let rest: Vec<&Value> =
-        causes.iter().filter(|c| by_parameters || !PARAMETERS.contains(&text(c, "effect"))).collect();
+    let rest: Vec<&Value> = causes
+        .iter()
+        .filter(|c| by_parameters || !PARAMETERS.contains(&text(c, "effect")))
+        .collect();
     let number = |e: &Value, key: &str| e[key].as_f64().unwrap_or(0.0);
     let absorbed = !effects.is_empty()
-        && effects.iter().all(|e| number(e, "share_after_reidentification") < 0.15 * number(e, "share"));
+        && effects
+            .iter()
+            .all(|e| number(e, "share_after_reidentification") < 0.15 * number(e, "share"));
     let kind = text(truth, "kind").to_owned();
     let unknown = f64::from(u8::from(text(report, "verdict") == "unknown_effect"));
-    let mut s = Score { kind: kind.clone(), ..Score::default() };
+    let mut s = Score {
+        kind: kind.clone(),
+        ..Score::default()
+    };
     if !names.is_empty() {
-        let same: Vec<&str> =
-            names.iter().copied().chain(effects.iter().flat_map(|e| texts(&e["indistinguishable"]))).collect();
+        let same: Vec<&str> = names
+            .iter()
+            .copied()
+            .chain(effects.iter().flat_map(|e| texts(&e["indistinguishable"])))
+            .collect();
         let top1 = hit(rest.first().copied(), &names);
         s.top1 = Some(top1);
-        let first_same = rest.first().is_some_and(|c| same.contains(&text(c, "effect")));
-        let parameters_do = rest.is_empty() && (absorbed || same.iter().any(|n| PARAMETERS.contains(n)));
-        s.lenient = Some(if first_same || parameters_do { 1.0 } else { top1 });
-        s.top3 = Some(f64::from(u8::from(rest.iter().take(3).any(|c| names.contains(&text(c, "effect"))))));
+        let first_same = rest
+            .first()
+            .is_some_and(|c| same.contains(&text(c, "effect")));
+        let parameters_do =
+            rest.is_empty() && (absorbed || same.iter().any(|n| PARAMETERS.contains(n)));
+        s.lenient = Some(if first_same || parameters_do {
+            1.0
+        } else {
+            top1
+        });
+        s.top3 = Some(f64::from(u8::from(
+            rest.iter()
+                .take(3)
+                .any(|c| names.contains(&text(c, "effect"))),
+        )));
         let joints: Vec<f64> = effects
             .iter()
             .filter(|e| text(e, "scope") == "joint")
             .filter_map(|e| {
-                let c = causes.iter().find(|c| text(c, "effect") == text(e, "effect"))?;
+                let c = causes
+                    .iter()
+                    .find(|c| text(c, "effect") == text(e, "effect"))?;
                 let (a, b) = (texts(&e["joints"]), texts(&c["joints"]));
-                Some(f64::from(u8::from(a.iter().all(|j| b.contains(j)) && b.len() <= a.len() + 1)))
+                Some(f64::from(u8::from(
+                    a.iter().all(|j| b.contains(j)) && b.len() <= a.len() + 1,
+                )))
             })
             .collect();
         s.joint = (!joints.is_empty()).then(|| joints.iter().sum::<f64>() / joints.len() as f64);
@@ -90,9 +134,14 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
         s.false_unknown = Some(unknown);
     }
     let ladder = list(&report["ladder"]);
-    let last = ladder.iter().rfind(|x| !["learned", "repeatability"].contains(&text(x, "step")));
+    let last = ladder
+        .iter()
+        .rfind(|x| !["learned", "repeatability"].contains(&text(x, "step")));
     let oracle = &truth["oracle"]["nrmse"];
-    let (given, best) = (squares(&oracle["as_given"]), squares(&oracle["with_effect"]));
+    let (given, best) = (
+        squares(&oracle["as_given"]),
+        squares(&oracle["with_effect"]),
+    );
     if let Some(last) = last.filter(|_| given > 1.2 * best) {
         s.closure = Some((given - squares(&last["nrmse"])) / (given - best));
     }
@@ -118,7 +167,10 @@ mod tests {
         let report = json!({"verdict": "explained", "causes": [{"effect": "friction_parameters", "joints": ["a"]}],
             "ladder": [{"step": "as_given", "nrmse": [0.2]}, {"step": "reidentified", "nrmse": [0.1]}]});
         let s = judge(&truth, &report);
-        assert_eq!((s.top1, s.lenient, s.top3), (Some(0.0), Some(1.0), Some(0.0)));
+        assert_eq!(
+            (s.top1, s.lenient, s.top3),
+            (Some(0.0), Some(1.0), Some(0.0))
+        );
         assert!((s.closure.unwrap() - 1.0).abs() < 1e-12);
         assert_eq!(s.false_unknown, Some(0.0));
     }

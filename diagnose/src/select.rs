@@ -59,7 +59,10 @@ impl<'a> Search<'a> {
         if c.effect == Effect::LinkParameters {
             return self.objective.freed_link(self.robot, c.joints[0]);
         }
-        self.members[candidate].iter().map(|&c| self.objective.wide(c)).collect()
+        self.members[candidate]
+            .iter()
+            .map(|&c| self.objective.wide(c))
+            .collect()
     }
 
     /// Fit of the base and the given candidates.
@@ -71,7 +74,10 @@ impl<'a> Search<'a> {
 
     /// Causes beyond parameters.
     fn named(&self, accepted: &[usize]) -> usize {
-        accepted.iter().filter(|&&c| !self.candidates[c].effect.is_parameter()).count()
+        accepted
+            .iter()
+            .filter(|&&c| !self.candidates[c].effect.is_parameter())
+            .count()
     }
 
     /// Every admissible candidate tried on top of a fit, best first.
@@ -84,13 +90,32 @@ impl<'a> Search<'a> {
                 let variables = self.variables(c);
                 let trial = fit.trial(&variables);
                 let link = self.candidates[c].effect == Effect::LinkParameters;
-                let within = trial.gamma.iter().zip(&self.candidates[c].bounds).all(|(g, b)| allowed(*g, *b))
-                    && (!link || trial.gamma.iter().zip(&variables).all(|(g, v)| g * g * v.precision < MOST_CHANGE));
+                let within = trial
+                    .gamma
+                    .iter()
+                    .zip(&self.candidates[c].bounds)
+                    .all(|(g, b)| allowed(*g, *b))
+                    && (!link
+                        || trial
+                            .gamma
+                            .iter()
+                            .zip(&variables)
+                            .all(|(g, v)| g * g * v.precision < MOST_CHANGE));
                 let gain = before - self.objective.of_trial(&trial, self.members[c].len());
-                within.then_some(Tried { candidate: c, gain, error: trial.error, penalty: trial.penalty, gamma: trial.gamma })
+                within.then_some(Tried {
+                    candidate: c,
+                    gain,
+                    error: trial.error,
+                    penalty: trial.penalty,
+                    gamma: trial.gamma,
+                })
             })
             .collect();
-        all.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.candidate.cmp(&b.candidate)));
+        all.sort_by(|a, b| {
+            b.gain
+                .total_cmp(&a.gain)
+                .then(a.candidate.cmp(&b.candidate))
+        });
         all
     }
 
@@ -110,7 +135,10 @@ impl<'a> Search<'a> {
             let tried = self.tried(&fit, &accepted);
             let best = tried
                 .iter()
-                .find(|t| self.worth(&fit, t) && t.gain > self.relative_price(&accepted, &gains, t.candidate))
+                .find(|t| {
+                    self.worth(&fit, t)
+                        && t.gain > self.relative_price(&accepted, &gains, t.candidate)
+                })
                 .map(|t| (t.candidate, t.gain));
             match best {
                 Some((candidate, gain)) if self.named(&accepted) < most => {
@@ -130,7 +158,12 @@ impl<'a> Search<'a> {
                 self.tried(&self.fit(&others), &others)
             })
             .collect();
-        Selection { accepted, fit, steps, rest }
+        Selection {
+            accepted,
+            fit,
+            steps,
+            rest,
+        }
     }
 
     /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
@@ -142,7 +175,11 @@ impl<'a> Search<'a> {
         }
         let before = self.objective.relative(&fit.error());
         let after = self.objective.relative(&tried.error);
-        let removed: Vec<f64> = before.iter().zip(&after).map(|(b, a)| b * b - a * a).collect();
+        let removed: Vec<f64> = before
+            .iter()
+            .zip(&after)
+            .map(|(b, a)| b * b - a * a)
+            .collect();
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
         let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
@@ -151,7 +188,11 @@ impl<'a> Search<'a> {
         if fraction(&before, &after, &c.joints) < least_fraction(c) {
             return false;
         }
-        let clear = if memory { 2.0 * s.enough } else { 1.4 * s.enough };
+        let clear = if memory {
+            2.0 * s.enough
+        } else {
+            1.4 * s.enough
+        };
         (misfit && !memory) || tried.gain > clear
     }
 
@@ -176,8 +217,14 @@ impl<'a> Search<'a> {
         for i in 0..accepted.len().saturating_sub(1) {
             let others = without(accepted, i);
             let tried = self.tried(&self.fit(&others), &others);
-            let own = tried.iter().find(|t| t.candidate == accepted[i]).map_or(f64::NEG_INFINITY, |t| t.gain);
-            if let Some(best) = tried.first().filter(|t| t.gain > own + self.objective.settings.cost) {
+            let own = tried
+                .iter()
+                .find(|t| t.candidate == accepted[i])
+                .map_or(f64::NEG_INFINITY, |t| t.gain);
+            if let Some(best) = tried
+                .first()
+                .filter(|t| t.gain > own + self.objective.settings.cost)
+            {
                 accepted[i] = best.candidate;
             }
         }
@@ -211,7 +258,9 @@ fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
 fn least_fraction(candidate: &Candidate) -> f64 {
     const NARROW: f64 = 1.2e-3;
     match candidate.effect {
-        Effect::PreslidingHysteresis if candidate.shape.first().is_some_and(|s| s.1 < NARROW) => 0.35,
+        Effect::PreslidingHysteresis if candidate.shape.first().is_some_and(|s| s.1 < NARROW) => {
+            0.35
+        }
         Effect::PreslidingHysteresis
         | Effect::JointCoupling
         | Effect::TimeDelay
@@ -223,7 +272,12 @@ fn least_fraction(candidate: &Candidate) -> f64 {
 }
 
 fn without(accepted: &[usize], i: usize) -> Vec<usize> {
-    accepted.iter().enumerate().filter(|&(k, _)| k != i).map(|(_, &c)| c).collect()
+    accepted
+        .iter()
+        .enumerate()
+        .filter(|&(k, _)| k != i)
+        .map(|(_, &c)| c)
+        .collect()
 }
 
 fn allowed(gamma: f64, bound: Bound) -> bool {

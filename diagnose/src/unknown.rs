@@ -41,23 +41,45 @@ pub fn examine(frame: &Frame, residual: &Array2<f64>) -> Vec<Left> {
     let r = frame.table_thin(residual);
     let reversal = frame.reversals();
     let inputs = Inputs::new(frame);
-    (0..frame.dof()).into_par_iter().map(|j| one(frame, j, &r.column(j).to_owned(), &reversal, &inputs)).collect()
+    (0..frame.dof())
+        .into_par_iter()
+        .map(|j| one(frame, j, &r.column(j).to_owned(), &reversal, &inputs))
+        .collect()
 }
 
-fn one(frame: &Frame, joint: usize, r: &Array1<f64>, reversal: &Array2<bool>, inputs: &Inputs) -> Left {
+fn one(
+    frame: &Frame,
+    joint: usize,
+    r: &Array1<f64>,
+    reversal: &Array2<bool>,
+    inputs: &Inputs,
+) -> Left {
     let deviation = frame.tau.column(joint).std(0.0).max(1e-12);
     let kept: Vec<usize> = (0..r.len()).filter(|&i| !reversal[[i, joint]]).collect();
     if kept.len() < 50 {
-        return Left { error: 0.0, lasting: 0.0, learnable: 0.0, rows: kept.len() };
+        return Left {
+            error: 0.0,
+            lasting: 0.0,
+            learnable: 0.0,
+            rows: kept.len(),
+        };
     }
     let square = kept.iter().map(|&i| r[i] * r[i]).sum::<f64>() / kept.len() as f64;
     let lag = (LAG * frame.row_rate()).round().max(1.0) as usize;
-    let pairs = frame.rows.iter().flat_map(|t| t.start..t.end.saturating_sub(lag));
+    let pairs = frame
+        .rows
+        .iter()
+        .flat_map(|t| t.start..t.end.saturating_sub(lag));
     let (sum, n) = pairs
         .filter(|&i| !reversal[[i, joint]] && !reversal[[i + lag, joint]])
         .fold((0.0, 0usize), |(s, n), i| (s + r[i] * r[i + lag], n + 1));
     let lasting = (sum / n.max(1) as f64 / square).clamp(0.0, 1.0);
-    Left { error: square.sqrt() / deviation, lasting, learnable: learnable(frame, joint, r, &kept, inputs), rows: kept.len() }
+    Left {
+        error: square.sqrt() / deviation,
+        lasting,
+        learnable: learnable(frame, joint, r, &kept, inputs),
+        rows: kept.len(),
+    }
 }
 
 /// Motions on the rows, scaled to unit deviation.
@@ -86,7 +108,12 @@ impl Inputs {
             t
         };
         let qd = rows(&m.qd);
-        Self { q: rows(&m.q), sign: qd.mapv(soft_sign), qd: scaled(qd), qdd: scaled(rows(&m.qdd)) }
+        Self {
+            q: rows(&m.q),
+            sign: qd.mapv(soft_sign),
+            qd: scaled(qd),
+            qdd: scaled(rows(&m.qdd)),
+        }
     }
 
     /// Features of a joint: its own curves, and products with every other joint's motion.
@@ -94,16 +121,49 @@ impl Inputs {
         let n = self.q.ncols();
         let mut rows = Vec::new();
         for &i in kept {
-            let (q, v, s, a) = (self.q[[i, joint]], self.qd[[i, joint]], self.sign[[i, joint]], self.qdd[[i, joint]]);
-            rows.extend([1.0, v, s, a, v.abs(), v * v * s, v * v * v, s * (-3.0 * v.abs()).exp(), s * (-12.0 * v.abs()).exp()]);
+            let (q, v, s, a) = (
+                self.q[[i, joint]],
+                self.qd[[i, joint]],
+                self.sign[[i, joint]],
+                self.qdd[[i, joint]],
+            );
+            rows.extend([
+                1.0,
+                v,
+                s,
+                a,
+                v.abs(),
+                v * v * s,
+                v * v * v,
+                s * (-3.0 * v.abs()).exp(),
+                s * (-12.0 * v.abs()).exp(),
+            ]);
             for k in 1..=4 {
                 let (sin, cos) = (f64::from(k) * q).sin_cos();
                 rows.extend([sin, cos, s * sin, s * cos, v * sin, v * cos]);
             }
             for k in (0..n).filter(|&k| k != joint) {
-                let (p, w, t, b) = (self.q[[i, k]], self.qd[[i, k]], self.sign[[i, k]], self.qdd[[i, k]]);
+                let (p, w, t, b) = (
+                    self.q[[i, k]],
+                    self.qd[[i, k]],
+                    self.sign[[i, k]],
+                    self.qdd[[i, k]],
+                );
                 let (sin, cos) = p.sin_cos();
-                rows.extend([w, t, b, v * w, s * w.abs(), v * w.abs(), s * t, w * w, s * w * w, v.abs() * t, s * b, v * b]);
+                rows.extend([
+                    w,
+                    t,
+                    b,
+                    v * w,
+                    s * w.abs(),
+                    v * w.abs(),
+                    s * t,
+                    w * w,
+                    s * w * w,
+                    v.abs() * t,
+                    s * b,
+                    v * b,
+                ]);
                 rows.extend([sin, cos, s * sin, s * cos, v * sin, v * cos]);
             }
         }
@@ -124,7 +184,9 @@ fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], input
     let parts: Vec<(Vec<usize>, Array2<f64>, Array1<f64>)> = folds(&frame.rows)
         .iter()
         .map(|fold| {
-            let rows: Vec<usize> = (0..kept.len()).filter(|&k| fold.iter().any(|t| t.contains(&kept[k]))).collect();
+            let rows: Vec<usize> = (0..kept.len())
+                .filter(|&k| fold.iter().any(|t| t.contains(&kept[k])))
+                .collect();
             let xf = x.select(Axis(0), &rows);
             let yf = y.select(Axis(0), &rows);
             (rows, xf.t().dot(&xf), xf.t().dot(&yf))
@@ -134,7 +196,12 @@ fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], input
     for (f, (rows, _, _)) in parts.iter().enumerate() {
         let mut a = Array2::<f64>::zeros((x.ncols(), x.ncols()));
         let mut b = Array1::<f64>::zeros(x.ncols());
-        for (_, xx, xy) in parts.iter().enumerate().filter(|(g, _)| *g != f).map(|(_, p)| p) {
+        for (_, xx, xy) in parts
+            .iter()
+            .enumerate()
+            .filter(|(g, _)| *g != f)
+            .map(|(_, p)| p)
+        {
             a += xx;
             b += xy;
         }

@@ -18,28 +18,59 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
         None => out.push("No cause to report.".to_owned()),
     }
     for cause in d.causes.iter().filter(|c| !c.ambiguous_with.is_empty()) {
-        let others: Vec<String> = cause.ambiguous_with.iter().map(|e| plain(*e).to_owned()).collect();
+        let others: Vec<String> = cause
+            .ambiguous_with
+            .iter()
+            .map(|e| plain(*e).to_owned())
+            .collect();
         let (a, b) = (plain(cause.effect), others.join(" or "));
-        out.push(format!("Cannot be told apart here: {a} and {b}. {}", experiment(cause)));
+        out.push(format!(
+            "Cannot be told apart here: {a} and {b}. {}",
+            experiment(cause)
+        ));
     }
     for n in &d.not_identifiable {
-        out.push(format!("Cannot be known: {} on {}: {}.", plain(n.effect), n.joints.join(", "), n.reason));
+        out.push(format!(
+            "Cannot be known: {} on {}: {}.",
+            plain(n.effect),
+            n.joints.join(", "),
+            n.reason
+        ));
     }
     out
 }
 
 fn verdict(d: &Diagnosis) -> String {
-    let nrmse = |name: &str| d.ladder.iter().find(|s| s.step == name).map_or(0.0, |s| s.all.mean_nrmse);
-    let last = d.ladder.iter().rfind(|s| s.step != "learned" && s.step != "repeatability").map_or(0.0, |s| s.all.mean_nrmse);
-    let figures = format!("mean NRMSE on held-out data {:.3} as given, {last:.3} explained", nrmse("as_given"));
+    let nrmse = |name: &str| {
+        d.ladder
+            .iter()
+            .find(|s| s.step == name)
+            .map_or(0.0, |s| s.all.mean_nrmse)
+    };
+    let last = d
+        .ladder
+        .iter()
+        .rfind(|s| s.step != "learned" && s.step != "repeatability")
+        .map_or(0.0, |s| s.all.mean_nrmse);
+    let figures = format!(
+        "mean NRMSE on held-out data {:.3} as given, {last:.3} explained",
+        nrmse("as_given")
+    );
     let says = match d.verdict {
-        Verdict::NoGap => "Nothing is missing: what separates model and recording is noise and small parameter changes",
+        Verdict::NoGap => {
+            "Nothing is missing: what separates model and recording is noise and small parameter changes"
+        }
         Verdict::Explained => "The gap is explained",
         Verdict::PartlyExplained => "The gap is explained in part",
         Verdict::UnknownEffect => {
-            let worst = d.unexplained.iter().max_by(|a, b| a.nrmse.total_cmp(&b.nrmse));
+            let worst = d
+                .unexplained
+                .iter()
+                .max_by(|a, b| a.nrmse.total_cmp(&b.nrmse));
             let place = worst.map_or("", |w| w.joint.as_str());
-            return format!("Something is there that the catalogue does not know, on {place} ({figures}).");
+            return format!(
+                "Something is there that the catalogue does not know, on {place} ({figures})."
+            );
         }
     };
     format!("{says} ({figures}).")
@@ -47,9 +78,19 @@ fn verdict(d: &Diagnosis) -> String {
 
 /// Cause, joint and size.
 pub fn sentence(cause: &Cause) -> String {
-    let size = cause.parameters.first().map_or(String::new(), |p| format!(", {}", value(p)));
-    let driver = cause.driver.as_ref().map_or(String::new(), |d| format!(" driven by {d}"));
-    format!("{} on {}{driver}{size}", plain(cause.effect), cause.joints.join(", "))
+    let size = cause
+        .parameters
+        .first()
+        .map_or(String::new(), |p| format!(", {}", value(p)));
+    let driver = cause
+        .driver
+        .as_ref()
+        .map_or(String::new(), |d| format!(" driven by {d}"));
+    format!(
+        "{} on {}{driver}{size}",
+        plain(cause.effect),
+        cause.joints.join(", ")
+    )
 }
 
 /// How much of the gap it closes.
@@ -66,9 +107,18 @@ pub fn closes(cause: &Cause) -> String {
 
 /// A parameter with its deviation and unit.
 pub fn value(p: &Parameter) -> String {
-    let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+    let unit = if p.unit == "1" {
+        String::new()
+    } else {
+        format!(" {}", p.unit)
+    };
     if p.std > 0.0 {
-        format!("{} {:.4} ± {:.2}{unit}", p.name, Short(p.value), Short(p.std))
+        format!(
+            "{} {:.4} ± {:.2}{unit}",
+            p.name,
+            Short(p.value),
+            Short(p.std)
+        )
     } else {
         format!("{} {:.4}{unit}", p.name, Short(p.value))
     }
@@ -125,19 +175,27 @@ pub fn remedy(cause: &Cause) -> String {
     let size = size.join(", ");
     match cause.effect {
         Effect::LinkParameters => format!("set the links' inertials ({size}); --patch writes them"),
-        Effect::FrictionParameters => format!("set joint damping and friction loss ({size}); --patch writes them"),
+        Effect::FrictionParameters => {
+            format!("set joint damping and friction loss ({size}); --patch writes them")
+        }
         Effect::Payload => format!("attach a body to the last link ({size}); --patch writes it"),
         Effect::RotorInertia => format!("set the joint's armature ({size})"),
         Effect::BaseTilt => format!("turn gravity in the base frame ({size})"),
         Effect::Counterbalance => format!("add a passive torque of the joint's position ({size})"),
-        Effect::TimeDelay => format!("shift the torque in the recording, or delay the actuator ({size})"),
+        Effect::TimeDelay => {
+            format!("shift the torque in the recording, or delay the actuator ({size})")
+        }
         Effect::TorqueGain => format!("correct the torque constant or gear ratio ({size})"),
         Effect::TorqueOffset => format!("take the bias off the torque ({size})"),
         Effect::EncoderOffset => format!("correct the joint's zero ({size})"),
         Effect::Saturation => format!("leave out cut samples, or limit the actuator ({size})"),
-        Effect::JointElasticity => format!("split the joint into motor and link with a spring ({size})"),
+        Effect::JointElasticity => {
+            format!("split the joint into motor and link with a spring ({size})")
+        }
         Effect::Backlash => format!("add a joint with this range between motor and link ({size})"),
-        Effect::ExternalContact => format!("nothing: leave this part of the recording out ({size})"),
+        Effect::ExternalContact => {
+            format!("nothing: leave this part of the recording out ({size})")
+        }
         _ => format!("no standard parameter: add the torque by a plug-in ({size})"),
     }
 }

@@ -8,7 +8,10 @@ const URDF: &str = r#"<robot name="arm"><link name="base"/><link name="l1"><iner
 <limit lower="-2" upper="2" velocity="3" effort="50"/><dynamics damping="0.4" friction="0.3"/></joint></robot>"#;
 
 fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_diagnose")).args(arguments).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_diagnose"))
+        .args(arguments)
+        .output()
+        .unwrap()
 }
 
 /// A pendulum's recording: the model's own torque, `extra`·q̇·|q̇| and a little noise on top.
@@ -41,12 +44,33 @@ fn refuses_what_it_cannot_use_with_status_2() {
     std::fs::write(path("arm.urdf"), URDF).unwrap();
     std::fs::write(path("bad.csv"), "time,q1,tau1\n0,0,1\n0.01,nan,1\n").unwrap();
     let json = path("report.json");
-    let out = run(&["--robot", &path("arm.urdf"), "--data", &path("bad.csv"), "--heldout", &path("bad.csv"), "--json", &json]);
+    let out = run(&[
+        "--robot",
+        &path("arm.urdf"),
+        "--data",
+        &path("bad.csv"),
+        "--heldout",
+        &path("bad.csv"),
+        "--json",
+        &json,
+    ]);
     assert_eq!(out.status.code(), Some(2));
     let said = String::from_utf8_lossy(&out.stderr);
     assert!(said.contains("bad.csv") && said.contains("q1"), "{said}");
     assert!(!std::path::Path::new(&json).exists());
-    assert_eq!(run(&["--robot", "no_such_robot", "--data", "x.csv", "--heldout", "x.csv"]).status.code(), Some(2));
+    assert_eq!(
+        run(&[
+            "--robot",
+            "no_such_robot",
+            "--data",
+            "x.csv",
+            "--heldout",
+            "x.csv"
+        ])
+        .status
+        .code(),
+        Some(2)
+    );
     assert_eq!(run(&[]).status.code(), Some(2));
 }
 
@@ -59,15 +83,38 @@ fn names_quadratic_friction_and_writes_every_file() {
     std::fs::write(path("b.csv"), recording(0.25, 0.45)).unwrap();
     let (json, html, patch) = (path("r.json"), path("r.html"), path("p.urdf"));
     let out = run(&[
-        "--robot", &path("arm.urdf"), "--data", &path("a.csv"), "--heldout", &path("b.csv"), "--json", &json, "--html", &html,
-        "--patch", &patch,
+        "--robot",
+        &path("arm.urdf"),
+        "--data",
+        &path("a.csv"),
+        "--heldout",
+        &path("b.csv"),
+        "--json",
+        &json,
+        "--html",
+        &html,
+        "--patch",
+        &patch,
     ]);
-    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
-    let report: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+    assert_eq!(
+        out.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+    let report: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
     assert_eq!(report["schema"], "diagnosis/1");
-    assert_eq!(report["causes"][0]["effect"], "nonlinear_viscous_friction", "{report:#}");
+    assert_eq!(
+        report["causes"][0]["effect"], "nonlinear_viscous_friction",
+        "{report:#}"
+    );
     assert!(report["causes"][0]["gap_closed"].as_f64().unwrap() > 0.9);
-    assert!(std::fs::read_to_string(&html).unwrap().starts_with("<!doctype html>"));
+    assert!(
+        std::fs::read_to_string(&html)
+            .unwrap()
+            .starts_with("<!doctype html>")
+    );
     assert!(physics::robot::Robot::from_urdf_file(&patch).is_ok());
     let said = String::from_utf8_lossy(&out.stdout);
     assert!(said.contains("nonlinear viscous friction on j1"), "{said}");

@@ -14,17 +14,31 @@ const FLANKS: [(f64, f64); 2] = [(14.0, 0.3), (28.0, 0.3)];
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let dof = scene.dof();
-    let unit = if scene.robot.joints()[joint].kind.is_rotation() { 1.0 } else { 0.1 };
+    let unit = if scene.robot.joints()[joint].kind.is_rotation() {
+        1.0
+    } else {
+        0.1
+    };
     let mut all = Vec::new();
     for play in HALF_PLAYS {
         for (frequency, damping) in FLANKS {
             let half_play = play * unit;
-            let transmission = Transmission { frequency, damping, half_play };
+            let transmission = Transmission {
+                frequency,
+                damping,
+                half_play,
+            };
             let column = Column::whole(dof, move |s| transmission.change(s, joint));
             let quantity = Quantity::scaled("half_play", "rad", Some(joint), half_play);
             all.push(
-                Candidate::single(Effect::Backlash, joint, quantity, Bound::Between(0.4, 2.0), column)
-                    .with_shape("flank_frequency", frequency, "Hz"),
+                Candidate::single(
+                    Effect::Backlash,
+                    joint,
+                    quantity,
+                    Bound::Between(0.4, 2.0),
+                    column,
+                )
+                .with_shape("flank_frequency", frequency, "Hz"),
             );
         }
     }

@@ -24,7 +24,10 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         driver: None,
         columns: vec![column(Vector3::x()), column(Vector3::y())],
         bounds: vec![Bound::Free; 2],
-        quantities: vec![Quantity::plain("tilt_x", "rad", None), Quantity::plain("tilt_y", "rad", None)],
+        quantities: vec![
+            Quantity::plain("tilt_x", "rad", None),
+            Quantity::plain("tilt_y", "rad", None),
+        ],
         shape: Vec::new(),
     }]
 }

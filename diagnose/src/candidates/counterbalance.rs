@@ -12,7 +12,12 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let (low, high) = scene.scale.range[joint];
     let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0).max(1e-6));
     let column = move |degree: usize| {
-        Column::own(joint, move |s| s.motion.q.column(joint).mapv(|q| legendre(degree, (q - middle) / half)))
+        Column::own(joint, move |s| {
+            s.motion
+                .q
+                .column(joint)
+                .mapv(|q| legendre(degree, (q - middle) / half))
+        })
     };
     let columns: Vec<Column> = (0..NAMES.len()).map(column).collect();
     [1, 2, 4]
@@ -23,7 +28,10 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             driver: None,
             columns: columns[..=degree].to_vec(),
             bounds: vec![Bound::Free; degree + 1],
-            quantities: NAMES[..=degree].iter().map(|n| Quantity::plain(n, "N·m", Some(joint))).collect(),
+            quantities: NAMES[..=degree]
+                .iter()
+                .map(|n| Quantity::plain(n, "N·m", Some(joint)))
+                .collect(),
             shape: vec![("middle", middle, "rad"), ("half_range", half, "rad")],
         })
         .collect()

@@ -8,5 +8,11 @@ use crate::scene::Scene;
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let column = Column::whole(scene.dof(), move |s| s.tangents[joint].q.clone());
     let zero = Quantity::plain("zero", "rad", Some(joint));
-    vec![Candidate::single(Effect::EncoderOffset, joint, zero, Bound::Between(-0.5, 0.5), column)]
+    vec![Candidate::single(
+        Effect::EncoderOffset,
+        joint,
+        zero,
+        Bound::Between(-0.5, 0.5),
+        column,
+    )]
 }

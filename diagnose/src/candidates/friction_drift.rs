@@ -10,7 +10,11 @@ const CONSTANTS: [f64; 4] = [0.1, 0.3, 1.0, f64::INFINITY];
 
 /// 0 at the start of the session, 1 at its end (a share of the way for slow exponentials).
 fn profile(progress: f64, constant: f64) -> f64 {
-    if constant.is_infinite() { progress } else { 1.0 - (-progress.max(0.0) / constant).exp() }
+    if constant.is_infinite() {
+        progress
+    } else {
+        1.0 - (-progress.max(0.0) / constant).exp()
+    }
 }
 
 pub(super) fn candidates(joint: usize) -> Vec<Candidate> {
@@ -26,13 +30,11 @@ pub(super) fn candidates(joint: usize) -> Vec<Candidate> {
             });
             let v = || Quantity::plain("viscous", "N·m·s/rad", Some(joint));
             let c = || Quantity::plain("coulomb", "N·m", Some(joint));
-            let new = |q, column| {
-                Candidate::single(Effect::FrictionDrift, joint, q, Bound::Free, column).with_shape(
-                    "time_constant",
-                    constant,
-                    "session",
-                )
-            };
+            let new =
+                |q, column| {
+                    Candidate::single(Effect::FrictionDrift, joint, q, Bound::Free, column)
+                        .with_shape("time_constant", constant, "session")
+                };
             all.push(new(v(), viscous.clone()));
             all.push(new(c(), coulomb.clone()));
             all.push(new(v(), viscous.clone()).and(c(), Bound::Free, coulomb));

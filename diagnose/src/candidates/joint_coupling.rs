@@ -14,7 +14,8 @@ pub(super) fn candidates(scene: &Scene, driven: usize) -> Vec<Candidate> {
     for driver in (0..scene.dof()).filter(|&d| d != driven) {
         let new = |name, unit, column| {
             let quantity = Quantity::plain(name, unit, Some(driven));
-            let mut c = Candidate::single(Effect::JointCoupling, driven, quantity, Bound::Free, column);
+            let mut c =
+                Candidate::single(Effect::JointCoupling, driven, quantity, Bound::Free, column);
             c.driver = Some(driver);
             c
         };
@@ -31,7 +32,8 @@ pub(super) fn candidates(scene: &Scene, driven: usize) -> Vec<Candidate> {
         for ratio in RATIOS {
             // Friction of what both motions turn together.
             let relative = Column::own(driven, move |s| {
-                (&s.motion.qd.column(driven) + &(&s.motion.qd.column(driver) * ratio)).mapv(soft_sign)
+                (&s.motion.qd.column(driven) + &(&s.motion.qd.column(driver) * ratio))
+                    .mapv(soft_sign)
             });
             all.push(new("coulomb", "N·m", relative).with_shape("ratio", ratio, "1"));
         }

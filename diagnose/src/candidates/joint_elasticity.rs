@@ -23,21 +23,40 @@ const DAMPING: f64 = 0.12;
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let inertia = own_inertia(scene, joint);
     let resonant = RESONANCES.into_iter().map(|frequency| {
-        let transmission = Transmission { frequency, damping: DAMPING, half_play: 0.0 };
+        let transmission = Transmission {
+            frequency,
+            damping: DAMPING,
+            half_play: 0.0,
+        };
         let stiffness = inertia * (std::f64::consts::TAU * frequency).powi(2);
         let column = Column::whole(scene.dof(), move |s| transmission.change(s, joint));
         let compliance = Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
-        Candidate::single(Effect::JointElasticity, joint, compliance, Bound::Between(0.5, 2.0), column)
+        Candidate::single(
+            Effect::JointElasticity,
+            joint,
+            compliance,
+            Bound::Between(0.5, 2.0),
+            column,
+        )
     });
     let quasi_static = FREQUENCIES
         .into_iter()
         .flat_map(|f| ROUNDING.map(|r| (f, r)))
         .map(|(f, rounding)| {
             let stiffness = inertia * (std::f64::consts::TAU * f).powi(2);
-            let column = Column::whole(scene.dof(), move |s| compliant(s, joint, 1.0 / stiffness, rounding));
+            let column = Column::whole(scene.dof(), move |s| {
+                compliant(s, joint, 1.0 / stiffness, rounding)
+            });
             // The column is nearly proportional to 1/K: the coefficient corrects the compliance.
-            let compliance = Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
-            Candidate::single(Effect::JointElasticity, joint, compliance, Bound::Between(0.1, 2.5), column)
+            let compliance =
+                Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
+            Candidate::single(
+                Effect::JointElasticity,
+                joint,
+                compliance,
+                Bound::Between(0.1, 2.5),
+                column,
+            )
         });
     quasi_static.chain(resonant).collect()
 }

@@ -13,15 +13,20 @@ pub(super) fn candidates(joint: usize) -> Vec<Candidate> {
             let column = Column::own(joint, move |s| {
                 let mut out = s.sign.column(joint).to_owned();
                 let size = s.scale.torque[joint];
-                out.zip_mut_with(&s.rigid.column(joint), |x, t| *x *= size * (t.abs() / size).powf(p));
+                out.zip_mut_with(&s.rigid.column(joint), |x, t| {
+                    *x *= size * (t.abs() / size).powf(p)
+                });
                 out
             });
             let load = Quantity::plain("load_coefficient", "1", Some(joint));
-            Candidate::single(Effect::LoadDependentFriction, joint, load, Bound::Positive, column).with_shape(
-                "exponent",
-                p,
-                "1",
+            Candidate::single(
+                Effect::LoadDependentFriction,
+                joint,
+                load,
+                Bound::Positive,
+                column,
             )
+            .with_shape("exponent", p, "1")
         })
         .collect()
 }

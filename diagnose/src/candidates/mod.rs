@@ -36,13 +36,16 @@ pub struct Column {
     pub torque: ColumnTorque,
 }
 
+/// A column from a scene: one vector per joint that it touches.
+pub type Maker = dyn Fn(&Scene) -> Vec<Array1<f64>> + Send + Sync;
+
 /// How a column's torque is made.
 #[derive(Clone)]
 pub enum ColumnTorque {
     /// Column `usize` of the base: inertial parameters, then viscous, then Coulomb friction.
     Base(usize),
     /// From the scene.
-    Made(Arc<dyn Fn(&Scene) -> Vec<Array1<f64>> + Send + Sync>),
+    Made(Arc<Maker>),
 }
 
 /// Which values of a coefficient make sense.
@@ -74,12 +77,29 @@ pub struct Quantity {
 impl Quantity {
     /// The coefficient itself.
     pub fn plain(name: &'static str, unit: &'static str, joint: Option<usize>) -> Self {
-        Self { name, unit, joint, offset: 0.0, factor: 1.0 }
+        Self {
+            name,
+            unit,
+            joint,
+            offset: 0.0,
+            factor: 1.0,
+        }
     }
 
     /// A shape parameter on a grid, corrected by the coefficient.
-    pub fn scaled(name: &'static str, unit: &'static str, joint: Option<usize>, factor: f64) -> Self {
-        Self { name, unit, joint, offset: 0.0, factor }
+    pub fn scaled(
+        name: &'static str,
+        unit: &'static str,
+        joint: Option<usize>,
+        factor: f64,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            joint,
+            offset: 0.0,
+            factor,
+        }
     }
 }
 
@@ -103,7 +123,13 @@ pub struct Candidate {
 
 impl Candidate {
     /// A candidate on one joint with one coefficient.
-    fn single(effect: Effect, joint: usize, quantity: Quantity, bound: Bound, column: Column) -> Self {
+    fn single(
+        effect: Effect,
+        joint: usize,
+        quantity: Quantity,
+        bound: Bound,
+        column: Column,
+    ) -> Self {
         Self {
             effect,
             joints: vec![joint],
@@ -131,15 +157,25 @@ impl Candidate {
 impl Column {
     /// A column on the rows of one joint.
     fn own(joint: usize, make: impl Fn(&Scene) -> Array1<f64> + Send + Sync + 'static) -> Self {
-        Self { joints: vec![joint], torque: ColumnTorque::Made(Arc::new(move |s| vec![make(s)])) }
+        Self {
+            joints: vec![joint],
+            torque: ColumnTorque::Made(Arc::new(move |s| vec![make(s)])),
+        }
     }
 
     /// A column on the rows of all joints, from a table of shape (samples, joints).
-    fn whole(dof: usize, make: impl Fn(&Scene) -> ndarray::Array2<f64> + Send + Sync + 'static) -> Self {
+    fn whole(
+        dof: usize,
+        make: impl Fn(&Scene) -> ndarray::Array2<f64> + Send + Sync + 'static,
+    ) -> Self {
         Self {
             joints: (0..dof).collect(),
             torque: ColumnTorque::Made(Arc::new(move |s| {
-                make(s).columns().into_iter().map(|c| c.to_owned()).collect()
+                make(s)
+                    .columns()
+                    .into_iter()
+                    .map(|c| c.to_owned())
+                    .collect()
             })),
         }
     }

@@ -14,16 +14,39 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let new = |bound, name, value, unit, f: Box<dyn Fn(f64) -> f64 + Send + Sync>| {
         let column = Column::own(joint, move |s| s.motion.qd.column(joint).mapv(&f));
         let amplitude = Quantity::plain("amplitude", "N·m", Some(joint));
-        Candidate::single(Effect::NonlinearViscousFriction, joint, amplitude, bound, column).with_shape(name, value, unit)
+        Candidate::single(
+            Effect::NonlinearViscousFriction,
+            joint,
+            amplitude,
+            bound,
+            column,
+        )
+        .with_shape(name, value, unit)
     };
     let knees = KNEES.into_iter().map(|k| {
         let knee = k * speed;
-        new(Bound::Positive, "velocity", knee, "rad/s", Box::new(move |v| (v / knee).tanh()))
+        new(
+            Bound::Positive,
+            "velocity",
+            knee,
+            "rad/s",
+            Box::new(move |v| (v / knee).tanh()),
+        )
     });
     let powers = EXPONENTS.into_iter().map(|p| {
         // Below one the curve is degressive only with a positive amplitude; above one either sign is.
-        let bound = if p < 1.0 { Bound::Positive } else { Bound::Free };
-        new(bound, "exponent", p, "1", Box::new(move |v| v.signum() * (v.abs() / speed).powf(p)))
+        let bound = if p < 1.0 {
+            Bound::Positive
+        } else {
+            Bound::Free
+        };
+        new(
+            bound,
+            "exponent",
+            p,
+            "1",
+            Box::new(move |v| v.signum() * (v.abs() / speed).powf(p)),
+        )
     });
     knees.chain(powers).collect()
 }

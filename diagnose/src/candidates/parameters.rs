@@ -26,9 +26,16 @@ const LINK: [(&str, &str); PARAMETERS_PER_LINK] = [
 /// Columns of the base: 10 inertial parameters per link, base first, then viscous, then Coulomb
 /// friction. Changes of parameters, not parameters: the torque to explain is the gap.
 pub fn base_columns(dof: usize) -> Vec<Column> {
-    let inertial = (0..PARAMETERS_PER_LINK * dof).map(|c| (c, (0..=c / PARAMETERS_PER_LINK).collect()));
+    let inertial =
+        (0..PARAMETERS_PER_LINK * dof).map(|c| (c, (0..=c / PARAMETERS_PER_LINK).collect()));
     let friction = (0..2 * dof).map(|f| (PARAMETERS_PER_LINK * dof + f, vec![f % dof]));
-    inertial.chain(friction).map(|(c, joints)| Column { joints, torque: ColumnTorque::Base(c) }).collect()
+    inertial
+        .chain(friction)
+        .map(|(c, joints)| Column {
+            joints,
+            torque: ColumnTorque::Base(c),
+        })
+        .collect()
 }
 
 fn base(dof: usize, column: usize) -> Column {
@@ -41,9 +48,14 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         effect,
         joints: vec![link],
         driver: None,
-        columns: (0..PARAMETERS_PER_LINK).map(|p| base(dof, PARAMETERS_PER_LINK * link + p)).collect(),
+        columns: (0..PARAMETERS_PER_LINK)
+            .map(|p| base(dof, PARAMETERS_PER_LINK * link + p))
+            .collect(),
         bounds: vec![Bound::Free; PARAMETERS_PER_LINK],
-        quantities: LINK.iter().map(|&(name, unit)| Quantity::plain(name, unit, Some(link))).collect(),
+        quantities: LINK
+            .iter()
+            .map(|&(name, unit)| Quantity::plain(name, unit, Some(link)))
+            .collect(),
         shape: Vec::new(),
     };
     // Before the last link's parameters, whose columns are the same: of two equal answers the first wins.
@@ -61,10 +73,20 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
             base(dof, PARAMETERS_PER_LINK * dof + j),
         );
         let coulomb = Quantity::plain("coulomb", "N·m", Some(j));
-        all.push(friction.and(coulomb, Bound::Free, base(dof, (PARAMETERS_PER_LINK + 1) * dof + j)));
+        all.push(friction.and(
+            coulomb,
+            Bound::Free,
+            base(dof, (PARAMETERS_PER_LINK + 1) * dof + j),
+        ));
         let inertia = Quantity::plain("inertia", "kg·m²", Some(j));
         let column = Column::own(j, move |s| s.motion.qdd.column(j).to_owned());
-        all.push(Candidate::single(Effect::RotorInertia, j, inertia, Bound::Positive, column));
+        all.push(Candidate::single(
+            Effect::RotorInertia,
+            j,
+            inertia,
+            Bound::Positive,
+            column,
+        ));
     }
     all
 }

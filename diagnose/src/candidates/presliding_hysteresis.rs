@@ -18,25 +18,50 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let range = (high - low).max(1e-6);
     let amplitude = || Quantity::plain("hysteresis", "N·m", Some(joint));
     let single = |width: f64, column: Column| {
-        Candidate::single(Effect::PreslidingHysteresis, joint, amplitude(), Bound::Positive, column)
-            .with_shape("width", width, "rad")
+        Candidate::single(
+            Effect::PreslidingHysteresis,
+            joint,
+            amplitude(),
+            Bound::Positive,
+            column,
+        )
+        .with_shape("width", width, "rad")
     };
     let mut all = Vec::new();
     let mut elements = Vec::new();
     for w in WIDTHS {
         let width = w * range;
-        let (stop, dahl) = (Stop { width }, Dahl { stiffness: 1.0 / width });
-        let element = Column::own(joint, move |s| state(s, joint, |z, dq| stop.next(z, dq)) - s.sign.column(joint));
-        all.push(single(width, Column::own(joint, move |s| state(s, joint, |z, dq| stop.next(z, dq)))));
-        all.push(single(width, Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq)))));
+        let (stop, dahl) = (
+            Stop { width },
+            Dahl {
+                stiffness: 1.0 / width,
+            },
+        );
+        let element = Column::own(joint, move |s| {
+            state(s, joint, |z, dq| stop.next(z, dq)) - s.sign.column(joint)
+        });
+        all.push(single(
+            width,
+            Column::own(joint, move |s| state(s, joint, |z, dq| stop.next(z, dq))),
+        ));
+        all.push(single(
+            width,
+            Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq))),
+        ));
         all.push(single(width, element.clone()));
         all.push(single(
             width,
-            Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)),
+            Column::own(joint, move |s| {
+                state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)
+            }),
         ));
         // Micro-damping: the rate of the state, as bristles have it.
-        let damped = Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint));
-        let rate = Column::own(joint, move |s| s.derivative(&state(s, joint, |z, dq| dahl.next(z, dq))));
+        let damped = Column::own(joint, move |s| {
+            state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)
+        });
+        let rate = Column::own(joint, move |s| {
+            s.derivative(&state(s, joint, |z, dq| dahl.next(z, dq)))
+        });
         let damping = Quantity::plain("micro_damping", "N·m·s", Some(joint));
         all.push(single(width, damped).and(damping, Bound::Free, rate));
         elements.push((width, element));
@@ -45,7 +70,9 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     for three in elements.windows(3) {
         let mut c = single(three[0].0, three[0].1.clone());
         for (width, element) in &three[1..] {
-            c = c.and(amplitude(), Bound::Free, element.clone()).with_shape("width", *width, "rad");
+            c = c
+                .and(amplitude(), Bound::Free, element.clone())
+                .with_shape("width", *width, "rad");
         }
         c.bounds = vec![Bound::Free; 3];
         all.push(c);

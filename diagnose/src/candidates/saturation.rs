@@ -20,9 +20,14 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                 predicted.mapv(|t| t.clamp(-limit, limit) - t)
             });
             let cut = Quantity::plain("cut", "1", Some(joint));
-            Candidate::single(Effect::Saturation, joint, cut, Bound::Between(0.7, 1.4), column).with_shape(
-                "limit", limit, "N·m",
+            Candidate::single(
+                Effect::Saturation,
+                joint,
+                cut,
+                Bound::Between(0.7, 1.4),
+                column,
             )
+            .with_shape("limit", limit, "N·m")
         })
         .collect()
 }

@@ -24,14 +24,22 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             let column = Column::own(joint, move |s| {
                 let qd = s.motion.qd.column(joint);
                 let mut out = s.sign.column(joint).to_owned();
-                out.zip_mut_with(&qd, |x, v| *x *= (-(v.abs() / velocity).powf(exponent)).exp());
+                out.zip_mut_with(&qd, |x, v| {
+                    *x *= (-(v.abs() / velocity).powf(exponent)).exp()
+                });
                 out
             });
             let stribeck = Quantity::plain("stribeck", "N·m", Some(joint));
             all.push(
-                Candidate::single(Effect::StribeckFriction, joint, stribeck, Bound::Positive, column)
-                    .with_shape("velocity", velocity, "rad/s")
-                    .with_shape("exponent", exponent, "1"),
+                Candidate::single(
+                    Effect::StribeckFriction,
+                    joint,
+                    stribeck,
+                    Bound::Positive,
+                    column,
+                )
+                .with_shape("velocity", velocity, "rad/s")
+                .with_shape("exponent", exponent, "1"),
             );
         }
     }

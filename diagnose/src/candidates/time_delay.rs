@@ -8,7 +8,9 @@ use crate::scene::Scene;
 use ndarray::{Array1, Array2};
 
 /// Delays in sampling intervals; the coefficient corrects what lies between.
-const DELAYS: [f64; 12] = [-12.0, -6.0, -3.0, -1.5, -0.75, 0.75, 1.5, 3.0, 5.0, 8.0, 12.0, 18.0];
+const DELAYS: [f64; 12] = [
+    -12.0, -6.0, -3.0, -1.5, -0.75, 0.75, 1.5, 3.0, 5.0, 8.0, 12.0, 18.0,
+];
 
 pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     let dof = scene.dof();
@@ -50,7 +52,11 @@ pub(super) fn delayed(scene: &Scene, x: &Array1<f64>, delay: f64) -> Array1<f64>
                 k += 1;
             }
             let b = (k + 1).min(s.end - 1);
-            let share = if b > k { ((t - time[k]) / (time[b] - time[k])).clamp(0.0, 1.0) } else { 0.0 };
+            let share = if b > k {
+                ((t - time[k]) / (time[b] - time[k])).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
             out[i] = x[k] + share * (x[b] - x[k]);
         }
     }

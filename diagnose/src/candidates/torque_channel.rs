@@ -15,9 +15,17 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let gain = Candidate::single(
         Effect::TorqueGain,
         joint,
-        Quantity { name: "gain", unit: "1", joint: Some(joint), offset: 1.0, factor: 1.0 },
+        Quantity {
+            name: "gain",
+            unit: "1",
+            joint: Some(joint),
+            offset: 1.0,
+            factor: 1.0,
+        },
         Bound::Between(-0.9, 4.0),
-        Column::own(joint, move |s| &s.rigid.column(joint) + &s.drive.column(joint)),
+        Column::own(joint, move |s| {
+            &s.rigid.column(joint) + &s.drive.column(joint)
+        }),
     );
     let offset = Candidate::single(
         Effect::TorqueOffset,
@@ -26,5 +34,8 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         Bound::Free,
         Column::own(joint, |s| Array1::ones(s.len())),
     );
-    [gain, offset].into_iter().chain(saturation::candidates(scene, joint)).collect()
+    [gain, offset]
+        .into_iter()
+        .chain(saturation::candidates(scene, joint))
+        .collect()
 }

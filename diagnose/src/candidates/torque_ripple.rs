@@ -15,8 +15,11 @@ const MOST_CYCLES: f64 = 320.0;
 /// Most lines of one joint.
 const LINES: usize = 3;
 
-const NAMES: [(&str, &str); LINES] =
-    [("sine_1", "cosine_1"), ("sine_2", "cosine_2"), ("sine_3", "cosine_3")];
+const NAMES: [(&str, &str); LINES] = [
+    ("sine_1", "cosine_1"),
+    ("sine_2", "cosine_2"),
+    ("sine_3", "cosine_3"),
+];
 
 /// Candidates of a joint with one, two and three lines.
 pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
@@ -24,8 +27,12 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
         .iter()
         .map(|&k| {
             (
-                Column::own(joint, move |s| s.motion.q.column(joint).mapv(|q| (k * q).sin())),
-                Column::own(joint, move |s| s.motion.q.column(joint).mapv(|q| (k * q).cos())),
+                Column::own(joint, move |s| {
+                    s.motion.q.column(joint).mapv(|q| (k * q).sin())
+                }),
+                Column::own(joint, move |s| {
+                    s.motion.q.column(joint).mapv(|q| (k * q).cos())
+                }),
             )
         })
         .collect();
@@ -53,7 +60,11 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
 /// The strongest orders (1/rad) in `residual` over position `q`, both at the recorded samples; `rate` in Hz, `speed`
 /// the joint's root mean square velocity.
 pub fn orders(residual: &Array1<f64>, q: &Array1<f64>, speed: f64, rate: f64) -> Vec<f64> {
-    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+    let (low, high) = q
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
+            (a.min(x), b.max(x))
+        });
     let range = high - low;
     if range < 1e-4 {
         return Vec::new();
@@ -81,7 +92,9 @@ pub fn orders(residual: &Array1<f64>, q: &Array1<f64>, speed: f64, rate: f64) ->
         let gain = |k: f64| line(sum, &count, &place, k).2;
         for width in [step / 2.0, step / 8.0, step / 32.0] {
             let around = (-3..=3).map(|i| k + width * f64::from(i) / 2.0);
-            k = around.max_by(|a, b| gain(*a).total_cmp(&gain(*b))).unwrap_or(k);
+            k = around
+                .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
+                .unwrap_or(k);
         }
         k
     };
@@ -98,7 +111,12 @@ pub fn orders(residual: &Array1<f64>, q: &Array1<f64>, speed: f64, rate: f64) ->
     let mut found: Vec<(f64, f64, f64)> = Vec::new();
     for _ in 0..LINES {
         let gain = |i: &usize| line(&sum, &count, &place, least + *i as f64 * step).2;
-        let Some((best, _)) = (0..n).map(|i| (i, gain(&i))).max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let Some((best, _)) = (0..n)
+            .map(|i| (i, gain(&i)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+        else {
+            break;
+        };
         let new = fitted(&sum, refine(&sum, least + best as f64 * step));
         take(&mut sum, new, 1.0);
         found.push(new);
@@ -161,9 +179,14 @@ mod tests {
 
     #[test]
     fn finds_incommensurate_orders() {
-        let q: Array1<f64> = (0..20_000).map(|i| 1.3 * (f64::from(i) * 7e-4).sin()).collect();
+        let q: Array1<f64> = (0..20_000)
+            .map(|i| 1.3 * (f64::from(i) * 7e-4).sin())
+            .collect();
         let r = q.mapv(|x| 0.8 * (20.7 * x + 0.3).sin() + 0.3 * (74.39 * x).cos() + 0.5 * x);
         let found = orders(&r, &q, 0.5, 250.0);
-        assert!((found[0] - 20.7).abs() < 0.1 && found.iter().any(|k| (k - 74.39).abs() < 0.1), "{found:?}");
+        assert!(
+            (found[0] - 20.7).abs() < 0.1 && found.iter().any(|k| (k - 74.39).abs() < 0.1),
+            "{found:?}"
+        );
     }
 }

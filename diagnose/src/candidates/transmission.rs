@@ -38,7 +38,11 @@ impl Transmission {
         let h = step / substeps as f64;
         let torque = scene.rigid.column(joint);
         let inertia = scene.tangents[joint].qdd.column(joint);
-        let mut out = (Array1::zeros(scene.len()), Array1::zeros(scene.len()), Array1::zeros(scene.len()));
+        let mut out = (
+            Array1::zeros(scene.len()),
+            Array1::zeros(scene.len()),
+            Array1::zeros(scene.len()),
+        );
         for segment in &scene.motion.segments {
             let needed = |i: usize| torque[i] / inertia[i].max(1e-9);
             let first = needed(segment.start);
@@ -48,8 +52,13 @@ impl Transmission {
                 let mut sum = 0.0;
                 for _ in 0..substeps {
                     let pressed = x - x.clamp(-self.half_play, self.half_play);
-                    let contact = if pressed == 0.0 { 0.0 } else { 2.0 * self.damping * omega };
-                    let a = (needed(i) - omega * omega * pressed - contact * v) / (1.0 + h * contact);
+                    let contact = if pressed == 0.0 {
+                        0.0
+                    } else {
+                        2.0 * self.damping * omega
+                    };
+                    let a =
+                        (needed(i) - omega * omega * pressed - contact * v) / (1.0 + h * contact);
                     v += h * a;
                     x += h * v;
                     sum += a;

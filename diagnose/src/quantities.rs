@@ -1,0 +1,222 @@
+//! Sizes of causes, how sure their names are, and what else they could be.
+
+use crate::analysis::{Findings, Frames};
+use crate::candidates::Candidate;
+use crate::contact::Contact;
+use crate::effect::Effect;
+use crate::model::NominalModel;
+use crate::report::Parameter;
+use crate::select::Tried;
+use physics::robot::PARAMETERS_PER_LINK;
+
+/// Gain below which two names are one answer: in nats, and relative to the better one.
+const AMBIGUOUS: (f64, f64) = (6.0, 0.08);
+
+/// Coefficients as the report's quantities, shape parameters after them.
+pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Parameter> {
+    let accepted = &found.accepted[cause];
+    let candidate = found.candidate(cause);
+    let mut out: Vec<Parameter> = candidate
+        .quantities
+        .iter()
+        .zip(accepted.variables.clone())
+        .map(|(q, i)| Parameter {
+            name: q.name.to_owned(),
+            joint: q.joint.map(|j| names[j].clone()),
+            value: q.offset + q.factor * found.tight.1[i],
+            std: (q.factor * found.std[i]).abs(),
+            unit: q.unit.to_owned(),
+        })
+        .collect();
+    let joint = candidate
+        .joints
+        .first()
+        .filter(|_| candidate.joints.len() == 1)
+        .map(|&j| names[j].clone());
+    let grid = |&(name, value, unit): &(&'static str, f64, &'static str)| Parameter {
+        name: name.to_owned(),
+        joint: joint.clone(),
+        value: if value.is_finite() { value } else { 0.0 },
+        std: 0.0,
+        unit: unit.to_owned(),
+    };
+    out.extend(candidate.shape.iter().map(grid));
+    derived(candidate.effect, &mut out);
+    out
+}
+
+/// Quantities that users ask for, from those that are linear.
+fn derived(effect: Effect, parameters: &mut [Parameter]) {
+    let value = |p: &[Parameter], n: &str| p.iter().find(|p| p.name == n).map(|p| (p.value, p.std));
+    match effect {
+        Effect::Payload => {
+            let Some((mass, _)) = value(parameters, "mass") else {
+                return;
+            };
+            for p in parameters.iter_mut() {
+                let name = match p.name.as_str() {
+                    "first_moment_x" => "com_x",
+                    "first_moment_y" => "com_y",
+                    "first_moment_z" => "com_z",
+                    _ => continue,
+                };
+                p.name = name.to_owned();
+                p.value /= mass;
+                p.std /= mass;
+                p.unit = "m".to_owned();
+            }
+        }
+        Effect::JointElasticity => {
+            for p in parameters
+                .iter_mut()
+                .filter(|p| p.name == "compliance" && p.value > 0.0)
+            {
+                p.name = "stiffness".to_owned();
+                p.std /= p.value * p.value;
+                p.value = 1.0 / p.value;
+                p.unit = "N·m/rad".to_owned();
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Changed parameters of the named joints that moved by more than twice their deviation.
+pub fn moved(
+    model: &NominalModel,
+    found: &Findings,
+    effect: Effect,
+    joints: &[usize],
+    names: &[String],
+) -> Vec<Parameter> {
+    let n = model.robot.dof();
+    let (variables, beta) = &found.tight;
+    let mut out = Vec::new();
+    let total = |column: usize| {
+        let of = || {
+            variables
+                .iter()
+                .enumerate()
+                .filter(move |(_, v)| v.column == column)
+                .map(|(i, _)| i)
+        };
+        (
+            of().map(|i| beta[i]).sum::<f64>(),
+            of().map(|i| found.std[i]).fold(f64::INFINITY, f64::min),
+        )
+    };
+    let parameter = |name: String, j: usize, value, std, unit: &str| Parameter {
+        name,
+        joint: Some(names[j].clone()),
+        value,
+        std,
+        unit: unit.to_owned(),
+    };
+    if effect == Effect::FrictionParameters {
+        for &j in joints {
+            let joint = &model.robot.joints()[j];
+            let (dv, sv) = total(PARAMETERS_PER_LINK * n + j);
+            let (dc, sc) = total((PARAMETERS_PER_LINK + 1) * n + j);
+            out.push(parameter(
+                "viscous".into(),
+                j,
+                joint.damping + dv,
+                sv,
+                "N·m·s/rad",
+            ));
+            out.push(parameter(
+                "coulomb".into(),
+                j,
+                joint.friction + dc,
+                sc,
+                "N·m",
+            ));
+        }
+    } else {
+        let given = model.robot.parameters();
+        let labels = model.robot.parameter_names();
+        for (c, (p, label)) in given.iter().zip(labels).enumerate() {
+            let (change, std) = total(c);
+            if change.abs() > 2.0 * std && change.abs() > 0.05 * p.abs() {
+                let unit = ["kg", "kg·m", "kg·m²"]
+                    [[0, 1, 1, 1, 2, 2, 2, 2, 2, 2][c % PARAMETERS_PER_LINK]];
+                out.push(parameter(
+                    label,
+                    c / PARAMETERS_PER_LINK,
+                    p + change,
+                    std,
+                    unit,
+                ));
+            }
+        }
+    }
+    out
+}
+
+/// Force, link and time of the strongest burst.
+pub fn pushed(
+    model: &NominalModel,
+    contact: &Contact,
+    frames: &Frames,
+    names: &[String],
+) -> Vec<Parameter> {
+    let Some(burst) = contact
+        .bursts
+        .iter()
+        .max_by(|a, b| a.height.total_cmp(&b.height))
+    else {
+        return Vec::new();
+    };
+    let time = &frames.heldout.samples().time;
+    let joint = Some(names[burst.last_joint].clone());
+    let new = |name: &str, value: f64, std: f64, unit: &str| Parameter {
+        name: name.to_owned(),
+        joint: joint.clone(),
+        value,
+        std,
+        unit: unit.to_owned(),
+    };
+    let mut out = vec![
+        new("start", time[burst.samples.start], 0.12, "s"),
+        new("end", time[burst.samples.end - 1], 0.12, "s"),
+        new("bursts", contact.bursts.len() as f64, 0.0, "1"),
+    ];
+    if let Some(force) = contact.force(&model.robot, &frames.heldout) {
+        out.push(new("force", force, 0.3 * force, "N"));
+    }
+    out
+}
+
+/// How much more the name explains than the best other name.
+pub fn confidence(found: &Findings, tried: &[Tried], own: usize) -> f64 {
+    let effect = found.candidates[own].effect;
+    let best = |f: &dyn Fn(&Candidate) -> bool| {
+        tried
+            .iter()
+            .find(|t| f(&found.candidates[t.candidate]))
+            .map_or(0.0, |t| t.gain.max(0.0))
+    };
+    let lead = best(&|c| c.effect == effect) - best(&|c| c.effect != effect);
+    1.0 / (1.0 + (-lead / 8.0).exp())
+}
+
+/// Effects that explain nearly as much in its place.
+pub fn ambiguous(found: &Findings, tried: &[Tried], own: usize) -> Vec<Effect> {
+    let effect = found.candidates[own].effect;
+    let gain = tried
+        .iter()
+        .find(|t| t.candidate == own)
+        .map_or(0.0, |t| t.gain);
+    let near = gain - AMBIGUOUS.0.max(AMBIGUOUS.1 * gain);
+    let mut out: Vec<Effect> = Vec::new();
+    for t in tried
+        .iter()
+        .filter(|t| t.gain > near && t.gain > 0.5 * gain)
+    {
+        let e = found.candidates[t.candidate].effect;
+        if e != effect && !out.contains(&e) {
+            out.push(e);
+        }
+    }
+    out
+}
