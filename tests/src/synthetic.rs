@@ -1,5 +1,5 @@
-//! Small recordings in closed form: sums of sines, inverse dynamics, friction, a torque ripple that no
-//! physical term explains, white noise. Fast to make, and every figure of theirs is known.
+//! Small recordings in closed form: sums of sines, inverse dynamics, friction that falls while gears
+//! warm up, a ripple of the torque, white noise. Fast to make, and every figure of theirs is known.
 
 use datasets::{Recording, Trajectory};
 use ndarray::Array2;
@@ -20,6 +20,8 @@ pub struct Plan {
     pub seconds: f64,
     /// Sampling rate, Hz.
     pub rate: f64,
+    /// Time of the first sample, s.
+    pub start: f64,
     /// Time between the end of a trajectory and the start of the next, s.
     pub pause: f64,
     /// Joints, from 0, that stand still throughout.
@@ -34,6 +36,7 @@ impl Default for Plan {
             trajectories: 3,
             seconds: 5.0,
             rate: 100.0,
+            start: 0.0,
             pause: 2.0,
             still: Vec::new(),
             seed: 1,
@@ -43,6 +46,9 @@ impl Default for Plan {
 
 /// Viscous and Coulomb friction, ripple and noise of every joint, as a share of its largest rigid torque.
 const FRICTION: [f64; 2] = [0.1, 0.05];
+/// Viscous friction of a cold gear over that of a warm one, and the time constant of warming, s.
+const COLD: f64 = 0.6;
+const WARMING: f64 = 1000.0;
 const RIPPLE: f64 = 0.02;
 const NOISE: f64 = 0.005;
 
@@ -59,7 +65,7 @@ pub fn record(robot: &Robot, plan: &Plan) -> Recording {
     let mut workspace = Workspace::new(robot);
     for k in 0..plan.trajectories {
         let waves: Vec<[[f64; 3]; 3]> = (0..n).map(|j| waves(j, plan, &mut rng)).collect();
-        let start = k as f64 * (plan.seconds + plan.pause);
+        let start = plan.start + k as f64 * (plan.seconds + plan.pause);
         for i in 0..samples {
             let (row, t) = (k * samples + i, i as f64 / plan.rate);
             time.push(start + t);
@@ -90,7 +96,8 @@ pub fn record(robot: &Robot, plan: &Plan) -> Recording {
         let size = column.iter().fold(0.0_f64, |m, t| m.max(t.abs())).max(1.0);
         for row in 0..rows {
             let v: f64 = qd[[row, j]];
-            let friction = FRICTION[0] * v + FRICTION[1] * (v / 1e-3).tanh();
+            let cold = 1.0 + COLD * (-time[row] / WARMING).exp();
+            let friction = FRICTION[0] * cold * v + FRICTION[1] * (v / 1e-3).tanh();
             let ripple = RIPPLE * (9.0 * q[[row, j]]).sin();
             let noise: f64 = StandardNormal.sample(&mut rng);
             tau[[row, j]] += size * (friction + ripple + NOISE * noise);

@@ -42,8 +42,7 @@ const FAR: f64 = 1000.0;
 
 fn train(robot: &str, data: &Path, out: &Path, extra: &[&str]) {
     let mut train = program("train");
-    train.args(["--robot", robot, "--quiet"]);
-    train.args(["--epochs", "4", "--members", "2"]);
+    train.args(["--robot", robot, "--quiet", "--members", "2"]);
     train.arg("--data").arg(data).arg("--out").arg(out);
     run(train.args(extra)).succeeded();
 }
@@ -115,32 +114,40 @@ fn difference(tau: &[f64], expected: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// At a rate at which nothing is resampled, the motion that eval took is fed to the run-time as it is.
+/// At a rate at which nothing is resampled, the motion that eval took is fed to the run-time as it is: once on a
+/// clock of its own, once on that of the training recording.
 #[test]
 fn same_torque_as_eval_at_the_recorded_rate() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let place = |name: &str| -> PathBuf { folder.path().join(name) };
     let robot = Robot::builtin("ur5").expect("built in");
-    let plan = |seed: u64| Plan {
+    let plan = |seed: u64, start: f64| Plan {
         trajectories: 4,
         pause: FAR,
         seed,
+        start,
         ..Plan::default()
     };
-    let data = record_to(folder.path(), "train.csv", &robot, &plan(1));
-    let test = record_to(folder.path(), "test.csv", &robot, &plan(2));
-    // Everything there is to choose: memory terms, load, couplings.
-    train("ur5", &data, &place("model"), &[]);
+    // Soon after the last training trajectory, as on the same day.
+    let next = 3.1 * FAR;
+    let data = record_to(folder.path(), "train.csv", &robot, &plan(1, 0.0));
+    // Everything there is to choose: warm-up, memory, load.
+    train("ur5", &data, &place("model"), &["--epochs", "8"]);
     assert!(has_a_unit(&place("model")));
-    let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
-    let mut model = Feedforward::load(&place("model"), None).expect("a model");
-    assert!((model.period() - 0.01).abs() < 1e-9);
-    let motion = prepared(&recording);
-    let mut worst = 0.0_f64;
-    stream(&mut model, &motion.at_samples, false, |row, tau| {
-        worst = worst.max(difference(tau, &expected[row]));
-    });
-    assert!(worst < 1e-6, "{worst} N·m from eval");
+    let text = std::fs::read_to_string(place("model/model.json")).expect("a model");
+    assert!(text.contains("warm_up"), "the clock is part of the test");
+    for (start, known) in [(0.0, false), (next, true)] {
+        let test = record_to(folder.path(), "test.csv", &robot, &plan(2, start));
+        let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
+        let mut model = Feedforward::load(&place("model"), None).expect("a model");
+        assert!((model.period() - 0.01).abs() < 1e-9);
+        let motion = prepared(&recording);
+        let mut worst = 0.0_f64;
+        stream(&mut model, &motion.at_samples, known, |row, tau| {
+            worst = worst.max(difference(tau, &expected[row]));
+        });
+        assert!(worst < 1e-6, "{worst} N·m from eval, start {start} s");
+    }
 }
 
 /// Recorded at 60 Hz, memory runs on a grid of 120 Hz and the network sees every second point of it: a loop at
@@ -153,13 +160,19 @@ fn same_torque_as_eval_between_the_recorded_samples() {
     let plan = |seed: u64| Plan {
         trajectories: 4,
         rate: 60.0,
+        seconds: 8.0,
         pause: FAR,
         seed,
         ..Plan::default()
     };
     let data = record_to(folder.path(), "train.csv", &robot, &plan(3));
     let test = record_to(folder.path(), "test.csv", &robot, &plan(4));
-    train("foxbot_a05", &data, &place("model"), &["--preset", "ucm"]);
+    train(
+        "foxbot_a05",
+        &data,
+        &place("model"),
+        &["--basic", "--epochs", "40"],
+    );
     assert!(has_a_unit(&place("model")));
     let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
     let mut model = Feedforward::load(&place("model"), Some(1.0 / 120.0)).expect("a model");
