@@ -1,13 +1,17 @@
 //! Command line of `train`.
 
-use clap::{Parser, ValueEnum};
+use crate::study::Study;
+use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Identifies a robot's physics from recordings, trains the compensator on what is left, and writes a
 /// model directory. Without arguments: the simulated UR5, end to end.
 #[derive(Debug, Parser)]
-#[command(name = "train", version)]
+#[command(name = "train", version, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
+    /// Another job than training.
+    #[command(subcommand)]
+    pub command: Option<Command>,
     /// Built-in robot (ur5, kr300, foxbot_a05) or URDF [default: the simulated ur5].
     #[arg(long)]
     pub robot: Option<String>,
@@ -65,6 +69,13 @@ pub struct Arguments {
     /// Print nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// Jobs beside training.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Reprint the published comparisons on the simulated UR5.
+    Study(Study),
 }
 
 /// Names of the presets.

@@ -7,8 +7,9 @@ mod input;
 mod output;
 mod progress;
 mod run;
+mod study;
 
-use arguments::Arguments;
+use arguments::{Arguments, Command};
 use clap::Parser;
 use std::process::ExitCode;
 
@@ -20,7 +21,11 @@ fn main() -> ExitCode {
             return ExitCode::from(if e.use_stderr() { 2 } else { 0 });
         }
     };
-    match run::run(&arguments) {
+    let result = run::interruptible().and_then(|cancel| match &arguments.command {
+        None => run::run(&arguments, &cancel),
+        Some(Command::Study(study)) => study::run(study, &cancel),
+    });
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

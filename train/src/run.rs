@@ -12,8 +12,8 @@ use model::residual::{Preset, ResidualOptions, train_residual};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Runs `train`.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+/// Flag that Ctrl-C raises.
+pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
     let cancel = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&cancel);
     ctrlc::set_handler(move || {
@@ -23,9 +23,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     })
     .map_err(|e| Failure::other(e.to_string()))?;
-    let threads = arguments
-        .threads
-        .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    Ok(cancel)
+}
+
+/// Sets the number of threads, all cores by default, and returns it.
+pub fn threads(wanted: Option<usize>) -> Result<usize, Failure> {
+    let threads =
+        wanted.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     if threads == 0 {
         return Err(Failure::input(
             "--threads 0: at least one thread is needed",
@@ -37,7 +41,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .num_threads(threads)
         .build_global()
         .map_err(|e| Failure::other(e.to_string()))?;
+    Ok(threads)
+}
 
+/// Runs `train`.
+pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
+    let threads = threads(arguments.threads)?;
     let input = input::read(arguments)?;
     let prepare_options = PrepareOptions {
         cutoff_hz: arguments.cutoff_hz,
@@ -51,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.check_only {
         return Ok(());
     }
-    stop(&cancel, "Nothing was written.")?;
+    stop(cancel, "Nothing was written.")?;
     let folder = if arguments.physics_only {
         None
     } else {
@@ -76,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         &options,
     )?;
     spinner.finish_and_clear();
-    stop(&cancel, "Run the same command again.")?;
+    stop(cancel, "Run the same command again.")?;
 
     let learned = match &folder {
         None => None,
@@ -100,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let control = Control {
                 threads,
                 checkpoints: Some(folder),
-                cancel: Some(&cancel),
+                cancel: Some(cancel),
                 progress: Some(&show),
             };
             let learned = train_residual(&fit, &input.data, &options, &control);
@@ -110,6 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     if let Some(learned) = &learned {
         fit.file.compensator = Some(learned.record.clone());
+        fit.file.memory.clone_from(&learned.memory);
     }
     let metrics = output::metrics(&fit, learned.as_ref(), &input.data, input.heldout.as_ref())?;
     output::write(arguments, &fit.file, learned.as_ref(), &metrics, &fit)?;
@@ -122,7 +132,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn stop(cancel: &AtomicBool, hint: &str) -> Result<(), Failure> {
+/// Ends an interrupted run.
+pub fn stop(cancel: &AtomicBool, hint: &str) -> Result<(), Failure> {
     if cancel.load(Ordering::SeqCst) {
         Err(Failure::interrupted(hint))
     } else {

@@ -1,0 +1,239 @@
+//! The simulated recordings and what the published physics leaves of their torque.
+
+use super::trial::Outcome;
+use super::{Study, Verification};
+use compensator::training::{Fold, Samples, predict as predict_unit};
+use datasets::Recording;
+use datasets::prepare::{PrepareOptions, prepare};
+use model::failure::Failure;
+use model::identification::{IdentifyOptions, MOVING};
+use model::physics_fit::{FitError, FitOptions, fit_physics};
+use model::predict::predict;
+use model::residual::{Pace, ResidualError};
+use model::session::Session;
+use ndarray::{Array2, Axis, concatenate};
+use physics::robot::Robot;
+use simulate::protocols::{Protocol, Simulated, cached};
+use std::ops::Range;
+
+/// One recording: inputs and residual torque.
+pub struct Run {
+    /// q, q̇, q̈ of all joints, shape (samples, 3·joints).
+    inputs: Array2<f32>,
+    /// Measured minus physics, N·m; shape (joints, samples), so that a joint is one piece.
+    residual: Array2<f32>,
+    /// 1 where the joint moves, else 0; shape (joints, samples). At standstill friction takes any value
+    /// within its limits, which says nothing about the models compared here.
+    moving: Array2<f32>,
+    /// Measured torque, N·m, shape (samples, joints).
+    tau: Array2<f64>,
+    /// Rows of each trajectory.
+    pub segments: Vec<Range<usize>>,
+    rate_hz: f64,
+}
+
+impl Run {
+    /// One joint's samples.
+    pub fn samples(&self, joint: usize) -> Result<Samples<'_>, Failure> {
+        Samples::new(
+            self.inputs.view(),
+            self.residual.row(joint),
+            Some(self.moving.row(joint)),
+            &self.segments,
+        )
+        .map_err(|e| ResidualError::from(e).into())
+    }
+
+    /// RMS of what `learned` leaves of a joint's residual where it moves in the given trajectories, N·m.
+    pub fn rmse(
+        &self,
+        joint: usize,
+        trajectories: &[usize],
+        learned: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let (mut sum, mut count) = (0.0, 0usize);
+        let moving = self.moving.row(joint);
+        for row in trajectories
+            .iter()
+            .flat_map(|&t| self.segments[t].clone())
+            .filter(|&row| moving[row] > 0.0)
+        {
+            sum += (f64::from(self.residual[[joint, row]]) - learned(row)).powi(2);
+            count += 1;
+        }
+        (sum / count as f64).sqrt()
+    }
+}
+
+/// The three recordings of the protocol.
+pub struct Data {
+    /// Joint names.
+    pub joints: Vec<String>,
+    /// A thousand point-to-point moves: trained and tested on by whole trajectories.
+    pub moves: Run,
+    verification: Run,
+    relative_error_identification: f64,
+}
+
+impl Data {
+    /// Simulates, or takes from the cache, and identifies the published physics (rigid body, viscous and
+    /// Coulomb friction) on the identification recording alone.
+    pub fn simulated(study: &Study) -> Result<Self, Failure> {
+        let bar = crate::progress::bar(study.quiet, "simulating the ur5");
+        let set = cached(Protocol::Ur5, study.seed, &study.cache, &|done| {
+            bar.set_position((100.0 * done) as u64);
+        })
+        .map_err(|e| Failure::other(e.to_string()))?;
+        bar.finish_and_clear();
+        let spinner = crate::progress::spinner(study.quiet, "identifying");
+        let robot = Robot::builtin("ur5").ok_or_else(|| Failure::other("no built-in ur5"))?;
+        let identification = [part(&set, "identification")?.clone()];
+        let options = FitOptions {
+            identify: IdentifyOptions {
+                select: false,
+                ..IdentifyOptions::default()
+            },
+            prepare: PrepareOptions::default(),
+            seed: study.seed,
+        };
+        let fit = fit_physics(&robot, &identification, None, &options)?;
+        let run = |name: &str| -> Result<Run, Failure> {
+            let recording = part(&set, name)?;
+            let prepared =
+                prepare(recording, &options.prepare).map_err(|source| FitError::Prepare {
+                    file: recording.source.clone(),
+                    source,
+                })?;
+            let session = Session::new(vec![prepared], &fit.file.clock);
+            let model = fit.file.physics.model().map_err(FitError::from)?;
+            let physics = predict(&model, &session, &fit.file.memory).swap_remove(0);
+            let part = &session.parts[0];
+            let motion = &part.at_samples;
+            let tau = recording.tau.clone().unwrap_or_default();
+            Ok(Run {
+                inputs: concatenate![Axis(1), motion.q, motion.qd, motion.qdd].mapv(|v| v as f32),
+                residual: by_joint(&(&tau - &physics), |v| v as f32),
+                moving: by_joint(&motion.qd, |v| f32::from(u8::from(v.abs() > MOVING))),
+                tau,
+                segments: motion.segments.clone(),
+                rate_hz: part.report.rate_hz,
+            })
+        };
+        let data = Self {
+            joints: fit.file.joints.clone(),
+            moves: run("moves")?,
+            verification: run("verification")?,
+            relative_error_identification: identification[0].tau.as_ref().map_or(f64::NAN, |tau| {
+                relative_error(tau, (tau - &fit.physics[0]).iter().copied())
+            }),
+        };
+        spinner.finish_and_clear();
+        Ok(data)
+    }
+
+    /// RMSE of the physics alone on what the folds hold out, mean over folds, N·m.
+    pub fn physics_rmse(&self, folds: &[Fold]) -> Vec<f64> {
+        let of = |joint| {
+            let sum: f64 = folds
+                .iter()
+                .map(|f| self.moves.rmse(joint, &f.test, |_| 0.0))
+                .sum();
+            sum / folds.len() as f64
+        };
+        (0..self.joints.len()).map(of).collect()
+    }
+
+    /// Tables 7 and 8: the units of the first fold on the verification recording.
+    pub fn verify(&self, outcomes: &[Outcome]) -> Result<Verification, Failure> {
+        let run = &self.verification;
+        // Windows keep their length in time although this recording is faster.
+        let pace = Pace::new(run.rate_hz, 1.0 / self.moves.rate_hz)
+            .ok_or_else(|| Failure::other("the verification recording is too slow"))?;
+        let (order, phases) = pace.rows(&run.segments);
+        let every: Vec<usize> = (0..phases.len()).collect();
+        let all: Vec<usize> = (0..run.segments.len()).collect();
+        let inputs = run.inputs.select(Axis(0), &order);
+        let (mut physics, mut compensated, mut left) = (Vec::new(), Vec::new(), Vec::new());
+        for (joint, outcome) in outcomes.iter().enumerate() {
+            let target = run.residual.row(joint).select(Axis(0), &order);
+            let samples = Samples::new(inputs.view(), target.view(), None, &phases)
+                .map_err(ResidualError::from)?;
+            let paced =
+                predict_unit(&outcome.unit, &samples, &every).map_err(ResidualError::from)?;
+            let mut learned = vec![0.0; order.len()];
+            for (&row, value) in order.iter().zip(paced) {
+                learned[row] = f64::from(value);
+            }
+            physics.push(run.rmse(joint, &all, |_| 0.0));
+            compensated.push(run.rmse(joint, &all, |row| learned[row]));
+            left.extend(
+                std::iter::zip(run.residual.row(joint), learned).map(|(r, l)| f64::from(*r) - l),
+            );
+        }
+        Ok(Verification {
+            max_torque: run
+                .tau
+                .columns()
+                .into_iter()
+                .map(|c| c.iter().fold(0.0, |m: f64, t| m.max(t.abs())))
+                .collect(),
+            physics,
+            compensated,
+            relative_error_identification: self.relative_error_identification,
+            relative_error: relative_error(&run.tau, run.residual.iter().map(|r| f64::from(*r))),
+            relative_error_compensated: relative_error(&run.tau, left.into_iter()),
+        })
+    }
+}
+
+/// One row per joint, each in one piece.
+fn by_joint(table: &Array2<f64>, of: impl Fn(f64) -> f32) -> Array2<f32> {
+    let turned = table.mapv(of).reversed_axes();
+    turned.as_standard_layout().into_owned()
+}
+
+fn part<'a>(set: &'a Simulated, name: &str) -> Result<&'a Recording, Failure> {
+    set.part(name)
+        .ok_or_else(|| Failure::other(format!("the simulation has no part {name}")))
+}
+
+/// Equation 27, percent.
+fn relative_error(tau: &Array2<f64>, error: impl Iterator<Item = f64>) -> f64 {
+    let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+    100.0 * norm(&mut { error }) / norm(&mut tau.iter().copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::array;
+
+    #[test]
+    fn rest_does_not_count() {
+        let run = Run {
+            inputs: Array2::zeros((4, 3)),
+            residual: array![[3.0, 100.0, 4.0, 7.0]],
+            moving: array![[1.0, 0.0, 1.0, 1.0]],
+            tau: Array2::zeros((4, 1)),
+            segments: vec![0..3, 3..4],
+            rate_hz: 60.0,
+        };
+        assert_eq!(run.rmse(0, &[0], |_| 0.0), 12.5_f64.sqrt());
+        assert_eq!(
+            run.rmse(0, &[0, 1], |row| [3.0, 0.0, 4.0, 6.0][row]),
+            (1.0_f64 / 3.0).sqrt()
+        );
+    }
+
+    #[test]
+    fn relative_error_by_hand() {
+        let tau = array![[3.0, 0.0], [0.0, 4.0]];
+        assert_eq!(relative_error(&tau, [0.0, 0.5, 0.0, 0.0].into_iter()), 10.0);
+    }
+
+    #[test]
+    fn a_row_for_each_joint() {
+        let turned = by_joint(&array![[1.0, 2.0], [3.0, 4.0]], |v| v as f32);
+        assert_eq!(turned.row(1).to_slice(), Some(&[2.0, 4.0][..]));
+    }
+}

@@ -1,0 +1,71 @@
+//! How long and how large.
+
+use super::data::Data;
+use compensator::training::{Fold, Training, UnitConfig, folds};
+use model::failure::Failure;
+use model::residual::ResidualError;
+
+/// What all trials share.
+pub struct Settings {
+    /// Folds that are run; the comparisons beside Table 6 run the first.
+    pub folds: Vec<Fold>,
+    /// Width of encoder, attention and re-encoder.
+    pub hidden: usize,
+    /// Hidden nodes of the comparison of fully connected with LSTM.
+    pub nodes: Vec<usize>,
+    /// Windows that an epoch visits.
+    pub windows: usize,
+    /// The loop.
+    pub training: Training,
+    /// Seed of the networks.
+    pub seed: u64,
+}
+
+impl Settings {
+    /// The published sizes on five folds, or small ones on one.
+    pub fn new(quick: bool, data: &Data, seed: u64) -> Result<Self, Failure> {
+        let groups: Vec<usize> = (0..data.moves.segments.len()).collect();
+        let mut folds = folds(&groups, 5, seed).map_err(ResidualError::from)?;
+        let fitted: usize = folds[0]
+            .split
+            .train
+            .iter()
+            .map(|&t| data.moves.segments[t].len())
+            .sum();
+        let windows = if quick { 12_000 } else { 30_000 };
+        let share = (windows as f32 / fitted as f32).min(1.0);
+        let ucm = UnitConfig::ucm().training;
+        let training = if quick {
+            Training {
+                epochs: 24,
+                batch: 128,
+                learning_rate: 0.01,
+                // Half of 32 nodes is too few.
+                dropout: 0.0,
+                share,
+                ..ucm
+            }
+        } else {
+            Training {
+                epochs: 20,
+                share,
+                ..ucm
+            }
+        };
+        if quick {
+            folds.truncate(1);
+        }
+        Ok(Self {
+            folds,
+            hidden: if quick { 32 } else { 128 },
+            nodes: if quick {
+                vec![4, 8, 16, 32]
+            } else {
+                vec![8, 16, 32, 64, 128]
+            },
+            windows,
+            training,
+            seed,
+        })
+    }
+}
