@@ -53,7 +53,7 @@ fn main() {
     let mut all = vec![];
     let mut mv = vec![];
     for j in 0..6 {
-        let c = &s.columns(j, &id.terms[j], &load)[1];
+        let c = &s.columns(j, &id.terms[j], &load, &[])[1];
         let th = ndarray::Array1::from(
             id.estimate.parameters[off[j]..off[j] + id.terms[j].len()].to_vec(),
         );

@@ -1,11 +1,13 @@
 //! `eval`: scores and predictions of a model directory on a recording.
 
+mod variants;
+
 use crate::baseline::BaselineError;
 use crate::baseline::published::{Part as PublishedPart, Task, rows as published_rows};
 use crate::directory::{DirectoryError, ModelFile};
 use crate::identification::MOVING;
 use crate::metrics::{Row, ShapeError};
-use crate::predict::{parameter_deviation, predict};
+use crate::predict::parameter_deviation;
 use crate::residual::{self, ResidualError};
 use crate::session::Session;
 use crate::setup::{Setup, SetupError};
@@ -16,6 +18,7 @@ use ndarray::Array2;
 use physics::torque_model::TorqueModelError;
 use serde::Serialize;
 use std::path::Path;
+use variants::Loaded;
 
 /// Settings of [`evaluate`].
 #[derive(Clone, Debug, Default)]
@@ -145,8 +148,15 @@ pub fn evaluate(
         })?;
     let session = Session::new(vec![prepared], &file.clock);
     let model = file.physics.model()?;
-    let physics = predict(&model, &session).swap_remove(0);
-    let mut deviation = parameter_deviation(&model, &session, &file.covariance_table());
+    let compensator = residual::load(directory, file)?;
+    let loaded = Loaded {
+        file,
+        model: &model,
+        compensator: compensator.as_ref(),
+    };
+    let [physics, torque] = loaded.torque(&session)?;
+    let mut deviation =
+        parameter_deviation(&model, &session, &file.memory, &file.covariance_table());
     let motion = &session.parts[0].at_samples;
     for ((row, joint), sigma) in deviation.indexed_iter_mut() {
         let regime = if motion.qd[[row, joint]].abs() > MOVING {
@@ -156,12 +166,6 @@ pub fn evaluate(
         };
         *sigma = sigma.hypot(regime[joint]);
     }
-    let torque = match residual::load(directory, file)? {
-        Some(compensator) => {
-            &physics + &residual::predict(&compensator, file, &model, &session, 0)?
-        }
-        None => physics.clone(),
-    };
     let mut rows = Vec::new();
     if let Some(tau) = &recording.tau {
         let linear =
@@ -183,13 +187,18 @@ pub fn evaluate(
             )?);
         }
     }
+    let (more, of_variants) =
+        variants::rows(&loaded, &recording, &session.parts[0], &options.prepare)?;
+    rows.extend(more);
+    let mut notes = notes(&session, file);
+    notes.extend(of_variants);
     let report = EvalReport {
         schema: "eval/1",
         joints: file.joints.clone(),
         samples: recording.len(),
         rows,
         repeatability: repeats::repeatability(&recording, &motion.qd, &repeats::find(&recording)),
-        notes: notes(&session, file),
+        notes,
     };
     Ok(Evaluation {
         report,

@@ -5,9 +5,9 @@ use datasets::Recording;
 use datasets::check::CheckReport;
 use model::directory::{ModelFile, json};
 use model::failure::Failure;
-use model::metrics::Row;
+use model::metrics::{Row, Scope};
 use model::physics_fit::Fit;
-use model::residual::Learned;
+use model::residual::{Learned, member_torques};
 use model::tables;
 use serde::Serialize;
 
@@ -18,6 +18,17 @@ pub struct Metrics {
     joints: Vec<String>,
     train: Vec<Row>,
     heldout: Option<Vec<Row>>,
+    /// Each member of the ensembles alone on the held-out recording.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    members: Vec<Member>,
+}
+
+/// Mean NRMSE of one seed.
+#[derive(Serialize)]
+struct Member {
+    member: usize,
+    mean_nrmse: Option<f64>,
+    mean_nrmse_moving: Option<f64>,
 }
 
 /// Rows of one recording of the session.
@@ -59,6 +70,10 @@ pub fn metrics(
         }
         train.extend(own);
     }
+    let members = match (learned, heldout) {
+        (Some(learned), Some(recording)) => members(fit, learned, data.len(), recording)?,
+        _ => Vec::new(),
+    };
     let heldout = heldout
         .map(|recording| rows(fit, learned, data.len(), recording))
         .transpose()?;
@@ -67,7 +82,35 @@ pub fn metrics(
         joints: fit.file.joints.clone(),
         train,
         heldout,
+        members,
     })
+}
+
+/// Scores of each member alone.
+fn members(
+    fit: &Fit,
+    learned: &Learned,
+    part: usize,
+    recording: &Recording,
+) -> Result<Vec<Member>, Failure> {
+    let Some(tau) = &recording.tau else {
+        return Ok(Vec::new());
+    };
+    let qd = &fit.session.parts[part].at_samples.qd;
+    member_torques(learned, fit, part)?
+        .iter()
+        .enumerate()
+        .map(|(member, residual)| {
+            let torque = &fit.physics[part] + residual;
+            let [all, moving] = Row::both_scopes("member", tau, &torque, qd)
+                .map_err(|e| Failure::other(e.to_string()))?;
+            Ok(Member {
+                member,
+                mean_nrmse: all.scores.mean_nrmse,
+                mean_nrmse_moving: moving.scores.mean_nrmse,
+            })
+        })
+        .collect()
 }
 
 /// Writes the directory: `model.json` last, so that a directory with one is whole.
@@ -109,8 +152,34 @@ pub fn print(file: &ModelFile, metrics: &Metrics, arguments: &Arguments) {
         println!("\nNRMSE on the held-out recording");
         print!("{}", tables::scores(&file.joints, rows, &[]).to_text());
         print!("\n{}", tables::errors(&file.joints, rows).to_text());
+        print_members(rows, &metrics.members);
     }
     println!("\nmodel: {}", arguments.out.display());
+}
+
+/// The spread of seeds, in both scopes.
+fn print_members(rows: &[Row], members: &[Member]) {
+    let one = |figure: Option<f64>| figure.map_or_else(|| "–".to_owned(), |v| format!("{v:.4}"));
+    for scope in Scope::BOTH {
+        let whole = rows
+            .iter()
+            .find(|r| r.name == "physics+compensator" && r.scope == scope);
+        let alone: Vec<String> = members
+            .iter()
+            .map(|m| match scope {
+                Scope::All => one(m.mean_nrmse),
+                Scope::Moving => one(m.mean_nrmse_moving),
+            })
+            .collect();
+        if let (Some(whole), false) = (whole, alone.is_empty()) {
+            println!(
+                "seeds, {}: mean NRMSE {} (members {})",
+                scope.name(),
+                one(whole.scores.mean_nrmse),
+                alone.join(" ")
+            );
+        }
+    }
 }
 
 /// Prints the check of recordings, as text or JSON.

@@ -1,10 +1,12 @@
 //! The learned part of a model: inputs, training on the residual torque, prediction.
 
 mod inputs;
+mod members;
 mod pace;
 mod train;
 
 pub use inputs::{Preset, input_table, inputs};
+pub use members::member_torques;
 pub use pace::Pace;
 pub use train::{Learned, ResidualOptions, train_residual};
 
@@ -67,7 +69,12 @@ pub fn predict(
     let Some(pace) = Pace::new(part_motion.report.rate_hz, record.period) else {
         return Ok(Array2::zeros(part_motion.at_samples.q.dim()));
     };
-    let tables = input_table(session, &record.inputs, &session.load(model.load_robot()));
+    let tables = input_table(
+        session,
+        &record.inputs,
+        &session.load(model.load_robot()),
+        &file.memory,
+    );
     predict_from(
         compensator,
         &tables[part],

@@ -1,0 +1,226 @@
+//! The same model fed other motion of the same recording: planned, and derived as a control loop must.
+
+use super::EvaluateError;
+use crate::directory::ModelFile;
+use crate::metrics::Row;
+use crate::predict::predict;
+use crate::residual;
+use crate::session::Session;
+use datasets::Recording;
+use datasets::prepare::{PrepareOptions, Prepared, prepare};
+use feedforward::network::Compensator;
+use ndarray::Array2;
+use physics::torque_model::TorqueModel;
+use signal::filter::Causal;
+use signal::sos::Section;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// A model loaded for evaluation.
+pub(super) struct Loaded<'a> {
+    pub file: &'a ModelFile,
+    pub model: &'a TorqueModel,
+    pub compensator: Option<&'a Compensator>,
+}
+
+impl Loaded<'_> {
+    /// Torque of the physics alone and of the whole model, shape (samples, joints), for the only
+    /// recording of `session`.
+    pub fn torque(&self, session: &Session) -> Result<[Array2<f64>; 2], EvaluateError> {
+        let physics = predict(self.model, session, &self.file.memory).swap_remove(0);
+        let torque = match self.compensator {
+            Some(c) => &physics + &residual::predict(c, self.file, self.model, session, 0)?,
+            None => physics.clone(),
+        };
+        Ok([physics, torque])
+    }
+}
+
+/// Rows for planned motion, where the recording has it, and for causally derived motion, with a note
+/// on each. Measured torque, scope and samples are those of the other rows.
+pub(super) fn rows(
+    loaded: &Loaded,
+    recording: &Recording,
+    prepared: &Prepared,
+    options: &PrepareOptions,
+) -> Result<(Vec<Row>, Vec<String>), EvaluateError> {
+    let (mut rows, mut notes) = (Vec::new(), Vec::new());
+    let Some(tau) = &recording.tau else {
+        return Ok((rows, notes));
+    };
+    let mut variants = Vec::new();
+    if let Some(planned) = planned(recording) {
+        let moved = prepare(&planned, options).map_err(|source| EvaluateError::Prepare {
+            file: format!("{} (q_ref)", recording.source),
+            source,
+        })?;
+        variants.push(("reference", moved));
+        notes.push("[reference]: the model was fed the planned motion (q_ref and its derivatives) instead of the measured one, and scored on the same torque.".to_owned());
+    }
+    let cutoff = prepared.report.cutoff_hz;
+    variants.push(("causal", causal(recording, prepared)));
+    notes.push(format!(
+        "[causal]: motion as a control loop has it: {} backward differences of the recorded position alone, nothing from the future.",
+        cutoff.map_or_else(String::new, |hz| format!(
+            "one causal pass of a second-order low-pass at {hz:.3} Hz, then"
+        ))
+    ));
+    for (name, moved) in variants {
+        let session = Session::new(vec![moved], &loaded.file.clock);
+        let [physics, torque] = loaded.torque(&session)?;
+        let qd = &prepared.at_samples.qd;
+        rows.extend(Row::both_scopes(
+            &format!("physics [{name}]"),
+            tau,
+            &physics,
+            qd,
+        )?);
+        if loaded.compensator.is_some() {
+            rows.extend(Row::both_scopes(
+                &format!("physics+compensator [{name}]"),
+                tau,
+                &torque,
+                qd,
+            )?);
+        }
+    }
+    Ok((rows, notes))
+}
+
+/// The recording with planned instead of measured motion.
+fn planned(recording: &Recording) -> Option<Recording> {
+    Some(Recording {
+        q: recording.q_ref.clone()?,
+        qd: recording.qd_ref.clone(),
+        qdd: None,
+        ..recording.clone()
+    })
+}
+
+/// `prepared` with its motion replaced by one in which no sample depends on a later one.
+///
+/// Between recorded samples (the fine grid of a slow recording) motion goes on with the acceleration of
+/// the newest one.
+fn causal(recording: &Recording, prepared: &Prepared) -> Prepared {
+    let mut made = prepared.clone();
+    let report = &prepared.report;
+    // A cut-off that prepared the recording is inside its band.
+    let section = report
+        .cutoff_hz
+        .and_then(|hz| Section::lowpass(hz, report.rate_hz, FRAC_1_SQRT_2).ok());
+    let slack = 1e-6 / report.rate_hz;
+    for joint in 0..recording.dof() {
+        for (rows, fine) in std::iter::zip(recording.segments(), &prepared.fine.segments) {
+            let time = &recording.time[rows.clone()];
+            let q: Vec<f64> = rows.clone().map(|r| recording.q[[r, joint]]).collect();
+            let states = derive(time, &q, section);
+            for (row, [q, qd, qdd]) in rows.zip(&states) {
+                made.at_samples.q[[row, joint]] = *q;
+                made.at_samples.qd[[row, joint]] = *qd;
+                made.at_samples.qdd[[row, joint]] = *qdd;
+            }
+            for row in fine.clone() {
+                let t = prepared.fine.time[row];
+                let newest = time.partition_point(|&s| s <= t + slack).saturating_sub(1);
+                let [q, qd, qdd] = states[newest];
+                let ahead = (t - time[newest]).max(0.0);
+                made.fine.q[[row, joint]] = q + ahead * (qd + 0.5 * ahead * qdd);
+                made.fine.qd[[row, joint]] = qd + ahead * qdd;
+                made.fine.qdd[[row, joint]] = qdd;
+            }
+        }
+    }
+    made
+}
+
+/// Position, velocity and acceleration of one joint after each sample of a trajectory: low-pass in one
+/// pass, then backward differences; at rest before the first sample.
+fn derive(time: &[f64], q: &[f64], section: Option<Section>) -> Vec<[f64; 3]> {
+    let mut filter = section.map(|s| Causal::new(&[s]));
+    let mut states: Vec<[f64; 3]> = Vec::with_capacity(q.len());
+    for (i, &raw) in q.iter().enumerate() {
+        let q = filter.as_mut().map_or(raw, |f| f.step(raw));
+        let state = match i.checked_sub(1) {
+            None => [q, 0.0, 0.0],
+            Some(before) => {
+                let dt = time[i] - time[before];
+                let [q0, qd0, _] = states[before];
+                let qd = (q - q0) / dt;
+                // The first difference has no velocity to be compared with.
+                let qdd = if before == 0 { 0.0 } else { (qd - qd0) / dt };
+                [q, qd, qdd]
+            }
+        };
+        states.push(state);
+    }
+    states
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use datasets::Trajectory;
+
+    fn recording(position: impl Fn(f64) -> f64) -> Recording {
+        let time: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();
+        let q = Array2::from_shape_fn((400, 1), |(i, _)| position(time[i]));
+        Recording::new("test", time, q, None)
+    }
+
+    #[test]
+    fn nothing_comes_from_the_future() {
+        let options = PrepareOptions {
+            cutoff_hz: Some(8.0),
+            ..PrepareOptions::default()
+        };
+        let whole = recording(|t| (3.0 * t).sin());
+        let mut bent = recording(|t| (3.0 * t).sin() + if t > 2.0 { t - 2.0 } else { 0.0 });
+        let motion = |r: &Recording| causal(r, &prepare(r, &options).unwrap());
+        let (a, b) = (motion(&whole), motion(&bent));
+        for (x, y) in [(&a.fine, &b.fine), (&a.at_samples, &b.at_samples)] {
+            for row in 0..=200 {
+                assert_eq!(
+                    (x.q[[row, 0]], x.qd[[row, 0]], x.qdd[[row, 0]]),
+                    (y.q[[row, 0]], y.qd[[row, 0]], y.qdd[[row, 0]]),
+                    "row {row}"
+                );
+            }
+            assert_ne!(x.qd[[202, 0]], y.qd[[202, 0]]);
+        }
+        // A break is a new start.
+        bent.trajectories = vec![
+            Trajectory {
+                label: "a".into(),
+                range: 0..150,
+            },
+            Trajectory {
+                label: "b".into(),
+                range: 150..400,
+            },
+        ];
+        let split = motion(&bent);
+        assert_eq!(split.at_samples.qd[[150, 0]], 0.0);
+        assert_eq!(split.at_samples.qd[[149, 0]], b.at_samples.qd[[149, 0]]);
+    }
+
+    #[test]
+    fn differences_of_a_parabola() {
+        let time = [0.0, 0.1, 0.2, 0.3, 0.4];
+        let q: Vec<f64> = time.iter().map(|t| 2.0 * t * t).collect();
+        let states = derive(&time, &q, None);
+        for (i, s) in states.iter().enumerate().skip(2) {
+            // Backward differences of 2t²: velocity of the interval's middle, acceleration exact.
+            let middle = time[i] - 0.05;
+            assert!((s[1] - 4.0 * middle).abs() < 1e-12, "{s:?}");
+            assert!((s[2] - 4.0).abs() < 1e-10, "{s:?}");
+        }
+        assert_eq!(states[0], [0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn planned_motion_needs_planned_positions() {
+        let mut r = recording(|t| t);
+        assert!(planned(&r).is_none());
+        r.q_ref = Some(&r.q + 1.0);
+        assert_eq!(planned(&r).unwrap().q, &r.q + 1.0);
+    }
+}
