@@ -128,15 +128,15 @@ fn same_torque_as_eval_at_the_recorded_rate() {
         start,
         ..Plan::default()
     };
-    // Soon after the last training trajectory, as on the same day.
-    let next = 3.1 * FAR;
+    // On the training recording's clock: between its trajectories, far from all; then soon after the last one.
+    let (between, next) = (0.7 * FAR, 3.1 * FAR);
     let data = record_to(folder.path(), "train.csv", &robot, &plan(1, 0.0));
     // Everything there is to choose: warm-up, memory, load.
     train("ur5", &data, &place("model"), &["--epochs", "8"]);
     assert!(has_a_unit(&place("model")));
     let text = std::fs::read_to_string(place("model/model.json")).expect("a model");
     assert!(text.contains("warm_up"), "the clock is part of the test");
-    for (start, known) in [(0.0, false), (next, true)] {
+    for (start, known) in [(0.0, false), (between, true), (next, true)] {
         let test = record_to(folder.path(), "test.csv", &robot, &plan(2, start));
         let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
         let mut model = Feedforward::load(&place("model"), None).expect("a model");
