@@ -59,9 +59,9 @@ pub(super) fn rows(
     let cutoff = prepared.report.cutoff_hz;
     variants.push(("causal", causal(recording, prepared)));
     notes.push(format!(
-        "[causal]: motion as a control loop has it: {} backward differences of the recorded position alone, nothing from the future.",
+        "[causal]: motion as a control loop has it: {}backward differences of the recorded position alone, nothing from the future.",
         cutoff.map_or_else(String::new, |hz| format!(
-            "one causal pass of a second-order low-pass at {hz:.3} Hz, then"
+            "one causal pass of a second-order low-pass at {hz:.3} Hz, then "
         ))
     ));
     for (name, moved) in variants {
@@ -200,6 +200,23 @@ mod tests {
         let split = motion(&bent);
         assert_eq!(split.at_samples.qd[[150, 0]], 0.0);
         assert_eq!(split.at_samples.qd[[149, 0]], b.at_samples.qd[[149, 0]]);
+    }
+
+    #[test]
+    fn between_slow_samples_the_newest_one_decides() {
+        let slow = |bend: f64| {
+            let mut r = recording(|t| (0.3 * t).sin() + bend * (t - 2.0).max(0.0));
+            for t in &mut r.time {
+                *t *= 10.0;
+            }
+            causal(&r, &prepare(&r, &PrepareOptions::default()).unwrap()).fine
+        };
+        // The sample at 20.1 s is the first that differs.
+        let (a, b) = (slow(0.0), slow(0.5));
+        for (row, t) in a.time.iter().enumerate() {
+            let same = a.q[[row, 0]] == b.q[[row, 0]] && a.qdd[[row, 0]] == b.qdd[[row, 0]];
+            assert_eq!(same, *t < 20.1 - 1e-6, "{t} s");
+        }
     }
 
     #[test]
