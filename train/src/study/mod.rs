@@ -26,7 +26,7 @@ pub struct Study {
     /// Seed of the simulation, the folds and the networks.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Smaller units, fewer passes, one fold: minutes instead of hours.
+    /// Smaller units, fewer passes, one fold: a few minutes instead of half an hour.
     #[arg(long)]
     pub quick: bool,
     /// Write the figures as JSON.

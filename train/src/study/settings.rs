@@ -33,24 +33,14 @@ impl Settings {
             .map(|&t| data.moves.segments[t].len())
             .sum();
         let windows = if quick { 12_000 } else { 30_000 };
-        let share = (windows as f32 / fitted as f32).min(1.0);
-        let ucm = UnitConfig::ucm().training;
-        let training = if quick {
-            Training {
-                epochs: 24,
-                batch: 128,
-                learning_rate: 0.01,
-                // Half of 32 nodes is too few.
-                dropout: 0.0,
-                share,
-                ..ucm
-            }
-        } else {
-            Training {
-                epochs: 20,
-                share,
-                ..ucm
-            }
+        // The published dropout of one half left more error than none on held-out trajectories.
+        let training = Training {
+            epochs: if quick { 24 } else { 20 },
+            batch: if quick { 128 } else { 256 },
+            learning_rate: if quick { 0.01 } else { 0.005 },
+            dropout: 0.0,
+            share: (windows as f32 / fitted as f32).min(1.0),
+            ..UnitConfig::ucm().training
         };
         if quick {
             folds.truncate(1);
