@@ -81,7 +81,7 @@ impl JointSystem {
         moving_only: bool,
     ) -> Result<Self, LeastSquaresError> {
         let acting = acting(&rigid[joint]);
-        let term_columns = session.columns(joint, terms, load);
+        let term_columns = session.columns(joint, terms, load, &[]);
         let width = acting.len() + terms.len();
         let mut folds: Vec<Accumulator> =
             (0..target.folds).map(|_| Accumulator::new(width)).collect();

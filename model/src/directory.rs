@@ -3,6 +3,7 @@
 use crate::baseline::inverse::LinearInverse;
 use datasets::TorqueFilter;
 use ndarray::Array2;
+use physics::effects::BankState;
 use physics::torque_model::{TorqueModelError, TorqueModelRecord};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -33,11 +34,22 @@ pub struct ModelFile {
     pub linear_baseline: LinearInverse,
     /// Spans of time of the training trajectories, on which memory and warm-up run on, s.
     pub clock: Vec<[f64; 2]>,
+    /// What terms remembered at the end of each of them.
+    pub memory: Vec<Memory>,
     /// Where the model comes from.
     pub provenance: Provenance,
     /// What the compensator sees and how it was trained, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compensator: Option<feedforward::inputs::CompensatorRecord>,
+}
+
+/// Memory at the end of one training trajectory, one state per joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Of the physical terms.
+    pub physics: Vec<BankState>,
+    /// Of the terms that the compensator sees; empty without one.
+    pub inputs: Vec<BankState>,
 }
 
 /// One base parameter.
@@ -180,6 +192,7 @@ impl ModelFile {
             })?;
         let size = file.covariance.len();
         let wrong = file.covariance.iter().any(|row| row.len() != size)
+            || file.memory.len() != file.clock.len()
             || file.joints != file.physics.joints
             || file.residual_std.moving.len() != file.joints.len()
             || file.residual_std.standstill.len() != file.joints.len();

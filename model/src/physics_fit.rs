@@ -2,12 +2,12 @@
 
 use crate::baseline::{BaselineError, inverse::LinearInverse};
 use crate::directory::{
-    BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
+    BaseParameter, Memory, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
 };
 use crate::identification::{Identified, IdentifyError, IdentifyOptions, MOVING, Target, identify};
 use crate::metrics::{Row, ShapeError};
 use crate::predict::predict;
-use crate::session::{Session, spans};
+use crate::session::Session;
 use datasets::prepare::Source as Derivative;
 use datasets::prepare::{PrepareError, PrepareOptions, prepare};
 use datasets::{Recording, repeats};
@@ -15,7 +15,7 @@ use ndarray::Array2;
 use physics::effects::Term;
 use physics::identify::base::BaseParameters;
 use physics::robot::Robot;
-use physics::torque_model::{TorqueModelRecord, WeightedTerm};
+use physics::torque_model::{TorqueModel, TorqueModelRecord, WeightedTerm};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -128,7 +128,7 @@ pub fn fit_physics(
     let identified = identify(robot, &session, &target, &options.identify)?;
     let record = record(robot, &identified);
     let model = record.model()?;
-    let physics = predict(&model, &session);
+    let physics = predict(&model, &session, &[]);
     let base = BaseParameters::of_robot(robot, &[]);
     // The recording with most samples speaks for all.
     let first = (0..data.len())
@@ -156,12 +156,8 @@ pub fn fit_physics(
             moving_only: options.identify.moving_only,
         },
         linear_baseline: baseline(data, &session)?,
-        clock: session.parts[..data.len()]
-            .iter()
-            .zip(&session.clock_known)
-            .filter(|&(_, &known)| known)
-            .flat_map(|(part, _)| spans(&part.fine))
-            .collect(),
+        clock: session.clock(data.len()),
+        memory: memory(&model, &session, data.len()),
         provenance: Provenance {
             recordings: data.iter().map(source).collect(),
             seed: options.seed,
@@ -209,6 +205,26 @@ impl Fit {
         )?);
         Ok(rows)
     }
+}
+
+/// What the physical terms remember at the end of each training trajectory on the clock.
+fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<Memory> {
+    let load = session.load(model.load_robot());
+    let mut memory = vec![
+        Memory {
+            physics: Vec::new(),
+            inputs: Vec::new()
+        };
+        session.clock(recordings).len()
+    ];
+    for (joint, list) in model.terms().iter().enumerate() {
+        let terms: Vec<Term> = list.iter().map(|w| w.term.clone()).collect();
+        let states = session.end_states(joint, &terms, &load, recordings);
+        for (memory, state) in memory.iter_mut().zip(states) {
+            memory.physics.push(state);
+        }
+    }
+    memory
 }
 
 fn record(robot: &Robot, identified: &Identified) -> TorqueModelRecord {

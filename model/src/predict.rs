@@ -1,9 +1,10 @@
 //! Torque of a model over recordings, as their torque sensors would have recorded it.
 
 use crate::design::rigid_columns;
-use crate::session::Session;
-use ndarray::Array2;
-use physics::effects::Term;
+use crate::directory::Memory;
+use crate::session::{Session, Start};
+use ndarray::{Array2, Axis};
+use physics::effects::{BankState, Term};
 use physics::identify::base::BaseParameters;
 use physics::torque_model::TorqueModel;
 
@@ -11,7 +12,9 @@ use physics::torque_model::TorqueModel;
 ///
 /// The model itself runs causally over the fine motion; the recording's own torque filter, where it
 /// has one, is applied to what it predicts.
-pub fn predict(model: &TorqueModel, session: &Session) -> Vec<Array2<f64>> {
+///
+/// `memory` is what the model remembers of the trajectories that the session knows.
+pub fn predict(model: &TorqueModel, session: &Session, memory: &[Memory]) -> Vec<Array2<f64>> {
     let n = model.dof();
     let mut predictor = model.predictor();
     let mut fine: Vec<Vec<Vec<f64>>> = session
@@ -20,9 +23,11 @@ pub fn predict(model: &TorqueModel, session: &Session) -> Vec<Array2<f64>> {
         .map(|p| vec![vec![0.0; p.fine.len()]; n])
         .collect();
     let mut tau = vec![0.0; n];
-    session.walk(None, |restart, part, row, s| {
-        if restart {
-            predictor.reset();
+    session.walk(None, |start, part, row, s| {
+        match start {
+            Start::RunsOn => {}
+            Start::Neutral => predictor.reset(),
+            Start::Known(k) => predictor.restore(memory.get(k).map_or(&[], |m| &m.physics)),
         }
         predictor.step(s.clock, s.dt, s.q, s.qd, s.qdd, &mut tau);
         for (column, tau) in fine[part].iter_mut().zip(&tau) {
@@ -51,6 +56,7 @@ pub fn predict(model: &TorqueModel, session: &Session) -> Vec<Array2<f64>> {
 pub fn parameter_deviation(
     model: &TorqueModel,
     session: &Session,
+    memory: &[Memory],
     covariance: &Array2<f64>,
 ) -> Array2<f64> {
     let robot = model.robot();
@@ -61,20 +67,24 @@ pub fn parameter_deviation(
     let mut offset = base.len();
     let mut table = Array2::zeros((session.parts[last].at_samples.len(), robot.dof()));
     for joint in 0..robot.dof() {
-        let terms: Vec<Term> = model.terms()[joint]
+        let all: Vec<Term> = model.terms()[joint]
             .iter()
-            .filter(|w| !matches!(w.term, Term::Counterbalance(_)))
             .map(|w| w.term.clone())
             .collect();
-        let columns = &session.columns(joint, &terms, &load)[last];
-        let places: Vec<usize> = (0..base.len())
-            .chain(offset..offset + terms.len())
+        let known: Vec<&BankState> = memory.iter().filter_map(|m| m.physics.get(joint)).collect();
+        // A known counterbalance has no deviation and no place in the covariance.
+        let fitted: Vec<usize> = (0..all.len())
+            .filter(|&k| !matches!(all[k], Term::Counterbalance(_)))
             .collect();
-        offset += terms.len();
+        let columns = session.columns(joint, &all, &load, &known)[last].select(Axis(1), &fitted);
+        let places: Vec<usize> = (0..base.len())
+            .chain(offset..offset + fitted.len())
+            .collect();
+        offset += fitted.len();
         let own = Array2::from_shape_fn((places.len(), places.len()), |(i, k)| {
             covariance[[places[i], places[k]]]
         });
-        let rows = ndarray::concatenate![ndarray::Axis(1), rigid[joint][0], *columns];
+        let rows = ndarray::concatenate![Axis(1), rigid[joint][0], columns];
         let spread = rows.dot(&own);
         for (row, target) in table.column_mut(joint).iter_mut().enumerate() {
             *target = spread.row(row).dot(&rows.row(row)).max(0.0).sqrt();

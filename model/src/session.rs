@@ -3,7 +3,7 @@
 use datasets::prepare::Prepared;
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
-use physics::effects::{Sample, Term, TermBank};
+use physics::effects::{BankState, Sample, Term, TermBank};
 use physics::robot::Robot;
 use signal::Motion;
 use std::ops::Range;
@@ -16,8 +16,19 @@ pub struct Step {
     pub part: usize,
     /// Rows of the fine motion.
     pub rows: Range<usize>,
-    /// Memory starts neutral before this trajectory.
-    pub restart: bool,
+    /// Where memory stands before this trajectory.
+    pub start: Start,
+}
+
+/// Where memory stands before a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// It runs on from the sample before.
+    RunsOn,
+    /// Nothing is known.
+    Neutral,
+    /// As it stood at the end of the known trajectory of this index.
+    Known(usize),
 }
 
 /// Prepared recordings with the order in which memory runs through them.
@@ -29,6 +40,7 @@ pub struct Session {
     pub steps: Vec<Step>,
     /// Whether each recording is on the clock that warm-up terms know.
     pub clock_known: Vec<bool>,
+    known: Vec<[f64; 2]>,
 }
 
 /// Longest pause between two trajectories that memory is carried over, s.
@@ -48,7 +60,7 @@ impl Session {
         let mut clock_known = Vec::with_capacity(parts.len());
         for part in &parts {
             let spans = spans(&part.fine);
-            let fits = taken.is_empty() || continues(&taken, &spans);
+            let fits = runs_on(&spans) && (taken.is_empty() || continues(&taken, &spans));
             clock_known.push(fits);
             if fits {
                 taken.extend(spans);
@@ -60,7 +72,7 @@ impl Session {
                 steps.push(Step {
                     part,
                     rows: rows.clone(),
-                    restart: false,
+                    start: Start::RunsOn,
                 });
             }
         }
@@ -78,17 +90,30 @@ impl Session {
         let mut last: Option<(usize, f64)> = None;
         for step in &mut steps {
             let time = &parts[step.part].fine.time;
-            step.restart = last.is_none_or(|(part, end)| {
+            let start = time[step.rows.start];
+            let near = |end: f64| (0.0..=LONGEST_PAUSE).contains(&(start - end));
+            let before = last.filter(|&(part, end)| {
                 let same_clock = part == step.part || (clock_known[part] && clock_known[step.part]);
-                let pause = time[step.rows.start] - end;
-                !same_clock || !(0.0..=LONGEST_PAUSE).contains(&pause)
+                same_clock && near(end)
             });
+            let stored = known
+                .iter()
+                .enumerate()
+                .filter(|(_, span)| clock_known[step.part] && near(span[1]))
+                .max_by(|a, b| a.1[1].total_cmp(&b.1[1]));
+            step.start = match (before, stored) {
+                (Some((_, end)), Some((k, span))) if span[1] > end => Start::Known(k),
+                (Some(_), _) => Start::RunsOn,
+                (None, Some((k, _))) => Start::Known(k),
+                (None, None) => Start::Neutral,
+            };
             last = Some((step.part, time[step.rows.end - 1]));
         }
         Self {
             parts,
             steps,
             clock_known,
+            known: known.to_vec(),
         }
     }
 
@@ -102,20 +127,22 @@ impl Session {
 
     /// Columns of one joint's terms at the recorded samples of every recording, shape
     /// (samples, terms), as the recorded torque would show them: see [`Prepared::to_samples`].
-    pub fn columns(&self, joint: usize, terms: &[Term], load: &[Array2<f64>]) -> Vec<Array2<f64>> {
+    ///
+    /// `memory` holds the terms' states at the end of each known trajectory (empty: none is stored).
+    pub fn columns(
+        &self,
+        joint: usize,
+        terms: &[Term],
+        load: &[Array2<f64>],
+        memory: &[&BankState],
+    ) -> Vec<Array2<f64>> {
         let mut fine: Vec<Vec<Vec<f64>>> = self
             .parts
             .iter()
             .map(|p| vec![vec![0.0; p.fine.len()]; terms.len()])
             .collect();
-        let mut bank = TermBank::new(joint, terms.to_vec());
-        let mut values = vec![0.0; terms.len()];
-        self.walk(Some(load), |restart, part, row, sample| {
-            if restart {
-                bank.reset();
-            }
-            bank.step(sample, &mut values);
-            for (column, value) in fine[part].iter_mut().zip(&values) {
+        self.run(joint, terms, load, memory, |part, row, _, values| {
+            for (column, value) in fine[part].iter_mut().zip(values) {
                 column[row] = *value;
             }
         });
@@ -132,21 +159,92 @@ impl Session {
             .collect()
     }
 
-    /// Visits every fine sample in the order of memory: whether memory restarts, recording, row, sample.
+    /// State of one joint's terms at the end of every trajectory of the first `recordings` recordings
+    /// that is on the known clock, in the order of [`Session::clock`].
+    pub fn end_states(
+        &self,
+        joint: usize,
+        terms: &[Term],
+        load: &[Array2<f64>],
+        recordings: usize,
+    ) -> Vec<BankState> {
+        let ends: Vec<(usize, usize)> = self
+            .clock_steps(recordings)
+            .map(|s| (s.part, s.rows.end - 1))
+            .collect();
+        let mut states = Vec::with_capacity(ends.len());
+        self.run(joint, terms, load, &[], |part, row, bank, _| {
+            if ends.get(states.len()) == Some(&(part, row)) {
+                states.extend(bank.state());
+            }
+        });
+        states
+    }
+
+    /// Spans of time of the trajectories of the first `recordings` recordings on the known clock, s.
+    pub fn clock(&self, recordings: usize) -> Vec<[f64; 2]> {
+        self.clock_steps(recordings)
+            .map(|s| {
+                let time = &self.parts[s.part].fine.time;
+                [time[s.rows.start], time[s.rows.end - 1]]
+            })
+            .collect()
+    }
+
+    fn clock_steps(&self, recordings: usize) -> impl Iterator<Item = &Step> {
+        self.steps
+            .iter()
+            .filter(move |s| s.part < recordings && self.clock_known[s.part])
+    }
+
+    /// Steps one joint's terms through all recordings.
+    fn run(
+        &self,
+        joint: usize,
+        terms: &[Term],
+        load: &[Array2<f64>],
+        memory: &[&BankState],
+        mut visit: impl FnMut(usize, usize, &TermBank, &[f64]),
+    ) {
+        let mut bank = TermBank::new(joint, terms.to_vec());
+        let mut values = vec![0.0; terms.len()];
+        self.walk(Some(load), |start, part, row, sample| {
+            match start {
+                Start::RunsOn => {}
+                Start::Neutral => bank.reset(),
+                Start::Known(k) => match memory.get(k) {
+                    Some(state) => bank.restore(state),
+                    None => bank.reset(),
+                },
+            }
+            bank.step(sample, &mut values);
+            visit(part, row, &bank, &values);
+        });
+    }
+
+    /// Visits every fine sample in the order of memory: where memory stands, recording, row, sample.
     ///
     /// Without `load` the samples carry an empty one.
     pub fn walk(
         &self,
         load: Option<&[Array2<f64>]>,
-        mut visit: impl FnMut(bool, usize, usize, &Sample),
+        mut visit: impl FnMut(Start, usize, usize, &Sample),
     ) {
         let mut last = f64::NAN;
         for step in &self.steps {
             let motion = &self.parts[step.part].fine;
             for row in step.rows.clone() {
-                let restart = step.restart && row == step.rows.start;
+                let start = if row == step.rows.start {
+                    step.start
+                } else {
+                    Start::RunsOn
+                };
                 let time = motion.time[row];
-                let dt = if restart { 0.0 } else { time - last };
+                let dt = match start {
+                    Start::RunsOn => time - last,
+                    Start::Neutral => 0.0,
+                    Start::Known(k) => time - self.known[k][1],
+                };
                 last = time;
                 let (q, qd, qdd) = (motion.q.row(row), motion.qd.row(row), motion.qdd.row(row));
                 let load = load.map(|tables| tables[step.part].row(row));
@@ -160,7 +258,7 @@ impl Session {
                 };
                 let clock = self.clock_known[step.part].then_some(time);
                 visit(
-                    restart,
+                    start,
                     step.part,
                     row,
                     &Sample {
@@ -202,6 +300,11 @@ pub fn spans(motion: &Motion) -> Vec<[f64; 2]> {
         .iter()
         .map(|r| [motion.time[r.start], motion.time[r.end - 1]])
         .collect()
+}
+
+/// Whether time runs on from trajectory to trajectory of one recording.
+fn runs_on(spans: &[[f64; 2]]) -> bool {
+    spans.windows(2).all(|w| w[1][0] > w[0][1])
 }
 
 /// Whether trajectories with these spans can be on a clock on which `known` ones were recorded: no

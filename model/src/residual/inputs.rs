@@ -1,9 +1,10 @@
 //! What the units see.
 
+use crate::directory::Memory;
 use crate::session::Session;
 use feedforward::inputs::{Input, Signal};
 use ndarray::Array2;
-use physics::effects::{Dahl, LaggedSign, Sliding, Stop, Term};
+use physics::effects::{BankState, Dahl, LaggedSign, Sliding, Stop, Term};
 use serde::{Deserialize, Serialize};
 
 /// Which compensator is trained.
@@ -112,8 +113,14 @@ fn states(moving_only: bool) -> Vec<Term> {
 
 /// Input table of every recording at its samples, shape (samples, inputs).
 ///
-/// Terms and load pass the recording's torque filter where it has one, as the torque did.
-pub fn input_table(session: &Session, inputs: &[Input], load: &[Array2<f64>]) -> Vec<Array2<f32>> {
+/// Terms and load pass the recording's torque filter where it has one, as the torque did. `memory` is
+/// what the terms remember of the trajectories that the session knows.
+pub fn input_table(
+    session: &Session,
+    inputs: &[Input],
+    load: &[Array2<f64>],
+    memory: &[Memory],
+) -> Vec<Array2<f32>> {
     let mut tables: Vec<Array2<f32>> = session
         .parts
         .iter()
@@ -138,7 +145,8 @@ pub fn input_table(session: &Session, inputs: &[Input], load: &[Array2<f64>]) ->
             })
             .collect();
         let list: Vec<Term> = terms.iter().map(|(_, term)| term.clone()).collect();
-        let columns = session.columns(joint, &list, load);
+        let known: Vec<&BankState> = memory.iter().filter_map(|m| m.inputs.get(joint)).collect();
+        let columns = session.columns(joint, &list, load, &known);
         for (part, (table, columns)) in tables.iter_mut().zip(&columns).enumerate() {
             let motion = &session.parts[part].at_samples;
             for ((k, _), values) in terms.iter().zip(columns.columns()) {
@@ -163,4 +171,28 @@ pub fn input_table(session: &Session, inputs: &[Input], load: &[Array2<f64>]) ->
         }
     }
     tables
+}
+
+/// Stores what the input terms remember at the end of each training trajectory on the clock.
+pub fn remember(
+    memory: &mut [Memory],
+    session: &Session,
+    inputs: &[Input],
+    load: &[Array2<f64>],
+    recordings: usize,
+) {
+    for joint in 0..load.first().map_or(0, Array2::ncols) {
+        let terms: Vec<Term> = inputs
+            .iter()
+            .filter(|i| i.joint == joint)
+            .filter_map(|i| match &i.signal {
+                Signal::Term(term) => Some(term.clone()),
+                _ => None,
+            })
+            .collect();
+        let states = session.end_states(joint, &terms, load, recordings);
+        for (memory, state) in memory.iter_mut().zip(states) {
+            memory.inputs.push(state);
+        }
+    }
 }

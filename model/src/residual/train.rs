@@ -1,7 +1,8 @@
 //! Training of the units on what the physics leaves.
 
-use super::inputs::{Preset, input_table, inputs};
+use super::inputs::{Preset, input_table, inputs, remember};
 use super::{Pace, ResidualError, predict_from};
+use crate::directory::Memory;
 use crate::physics_fit::Fit;
 use compensator::training::{
     Control, Job, Loss, Samples, Schedule, Split, Trained, Training, UnitConfig, train, train_ridge,
@@ -43,6 +44,8 @@ pub struct Learned {
     pub bytes: Vec<u8>,
     /// Its record.
     pub record: CompensatorRecord,
+    /// The model's memory with that of the units' inputs.
+    pub memory: Vec<Memory>,
     /// Residual torque of every recording of the session, shape (samples, joints).
     pub torque: Vec<Array2<f64>>,
 }
@@ -114,7 +117,8 @@ pub fn train_residual(
     let joints = fit.file.joints.len();
     let model = fit.file.physics.model()?;
     let (list, seen) = inputs(options.preset, joints, options.moving_only);
-    let tables = input_table(&fit.session, &list, &fit.session.load(model.load_robot()));
+    let load = fit.session.load(model.load_robot());
+    let tables = input_table(&fit.session, &list, &load, &[]);
     // Windows keep their length in time: faster recordings are taken apart into several sequences.
     let period = 1.0 / fit.file.preprocessing.rate_hz;
     let paces: Vec<(usize, Pace)> = (0..data.len())
@@ -227,7 +231,10 @@ pub fn train_residual(
             .collect(),
         validation,
     };
+    let mut memory = fit.file.memory.clone();
+    remember(&mut memory, &fit.session, &record.inputs, &load, data.len());
     Ok(Learned {
+        memory,
         compensator,
         bytes,
         record,

@@ -21,6 +21,15 @@ pub struct Sample<'a> {
     pub load: &'a [f64],
 }
 
+/// Memory of a [`TermBank`] at one instant.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BankState {
+    /// State of each term; zero for terms without memory.
+    pub states: Vec<f64>,
+    /// Position of the joint, rad.
+    pub q: f64,
+}
+
 /// The terms of one joint and their states.
 #[derive(Clone, Debug)]
 pub struct TermBank {
@@ -51,6 +60,24 @@ impl TermBank {
     pub fn reset(&mut self) {
         self.states.fill(0.0);
         self.last_q = None;
+    }
+
+    /// What the terms remember; None before the first sample.
+    pub fn state(&self) -> Option<BankState> {
+        let q = self.last_q?;
+        Some(BankState {
+            states: self.states.clone(),
+            q,
+        })
+    }
+
+    /// Goes on from a stored memory; one of another number of terms is ignored and the bank is reset.
+    pub fn restore(&mut self, state: &BankState) {
+        self.reset();
+        if state.states.len() == self.states.len() {
+            self.states.copy_from_slice(&state.states);
+            self.last_q = Some(state.q);
+        }
     }
 
     /// Advances by one sample and writes each term's column value; `out` has one entry per term.

@@ -18,7 +18,7 @@ mod sliding;
 mod warmup;
 
 pub use crate::robot::Counterbalance;
-pub use bank::{Sample, TermBank, columns};
+pub use bank::{BankState, Sample, TermBank, columns};
 pub use coupling::Coupling;
 pub use harmonic::{Harmonic, Phase};
 pub use hysteresis::{Dahl, Stop};

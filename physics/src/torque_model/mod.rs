@@ -5,7 +5,7 @@ mod record;
 pub use record::TorqueModelRecord;
 
 use crate::dynamics::{Workspace, inverse_dynamics};
-use crate::effects::{Sample, Term, TermBank};
+use crate::effects::{BankState, Sample, Term, TermBank};
 use crate::robot::{Robot, RobotError};
 
 /// A term of one joint with its identified parameter.
@@ -96,6 +96,11 @@ impl TorqueModel {
         &self.rigid
     }
 
+    /// The robot behind the load that load-dependent terms see.
+    pub fn load_robot(&self) -> &Robot {
+        &self.load
+    }
+
     /// Terms of each joint.
     pub fn terms(&self) -> &[Vec<WeightedTerm>] {
         &self.terms
@@ -145,6 +150,14 @@ impl Predictor {
     /// Forgets all memory, as at the start of a recording on an unknown clock.
     pub fn reset(&mut self) {
         self.banks.iter_mut().for_each(TermBank::reset);
+    }
+
+    /// Goes on from stored memory, one state per joint.
+    pub fn restore(&mut self, memory: &[BankState]) {
+        self.reset();
+        for (bank, state) in self.banks.iter_mut().zip(memory) {
+            bank.restore(state);
+        }
     }
 
     /// Torque of all joints (N·m or N) at the next sample, `dt` seconds after the one before.
