@@ -6,6 +6,7 @@
 //! dependency tree.
 #![forbid(unsafe_code)]
 
+pub mod clock;
 pub mod inputs;
 pub mod network;
 mod runtime;

@@ -1,8 +1,9 @@
 //! Torque feedforward from a model directory.
 
+use crate::clock::{Memory, last_before};
 use crate::inputs::{CompensatorRecord, Signal};
 use crate::network::{Compensator, Error as NetworkError, Stream};
-use physics::effects::{Sample, Term, TermBank};
+use physics::effects::{BankState, Sample, Term, TermBank};
 use physics::torque_model::{Predictor, TorqueModelError, TorqueModelRecord};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ struct ModelJson {
     schema: String,
     physics: TorqueModelRecord,
     preprocessing: Preprocessing,
+    clock: Vec<[f64; 2]>,
+    memory: Vec<Memory>,
     compensator: Option<CompensatorRecord>,
 }
 
@@ -71,7 +74,11 @@ pub struct Feedforward {
     residual: Option<Residual>,
     period: f64,
     clock: Option<f64>,
-    started: bool,
+    /// Time from the sample before to the next one, s; zero where nothing is known.
+    elapsed: f64,
+    /// Training trajectories on the clock, and what was remembered at the end of each.
+    known: Vec<[f64; 2]>,
+    memory: Vec<Memory>,
     joints: usize,
 }
 
@@ -142,7 +149,9 @@ impl Feedforward {
             residual,
             period,
             clock: None,
-            started: false,
+            elapsed: 0.0,
+            known: json.clock,
+            memory: json.memory,
             joints: model.dof(),
         })
     }
@@ -157,14 +166,32 @@ impl Feedforward {
         self.period
     }
 
-    /// Forgets friction memory and windows. `clock` is the session clock of the training recordings
-    /// in s, where this loop continues it; without it, warm-up terms take their mean.
+    /// Forgets friction memory and windows. `clock` is the time of the next sample on the session clock of
+    /// the training recordings in s, where this loop continues it: friction memory then goes on from the
+    /// training trajectory before. Without it, memory is neutral and warm-up terms take their mean.
     pub fn reset(&mut self, clock: Option<f64>) {
-        self.predictor.reset();
+        let known = clock.and_then(|now| {
+            let index = last_before(&self.known, now)?;
+            Some((now - self.known[index][1], self.memory.get(index)?))
+        });
         self.clock = clock;
-        self.started = false;
+        self.elapsed = known.map_or(0.0, |(elapsed, _)| elapsed);
+        self.predictor
+            .restore(known.map_or(&[], |(_, memory)| &memory.physics));
         if let Some(residual) = &mut self.residual {
-            residual.reset();
+            residual.restore(known.map_or(&[], |(_, memory)| &memory.inputs));
+        }
+    }
+
+    /// Starts a new trajectory `seconds` after the last sample: friction memory and clock run on, windows
+    /// start anew.
+    pub fn pause(&mut self, seconds: f64) {
+        if let Some(clock) = &mut self.clock {
+            *clock += seconds - self.elapsed;
+        }
+        self.elapsed = seconds;
+        if let Some(residual) = &mut self.residual {
+            residual.rewind();
         }
     }
 
@@ -174,8 +201,7 @@ impl Feedforward {
     /// # Panics
     /// When a slice has another length.
     pub fn torque(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
-        let dt = if self.started { self.period } else { 0.0 };
-        self.started = true;
+        let dt = std::mem::replace(&mut self.elapsed, self.period);
         self.predictor.step(self.clock, dt, q, qd, qdd, tau);
         if let Some(residual) = &mut self.residual {
             let load = self.predictor.load();
@@ -238,8 +264,17 @@ impl Residual {
         })
     }
 
-    fn reset(&mut self) {
+    /// Takes over stored memory, one state per joint; neutral where there is none.
+    fn restore(&mut self, memory: &[BankState]) {
         self.banks.iter_mut().for_each(TermBank::reset);
+        for (bank, state) in self.banks.iter_mut().zip(memory) {
+            bank.restore(state);
+        }
+        self.rewind();
+    }
+
+    /// Empties the windows.
+    fn rewind(&mut self) {
         self.streams.iter_mut().for_each(Stream::reset);
         self.turn = 0;
     }

@@ -31,8 +31,9 @@ pub fn rigid_columns(
         let motion = &part.fine;
         // One fine column per joint and base parameter, column-major.
         let mut fine = vec![vec![0.0; motion.len()]; n * base.len()];
-        for row in 0..motion.len() {
-            let (q, qd, qdd) = (motion.q.row(row), motion.qd.row(row), motion.qdd.row(row));
+        let rows = motion.q.rows().into_iter();
+        let rows = rows.zip(motion.qd.rows()).zip(motion.qdd.rows());
+        for (row, ((q, qd), qdd)) in rows.enumerate() {
             let (Some(q), Some(qd), Some(qdd)) = (q.to_slice(), qd.to_slice(), qdd.to_slice())
             else {
                 unreachable!("tables are in standard layout");

@@ -2,8 +2,8 @@
 
 use crate::baseline::inverse::LinearInverse;
 use datasets::TorqueFilter;
+use feedforward::clock::Memory;
 use ndarray::Array2;
-use physics::effects::BankState;
 use physics::torque_model::{TorqueModelError, TorqueModelRecord};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -41,15 +41,6 @@ pub struct ModelFile {
     /// What the compensator sees and how it was trained, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compensator: Option<feedforward::inputs::CompensatorRecord>,
-}
-
-/// Memory at the end of one training trajectory, one state per joint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Memory {
-    /// Of the physical terms.
-    pub physics: Vec<BankState>,
-    /// Of the terms that the compensator sees; empty without one.
-    pub inputs: Vec<BankState>,
 }
 
 /// One base parameter.

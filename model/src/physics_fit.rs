@@ -2,7 +2,7 @@
 
 use crate::baseline::{BaselineError, inverse::LinearInverse};
 use crate::directory::{
-    BaseParameter, Memory, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
+    BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
 };
 use crate::identification::{Identified, IdentifyError, IdentifyOptions, MOVING, Target, identify};
 use crate::metrics::{Row, ShapeError};
@@ -11,6 +11,7 @@ use crate::session::Session;
 use datasets::prepare::Source as Derivative;
 use datasets::prepare::{PrepareError, PrepareOptions, prepare};
 use datasets::{Recording, repeats};
+use feedforward::clock::Memory;
 use ndarray::Array2;
 use physics::effects::Term;
 use physics::identify::base::BaseParameters;

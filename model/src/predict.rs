@@ -1,8 +1,8 @@
 //! Torque of a model over recordings, as their torque sensors would have recorded it.
 
 use crate::design::rigid_columns;
-use crate::directory::Memory;
 use crate::session::{Session, Start};
+use feedforward::clock::Memory;
 use ndarray::{Array2, Axis};
 use physics::effects::{BankState, Term};
 use physics::identify::base::BaseParameters;
@@ -66,11 +66,8 @@ pub fn parameter_deviation(
     let load = session.load(model.load_robot());
     let mut offset = base.len();
     let mut table = Array2::zeros((session.parts[last].at_samples.len(), robot.dof()));
-    for joint in 0..robot.dof() {
-        let all: Vec<Term> = model.terms()[joint]
-            .iter()
-            .map(|w| w.term.clone())
-            .collect();
+    for (joint, (list, rigid)) in model.terms().iter().zip(&rigid).enumerate() {
+        let all: Vec<Term> = list.iter().map(|w| w.term.clone()).collect();
         let known: Vec<&BankState> = memory.iter().filter_map(|m| m.physics.get(joint)).collect();
         // A known counterbalance has no deviation and no place in the covariance.
         let fitted: Vec<usize> = (0..all.len())
@@ -84,7 +81,7 @@ pub fn parameter_deviation(
         let own = Array2::from_shape_fn((places.len(), places.len()), |(i, k)| {
             covariance[[places[i], places[k]]]
         });
-        let rows = ndarray::concatenate![Axis(1), rigid[joint][0], columns];
+        let rows = ndarray::concatenate![Axis(1), rigid[0], columns];
         let spread = rows.dot(&own);
         for (row, target) in table.column_mut(joint).iter_mut().enumerate() {
             *target = spread.row(row).dot(&rows.row(row)).max(0.0).sqrt();

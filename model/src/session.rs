@@ -1,6 +1,7 @@
 //! Several recordings of one robot, walked through in the order in which the robot moved.
 
 use datasets::prepare::Prepared;
+use feedforward::clock::{LONGEST_PAUSE, last_before};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::effects::{BankState, Sample, Term, TermBank};
@@ -42,11 +43,6 @@ pub struct Session {
     pub clock_known: Vec<bool>,
     known: Vec<[f64; 2]>,
 }
-
-/// Longest pause between two trajectories that memory is carried over, s.
-///
-/// Longer, and joints may have been moved or brakes applied meanwhile.
-pub const LONGEST_PAUSE: f64 = 600.0;
 
 impl Session {
     /// Puts recordings on a common clock.
@@ -91,20 +87,15 @@ impl Session {
         for step in &mut steps {
             let time = &parts[step.part].fine.time;
             let start = time[step.rows.start];
-            let near = |end: f64| (0.0..=LONGEST_PAUSE).contains(&(start - end));
             let before = last.filter(|&(part, end)| {
                 let same_clock = part == step.part || (clock_known[part] && clock_known[step.part]);
-                same_clock && near(end)
+                same_clock && last_before(&[[end; 2]], start).is_some()
             });
-            let stored = known
-                .iter()
-                .enumerate()
-                .filter(|(_, span)| clock_known[step.part] && near(span[1]))
-                .max_by(|a, b| a.1[1].total_cmp(&b.1[1]));
+            let stored = last_before(known, start).filter(|_| clock_known[step.part]);
             step.start = match (before, stored) {
-                (Some((_, end)), Some((k, span))) if span[1] > end => Start::Known(k),
+                (Some((_, end)), Some(k)) if known[k][1] > end => Start::Known(k),
                 (Some(_), _) => Start::RunsOn,
-                (None, Some((k, _))) => Start::Known(k),
+                (None, Some(k)) => Start::Known(k),
                 (None, None) => Start::Neutral,
             };
             last = Some((step.part, time[step.rows.end - 1]));

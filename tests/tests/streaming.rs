@@ -3,6 +3,7 @@
 use datasets::prepare::{PrepareOptions, Prepared, prepare};
 use datasets::{ReadOptions, Recording};
 use feedforward::Feedforward;
+use feedforward::clock::LONGEST_PAUSE;
 use physics::robot::Robot;
 use signal::Motion;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -37,7 +38,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Further apart than memory is carried, so that both start every trajectory neutral.
+/// Further apart than memory is carried.
 const FAR: f64 = 1000.0;
 
 fn train(robot: &str, data: &Path, out: &Path, extra: &[&str]) {
@@ -73,7 +74,8 @@ fn predicted(model: &Path, data: &Path, to: &Path) -> (Recording, Vec<Vec<f64>>)
     (recording, rows)
 }
 
-/// Streams a motion through the run-time, a reset before each trajectory, and hands every row's torque on.
+/// Streams a motion through the run-time, a reset before each trajectory or, where the one before is near, a
+/// pause, and hands every row's torque on.
 /// Counts the allocations in between.
 fn stream(
     model: &mut Feedforward,
@@ -86,8 +88,14 @@ fn stream(
         .collect();
     let mut tau = vec![0.0; model.dof()];
     let mut allocations = 0;
+    let mut last = None;
     for segment in &motion.segments {
-        model.reset(clock.then(|| motion.time[segment.start]));
+        let start = motion.time[segment.start];
+        match last.map(|end| start - end) {
+            Some(pause) if pause <= LONGEST_PAUSE => model.pause(pause),
+            _ => model.reset(clock.then_some(start)),
+        }
+        last = Some(motion.time[segment.end - 1]);
         for row in segment.clone() {
             let [q, qd, qdd] = &rows[row];
             let before = ALLOCATIONS.get();
@@ -121,23 +129,30 @@ fn same_torque_as_eval_at_the_recorded_rate() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let place = |name: &str| -> PathBuf { folder.path().join(name) };
     let robot = Robot::builtin("ur5").expect("built in");
-    let plan = |seed: u64, start: f64| Plan {
+    let plan = |seed: u64, start: f64, pause: f64| Plan {
         trajectories: 4,
-        pause: FAR,
+        pause,
         seed,
         start,
         ..Plan::default()
     };
     // On the training recording's clock: between its trajectories, far from all; then soon after the last one.
     let (between, next) = (0.7 * FAR, 3.1 * FAR);
-    let data = record_to(folder.path(), "train.csv", &robot, &plan(1, 0.0));
+    let data = record_to(folder.path(), "train.csv", &robot, &plan(1, 0.0, FAR));
     // Everything there is to choose: warm-up, memory, load.
     train("ur5", &data, &place("model"), &["--epochs", "8"]);
     assert!(has_a_unit(&place("model")));
     let text = std::fs::read_to_string(place("model/model.json")).expect("a model");
     assert!(text.contains("warm_up"), "the clock is part of the test");
-    for (start, known) in [(0.0, false), (between, true), (next, true)] {
-        let test = record_to(folder.path(), "test.csv", &robot, &plan(2, start));
+    let cases = [
+        (0.0, FAR, false),
+        (0.0, 2.0, false),
+        (between, FAR, true),
+        (next, FAR, true),
+        (next, 2.0, true),
+    ];
+    for (start, pause, known) in cases {
+        let test = record_to(folder.path(), "test.csv", &robot, &plan(2, start, pause));
         let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
         let mut model = Feedforward::load(&place("model"), None).expect("a model");
         assert!((model.period() - 0.01).abs() < 1e-9);
@@ -146,7 +161,10 @@ fn same_torque_as_eval_at_the_recorded_rate() {
         stream(&mut model, &motion.at_samples, known, |row, tau| {
             worst = worst.max(difference(tau, &expected[row]));
         });
-        assert!(worst < 1e-6, "{worst} N·m from eval, start {start} s");
+        assert!(
+            worst < 1e-6,
+            "{worst} N·m from eval, start {start} s, pause {pause} s"
+        );
     }
 }
 

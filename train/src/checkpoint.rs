@@ -17,7 +17,7 @@ fn description(arguments: &Arguments, input: &Input) -> String {
         .data
         .iter()
         .chain(&input.heldout)
-        .map(|r| format!("{} {} {:x}", r.source, r.len(), fingerprint(r)))
+        .map(|r| format!("{} {} {}", r.source, r.len(), fingerprint(r)))
         .collect();
     format!(
         "residyn {}\nrobot {:?}\ngravity {:?}\ndrive {:?}\nseed {}\nmoving only {}\nbasic {}\npreset {:?}\nmembers {:?}\nepochs {:?}\ncutoff {:?}\n{}\n",
@@ -36,44 +36,63 @@ fn description(arguments: &Arguments, input: &Input) -> String {
     )
 }
 
-fn fingerprint(r: &datasets::Recording) -> u64 {
+fn fingerprint(r: &datasets::Recording) -> String {
     let mut hash = Sha256::new();
-    for value in r.time.iter().chain(&r.q).chain(r.tau.iter().flatten()) {
+    for value in r.time.iter().chain(&r.q) {
         hash.update(value.to_le_bytes());
     }
-    hash.finalize()
-        .iter()
-        .take(8)
-        .fold(0, |h, &b| h << 8 | u64::from(b))
+    for table in [&r.qd, &r.qdd, &r.tau] {
+        hash.update([u8::from(table.is_some())]);
+        for value in table.iter().flatten() {
+            hash.update(value.to_le_bytes());
+        }
+    }
+    for trajectory in &r.trajectories {
+        hash.update(format!("{trajectory:?}"));
+    }
+    let digest = hash.finalize();
+    digest.iter().take(8).map(|b| format!("{b:02x}")).collect()
 }
 
-/// Prepares the folder: with `--resume` the run must be the one that was interrupted, otherwise old
-/// checkpoints go.
+fn description_file(arguments: &Arguments) -> PathBuf {
+    folder(arguments).join("run.txt")
+}
+
+/// Whether the interrupted run in `--out` is this one.
+///
+/// # Errors
+/// Nothing to resume there, or a run with other arguments or recordings.
+pub fn check(arguments: &Arguments, input: &Input) -> Result<(), Failure> {
+    let then = std::fs::read_to_string(description_file(arguments)).map_err(|_| {
+        Failure::input(
+            format!("{} holds no checkpoint to resume", arguments.out.display()),
+            "Run without --resume, or give the --out of the interrupted run.",
+        )
+    })?;
+    let now = description(arguments, input);
+    match std::iter::zip(then.lines(), now.lines()).find(|(a, b)| a != b) {
+        Some((a, b)) => Err(Failure::input(
+            format!(
+                "--resume with other arguments: the interrupted run had `{a}`, this one has `{b}`"
+            ),
+            "Give the same arguments, or run without --resume.",
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Prepares the folder of checkpoints; without `--resume`, old ones go.
+///
+/// # Errors
+/// The folder cannot be written.
 pub fn open(arguments: &Arguments, input: &Input) -> Result<PathBuf, Failure> {
     let folder = folder(arguments);
-    let file = folder.join("run.txt");
-    let now = description(arguments, input);
-    if arguments.resume {
-        let then = std::fs::read_to_string(&file).map_err(|_| {
-            Failure::input(
-                format!("{} holds no checkpoint to resume", arguments.out.display()),
-                "Run without --resume, or give the --out of the interrupted run.",
-            )
-        })?;
-        if let Some((a, b)) = std::iter::zip(then.lines(), now.lines()).find(|(a, b)| a != b) {
-            return Err(Failure::input(
-                format!(
-                    "--resume with other arguments: the interrupted run had `{a}`, this one has `{b}`"
-                ),
-                "Give the same arguments, or run without --resume.",
-            ));
-        }
-        return Ok(folder);
+    if !arguments.resume {
+        remove(&folder);
+        std::fs::create_dir_all(&folder)
+            .map_err(|e| Failure::other(format!("{}: {e}", folder.display())))?;
+        report::write_atomic(&description_file(arguments), &description(arguments, input))?;
     }
-    remove(&folder);
-    std::fs::create_dir_all(&folder)
-        .map_err(|e| Failure::other(format!("{}: {e}", folder.display())))?;
-    report::write_atomic(&file, &now)?;
     Ok(folder)
 }
 

@@ -61,11 +61,9 @@ pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
         return Ok(());
     }
     stop(cancel, "Nothing was written.")?;
-    let folder = if arguments.physics_only {
-        None
-    } else {
-        Some(checkpoint::open(arguments, &input)?)
-    };
+    if arguments.resume {
+        checkpoint::check(arguments, &input)?;
+    }
 
     let spinner = progress::spinner(arguments.quiet, "identifying");
     let options = FitOptions {
@@ -87,6 +85,11 @@ pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
     spinner.finish_and_clear();
     stop(cancel, "Run the same command again.")?;
 
+    let folder = if arguments.physics_only {
+        None
+    } else {
+        Some(checkpoint::open(arguments, &input)?)
+    };
     let learned = match &folder {
         None => None,
         Some(folder) => {

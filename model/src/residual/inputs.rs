@@ -1,7 +1,7 @@
 //! What the units see.
 
-use crate::directory::Memory;
 use crate::session::Session;
+use feedforward::clock::Memory;
 use feedforward::inputs::{Input, Signal};
 use ndarray::Array2;
 use physics::effects::{BankState, Dahl, LaggedSign, Sliding, Stop, Term};

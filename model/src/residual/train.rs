@@ -2,12 +2,12 @@
 
 use super::inputs::{Preset, input_table, inputs, remember};
 use super::{Pace, ResidualError, predict_from};
-use crate::directory::Memory;
 use crate::physics_fit::Fit;
 use compensator::training::{
     Control, Job, Loss, Samples, Schedule, Split, Trained, Training, UnitConfig, train, train_ridge,
 };
 use datasets::Recording;
+use feedforward::clock::Memory;
 use feedforward::inputs::{CompensatorRecord, UnitValidation};
 use feedforward::network::Compensator;
 use ndarray::{Array1, Array2, Axis};

@@ -1,0 +1,43 @@
+//! The session clock of the training recordings, and what the model remembers on it.
+
+use physics::effects::BankState;
+
+/// Longest pause between two trajectories that memory is carried over, s.
+///
+/// Longer, and joints may have been moved or brakes applied meanwhile.
+pub const LONGEST_PAUSE: f64 = 600.0;
+
+/// Memory at the end of one training trajectory, one state per joint.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Memory {
+    /// Of the physical terms.
+    pub physics: Vec<BankState>,
+    /// Of the terms that the compensator sees; empty without one.
+    pub inputs: Vec<BankState>,
+}
+
+/// The last of the spans of time (first and last stamp, s) that ended before `time`, where the pause in
+/// between is short enough to carry memory over.
+pub fn last_before(spans: &[[f64; 2]], time: f64) -> Option<usize> {
+    spans
+        .iter()
+        .enumerate()
+        .filter(|(_, span)| (0.0..=LONGEST_PAUSE).contains(&(time - span[1])))
+        .max_by(|a, b| a.1[1].total_cmp(&b.1[1]))
+        .map(|(index, _)| index)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_span_within_reach() {
+        let spans = [[20.0, 30.0], [0.0, 10.0]];
+        assert_eq!(last_before(&spans, 31.0), Some(0));
+        assert_eq!(last_before(&spans, 15.0), Some(1));
+        assert_eq!(last_before(&spans, 30.0 + LONGEST_PAUSE), Some(0));
+        assert_eq!(last_before(&spans, 31.0 + LONGEST_PAUSE), None);
+        assert_eq!(last_before(&spans, 5.0), None);
+    }
+}
