@@ -12,6 +12,7 @@ use crate::dictionary::{self, SessionClock};
 use crate::folds;
 use crate::selection::{self, ForwardOptions, Selection};
 use crate::session::Session;
+use datasets::check::STILL;
 use ndarray::Array2;
 use physics::effects::Term;
 use physics::identify::base::{BaseParameters, Extra};
@@ -20,6 +21,7 @@ use physics::identify::least_squares::{
 };
 use physics::robot::Robot;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Settings of [`identify`].
 #[derive(Clone, Debug)]
@@ -167,6 +169,9 @@ pub fn identify(
     target: &Target,
     options: &IdentifyOptions,
 ) -> Result<Identified, IdentifyError> {
+    if !moves(session, 0..target.tau.len()) {
+        return Err(IdentifyError::NothingMoves);
+    }
     let base = BaseParameters::of_robot(robot, &[]);
     // Rotor inertia joins the basic terms where the rigid body does not contain it already.
     let with_rotors = BaseParameters::of_robot(robot, &[Extra::RotorInertia]);
@@ -267,6 +272,18 @@ pub fn identify(
 struct Solution {
     estimate: Estimate,
     residual_std: Vec<f64>,
+}
+
+/// Whether some joint's positions differ: poses held still tell of gravity too.
+fn moves(session: &Session, recordings: Range<usize>) -> bool {
+    let parts = &session.parts[recordings];
+    let columns = parts.first().map_or(0, |p| p.at_samples.q.ncols());
+    (0..columns).any(|joint| {
+        let values = || parts.iter().flat_map(|p| p.at_samples.q.column(joint));
+        let low = values().copied().fold(f64::INFINITY, f64::min);
+        let high = values().copied().fold(f64::NEG_INFINITY, f64::max);
+        high - low >= STILL
+    })
 }
 
 /// Weighted least squares over all joints: weights are the inverse residual deviations, found in a

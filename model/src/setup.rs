@@ -30,6 +30,22 @@ pub enum SetupError {
     Read(#[from] ReadError),
 }
 
+/// Reads gravity in the base frame, m/s², from `X,Y,Z`.
+///
+/// # Errors
+/// Not three finite numbers.
+pub fn gravity(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .filter_map(|part| part.trim().parse().ok())
+        .filter(|value: &f64| value.is_finite())
+        .collect();
+    match (<[f64; 3]>::try_from(parts), text.matches(',').count()) {
+        (Ok(gravity), 2) => Ok(gravity),
+        _ => Err("expected three numbers in m/s², for example 0,0,-9.81".into()),
+    }
+}
+
 impl Setup {
     /// Loads a robot by the name of a built-in or the path of a URDF.
     ///
@@ -133,4 +149,18 @@ fn column_map(drive: &Drive, robot: &Robot) -> Result<ColumnMap, SetupError> {
             .collect(),
         time_scale: Some(drive.time_scale()),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::gravity;
+
+    #[test]
+    fn gravity_from_text() {
+        assert_eq!(gravity("0,0,-9.81"), Ok([0.0, 0.0, -9.81]));
+        assert_eq!(gravity("-1, 0.5, 0"), Ok([-1.0, 0.5, 0.0]));
+        for wrong in ["0,0", "0,0,0,0", "0,0,x", "0,0,inf", "1,,2,3", ""] {
+            assert!(gravity(wrong).is_err(), "{wrong}");
+        }
+    }
 }

@@ -18,11 +18,10 @@ pub struct Input {
 
 /// Reads what the arguments name; without `--data`, the built-in robot is simulated.
 pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
-    let gravity = arguments.gravity.as_ref().map(|g| [g[0], g[1], g[2]]);
     let setup = Setup::new(
         arguments.robot.as_deref().unwrap_or("ur5"),
         arguments.drive.as_deref(),
-        gravity,
+        arguments.gravity,
     )?;
     if arguments.data.is_empty() {
         let protocol = match arguments.robot.as_deref() {

@@ -5,7 +5,7 @@ use crate::Recording;
 use signal::{Motion, correlation};
 
 /// A joint whose positions stay within this never moves, in rad or m.
-const STILL: f64 = 1e-3;
+pub const STILL: f64 = 1e-3;
 /// Top speed below which friction cannot be resolved, in rad/s or m/s.
 const SLOW: f64 = 0.05;
 /// Speed of a sample in motion; reversals are counted between speeds beyond it.

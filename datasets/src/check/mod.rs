@@ -5,6 +5,8 @@
 mod channels;
 mod clock;
 
+pub use channels::STILL;
+
 use crate::prepare::Prepared;
 use crate::repeats::{self, Repeatability};
 use crate::{Problem, Recording};
