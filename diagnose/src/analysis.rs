@@ -120,8 +120,7 @@ pub struct Findings {
 
 /// Torque of the gap on a frame's recorded samples: measured − given.
 pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
-    let scene = Scene::new(&model.robot, frame.motion(), scale);
-    &frame.tau - &frame.table_to_samples(&model.predicted(&scene))
+    &frame.tau - &model.predicted(frame, scale)
 }
 
 /// Sum over joints of the gap's mean square over the variance of the measured torque.
@@ -207,12 +206,12 @@ pub fn find(
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let grams = dictionary.grams(&scene, data, &y, weight, &folds);
     let objective = Objective::new(&grams, scale, &settings);
-    let base = objective.base(&model.robot);
+    let base = objective.base(model.sizes());
     let search = Search {
         objective: &objective,
         candidates: &candidates,
         members: &dictionary.members,
-        robot: &model.robot,
+        robot: model.sizes(),
         base: base.clone(),
     };
     let selection = search.run(MOST_CAUSES);
@@ -265,7 +264,7 @@ fn first_fit(
     let dictionary = Dictionary::new(data.dof(), &[]);
     let grams = dictionary.grams(given, data, y, weight, &folds(&data.rows));
     let objective = Objective::new(&grams, &frames.scale, settings);
-    let base = objective.base(&model.robot);
+    let base = objective.base(model.sizes());
     let fit = objective.fit(base.clone());
     let columns = Columns::new(&dictionary, given, data, &base);
     let residual = gap - &columns.torque(gap.dim(), &base, fit.beta());
@@ -282,7 +281,7 @@ impl Findings {
         freedom: f64,
     ) -> (Vec<Variable>, Array1<f64>) {
         let objective = Objective::new(&self.grams, scale, &self.settings);
-        let mut variables = objective.base(&model.robot);
+        let mut variables = objective.base(model.sizes());
         for v in &mut variables {
             v.precision /= freedom * freedom;
         }

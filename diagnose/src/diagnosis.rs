@@ -5,10 +5,13 @@ use crate::contact::detect;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::explain::{Explanation, explain, removed};
+use crate::ladder::{repeatability, step};
+use crate::learned::learned;
 use crate::locate::locate;
 use crate::model::NominalModel;
 use crate::objective::Settings;
-use crate::report::{Diagnosis, NotIdentifiable, Tested, Unexplained, Verdict};
+use crate::recordings::{checked, not_identifiable, notes};
+use crate::report::{Diagnosis, Tested, Unexplained, Verdict};
 use crate::scene::rigid_torque;
 use crate::unknown::{Left, examine};
 use datasets::Recording;
@@ -27,8 +30,6 @@ const CONTACT_LEARNABLE: f64 = 0.35;
 const CONTACT_SIZE: f64 = 0.05;
 /// Time around a burst that is not fitted either, s.
 const CONTACT_MARGIN: f64 = 0.1;
-/// Range of a joint that never moves, rad (m).
-const STILL: f64 = 1e-3;
 
 /// Everything a report is made of.
 pub struct Outcome {
@@ -44,6 +45,15 @@ pub struct Outcome {
     pub left: Vec<Left>,
 }
 
+/// What a diagnosis is to do.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// How gaps are weighed.
+    pub settings: Settings,
+    /// Train a compensator on what the causes leave.
+    pub learn: bool,
+}
+
 /// Diagnoses the gap between a model and recordings.
 ///
 /// # Errors
@@ -52,13 +62,15 @@ pub fn diagnose(
     model: &NominalModel,
     data: &Recording,
     heldout: &Recording,
-    settings: Settings,
+    options: &Options,
 ) -> Result<Outcome, DiagnoseError> {
+    let settings = options.settings.clone();
     let frames = Frames::new(model, data, heldout)?;
     let mut weight = frames.data.weights();
     let mut findings = find(model, &frames, &weight, settings.clone())?;
     let mut explanation = explain(model, &frames, &findings, false)?;
     let mut left = examine(&frames.data, &explanation.residual_data);
+    let mut cleaned = explanation.residual_data.clone();
     // What a learner predicts from motion repeats, and is no contact.
     let repeats = left
         .iter()
@@ -79,20 +91,29 @@ pub fn diagnose(
         findings = find(model, &frames, &weight, settings)?;
         explanation = explain(model, &frames, &findings, true)?;
         let rest = detect(&frames.data, &explanation.residual_data);
-        let cleaned = rest.map_or_else(
+        cleaned = rest.map_or_else(
             || explanation.residual_data.clone(),
             |c| &explanation.residual_data - &c.torque,
         );
         left = examine(&frames.data, &cleaned);
     }
     let names = model.robot.joint_names();
+    let recordings = checked(model, &frames, [data, heldout]);
+    let mut ladder = explanation.ladder.clone();
+    if options.learn
+        && let Some(torque) = learned(&frames, &cleaned, &findings.present)?
+    {
+        let rest = &explanation.residual - &torque;
+        ladder.push(step("learned", &rest, &frames.heldout));
+    }
+    ladder.extend(repeatability(heldout, &frames.heldout));
     let samples = frames.heldout.samples();
     let load = rigid_torque(&model.robot, &samples.q, &samples.qd, &samples.qdd);
     let diagnosis = Diagnosis {
         schema: "diagnosis/1",
         joints: names.clone(),
         verdict: verdict(&explanation, &left),
-        ladder: explanation.ladder.clone(),
+        ladder,
         places: locate(
             &explanation.gap,
             &frames.heldout.tau,
@@ -102,7 +123,8 @@ pub fn diagnose(
         ),
         causes: explanation.causes.clone(),
         candidates: tested(&findings, &names),
-        not_identifiable: not_identifiable(&frames, &names),
+        not_identifiable: not_identifiable(&frames, recordings.first(), &names),
+        recordings,
         unexplained: names
             .iter()
             .zip(&left)
@@ -178,60 +200,6 @@ fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
             gap_closed: 1.0 - now / given.max(1e-300),
             p_value: (-t.gain.max(0.0)).exp(),
         });
-    }
-    out
-}
-
-fn not_identifiable(frames: &Frames, names: &[String]) -> Vec<NotIdentifiable> {
-    let mut out = Vec::new();
-    for (j, (low, high)) in frames.scale.range.iter().enumerate() {
-        if high - low < STILL {
-            for effect in Effect::ALL {
-                out.push(NotIdentifiable {
-                    effect,
-                    joints: vec![names[j].clone()],
-                    reason: format!("{} never moves in this recording", names[j]),
-                });
-            }
-        }
-    }
-    let seconds: f64 = frames.data.len() as f64 / frames.data.row_rate();
-    if seconds < 30.0 {
-        for effect in [
-            Effect::FrictionDrift,
-            Effect::LinkParameters,
-            Effect::TorqueRipple,
-        ] {
-            out.push(NotIdentifiable {
-                effect,
-                joints: names.to_vec(),
-                reason: format!("{seconds:.0} s of motion are too short to tell it from other effects; record a minute or more"),
-            });
-        }
-    }
-    out
-}
-
-fn notes(frames: &Frames) -> Vec<String> {
-    let mut out = Vec::new();
-    for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {
-        let r = frame.report();
-        let cutoff = r
-            .cutoff_hz
-            .map_or("interpolated without a low-pass".to_owned(), |c| {
-                format!("low-passed at {c:.1} Hz")
-            });
-        out.push(format!(
-            "{what}: {:.1} Hz, motion {cutoff}, derivatives made from position",
-            r.rate_hz
-        ));
-    }
-    let (a, b) = (
-        frames.data.report().rate_hz,
-        frames.heldout.report().rate_hz,
-    );
-    if (a / b - 1.0).abs() > 0.02 {
-        out.push(format!("the recordings have different rates ({a:.0} and {b:.0} Hz); each is fitted and scored at its own"));
     }
     out
 }

@@ -2,7 +2,10 @@
 
 use datasets::ReadError;
 use datasets::prepare::PrepareError;
+use model::directory::DirectoryError;
+use model::setup::SetupError;
 use physics::robot::RobotError;
+use physics::torque_model::TorqueModelError;
 
 /// Why a diagnosis cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -10,6 +13,15 @@ pub enum DiagnoseError {
     /// The robot's description is refused.
     #[error(transparent)]
     Robot(#[from] RobotError),
+    /// The robot's description or its drive file is refused.
+    #[error(transparent)]
+    Setup(Box<SetupError>),
+    /// A model directory is refused.
+    #[error(transparent)]
+    Directory(Box<DirectoryError>),
+    /// A stored model does not fit together.
+    #[error(transparent)]
+    Model(#[from] TorqueModelError),
     /// A recording is refused.
     #[error(transparent)]
     Read(#[from] ReadError),
@@ -36,14 +48,29 @@ pub enum DiagnoseError {
         /// What is needed.
         needed: f64,
     },
+    /// The learned step failed.
+    #[error("the compensator cannot be trained on what is left: {0}")]
+    Learn(#[from] model::residual::ResidualError),
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
 }
 
+impl From<SetupError> for DiagnoseError {
+    fn from(error: SetupError) -> Self {
+        Self::Setup(Box::new(error))
+    }
+}
+
+impl From<DirectoryError> for DiagnoseError {
+    fn from(error: DirectoryError) -> Self {
+        Self::Directory(Box::new(error))
+    }
+}
+
 impl DiagnoseError {
     /// Whether the input is at fault (exit status 2) rather than the machine (1).
     pub fn is_input(&self) -> bool {
-        !matches!(self, DiagnoseError::Write(_))
+        !matches!(self, DiagnoseError::Write(_) | DiagnoseError::Learn(_))
     }
 }

@@ -1,37 +1,84 @@
-//! Recordings as the command line names them.
+//! Model and recordings as the command line names them.
 
 use crate::error::DiagnoseError;
+use crate::model::NominalModel;
 use datasets::{Part, ReadOptions, Recording, Trajectory, read};
+use model::directory::ModelFile;
+use model::evaluation::read_options;
+use model::setup::Setup;
+use nalgebra::Vector3;
 use ndarray::{Array2, Axis, concatenate};
-use physics::robot::Robot;
+use physics::robot::to_urdf;
 use std::path::{Path, PathBuf};
 
-/// Reads one recording of a robot.
-///
-/// # Errors
-/// The file cannot be used.
-pub fn recording(robot: &Robot, path: &Path, part: Part) -> Result<Recording, DiagnoseError> {
-    // The benchmark's torque was low-passed; its files come with a robot of this name.
-    let options = if robot.name() == "kr300" {
-        ReadOptions::kr300(part)
-    } else {
-        ReadOptions::for_robot(robot.dof())
-    };
-    Ok(read(path, &options)?)
+/// A simulator's model with what reading its robot's recordings needs.
+pub struct Given {
+    /// The model.
+    pub model: NominalModel,
+    /// Its URDF, as the user has it where there is one.
+    pub urdf: String,
+    /// For the recordings that are fitted, and for the one that is scored.
+    options: [ReadOptions; 2],
 }
 
-/// Reads and joins the recordings that are fitted.
-///
-/// # Errors
-/// A file cannot be used.
-pub fn data(robot: &Robot, paths: &[PathBuf]) -> Result<Recording, DiagnoseError> {
-    let all: Result<Vec<Recording>, _> = paths
-        .iter()
-        .map(|p| recording(robot, p, Part::Train))
-        .collect();
-    Ok(joined(&all?))
-}
+impl Given {
+    /// A built-in robot by name or a URDF by path, with its drive file.
+    ///
+    /// # Errors
+    /// No such robot, or a description or drive file that cannot be used.
+    pub fn robot(
+        name: &str,
+        drive: Option<&Path>,
+        gravity: Option<Vector3<f64>>,
+    ) -> Result<Self, DiagnoseError> {
+        let setup = Setup::new(name, drive, gravity.map(Into::into))?;
+        let options = [
+            setup.read_options(Part::Train, true)?,
+            setup.read_options(Part::Test, true)?,
+        ];
+        let urdf = std::fs::read_to_string(name).unwrap_or_else(|_| to_urdf(&setup.robot));
+        Ok(Self {
+            model: NominalModel::new(setup.robot),
+            urdf,
+            options,
+        })
+    }
 
+    /// The physics of a model directory.
+    ///
+    /// # Errors
+    /// A directory that holds no model of this program, or a drive file that cannot be used.
+    pub fn model(directory: &Path, drive: Option<&Path>) -> Result<Self, DiagnoseError> {
+        let file = ModelFile::load(directory)?;
+        let options = [
+            read_options(&file, drive, Part::Train, true)?,
+            read_options(&file, drive, Part::Test, true)?,
+        ];
+        Ok(Self {
+            model: NominalModel::identified(&file)?,
+            urdf: file.physics.urdf,
+            options,
+        })
+    }
+
+    /// Reads and joins the recordings that are fitted.
+    ///
+    /// # Errors
+    /// A file cannot be used.
+    pub fn data(&self, paths: &[PathBuf]) -> Result<Recording, DiagnoseError> {
+        let all: Result<Vec<Recording>, _> =
+            paths.iter().map(|p| read(p, &self.options[0])).collect();
+        Ok(joined(&all?))
+    }
+
+    /// Reads the recording that is scored.
+    ///
+    /// # Errors
+    /// The file cannot be used.
+    pub fn heldout(&self, path: &Path) -> Result<Recording, DiagnoseError> {
+        Ok(read(path, &self.options[1])?)
+    }
+}
 /// One recording of all trajectories. Optional tables that one of them lacks are left out.
 fn joined(all: &[Recording]) -> Recording {
     let mut out = all[0].clone();

@@ -75,6 +75,11 @@ impl Frame {
         })
     }
 
+    /// The recording as it was prepared.
+    pub fn prepared(&self) -> &Prepared {
+        &self.prepared
+    }
+
     /// Motion on the fine grid.
     pub fn motion(&self) -> &Motion {
         &self.prepared.fine

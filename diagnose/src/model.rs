@@ -1,22 +1,60 @@
 //! The simulator's model: what a gap is measured from.
 
+mod identified;
+
+use crate::error::DiagnoseError;
+use crate::frame::Frame;
+use crate::scene::{Scale, Scene};
+use identified::Identified;
+use model::directory::ModelFile;
 use ndarray::Array2;
 use physics::robot::{PARAMETERS_PER_LINK, Robot, RobotError};
 
-use crate::scene::Scene;
-
-/// A robot with its friction, exactly as the simulator has them.
+/// What the simulator computes torque with: a robot with its friction, or an identified model.
 #[derive(Clone, Debug)]
 pub struct NominalModel {
     /// Inertials, damping, friction, rotor inertia, counterbalance.
     pub robot: Robot,
+    identified: Option<Identified>,
 }
 
 impl NominalModel {
-    /// The torque that the simulator predicts: inverse dynamics + damping·q̇ + friction·sign(q̇), and rotor inertia and
-    /// counterbalance where the model has them. `scene` must show this robot.
-    pub fn predicted(&self, scene: &Scene) -> Array2<f64> {
-        scene.predicted()
+    /// A robot exactly as the simulator has it.
+    pub fn new(robot: Robot) -> Self {
+        Self {
+            robot,
+            identified: None,
+        }
+    }
+
+    /// The physics of a model directory.
+    ///
+    /// # Errors
+    /// A stored model whose parts do not fit together.
+    pub fn identified(file: &ModelFile) -> Result<Self, DiagnoseError> {
+        let (robot, identified) = Identified::new(file)?;
+        Ok(Self {
+            robot,
+            identified: Some(identified),
+        })
+    }
+
+    /// The robot whose masses and lengths say how large a change of a parameter is. Identified parameters are
+    /// combinations and may be zero or negative where the nominal ones are not.
+    pub fn sizes(&self) -> &Robot {
+        self.identified.as_ref().map_or(&self.robot, |i| &i.sizes)
+    }
+
+    /// Torque that the simulator predicts at the recorded samples, shape (samples, joints): inverse dynamics +
+    /// damping·q̇ + friction·sign(q̇), with rotor inertia and counterbalance where the model has them; or the
+    /// identified model's torque, memory included.
+    pub fn predicted(&self, frame: &Frame, scale: &Scale) -> Array2<f64> {
+        match &self.identified {
+            Some(identified) => identified.predicted(frame),
+            None => {
+                frame.table_to_samples(&Scene::new(&self.robot, frame.motion(), scale).predicted())
+            }
+        }
     }
 
     /// The same structure with parameters moved by `change` (10 N inertial, N viscous, N Coulomb). Coefficients of friction

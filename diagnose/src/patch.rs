@@ -7,7 +7,7 @@ use crate::error::DiagnoseError;
 use crate::model::NominalModel;
 use crate::report::Cause;
 use crate::words::value;
-use physics::robot::{Robot, RobotError, to_urdf, urdf_with};
+use physics::robot::{Robot, RobotError, urdf_with};
 use std::fmt::Write;
 
 /// Files of a patch.
@@ -20,19 +20,14 @@ pub struct Patch {
     pub values: String,
 }
 
-/// Writes the accepted causes into the model; `urdf` is the file's text, where the model came from one.
+/// Writes the accepted causes into the model; `urdf` is its description.
 ///
 /// # Errors
 /// The fitted parameters make no robot.
-pub fn patch(
-    model: &NominalModel,
-    outcome: &Outcome,
-    urdf: Option<&str>,
-) -> Result<Patch, DiagnoseError> {
+pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patch, DiagnoseError> {
     let robot = patched_robot(model, outcome)?;
-    let urdf = urdf.map_or_else(|| Ok(to_urdf(&robot)), |text| urdf_with(text, &robot))?;
     Ok(Patch {
-        urdf,
+        urdf: urdf_with(urdf, &robot)?,
         mjcf: mjcf(&outcome.diagnosis.causes),
         values: values(&outcome.diagnosis.causes),
     })

@@ -1,8 +1,7 @@
 //! The proof: sealed simulated cases with a withheld effect, diagnosed and scored.
 
-use crate::diagnosis::diagnose;
+use crate::diagnosis::{Options, diagnose};
 use crate::model::NominalModel;
-use crate::objective::Settings;
 use crate::score::{Score, judge, mean};
 use physics::robot::Robot;
 use rayon::prelude::*;
@@ -64,9 +63,9 @@ pub fn prove(
                 error: Box::new(error),
             };
             let robot = Robot::from_urdf_str(&case.urdf).map_err(|e| fail(e.into()))?;
-            let model = NominalModel { robot };
+            let model = NominalModel::new(robot);
             let outcome =
-                diagnose(&model, &case.train, &case.test, Settings::default()).map_err(fail)?;
+                diagnose(&model, &case.train, &case.test, &Options::default()).map_err(fail)?;
             let found = serde_json::to_value(&outcome.diagnosis).expect("numbers and strings");
             if let (Some(out), Some(folder)) = (out, &reports) {
                 write(&case, out)?;

@@ -1,6 +1,7 @@
 //! The report as the JSON file has it (schema `diagnosis/1`).
 
 use crate::effect::Effect;
+use datasets::check::CheckReport;
 use serde::Serialize;
 
 /// A diagnosis.
@@ -23,6 +24,8 @@ pub struct Diagnosis {
     pub candidates: Vec<Tested>,
     /// What this recording cannot show.
     pub not_identifiable: Vec<NotIdentifiable>,
+    /// Check of the fitted and of the held-out recording, before any physics.
+    pub recordings: Vec<CheckReport>,
     /// What is left, and whether it has structure.
     pub unexplained: Vec<Unexplained>,
     /// What was done to the recordings, and what is odd about them.

@@ -2,10 +2,12 @@
 
 use crate::effect::Effect;
 use crate::report::{Cause, Diagnosis, Parameter, Verdict};
+use datasets::check::Severity;
 
 /// The diagnosis as lines of text, the most important first.
 pub fn lines(d: &Diagnosis) -> Vec<String> {
     let mut out = vec![verdict(d)];
+    out.extend(recordings(d));
     match d.causes.first() {
         Some(first) => {
             out.push(format!("Biggest cause: {}.", sentence(first)));
@@ -17,6 +19,7 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
         }
         None => out.push("No cause to report.".to_owned()),
     }
+    out.extend(remainder(d));
     for cause in d.causes.iter().filter(|c| !c.ambiguous_with.is_empty()) {
         let others: Vec<String> = cause
             .ambiguous_with
@@ -29,15 +32,59 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
             experiment(cause)
         ));
     }
-    for n in &d.not_identifiable {
-        out.push(format!(
-            "Cannot be known: {} on {}: {}.",
-            plain(n.effect),
-            n.joints.join(", "),
-            n.reason
-        ));
+    out.extend(unknowable(d));
+    out
+}
+
+/// What is wrong with the recordings, the worst alone: no cause can be trusted before it is put right.
+fn recordings(d: &Diagnosis) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    for report in &d.recordings {
+        for finding in report
+            .findings
+            .iter()
+            .filter(|f| f.severity == Severity::Severe)
+        {
+            out.push(format!("In {}: {}.", report.source, finding.message));
+        }
     }
     out
+}
+
+/// What the recording cannot show, effects of one reason together.
+fn unknowable(d: &Diagnosis) -> Vec<String> {
+    let mut out: Vec<(String, Vec<&str>)> = Vec::new();
+    for n in &d.not_identifiable {
+        match out.iter_mut().find(|(reason, _)| *reason == n.reason) {
+            Some((_, effects)) => effects.push(plain(n.effect)),
+            None => out.push((n.reason.clone(), vec![plain(n.effect)])),
+        }
+    }
+    let say = |(reason, effects): (String, Vec<&str>)| {
+        let list = if effects.len() == Effect::ALL.len() {
+            "any effect".to_owned()
+        } else {
+            effects.join(", ")
+        };
+        format!("Cannot be known: {list}: {reason}.")
+    };
+    out.into_iter().map(say).collect()
+}
+
+/// What is left at a step of the ladder.
+fn remainder(d: &Diagnosis) -> Option<String> {
+    let mean = |name: &str| {
+        d.ladder
+            .iter()
+            .find(|s| s.step == name)
+            .map(|s| s.all.mean_nrmse)
+    };
+    let learned =
+        mean("learned").map(|l| format!("a learned compensator would bring it to {l:.3}"));
+    let floor = mean("repeatability")
+        .map(|f| format!("repeated motions differ by {f:.3} among themselves"));
+    let parts: Vec<String> = learned.into_iter().chain(floor).collect();
+    (!parts.is_empty()).then(|| format!("Of the mean NRMSE, {}.", parts.join("; ")))
 }
 
 fn verdict(d: &Diagnosis) -> String {

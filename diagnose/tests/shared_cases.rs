@@ -1,9 +1,8 @@
 //! The shared example cases, where they are there: right answers, and reports as the contract has them.
 
 use datasets::{ReadOptions, read};
-use diagnose::diagnosis::diagnose;
+use diagnose::diagnosis::{Options, diagnose};
 use diagnose::model::NominalModel;
-use diagnose::objective::Settings;
 use diagnose::score::judge;
 use physics::robot::Robot;
 use serde_json::Value;
@@ -24,10 +23,10 @@ fn report(folder: &std::path::Path) -> Value {
     let data = read(&folder.join("train.parquet"), &options).unwrap();
     let heldout = read(&folder.join("test.parquet"), &options).unwrap();
     let outcome = diagnose(
-        &NominalModel { robot },
+        &NominalModel::new(robot),
         &data,
         &heldout,
-        Settings::default(),
+        &Options::default(),
     )
     .unwrap();
     serde_json::to_value(&outcome.diagnosis).unwrap()

@@ -84,7 +84,10 @@ pub fn predict(
 }
 
 /// Residual torque from a table of inputs, shape (samples, joints); each segment starts from a reset.
-pub(crate) fn predict_from(
+///
+/// # Errors
+/// A unit that contradicts itself, or inputs that are not finite.
+pub fn predict_from(
     compensator: &Compensator,
     table: &Array2<f32>,
     segments: &[std::ops::Range<usize>],

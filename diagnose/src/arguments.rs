@@ -1,0 +1,76 @@
+//! Command line of `diagnose`.
+
+use clap::{ArgGroup, Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Diagnoses the gap between a simulator's torque and a real robot's: where it lies, which unmodelled
+/// effect causes it, and how far it shrinks on held-out data.
+#[derive(Parser)]
+#[command(version, args_conflicts_with_subcommands = true)]
+pub struct Command {
+    /// Another job than a diagnosis.
+    #[command(subcommand)]
+    pub proof: Option<Proof>,
+    /// The diagnosis.
+    #[command(flatten)]
+    pub arguments: Option<Arguments>,
+}
+
+/// Jobs beside the diagnosis.
+#[derive(Subcommand)]
+pub enum Proof {
+    /// Diagnoses sealed simulated cases with a withheld effect, and scores the answers.
+    Prove {
+        /// Number of cases.
+        #[arg(long, default_value_t = 24)]
+        cases: u64,
+        /// Seed of the draw.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Folder for cases, answers and reports.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+}
+
+/// A diagnosis.
+#[derive(Args)]
+#[command(group(ArgGroup::new("given").required(true).args(["robot", "model"])))]
+pub struct Arguments {
+    /// The simulator's model: a URDF, or the name of a built-in robot.
+    #[arg(long)]
+    pub robot: Option<String>,
+    /// An identified model instead: a model directory that `train` wrote.
+    #[arg(long, value_name = "DIR", conflicts_with = "gravity")]
+    pub model: Option<PathBuf>,
+    /// Recordings of the real robot on which effects are fitted.
+    #[arg(long, required = true, num_args = 1..)]
+    pub data: Vec<PathBuf>,
+    /// Recording on which every figure is measured.
+    #[arg(long)]
+    pub heldout: PathBuf,
+    /// Gravity in the base frame, m/s².
+    #[arg(
+        long,
+        value_delimiter = ',',
+        num_args = 3,
+        allow_hyphen_values = true,
+        value_name = "X,Y,Z"
+    )]
+    pub gravity: Option<Vec<f64>>,
+    /// Drive file: gear ratios, torque constants, joint zeros, names and units of columns.
+    #[arg(long, value_name = "FILE.toml")]
+    pub drive: Option<PathBuf>,
+    /// Also say what a learned compensator would still close.
+    #[arg(long)]
+    pub learn: bool,
+    /// Write the report as JSON.
+    #[arg(long)]
+    pub json: Option<PathBuf>,
+    /// Write the report as a self-contained page.
+    #[arg(long)]
+    pub html: Option<PathBuf>,
+    /// Write the model with the accepted causes: a URDF, and beside it an MJCF snippet and a table of values.
+    #[arg(long)]
+    pub patch: Option<PathBuf>,
+}

@@ -1,0 +1,5 @@
+//! Runs of `diagnose` on small recordings.
+
+mod case;
+mod command_line;
+mod model_directory;
