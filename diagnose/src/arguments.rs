@@ -70,7 +70,8 @@ pub struct Arguments {
     /// Write the report as a self-contained page.
     #[arg(long)]
     pub html: Option<PathBuf>,
-    /// Write the model with the accepted causes: a URDF, and beside it an MJCF snippet and a table of values.
+    /// Write the model with the accepted causes: a URDF, and beside it a snippet for MuJoCo, a table of values and, for
+    /// rotor inertias, a drive file.
     #[arg(long)]
     pub patch: Option<PathBuf>,
 }

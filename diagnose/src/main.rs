@@ -103,6 +103,11 @@ fn files(
     if let Some(path) = &arguments.patch {
         let patch = patch::patch(&given.model, outcome, &given.urdf)?;
         files.push((path.clone(), patch.urdf));
+        files.extend(
+            patch
+                .drive
+                .map(|text| (path.with_extension("drive.toml"), text)),
+        );
         files.push((path.with_extension("mjcf.xml"), patch.mjcf));
         files.push((path.with_extension("values.tsv"), patch.values));
     }

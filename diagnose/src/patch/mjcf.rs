@@ -1,0 +1,77 @@
+//! The patched robot as MuJoCo's XML has it: elements to be merged into a model by their names.
+
+use super::Patched;
+use crate::effect::Effect;
+use std::fmt::Write;
+
+/// A well-formed document with `<option>`, every joint and body of the robot, and what else has a place.
+pub(super) fn snippet(patched: &Patched, zeros: &[f64]) -> String {
+    let robot = &patched.robot;
+    let mut out = String::from("<mujoco>\n  <!-- Merge by name into the robot's model. -->\n");
+    let g = patched.gravity();
+    let _ = writeln!(out, "  <option gravity=\"{} {} {}\"/>", g.x, g.y, g.z);
+    out.push_str("  <worldbody>\n");
+    for (joint, zero) in robot.joints().iter().zip(zeros) {
+        let (body, name) = (escape(&joint.link.name), escape(&joint.name));
+        let inertia = &joint.link.inertia;
+        let (c, i) = (inertia.com(), inertia.about_com());
+        let _ = writeln!(out, "    <body name=\"{body}\">");
+        let _ = writeln!(
+            out,
+            "      <inertial pos=\"{} {} {}\" mass=\"{}\" fullinertia=\"{} {} {} {} {} {}\"/>",
+            c.x,
+            c.y,
+            c.z,
+            inertia.mass,
+            i[(0, 0)],
+            i[(1, 1)],
+            i[(2, 2)],
+            i[(0, 1)],
+            i[(0, 2)],
+            i[(1, 2)],
+        );
+        // MuJoCo's `ref` is the position that the joint has where the model is drawn.
+        let zero = if *zero == 0.0 {
+            String::new()
+        } else {
+            format!(" ref=\"{}\"", -zero)
+        };
+        let _ = writeln!(
+            out,
+            "      <joint name=\"{name}\" damping=\"{}\" frictionloss=\"{}\" armature=\"{}\"{zero}/>",
+            joint.damping, joint.friction, joint.rotor_inertia
+        );
+        out.push_str("    </body>\n");
+    }
+    out.push_str("  </worldbody>\n");
+    for cause in patched.causes {
+        let number = |name: &str| {
+            let found = cause.parameters.iter().find(|p| p.name == name);
+            found.map_or(0.0, |p| p.value)
+        };
+        let joint = cause.joints.first().map_or("", String::as_str);
+        let said = match cause.effect {
+            Effect::TimeDelay => format!("every actuator: delay=\"{}\"", number("delay")),
+            Effect::JointElasticity => format!(
+                "at {joint}: a second joint between rotor and link, stiffness=\"{}\"",
+                number("stiffness")
+            ),
+            Effect::Backlash => format!(
+                "at {joint}: a second joint between rotor and link, range=\"{} {}\"",
+                -number("half_play"),
+                number("half_play")
+            ),
+            _ => continue,
+        };
+        let _ = writeln!(out, "  <!-- {} -->", said.replace("--", "- -"));
+    }
+    out.push_str("</mujoco>\n");
+    out
+}
+
+/// Attribute text.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('"', "&quot;")
+}

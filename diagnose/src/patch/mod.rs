@@ -1,0 +1,146 @@
+//! The simulator's model with the accepted causes written in: a URDF as far as that has a place for them, a drive file
+//! for rotor inertias, a snippet for MuJoCo, and a table of values for everything else.
+
+mod mjcf;
+mod possible;
+mod urdf;
+mod values;
+
+use crate::diagnosis::Outcome;
+use crate::effect::Effect;
+use crate::error::DiagnoseError;
+use crate::model::NominalModel;
+use crate::report::Cause;
+use crate::words::value;
+use nalgebra::{Rotation3, Vector3};
+use physics::robot::{Robot, RobotError};
+
+/// Files of a patch.
+pub struct Patch {
+    /// The URDF: inertials, damping and friction as fitted with the causes in place, base and joint zeros turned.
+    pub urdf: String,
+    /// Drive file with the rotor inertias, where there is a new one; for `--drive`.
+    pub drive: Option<String>,
+    /// MJCF snippet.
+    pub mjcf: String,
+    /// Values of all causes, tab-separated.
+    pub values: String,
+}
+
+/// What is written of a robot.
+struct Patched<'a> {
+    /// Possible inertials, friction, rotor inertia, joint zeros.
+    robot: Robot,
+    /// Rotation vector by which the base is tilted, rad.
+    tilt: Vector3<f64>,
+    causes: &'a [Cause],
+}
+
+/// Writes the accepted causes into the model; `urdf` is its description.
+///
+/// # Errors
+/// The fitted parameters make no robot, or `urdf` is not that of the model.
+pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patch, DiagnoseError> {
+    let causes = &outcome.diagnosis.causes;
+    let number = |cause: &Cause, name: &str| {
+        let found = cause.parameters.iter().find(|p| p.name == name);
+        found.map_or(0.0, |p| p.value)
+    };
+    let of = |effect: Effect| causes.iter().filter(move |c| c.effect == effect);
+    let joint = |cause: &Cause| {
+        let names = model.robot.joint_names();
+        let own = cause.joints.first()?;
+        names.iter().position(|n| n == own)
+    };
+    let mut robot = possible::robot(model.sizes(), &fitted(model, outcome)?)?;
+    let mut inertia = model.robot.rotor_inertia();
+    for cause in of(Effect::RotorInertia) {
+        if let Some(j) = joint(cause) {
+            inertia[j] += number(cause, "inertia");
+        }
+    }
+    robot = robot.with_rotor_inertia(&inertia)?;
+    let mut zeros = vec![0.0; robot.dof()];
+    for cause in of(Effect::EncoderOffset) {
+        if let Some(j) = joint(cause) {
+            zeros[j] += number(cause, "zero");
+        }
+    }
+    let tilt = of(Effect::BaseTilt).fold(Vector3::zeros(), |sum, c| {
+        sum + Vector3::new(number(c, "tilt_x"), number(c, "tilt_y"), 0.0)
+    });
+    let patched = Patched {
+        robot,
+        tilt,
+        causes,
+    };
+    let changed = of(Effect::RotorInertia).next().is_some();
+    Ok(Patch {
+        urdf: urdf::written(urdf, &patched, &zeros)?,
+        drive: changed.then(|| values::drive(&patched.robot)),
+        mjcf: mjcf::snippet(&patched, &zeros),
+        values: values::table(&patched),
+    })
+}
+
+/// The model with every fitted change of parameters that it has a place for, payload included; its links need not be
+/// possible bodies.
+fn fitted(model: &NominalModel, outcome: &Outcome) -> Result<Robot, RobotError> {
+    let found = &outcome.findings;
+    let (variables, beta) = &found.tight;
+    let mut change = vec![0.0; 12 * model.robot.dof()];
+    for (v, b) in variables
+        .iter()
+        .zip(beta)
+        .filter(|(v, _)| v.column < 12 * model.robot.dof())
+    {
+        change[v.column] += b;
+    }
+    model.moved(&change)
+}
+
+impl Patched<'_> {
+    /// Gravity as the tilted base sees it, m/s².
+    fn gravity(&self) -> Vector3<f64> {
+        Rotation3::new(-self.tilt) * self.robot.gravity()
+    }
+}
+
+/// Where a cause is written.
+fn place(effect: Effect) -> Option<&'static str> {
+    match effect {
+        Effect::LinkParameters
+        | Effect::FrictionParameters
+        | Effect::Payload
+        | Effect::BaseTilt
+        | Effect::EncoderOffset => Some("URDF"),
+        Effect::RotorInertia => Some("drive file, MJCF"),
+        Effect::TimeDelay | Effect::JointElasticity | Effect::Backlash => Some("MJCF"),
+        _ => None,
+    }
+}
+
+/// One line on what the patch holds.
+pub fn summary(causes: &[Cause]) -> String {
+    let inside = |c: &&Cause| place(c.effect) == Some("URDF");
+    let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(inside);
+    let list = |c: &[&Cause]| {
+        let one = |c: &&Cause| {
+            c.parameters
+                .first()
+                .map_or(c.effect.name().to_owned(), |p| {
+                    format!("{} ({})", c.effect.name(), value(p))
+                })
+        };
+        if c.is_empty() {
+            "nothing".to_owned()
+        } else {
+            c.iter().map(one).collect::<Vec<_>>().join(", ")
+        }
+    };
+    format!(
+        "in the URDF: {}; beside it: {}",
+        list(&inside),
+        list(&outside)
+    )
+}

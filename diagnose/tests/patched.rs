@@ -1,0 +1,79 @@
+//! A simulator's model with the causes written in: diagnosed again, they are no longer there.
+
+use diagnose::diagnosis::{Options, Outcome, diagnose};
+use diagnose::model::NominalModel;
+use diagnose::patch::patch;
+use physics::robot::Robot;
+use physics::robot::drive::Drive;
+use simulate::cases::{CaseSpec, EFFECTS, Kind, generate};
+
+fn causes(outcome: &Outcome) -> Vec<&'static str> {
+    let list = &outcome.diagnosis.causes;
+    list.iter().map(|c| c.effect.name()).collect()
+}
+
+/// Diagnoses a simulated case with one withheld effect, patches the model, and diagnoses that.
+fn round_trip(effect: &str, index: u64) {
+    let number = EFFECTS.iter().position(|e| *e == effect).unwrap();
+    let kind = Kind::Single(number);
+    let case = generate(&CaseSpec { index, kind }, 77).unwrap();
+    let diagnosed = |robot: Robot| {
+        let model = NominalModel::new(robot);
+        let outcome = diagnose(&model, &case.train, &case.test, &Options::default()).unwrap();
+        (model, outcome)
+    };
+    let (model, before) = diagnosed(Robot::from_urdf_str(&case.urdf).unwrap());
+    assert!(
+        causes(&before).contains(&effect),
+        "{effect}: {:?}",
+        causes(&before)
+    );
+    let patch = patch(&model, &before, &case.urdf).unwrap();
+    assert!(
+        roxmltree::Document::parse(&patch.mjcf).is_ok(),
+        "{}",
+        patch.mjcf
+    );
+    let mut robot = Robot::from_urdf_str(&patch.urdf).unwrap();
+    if let Some(text) = &patch.drive {
+        robot = Drive::from_toml(text, &robot)
+            .unwrap()
+            .apply(robot)
+            .unwrap();
+    }
+    let (_, after) = diagnosed(robot);
+    assert!(
+        !causes(&after).contains(&effect),
+        "{effect} again: {:?}",
+        causes(&after)
+    );
+    // What the causes closed, the patched model no longer leaves open.
+    let steps = &before.diagnosis.ladder;
+    let (given, explained) = (
+        steps[0].all.mean_nrmse,
+        steps[steps.len() - 1].all.mean_nrmse,
+    );
+    let patched = after.diagnosis.ladder[0].all.mean_nrmse;
+    println!("{effect}: {given:.4} as given, {explained:.4} explained, {patched:.4} patched");
+    assert!(given - patched > 0.8 * (given - explained), "{effect}");
+}
+
+#[test]
+fn a_payload() {
+    round_trip("payload", 0);
+}
+
+#[test]
+fn friction() {
+    round_trip("friction_parameters", 1);
+}
+
+#[test]
+fn a_tilted_base() {
+    round_trip("base_tilt", 2);
+}
+
+#[test]
+fn rotor_inertia() {
+    round_trip("rotor_inertia", 4);
+}
