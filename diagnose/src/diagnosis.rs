@@ -5,13 +5,15 @@ use crate::contact::detect;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::explain::{Explanation, explain, removed};
+use crate::forward;
 use crate::ladder::{repeatability, step};
 use crate::learned::learned;
 use crate::locate::locate;
 use crate::model::NominalModel;
 use crate::objective::Settings;
+use crate::patch::{self, possible};
 use crate::recordings::{checked, not_identifiable, notes};
-use crate::report::{Diagnosis, Tested, Unexplained, Verdict};
+use crate::report::{Diagnosis, Simulation, Tested, Unexplained, Verdict};
 use crate::scene::rigid_torque;
 use crate::unknown::{Left, examine};
 use datasets::Recording;
@@ -52,6 +54,8 @@ pub struct Options {
     pub settings: Settings,
     /// Train a compensator on what the causes leave.
     pub learn: bool,
+    /// Simulate motion with the model as given and with the causes.
+    pub simulate: bool,
 }
 
 /// Diagnoses the gap between a model and recordings.
@@ -107,6 +111,11 @@ pub fn diagnose(
         ladder.push(step("learned", &rest, &frames.heldout));
     }
     ladder.extend(repeatability(heldout, &frames.heldout));
+    let simulation = if options.simulate {
+        simulated(model, &frames, &findings, &explanation)?
+    } else {
+        None
+    };
     let samples = frames.heldout.samples();
     let load = rigid_torque(&model.robot, &samples.q, &samples.qd, &samples.qdd);
     let diagnosis = Diagnosis {
@@ -125,6 +134,7 @@ pub fn diagnose(
         candidates: tested(&findings, &names),
         not_identifiable: not_identifiable(&frames, recordings.first(), &names),
         recordings,
+        simulation,
         unexplained: names
             .iter()
             .zip(&left)
@@ -143,6 +153,27 @@ pub fn diagnose(
         explanation,
         left,
     })
+}
+
+/// Motion with the model as given and with the causes, where its links can be made possible bodies.
+fn simulated(
+    model: &NominalModel,
+    frames: &Frames,
+    findings: &Findings,
+    explanation: &Explanation,
+) -> Result<Option<Simulation>, DiagnoseError> {
+    let given = possible::robot(model.sizes(), &model.robot)?;
+    let patched = patch::robot(model, findings, &explanation.causes)?;
+    let held = &frames.heldout;
+    let before = forward::Model {
+        robot: &given,
+        torque: &(&held.tau - &explanation.gap),
+    };
+    let after = forward::Model {
+        robot: &patched,
+        torque: &(&held.tau - &explanation.residual),
+    };
+    Ok(forward::compare(held, &before, &after))
 }
 
 fn verdict(explanation: &Explanation, left: &[Left]) -> Verdict {

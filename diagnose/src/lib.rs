@@ -14,6 +14,7 @@ pub mod explain;
 pub mod files;
 pub mod fit;
 pub mod folds;
+pub mod forward;
 pub mod frame;
 pub mod gram;
 pub mod ladder;

@@ -53,6 +53,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     let heldout = given.heldout(&arguments.heldout)?;
     let options = Options {
         learn: arguments.learn,
+        simulate: true,
         ..Options::default()
     };
     let outcome = diagnose(&given.model, &data, &heldout, &options)?;

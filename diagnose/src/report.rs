@@ -22,6 +22,9 @@ pub struct Diagnosis {
     pub causes: Vec<Cause>,
     /// Everything tried, best first.
     pub candidates: Vec<Tested>,
+    /// What the gap means in motion, with the model as given and with the causes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simulation: Option<Simulation>,
     /// What this recording cannot show.
     pub not_identifiable: Vec<NotIdentifiable>,
     /// Check of the fitted and of the held-out recording, before any physics.
@@ -176,4 +179,41 @@ pub struct Unexplained {
     pub nrmse: f64,
     /// Part of it that a flexible learner predicts on trajectories left out.
     pub learnable: f64,
+}
+
+/// Simulated motion against the recorded one, with the model as given (before) and with the causes (after).
+#[derive(Clone, Debug, Serialize)]
+pub struct Simulation {
+    /// Motion that was simulated, s.
+    pub seconds: f64,
+    /// Tracking under feedback.
+    pub closed_loop: ClosedLoop,
+    /// Motion under the recorded torque alone.
+    pub free: Free,
+}
+
+/// Tracking of the recorded motion with the model's torque as feed-forward.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClosedLoop {
+    /// Bandwidth of the position feedback, Hz.
+    pub bandwidth_hz: f64,
+    /// Root mean square tracking error per joint, rad (m).
+    pub before: Vec<f64>,
+    /// The same with the causes.
+    pub after: Vec<f64>,
+}
+
+/// Motion under the recorded torque from the recorded state on.
+#[derive(Clone, Debug, Serialize)]
+pub struct Free {
+    /// Distance per joint at which the recorded motion is followed no more, rad (m).
+    pub tolerance: Vec<f64>,
+    /// Number of runs.
+    pub starts: usize,
+    /// Longest run, s.
+    pub longest_s: f64,
+    /// Median time within the tolerance, s.
+    pub before_s: f64,
+    /// The same with the causes.
+    pub after_s: f64,
 }

@@ -1,7 +1,7 @@
 //! The report in words, for the terminal and the page.
 
 use crate::effect::Effect;
-use crate::report::{Cause, Diagnosis, Parameter, Verdict};
+use crate::report::{Cause, Diagnosis, Parameter, Simulation, Verdict};
 use datasets::check::Severity;
 
 /// The diagnosis as lines of text, the most important first.
@@ -20,6 +20,7 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
         None => out.push("No cause to report.".to_owned()),
     }
     out.extend(remainder(d));
+    out.extend(d.simulation.as_ref().map(|s| motion(s, &d.joints)));
     for cause in d.causes.iter().filter(|c| !c.ambiguous_with.is_empty()) {
         let others: Vec<String> = cause
             .ambiguous_with
@@ -85,6 +86,24 @@ fn remainder(d: &Diagnosis) -> Option<String> {
         .map(|f| format!("repeated motions differ by {f:.3} among themselves"));
     let parts: Vec<String> = learned.into_iter().chain(floor).collect();
     (!parts.is_empty()).then(|| format!("Of the mean NRMSE, {}.", parts.join("; ")))
+}
+
+/// What the gap means in motion.
+pub fn motion(s: &Simulation, joints: &[String]) -> String {
+    let (before, after) = (&s.closed_loop.before, &s.closed_loop.after);
+    let worst = (0..before.len()).max_by(|&a, &b| before[a].total_cmp(&before[b]));
+    let tracking = worst.map_or(String::new(), |j| {
+        format!(
+            "; with the model's torque as feed-forward, {} is off its path by {:.2e} as given, {:.2e} as explained (rad or m, \
+             position feedback of {:.0} Hz)",
+            joints[j], before[j], after[j], s.closed_loop.bandwidth_hz
+        )
+    });
+    format!(
+        "In motion: under the recorded torque the simulated robot follows the real one for {:.2} s as given, {:.2} s as \
+         explained (median of {} runs of at most {:.0} s){tracking}.",
+        s.free.before_s, s.free.after_s, s.free.starts, s.free.longest_s
+    )
 }
 
 fn verdict(d: &Diagnosis) -> String {

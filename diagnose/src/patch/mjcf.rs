@@ -1,6 +1,6 @@
 //! The patched robot as MuJoCo's XML has it: elements to be merged into a model by their names.
 
-use super::Patched;
+use super::{Patched, number};
 use crate::effect::Effect;
 use std::fmt::Write;
 
@@ -45,10 +45,7 @@ pub(super) fn snippet(patched: &Patched, zeros: &[f64]) -> String {
     }
     out.push_str("  </worldbody>\n");
     for cause in patched.causes {
-        let number = |name: &str| {
-            let found = cause.parameters.iter().find(|p| p.name == name);
-            found.map_or(0.0, |p| p.value)
-        };
+        let number = |name: &str| number(cause, name);
         let joint = cause.joints.first().map_or("", String::as_str);
         let said = match cause.effect {
             Effect::TimeDelay => format!("every actuator: delay=\"{}\"", number("delay")),

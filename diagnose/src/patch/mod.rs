@@ -2,10 +2,11 @@
 //! for rotor inertias, a snippet for MuJoCo, and a table of values for everything else.
 
 mod mjcf;
-mod possible;
+pub(crate) mod possible;
 mod urdf;
 mod values;
 
+use crate::analysis::Findings;
 use crate::diagnosis::Outcome;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
@@ -42,27 +43,11 @@ struct Patched<'a> {
 /// The fitted parameters make no robot, or `urdf` is not that of the model.
 pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patch, DiagnoseError> {
     let causes = &outcome.diagnosis.causes;
-    let number = |cause: &Cause, name: &str| {
-        let found = cause.parameters.iter().find(|p| p.name == name);
-        found.map_or(0.0, |p| p.value)
-    };
+    let robot = robot(model, &outcome.findings, causes)?;
     let of = |effect: Effect| causes.iter().filter(move |c| c.effect == effect);
-    let joint = |cause: &Cause| {
-        let names = model.robot.joint_names();
-        let own = cause.joints.first()?;
-        names.iter().position(|n| n == own)
-    };
-    let mut robot = possible::robot(model.sizes(), &fitted(model, outcome)?)?;
-    let mut inertia = model.robot.rotor_inertia();
-    for cause in of(Effect::RotorInertia) {
-        if let Some(j) = joint(cause) {
-            inertia[j] += number(cause, "inertia");
-        }
-    }
-    robot = robot.with_rotor_inertia(&inertia)?;
     let mut zeros = vec![0.0; robot.dof()];
     for cause in of(Effect::EncoderOffset) {
-        if let Some(j) = joint(cause) {
+        if let Some(j) = joint(model, cause) {
             zeros[j] += number(cause, "zero");
         }
     }
@@ -83,10 +68,16 @@ pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patc
     })
 }
 
-/// The model with every fitted change of parameters that it has a place for, payload included; its links need not be
-/// possible bodies.
-fn fitted(model: &NominalModel, outcome: &Outcome) -> Result<Robot, RobotError> {
-    let found = &outcome.findings;
+/// The model with every fitted change of parameters that it has a place for, payload and rotor inertia included, as a robot
+/// whose links are possible bodies.
+///
+/// # Errors
+/// The fitted parameters make no robot.
+pub fn robot(
+    model: &NominalModel,
+    found: &Findings,
+    causes: &[Cause],
+) -> Result<Robot, RobotError> {
     let (variables, beta) = &found.tight;
     let mut change = vec![0.0; 12 * model.robot.dof()];
     for (v, b) in variables
@@ -96,7 +87,25 @@ fn fitted(model: &NominalModel, outcome: &Outcome) -> Result<Robot, RobotError> 
     {
         change[v.column] += b;
     }
-    model.moved(&change)
+    let mut inertia = model.robot.rotor_inertia();
+    for cause in causes.iter().filter(|c| c.effect == Effect::RotorInertia) {
+        if let Some(j) = joint(model, cause) {
+            inertia[j] += number(cause, "inertia");
+        }
+    }
+    possible::robot(model.sizes(), &model.moved(&change)?)?.with_rotor_inertia(&inertia)
+}
+
+/// A parameter of a cause; zero where it has none of this name.
+fn number(cause: &Cause, name: &str) -> f64 {
+    let found = cause.parameters.iter().find(|p| p.name == name);
+    found.map_or(0.0, |p| p.value)
+}
+
+/// Index of a cause's first joint.
+fn joint(model: &NominalModel, cause: &Cause) -> Option<usize> {
+    let own = cause.joints.first()?;
+    model.robot.joints().iter().position(|j| j.name == *own)
 }
 
 impl Patched<'_> {

@@ -9,7 +9,7 @@ use physics::robot::{Robot, RobotError, to_urdf};
 ///
 /// # Errors
 /// Neither makes a robot.
-pub(super) fn robot(nominal: &Robot, fitted: &Robot) -> Result<Robot, RobotError> {
+pub(crate) fn robot(nominal: &Robot, fitted: &Robot) -> Result<Robot, RobotError> {
     let readable = |r: &Robot| Robot::from_urdf_str(&to_urdf(r));
     let links_possible = fitted
         .joints()
