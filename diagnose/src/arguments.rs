@@ -52,12 +52,11 @@ pub struct Arguments {
     /// Gravity in the base frame, m/s².
     #[arg(
         long,
-        value_delimiter = ',',
-        num_args = 3,
-        allow_hyphen_values = true,
-        value_name = "X,Y,Z"
+        value_name = "X,Y,Z",
+        value_parser = model::setup::gravity,
+        allow_hyphen_values = true
     )]
-    pub gravity: Option<Vec<f64>>,
+    pub gravity: Option<[f64; 3]>,
     /// Drive file: gear ratios, torque constants, joint zeros, names and units of columns.
     #[arg(long, value_name = "FILE.toml")]
     pub drive: Option<PathBuf>,

@@ -6,7 +6,6 @@ use datasets::{Part, ReadOptions, Recording, Trajectory, read};
 use model::directory::ModelFile;
 use model::evaluation::read_options;
 use model::setup::Setup;
-use nalgebra::Vector3;
 use ndarray::{Array2, Axis, concatenate};
 use physics::robot::to_urdf;
 use std::path::{Path, PathBuf};
@@ -29,9 +28,9 @@ impl Given {
     pub fn robot(
         name: &str,
         drive: Option<&Path>,
-        gravity: Option<Vector3<f64>>,
+        gravity: Option<[f64; 3]>,
     ) -> Result<Self, DiagnoseError> {
-        let setup = Setup::new(name, drive, gravity.map(Into::into))?;
+        let setup = Setup::new(name, drive, gravity)?;
         let options = [
             setup.read_options(Part::Train, true)?,
             setup.read_options(Part::Test, true)?,

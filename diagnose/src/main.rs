@@ -8,7 +8,6 @@ use diagnose::diagnosis::{Options, Outcome, diagnose};
 use diagnose::error::DiagnoseError;
 use diagnose::files::Given;
 use diagnose::{page, patch, prove, words};
-use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -40,12 +39,8 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     let drive = arguments.drive.as_deref();
-    let gravity = arguments
-        .gravity
-        .as_ref()
-        .map(|g| Vector3::new(g[0], g[1], g[2]));
     let given = match (&arguments.robot, &arguments.model) {
-        (Some(robot), _) => Given::robot(robot, drive, gravity)?,
+        (Some(robot), _) => Given::robot(robot, drive, arguments.gravity)?,
         (None, Some(directory)) => Given::model(directory, drive)?,
         (None, None) => unreachable!("the command line demands one of them"),
     };

@@ -181,3 +181,29 @@ fn a_joint_that_never_moves() {
         run(Command::new("python3").arg(checker).arg(&out)).succeeded();
     }
 }
+
+/// A robot on a wall: gravity along the base's −x, written as the contract has it.
+#[test]
+fn gravity_of_the_base_frame() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let wall = ur5().with_gravity([-9.81, 0.0, 0.0].into());
+    let data = record_to(folder.path(), "wall.csv", &wall, &Plan::default());
+    let physics = |gravity: &str| {
+        let model = train(
+            folder.path(),
+            &data,
+            &["--physics-only", "--gravity", gravity],
+        );
+        mean_nrmse(
+            &json(&model.join("metrics.json")),
+            "train",
+            "physics",
+            "all",
+        )
+    };
+    let (right, wrong) = (physics("-9.81,0,0"), physics("0,0,-9.81"));
+    assert!(
+        right < 0.5 * wrong,
+        "{right} on the wall, {wrong} on the floor"
+    );
+}

@@ -138,19 +138,21 @@ impl Default for UnitConfig {
 }
 
 impl UnitConfig {
-    /// The published unit: 128 + 128, windows of 3, min–max scaling, dropout 0.5, squared error.
+    /// The published unit: 128 + 128, windows of 3, min–max scaling, squared error.
     ///
-    /// The paper gives Adam a rate of 0.05; here it starts at 0.002 and falls by a cosine.
+    /// The paper gives Adam a rate of 0.05 and dropout 0.5; less of both left less error on held-out
+    /// trajectories of the simulated UR5: 0.003, falling by a cosine, and 0.1.
     pub fn ucm() -> Self {
         Self {
             architecture: recurrent(128, 3),
             normalisation: Normalisation::MinMax,
             training: Training {
-                batch: 512,
+                batch: 128,
+                learning_rate: 0.003,
                 weight_decay: 0.0,
-                dropout: 0.5,
+                dropout: 0.1,
                 loss: Loss::Mse,
-                epochs: 40,
+                epochs: 20,
                 ..Training::default()
             },
             ..Self::default()

@@ -50,6 +50,8 @@ fn names_quadratic_friction_and_writes_every_file() {
     let out = run(&[
         "--robot",
         &path("arm.urdf"),
+        "--gravity",
+        "0,0,-9.81",
         "--data",
         &path("a.csv"),
         "--heldout",

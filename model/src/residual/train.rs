@@ -59,7 +59,7 @@ fn config(options: &ResidualOptions, samples: usize) -> UnitConfig {
         Preset::Ucm => {
             let ucm = UnitConfig::ucm();
             let training = Training {
-                share: (40_000.0 / samples as f32).min(1.0),
+                share: (30_000.0 / samples as f32).min(1.0),
                 ..ucm.training.clone()
             };
             UnitConfig { training, ..ucm }
