@@ -40,7 +40,7 @@ impl Frame {
     /// Prepares a recording and its torque.
     ///
     /// # Errors
-    /// As [`prepare`].
+    /// As [`prepare()`].
     pub fn new(
         recording: &Recording,
         tau: Array2<f64>,

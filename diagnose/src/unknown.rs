@@ -21,7 +21,7 @@ const RIDGE: f64 = 3e-3;
 pub struct Left {
     /// Root mean squared error away from reversals.
     pub error: f64,
-    /// Part of its square that lasts longer than [`LAG`].
+    /// Part of its square that lasts longer than 80 ms.
     pub lasting: f64,
     /// Part of its square that the learner predicts on folds left out.
     pub learnable: f64,
