@@ -135,6 +135,7 @@ pub fn diagnose(
         not_identifiable: not_identifiable(&frames, recordings.first(), &names),
         recordings,
         simulation,
+        next_experiment: None,
         unexplained: names
             .iter()
             .zip(&left)

@@ -51,6 +51,9 @@ pub enum DiagnoseError {
     /// The learned step failed.
     #[error("the compensator cannot be trained on what is left: {0}")]
     Learn(#[from] model::residual::ResidualError),
+    /// No motion could be designed.
+    #[error("no experiment can be designed: {0}")]
+    Experiment(#[from] physics::excitation::ExcitationError),
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),

@@ -10,6 +10,7 @@ pub mod diagnosis;
 pub mod dictionary;
 pub mod effect;
 pub mod error;
+pub mod experiment;
 pub mod explain;
 pub mod files;
 pub mod fit;

@@ -7,7 +7,7 @@ use clap::Parser;
 use diagnose::diagnosis::{Options, Outcome, diagnose};
 use diagnose::error::DiagnoseError;
 use diagnose::files::Given;
-use diagnose::{page, patch, prove, words};
+use diagnose::{experiment, page, patch, prove, words};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -51,11 +51,23 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         simulate: true,
         ..Options::default()
     };
-    let outcome = diagnose(&given.model, &data, &heldout, &options)?;
+    let mut outcome = diagnose(&given.model, &data, &heldout, &options)?;
+    let next = match &arguments.next {
+        Some(_) => experiment::design(&given.model, &outcome)?,
+        None => None,
+    };
+    outcome.diagnosis.next_experiment = next.as_ref().map(|n| n.summary.clone());
     for line in words::lines(&outcome.diagnosis) {
         println!("{line}");
     }
-    let files = files(arguments, &given, &outcome)?;
+    let mut files = files(arguments, &given, &outcome)?;
+    match (&arguments.next, &next) {
+        (Some(path), Some(next)) => files.push((path.clone(), next.csv())),
+        (Some(_), None) => {
+            println!("No motion is needed: no two causes that one could tell apart.")
+        }
+        _ => {}
+    }
     for (path, text) in &files {
         report::write_atomic(path, text)?;
     }

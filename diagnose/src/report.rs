@@ -25,6 +25,9 @@ pub struct Diagnosis {
     /// What the gap means in motion, with the model as given and with the causes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<Simulation>,
+    /// The motion that would tell ambiguous causes apart, where one was designed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next_experiment: Option<NextExperiment>,
     /// What this recording cannot show.
     pub not_identifiable: Vec<NotIdentifiable>,
     /// Check of the fitted and of the held-out recording, before any physics.
@@ -216,4 +219,19 @@ pub struct Free {
     pub before_s: f64,
     /// The same with the causes.
     pub after_s: f64,
+}
+
+/// A motion that tells two causes apart.
+#[derive(Clone, Debug, Serialize)]
+pub struct NextExperiment {
+    /// The cause named and its rival.
+    pub effects: [Effect; 2],
+    /// Joints of the cause.
+    pub joints: Vec<String>,
+    /// Length of the motion, s.
+    pub seconds: f64,
+    /// Evidence that the recorded data can hold for one against the other, nats.
+    pub evidence_recorded: f64,
+    /// The same together with the new motion.
+    pub evidence_expected: f64,
 }

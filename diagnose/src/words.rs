@@ -1,7 +1,7 @@
 //! The report in words, for the terminal and the page.
 
 use crate::effect::Effect;
-use crate::report::{Cause, Diagnosis, Parameter, Simulation, Verdict};
+use crate::report::{Cause, Diagnosis, NextExperiment, Parameter, Simulation, Verdict};
 use datasets::check::Severity;
 
 /// The diagnosis as lines of text, the most important first.
@@ -29,10 +29,16 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
             .collect();
         let (a, b) = (plain(cause.effect), others.join(" or "));
         out.push(format!(
-            "Cannot be told apart here: {a} and {b}. {}",
-            experiment(cause)
+            "Cannot be told apart here: {a} and {b}. {}{}",
+            experiment(cause),
+            if d.next_experiment.is_none() {
+                " --next FILE.csv writes the best motion for it."
+            } else {
+                ""
+            }
         ));
     }
+    out.extend(d.next_experiment.as_ref().map(experiment_designed));
     out.extend(unknowable(d));
     out
 }
@@ -86,6 +92,16 @@ fn remainder(d: &Diagnosis) -> Option<String> {
         .map(|f| format!("repeated motions differ by {f:.3} among themselves"));
     let parts: Vec<String> = learned.into_iter().chain(floor).collect();
     (!parts.is_empty()).then(|| format!("Of the mean NRMSE, {}.", parts.join("; ")))
+}
+
+/// What the designed motion is good for.
+fn experiment_designed(n: &NextExperiment) -> String {
+    let [own, rival] = n.effects.map(plain);
+    format!(
+        "Run the motion of {:.0} s that --next wrote and add it to --data: it tells {own} from {rival} with a likelihood ratio \
+         of e^{:.0}, where the recorded data reach e^{:.1} at most.",
+        n.seconds, n.evidence_expected, n.evidence_recorded
+    )
 }
 
 /// What the gap means in motion.
