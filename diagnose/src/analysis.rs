@@ -203,6 +203,7 @@ pub fn find(
         );
         candidates.extend(torque_ripple::candidates(j, &orders));
     }
+    candidates.retain(|c| Some(c.effect) != settings.withheld);
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let grams = dictionary.grams(&scene, data, &y, weight, &folds);
     let objective = Objective::new(&grams, scale, &settings);

@@ -80,7 +80,9 @@ pub fn diagnose(
         .iter()
         .any(|l| l.structured() > CLEAR && l.learnable > CONTACT_LEARNABLE);
     if let Some(contact) = detect(&frames.data, &explanation.residual_data).filter(|c| {
-        !repeats && c.size > CONTACT_SIZE * crate::ladder::total(&explanation.ladder[0].all)
+        !repeats
+            && options.settings.withheld != Some(Effect::ExternalContact)
+            && c.size > CONTACT_SIZE * crate::ladder::total(&explanation.ladder[0].all)
     }) {
         let margin = (CONTACT_MARGIN * frames.data.report().rate_hz) as usize;
         for (mut row, hit) in weight

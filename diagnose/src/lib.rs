@@ -5,6 +5,7 @@
 pub mod analysis;
 pub mod candidates;
 pub mod cholesky;
+mod confounders;
 pub mod contact;
 pub mod diagnosis;
 pub mod dictionary;
@@ -30,7 +31,6 @@ pub mod quantities;
 pub mod recordings;
 pub mod report;
 pub mod scene;
-pub mod score;
 pub mod select;
 pub mod unknown;
 pub mod words;

@@ -14,15 +14,13 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let command = Command::parse();
     match (command.proof, command.arguments) {
-        (Some(Proof::Prove { cases, seed, out }), _) => {
-            match run_proof(cases, seed, out.as_deref()) {
-                Ok(()) => ExitCode::SUCCESS,
-                Err(error) => {
-                    eprintln!("error: {error}");
-                    ExitCode::FAILURE
-                }
+        (Some(proof), _) => match run_proof(&proof) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("error: {error}");
+                ExitCode::FAILURE
             }
-        }
+        },
         (None, Some(arguments)) => match run(&arguments) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
@@ -122,10 +120,22 @@ fn files(
     Ok(files)
 }
 
-fn run_proof(cases: u64, seed: u64, out: Option<&Path>) -> Result<(), prove::ProveError> {
-    let bar = indicatif::ProgressBar::new(cases);
-    let scores = prove::prove(cases, seed, out, || bar.inc(1))?;
+fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
+    let Proof::Prove {
+        cases,
+        seed,
+        leave_one_out,
+        out,
+    } = proof;
+    let bar = indicatif::ProgressBar::new(*cases);
+    let scores = prove::prove(*cases, *seed, out.as_deref(), || bar.inc(1))?;
     bar.finish_and_clear();
     println!("{}", prove::table(&scores).to_text());
+    if *leave_one_out {
+        let bar = indicatif::ProgressBar::new(*cases);
+        let answers = prove::leave_one_out(*cases, *seed, || bar.inc(1))?;
+        bar.finish_and_clear();
+        println!("{}", prove::withheld_table(&answers).to_text());
+    }
     Ok(())
 }

@@ -5,6 +5,7 @@
 //! is what the given parameters must be bent for the explanation to hold, so that an explanation by few
 //! parameters beats the same torque explained by bending many.
 
+use crate::effect::Effect;
 use crate::fit::{Fit, Trial, Variable};
 use crate::gram::Grams;
 use crate::scene::Scale;
@@ -33,6 +34,8 @@ pub struct Settings {
     pub share: f64,
     /// Error below which a joint counts as explained, relative to its torque.
     pub floor: f64,
+    /// Effect that is left out of the catalogue, for the proof.
+    pub withheld: Option<Effect>,
 }
 
 impl Default for Settings {
@@ -48,6 +51,7 @@ impl Default for Settings {
             visible: 0.015,
             share: 0.015,
             floor: 0.006,
+            withheld: None,
         }
     }
 }

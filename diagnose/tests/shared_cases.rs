@@ -3,7 +3,7 @@
 use datasets::{ReadOptions, read};
 use diagnose::diagnosis::{Options, diagnose};
 use diagnose::model::NominalModel;
-use diagnose::score::judge;
+use diagnose::prove::judge;
 use physics::robot::Robot;
 use serde_json::Value;
 use std::path::PathBuf;

@@ -1,5 +1,6 @@
 //! Scores of a report against a sealed answer, as the shared `score_cases.py` defines them.
 
+use super::sizes::size_error;
 use serde_json::Value;
 
 /// Scores of one case; None where a score does not apply.
@@ -23,6 +24,10 @@ pub struct Score {
     pub unknown_found: Option<f64>,
     /// A known effect was called unknown.
     pub false_unknown: Option<f64>,
+    /// Relative error of the reported size, where mechanism and detector share a parameter.
+    pub size: Option<f64>,
+    /// Of a single effect: its share of its joint's torque, and whether it was named.
+    pub detection: Option<(f64, bool)>,
 }
 
 const PARAMETERS: [&str; 2] = ["link_parameters", "friction_parameters"];
@@ -132,6 +137,21 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
         s.unknown_found = Some(unknown);
     } else {
         s.false_unknown = Some(unknown);
+    }
+    let cause_of = |e: &Value| {
+        causes
+            .iter()
+            .find(|c| text(c, "effect") == text(e, "effect"))
+    };
+    let sizes: Vec<f64> = effects
+        .iter()
+        .filter_map(|e| size_error(e, cause_of(e)?))
+        .collect();
+    s.size = (!sizes.is_empty()).then(|| sizes.iter().sum::<f64>() / sizes.len() as f64);
+    if let [one] = &effects[..]
+        && !names.is_empty()
+    {
+        s.detection = Some((number(one, "share"), cause_of(one).is_some()));
     }
     let ladder = list(&report["ladder"]);
     let last = ladder

@@ -1,14 +1,23 @@
 //! The proof: sealed simulated cases with a withheld effect, diagnosed and scored.
 
+mod score;
+mod sizes;
+mod withheld;
+
 use crate::diagnosis::{Options, diagnose};
+use crate::effect::Effect;
 use crate::model::NominalModel;
-use crate::score::{Score, judge, mean};
+use crate::objective::Settings;
 use physics::robot::Robot;
 use rayon::prelude::*;
 use report::{Cell, Column, Table};
 use serde_json::Value;
-use simulate::cases::{draw, generate, write};
+use simulate::cases::{Case, EFFECTS, Kind, draw, generate, write};
 use std::path::Path;
+
+pub use score::{Score, judge, mean};
+pub use sizes::detected_from;
+pub use withheld::{Answer, LeftOut, table as withheld_table};
 
 /// A proof that cannot be run.
 #[derive(Debug, thiserror::Error)]
@@ -58,15 +67,7 @@ pub fn prove(
         .into_par_iter()
         .map(|index| {
             let case = generate(&draw(index, seed), seed)?;
-            let fail = |error| ProveError::Diagnose {
-                case: case.id.clone(),
-                error: Box::new(error),
-            };
-            let robot = Robot::from_urdf_str(&case.urdf).map_err(|e| fail(e.into()))?;
-            let model = NominalModel::new(robot);
-            let outcome =
-                diagnose(&model, &case.train, &case.test, &Options::default()).map_err(fail)?;
-            let found = serde_json::to_value(&outcome.diagnosis).expect("numbers and strings");
+            let found = report_of(&case, &Options::default())?;
             if let (Some(out), Some(folder)) = (out, &reports) {
                 write(&case, out)?;
                 let text = serde_json::to_string_pretty(&found).expect("numbers and strings");
@@ -77,6 +78,61 @@ pub fn prove(
             Ok(judge(&truth, &found))
         })
         .collect()
+}
+
+/// The cases with one effect, each diagnosed with that effect's candidates taken out of the catalogue. Parameters are no
+/// candidates that could be taken out.
+///
+/// # Errors
+/// The first case that fails.
+pub fn leave_one_out(
+    cases: u64,
+    seed: u64,
+    done: impl Fn() + Sync,
+) -> Result<Vec<LeftOut>, ProveError> {
+    let of = |index: u64| -> Result<Option<LeftOut>, ProveError> {
+        let spec = draw(index, seed);
+        let Some(effect) = single(spec.kind).filter(|e| !e.is_parameter()) else {
+            done();
+            return Ok(None);
+        };
+        let case = generate(&spec, seed)?;
+        let options = Options {
+            settings: Settings {
+                withheld: Some(effect),
+                ..Settings::default()
+            },
+            ..Options::default()
+        };
+        let found = report_of(&case, &options)?;
+        let truth: Value = serde_json::to_value(&case.truth).expect("numbers and strings");
+        done();
+        Ok(Some(withheld::judge(effect, &truth, &found)))
+    };
+    let all: Result<Vec<Option<LeftOut>>, _> = (0..cases).into_par_iter().map(of).collect();
+    Ok(all?.into_iter().flatten().collect())
+}
+
+fn single(kind: Kind) -> Option<Effect> {
+    let Kind::Single(e) = kind else { return None };
+    Effect::ALL.into_iter().find(|x| x.name() == EFFECTS[e])
+}
+
+/// The report on a case.
+fn report_of(case: &Case, options: &Options) -> Result<Value, ProveError> {
+    let fail = |error| ProveError::Diagnose {
+        case: case.id.clone(),
+        error: Box::new(error),
+    };
+    let robot = Robot::from_urdf_str(&case.urdf).map_err(|e| fail(e.into()))?;
+    let model = NominalModel::new(robot);
+    let outcome = diagnose(&model, &case.train, &case.test, options).map_err(fail)?;
+    Ok(serde_json::to_value(&outcome.diagnosis).expect("numbers and strings"))
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 /// Scores by kind of case, singles together, and the rates that only some kinds have.
@@ -93,6 +149,8 @@ pub fn table(scores: &[Score]) -> Table {
         "false alarm",
         "unknown found",
         "false unknown",
+        "size error",
+        "found from %",
     ];
     let mut columns = vec![Column::text("truth"), Column::number("cases")];
     columns.extend(heads.map(Column::number));
@@ -110,6 +168,11 @@ pub fn table(scores: &[Score]) -> Table {
             cell(|s| s.false_alarm),
             cell(|s| s.unknown_found),
             cell(|s| s.false_unknown),
+            Cell::optional(median(of.iter().filter_map(|s| s.size).collect()), 2),
+            Cell::optional(
+                detected_from(of.iter().filter_map(|s| s.detection).collect()).map(|s| 100.0 * s),
+                0,
+            ),
         ]);
     };
     for kind in kinds {

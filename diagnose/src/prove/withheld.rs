@@ -1,0 +1,125 @@
+//! Leave-one-out: the candidate of a case's effect is taken out of the catalogue. The answer must then be that something
+//! unknown is there, or a confounder that the catalogue states; a confident wrong name is the failure.
+
+use crate::effect::Effect;
+use report::{Cell, Column, Table};
+use serde_json::Value;
+
+/// What a diagnosis without the right candidate came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// The verdict is `unknown_effect`.
+    Unknown,
+    /// The first structural cause is a stated confounder.
+    Confounder,
+    /// No structural cause: parameters took it over, or it is too small.
+    Parameters,
+    /// Another name, with a confidence of at least [`CONFIDENT`] and without a rival that is a confounder.
+    Wrong,
+    /// Another name, said with less confidence.
+    Doubtful,
+}
+
+/// Confidence from which a name counts as said.
+const CONFIDENT: f64 = 0.8;
+
+/// One case.
+#[derive(Clone, Copy, Debug)]
+pub struct LeftOut {
+    /// The withheld effect.
+    pub effect: Effect,
+    /// The answer.
+    pub answer: Answer,
+}
+
+/// Judges a report against a withheld effect.
+pub fn judge(effect: Effect, truth: &Value, report: &Value) -> LeftOut {
+    let causes = report["causes"].as_array().map_or(&[][..], Vec::as_slice);
+    let first = causes.iter().find(|c| c["kind"] == "structure");
+    let stated = effect.confounders().iter().map(|e| e.name());
+    let fair: Vec<&str> = stated.chain(indistinguishable(truth)).collect();
+    let named = |c: &Value| c["effect"].as_str().is_some_and(|e| fair.contains(&e));
+    let rivals = |c: &Value| {
+        let list = c["ambiguous_with"].as_array();
+        list.into_iter()
+            .flatten()
+            .any(|e| e.as_str().is_some_and(|e| fair.contains(&e)))
+    };
+    let answer = match first {
+        _ if report["verdict"] == "unknown_effect" => Answer::Unknown,
+        None => Answer::Parameters,
+        Some(c) if named(c) || rivals(c) => Answer::Confounder,
+        Some(c) if c["confidence"].as_f64().unwrap_or(1.0) >= CONFIDENT => Answer::Wrong,
+        Some(_) => Answer::Doubtful,
+    };
+    LeftOut { effect, answer }
+}
+
+fn indistinguishable(truth: &Value) -> impl Iterator<Item = &str> {
+    let effects = truth["effects"].as_array().into_iter().flatten();
+    effects
+        .flat_map(|e| e["indistinguishable"].as_array().into_iter().flatten())
+        .filter_map(Value::as_str)
+}
+
+/// Answers by withheld effect, and all together.
+pub fn table(cases: &[LeftOut]) -> Table {
+    const ANSWERS: [(Answer, &str); 5] = [
+        (Answer::Unknown, "unknown"),
+        (Answer::Confounder, "confounder"),
+        (Answer::Parameters, "parameters"),
+        (Answer::Doubtful, "doubtful"),
+        (Answer::Wrong, "wrong name"),
+    ];
+    let mut columns = vec![Column::text("withheld"), Column::number("cases")];
+    columns.extend(ANSWERS.map(|(_, name)| Column::number(name)));
+    let mut table = Table::new(columns);
+    let mut push = |name: &str, of: Vec<&LeftOut>| {
+        let count = |a: Answer| of.iter().filter(|c| c.answer == a).count() as f64;
+        let mut cells = vec![Cell::text(name), Cell::number(of.len() as f64, 0)];
+        cells.extend(ANSWERS.map(|(a, _)| Cell::number(count(a), 0)));
+        table.push(cells);
+    };
+    for effect in Effect::ALL {
+        let of: Vec<&LeftOut> = cases.iter().filter(|c| c.effect == effect).collect();
+        if !of.is_empty() {
+            push(effect.name(), of);
+        }
+    }
+    push("all", cases.iter().collect());
+    table.emphasise_last()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_confident_wrong_name_is_the_failure() {
+        let truth = json!({"effects": [{"indistinguishable": []}]});
+        let report = |verdict: &str, effect: &str, confidence: f64| {
+            json!({"verdict": verdict, "causes": [
+                {"effect": "friction_parameters", "kind": "parameter", "confidence": 1.0},
+                {"effect": effect, "kind": "structure", "confidence": confidence, "ambiguous_with": []}]})
+        };
+        let answer = |r: &Value| judge(Effect::Backlash, &truth, r).answer;
+        assert_eq!(
+            answer(&report("unknown_effect", "payload", 1.0)),
+            Answer::Unknown
+        );
+        assert_eq!(
+            answer(&report("explained", "joint_elasticity", 1.0)),
+            Answer::Confounder
+        );
+        assert_eq!(answer(&report("explained", "payload", 0.9)), Answer::Wrong);
+        assert_eq!(
+            answer(&report("explained", "payload", 0.3)),
+            Answer::Doubtful
+        );
+        assert_eq!(
+            answer(&json!({"verdict": "no_gap", "causes": []})),
+            Answer::Parameters
+        );
+    }
+}

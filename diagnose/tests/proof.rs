@@ -1,0 +1,36 @@
+//! A small run of the proof.
+
+use diagnose::prove::{Answer, leave_one_out, mean, prove, table};
+
+#[test]
+fn a_few_sealed_cases() {
+    let folder = tempfile::tempdir().unwrap();
+    let scores = prove(6, 11, Some(folder.path()), || ()).unwrap();
+    println!("{}", table(&scores).to_text());
+    let all: Vec<_> = scores.iter().collect();
+    assert_eq!(mean(&all, |s| s.false_alarm), Some(0.0));
+    assert!(mean(&all, |s| s.top3).unwrap() >= 0.5);
+    let known: Vec<_> = all
+        .iter()
+        .copied()
+        .filter(|s| s.kind != "outside")
+        .collect();
+    assert!(mean(&known, |s| s.closure).unwrap() > 0.8);
+    for part in ["cases", "truth", "reports"] {
+        assert_eq!(
+            std::fs::read_dir(folder.path().join(part)).unwrap().count(),
+            6,
+            "{part}"
+        );
+    }
+}
+
+#[test]
+fn a_withheld_candidate_gives_no_confident_wrong_name() {
+    let answers = leave_one_out(6, 11, || ()).unwrap();
+    assert!(!answers.is_empty());
+    assert!(
+        answers.iter().all(|a| a.answer != Answer::Wrong),
+        "{answers:?}"
+    );
+}
