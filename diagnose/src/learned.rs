@@ -133,6 +133,8 @@ fn config(samples: usize) -> UnitConfig {
             patience: EPOCHS,
             ..Training::default()
         },
+        // Few pieces judge: what helps a little there may not help elsewhere.
+        least_gain: 0.05,
         ..UnitConfig::default()
     }
 }

@@ -85,11 +85,16 @@ fn files(
     outcome: &Outcome,
 ) -> Result<Vec<(PathBuf, String)>, DiagnoseError> {
     let mut files = Vec::new();
+    let patch = if arguments.html.is_some() || arguments.patch.is_some() {
+        Some(patch::patch(&given.model, outcome, &given.urdf)?)
+    } else {
+        None
+    };
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&outcome.diagnosis).expect("numbers and strings");
         files.push((path.clone(), text));
     }
-    if let Some(path) = &arguments.html {
+    if let (Some(path), Some(patch)) = (&arguments.html, &patch) {
         let name = |p: &Path| p.display().to_string();
         let data: Vec<String> = arguments.data.iter().map(|p| name(p)).collect();
         let simulator = match (&arguments.robot, &arguments.model) {
@@ -104,10 +109,9 @@ fn files(
             ("data".to_owned(), data.join(", ")),
             ("held out".to_owned(), name(&arguments.heldout)),
         ];
-        files.push((path.clone(), page::render(outcome, &inputs)));
+        files.push((path.clone(), page::render(outcome, &inputs, patch)));
     }
-    if let Some(path) = &arguments.patch {
-        let patch = patch::patch(&given.model, outcome, &given.urdf)?;
+    if let (Some(path), Some(patch)) = (&arguments.patch, patch) {
         files.push((path.clone(), patch.urdf));
         files.extend(
             patch

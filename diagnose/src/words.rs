@@ -7,7 +7,7 @@ use datasets::check::Severity;
 /// The diagnosis as lines of text, the most important first.
 pub fn lines(d: &Diagnosis) -> Vec<String> {
     let mut out = vec![verdict(d)];
-    out.extend(recordings(d));
+    out.extend(worst_findings(d));
     match d.causes.first() {
         Some(first) => {
             out.push(format!("Biggest cause: {}.", sentence(first)));
@@ -27,7 +27,8 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
             .iter()
             .map(|e| plain(*e).to_owned())
             .collect();
-        let (a, b) = (plain(cause.effect), others.join(" or "));
+        let a = format!("{} on {}", plain(cause.effect), cause.joints.join(", "));
+        let b = others.join(" or ");
         out.push(format!(
             "Cannot be told apart here: {a} and {b}. {}{}",
             experiment(cause),
@@ -44,7 +45,7 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
 }
 
 /// What is wrong with the recordings, the worst alone: no cause can be trusted before it is put right.
-fn recordings(d: &Diagnosis) -> Vec<String> {
+pub fn worst_findings(d: &Diagnosis) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for report in &d.recordings {
         for finding in report
@@ -59,7 +60,7 @@ fn recordings(d: &Diagnosis) -> Vec<String> {
 }
 
 /// What the recording cannot show, effects of one reason together.
-fn unknowable(d: &Diagnosis) -> Vec<String> {
+pub fn unknowable(d: &Diagnosis) -> Vec<String> {
     let mut out: Vec<(String, Vec<&str>)> = Vec::new();
     for n in &d.not_identifiable {
         match out.iter_mut().find(|(reason, _)| *reason == n.reason) {
@@ -160,10 +161,11 @@ fn verdict(d: &Diagnosis) -> String {
 
 /// Cause, joint and size.
 pub fn sentence(cause: &Cause) -> String {
-    let size = cause
-        .parameters
-        .first()
-        .map_or(String::new(), |p| format!(", {}", value(p)));
+    let of = |p: &Parameter| match &p.joint {
+        Some(joint) if cause.joints.len() > 1 => format!(", {} on {joint}", value(p)),
+        _ => format!(", {}", value(p)),
+    };
+    let size = cause.parameters.first().map_or(String::new(), of);
     let driver = cause
         .driver
         .as_ref()
@@ -221,6 +223,11 @@ impl std::fmt::Display for Short {
         }
         write!(f, "{:.*}", (digits - 1 - magnitude).max(0) as usize, self.0)
     }
+}
+
+/// The effect's name as a heading.
+pub fn name(effect: Effect) -> String {
+    effect.name().replace('_', " ")
 }
 
 /// The effect's name in plain words.

@@ -16,6 +16,8 @@ use crate::words::value;
 use nalgebra::{Rotation3, Vector3};
 use physics::robot::{Robot, RobotError};
 
+pub use values::Setting;
+
 /// Files of a patch.
 pub struct Patch {
     /// The URDF: inertials, damping and friction as fitted with the causes in place, base and joint zeros turned.
@@ -26,6 +28,8 @@ pub struct Patch {
     pub mjcf: String,
     /// Values of all causes, tab-separated.
     pub values: String,
+    /// What every joint is to be set to.
+    pub settings: Vec<Setting>,
 }
 
 /// What is written of a robot.
@@ -59,12 +63,14 @@ pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patc
         tilt,
         causes,
     };
+    let settings = values::settings(&model.robot, &patched.robot);
     let changed = of(Effect::RotorInertia).next().is_some();
     Ok(Patch {
         urdf: urdf::written(urdf, &patched, &zeros)?,
         drive: changed.then(|| values::drive(&patched.robot)),
         mjcf: mjcf::snippet(&patched, &zeros),
-        values: values::table(&patched),
+        values: values::table(&patched, &settings),
+        settings,
     })
 }
 

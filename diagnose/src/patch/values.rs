@@ -1,12 +1,79 @@
 //! Values for simulators without a file format of their own here, and the drive file.
 
 use super::{Patched, place};
-use physics::robot::Robot;
+use physics::robot::{JointKind, Robot};
 use std::fmt::Write;
 
-/// Tab-separated: the parameters of every cause with where they are written, then what each joint is to be set to and
-/// what three simulators call it.
-pub(super) fn table(patched: &Patched) -> String {
+/// One number to be set, and what three simulators call it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// Joint.
+    pub joint: String,
+    /// Quantity.
+    pub what: &'static str,
+    /// In the model as given.
+    pub given: f64,
+    /// To be set.
+    pub value: f64,
+    /// Unit.
+    pub unit: &'static str,
+    /// Attribute of MuJoCo's `<joint>`.
+    pub mujoco: &'static str,
+    /// Property of Isaac's joint.
+    pub isaac: &'static str,
+    /// Element of Gazebo's `<joint>`; empty where it has none.
+    pub gazebo: &'static str,
+}
+
+/// What every joint is to be set to.
+pub(super) fn settings(given: &Robot, patched: &Robot) -> Vec<Setting> {
+    let mut out = Vec::new();
+    for (old, new) in given.joints().iter().zip(patched.joints()) {
+        let turns = new.kind != JointKind::Prismatic;
+        let unit = |rotation, translation| if turns { rotation } else { translation };
+        let setting = |what, given, value, unit, mujoco, isaac, gazebo| Setting {
+            joint: new.name.clone(),
+            what,
+            given,
+            value,
+            unit,
+            mujoco,
+            isaac,
+            gazebo,
+        };
+        out.push(setting(
+            "viscous friction",
+            old.damping,
+            new.damping,
+            unit("N·m·s/rad", "N·s/m"),
+            "damping",
+            "joint viscous friction",
+            "dynamics/damping",
+        ));
+        out.push(setting(
+            "Coulomb friction",
+            old.friction,
+            new.friction,
+            unit("N·m", "N"),
+            "frictionloss",
+            "joint dynamic friction effort",
+            "dynamics/friction",
+        ));
+        out.push(setting(
+            "rotor inertia",
+            old.rotor_inertia,
+            new.rotor_inertia,
+            unit("kg·m²", "kg"),
+            "armature",
+            "joint armature",
+            "",
+        ));
+    }
+    out
+}
+
+/// Tab-separated: the parameters of every cause with where they are written, then what each joint is to be set to.
+pub(super) fn table(patched: &Patched, settings: &[Setting]) -> String {
     let mut out = String::from("effect\tjoints\tparameter\tvalue\tstd\tunit\twritten to\n");
     for cause in patched.causes {
         let effect = cause.effect.name();
@@ -20,49 +87,17 @@ pub(super) fn table(patched: &Patched) -> String {
             );
         }
         if cause.parameters.is_empty() {
-            let _ = writeln!(
-                out,
-                "{effect}\t{}\t\t\t\t\t{written}",
-                cause.joints.join(",")
-            );
+            let joints = cause.joints.join(",");
+            let _ = writeln!(out, "{effect}\t{joints}\t\t\t\t\t{written}");
         }
     }
-    out.push_str("\njoint\tset\tvalue\tunit\tMuJoCo\tIsaac\tGazebo (SDF)\n");
-    for joint in patched.robot.joints() {
-        let (name, turns) = (&joint.name, joint.kind.is_rotation());
-        let unit = |rotation: &'static str, translation| if turns { rotation } else { translation };
-        let rows = [
-            (
-                "viscous friction",
-                joint.damping,
-                unit("N·m·s/rad", "N·s/m"),
-                "damping",
-                "joint viscous friction",
-                "dynamics/damping",
-            ),
-            (
-                "Coulomb friction",
-                joint.friction,
-                unit("N·m", "N"),
-                "frictionloss",
-                "joint dynamic friction effort",
-                "dynamics/friction",
-            ),
-            (
-                "rotor inertia",
-                joint.rotor_inertia,
-                unit("kg·m²", "kg"),
-                "armature",
-                "joint armature",
-                "",
-            ),
-        ];
-        for (what, value, unit, mujoco, isaac, gazebo) in rows {
-            let _ = writeln!(
-                out,
-                "{name}\t{what}\t{value}\t{unit}\t{mujoco}\t{isaac}\t{gazebo}"
-            );
-        }
+    out.push_str("\njoint\tset\tgiven\tvalue\tunit\tMuJoCo\tIsaac\tGazebo (SDF)\n");
+    for s in settings {
+        let _ = writeln!(
+            out,
+            "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}",
+            s.joint, s.what, s.given, s.value, s.unit, s.mujoco, s.isaac, s.gazebo
+        );
     }
     out
 }
