@@ -1,14 +1,16 @@
 //! The diagnosis, step by step: recording → gap → first fit → catalogue → causes.
 
-use crate::candidates::{self, Candidate, torque_ripple};
+use crate::candidates::{self, Candidate, backlash, torque_ripple};
 use crate::dictionary::Dictionary;
 use crate::error::DiagnoseError;
 use crate::fit::{Fit, Variable};
 use crate::folds::folds;
 use crate::frame::Frame;
 use crate::gram::Grams;
+use crate::impacts;
 use crate::model::NominalModel;
 use crate::objective::{Objective, Settings};
+use crate::reversal::choose;
 use crate::scene::{Scale, Scene};
 use crate::select::{Search, Tried};
 use datasets::Recording;
@@ -18,12 +20,6 @@ use rayon::prelude::*;
 
 /// Most causes that are named.
 const MOST_CAUSES: usize = 8;
-
-/// Cut-offs tried for the motion, Hz, beside the one that its noise suggests: too low takes real acceleration away, too
-/// high lets noise in, and both show in the gap itself.
-const CUTOFFS: [f64; 3] = [15.0, 20.0, 27.0];
-/// Trajectories that they are tried on.
-const CUTOFF_TRAJECTORIES: usize = 3;
 
 /// The recordings on their clocks.
 pub struct Frames {
@@ -45,42 +41,31 @@ impl Frames {
         data: &Recording,
         heldout: &Recording,
     ) -> Result<Self, DiagnoseError> {
-        let frame = |r: &Recording, cutoff_hz: Option<f64>| {
-            let tau = r
-                .tau
-                .clone()
-                .ok_or_else(|| DiagnoseError::NoTorque(r.source.clone()))?;
-            Frame::new(r, tau, cutoff_hz).map_err(|error| DiagnoseError::Prepare {
-                source_name: r.source.clone(),
-                error,
-            })
-        };
-        let few: Vec<usize> = (0..data.trajectories.len().min(CUTOFF_TRAJECTORIES)).collect();
-        let sample = data.select(&few);
-        let chosen = frame(&sample, None)?;
-        let cutoff = chosen.report().cutoff_hz.map(|automatic| {
-            let rate = chosen.report().rate_hz;
-            let options = CUTOFFS
-                .into_iter()
-                .filter(|c| *c < 0.3 * rate)
-                .chain([automatic.min(CUTOFFS[2])]);
-            let error =
-                |c: f64| frame(&sample, Some(c)).map_or(f64::INFINITY, |f| relative_gap(model, &f));
-            let scored: Vec<(f64, f64)> = options.map(|c| (c, error(c))).collect();
-            scored
-                .into_iter()
-                .min_by(|a, b| a.1.total_cmp(&b.1))
-                .map_or(automatic, |best| best.0)
-        });
-        let frame = |r: &Recording| frame(r, cutoff);
+        let view = choose(model, data)?;
+        let frame = |r: &Recording| fresh(r, view.cutoff_hz);
         let (data, heldout) = (frame(data)?, frame(heldout)?);
-        let scale = data.scale(&[&heldout]);
+        let scale = data.scale(&[&heldout], view.softness);
         Ok(Self {
             data,
             heldout,
             scale,
         })
     }
+}
+
+/// A recording with its torque, prepared.
+///
+/// # Errors
+/// No torque, or a recording that cannot be prepared.
+pub fn fresh(recording: &Recording, cutoff_hz: Option<f64>) -> Result<Frame, DiagnoseError> {
+    let tau = recording
+        .tau
+        .clone()
+        .ok_or_else(|| DiagnoseError::NoTorque(recording.source.clone()))?;
+    Frame::new(recording, tau, cutoff_hz).map_err(|error| DiagnoseError::Prepare {
+        source_name: recording.source.clone(),
+        error,
+    })
 }
 
 /// An accepted cause among the candidates.
@@ -121,15 +106,6 @@ pub struct Findings {
 /// Torque of the gap on a frame's recorded samples: measured − given.
 pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
     &frame.tau - &model.predicted(frame, scale)
-}
-
-/// Sum over joints of the gap's mean square over the variance of the measured torque.
-fn relative_gap(model: &NominalModel, frame: &Frame) -> f64 {
-    let gap = gap(model, frame, &frame.scale(&[]));
-    let square = |j: usize| gap.column(j).dot(&gap.column(j)) / gap.nrows().max(1) as f64;
-    (0..frame.dof())
-        .map(|j| square(j) / frame.tau.column(j).var(0.0).max(1e-12))
-        .sum()
 }
 
 /// Chosen columns of a recording at its recorded samples: (column, joint, torque per unit).
@@ -202,6 +178,10 @@ pub fn find(
             data.report().rate_hz,
         );
         candidates.extend(torque_ripple::candidates(j, &orders));
+    }
+    let load = data.table_to_samples(&scene.rigid);
+    if let Some(blows) = impacts::clearest(data, &residual, &load) {
+        candidates.extend(backlash::struck(&scene, blows.joint));
     }
     candidates.retain(|c| Some(c.effect) != settings.withheld);
     let dictionary = Dictionary::new(data.dof(), &candidates);

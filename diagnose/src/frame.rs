@@ -210,8 +210,9 @@ impl Frame {
             .mapv(|r| if r { CROSSING_WEIGHT } else { 1.0 })
     }
 
-    /// Sizes for grids of shape parameters; `others` are recordings of the same session.
-    pub fn scale(&self, others: &[&Frame]) -> Scale {
+    /// Sizes for grids of shape parameters; `others` are recordings of the same session, `softness` is the velocity
+    /// below which each joint's sign is softened.
+    pub fn scale(&self, others: &[&Frame], softness: Vec<f64>) -> Scale {
         let m = self.samples();
         let rms = |x: ArrayView1<f64>| (x.dot(&x) / x.len().max(1) as f64).sqrt().max(1e-9);
         let spread = |x: ArrayView1<f64>| x.std(0.0).max(1e-9);
@@ -223,6 +224,7 @@ impl Frame {
         let frames = || std::iter::once(self).chain(others.iter().copied());
         let fine = &self.motion().time;
         Scale {
+            softness,
             speed: m.qd.columns().into_iter().map(rms).collect(),
             range: m
                 .q

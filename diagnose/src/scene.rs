@@ -8,8 +8,8 @@ use physics::robot::Robot;
 use rayon::prelude::*;
 use signal::Motion;
 
-/// Velocity below which the sign of a motion is softened, rad/s (m/s): well below what the contract
-/// allows, so that the reversal keeps its shape.
+/// Velocity below which the sign of a motion is softened, rad/s (m/s), where the recording does not say better: well
+/// below what the contract allows, so that the reversal keeps its shape.
 pub const SOFT_SIGN: f64 = 0.001;
 
 /// Change of a position (rad) or velocity (rad/s) over which the rigid torque is differenced.
@@ -18,6 +18,8 @@ const STEP: f64 = 1e-4;
 /// Sizes that grids of shape parameters are relative to, one value per joint.
 #[derive(Clone, Debug)]
 pub struct Scale {
+    /// Velocity below which the sign is softened.
+    pub softness: Vec<f64>,
     /// Root mean square velocity.
     pub speed: Vec<f64>,
     /// Lowest and highest position.
@@ -64,7 +66,10 @@ pub struct Scene<'a> {
 impl<'a> Scene<'a> {
     /// Evaluates the model on a motion.
     pub fn new(robot: &'a Robot, motion: &'a Motion, scale: &'a Scale) -> Self {
-        let sign = motion.qd.mapv(soft_sign);
+        let mut sign = motion.qd.clone();
+        for (mut column, &soft) in sign.columns_mut().into_iter().zip(&scale.softness) {
+            column.mapv_inplace(|v| (v / soft).tanh());
+        }
         let rigid = rigid_torque(robot, &motion.q, &motion.qd, &motion.qdd);
         let mut drive = Array2::zeros(motion.q.dim());
         for (j, joint) in robot.joints().iter().enumerate() {
@@ -199,7 +204,7 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// tanh(q̇/ε): the sign, softened below [`SOFT_SIGN`].
+/// tanh(q̇/ε): the sign, softened below [`SOFT_SIGN`], of what is no single joint's motion.
 pub fn soft_sign(qd: f64) -> f64 {
     (qd / SOFT_SIGN).tanh()
 }

@@ -101,7 +101,8 @@ impl<'a> Search<'a> {
                             .iter()
                             .zip(&variables)
                             .all(|(g, v)| g * g * v.precision < MOST_CHANGE));
-                let gain = before - self.objective.of_trial(&trial, self.members[c].len());
+                let gain = before - self.objective.of_trial(&trial, self.members[c].len())
+                    + self.candidates[c].evidence;
                 within.then_some(Tried {
                     candidate: c,
                     gain,
@@ -185,6 +186,9 @@ impl<'a> Search<'a> {
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
         let c = &self.candidates[tried.candidate];
         let memory = c.effect == Effect::PreslidingHysteresis;
+        if c.evidence > 0.0 {
+            return true;
+        }
         if fraction(&before, &after, &c.joints) < least_fraction(c) {
             return false;
         }
@@ -254,14 +258,17 @@ fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
 
 /// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
 /// spare them a bend instead. What the sign of a filtered velocity gets wrong at reversals looks like memory over
-/// less than a milliradian, which therefore has to show plainly.
+/// less than a milliradian, or like friction that falls at once, which therefore have to show plainly.
 fn least_fraction(candidate: &Candidate) -> f64 {
     const NARROW: f64 = 1.2e-3;
+    const SLOW: f64 = 0.012;
     match candidate.effect {
+        Effect::StribeckFriction if candidate.shape.first().is_some_and(|s| s.1 < SLOW) => 0.35,
         Effect::PreslidingHysteresis if candidate.shape.first().is_some_and(|s| s.1 < NARROW) => {
             0.35
         }
         Effect::PreslidingHysteresis
+        | Effect::StribeckFriction
         | Effect::JointCoupling
         | Effect::TimeDelay
         | Effect::Backlash

@@ -12,6 +12,23 @@ const HALF_PLAYS: [f64; 6] = [2e-4, 6e-4, 1.3e-3, 2.6e-3, 5e-3, 9e-3];
 /// Natural frequencies on the flanks, Hz, with their damping.
 const FLANKS: [(f64, f64); 2] = [(14.0, 0.3), (28.0, 0.3)];
 
+/// What blows after changes of the torque's sign are worth, nats.
+const BLOWS: f64 = 40.0;
+
+/// Candidates of a joint whose blows were found. Their timing is not asked of the column: what of it the play
+/// predicts is taken, in any size.
+pub fn struck(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let mut all = candidates(scene, joint);
+    for c in &mut all {
+        c.bounds[0] = Bound::Positive;
+        c.shape
+            .insert(0, ("half_play", c.quantities[0].factor, "rad"));
+        c.quantities[0] = Quantity::plain("share", "1", Some(joint));
+        c.evidence = BLOWS;
+    }
+    all
+}
+
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let dof = scene.dof();
     let unit = if scene.robot.joints()[joint].kind.is_rotation() {

@@ -29,5 +29,6 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
             Quantity::plain("tilt_y", "rad", None),
         ],
         shape: Vec::new(),
+        evidence: 0.0,
     }]
 }

@@ -2,7 +2,7 @@
 //! sign constraints and units.
 
 mod asymmetric_friction;
-mod backlash;
+pub mod backlash;
 mod base_tilt;
 mod counterbalance;
 mod encoder_offset;
@@ -119,6 +119,8 @@ pub struct Candidate {
     pub quantities: Vec<Quantity>,
     /// Shape parameters: name, value, unit.
     pub shape: Vec<(&'static str, f64, &'static str)>,
+    /// What speaks for it beside the error that it removes, nats.
+    pub evidence: f64,
 }
 
 impl Candidate {
@@ -138,6 +140,7 @@ impl Candidate {
             bounds: vec![bound],
             quantities: vec![quantity],
             shape: Vec::new(),
+            evidence: 0.0,
         }
     }
 

@@ -57,6 +57,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
             .map(|&(name, unit)| Quantity::plain(name, unit, Some(link)))
             .collect(),
         shape: Vec::new(),
+        evidence: 0.0,
     };
     // Before the last link's parameters, whose columns are the same: of two equal answers the first wins.
     let mut payload = link(Effect::Payload, dof - 1);

@@ -9,6 +9,8 @@ use crate::scene::{SOFT_SIGN, Scene};
 /// Stribeck velocities relative to the joint's root mean square velocity. What is narrower than the softened sign is
 /// not told from it.
 const VELOCITIES: [f64; 7] = [0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0];
+/// Least Stribeck velocity over that of the softened sign.
+const NARROWEST: f64 = 8.0;
 /// Exponents: Tustin's and the Gaussian form.
 const EXPONENTS: [f64; 2] = [1.0, 2.0];
 
@@ -18,7 +20,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     for v in VELOCITIES {
         for exponent in EXPONENTS {
             let velocity = v * speed;
-            if velocity < 8.0 * SOFT_SIGN {
+            if velocity < NARROWEST * scene.scale.softness[joint].max(SOFT_SIGN) {
                 continue;
             }
             let column = Column::own(joint, move |s| {
