@@ -19,7 +19,9 @@ use physics::robot::Robot;
 use rayon::prelude::*;
 
 /// Most causes that are named.
-const MOST_CAUSES: usize = 8;
+const MOST_CAUSES: usize = 16;
+/// Highest cut-off of the motion over the rate of a recording.
+pub const MOST_CUTOFF: f64 = 0.3;
 
 /// The recordings on their clocks.
 pub struct Frames {
@@ -42,7 +44,11 @@ impl Frames {
         heldout: &Recording,
     ) -> Result<Self, DiagnoseError> {
         let view = choose(model, data)?;
-        let frame = |r: &Recording| fresh(r, view.cutoff_hz);
+        // A recording at a lower rate cannot be filtered as high.
+        let frame = |r: &Recording| {
+            let most = MOST_CUTOFF * rate(r);
+            fresh(r, view.cutoff_hz.map(|c| c.min(most)))
+        };
         let (data, heldout) = (frame(data)?, frame(heldout)?);
         let scale = data.scale(&[&heldout], view.softness);
         Ok(Self {
@@ -51,6 +57,22 @@ impl Frames {
             scale,
         })
     }
+}
+
+/// Mean rate of a recording's samples within its trajectories, Hz.
+fn rate(recording: &Recording) -> f64 {
+    let (steps, time) =
+        recording
+            .segments()
+            .iter()
+            .filter(|s| s.len() > 1)
+            .fold((0, 0.0), |(n, t), s| {
+                (
+                    n + s.len() - 1,
+                    t + recording.time[s.end - 1] - recording.time[s.start],
+                )
+            });
+    steps as f64 / time.max(1e-9)
 }
 
 /// A recording with its torque, prepared.

@@ -2,11 +2,12 @@
 //!
 //! It does not repeat, so nothing fitted on one trajectory predicts it on another: it is found as bursts of what
 //! the other causes leave, in the recording that is scored. A force on link k loads joints 1…k, not those beyond:
-//! the last loaded joint names the link. Within a burst the torque is followed in time by means over short
-//! windows. Confounder: any rare event that repeats with the motion, which a learner then predicts.
+//! the last loaded joint names the link. Within a burst the torque is followed in time by the smoothed residual.
+//! Confounders: any rare event that repeats with the motion, which a learner then predicts; a fault of one joint's
+//! torque channel or transmission that comes and goes, which loads no other joint.
 
 use crate::frame::{Frame, REVERSAL_SPEED};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, ArrayView1, ArrayViewMut1};
 use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
 use std::ops::Range;
@@ -23,6 +24,12 @@ const MOST_TIME: f64 = 0.4;
 const LEAST_SHARE: f64 = 0.5;
 /// Window mean below which a joint counts as unloaded, relative to its torque.
 const QUIET: f64 = 0.004;
+
+/// Half width of the running means that follow a burst, s, and their number.
+const SMOOTH: f64 = 0.012;
+const PASSES: usize = 2;
+/// Part of the load, relative to the joints' torques, from which one joint is loaded alone: no force from outside.
+const ALONE: f64 = 0.97;
 
 /// One burst.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +113,7 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
     if bursts.is_empty() || inside as f64 > MOST_TIME * n as f64 || share < LEAST_SHARE {
         return None;
     }
+    let rate = frame.report().rate_hz;
     let mut torque = Array2::zeros(residual.dim());
     let bursts: Vec<Burst> = bursts
         .into_iter()
@@ -120,10 +128,15 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
                 .rev()
                 .find(|&j| peak(j) > (0.15 * highest).max(4.0))
                 .unwrap_or(0);
-            for j in 0..=last {
-                follow(&windows, &b, j, &mut torque);
-            }
             let samples = windows.samples[b.start].start..windows.samples[b.end - 1].end;
+            for j in 0..=last {
+                follow(
+                    residual.column(j),
+                    samples.clone(),
+                    rate,
+                    torque.column_mut(j),
+                );
+            }
             Burst {
                 samples,
                 last_joint: last,
@@ -131,10 +144,16 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
             }
         })
         .collect();
-    let squares = |j: usize| torque.column(j).dot(&torque.column(j)) / residual.nrows() as f64;
-    let size = (0..frame.dof())
-        .map(|j| squares(j) / frame.tau.column(j).var(0.0).max(1e-12))
-        .sum();
+    let load: Vec<f64> = (0..frame.dof())
+        .map(|j| {
+            let square = torque.column(j).dot(&torque.column(j)) / residual.nrows() as f64;
+            square / frame.tau.column(j).var(0.0).max(1e-12)
+        })
+        .collect();
+    let size: f64 = load.iter().sum();
+    if frame.dof() > 1 && load.iter().any(|l| *l > ALONE * size) {
+        return None;
+    }
     Some(Contact {
         bursts,
         torque,
@@ -171,25 +190,28 @@ fn windows(frame: &Frame, residual: &Array2<f64>) -> Windows {
     Windows { samples, mean }
 }
 
-/// Window means joined by straight lines inside a burst.
-fn follow(windows: &Windows, burst: &Range<usize>, joint: usize, torque: &mut Array2<f64>) {
-    let middle = |w: usize| (windows.samples[w].start + windows.samples[w].end) as f64 / 2.0;
-    let first = windows.samples[burst.start].start;
-    let last = windows.samples[burst.end - 1].end;
-    let mut w = burst.start;
-    for i in first..last {
-        let x = i as f64 + 0.5;
-        while w + 1 < burst.end && middle(w + 1) <= x {
-            w += 1;
+/// The residual of a joint inside a burst, smoothed by running means, which shorten towards its ends.
+fn follow(
+    residual: ArrayView1<f64>,
+    samples: Range<usize>,
+    rate: f64,
+    mut torque: ArrayViewMut1<f64>,
+) {
+    let half = ((SMOOTH * rate).round() as usize).max(1);
+    let mut x: Vec<f64> = samples.clone().map(|i| residual[i]).collect();
+    for _ in 0..PASSES {
+        let mut sums = vec![0.0];
+        for v in &x {
+            sums.push(sums[sums.len() - 1] + v);
         }
-        let next = (w + 1).min(burst.end - 1);
-        let (a, b) = (windows.mean[[w, joint]], windows.mean[[next, joint]]);
-        let share = if next > w {
-            ((x - middle(w)) / (middle(next) - middle(w))).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        torque[[i, joint]] = a + share * (b - a);
+        let n = x.len();
+        for (i, v) in x.iter_mut().enumerate() {
+            let h = half.min(i).min(n - 1 - i);
+            *v = (sums[i + h + 1] - sums[i - h]) / (2 * h + 1) as f64;
+        }
+    }
+    for (i, v) in samples.zip(x) {
+        torque[i] = v;
     }
 }
 

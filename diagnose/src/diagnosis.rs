@@ -21,7 +21,7 @@ use datasets::Recording;
 /// Structure left on some joint, relative to its torque, from which it counts as clear.
 const CLEAR: f64 = 0.03;
 /// Part of the whole gap that it must be.
-const CLEAR_SHARE: f64 = 0.02;
+const CLEAR_SHARE: f64 = 0.06;
 /// Part of the gap that the causes must remove to explain it.
 const EXPLAINED: f64 = 0.8;
 /// Gap on the worst joint below which there is none.
@@ -29,7 +29,7 @@ const SMALL: f64 = 0.05;
 /// Part of the error that a learner may predict for the rest to count as contact.
 const CONTACT_LEARNABLE: f64 = 0.35;
 /// Least part of the gap that contact makes.
-const CONTACT_SIZE: f64 = 0.05;
+const CONTACT_SIZE: f64 = 0.1;
 /// Time around a burst that is not fitted either, s.
 const CONTACT_MARGIN: f64 = 0.1;
 

@@ -5,7 +5,7 @@
 //! velocity changes its sign, but noise turns that sign at random, a real contact bends before it slides, and both
 //! round the jump. Neither is known beforehand, and both show as error that no parameter removes.
 
-use crate::analysis::fresh;
+use crate::analysis::{MOST_CUTOFF, fresh};
 use crate::cholesky::Cholesky;
 use crate::error::DiagnoseError;
 use crate::frame::Frame;
@@ -51,7 +51,7 @@ pub fn choose(model: &NominalModel, data: &Recording) -> Result<View, DiagnoseEr
         });
     };
     let rate = first.report().rate_hz;
-    let most = CUTOFFS[CUTOFFS.len() - 1].min(0.3 * rate);
+    let most = CUTOFFS[CUTOFFS.len() - 1].min(MOST_CUTOFF * rate);
     let options = CUTOFFS
         .into_iter()
         .filter(|c| *c < most)

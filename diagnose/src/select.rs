@@ -138,7 +138,8 @@ impl<'a> Search<'a> {
                 .iter()
                 .find(|t| {
                     self.worth(&fit, t)
-                        && t.gain > self.relative_price(&accepted, &gains, t.candidate)
+                        && (self.plain(&fit, t)
+                            || t.gain > self.relative_price(&accepted, &gains, t.candidate))
                 })
                 .map(|t| (t.candidate, t.gain));
             match best {
@@ -200,17 +201,29 @@ impl<'a> Search<'a> {
         (misfit && !memory) || tried.gain > clear
     }
 
+    /// Whether a trial removes so much of its own joints' error that it can be nobody's leftover.
+    fn plain(&self, fit: &Fit, tried: &Tried) -> bool {
+        let before = self.objective.relative(&fit.error());
+        let after = self.objective.relative(&tried.error);
+        let joints = &self.candidates[tried.candidate].joints;
+        fraction(&before, &after, joints) > self.objective.settings.plain
+    }
+
     /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form
     /// leaves behind looks like a small effect, most of all like its own effect next door.
     fn relative_price(&self, accepted: &[usize], gains: &[f64], candidate: usize) -> f64 {
         let s = self.objective.settings;
-        let effect = self.candidates[candidate].effect;
+        let new = &self.candidates[candidate];
         let price = |(&a, &gain): (&usize, &f64)| {
-            let earlier = self.candidates[a].effect;
-            match (earlier.is_parameter(), earlier == effect) {
-                (true, _) => 0.0,
-                (false, true) => s.leftover_same * gain,
-                (false, false) => s.leftover * gain,
+            let earlier = &self.candidates[a];
+            if earlier.effect.is_parameter() {
+                0.0
+            } else if earlier.effect == new.effect {
+                s.leftover_same * gain
+            } else if earlier.shares_rows(new) {
+                s.leftover * gain
+            } else {
+                0.0
             }
         };
         accepted.iter().zip(gains).map(price).fold(0.0, f64::max)

@@ -11,8 +11,8 @@ use crate::scene::soft_sign;
 use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
 
-/// Lag at which filtered noise has forgotten itself, s.
-const LAG: f64 = 0.08;
+/// Lags at which filtered noise has forgotten itself, s. Several, because what oscillates vanishes at some.
+const LAGS: [f64; 6] = [0.08, 0.1, 0.125, 0.16, 0.2, 0.26];
 /// Ridge of the learner relative to the number of rows.
 const RIDGE: f64 = 3e-3;
 
@@ -21,7 +21,7 @@ const RIDGE: f64 = 3e-3;
 pub struct Left {
     /// Root mean squared error away from reversals.
     pub error: f64,
-    /// Part of its square that lasts longer than 80 ms.
+    /// Part of its square that lasts 80 ms or longer.
     pub lasting: f64,
     /// Part of its square that the learner predicts on folds left out.
     pub learnable: f64,
@@ -65,15 +65,22 @@ fn one(
         };
     }
     let square = kept.iter().map(|&i| r[i] * r[i]).sum::<f64>() / kept.len() as f64;
-    let lag = (LAG * frame.row_rate()).round().max(1.0) as usize;
-    let pairs = frame
-        .rows
-        .iter()
-        .flat_map(|t| t.start..t.end.saturating_sub(lag));
-    let (sum, n) = pairs
-        .filter(|&i| !reversal[[i, joint]] && !reversal[[i + lag, joint]])
-        .fold((0.0, 0usize), |(s, n), i| (s + r[i] * r[i + lag], n + 1));
-    let lasting = (sum / n.max(1) as f64 / square).clamp(0.0, 1.0);
+    let correlation = |lag: f64| {
+        let lag = (lag * frame.row_rate()).round().max(1.0) as usize;
+        let pairs = frame
+            .rows
+            .iter()
+            .flat_map(|t| t.start..t.end.saturating_sub(lag));
+        let (sum, n) = pairs
+            .filter(|&i| !reversal[[i, joint]] && !reversal[[i + lag, joint]])
+            .fold((0.0, 0usize), |(s, n), i| (s + r[i] * r[i + lag], n + 1));
+        (sum / n.max(1) as f64 / square).abs()
+    };
+    let lasting = LAGS
+        .into_iter()
+        .map(correlation)
+        .fold(0.0, f64::max)
+        .min(1.0);
     Left {
         error: square.sqrt() / deviation,
         lasting,

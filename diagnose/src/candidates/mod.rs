@@ -144,6 +144,16 @@ impl Candidate {
         }
     }
 
+    /// Whether both change the torque of some joint.
+    pub fn shares_rows(&self, other: &Self) -> bool {
+        let touched = |c: &Self| -> Vec<usize> {
+            let of = c.columns.iter().flat_map(|c| c.joints.iter().copied());
+            of.collect()
+        };
+        let own = touched(self);
+        touched(other).iter().any(|j| own.contains(j))
+    }
+
     fn with_shape(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
         self.shape.push((name, value, unit));
         self
