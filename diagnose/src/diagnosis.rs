@@ -13,10 +13,11 @@ use crate::model::NominalModel;
 use crate::objective::Settings;
 use crate::patch::{self, possible};
 use crate::recordings::{checked, not_identifiable, notes};
-use crate::report::{Diagnosis, Simulation, Tested, Unexplained, Verdict};
+use crate::report::{Cause, Diagnosis, Place, Simulation, Tested, Unexplained, Verdict};
 use crate::scene::rigid_torque;
 use crate::unknown::{Left, examine};
 use datasets::Recording;
+use physics::robot::Robot;
 
 /// Structure left on some joint, relative to its torque, from which it counts as clear.
 const CLEAR: f64 = 0.03;
@@ -125,14 +126,18 @@ pub fn diagnose(
         joints: names.clone(),
         verdict: verdict(&explanation, &left),
         ladder,
-        places: locate(
-            &explanation.gap,
-            &frames.heldout.tau,
-            &load,
-            samples,
-            &names,
+        places: places_in_units(
+            locate(
+                &explanation.gap,
+                &frames.heldout.tau,
+                &load,
+                samples,
+                &names,
+                frames.heldout.report().rate_hz,
+            ),
+            &model.robot,
         ),
-        causes: explanation.causes.clone(),
+        causes: in_units(explanation.causes.clone(), &model.robot),
         candidates: tested(&findings, &names),
         not_identifiable: not_identifiable(&frames, recordings.first(), &names),
         recordings,
@@ -177,6 +182,48 @@ fn simulated(
         torque: &(&held.tau - &explanation.residual),
     };
     Ok(forward::compare(held, &before, &after))
+}
+
+/// Units of joints that slide instead of turning. Inertial parameters are those of links.
+fn in_units(mut causes: Vec<Cause>, robot: &Robot) -> Vec<Cause> {
+    let slides = |name: &Option<String>| name.as_ref().is_some_and(|n| slides(robot, n));
+    for cause in &mut causes {
+        if matches!(cause.effect, Effect::LinkParameters | Effect::Payload) {
+            continue;
+        }
+        for p in cause.parameters.iter_mut().filter(|p| slides(&p.joint)) {
+            p.unit = linear(&p.unit).unwrap_or(&p.unit).to_owned();
+        }
+    }
+    causes
+}
+
+/// The same of regions.
+fn places_in_units(mut places: Vec<Place>, robot: &Robot) -> Vec<Place> {
+    for place in places.iter_mut().filter(|p| slides(robot, &p.joint)) {
+        place.unit = linear(place.unit).unwrap_or(place.unit);
+    }
+    places
+}
+
+fn slides(robot: &Robot, joint: &str) -> bool {
+    let mut joints = robot.joints().iter();
+    joints.any(|j| j.name == joint && !j.kind.is_rotation())
+}
+
+/// What an angular unit becomes where the joint slides.
+fn linear(unit: &str) -> Option<&'static str> {
+    Some(match unit {
+        "N·m" => "N",
+        "N·m·s/rad" => "N·s/m",
+        "N·m/rad" => "N/m",
+        "kg·m²" => "kg",
+        "rad" => "m",
+        "rad/s" => "m/s",
+        "rad/s²" => "m/s²",
+        "1/rad" => "1/m",
+        _ => return None,
+    })
 }
 
 fn verdict(explanation: &Explanation, left: &[Left]) -> Verdict {

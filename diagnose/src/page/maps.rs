@@ -35,6 +35,7 @@ pub(super) fn places(d: &Diagnosis) -> Section {
         Column::text("coordinate"),
         Column::text("range"),
         Column::number("share of gap"),
+        Column::text("90 % interval"),
         Column::number("share of time"),
     ];
     let table = d.places.iter().fold(Table::new(head), |t, p| {
@@ -43,6 +44,9 @@ pub(super) fn places(d: &Diagnosis) -> Section {
             Cell::text(p.coordinate.replace('_', " ")),
             Cell::text(format!("{:.3} … {:.3} {}", p.range[0], p.range[1], p.unit)),
             Cell::number(p.share_of_gap, 2),
+            p.share_interval.map_or_else(Cell::missing, |[low, high]| {
+                Cell::text(format!("{low:.2} … {high:.2}"))
+            }),
             Cell::number(p.share_of_time, 2),
         ])
     });

@@ -217,3 +217,23 @@ fn what_cannot_be_used_leaves_nothing_behind() {
     let out = case.diagnose(&["--robot", "@arm.urdf"], &["--json", "@no/folder/r.json"]);
     assert_eq!(out.status.code(), Some(1));
 }
+
+/// The same bytes on one thread and on two.
+#[test]
+fn threads_change_nothing() {
+    let case = Case::new(&cut(0.25, 0.0, 4, 1000), &cut(0.25, 0.45, 2, 1000));
+    let reports = ["1", "2"].map(|threads| {
+        let path = |name: &str| case.path(name).display().to_string();
+        let json = path(&format!("r{threads}.json"));
+        let status = std::process::Command::new(env!("CARGO_BIN_EXE_diagnose"))
+            .env("RAYON_NUM_THREADS", threads)
+            .args(["--robot", &path("arm.urdf"), "--data", &path("a.csv")])
+            .args(["--heldout", &path("b.csv"), "--learn", "--json", &json])
+            .output()
+            .unwrap()
+            .status;
+        assert!(status.success());
+        std::fs::read_to_string(json).unwrap()
+    });
+    assert_eq!(reports[0], reports[1]);
+}
