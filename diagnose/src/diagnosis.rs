@@ -10,6 +10,7 @@ use crate::ladder::{repeatability, step};
 use crate::learned::learned;
 use crate::locate::locate;
 use crate::model::NominalModel;
+use crate::moved::moved;
 use crate::objective::Settings;
 use crate::patch::{self, possible};
 use crate::recordings::{checked, not_identifiable, notes};
@@ -138,6 +139,7 @@ pub fn diagnose(
             &model.robot,
         ),
         causes: in_units(explanation.causes.clone(), &model.robot),
+        moved_parameters: moved(model, &findings),
         candidates: tested(&findings, &names),
         not_identifiable: not_identifiable(&frames, recordings.first(), &names),
         recordings,

@@ -24,6 +24,7 @@ pub mod ladder;
 pub mod learned;
 pub mod locate;
 pub mod model;
+pub mod moved;
 pub mod objective;
 pub mod page;
 pub mod patch;

@@ -20,6 +20,8 @@ pub struct Diagnosis {
     pub places: Vec<Place>,
     /// Accepted causes, largest share first.
     pub causes: Vec<Cause>,
+    /// Parameters of the given structure that moved, the causes being in place; most deviations first.
+    pub moved_parameters: Vec<Moved>,
     /// Everything tried, best first.
     pub candidates: Vec<Tested>,
     /// What the gap means in motion, with the model as given and with the causes.
@@ -237,4 +239,23 @@ pub struct NextExperiment {
     pub evidence_recorded: f64,
     /// The same together with the new motion.
     pub evidence_expected: f64,
+}
+
+/// A parameter of the given structure that moved.
+#[derive(Clone, Debug, Serialize)]
+pub struct Moved {
+    /// Name: `m`, `mx` … of the joint's link, `viscous`, `coulomb`.
+    pub name: String,
+    /// Joint.
+    pub joint: String,
+    /// In the model as given.
+    pub given: f64,
+    /// As fitted.
+    pub value: f64,
+    /// Standard deviation of the fitted value.
+    pub std: f64,
+    /// Unit.
+    pub unit: &'static str,
+    /// Change over its deviation.
+    pub deviations: f64,
 }

@@ -124,6 +124,32 @@ fn ladder(outcome: &Outcome) -> Section {
             Section::new("In motion alone")
                 .table(table(true).caption("NRMSE by joint, samples with |q̇| > 0.01 rad/s (m/s)")),
         )
+        .details(moved(d))
+}
+
+/// Parameters of the given structure that moved.
+fn moved(d: &Diagnosis) -> Section {
+    let head = [
+        Column::text("parameter"),
+        Column::text("joint"),
+        Column::number("given"),
+        Column::number("fitted"),
+        Column::text("unit"),
+        Column::number("deviations"),
+    ];
+    let table = d.moved_parameters.iter().fold(Table::new(head), |t, m| {
+        t.row([
+            Cell::text(&m.name),
+            Cell::text(&m.joint),
+            Cell::significant(m.given, 4),
+            Cell::with_std(m.value, m.std),
+            Cell::text(m.unit),
+            Cell::number(m.deviations, 0),
+        ])
+    });
+    Section::new("Parameters that moved")
+        .paragraph("With the causes in place, near the given values where the data cannot say.")
+        .table(table)
 }
 
 /// Names of the ladder's steps, with the joints of causes.

@@ -77,6 +77,14 @@ fn names_quadratic_friction_and_writes_every_file() {
         "{report:#}"
     );
     assert!(report["causes"][0]["gap_closed"].as_f64().unwrap() > 0.9);
+    for moved in report["moved_parameters"].as_array().unwrap() {
+        let number = |key: &str| moved[key].as_f64().unwrap();
+        let deviations = (number("value") - number("given")).abs() / number("std");
+        assert!(
+            (deviations - number("deviations")).abs() < 1e-6 * deviations,
+            "{moved}"
+        );
+    }
     assert!(
         std::fs::read_to_string(&html)
             .unwrap()
