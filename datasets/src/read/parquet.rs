@@ -8,7 +8,9 @@ use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use std::cell::Cell;
 use std::path::Path;
+use std::sync::Once;
 
 /// Key of the file's metadata under which the writer of this crate notes the torque filter.
 pub(crate) const TORQUE_FILTER_KEY: &str = "residyn.torque_filter";
@@ -25,7 +27,7 @@ pub(crate) fn read(
     file: &Path,
     options: &ReadOptions,
 ) -> Result<Recording, ReadError> {
-    std::panic::catch_unwind(|| decode(bytes, file, options)).unwrap_or_else(|_| {
+    quietly(|| std::panic::catch_unwind(|| decode(bytes, file, options))).unwrap_or_else(|_| {
         let detail = "the decoder gave up on its pages".to_owned();
         Err(Problem::Damaged {
             format: "Parquet",
@@ -104,6 +106,28 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         torque_filter,
     };
     assemble(&layout, columns, options, file)
+}
+
+thread_local! {
+    static QUIET: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs `work` without the message that a panic of this thread would print; other threads and the hook that the
+/// program has set are left alone.
+fn quietly<T>(work: impl FnOnce() -> T) -> T {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let previous = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            if !QUIET.get() {
+                previous(info);
+            }
+        }));
+    });
+    let before = QUIET.replace(true);
+    let result = work();
+    QUIET.set(before);
+    result
 }
 
 /// Reads `none` or `order,cutoff_hz,ripple_db`.

@@ -13,6 +13,14 @@ pub enum RobotError {
         /// Reason given by the operating system.
         source: std::io::Error,
     },
+    /// What a file holds cannot be used.
+    #[error("{}: {source}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<RobotError>,
+    },
     /// Neither a built-in robot nor a file.
     #[error("no built-in robot and no file is called {name:?}; the built-in robots are {builtins}")]
     UnknownRobot {

@@ -98,7 +98,10 @@ impl Robot {
             path: path.to_owned(),
             source,
         })?;
-        Self::from_urdf_str(&text)
+        Self::from_urdf_str(&text).map_err(|source| RobotError::InFile {
+            path: path.to_owned(),
+            source: Box::new(source),
+        })
     }
 
     /// Reads a URDF. Fixed joints are merged with the inertia that they carry; the moving joints

@@ -194,20 +194,32 @@ fn moving_joint(
     })
 }
 
+/// A limit of this size or beyond, rad, m, rad/s, m/s, N·m or N, is none: what is written where the format demands a
+/// number.
+pub(super) const UNLIMITED: f64 = 1e9;
+
 /// A missing `<limit>` reads as zeros, and so does a missing attribute: neither limits anything.
 fn limits(kind: JointKind, limit: &urdf_rs::JointLimit) -> Limits {
     let bounded = kind != JointKind::Continuous && limit.upper > limit.lower;
     let (lower, upper) = if bounded {
-        (limit.lower, limit.upper)
+        (open(limit.lower), open(limit.upper))
     } else {
         (f64::NEG_INFINITY, f64::INFINITY)
     };
-    let positive = |v: f64| if v > 0.0 { v } else { f64::INFINITY };
+    let positive = |v: f64| if v > 0.0 { open(v) } else { f64::INFINITY };
     Limits {
         lower,
         upper,
         velocity: positive(limit.velocity),
         effort: positive(limit.effort),
+    }
+}
+
+fn open(limit: f64) -> f64 {
+    if limit.abs() >= UNLIMITED {
+        f64::INFINITY.copysign(limit)
+    } else {
+        limit
     }
 }
 

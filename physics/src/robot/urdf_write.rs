@@ -1,5 +1,6 @@
 //! Writing a URDF: from scratch, or new numbers into an existing text.
 
+use super::urdf::UNLIMITED;
 use super::{Inertia, Joint, JointKind, Robot, RobotError};
 use nalgebra::Matrix3;
 use roxmltree::{Document, Node};
@@ -187,18 +188,16 @@ fn write_joint(text: &mut String, joint: &Joint, parent: &str) {
         a.z,
     );
     let limits = &joint.limits;
-    let bounds = [
-        ("lower", limits.lower),
-        ("upper", limits.upper),
-        ("velocity", limits.velocity),
-        ("effort", limits.effort),
-    ];
-    if bounds.iter().any(|(_, v)| v.is_finite()) {
+    let mut bounds = vec![("velocity", limits.velocity), ("effort", limits.effort)];
+    if joint.kind != JointKind::Continuous {
+        bounds.extend([("lower", limits.lower), ("upper", limits.upper)]);
+    }
+    // Where there is a limit, or must be one, the format demands every attribute, and zero would mean a joint that
+    // can do nothing.
+    if joint.kind != JointKind::Continuous || bounds.iter().any(|(_, v)| v.is_finite()) {
         text.push_str("    <limit");
         for (name, value) in bounds {
-            // Zero is read as "no limit"; some readers demand the attribute.
-            let value = if value.is_finite() { value } else { 0.0 };
-            let _ = write!(text, " {name}=\"{value}\"");
+            let _ = write!(text, " {name}=\"{}\"", value.clamp(-UNLIMITED, UNLIMITED));
         }
         text.push_str("/>\n");
     }

@@ -32,6 +32,9 @@ use super::least_squares::{
 use faer::Mat;
 use ndarray::Array2;
 
+/// Blocks of samples that deviations are taken from, at most.
+const BLOCKS: usize = 256;
+
 /// Why an identification could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IterativeError {
@@ -119,6 +122,9 @@ pub struct Identification {
     pub feasible: Option<Feasible>,
     /// Triangle of the whitened, weighted rows.
     pub triangle: Triangle,
+    /// The same rows as normal equations of up to 256 blocks of samples that follow each other, for
+    /// [`block_covariance`](super::least_squares::block_covariance).
+    pub blocks: Vec<Gram>,
     /// Ω, N × N, squared torque units.
     pub noise: Array2<f64>,
     /// Weight of each row, samples × N, from 0 (left out) to 1.
@@ -151,7 +157,7 @@ pub fn identify(
     problem: &mut Problem,
     options: &IterativeOptions,
 ) -> Result<Identification, IterativeError> {
-    let (samples, n) = (problem.samples(), problem.dof());
+    let n = problem.dof();
     if let Some(law) = &options.power_law {
         law.check(problem)?;
     }
@@ -159,7 +165,7 @@ pub fn identify(
         parameters: vec![0.0; problem.columns()],
         standard: None,
         noise: Mat::identity(n, n),
-        weights: Array2::ones((samples, n)),
+        weights: problem.kept().clone(),
         solutions: 0,
         converged: true,
     };
@@ -174,7 +180,7 @@ pub fn identify(
     let mut previous = vec![0.0; n];
     for round in 0..options.rounds[2].max(1) {
         // Weights were judged with another exponent: start them afresh.
-        state.weights.fill(1.0);
+        state.weights.assign(problem.kept());
         state.middle_loop(problem, options)?;
         let Some(law) = &options.power_law else { break };
         if settled || round + 1 == options.rounds[2] {
@@ -237,8 +243,9 @@ impl State {
             for joint in 0..problem.dof() {
                 let deviation = self.noise[(joint, joint)].sqrt();
                 let column = self.weights.column_mut(joint);
-                for (w, e) in std::iter::zip(column, residual.column(joint)) {
-                    let new = options.weight.of(e / deviation);
+                let rows = residual.column(joint).into_iter().zip(problem.kept().column(joint));
+                for (w, (e, kept)) in std::iter::zip(column, rows) {
+                    let new = kept * options.weight.of(e / deviation);
                     change += (new - *w).abs();
                     *w = new;
                 }
@@ -285,12 +292,17 @@ impl State {
             Some(columns) => columns.clone(),
             None => (0..gram.columns()).collect(),
         };
+        let mean = match &options.solve.prior {
+            Some(prior) => prior.mean.clone(),
+            None => vec![0.0; gram.columns()],
+        };
         let fit = gram
+            .about(&mean)?
             .fit(&columns, options.solve.ridge)?
             .ok_or(IterativeError::Singular)?;
         self.parameters.fill(0.0);
         for (&column, value) in std::iter::zip(&columns, fit.parameters) {
-            self.parameters[column] = value;
+            self.parameters[column] = mean[column] + value;
         }
         Ok(())
     }
@@ -335,7 +347,8 @@ fn finish(
 ) -> Result<Identification, IterativeError> {
     let root = inverse_root(&state.noise)?;
     let mut rows = Accumulator::new(problem.columns());
-    problem.whitened_blocks(&root, &state.weights, |block, live| {
+    let all = 0..problem.samples();
+    problem.whitened_blocks(all, &root, &state.weights, |block, live| {
         rows.push_block(block, live)
     });
     let triangle = rows.finish()?;
@@ -350,6 +363,7 @@ fn finish(
     let n = problem.dof();
     Ok(Identification {
         residual: problem.residual(parameters),
+        blocks: problem.block_grams(&root, &state.weights, BLOCKS),
         noise: Array2::from_shape_fn((n, n), |(j, k)| state.noise[(j, k)]),
         weights: state.weights,
         exponents,

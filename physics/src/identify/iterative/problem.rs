@@ -4,6 +4,7 @@ use crate::identify::least_squares::{Gram, LeastSquaresError, check_size};
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, MatRef, Par};
 use ndarray::{Array2, ArrayView1, ArrayView2};
+use std::ops::Range;
 
 /// Samples handled at once: a block of 60 columns is 0.5 MB, within the second-level cache.
 const BLOCK: usize = 1024;
@@ -15,6 +16,8 @@ const BLOCK: usize = 1024;
 pub struct Problem {
     /// For each joint samples × (p + 1), column-major, the torque last.
     joints: Vec<Mat<f64>>,
+    /// Zero for rows left out, one for the others, samples × N.
+    kept: Array2<f64>,
 }
 
 impl Problem {
@@ -47,10 +50,40 @@ impl Problem {
                 })
             })
             .collect();
+        Self::of_joints(joints)
+    }
+
+    /// From the rows of each joint: samples × (p + 1), the torque last.
+    ///
+    /// # Errors
+    /// Tables of different sizes, no rows, values that are not finite.
+    pub fn of_joints(joints: Vec<Mat<f64>>) -> Result<Self, LeastSquaresError> {
+        let (samples, width) = joints.first().map_or((0, 0), |m| (m.nrows(), m.ncols()));
+        if samples == 0 || width == 0 {
+            return Err(LeastSquaresError::NoRows);
+        }
+        for joint in &joints {
+            check_size("a joint's table", joint.nrows(), samples)?;
+            check_size("a joint's rows", joint.ncols(), width)?;
+        }
         if joints.iter().any(|m| !m.is_all_finite()) {
             return Err(LeastSquaresError::NotFinite);
         }
-        Ok(Self { joints })
+        let kept = Array2::ones((samples, joints.len()));
+        Ok(Self { joints, kept })
+    }
+
+    /// Leaves the row of one joint at one sample out of every fit.
+    ///
+    /// # Panics
+    /// A sample or joint that does not exist.
+    pub fn leave_out(&mut self, sample: usize, joint: usize) {
+        self.kept[(sample, joint)] = 0.0;
+    }
+
+    /// Weights to start from: zero for rows left out, one for the others.
+    pub(super) fn kept(&self) -> &Array2<f64> {
+        &self.kept
     }
 
     /// Number of joints N.
@@ -80,20 +113,21 @@ impl Problem {
         residual
     }
 
-    /// Passes the weighted, whitened rows Ω^(−1/2) W^(1/2) [Y τ] (eqs 18, 22; `root` is Ω^(−1/2)) to `visit` block by block, each (rows × p + 1, torque last) with the number
-    /// of its rows that have weight.
+    /// Passes the weighted, whitened rows Ω^(−1/2) W^(1/2) [Y τ] (eqs 18, 22; `root` is Ω^(−1/2)) of some samples to
+    /// `visit` block by block, each (rows × p + 1, torque last) with the number of its rows that have weight.
     pub(super) fn whitened_blocks(
         &self,
+        within: Range<usize>,
         root: &Mat<f64>,
         weights: &Array2<f64>,
         mut visit: impl FnMut(MatRef<'_, f64>, usize),
     ) {
-        let (n, samples, width) = (self.dof(), self.samples(), self.columns() + 1);
-        let mut buffer = Mat::zeros(BLOCK.min(samples), width);
+        let (n, width) = (self.dof(), self.columns() + 1);
+        let mut buffer = Mat::zeros(BLOCK.min(within.len()), width);
         // Factor of each joint's rows in the whitened row at hand: Ω^(−1/2)_ik √w_k.
         let mut factors = vec![[0.0; BLOCK]; n];
-        for first in (0..samples).step_by(BLOCK) {
-            let rows = BLOCK.min(samples - first);
+        for first in within.clone().step_by(BLOCK) {
+            let rows = BLOCK.min(within.end - first);
             for i in 0..n {
                 let live = (first..first + rows).filter(|&k| weights[(k, i)] > 0.0);
                 let live = live.count();
@@ -123,10 +157,32 @@ impl Problem {
 
     /// Normal equations of the whitened, weighted rows.
     pub(super) fn gram(&self, root: &Mat<f64>, weights: &Array2<f64>) -> Gram {
+        self.gram_of(0..self.samples(), root, weights)
+    }
+
+    /// As [`Problem::gram`], for each of up to `most` blocks of samples that follow each other, of at least
+    /// eight samples.
+    pub(super) fn block_grams(
+        &self,
+        root: &Mat<f64>,
+        weights: &Array2<f64>,
+        most: usize,
+    ) -> Vec<Gram> {
+        let size = self.samples().div_ceil(most).max(8);
+        (0..self.samples())
+            .step_by(size)
+            .map(|first| {
+                let samples = first..(first + size).min(self.samples());
+                self.gram_of(samples, root, weights)
+            })
+            .collect()
+    }
+
+    fn gram_of(&self, samples: Range<usize>, root: &Mat<f64>, weights: &Array2<f64>) -> Gram {
         let width = self.columns() + 1;
         let mut products = Mat::<f64>::zeros(width, width);
         let mut rows = 0;
-        self.whitened_blocks(root, weights, |block, live| {
+        self.whitened_blocks(samples, root, weights, |block, live| {
             rows += live;
             triangular::matmul(
                 products.as_mut(),

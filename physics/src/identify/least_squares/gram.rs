@@ -53,6 +53,62 @@ impl Gram {
         self.products.as_ref()
     }
 
+    /// The sums of the same rows multiplied by `scale` (a change of weight of the whole group).
+    pub fn scaled(&self, scale: f64) -> Gram {
+        Gram {
+            products: faer::Scale(scale * scale) * &self.products,
+            rows: self.rows,
+        }
+    }
+
+    /// The sums of the same rows among `total` unknowns: column j becomes column `columns[j]`.
+    ///
+    /// # Errors
+    /// Another number of places than columns; a place that does not exist.
+    pub fn embed(&self, columns: &[usize], total: usize) -> Result<Gram, LeastSquaresError> {
+        check_size("the list of places", columns.len(), self.columns())?;
+        if let Some(&column) = columns.iter().find(|&&c| c >= total) {
+            return Err(LeastSquaresError::NoSuchColumn {
+                column,
+                columns: total,
+            });
+        }
+        let mut products = Mat::zeros(total + 1, total + 1);
+        let place = |j: usize| columns.get(j).copied().unwrap_or(total);
+        for i in 0..=columns.len() {
+            for j in 0..=columns.len() {
+                products[(place(i), place(j))] = self.products[(i, j)];
+            }
+        }
+        Ok(Gram {
+            products,
+            rows: self.rows,
+        })
+    }
+
+    /// The sums of the same rows with the target less A·`mean`: a fit of them is the distance from `mean`.
+    ///
+    /// # Errors
+    /// `mean` of another length.
+    pub fn about(&self, mean: &[f64]) -> Result<Gram, LeastSquaresError> {
+        let p = self.columns();
+        check_size("the prior mean", mean.len(), p)?;
+        let mut products = self.products.clone();
+        for i in 0..=p {
+            let shift: f64 = (0..p).map(|j| self.products[(i, j)] * mean[j]).sum();
+            products[(i, p)] -= shift;
+        }
+        let shift: f64 = (0..p).map(|j| products[(j, p)] * mean[j]).sum();
+        products[(p, p)] -= shift;
+        for j in 0..p {
+            products[(p, j)] = products[(j, p)];
+        }
+        Ok(Gram {
+            products,
+            rows: self.rows,
+        })
+    }
+
     /// The sums over the rows of both.
     ///
     /// # Errors

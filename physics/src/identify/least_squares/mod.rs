@@ -8,6 +8,7 @@
 
 mod condition;
 mod gram;
+mod jackknife;
 mod solve;
 mod triangle;
 
@@ -16,6 +17,7 @@ mod tests;
 
 pub use condition::{SubRegressors, condition_number};
 pub use gram::{Gram, GramFit};
+pub use jackknife::block_covariance;
 pub use solve::{Estimate, Prior, SolveOptions, cluster_covariance, solve};
 pub use triangle::{Accumulator, Triangle};
 

@@ -226,6 +226,26 @@ fn bad_input_is_refused() {
     assert!(empty.residual_sum_of_squares(&[1.0]).is_err());
 }
 
+#[test]
+fn sums_follow_their_rows() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let a = noise(&mut rng, 50, 2);
+    let b = noise(&mut rng, 50, 1).column(0).to_owned();
+    let triangle = Triangle::of(a.view(), b.view()).unwrap();
+    let gram = Gram::from(&triangle);
+    let mean = [2.0, -0.5];
+    let about = gram.about(&mean).unwrap();
+    let error = |g: &Gram, x: &[f64]| g.residual_sum_of_squares(&[0, 1], x).unwrap();
+    // A (x − mean) − (b − A mean) = A x − b.
+    let (x, off) = ([0.7, 0.1], [0.7 - mean[0], 0.1 - mean[1]]);
+    assert!((error(&about, &off) - error(&gram, &x)).abs() < 1e-9);
+    assert!((error(&gram.scaled(3.0), &x) / error(&gram, &x) - 9.0).abs() < 1e-9);
+    let placed = gram.embed(&[2, 0], 4).unwrap();
+    let far = placed.residual_sum_of_squares(&[2, 0], &x).unwrap();
+    assert!((far - error(&gram, &x)).abs() < 1e-9);
+    assert!(gram.embed(&[4, 0], 4).is_err() && gram.about(&[1.0]).is_err());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
