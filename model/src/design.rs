@@ -59,43 +59,104 @@ pub fn rigid_columns(
     columns
 }
 
-/// Normal equations of one joint, fold by fold, over its own columns.
+/// Everything that the rows of all joints are made of.
+pub struct Data<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Its base parameters.
+    pub base: &'a BaseParameters,
+    /// Their columns.
+    pub rigid: &'a RigidColumns,
+    /// The recordings.
+    pub session: &'a Session,
+    /// Their torque.
+    pub target: &'a Target<'a>,
+    /// Whether only moving samples count.
+    pub moving_only: bool,
+}
+
+impl Data<'_> {
+    /// The systems of all joints, with blocks.
+    ///
+    /// # Errors
+    /// Columns that are not finite.
+    pub fn systems(
+        &self,
+        terms: &[Vec<Term>],
+        load: &[Array2<f64>],
+    ) -> Result<Vec<JointSystem>, LeastSquaresError> {
+        (0..terms.len())
+            .into_par_iter()
+            .map(|joint| JointSystem::new(self, joint, &terms[joint], load, true))
+            .collect()
+    }
+
+    /// Number of samples of all recordings.
+    pub fn samples(&self) -> usize {
+        self.target.tau.iter().map(|t| t.nrows()).sum()
+    }
+
+    /// Whether the row of one joint at one sample counts.
+    pub fn counts(&self, part: usize, row: usize, joint: usize) -> bool {
+        !self.moving_only || self.session.parts[part].at_samples.qd[[row, joint]].abs() > MOVING
+    }
+}
+
+/// Blocks of samples that deviations are taken from, at most.
+const BLOCKS: usize = 256;
+/// Samples in a block, at least.
+const SHORTEST_BLOCK: usize = 8;
+
+/// Normal equations of one joint, fold by fold and block by block, over its own columns.
 pub struct JointSystem {
     /// Base parameters that act on this joint: indices into all base parameters.
     acting: Vec<usize>,
     terms: usize,
     folds: Vec<Triangle>,
+    /// Samples that follow each other, the same ones for every joint.
+    blocks: Vec<Gram>,
 }
 
 impl JointSystem {
-    /// Builds the columns and folds them; nothing of sample size is kept.
+    /// Builds the columns and folds them; nothing of sample size is kept. `blocks`: keep those for
+    /// [`block_covariance`](physics::identify::least_squares::block_covariance).
     ///
     /// # Errors
     /// Columns that are not finite.
     pub fn new(
+        data: &Data,
         joint: usize,
         terms: &[Term],
-        rigid: &RigidColumns,
-        session: &Session,
         load: &[Array2<f64>],
-        target: &Target,
-        moving_only: bool,
+        blocks: bool,
     ) -> Result<Self, LeastSquaresError> {
-        let acting = acting(&rigid[joint]);
-        let term_columns = session.columns(joint, terms, load, &[]);
+        let rigid = &data.rigid[joint];
+        let acting = acting(rigid);
+        let term_columns = data.session.columns(joint, terms, load, &[]);
         let width = acting.len() + terms.len();
-        let mut folds: Vec<Accumulator> =
-            (0..target.folds).map(|_| Accumulator::new(width)).collect();
+        let mut folds: Vec<Accumulator> = (0..data.target.folds)
+            .map(|_| Accumulator::new(width))
+            .collect();
+        let size = data.samples().div_ceil(BLOCKS).max(SHORTEST_BLOCK);
+        let mut finished = Vec::new();
+        let mut block = Accumulator::new(width);
         let mut a = vec![0.0; width];
-        for (part, tau) in target.tau.iter().enumerate() {
-            let motion = &session.parts[part].at_samples;
-            for (segment, &fold) in motion.segments.iter().zip(&target.fold[part]) {
+        let mut seen = 0;
+        for (part, tau) in data.target.tau.iter().enumerate() {
+            let segments = &data.session.parts[part].at_samples.segments;
+            for (segment, &fold) in segments.iter().zip(&data.target.fold[part]) {
                 for row in segment.clone() {
-                    if moving_only && motion.qd[[row, joint]].abs() <= MOVING {
+                    if blocks && seen == size {
+                        let full = std::mem::replace(&mut block, Accumulator::new(width));
+                        finished.push(Gram::from(&full.finish()?));
+                        seen = 0;
+                    }
+                    seen += 1;
+                    if !data.counts(part, row, joint) {
                         continue;
                     }
                     for (a, &column) in a.iter_mut().zip(&acting) {
-                        *a = rigid[joint][part][[row, column]];
+                        *a = rigid[part][[row, column]];
                     }
                     for (a, value) in a[acting.len()..]
                         .iter_mut()
@@ -104,8 +165,14 @@ impl JointSystem {
                         *a = *value;
                     }
                     folds[fold].push(&a, tau[[row, joint]], 1.0)?;
+                    if blocks {
+                        block.push(&a, tau[[row, joint]], 1.0)?;
+                    }
                 }
             }
+        }
+        if blocks {
+            finished.push(Gram::from(&block.finish()?));
         }
         let folds = folds
             .into_iter()
@@ -115,6 +182,7 @@ impl JointSystem {
             acting,
             terms: terms.len(),
             folds,
+            blocks: finished,
         })
     }
 
@@ -183,6 +251,26 @@ pub fn joined(
         whole.merge(&system.folds[fold].scaled(1.0 / sigma).embed(map, total)?)?;
     }
     Ok(whole)
+}
+
+/// The blocks of all joints over `total` parameters, each joint scaled by 1/sigma.
+pub fn joined_blocks(
+    joints: &[(&JointSystem, Vec<usize>)],
+    sigma: &[f64],
+    total: usize,
+) -> Result<Vec<Gram>, LeastSquaresError> {
+    let count = joints.first().map_or(0, |(system, _)| system.blocks.len());
+    (0..count)
+        .into_par_iter()
+        .map(|block| {
+            let mut whole = Gram::from(&Triangle::empty(total));
+            for ((system, map), sigma) in joints.iter().zip(sigma) {
+                let own = system.blocks[block].scaled(1.0 / sigma);
+                whole = whole.plus(&own.embed(map, total)?)?;
+            }
+            Ok(whole)
+        })
+        .collect()
 }
 
 /// Columns that are not zero throughout: a joint does not feel the links before it.

@@ -1,6 +1,7 @@
 //! The model directory: `model.json`, `compensator.safetensors`, `metrics.json`, `identified.urdf`.
 
-use crate::baseline::inverse::LinearInverse;
+use crate::baseline::{ForwardBaseline, LinearInverse};
+use crate::diagnostics::Diagnostics;
 use datasets::TorqueFilter;
 use feedforward::clock::Memory;
 use ndarray::Array2;
@@ -32,6 +33,12 @@ pub struct ModelFile {
     pub preprocessing: Preprocessing,
     /// The benchmark paper's linear baseline, fitted on the same samples.
     pub linear_baseline: LinearInverse,
+    /// Its forward one, torque to position in simulation; none where the recordings are too short for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forward_baseline: Option<ForwardBaseline>,
+    /// How well the identification stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diagnostics: Option<Diagnostics>,
     /// Spans of time of the training trajectories, on which memory and warm-up run on, s.
     pub clock: Vec<[f64; 2]>,
     /// What terms remembered at the end of each of them.
@@ -54,6 +61,9 @@ pub struct BaseParameter {
     pub value: f64,
     /// Standard deviation.
     pub std: f64,
+    /// Standard deviation over the size of the value; none for a value of zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_std: Option<f64>,
     /// Value of the nominal robot.
     pub nominal: f64,
     /// kg, kg·m or kg·m².

@@ -190,6 +190,9 @@ pub fn evaluate(
     let (more, of_variants) =
         variants::rows(&loaded, &recording, &session.parts[0], &options.prepare)?;
     rows.extend(more);
+    if let Some(forward) = &file.forward_baseline {
+        rows.extend(forward.rows(&recording, &motion.qd)?.into_iter().flatten());
+    }
     let mut notes = notes(&session, file);
     notes.extend(of_variants);
     let report = EvalReport {

@@ -4,11 +4,12 @@
 //!    together, rows weighted by each joint's residual deviation.
 //! 2. The rigid torque of that fit is the load that load-dependent terms see.
 //! 3. Further terms of each joint, chosen by cross-validation over whole groups of trajectories.
-//! 4. Everything together again, weighted, with standard deviations that count the folds rather
-//!    than the samples as independent.
+//! 4. Everything together again with the estimator asked for; standard deviations from leaving blocks of time
+//!    out, because residuals are correlated in time.
 
-use crate::design::JointSystem;
+use crate::design::{Data, JointSystem};
 use crate::dictionary::{self, SessionClock};
+use crate::estimators::{self, EstimatorOptions, EstimatorReport, Solution};
 use crate::folds;
 use crate::selection::{self, ForwardOptions, Selection};
 use crate::session::Session;
@@ -16,9 +17,9 @@ use datasets::check::STILL;
 use ndarray::Array2;
 use physics::effects::Term;
 use physics::identify::base::{BaseParameters, Extra};
-use physics::identify::least_squares::{
-    Estimate, LeastSquaresError, SolveOptions, Triangle, cluster_covariance, solve,
-};
+use physics::identify::feasible::{FeasibilityError, Feasible};
+use physics::identify::iterative::IterativeError;
+use physics::identify::least_squares::{Estimate, LeastSquaresError, Triangle};
 use physics::robot::Robot;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -34,6 +35,8 @@ pub struct IdentifyOptions {
     pub folds: usize,
     /// Settings of the selection.
     pub forward: ForwardOptions,
+    /// How the parameters are estimated.
+    pub estimator: EstimatorOptions,
 }
 
 impl Default for IdentifyOptions {
@@ -43,6 +46,7 @@ impl Default for IdentifyOptions {
             select: true,
             folds: 6,
             forward: ForwardOptions::default(),
+            estimator: EstimatorOptions::default(),
         }
     }
 }
@@ -76,6 +80,20 @@ pub enum IdentifyError {
     /// The parameters do not fit the robot.
     #[error(transparent)]
     Robot(#[from] physics::robot::RobotError),
+    /// The iterative estimator.
+    #[error(transparent)]
+    Iterative(#[from] IterativeError),
+    /// No possible links could be found.
+    #[error(transparent)]
+    Feasibility(#[from] FeasibilityError),
+    /// The prior belongs to another robot.
+    #[error("the model of {prior} given as prior has other base parameters than {robot}")]
+    Prior {
+        /// Robot of the prior.
+        prior: String,
+        /// Robot to identify.
+        robot: String,
+    },
 }
 
 /// What identification found.
@@ -85,6 +103,8 @@ pub struct Identified {
     pub base: BaseParameters,
     /// Parameters: the base parameters, then the terms of joint 1, 2, …
     pub estimate: Estimate,
+    /// The same without the condition that links be possible.
+    pub free: Vec<f64>,
     /// Rigid parameters behind the load that load-dependent terms see (base parameters).
     pub load_base: Vec<f64>,
     /// Terms of each joint: basic ones first, then the chosen ones in order of choice.
@@ -95,6 +115,12 @@ pub struct Identified {
     pub residual_std: Vec<f64>,
     /// Number of folds that took part.
     pub folds: usize,
+    /// Triangle of the weighted rows of all joints.
+    pub triangle: Triangle,
+    /// The possible links behind the estimate, where these were asked for.
+    pub feasible: Option<Feasible>,
+    /// How it was estimated.
+    pub report: EstimatorReport,
 }
 
 impl Identified {
@@ -185,46 +211,42 @@ pub fn identify(
             terms
         })
         .collect();
-    let regressors = crate::design::rigid_columns(robot, &base, session, 0..target.tau.len());
+    let rigid = crate::design::rigid_columns(robot, &base, session, 0..target.tau.len());
+    let data = Data {
+        robot,
+        base: &base,
+        rigid: &rigid,
+        session,
+        target,
+        moving_only: options.moving_only,
+    };
     let no_load: Vec<Array2<f64>> = session
         .parts
         .iter()
         .map(|p| Array2::zeros(p.fine.q.dim()))
         .collect();
-    let system = |terms: &[Vec<Term>],
-                  load: &[Array2<f64>]|
-     -> Result<Vec<JointSystem>, LeastSquaresError> {
-        (0..robot.dof())
-            .into_par_iter()
-            .map(|joint| {
-                JointSystem::new(
-                    joint,
-                    &terms[joint],
-                    &regressors,
-                    session,
-                    load,
-                    target,
-                    options.moving_only,
-                )
-            })
-            .collect()
+    let whole = |solution: Solution, load_base, selections| Identified {
+        base: base.clone(),
+        load_base,
+        selections,
+        folds: target.folds,
+        estimate: solution.estimate,
+        free: solution.free,
+        terms: solution.terms,
+        residual_std: solution.residual_std,
+        triangle: solution.triangle,
+        feasible: solution.feasible,
+        report: solution.report,
     };
-
-    let first = solve_all(&system(&basic, &no_load)?, base.len())?;
-    let load_base = first.estimate.parameters[..base.len()].to_vec();
     if !options.select || target.folds < 2 {
-        let residual_std = first.residual_std;
-        return Ok(Identified {
-            base,
-            estimate: first.estimate,
-            load_base,
-            selections: vec![Selection::default(); basic.len()],
-            terms: basic,
-            residual_std,
-            folds: target.folds,
-        });
+        let only = estimators::solve(&data, basic, &no_load, &options.estimator)?;
+        let load_base = only.estimate.parameters[..base.len()].to_vec();
+        let selections = vec![Selection::default(); robot.dof()];
+        return Ok(whole(only, load_base, selections));
     }
 
+    let first = estimators::solve(&data, basic.clone(), &no_load, &options.estimator.quick())?;
+    let load_base = first.estimate.parameters[..base.len()].to_vec();
     let load = session.load(&robot.with_parameters(&base.standard_from(&load_base))?);
     let clock = clock(session);
     let chosen: Vec<(Vec<Term>, Selection)> = (0..robot.dof())
@@ -233,15 +255,7 @@ pub fn identify(
             let candidates =
                 dictionary::candidates(robot.joints()[joint].kind.is_rotation(), clock);
             let terms: Vec<Term> = basic[joint].iter().cloned().chain(candidates).collect();
-            let system = JointSystem::new(
-                joint,
-                &terms,
-                &regressors,
-                session,
-                &load,
-                target,
-                options.moving_only,
-            )?;
+            let system = JointSystem::new(&data, joint, &terms, &load, false)?;
             let grams = system.grams();
             let always: Vec<usize> = (0..system.rigid() + basic[joint].len()).collect();
             let rest: Vec<usize> = (always.len()..system.columns()).collect();
@@ -257,21 +271,8 @@ pub fn identify(
         })
         .collect::<Result<_, LeastSquaresError>>()?;
     let (terms, selections): (Vec<_>, Vec<_>) = chosen.into_iter().unzip();
-    let last = solve_all(&system(&terms, &load)?, base.len())?;
-    Ok(Identified {
-        base,
-        estimate: last.estimate,
-        load_base,
-        terms,
-        selections,
-        residual_std: last.residual_std,
-        folds: target.folds,
-    })
-}
-
-struct Solution {
-    estimate: Estimate,
-    residual_std: Vec<f64>,
+    let last = estimators::solve(&data, terms, &load, &options.estimator)?;
+    Ok(whole(last, load_base, selections))
 }
 
 /// Whether some joint's positions differ: poses held still tell of gravity too.
@@ -284,76 +285,6 @@ fn moves(session: &Session, recordings: Range<usize>) -> bool {
         let high = values().copied().fold(f64::NEG_INFINITY, f64::max);
         high - low >= STILL
     })
-}
-
-/// Weighted least squares over all joints: weights are the inverse residual deviations, found in a
-/// few passes.
-fn solve_all(systems: &[JointSystem], base: usize) -> Result<Solution, IdentifyError> {
-    let total = base
-        + systems
-            .iter()
-            .map(|s| s.columns() - s.rigid())
-            .sum::<usize>();
-    let mut offset = base;
-    let mut joints = Vec::new();
-    for system in systems {
-        let map = system.map(offset);
-        offset += system.columns() - system.rigid();
-        if system.rows() > 0 {
-            joints.push((system, map));
-        }
-    }
-    if joints.is_empty() {
-        return Err(IdentifyError::NothingMoves);
-    }
-    let mut sigma: Vec<f64> = joints.iter().map(|(s, _)| s.target_deviation()).collect();
-    let options = SolveOptions {
-        ridge: 3e-5,
-        ..SolveOptions::default()
-    };
-    let mut estimate = None;
-    for _ in 0..4 {
-        let folds: Vec<Triangle> = (0..systems[0].folds())
-            .into_par_iter()
-            .map(|fold| crate::design::joined(&joints, &sigma, fold, total))
-            .collect::<Result<_, _>>()?;
-        let filled: Vec<&Triangle> = folds.iter().filter(|t| t.rows() > 0).collect();
-        let whole = Triangle::stack(filled.iter().copied())?;
-        let mut fit = solve(&whole, &options)?;
-        if filled.len() > 2 {
-            fit = with_fold_covariance(fit, &filled)?;
-        }
-        for ((system, map), sigma) in joints.iter().zip(&mut sigma) {
-            *sigma =
-                system.deviation(&map.iter().map(|&c| fit.parameters[c]).collect::<Vec<_>>())?;
-        }
-        estimate = Some(fit);
-    }
-    let Some(estimate) = estimate else {
-        unreachable!("at least one pass")
-    };
-    let mut deviations = sigma.into_iter();
-    let residual_std = systems
-        .iter()
-        .map(|s| {
-            if s.rows() > 0 {
-                deviations.next().unwrap_or(f64::NAN)
-            } else {
-                0.0
-            }
-        })
-        .collect();
-    Ok(Solution {
-        estimate,
-        residual_std,
-    })
-}
-
-/// Residuals are autocorrelated: the folds, not the samples, are independent.
-fn with_fold_covariance(fit: Estimate, folds: &[&Triangle]) -> Result<Estimate, LeastSquaresError> {
-    let owned: Vec<Triangle> = folds.iter().map(|&t| t.clone()).collect();
-    let covariance = cluster_covariance(&owned, &fit)?;
-    fit.with_covariance(covariance)
 }
 
 fn clock(session: &Session) -> SessionClock {

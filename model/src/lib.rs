@@ -4,8 +4,10 @@
 
 pub mod baseline;
 pub mod design;
+pub mod diagnostics;
 pub mod dictionary;
 pub mod directory;
+pub mod estimators;
 pub mod evaluation;
 pub mod failure;
 pub mod folds;

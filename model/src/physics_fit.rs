@@ -1,6 +1,7 @@
 //! `train --physics-only`: recordings to an identified model with its scores.
 
-use crate::baseline::{BaselineError, inverse::LinearInverse};
+use crate::baseline::{BaselineError, ForwardBaseline, inverse::LinearInverse};
+use crate::diagnostics::{self, Conditioning, Diagnostics};
 use crate::directory::{
     BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
 };
@@ -15,6 +16,7 @@ use feedforward::clock::Memory;
 use ndarray::Array2;
 use physics::effects::Term;
 use physics::identify::base::BaseParameters;
+use physics::identify::feasible::Feasible;
 use physics::robot::Robot;
 use physics::torque_model::{TorqueModel, TorqueModelRecord, WeightedTerm};
 use sha2::{Digest, Sha256};
@@ -64,6 +66,8 @@ pub struct Fit {
     pub session: Session,
     /// What identification found.
     pub identified: Identified,
+    /// Possible links nearest to it, where some were found.
+    pub possible: Option<Feasible>,
     /// Predictions of the physics for every recording of the session.
     pub physics: Vec<Array2<f64>>,
     /// Groups of training trajectories that a fold never splits, per recording.
@@ -135,6 +139,15 @@ pub fn fit_physics(
     let first = (0..data.len())
         .max_by_key(|&i| (data[i].len(), std::cmp::Reverse(i)))
         .map_or(&session.parts[0].report, |i| &session.parts[i].report);
+    let possible = diagnostics::possible(robot, &identified).ok();
+    let diagnosed = diagnose(
+        robot,
+        &identified,
+        possible.as_ref(),
+        data,
+        &session,
+        &physics,
+    )?;
     let file = ModelFile {
         schema: SCHEMA.into(),
         residyn: env!("CARGO_PKG_VERSION").into(),
@@ -157,6 +170,9 @@ pub fn fit_physics(
             moving_only: options.identify.moving_only,
         },
         linear_baseline: baseline(data, &session)?,
+        // Recordings too short for it have none.
+        forward_baseline: ForwardBaseline::fit(data).ok(),
+        diagnostics: Some(diagnosed),
         clock: session.clock(data.len()),
         memory: memory(&model, &session, data.len()),
         provenance: Provenance {
@@ -171,13 +187,15 @@ pub fn fit_physics(
         file,
         session,
         identified,
+        possible,
         physics,
         fold: target.fold,
     })
 }
 
 impl Fit {
-    /// Rows of `linear_baseline` and `physics` for one recording of the session.
+    /// Rows of `linear_baseline`, `physics` and, where there is one, `forward_baseline` for one recording of the
+    /// session.
     ///
     /// # Errors
     /// Tables of different shapes.
@@ -204,6 +222,9 @@ impl Fit {
             &self.physics[part],
             &motion.qd,
         )?);
+        if let Some(forward) = &self.file.forward_baseline {
+            rows.extend(forward.rows(recording, &motion.qd)?.into_iter().flatten());
+        }
         Ok(rows)
     }
 }
@@ -226,6 +247,47 @@ fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<Memo
         }
     }
     memory
+}
+
+fn diagnose(
+    robot: &Robot,
+    identified: &Identified,
+    possible: Option<&Feasible>,
+    data: &[Recording],
+    session: &Session,
+    physics: &[Array2<f64>],
+) -> Result<Diagnostics, IdentifyError> {
+    let mut breaks = Vec::new();
+    let mut first = 0;
+    for recording in data {
+        breaks.extend(recording.trajectories.iter().map(|t| first + t.range.start));
+        first += recording.len();
+    }
+    let column = |table: &dyn Fn(usize) -> Vec<f64>| -> Vec<f64> {
+        (0..data.len()).flat_map(table).collect()
+    };
+    let residual_tests = (0..robot.dof())
+        .map(|j| {
+            let tau = |part: usize| -> Vec<f64> {
+                let tau = data[part].tau.as_ref();
+                tau.map_or_else(Vec::new, |t| t.column(j).to_vec())
+            };
+            diagnostics::tests(
+                &column(&tau),
+                &column(&|part| physics[part].column(j).to_vec()),
+                &column(&|part| session.parts[part].at_samples.qd.column(j).to_vec()),
+                &breaks,
+            )
+        })
+        .collect();
+    Ok(Diagnostics {
+        estimator: identified.report.clone(),
+        conditioning: Conditioning::of(identified)?,
+        poorly_determined: diagnostics::poorly_determined(identified),
+        residual_tests,
+        links: possible.map_or_else(Vec::new, |p| diagnostics::links(robot, &p.standard)),
+        moved: possible.and_then(|p| diagnostics::moved(identified, p)),
+    })
 }
 
 fn record(robot: &Robot, identified: &Identified) -> TorqueModelRecord {
@@ -280,6 +342,7 @@ fn base_parameters(
             formula,
             value: identified.estimate.parameters[i],
             std: identified.estimate.std[i],
+            relative_std: identified.estimate.relative_std[i],
             nominal: nominal[i],
         })
         .collect()

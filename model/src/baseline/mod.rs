@@ -7,7 +7,7 @@ pub mod inverse;
 mod normal;
 pub mod published;
 
-pub use forward::{ForwardSettings, LinearForward};
+pub use forward::{FORWARD, ForwardBaseline, ForwardSettings, LinearForward};
 pub use inverse::LinearInverse;
 pub use normal::Normalisation;
 

@@ -7,9 +7,11 @@
 //! again at state zero, that is at the mean position.
 
 mod input;
+mod recorded;
 mod state_space;
 mod subspace;
 
+pub use recorded::{FORWARD, ForwardBaseline};
 pub use state_space::StateSpace;
 
 use super::{BaselineError, Normalisation, check};

@@ -243,7 +243,10 @@ impl State {
             for joint in 0..problem.dof() {
                 let deviation = self.noise[(joint, joint)].sqrt();
                 let column = self.weights.column_mut(joint);
-                let rows = residual.column(joint).into_iter().zip(problem.kept().column(joint));
+                let rows = residual
+                    .column(joint)
+                    .into_iter()
+                    .zip(problem.kept().column(joint));
                 for (w, (e, kept)) in std::iter::zip(column, rows) {
                     let new = kept * options.weight.of(e / deviation);
                     change += (new - *w).abs();
