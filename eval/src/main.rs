@@ -4,6 +4,7 @@
 use clap::Parser;
 use datasets::prepare::PrepareOptions;
 use datasets::{Part, read};
+use model::baseline::published::{self, Published, beside};
 use model::directory::{ModelFile, json};
 use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use model::failure::Failure;
@@ -73,7 +74,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         report::write_atomic(path, &json(&evaluation.report))?;
     }
     if let Some(path) = &arguments.html {
-        report::write_atomic(path, &page::page(&file, &evaluation).render())?;
+        let published = published(&file);
+        let subject = evaluation.subject(&published);
+        report::write_atomic(path, &page::page(&file, &subject).render())?;
     }
     if let Some(path) = &arguments.predict {
         evaluation.write_prediction(path)?;
@@ -84,6 +87,14 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Results to stand beside the scores.
+fn published(file: &ModelFile) -> Vec<&'static Published> {
+    beside(
+        &file.physics.robot,
+        &[published::Part::Test, published::Part::Train],
+    )
+}
+
 fn print(file: &ModelFile, evaluation: &Evaluation) {
     let report = &evaluation.report;
     println!(
@@ -91,7 +102,7 @@ fn print(file: &ModelFile, evaluation: &Evaluation) {
         evaluation.recording.source, report.samples, file.physics.robot
     );
     if !report.rows.is_empty() {
-        let published = evaluation.published(file);
+        let published = published(file);
         println!("\nNRMSE");
         print!(
             "{}",
@@ -99,8 +110,12 @@ fn print(file: &ModelFile, evaluation: &Evaluation) {
         );
         println!("\nRMSE");
         print!("{}", tables::errors(&file.joints, &report.rows).to_text());
+        if let Some(table) = tables::forward(&file.joints, &report.rows, &published) {
+            println!("\nNRMSE of positions simulated from torque");
+            print!("{}", table.to_text());
+        }
         for p in published {
-            println!("{} ({:?}, {:?}): {}", p.model, p.task, p.part, p.source);
+            println!("{}, {}: {}", p.model, p.part.name(), p.source);
         }
     }
     for note in &report.notes {

@@ -3,10 +3,11 @@
 mod variants;
 
 use crate::baseline::BaselineError;
-use crate::baseline::published::{Part as PublishedPart, Task, rows as published_rows};
+use crate::baseline::published::Published;
 use crate::directory::{DirectoryError, ModelFile};
 use crate::identification::MOVING;
 use crate::metrics::{Row, ShapeError};
+use crate::page::Subject;
 use crate::predict::parameter_deviation;
 use crate::residual::{self, ResidualError};
 use crate::session::Session;
@@ -193,7 +194,7 @@ pub fn evaluate(
     if let Some(forward) = &file.forward_baseline {
         rows.extend(forward.rows(&recording, &motion.qd)?.into_iter().flatten());
     }
-    let mut notes = notes(&session, file);
+    let mut notes = notes(&session, 0, file);
     notes.extend(of_variants);
     let report = EvalReport {
         schema: "eval/1",
@@ -245,22 +246,22 @@ impl Evaluation {
         report::write_atomic(path, &text)
     }
 
-    /// Whether published results of the KR300 benchmark belong beside these scores.
-    pub fn published(
-        &self,
-        file: &ModelFile,
-    ) -> Vec<&'static crate::baseline::published::Published> {
-        if file.physics.robot != "kr300" {
-            return Vec::new();
+    /// What its page shows.
+    pub fn subject<'a>(&'a self, published: &'a [&'static Published]) -> Subject<'a> {
+        Subject {
+            recording: &self.recording,
+            motion: &self.session.parts[0].at_samples,
+            torque: &self.torque,
+            rows: &self.report.rows,
+            notes: &self.report.notes,
+            published,
         }
-        published_rows(Task::Inverse, PublishedPart::Test)
-            .chain(published_rows(Task::Inverse, PublishedPart::Train))
-            .collect()
     }
 }
 
-fn notes(session: &Session, file: &ModelFile) -> Vec<String> {
-    let report = &session.parts[0].report;
+/// What the figures of one recording of the session depend on, in words.
+pub fn notes(session: &Session, part: usize, file: &ModelFile) -> Vec<String> {
+    let report = &session.parts[part].report;
     let mut notes = Vec::new();
     match report.cutoff_hz {
         Some(hz) => notes.push(format!(
@@ -279,9 +280,17 @@ fn notes(session: &Session, file: &ModelFile) -> Vec<String> {
             f.order, f.cutoff_hz
         ));
     }
-    if !session.clock_known[0] {
+    if !session.clock_known[part] {
         notes.push("The recording does not continue the clock of the training recordings: friction memory starts neutral and warm-up takes its mean.".into());
     }
+    notes.push(match &file.forward_baseline {
+        Some(f) => format!(
+            "forward_baseline: a linear state space of {} states simulates positions from the recorded torque, at {:.4} samples per second, from the mean position at the start of each trajectory; its figures are about positions, RMSE in rad (m). A recording of another rate has no such row.",
+            f.model.system.order(),
+            f.rate_hz
+        ),
+        None => "No forward_baseline: the training recordings are too short for it.".into(),
+    });
     if file.preprocessing.moving_only {
         notes.push("The model was fitted on moving samples alone (--moving-only).".into());
     }

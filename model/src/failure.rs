@@ -1,5 +1,6 @@
 //! What a command line says when it cannot go on.
 
+use crate::check::CheckError;
 use crate::directory::DirectoryError;
 use crate::evaluation::EvaluateError;
 use crate::identification::IdentifyError;
@@ -85,6 +86,19 @@ impl From<FitError> for Failure {
             }
             FitError::Baseline(_) => "Record more samples: three per joint are the least.",
             _ => return Self::other(error.to_string()),
+        };
+        Self::input(error.to_string(), hint)
+    }
+}
+
+impl From<CheckError> for Failure {
+    fn from(error: CheckError) -> Self {
+        let hint = match &error {
+            CheckError::Prepare { .. } => {
+                "Give a recording with longer trajectories, or another --cutoff-hz."
+            }
+            CheckError::Check { problem, .. } => problem.advice(),
+            CheckError::LeastSquares { .. } => return Self::other(error.to_string()),
         };
         Self::input(error.to_string(), hint)
     }

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod baseline;
+pub mod check;
 pub mod design;
 pub mod diagnostics;
 pub mod dictionary;

@@ -1,5 +1,6 @@
 //! Command line of `train`.
 
+use crate::estimator::EstimatorArguments;
 use crate::study::Study;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -33,6 +34,9 @@ pub struct Arguments {
     /// Basic friction alone: viscous, Coulomb, offset, rotor inertia; nothing is selected.
     #[arg(long)]
     pub basic: bool,
+    /// Estimator.
+    #[command(flatten)]
+    pub estimator: EstimatorArguments,
     /// Fit on samples in motion alone (|q̇| > 0.01 rad/s or m/s, joint by joint).
     #[arg(long)]
     pub moving_only: bool,

@@ -20,7 +20,7 @@ fn description(arguments: &Arguments, input: &Input) -> String {
         .map(|r| format!("{} {} {}", r.source, r.len(), fingerprint(r)))
         .collect();
     format!(
-        "residyn {}\nrobot {:?}\ngravity {:?}\ndrive {:?}\nseed {}\nmoving only {}\nbasic {}\npreset {:?}\nmembers {:?}\nepochs {:?}\ncutoff {:?}\n{}\n",
+        "residyn {}\nrobot {:?}\ngravity {:?}\ndrive {:?}\nseed {}\nmoving only {}\nbasic {}\nestimator {:?}\npreset {:?}\nmembers {:?}\nepochs {:?}\ncutoff {:?}\n{}\n",
         env!("CARGO_PKG_VERSION"),
         arguments.robot,
         arguments.gravity,
@@ -28,6 +28,7 @@ fn description(arguments: &Arguments, input: &Input) -> String {
         arguments.seed,
         arguments.moving_only,
         arguments.basic,
+        arguments.estimator,
         arguments.preset,
         arguments.members,
         arguments.epochs,

@@ -3,6 +3,7 @@
 
 mod arguments;
 mod checkpoint;
+mod estimator;
 mod input;
 mod output;
 mod progress;

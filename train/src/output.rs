@@ -1,15 +1,23 @@
 //! What `train` prints and writes.
 
 use crate::arguments::Arguments;
+use crate::input::Input;
 use datasets::Recording;
 use datasets::check::CheckReport;
-use model::directory::{ModelFile, json};
+use model::baseline::published::{Part, Published, beside};
+use model::diagnostics::Diagnostics;
+use model::directory::{BaseParameter, json};
 use model::failure::Failure;
 use model::metrics::{Row, Scope};
+use model::page::Subject;
 use model::physics_fit::Fit;
 use model::residual::{Learned, member_torques};
 use model::tables;
 use serde::Serialize;
+use std::cmp::Reverse;
+
+/// Name of the report page in the model directory.
+const PAGE: &str = "report.html";
 
 /// Contents of `metrics.json`.
 #[derive(Serialize)]
@@ -18,6 +26,10 @@ pub struct Metrics {
     joints: Vec<String>,
     train: Vec<Row>,
     heldout: Option<Vec<Row>>,
+    /// Identified parameters.
+    base_parameters: Vec<BaseParameter>,
+    /// How well they stand.
+    diagnostics: Option<Diagnostics>,
     /// Each member of the ensembles alone on the held-out recording.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     members: Vec<Member>,
@@ -82,6 +94,8 @@ pub fn metrics(
         joints: fit.file.joints.clone(),
         train,
         heldout,
+        base_parameters: fit.file.base_parameters.clone(),
+        diagnostics: fit.file.diagnostics.clone(),
         members,
     })
 }
@@ -116,7 +130,6 @@ fn members(
 /// Writes the directory: `model.json` last, so that a directory with one is whole.
 pub fn write(
     arguments: &Arguments,
-    file: &ModelFile,
     learned: Option<&Learned>,
     metrics: &Metrics,
     fit: &Fit,
@@ -137,24 +150,102 @@ pub fn write(
     if let Some(urdf) = model::urdf::identified(fit) {
         report::write_atomic(&out.join("identified.urdf"), &urdf)?;
     }
-    file.save(out)?;
+    fit.file.save(out)?;
     Ok(())
 }
 
-/// Prints what a person wants to see first.
-pub fn print(file: &ModelFile, metrics: &Metrics, arguments: &Arguments) {
-    println!("\nNRMSE on the training recordings");
-    print!(
-        "{}",
-        tables::scores(&file.joints, &metrics.train, &[]).to_text()
+/// Writes the page of the held-out recording or, without one, of the longest training recording.
+pub fn page(
+    arguments: &Arguments,
+    fit: &Fit,
+    learned: Option<&Learned>,
+    metrics: &Metrics,
+    input: &Input,
+) -> Result<(), Failure> {
+    let longest = (0..input.data.len()).max_by_key(|&i| (input.data[i].len(), Reverse(i)));
+    let (part, recording) = match (&input.heldout, longest) {
+        (Some(heldout), _) => (input.data.len(), heldout),
+        (None, Some(i)) => (i, &input.data[i]),
+        (None, None) => return Ok(()),
+    };
+    let torque = match learned {
+        Some(learned) => &fit.physics[part] + &learned.torque[part],
+        None => fit.physics[part].clone(),
+    };
+    let rows = match &metrics.heldout {
+        Some(rows) => rows.clone(),
+        None => rows(fit, learned, part, recording)?,
+    };
+    let scored = if input.heldout.is_some() {
+        "Scores and figures are of the held-out recording: nothing was fitted to its torque."
+    } else {
+        "No recording was held out: scores and figures are of samples that were fitted, and say nothing about new motion."
+    };
+    let mut notes = vec![scored.to_owned()];
+    notes.extend(model::evaluation::notes(&fit.session, part, &fit.file));
+    let published = published(fit, input.heldout.is_some());
+    let page = model::page::page(
+        &fit.file,
+        &Subject {
+            recording,
+            motion: &fit.session.parts[part].at_samples,
+            torque: &torque,
+            rows: &rows,
+            notes: &notes,
+            published: &published,
+        },
     );
+    report::write_atomic(&arguments.out.join(PAGE), &page.render())?;
+    Ok(())
+}
+
+fn published(fit: &Fit, heldout: bool) -> Vec<&'static Published> {
+    let part = if heldout { Part::Test } else { Part::Train };
+    beside(&fit.file.physics.robot, &[part])
+}
+
+/// Prints what a person wants to see, the scores last.
+pub fn print(fit: &Fit, metrics: &Metrics, arguments: &Arguments) {
+    let file = &fit.file;
+    if let Some(d) = &file.diagnostics {
+        println!("\nBase parameters");
+        print!("{}", tables::base_parameters(file).to_text());
+        println!("\nCondition numbers of the weighted regressor");
+        print!("{}", tables::conditioning(&d.conditioning).to_text());
+        println!("\nResidual of the physics on the training recordings");
+        let tests = tables::residual_tests(&file.joints, &d.residual_tests);
+        print!("{}", tests.to_text());
+        if !d.links.is_empty() {
+            println!(
+                "\nLinks of the identified URDF: eigenvalues of the pseudo-inertia over the largest"
+            );
+            print!("{}", tables::links(d).to_text());
+        }
+        for line in tables::estimator(file, d) {
+            println!("{line}");
+        }
+    }
+    scores("the training recordings", fit, &metrics.train, false);
     if let Some(rows) = &metrics.heldout {
-        println!("\nNRMSE on the held-out recording");
-        print!("{}", tables::scores(&file.joints, rows, &[]).to_text());
+        scores("the held-out recording", fit, rows, true);
         print!("\n{}", tables::errors(&file.joints, rows).to_text());
         print_members(rows, &metrics.members);
     }
-    println!("\nmodel: {}", arguments.out.display());
+    println!(
+        "\nmodel: {}\nreport: {}",
+        arguments.out.display(),
+        arguments.out.join(PAGE).display()
+    );
+}
+
+fn scores(of: &str, fit: &Fit, rows: &[Row], heldout: bool) {
+    let (joints, published) = (&fit.file.joints, published(fit, heldout));
+    println!("\nNRMSE on {of}");
+    print!("{}", tables::scores(joints, rows, &published).to_text());
+    if let Some(table) = tables::forward(joints, rows, &published) {
+        println!("NRMSE of positions that a linear model simulates from the torque of {of}");
+        print!("{}", table.to_text());
+    }
 }
 
 /// The spread of seeds, in both scopes.

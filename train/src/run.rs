@@ -3,8 +3,9 @@
 use crate::arguments::{Arguments, PresetName};
 use crate::{checkpoint, input, output, progress};
 use compensator::training::Control;
-use datasets::check::{CheckOptions, CheckReport, check};
-use datasets::prepare::{PrepareOptions, prepare};
+use datasets::check::CheckReport;
+use datasets::prepare::PrepareOptions;
+use model::check::check_recording;
 use model::failure::Failure;
 use model::identification::IdentifyOptions;
 use model::physics_fit::{FitOptions, fit_physics};
@@ -65,12 +66,14 @@ pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
         checkpoint::check(arguments, &input)?;
     }
 
+    let estimator = arguments.estimator.options(&input.setup.robot)?;
     let spinner = progress::spinner(arguments.quiet, "identifying");
     let options = FitOptions {
         identify: IdentifyOptions {
             moving_only: arguments.moving_only,
             // The published compensator corrects the published physics: rigid body, viscous, Coulomb.
             select: !arguments.basic && arguments.preset != PresetName::Ucm,
+            estimator,
             ..IdentifyOptions::default()
         },
         prepare: prepare_options,
@@ -125,12 +128,13 @@ pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
         fit.file.memory.clone_from(&learned.memory);
     }
     let metrics = output::metrics(&fit, learned.as_ref(), &input.data, input.heldout.as_ref())?;
-    output::write(arguments, &fit.file, learned.as_ref(), &metrics, &fit)?;
+    output::write(arguments, learned.as_ref(), &metrics, &fit)?;
+    output::page(arguments, &fit, learned.as_ref(), &metrics, &input)?;
     if let Some(folder) = &folder {
         checkpoint::remove(folder);
     }
     if !arguments.quiet {
-        output::print(&fit.file, &metrics, arguments);
+        output::print(&fit, &metrics, arguments);
     }
     Ok(())
 }
@@ -145,28 +149,6 @@ pub fn stop(cancel: &AtomicBool, hint: &str) -> Result<(), Failure> {
 }
 
 fn checks(input: &input::Input, options: &PrepareOptions) -> Result<Vec<CheckReport>, Failure> {
-    let robot = &input.setup.robot;
-    let options_for_check = CheckOptions {
-        joints: robot.joint_names(),
-        position_limits: robot
-            .joints()
-            .iter()
-            .map(|j| [j.limits.lower, j.limits.upper])
-            .collect(),
-        torque_reference: Vec::new(),
-    };
-    input
-        .data
-        .iter()
-        .map(|recording| {
-            let prepared = prepare(recording, options).map_err(|e| {
-                Failure::input(
-                    format!("{}: {e}", recording.source),
-                    "Give a recording with longer trajectories.",
-                )
-            })?;
-            check(recording, &prepared, &options_for_check)
-                .map_err(|e| Failure::input(format!("{}: {e}", recording.source), e.advice()))
-        })
-        .collect()
+    let check = |recording| check_recording(&input.setup.robot, recording, options);
+    Ok(input.data.iter().map(check).collect::<Result<_, _>>()?)
 }

@@ -103,6 +103,7 @@ impl Channel<'_> {
             joint: Some(self.joint),
             row: None,
             value,
+            parameters: Vec::new(),
             message,
         }
     }

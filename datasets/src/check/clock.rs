@@ -32,6 +32,7 @@ pub(super) fn findings(recording: &Recording, jitter: f64) -> Vec<Finding> {
             joint: None,
             row: Some(row + 1),
             value: s,
+            parameters: Vec::new(),
             message: format!(
                 "time jumps by {s:.4} s (steps are {step:.4} s; {count} such jumps in all); \
                  the gap is interpolated, better mark it as a new trajectory"
@@ -45,6 +46,7 @@ pub(super) fn findings(recording: &Recording, jitter: f64) -> Vec<Finding> {
             joint: None,
             row: None,
             value: jitter,
+            parameters: Vec::new(),
             message: format!(
                 "the time steps deviate by {:.0} % of {step:.4} s; the recording is resampled",
                 100.0 * jitter

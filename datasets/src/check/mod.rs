@@ -10,9 +10,7 @@ pub use channels::STILL;
 use crate::prepare::Prepared;
 use crate::repeats::{self, Repeatability};
 use crate::{Problem, Recording};
-use ndarray::Array2;
 use serde::Serialize;
-use signal::correlation;
 
 /// What is known about the robot, to judge a recording by. Everything is optional.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -67,6 +65,8 @@ pub enum Kind {
     Jitter,
     /// Torque and motion are shifted in time.
     TorqueShift,
+    /// The motion does not tell some parameters from others.
+    PoorConditioning,
 }
 
 /// One finding.
@@ -82,6 +82,9 @@ pub struct Finding {
     pub row: Option<usize>,
     /// The number behind it, in the unit that `message` names.
     pub value: f64,
+    /// Names of the parameters that suffer, where it is about parameters.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<String>,
     /// What is wrong and what to do, as a sentence.
     pub message: String,
 }
@@ -178,40 +181,6 @@ pub fn check(
     })
 }
 
-/// Shift of the recorded torque behind a prediction on the same motion, per joint, in s: median
-/// over trajectories, within ± `longest_s`. `None` for a joint without a clear peak.
-///
-/// `predicted` has the shape (samples, joints).
-pub fn torque_shift(
-    recording: &Recording,
-    predicted: &Array2<f64>,
-    longest_s: f64,
-) -> Vec<Option<f64>> {
-    let Some(tau) = &recording.tau else {
-        return vec![None; recording.dof()];
-    };
-    let step = recording.median_step();
-    let longest = (longest_s / step).ceil() as usize;
-    (0..recording.dof())
-        .map(|joint| {
-            let mut shifts: Vec<f64> = recording
-                .trajectories
-                .iter()
-                .filter_map(|t| {
-                    let of = |table: &Array2<f64>| -> Vec<f64> {
-                        t.range.clone().map(|r| table[(r, joint)]).collect()
-                    };
-                    let lag = correlation::lag(&of(predicted), &of(tau), longest)?;
-                    (lag.correlation > 0.5 && lag.samples.abs() < longest as f64)
-                        .then_some(lag.samples * step)
-                })
-                .collect();
-            shifts.sort_by(f64::total_cmp);
-            shifts.get(shifts.len() / 2).copied()
-        })
-        .collect()
-}
-
 /// The finding for a shift of torque against motion of `shift_s` seconds, worth a warning from a
 /// quarter of a sample on.
 pub fn shift_finding(shift_s: f64, step_s: f64) -> Option<Finding> {
@@ -221,6 +190,7 @@ pub fn shift_finding(shift_s: f64, step_s: f64) -> Option<Finding> {
         joint: None,
         row: None,
         value: shift_s,
+        parameters: Vec::new(),
         message: format!(
             "the torque is {:.1} ms {} than the motion; record both on one clock or correct the delay",
             1e3 * shift_s.abs(),

@@ -138,6 +138,24 @@ const fn forward(model: &'static str, mean_nrmse: f64) -> Published {
     }
 }
 
+impl Part {
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::Test => "test",
+        }
+    }
+}
+
+/// What belongs beside the scores of `robot` on these parts: nothing but for the benchmark's own robot.
+pub fn beside(robot: &str, parts: &[Part]) -> Vec<&'static Published> {
+    PUBLISHED
+        .iter()
+        .filter(|p| robot == "kr300" && parts.contains(&p.part))
+        .collect()
+}
+
 /// Rows of one task and part.
 pub fn rows(task: Task, part: Part) -> impl Iterator<Item = &'static Published> {
     PUBLISHED

@@ -1,18 +1,47 @@
 //! Tables that train and eval print and put on their pages.
 
-use crate::baseline::published::Published;
+mod identification;
+
+pub use identification::{base_parameters, conditioning, estimator, links, residual_tests};
+
+use crate::baseline::FORWARD;
+use crate::baseline::published::{Published, Task};
 use crate::directory::ModelFile;
 use crate::metrics::{Row, Scope};
-use report::{Best, Cell, Column, Table};
+use report::{Cell, Column, Table};
 
-/// NRMSE of every row per joint and averaged, with the mean R².
+/// Whether a row is about positions simulated from torque, not about torque.
+fn is_forward(row: &Row) -> bool {
+    row.name.starts_with(FORWARD)
+}
+
+/// NRMSE of every row about torque per joint and averaged, with the mean R².
 pub fn scores(joints: &[String], rows: &[Row], published: &[&Published]) -> Table {
+    let rows = rows.iter().filter(|row| !is_forward(row));
+    let published = published.iter().filter(|p| p.task == Task::Inverse);
+    normalised(joints, rows, published).unwrap_or_default()
+}
+
+/// NRMSE of positions simulated from torque; none where there is no such row.
+pub fn forward(joints: &[String], rows: &[Row], published: &[&Published]) -> Option<Table> {
+    let rows = rows.iter().filter(|row| is_forward(row));
+    let published = published.iter().filter(|p| p.task == Task::Forward);
+    normalised(joints, rows, published)
+}
+
+fn normalised<'a>(
+    joints: &[String],
+    rows: impl Iterator<Item = &'a Row>,
+    published: impl Iterator<Item = &'a &'a Published>,
+) -> Option<Table> {
     let mut columns = vec![Column::text("model"), Column::text("scope")];
     columns.extend(joints.iter().map(|j| Column::number(j.clone())));
-    columns.push(Column::number("mean NRMSE").best(Best::Lowest));
+    columns.push(Column::number("mean NRMSE"));
     columns.push(Column::number("mean R² / %"));
     let mut table = Table::new(columns);
+    let mut some = false;
     for row in rows {
+        some = true;
         let mut cells = vec![Cell::text(row.name.clone()), Cell::text(row.scope.name())];
         cells.extend(row.scores.nrmse.iter().map(|v| Cell::optional(*v, 4)));
         cells.push(Cell::optional(row.scores.mean_nrmse, 4));
@@ -21,26 +50,26 @@ pub fn scores(joints: &[String], rows: &[Row], published: &[&Published]) -> Tabl
     }
     for p in published {
         let mut cells = vec![
-            Cell::text(format!("published: {} ({:?})", p.model, p.part).to_lowercase()),
+            Cell::text(format!("published, {}: {}", p.part.name(), p.model)),
             Cell::text(Scope::All.name()),
         ];
         match p.nrmse {
-            Some(list) => cells.extend(list.iter().map(|v| Cell::number(*v, 4))),
+            Some(list) => cells.extend(list.iter().map(|v| Cell::number(*v, 3))),
             None => cells.extend(joints.iter().map(|_| Cell::missing())),
         }
         cells.push(Cell::number(p.mean_nrmse, 4));
         cells.push(Cell::optional(p.mean_r2, 2));
         table.push(cells);
     }
-    table
+    some.then_some(table)
 }
 
-/// RMSE in N·m per joint.
+/// RMSE of torque in N·m (N) per joint.
 pub fn errors(joints: &[String], rows: &[Row]) -> Table {
     let mut columns = vec![Column::text("model"), Column::text("scope")];
     columns.extend(joints.iter().map(|j| Column::number(format!("{j} / N·m"))));
     let mut table = Table::new(columns);
-    for row in rows {
+    for row in rows.iter().filter(|row| !is_forward(row)) {
         let mut cells = vec![Cell::text(row.name.clone()), Cell::text(row.scope.name())];
         cells.extend(
             row.scores
@@ -49,36 +78,6 @@ pub fn errors(joints: &[String], rows: &[Row]) -> Table {
                 .map(|v| v.map_or_else(Cell::missing, |v| Cell::significant(v, 4))),
         );
         table.push(cells);
-    }
-    table
-}
-
-/// Base parameters with deviations and formulae.
-pub fn base_parameters(file: &ModelFile) -> Table {
-    let columns = [
-        "parameter",
-        "identified",
-        "σ / %",
-        "nominal",
-        "unit",
-        "formed by",
-    ];
-    let mut table = Table::new(columns.iter().enumerate().map(|(i, c)| {
-        if (1..=3).contains(&i) {
-            Column::number(*c)
-        } else {
-            Column::text(*c)
-        }
-    }));
-    for p in &file.base_parameters {
-        table.push([
-            Cell::text(p.name.clone()),
-            Cell::with_std(p.value, p.std),
-            Cell::number(100.0 * (p.std / p.value).abs().min(9.99), 1),
-            Cell::significant(p.nominal, 4),
-            Cell::text(p.unit.clone()),
-            Cell::text(p.formula.clone()),
-        ]);
     }
     table
 }

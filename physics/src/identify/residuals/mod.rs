@@ -3,6 +3,10 @@
 //! Normality, independence in time, and no remainder against fitted torque or velocity: the assumptions of least
 //! squares (Han et al., IEEE T-RO 36(5), 2020, section III-D, shown there as plots).
 
+mod plots;
+
+pub use plots::{autocorrelation, normal_scores};
+
 use serde::{Deserialize, Serialize};
 
 /// Lags of the Ljung–Box statistic; even, so that its tail has a closed form.
@@ -144,29 +148,37 @@ pub fn residual_tests(
     })
 }
 
-fn serial(centred: &[f64], breaks: &[usize]) -> Serial {
-    let n = centred.len();
-    let mut starts: Vec<usize> = breaks.iter().copied().filter(|&b| b > 0 && b < n).collect();
-    starts.push(n);
-    starts.sort_unstable();
+/// The pieces between breaks.
+fn trajectories<'a>(values: &'a [f64], breaks: &[usize]) -> Vec<&'a [f64]> {
+    let n = values.len();
+    let mut ends: Vec<usize> = breaks.iter().copied().filter(|&b| b > 0 && b < n).collect();
+    ends.push(n);
+    ends.sort_unstable();
     let mut first = 0;
-    let parts: Vec<&[f64]> = starts
-        .into_iter()
+    ends.into_iter()
         .map(|end| {
-            let part = &centred[first..end];
+            let part = &values[first..end];
             first = end;
             part
         })
-        .collect();
+        .collect()
+}
+
+/// Σ e_k e_{k+lag} within the pieces.
+fn products(parts: &[&[f64]], lag: usize) -> f64 {
+    parts
+        .iter()
+        .filter(|part| part.len() > lag)
+        .flat_map(|part| std::iter::zip(*part, &part[lag..]))
+        .map(|(a, b)| a * b)
+        .sum()
+}
+
+fn serial(centred: &[f64], breaks: &[usize]) -> Serial {
+    let n = centred.len();
+    let parts = trajectories(centred, breaks);
     let energy: f64 = centred.iter().map(|e| e * e).sum();
-    let correlation = |lag: usize| -> f64 {
-        let products = parts
-            .iter()
-            .filter(|part| part.len() > lag)
-            .flat_map(|part| std::iter::zip(*part, &part[lag..]))
-            .map(|(a, b)| a * b);
-        products.sum::<f64>() / energy
-    };
+    let correlation = |lag: usize| products(&parts, lag) / energy;
     let early: Vec<f64> = (1..=LAGS).map(correlation).collect();
     let count = n as f64;
     let ljung_box = early
@@ -267,7 +279,7 @@ mod tests {
     #[test]
     fn scipy_agrees() {
         let f: Value =
-            serde_json::from_str(include_str!("../../tests/fixtures/residuals.json")).unwrap();
+            serde_json::from_str(include_str!("../../../tests/fixtures/residuals.json")).unwrap();
         let residual = vector(&f["residual"]);
         let found = residual_tests(
             &residual,

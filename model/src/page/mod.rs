@@ -1,22 +1,43 @@
 //! The HTML page of `eval` (and of `train`'s held-out recording).
 
+mod identification;
+mod residuals;
+
+use crate::baseline::published::Published;
 use crate::directory::ModelFile;
-use crate::evaluation::Evaluation;
-use crate::metrics::Scope;
+use crate::metrics::{Row, Scope};
 use crate::tables;
+use datasets::Recording;
+use ndarray::Array2;
 use report::figure::{Ink, Panel, Plot};
 use report::{KeyFigure, Page, Section, Tone};
+use signal::Motion;
+
+/// A recording with what a model says about it.
+pub struct Subject<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Its motion at the recorded samples.
+    pub motion: &'a Motion,
+    /// Torque of the whole model, shape (samples, joints).
+    pub torque: &'a Array2<f64>,
+    /// Scores.
+    pub rows: &'a [Row],
+    /// What the figures depend on, in words.
+    pub notes: &'a [String],
+    /// Published results to stand beside the scores.
+    pub published: &'a [&'static Published],
+}
 
 /// The page: scores, measured against predicted torque, residuals, parameters, provenance.
-pub fn page(file: &ModelFile, evaluation: &Evaluation) -> Page {
-    let report = &evaluation.report;
+pub fn page(file: &ModelFile, subject: &Subject) -> Page {
     let mut page = Page::new(format!("Torque model of {}", file.physics.robot)).subtitle(format!(
         "{} · {} samples, {} trajectories",
-        evaluation.recording.source,
-        report.samples,
-        evaluation.recording.trajectories.len()
+        subject.recording.source,
+        subject.recording.len(),
+        subject.recording.trajectories.len()
     ));
-    for row in report.rows.iter().filter(|r| r.scope == Scope::All) {
+    for row in subject.rows.iter().filter(|r| r.scope == Scope::All) {
         let value = row
             .scores
             .mean_nrmse
@@ -25,37 +46,16 @@ pub fn page(file: &ModelFile, evaluation: &Evaluation) -> Page {
             KeyFigure::new(format!("{}, mean NRMSE", row.name), value).note("all samples"),
         );
     }
-    let published = evaluation.published(file);
-    if !report.rows.is_empty() {
-        let mut section = Section::new("Scores")
-            .paragraph("NRMSE is the root mean squared error over the standard deviation of the measured torque over all samples; R² = 100·(1 − NRMSE²) percent. “moving” keeps, for each joint, the samples with |q̇| above 0.01 rad/s (m/s).")
-            .table(tables::scores(&file.joints, &report.rows, &published).caption("NRMSE per joint"))
-            .table(tables::errors(&file.joints, &report.rows).caption("Root mean squared error"));
-        if !published.is_empty() {
-            section = section.list(published.iter().map(|p| {
-                if p.protocol.is_empty() {
-                    format!("{}: {}", p.model, p.source)
-                } else {
-                    format!("{}: {} ({})", p.model, p.source, p.protocol)
-                }
-            }));
-        }
-        page = page.section(section);
+    if !subject.rows.is_empty() {
+        page = page.section(scores(file, subject));
     }
-    page = page.section(Section::new("How to read the figures").list(report.notes.clone()));
-    page = page.section(torque(file, evaluation));
-    if evaluation.recording.tau.is_some() {
-        page = page.section(residuals(file, evaluation));
+    page = page.section(Section::new("How to read the figures").list(subject.notes.to_vec()));
+    page = page.section(torque(file, subject));
+    if subject.recording.tau.is_some() {
+        page = page.section(residuals::section(file, subject));
     }
     page = page.section(compensator(file));
-    page = page.section(
-        Section::new("Identified parameters")
-            .table(
-                tables::terms(file)
-                    .caption("Friction and memory per joint; ± one standard deviation"),
-            )
-            .details(Section::new("Base parameters").table(tables::base_parameters(file))),
-    );
+    page = page.section(identification::section(file));
     page.section(
         Section::new("Provenance").pairs(
             file.provenance
@@ -82,19 +82,43 @@ pub fn page(file: &ModelFile, evaluation: &Evaluation) -> Page {
     .footer(format!("residyn {}", env!("CARGO_PKG_VERSION")))
 }
 
-fn torque(file: &ModelFile, evaluation: &Evaluation) -> Section {
-    let time = &evaluation.recording.time;
-    let rows: Vec<_> = evaluation
+fn scores(file: &ModelFile, subject: &Subject) -> Section {
+    let (joints, rows, published) = (&file.joints, subject.rows, subject.published);
+    let mut section = Section::new("Scores")
+        .paragraph("NRMSE is the root mean squared error over the standard deviation of the measured torque over all samples; R² = 100·(1 − NRMSE²) percent. “moving” keeps, for each joint, the samples with |q̇| above 0.01 rad/s (m/s).")
+        .table(tables::scores(joints, rows, published).caption("NRMSE of torque per joint"))
+        .table(tables::errors(joints, rows).caption("Root mean squared error of torque"));
+    if let Some(table) = tables::forward(joints, rows, published) {
+        section = section.table(table.caption(
+            "The other way round: NRMSE of positions that a linear state space simulates from the recorded torque",
+        ));
+    }
+    if !published.is_empty() {
+        section = section.list(published.iter().map(|p| {
+            let (model, part) = (p.model, p.part.name());
+            if p.protocol.is_empty() {
+                format!("{model}, {part}: {}", p.source)
+            } else {
+                format!("{model}, {part}: {} ({})", p.source, p.protocol)
+            }
+        }));
+    }
+    section
+}
+
+fn torque(file: &ModelFile, subject: &Subject) -> Section {
+    let time = &subject.recording.time;
+    let rows: Vec<_> = subject
         .recording
         .trajectories
         .iter()
         .map(|t| t.range.clone())
         .collect();
     let figures = file.joints.iter().enumerate().map(|(j, name)| {
-        let predicted = evaluation.torque.column(j).to_vec();
+        let predicted = subject.torque.column(j).to_vec();
         let mut upper = Panel::new("torque / N·m");
         let mut plot = Plot::new(name.clone(), "time / s");
-        if let Some(tau) = &evaluation.recording.tau {
+        if let Some(tau) = &subject.recording.tau {
             let measured = tau.column(j).to_vec();
             let residual: Vec<f64> = measured
                 .iter()
@@ -119,35 +143,6 @@ fn torque(file: &ModelFile, evaluation: &Evaluation) -> Section {
         plot.draw(format!("{name}: measured and predicted torque over time"))
     });
     Section::new("Torque over time").figures(figures)
-}
-
-fn residuals(file: &ModelFile, evaluation: &Evaluation) -> Section {
-    let motion = &evaluation.session.parts[0].at_samples;
-    let figures = file.joints.iter().enumerate().filter_map(|(j, name)| {
-        let tau = evaluation.recording.tau.as_ref()?;
-        let residual: Vec<f64> = tau
-            .column(j)
-            .iter()
-            .zip(evaluation.torque.column(j))
-            .map(|(m, p)| m - p)
-            .collect();
-        let qd = motion.qd.column(j).to_vec();
-        let panel = Panel::new("residual / N·m")
-            .height(160.0)
-            .points("samples", Ink::Muted, &qd, &residual)
-            .binned("mean over bins", Ink::Residual, &qd, &residual, 30);
-        Some(
-            Plot::new(name.clone(), "velocity / rad/s")
-                .half_width()
-                .panel(panel)
-                .draw(format!("{name}: residual over velocity")),
-        )
-    });
-    Section::new("Residual over velocity")
-        .paragraph(
-            "A shape here is friction that the model lacks; a bare cloud is noise, or memory.",
-        )
-        .figures(figures)
 }
 
 fn compensator(file: &ModelFile) -> Section {

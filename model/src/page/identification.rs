@@ -1,0 +1,37 @@
+//! Identified parameters and how well they stand.
+
+use crate::directory::ModelFile;
+use crate::tables;
+use report::Section;
+
+pub(super) fn section(file: &ModelFile) -> Section {
+    let mut section = Section::new("Identified parameters");
+    if let Some(d) = &file.diagnostics {
+        section = section.list(tables::estimator(file, d));
+    }
+    section = section.table(
+        tables::terms(file).caption("Friction and memory per joint; ± one standard deviation"),
+    );
+    section = section.details(
+        Section::new("Base parameters, with the standard parameters that form each")
+            .table(tables::base_parameters(file)),
+    );
+    let Some(d) = &file.diagnostics else {
+        return section;
+    };
+    section = section.details(
+        Section::new("Condition numbers of the weighted regressor")
+            .table(tables::conditioning(&d.conditioning)),
+    );
+    if !d.links.is_empty() {
+        section = section.details(
+            Section::new("Feasibility of the links in the identified URDF")
+                .paragraph("Eigenvalues of each link's 4 × 4 pseudo-inertia over the largest one. All are positive where a body with this mass, centre and inertia can exist.")
+                .table(tables::links(d)),
+        );
+    }
+    section.details(
+        Section::new("Tests of the residual on the training recordings")
+            .table(tables::residual_tests(&file.joints, &d.residual_tests)),
+    )
+}
