@@ -1,7 +1,9 @@
 //! The check of a recording with the robot at hand: scale and shift of the torque, and which parameters the motion
 //! tells apart.
 
-use datasets::check::{CheckOptions, CheckReport, Finding, Kind, Severity, check, shift_finding};
+use datasets::check::{
+    CheckOptions, CheckReport, Finding, Kind, STILL, Severity, check, shift_finding,
+};
 use datasets::prepare::{PrepareError, PrepareOptions, Prepared, prepare};
 use datasets::{Problem, Recording};
 use ndarray::Array2;
@@ -128,7 +130,7 @@ fn torque_reference(
     };
     let motion = &prepared.at_samples;
     let mut workspace = Workspace::new(robot);
-    let mut joints: Vec<Accumulator> = (0..n).map(|_| Accumulator::new(5)).collect();
+    let mut joints: Vec<Accumulator> = (0..n).map(|_| Accumulator::new(4)).collect();
     let mut rigid = vec![0.0; n];
     for k in thinned(recording) {
         let row = |table: &Array2<f64>| table.row(k).to_vec();
@@ -138,26 +140,23 @@ fn torque_reference(
             rigid[c.joint] += c.torque(q[c.joint]);
         }
         for (j, rows) in joints.iter_mut().enumerate() {
-            let friction = EXTRAS.map(|e| e.value(qd[j], qdd[j]));
-            let [rotor, viscous, coulomb, offset] = friction;
-            rows.push(
-                &[viscous, coulomb, offset, rotor, rigid[j]],
-                tau[(k, j)],
-                1.0,
-            )?;
+            let [viscous, coulomb] = [Extra::Viscous, Extra::Coulomb].map(|e| e.value(qd[j], 0.0));
+            rows.push(&[1.0, viscous, coulomb, rigid[j]], tau[(k, j)], 1.0)?;
         }
     }
     let mut reference = vec![0.0; n];
     for (j, rows) in joints.into_iter().enumerate() {
         let triangle = rows.finish()?;
         let fit = solve(&triangle, &SolveOptions::default())?;
-        // The last diagonal entry is the part of the model's torque that friction cannot imitate.
-        let own = (fit.parameters[4] * triangle.r()[(4, 4)]).powi(2);
-        let explained = own / triangle.target_sum_of_squares().max(f64::MIN_POSITIVE);
+        // The last diagonal entry is the part of the model's torque that friction cannot imitate; the first column
+        // takes the mean.
+        let own = (fit.parameters[3] * triangle.r()[(3, 3)]).powi(2);
+        let varying = triangle.target_sum_of_squares() - triangle.z()[0].powi(2);
+        let explained = own / varying.max(f64::MIN_POSITIVE);
         if explained > RIGID_SHARE {
             let measured = rms(tau.column(j).iter().copied());
             // A reversed sign is as wrong as a scale can be.
-            reference[j] = measured / fit.parameters[4].max(1e-3);
+            reference[j] = measured / fit.parameters[3].max(1e-3);
         }
     }
     Ok(reference)
@@ -186,6 +185,14 @@ fn fitted(
             if size > 0.0 { 1.0 / size } else { 0.0 }
         })
         .collect();
+    // What derivation makes of a joint at rest is noise, whose sign would look like motion.
+    let moves: Vec<bool> = (0..n)
+        .map(|j| {
+            let q = recording.q.column(j);
+            let low = q.iter().copied().fold(f64::INFINITY, f64::min);
+            q.iter().any(|v| v - low >= STILL)
+        })
+        .collect();
     let mut rows = Accumulator::new(p + targets);
     let mut workspace = Workspace::new(robot);
     let rigid = PARAMETERS_PER_LINK * n;
@@ -202,7 +209,10 @@ fn fitted(
             continue;
         }
         let row = |table: &Array2<f64>| table.row(k).to_vec();
-        let (q, qd, qdd) = (row(&motion.q), row(&motion.qd), row(&motion.qdd));
+        let (q, mut qd, mut qdd) = (row(&motion.q), row(&motion.qd), row(&motion.qdd));
+        for j in (0..n).filter(|&j| !moves[j]) {
+            (qd[j], qdd[j]) = (0.0, 0.0);
+        }
         regressor(robot, &mut workspace, &q, &qd, &qdd, &mut y);
         for joint in 0..n {
             for (value, &column) in line.iter_mut().zip(base.independent()) {

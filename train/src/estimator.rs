@@ -23,7 +23,7 @@ pub struct EstimatorArguments {
     /// What the ridge pulls towards: "nominal" (the robot's description) or an older model directory.
     #[arg(long, value_name = "nominal|DIR")]
     pub prior: Option<String>,
-    /// Ridge relative to each column's norm [default: 3e-5, with --prior 0.01].
+    /// Ridge relative to each column's norm [default: 3e-5, with --prior 0.1].
     #[arg(long)]
     pub ridge: Option<f64>,
 }

@@ -22,8 +22,10 @@ const TORQUE_FACTOR: f64 = 3.0;
 const TOP: f64 = 0.01;
 /// … must hold this many times more samples than its neighbourhood would …
 const CROWDED: f64 = 4.0;
-/// … and at least this part of all samples.
+/// … and at least this part of all samples …
 const PLATEAU_SHARE: f64 = 0.002;
+/// … in this many separate stretches: one smooth peak is flat at its top, too.
+const PLATEAU_VISITS: usize = 3;
 /// Seconds for which a torque may stand still while the joint moves.
 const FROZEN_S: f64 = 0.5;
 
@@ -306,5 +308,9 @@ fn plateau(tau: &[f64]) -> Option<(f64, f64)> {
     // Five bands of the same width below, averaged.
     let below = count(1.0 - 7.0 * TOP, 1.0 - 2.0 * TOP) / 5.0;
     let share = top / tau.len() as f64;
-    (top > CROWDED * below.max(1.0) && share > PLATEAU_SHARE).then_some((largest, share))
+    let at_top = |v: &f64| v.abs() >= (1.0 - TOP) * largest;
+    let entries = tau.windows(2).filter(|w| !at_top(&w[0]) && at_top(&w[1]));
+    let visits = entries.count() + usize::from(tau.first().is_some_and(at_top));
+    let crowded = top > CROWDED * below.max(1.0) && share > PLATEAU_SHARE;
+    (crowded && visits >= PLATEAU_VISITS).then_some((largest, share))
 }

@@ -51,7 +51,7 @@ pub enum Lmi {
 /// Ridge without a prior.
 const RIDGE: f64 = 3e-5;
 /// Ridge towards a prior: a column of which the others leave less than this part to itself keeps the prior's value.
-const PRIOR_RIDGE: f64 = 0.01;
+const PRIOR_RIDGE: f64 = 0.1;
 
 /// How parameters are estimated.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub struct EstimatorOptions {
     pub lmi: Lmi,
     /// What the ridge pulls towards. Default none: zero.
     pub prior: Option<Known>,
-    /// Ridge relative to the norm of each column. Default 3e-5, with a prior 0.01.
+    /// Ridge relative to the norm of each column. Default 3e-5, with a prior 0.1.
     pub ridge: Option<f64>,
 }
 

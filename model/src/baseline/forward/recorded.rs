@@ -143,9 +143,9 @@ mod tests {
             let (mut x, mut v) = (0.0, 0.0);
             for k in 0..n {
                 let t = k as f64 * dt;
-                let u = ((0.5 + seed) * t + joint as f64).sin()
-                    + 0.7 * (1.3 * t).cos()
-                    + (0.21 * t * (1.0 + seed)).sin();
+                // A new level every 0.3 s, so that every frequency is there.
+                let level = (t / 0.3).floor() * 12.9898 + seed + 78.233 * joint as f64;
+                let u = (level.sin() * 43758.5453).fract();
                 // Spring, damper, mass: q settles under its torque.
                 for _ in 0..10 {
                     v += 0.1 * dt * (u - 2.0 * x - 1.5 * v);
