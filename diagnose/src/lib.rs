@@ -35,5 +35,6 @@ pub mod report;
 pub mod reversal;
 pub mod scene;
 pub mod select;
+mod shift;
 pub mod unknown;
 pub mod words;

@@ -6,10 +6,9 @@ use crate::frame::Frame;
 use crate::model::NominalModel;
 use crate::report::NotIdentifiable;
 use crate::scene::Scale;
+use crate::shift::torque_shift;
 use datasets::Recording;
-use datasets::check::{
-    CheckOptions, CheckReport, Finding, Kind, Severity, check, shift_finding, torque_shift,
-};
+use datasets::check::{CheckOptions, CheckReport, Finding, Kind, Severity, check, shift_finding};
 use ndarray::Array2;
 
 /// Longest shift between torque and motion that is looked for, s.
@@ -101,6 +100,7 @@ fn scale_findings(frame: &Frame, predicted: &Array2<f64>, names: &[String]) -> V
         joint,
         row: None,
         value,
+        parameters: Vec::new(),
         message,
     };
     let remedy = "give gear ratios and torque constants by --drive, or multiply the column";
