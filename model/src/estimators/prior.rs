@@ -40,11 +40,10 @@ impl Known {
     /// # Errors
     /// Other base parameters than `robot` has.
     pub fn model(file: &ModelFile, robot: &Robot) -> Result<Self, IdentifyError> {
-        let names = BaseParameters::of_robot(robot, &[]).base_names();
-        if !names
-            .iter()
-            .eq(file.base_parameters.iter().map(|p| &p.name))
-        {
+        // Arms of like structure have base parameters of the same names; the formulae hold the lengths.
+        let formulae = BaseParameters::of_robot(robot, &[]).formulae();
+        let older = file.base_parameters.iter().map(|p| &p.formula);
+        if !formulae.iter().eq(older) {
             return Err(IdentifyError::Prior {
                 prior: file.physics.robot.clone(),
                 robot: robot.name().to_owned(),
