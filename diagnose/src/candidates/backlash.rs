@@ -1,5 +1,5 @@
 //! `backlash`: play in the transmission, q being the motor side. The link crosses the gap on its own inertia and
-//! meets the other flank: [`super::transmission`] with a stiff spring behind the gap.
+//! meets the other flank: `transmission` with a stiff spring behind the gap.
 //! Confounders: elasticity (no gap), presliding hysteresis (reversal of velocity, not of torque).
 
 use super::transmission::Transmission;

@@ -14,7 +14,7 @@ pub enum Answer {
     Confounder,
     /// No structural cause: parameters took it over, or it is too small.
     Parameters,
-    /// Another name, with a confidence of at least [`CONFIDENT`] and without a rival that is a confounder.
+    /// Another name, with a confidence of at least `CONFIDENT` and without a rival that is a confounder.
     Wrong,
     /// Another name, said with less confidence.
     Doubtful,
