@@ -19,7 +19,7 @@ use physics::robot::Robot;
 use rayon::prelude::*;
 
 /// Most causes that are named.
-const MOST_CAUSES: usize = 16;
+const MOST_CAUSES: usize = 24;
 /// Highest cut-off of the motion over the rate of a recording.
 pub const MOST_CUTOFF: f64 = 0.3;
 

@@ -24,6 +24,8 @@ const REVERSAL_TIME: f64 = 0.03;
 const CROSSING_SPEED: f64 = 0.004;
 /// Weight of such rows.
 const CROSSING_WEIGHT: f64 = 0.15;
+/// Weight of rows at standstill in a slow recording.
+const STANDSTILL_WEIGHT: f64 = 0.1;
 
 /// A prepared recording with torque.
 pub struct Frame {
@@ -202,12 +204,13 @@ impl Frame {
 
     /// Weights of the rows, shape (rows, joints).
     pub fn weights(&self) -> Array2<f64> {
-        // Rows of a slow recording show every reversal whole.
-        if self.lowpass.is_none() {
-            return Array2::ones((self.len(), self.dof()));
-        }
-        self.slow(CROSSING_SPEED, 0)
-            .mapv(|r| if r { CROSSING_WEIGHT } else { 1.0 })
+        // A slow recording shows every reversal whole, but what a standing joint holds depends on how it came there: that
+        // error must not hide what is wrong in motion.
+        let (speed, weight) = match &self.lowpass {
+            None => (REVERSAL_SPEED, STANDSTILL_WEIGHT),
+            Some(_) => (CROSSING_SPEED, CROSSING_WEIGHT),
+        };
+        self.slow(speed, 0).mapv(|r| if r { weight } else { 1.0 })
     }
 
     /// Sizes for grids of shape parameters; `others` are recordings of the same session, `softness` is the velocity

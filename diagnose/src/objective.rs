@@ -28,8 +28,9 @@ pub struct Settings {
     pub leftover: f64,
     /// The same for the same effect on another joint.
     pub leftover_same: f64,
-    /// Part of its joints' squared error from which a cause stands for itself, whatever earlier ones gained.
-    pub plain: f64,
+    /// Part of its joints' squared error, and gain in nats, from which a cause stands for itself, whatever earlier
+    /// ones gained.
+    pub plain: (f64, f64),
     /// Error that a cause must remove on some joint, relative to the joint's torque.
     pub visible: f64,
     /// Share of the whole gap that a cause must remove.
@@ -50,7 +51,7 @@ impl Default for Settings {
             enough: 10.0,
             leftover: 0.12,
             leftover_same: 0.35,
-            plain: 0.3,
+            plain: (0.1, 60.0),
             visible: 0.015,
             share: 0.015,
             floor: 0.006,

@@ -206,7 +206,8 @@ impl<'a> Search<'a> {
         let before = self.objective.relative(&fit.error());
         let after = self.objective.relative(&tried.error);
         let joints = &self.candidates[tried.candidate].joints;
-        fraction(&before, &after, joints) > self.objective.settings.plain
+        let (part, gain) = self.objective.settings.plain;
+        fraction(&before, &after, joints) > part && tried.gain > gain
     }
 
     /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form

@@ -204,7 +204,7 @@ pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
         all.extend(torque_channel::candidates(scene, joint));
         all.extend(encoder_offset::candidates(scene, joint));
         all.extend(counterbalance::candidates(scene, joint));
-        all.extend(asymmetric_friction::candidates(joint));
+        all.extend(asymmetric_friction::candidates(scene, joint));
         all.extend(stribeck_friction::candidates(scene, joint));
         all.extend(nonlinear_viscous_friction::candidates(scene, joint));
         all.extend(load_dependent_friction::candidates(joint));
