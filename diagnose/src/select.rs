@@ -193,10 +193,12 @@ impl<'a> Search<'a> {
         if fraction(&before, &after, &c.joints) < least_fraction(c) {
             return false;
         }
-        let clear = if memory {
-            2.0 * s.enough
-        } else {
-            1.4 * s.enough
+        // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
+        let clear = match c.effect {
+            Effect::PreslidingHysteresis => 2.0 * s.enough,
+            Effect::LoadDependentFriction => s.enough,
+            effect if effect.is_absorbable() => s.enough,
+            _ => 1.4 * s.enough,
         };
         (misfit && !memory) || tried.gain > clear
     }
