@@ -10,6 +10,7 @@ use crate::gram::Grams;
 use crate::impacts;
 use crate::model::NominalModel;
 use crate::objective::{Objective, Settings};
+use crate::order::Orders;
 use crate::reversal::choose;
 use crate::scene::{Scale, Scene};
 use crate::select::{Search, Tried};
@@ -192,13 +193,13 @@ pub fn find(
     let scene = Scene::new(&present, data.motion(), scale).with_tangents();
     let mut candidates = candidates::catalogue(&scene);
     for j in 0..data.dof() {
-        let q = data.samples().q.column(j).to_owned();
-        let orders = torque_ripple::orders(
-            &residual.column(j).to_owned(),
-            &q,
+        let orders = Orders::new(
+            residual.column(j),
+            data.samples().q.column(j),
             scale.speed[j],
             data.report().rate_hz,
-        );
+        )
+        .map_or_else(Vec::new, |o| o.lines(torque_ripple::LINES));
         candidates.extend(torque_ripple::candidates(j, &orders));
     }
     let load = data.table_to_samples(&scene.rigid);

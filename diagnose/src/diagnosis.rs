@@ -251,7 +251,8 @@ fn verdict(explanation: &Explanation, left: &[Left]) -> Verdict {
         };
     }
     let floor = left.iter().all(|l| l.structured() < CLEAR / 2.0);
-    if floor || removed(&explanation.ladder) > EXPLAINED {
+    let bare = left.iter().all(|l| l.structured() < CLEAR);
+    if floor || (bare && removed(&explanation.ladder) > EXPLAINED) {
         Verdict::Explained
     } else {
         Verdict::PartlyExplained

@@ -26,6 +26,7 @@ pub mod locate;
 pub mod model;
 pub mod moved;
 pub mod objective;
+pub mod order;
 pub mod page;
 pub mod patch;
 pub mod prove;

@@ -1,6 +1,7 @@
 //! Where the gap lies: shares of the squared held-out error by joint and region.
 
 use crate::ladder::deviations;
+use crate::order::Orders;
 use crate::report::Place;
 use ndarray::{Array1, Array2};
 use signal::Motion;
@@ -30,7 +31,8 @@ struct Region {
 
 /// Regions with the largest shares of the squared error, in mean over joints of squared NRMSE. Each joint and coordinate
 /// gives its most overloaded region: the one whose share exceeds its share of time most. Of a band of frequency, the share of
-/// time is its share of the band up to half the sampling rate.
+/// time is its share of the band up to half the sampling rate; of an order of position, its share of the orders that the
+/// recording resolves.
 pub fn locate(
     gap: &Array2<f64>,
     tau: &Array2<f64>,
@@ -73,6 +75,7 @@ pub fn locate(
             regions.push(filled(j, names, "direction", "sign", range, &share, inside));
         }
         bands.extend(frequency(gap, motion, j, rate_hz, share.sum(), names));
+        bands.extend(order(gap, motion, j, rate_hz, share.sum(), names));
     }
     regions.retain(|r| r.place.share_of_gap > LEAST && r.place.share_of_time > 0.0);
     regions.sort_by(|a, b| b.place.share_of_gap.total_cmp(&a.place.share_of_gap));
@@ -238,6 +241,33 @@ fn frequency(
         share_of_gap: share * power[best] / all,
         share_interval: None,
         share_of_time: (edges[best + 1] - edges[best]) / half,
+    })
+}
+
+/// The order of position that holds most of a joint's error; `share` is the joint's own.
+fn order(
+    gap: &Array2<f64>,
+    motion: &Motion,
+    joint: usize,
+    rate_hz: f64,
+    share: f64,
+    names: &[String],
+) -> Option<Place> {
+    let r = gap.column(joint);
+    let qd = motion.qd.column(joint);
+    let speed = (qd.dot(&qd) / qd.len().max(1) as f64).sqrt();
+    let orders = Orders::new(r, motion.q.column(joint), speed, rate_hz)?;
+    let (k, gain) = orders.strongest()?;
+    let half = 0.5 * orders.resolution();
+    let [least, most] = orders.span;
+    Some(Place {
+        joint: names[joint].clone(),
+        coordinate: "order",
+        range: [k - half, k + half],
+        unit: "1/rad",
+        share_of_gap: share * (gain / r.dot(&r)).clamp(0.0, 1.0),
+        share_interval: None,
+        share_of_time: (2.0 * half / (most - least)).min(1.0),
     })
 }
 

@@ -105,7 +105,7 @@ pub struct Place {
     pub unit: &'static str,
     /// Share of the squared held-out error.
     pub share_of_gap: f64,
-    /// 90 % interval of the same; none for a band of frequency.
+    /// 90 % interval of the same; none for a band of frequency or an order.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_interval: Option<[f64; 2]>,
     /// Share of the samples.

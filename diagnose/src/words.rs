@@ -13,35 +13,72 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
             out.push(format!("Biggest cause: {}.", sentence(first)));
             out.push(format!("  {}", closes(first)));
             out.push(format!("  In the simulator: {}", remedy(first)));
-            for cause in &d.causes[1..] {
-                out.push(format!("Also: {}; {}.", sentence(cause), closes(cause)));
-            }
+            out.extend(also(&d.causes[1..]));
         }
         None => out.push("No cause to report.".to_owned()),
     }
     out.extend(remainder(d));
     out.extend(d.simulation.as_ref().map(|s| motion(s, &d.joints)));
-    for cause in d.causes.iter().filter(|c| !c.ambiguous_with.is_empty()) {
-        let others: Vec<String> = cause
-            .ambiguous_with
-            .iter()
-            .map(|e| plain(*e).to_owned())
-            .collect();
-        let a = format!("{} on {}", plain(cause.effect), cause.joints.join(", "));
-        let b = others.join(" or ");
-        out.push(format!(
-            "Cannot be told apart here: {a} and {b}. {}{}",
-            experiment(cause),
-            if d.next_experiment.is_none() {
-                " --next FILE.csv writes the best motion for it."
-            } else {
-                ""
-            }
-        ));
-    }
+    out.extend(ambiguities(d));
     out.extend(d.next_experiment.as_ref().map(experiment_designed));
     out.extend(unknowable(d));
     out
+}
+
+/// Further causes, those of one effect in one line.
+fn also(causes: &[Cause]) -> Vec<String> {
+    let mut groups: Vec<Vec<&Cause>> = Vec::new();
+    for cause in causes {
+        match groups.iter_mut().find(|g| g[0].effect == cause.effect) {
+            Some(group) => group.push(cause),
+            None => groups.push(vec![cause]),
+        }
+    }
+    let one = |cause: &&Cause| {
+        let size = cause.parameters.first().map(|p| format!("{}, ", value(p)));
+        format!(
+            "{} ({}closes {:.0} %)",
+            place(cause),
+            size.unwrap_or_default(),
+            100.0 * cause.gap_closed
+        )
+    };
+    let line = |group: Vec<&Cause>| match group.as_slice() {
+        [cause] => format!("Also: {}; {}.", sentence(cause), closes(cause)),
+        several => {
+            let list: Vec<String> = several.iter().map(one).collect();
+            format!("Also: {} on {}.", plain(several[0].effect), list.join(", "))
+        }
+    };
+    groups.into_iter().map(line).collect()
+}
+
+/// What the recordings cannot tell apart, causes with the same rivals together.
+fn ambiguities(d: &Diagnosis) -> Vec<String> {
+    let mut groups: Vec<Vec<&Cause>> = Vec::new();
+    for cause in d.causes.iter().filter(|c| !c.ambiguous_with.is_empty()) {
+        let same = |c: &Cause| c.effect == cause.effect && c.ambiguous_with == cause.ambiguous_with;
+        match groups.iter_mut().find(|g| same(g[0])) {
+            Some(group) => group.push(cause),
+            None => groups.push(vec![cause]),
+        }
+    }
+    let next = match d.next_experiment {
+        None => " --next FILE.csv writes the best motion for it.",
+        Some(_) => "",
+    };
+    let line = |group: Vec<&Cause>| {
+        let joints: Vec<String> = group.iter().map(|c| c.joints.join(", ")).collect();
+        let rivals: Vec<&str> = group[0].ambiguous_with.iter().map(|e| plain(*e)).collect();
+        format!(
+            "Cannot be told apart here: {} on {} and {}. {}{next}",
+            plain(group[0].effect),
+            joints.join(", "),
+            rivals.join(" or "),
+            experiment(group[0]),
+        )
+    };
+    groups.into_iter().map(line).collect()
 }
 
 /// What is wrong with the recordings, the worst alone: no cause can be trusted before it is put right.
@@ -166,15 +203,16 @@ pub fn sentence(cause: &Cause) -> String {
         _ => format!(", {}", value(p)),
     };
     let size = cause.parameters.first().map_or(String::new(), of);
+    format!("{} on {}{size}", plain(cause.effect), place(cause))
+}
+
+/// Where a cause acts.
+fn place(cause: &Cause) -> String {
     let driver = cause
         .driver
         .as_ref()
         .map_or(String::new(), |d| format!(" driven by {d}"));
-    format!(
-        "{} on {}{driver}{size}",
-        plain(cause.effect),
-        cause.joints.join(", ")
-    )
+    format!("{}{driver}", cause.joints.join(", "))
 }
 
 /// How much of the gap it closes.

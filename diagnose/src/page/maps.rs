@@ -1,7 +1,9 @@
 //! Where the gap lies: shares by region, and the residual against what may drive it.
 
 use crate::diagnosis::Outcome;
+use crate::order::Orders;
 use crate::report::Diagnosis;
+use ndarray::Array2;
 use report::figure::{HeatMap, Ink, Panel, Plot};
 use report::{Cell, Column, Figure, Section, Table};
 
@@ -68,19 +70,26 @@ pub(super) fn maps(outcome: &Outcome) -> Section {
     let time: Vec<f64> = m.time.iter().map(|t| t - start).collect();
     let mut section = Section::new("Maps of the torque error").paragraph(
         "Means over bins with one standard deviation, of the joints with the largest gap. Against velocity, friction shows; against \
-         position, gravity, springs and ripple; against the torque, gain and load; against time, warming and contact.",
+         position, gravity, springs and ripple; against the torque, gain and load; against time, \
+         warming and contact; by order of position, ripple.",
     );
     for &j in order.iter().take(MAPS) {
         let (before, after) = (gap.column(j).to_vec(), left.column(j).to_vec());
         let predicted: Vec<f64> = (&frame.tau.column(j) - &gap.column(j)).to_vec();
-        let views: [(&str, &str, Vec<f64>); 4] = [
-            ("velocity", "rad/s", m.qd.column(j).to_vec()),
-            ("position", "rad", m.q.column(j).to_vec()),
-            ("predicted torque", "N·m", predicted),
-            ("time", "s", time.clone()),
-        ];
+        let [angle, rate, force] = units(outcome, j);
+        let size = frame.tau.column(j).std(0.0);
+        let views: Vec<(&str, &str, Vec<f64>)> = [
+            ("velocity", rate, m.qd.column(j).to_vec(), 1e-6),
+            ("position", angle, m.q.column(j).to_vec(), 1e-6),
+            ("predicted torque", force, predicted, 1e-6 * size),
+            ("time", "s", time.clone(), 0.0),
+        ]
+        .into_iter()
+        .filter(|(_, _, x, least)| spread(x) > *least)
+        .map(|(what, unit, x, _)| (what, unit, x))
+        .collect();
         let draw = |(what, unit, x): &(&str, &str, Vec<f64>)| -> Figure {
-            let panel = Panel::new("torque error / N·m")
+            let panel = Panel::new(format!("torque error / {force}"))
                 .height(170.0)
                 .binned("as given", Ink::Muted, x, &before, BINS)
                 .binned("explained", Ink::Residual, x, &after, BINS);
@@ -92,7 +101,51 @@ pub(super) fn maps(outcome: &Outcome) -> Section {
             .panel(panel)
             .draw("")
         };
-        section = section.figures(views.iter().map(draw));
+        section = section.figures(views.iter().map(draw).chain(orders(outcome, j)));
     }
     section
+}
+
+/// Amplitude of what repeats with position, by order.
+fn orders(outcome: &Outcome, joint: usize) -> Option<Figure> {
+    let frame = &outcome.frames.heldout;
+    let speed = outcome.frames.scale.speed[joint];
+    let amplitudes = |residual: &Array2<f64>| {
+        let q = frame.samples().q.column(joint);
+        let rate = frame.report().rate_hz;
+        let orders = Orders::new(residual.column(joint), q, speed, rate)?;
+        let part = 2.0 / residual.nrows() as f64;
+        let (k, a): (Vec<f64>, Vec<f64>) = orders
+            .periodogram()
+            .into_iter()
+            .map(|(k, gain)| (k, (part * gain.max(0.0)).sqrt()))
+            .unzip();
+        Some((k, a))
+    };
+    let (k, before) = amplitudes(&outcome.explanation.gap)?;
+    let (_, after) = amplitudes(&outcome.explanation.residual)?;
+    let [angle, _, force] = units(outcome, joint);
+    let panel = Panel::new(format!("amplitude / {force}"))
+        .height(170.0)
+        .line("as given", Ink::Muted, &k, &before)
+        .line("explained", Ink::Residual, &k, &after);
+    let name = &outcome.diagnosis.joints[joint];
+    let title = format!("{name}: by order of position");
+    let plot = Plot::new(title, format!("order / (1/{angle})"));
+    Some(plot.half_width().panel(panel).draw(""))
+}
+
+/// Units of position, velocity and torque of a joint.
+fn units(outcome: &Outcome, joint: usize) -> [&'static str; 3] {
+    if outcome.findings.present.joints()[joint].kind.is_rotation() {
+        ["rad", "rad/s", "N·m"]
+    } else {
+        ["m", "m/s", "N"]
+    }
+}
+
+/// Distance of the largest from the smallest value.
+fn spread(x: &[f64]) -> f64 {
+    let largest = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    largest - x.iter().copied().fold(f64::INFINITY, f64::min)
 }
