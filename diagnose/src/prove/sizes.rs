@@ -15,7 +15,8 @@ const COMMON: [(&str, &str, f64, &str, f64); 11] = [
     ("torque_offset", "offset", 1.0, "offset", 0.0),
     ("time_delay", "delay", 1.0, "delay", 0.0),
     ("saturation", "limit", 1.0, "limit", 0.0),
-    ("encoder_offset", "zero", 1.0, "zero", 0.0),
+    // The answer has what the encoder adds, the report what has to be added to it.
+    ("encoder_offset", "zero", -1.0, "zero", 0.0),
 ];
 
 /// Relative error of the size of a true effect as a reported cause has it; of several components, of the vector. None
