@@ -11,6 +11,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Columns that are in memory at the fine rate together.
+const BATCH: usize = 32;
+
 /// The columns of base and candidates, without repeats.
 pub struct Dictionary {
     columns: Vec<Column>,
@@ -102,22 +105,24 @@ impl Dictionary {
         let dof = scene.dof();
         let joints: Vec<Vec<usize>> = self.columns.iter().map(|c| c.joints.clone()).collect();
         let layout = Layout::new(dof, &joints);
-        let ids: Vec<usize> = (0..self.len()).collect();
-        let reduced: Vec<(usize, usize, Array1<f64>)> = self
-            .evaluate(scene, &ids)
-            .into_par_iter()
-            .map(|(c, j, fine)| (c, j, frame.reduce(&fine)))
-            .collect();
         let mut tables: Vec<Array2<f64>> = layout
             .active
             .iter()
             .map(|a| Array2::zeros((frame.len(), a.len())))
             .collect();
-        for (c, j, values) in reduced {
-            let p = layout
-                .position(j, c)
-                .expect("a column touches the joints that it names");
-            tables[j].column_mut(p).assign(&values);
+        let ids: Vec<usize> = (0..self.len()).collect();
+        for batch in ids.chunks(BATCH) {
+            let reduced: Vec<(usize, usize, Array1<f64>)> = self
+                .evaluate(scene, batch)
+                .into_par_iter()
+                .map(|(c, j, fine)| (c, j, frame.reduce(&fine)))
+                .collect();
+            for (c, j, values) in reduced {
+                let p = layout
+                    .position(j, c)
+                    .expect("a column touches the joints that it names");
+                tables[j].column_mut(p).assign(&values);
+            }
         }
         let cells: Vec<(usize, usize)> = (0..folds.len())
             .flat_map(|f| (0..dof).map(move |j| (f, j)))

@@ -7,9 +7,11 @@ use clap::Parser;
 use diagnose::diagnosis::{Options, Outcome, diagnose};
 use diagnose::error::DiagnoseError;
 use diagnose::files::Given;
-use diagnose::{experiment, page, patch, prove, words};
+use diagnose::{budget, experiment, page, patch, prove, words};
+use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 fn main() -> ExitCode {
     let command = Command::parse();
@@ -42,8 +44,11 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         (None, Some(directory)) => Given::model(directory, drive)?,
         (None, None) => unreachable!("the command line demands one of them"),
     };
-    let data = given.data(&arguments.data)?;
-    let heldout = given.heldout(&arguments.heldout)?;
+    let spinner = ProgressBar::new_spinner().with_message("reading");
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let (data, short) = budget::within(given.data(&arguments.data)?);
+    let (heldout, short_heldout) = budget::within(given.heldout(&arguments.heldout)?);
+    spinner.set_message("looking for causes");
     let options = Options {
         learn: arguments.learn,
         simulate: true,
@@ -54,7 +59,12 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         Some(_) => experiment::design(&given.model, &outcome)?,
         None => None,
     };
+    spinner.finish_and_clear();
     outcome.diagnosis.next_experiment = next.as_ref().map(|n| n.summary.clone());
+    for note in [short, short_heldout].into_iter().flatten() {
+        println!("Note: {note}.");
+        outcome.diagnosis.notes.push(note);
+    }
     for line in words::lines(&outcome.diagnosis) {
         println!("{line}");
     }
