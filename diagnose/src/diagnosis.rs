@@ -24,6 +24,8 @@ use physics::robot::Robot;
 const CLEAR: f64 = 0.03;
 /// Part of the whole gap that it must be.
 const CLEAR_SHARE: f64 = 0.06;
+/// Structured error that is clear whatever its share.
+const PLAIN: f64 = 0.09;
 /// Part of the gap that the causes must remove to explain it.
 const EXPLAINED: f64 = 0.8;
 /// Gap on the worst joint below which there is none.
@@ -84,7 +86,7 @@ pub fn diagnose(
     if let Some(contact) = detect(&frames.data, &explanation.residual_data).filter(|c| {
         !repeats
             && options.settings.withheld != Some(Effect::ExternalContact)
-            && c.size > CONTACT_SIZE * crate::ladder::total(&explanation.ladder[0].all)
+            && c.size > CONTACT_SIZE * explanation.given_data
     }) {
         let margin = (CONTACT_MARGIN * frames.data.report().rate_hz) as usize;
         for (mut row, hit) in weight
@@ -238,7 +240,7 @@ fn verdict(explanation: &Explanation, left: &[Left]) -> Verdict {
         .sum::<f64>();
     let clear = left.iter().any(|l| {
         let s = l.structured();
-        s > CLEAR && s * s > CLEAR_SHARE * given
+        s > PLAIN || s > CLEAR && s * s > CLEAR_SHARE * given
     });
     if clear {
         return Verdict::UnknownEffect;

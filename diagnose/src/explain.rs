@@ -42,6 +42,8 @@ pub struct Explanation {
     pub residual: Array2<f64>,
     /// Residual of the last step on the fitted recording, contact still in it.
     pub residual_data: Array2<f64>,
+    /// Sum over joints of squared NRMSE as given, on the fitted recording.
+    pub given_data: f64,
     /// Contact found in the held-out recording.
     pub contact: Option<Contact>,
 }
@@ -186,6 +188,7 @@ pub fn explain(
         gap: gap_held,
         residual,
         residual_data,
+        given_data: total(&figures(&gap_data, &deviations(&frames.data.tau), None)),
         contact,
     })
 }
