@@ -285,7 +285,7 @@ pub fn notes(session: &Session, part: usize, file: &ModelFile) -> Vec<String> {
     }
     notes.push(match &file.forward_baseline {
         Some(f) => format!(
-            "forward_baseline: a linear state space of {} states simulates positions from the recorded torque, at {:.4} samples per second, from the mean position at the start of each trajectory; its figures are about positions, RMSE in rad (m). A recording of another rate has no such row.",
+            "forward_baseline: a linear state space of {} states simulates positions from the recorded torque, at {:.4} samples per second, from the mean position at the start of each trajectory; its figures are about positions, RMSE in rad (m). Faster recordings are thinned to that rate; one that does not thin to it has no such row.",
             f.model.system.order(),
             f.rate_hz
         ),
