@@ -44,7 +44,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            inertial_tolerance: 0.04,
+            inertial_tolerance: 0.025,
             friction_tolerance: 0.12,
             correlated_rows: 25.0,
             cost: 4.0,
