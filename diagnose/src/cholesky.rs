@@ -1,91 +1,99 @@
-//! Cholesky factor of a small symmetric positive definite matrix.
+//! Cholesky factor of a symmetric positive definite matrix whose columns differ in size and may coincide.
 
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{
+    LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Mat, MatMut, Par, Spec};
 use ndarray::{Array1, Array2, ArrayView1};
 
-/// A = L·Lᵀ with L lower triangular, shape (n, n), row-major.
+/// Pivot of the scaled matrix below which two columns count as one.
+const LOST: f64 = 1e-13;
+
+/// D·A·D = L·Lᵀ with D = diag(A)^(−1/2) and L lower triangular.
 #[derive(Clone, Debug)]
 pub struct Cholesky {
-    l: Array2<f64>,
+    l: Mat<f64>,
+    scale: Vec<f64>,
 }
 
 impl Cholesky {
-    /// Factorises `a`, of which only the lower triangle is read. A pivot lost to rounding is
-    /// replaced by 1e-13 of its diagonal entry, which pins that unknown near zero: every system
-    /// here carries a prior, so a vanishing pivot means two columns that differ by rounding alone.
-    pub fn new(mut a: Array2<f64>) -> Self {
+    /// Factorises `a`, of which only the lower triangle is read. A pivot lost to rounding is replaced by 1e-13 of
+    /// its diagonal entry, which pins that unknown near zero: every system here carries a prior, so a vanishing
+    /// pivot means two columns that differ by rounding alone.
+    pub fn new(a: &Array2<f64>) -> Self {
         let n = a.nrows();
-        let mut current = vec![0.0; n];
-        for i in 0..n {
-            current.copy_from_slice(&a.as_slice().expect("standard layout")[i * n..(i + 1) * n]);
-            let flat = a.as_slice_mut().expect("standard layout");
-            let floor = (1e-13 * current[i]).max(f64::MIN_POSITIVE);
-            for j in 0..i {
-                let dot: f64 = current[..j]
-                    .iter()
-                    .zip(&flat[j * n..j * n + j])
-                    .map(|(x, y)| x * y)
-                    .sum();
-                current[j] = (current[j] - dot) / flat[j * n + j];
+        let scale: Vec<f64> = a
+            .diag()
+            .iter()
+            .map(|d| 1.0 / d.max(f64::MIN_POSITIVE).sqrt())
+            .collect();
+        let mut l = Mat::from_fn(n, n, |i, k| {
+            if k > i {
+                0.0
+            } else {
+                a[[i, k]] * scale[i] * scale[k]
             }
-            let squares: f64 = current[..i].iter().map(|x| x * x).sum();
-            current[i] = (current[i] - squares).max(floor).sqrt();
-            current[i + 1..].fill(0.0);
-            flat[i * n..(i + 1) * n].copy_from_slice(&current);
-        }
-        Self { l: a }
-    }
-
-    /// Order of the matrix.
-    pub fn order(&self) -> usize {
-        self.l.nrows()
-    }
-
-    /// x with L·x = b.
-    pub fn forward(&self, b: ArrayView1<f64>) -> Array1<f64> {
-        let n = self.order();
-        let l = self.l.as_slice().expect("standard layout");
-        let mut x = b.to_vec();
+        });
+        let pinned = LltRegularization {
+            dynamic_regularization_delta: LOST,
+            dynamic_regularization_epsilon: LOST,
+        };
+        let scratch = cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default());
+        let factored = cholesky_in_place(
+            l.as_mut(),
+            pinned,
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+            Spec::default(),
+        );
+        debug_assert!(factored.is_ok(), "no pivot is left below {LOST}");
+        // faer 0.24 divides the column by the replaced pivot's root, but leaves the lost one on the diagonal.
         for i in 0..n {
-            let dot: f64 = l[i * n..i * n + i]
-                .iter()
-                .zip(&x[..i])
-                .map(|(p, q)| p * q)
-                .sum();
-            x[i] = (x[i] - dot) / l[i * n + i];
+            l[(i, i)] = l[(i, i)].max(LOST.sqrt());
         }
-        Array1::from(x)
-    }
-
-    /// x with Lᵀ·x = b.
-    pub fn backward(&self, b: ArrayView1<f64>) -> Array1<f64> {
-        let n = self.order();
-        let l = self.l.as_slice().expect("standard layout");
-        let mut x = b.to_vec();
-        for i in (0..n).rev() {
-            let xi = x[i] / l[i * n + i];
-            x[i] = xi;
-            for (xk, lk) in x[..i].iter_mut().zip(&l[i * n..i * n + i]) {
-                *xk -= lk * xi;
-            }
-        }
-        Array1::from(x)
+        Self { l, scale }
     }
 
     /// x with A·x = b.
     pub fn solve(&self, b: ArrayView1<f64>) -> Array1<f64> {
-        self.backward(self.forward(b).view())
+        let mut x = b.to_vec();
+        self.solve_in_place(&mut x, 1);
+        Array1::from(x)
+    }
+
+    /// Rows x with A·x = b for the rows b, shape (rows, n).
+    pub fn solve_rows(&self, b: &Array2<f64>) -> Array2<f64> {
+        let mut x: Vec<f64> = b.iter().copied().collect();
+        self.solve_in_place(&mut x, b.nrows());
+        Array2::from_shape_fn(b.dim(), |(r, i)| x[r * self.scale.len() + i])
+    }
+
+    /// `x` holds `count` right-hand sides one after the other.
+    fn solve_in_place(&self, x: &mut [f64], count: usize) {
+        let n = self.scale.len();
+        let scaled = |x: &mut [f64]| {
+            for (v, s) in x.iter_mut().zip(self.scale.iter().cycle()) {
+                *v *= s;
+            }
+        };
+        scaled(x);
+        let mut columns = MatMut::from_column_major_slice_mut(x, n, count);
+        solve_lower_triangular_in_place(self.l.as_ref(), columns.as_mut(), Par::Seq);
+        solve_upper_triangular_in_place(self.l.transpose(), columns, Par::Seq);
+        scaled(x);
     }
 
     /// Diagonal of A⁻¹.
     pub fn inverse_diagonal(&self) -> Array1<f64> {
-        let n = self.order();
-        (0..n)
-            .map(|i| {
-                let mut e = Array1::zeros(n);
-                e[i] = 1.0;
-                self.forward(e.view()).iter().map(|x| x * x).sum()
-            })
-            .collect()
+        let n = self.scale.len();
+        let mut inverse = Mat::<f64>::identity(n, n);
+        solve_lower_triangular_in_place(self.l.as_ref(), inverse.as_mut(), Par::Seq);
+        let of = |(i, s): (usize, &f64)| s * s * inverse.col(i).squared_norm_l2();
+        self.scale.iter().enumerate().map(of).collect()
     }
 }
 
@@ -97,10 +105,18 @@ mod tests {
     #[test]
     fn solves_a_system_by_hand() {
         // [[4, 2], [2, 3]]·[1, −1] = [2, −1]; the inverse has the diagonal [3, 4]/8.
-        let c = Cholesky::new(array![[4.0, 2.0], [2.0, 3.0]]);
-        let x = c.solve(array![2.0, -1.0].view());
-        assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] + 1.0).abs() < 1e-15);
+        let c = Cholesky::new(&array![[4.0, 2.0], [2.0, 3.0]]);
+        let x = c.solve_rows(&array![[2.0, -1.0], [4.0, 2.0]]);
+        let expected = array![[1.0, -1.0], [1.0, 0.0]];
+        assert!((&x - &expected).iter().all(|e| e.abs() < 1e-15), "{x}");
         let d = c.inverse_diagonal();
         assert!((d[0] - 0.375).abs() < 1e-15 && (d[1] - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn one_column_twice_leaves_a_finite_answer() {
+        let c = Cholesky::new(&array![[4.0, 4e-6], [4e-6, 4e-12]]);
+        let x = c.solve(array![8.0, 8e-6].view());
+        assert!((x[0] + 1e-6 * x[1] - 2.0).abs() < 1e-6, "{x}");
     }
 }

@@ -4,7 +4,7 @@
 //! the other causes leave, in the recording that is scored. A force on link k loads joints 1…k, not those beyond:
 //! the last loaded joint names the link. Within a burst the torque is followed in time by the smoothed residual.
 //! Confounders: any rare event that repeats with the motion, which a learner then predicts; a fault of one joint's
-//! torque channel or transmission that comes and goes, which loads no other joint.
+//! torque channel or transmission that comes and goes, which loads no other joint; vibration, which swings about zero.
 
 use crate::frame::{Frame, REVERSAL_SPEED};
 use ndarray::{Array1, Array2, ArrayView1, ArrayViewMut1};
@@ -30,6 +30,9 @@ const SMOOTH: f64 = 0.012;
 const PASSES: usize = 2;
 /// Part of the load, relative to the joints' torques, from which one joint is loaded alone: no force from outside.
 const ALONE: f64 = 0.97;
+/// Part of the bursts' squared torque that has to be steady. Whoever touches the robot pushes it; what swings about zero
+/// inside every burst is the vibration of a joint or of the ground.
+const STEADY: f64 = 0.18;
 
 /// One burst.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,12 +157,32 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
     if frame.dof() > 1 && load.iter().any(|l| *l > ALONE * size) {
         return None;
     }
+    if steadiness(&torque, &bursts, &usual) < STEADY {
+        return None;
+    }
     Some(Contact {
         bursts,
         torque,
         share,
         size,
     })
+}
+
+/// Part of the bursts' squared torque, relative to the joints' usual level, that their means make.
+fn steadiness(torque: &Array2<f64>, bursts: &[Burst], usual: &[f64]) -> f64 {
+    let (mut mean, mut all) = (0.0, 0.0);
+    for burst in bursts {
+        for (j, level) in usual.iter().enumerate().take(burst.last_joint + 1) {
+            let (sum, square) = burst
+                .samples
+                .clone()
+                .map(|i| torque[[i, j]] / level)
+                .fold((0.0, 0.0), |(s, q), x| (s + x, q + x * x));
+            mean += sum * sum / burst.samples.len() as f64;
+            all += square;
+        }
+    }
+    mean / all
 }
 
 /// Whether two windows follow each other without a break between trajectories.
@@ -265,5 +288,29 @@ impl Contact {
             most = most.max(f.norm());
         }
         Some(most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_push_is_steady_and_a_vibration_is_not() {
+        let n = 400;
+        let burst = Burst {
+            samples: 100..300,
+            last_joint: 1,
+            height: 50.0,
+        };
+        let of = |f: &dyn Fn(f64) -> f64| {
+            let torque = Array2::from_shape_fn((n, 2), |(i, j)| {
+                (1.0 + j as f64) * f((i as f64 - 100.0) / 200.0)
+            });
+            steadiness(&torque, std::slice::from_ref(&burst), &[0.1, 0.3])
+        };
+        let push = of(&|x| (std::f64::consts::PI * x).sin());
+        let swing = of(&|x| (std::f64::consts::TAU * 6.0 * x).sin() * (1.0 - x));
+        assert!(push > 0.7 && swing < 0.05, "{push} {swing}");
     }
 }

@@ -207,7 +207,7 @@ impl Rivals {
         for (i, v) in model.free.iter().enumerate() {
             normal[[i, i]] += v.precision;
         }
-        let solution = Cholesky::new(normal).solve(right.view());
+        let solution = Cholesky::new(&normal).solve(right.view());
         0.5 * (square - right.dot(&solution)).max(0.0)
     }
 }

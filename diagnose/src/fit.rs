@@ -168,22 +168,15 @@ impl<'a> Fit<'a> {
             }
             own[[a, a]] += v.precision;
         }
-        let solved: Vec<Array1<f64>> = cross
-            .rows()
-            .into_iter()
-            .map(|row| part.factor.solve(row))
-            .collect();
+        let solved = part.factor.solve_rows(&cross);
         for a in 0..k {
             right[a] -= cross.row(a).dot(&part.beta);
             for b in 0..=a {
-                own[[a, b]] -= cross.row(a).dot(&solved[b]);
+                own[[a, b]] -= cross.row(a).dot(&solved.row(b));
             }
         }
-        let gamma = Cholesky::new(own).solve(right.view());
-        let mut direction = Array1::zeros(self.variables.len());
-        for (s, &g) in solved.iter().zip(&gamma) {
-            direction.scaled_add(-g, s);
-        }
+        let gamma = Cholesky::new(&own).solve(right.view());
+        let direction = -solved.t().dot(&gamma);
         (direction, gamma)
     }
 
@@ -251,7 +244,7 @@ fn part(
     for (i, v) in variables.iter().enumerate() {
         a[[i, i]] += v.precision;
     }
-    let factor = Cholesky::new(a);
+    let factor = Cholesky::new(&a);
     let beta = factor.solve(b.view());
     let scored = left_out.map_or(&grams.total, |f| &grams.folds[f]);
     let mut correlation = Vec::with_capacity(grams.dof());

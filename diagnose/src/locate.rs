@@ -124,20 +124,33 @@ fn filled(
     share: &Array1<f64>,
     inside: Vec<bool>,
 ) -> Region {
-    let (s, t) = sums(share, &|i| inside[i]);
-    let place = Place {
-        joint: names[joint].clone(),
+    Region {
+        place: place(
+            &names[joint],
+            (coordinate, unit),
+            range,
+            sums(share, &|i| inside[i]),
+        ),
+        inside,
+        joint,
+    }
+}
+
+/// A place with its shares of the gap and of time.
+fn place(
+    joint: &str,
+    (coordinate, unit): (&'static str, &'static str),
+    range: [f64; 2],
+    (share_of_gap, share_of_time): (f64, f64),
+) -> Place {
+    Place {
+        joint: joint.to_owned(),
         coordinate,
         range,
         unit,
-        share_of_gap: s,
+        share_of_gap,
         share_interval: None,
-        share_of_time: t,
-    };
-    Region {
-        place,
-        inside,
-        joint,
+        share_of_time,
     }
 }
 
@@ -233,15 +246,14 @@ fn frequency(
     }
     let excess = |b: usize| power[b] / all - (edges[b + 1] - edges[b]) / half;
     let best = (0..power.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b)))?;
-    Some(Place {
-        joint: names[joint].clone(),
-        coordinate: "frequency",
-        range: [edges[best], edges[best + 1]],
-        unit: "Hz",
-        share_of_gap: share * power[best] / all,
-        share_interval: None,
-        share_of_time: (edges[best + 1] - edges[best]) / half,
-    })
+    let [low, high] = [edges[best], edges[best + 1]];
+    let shares = (share * power[best] / all, (high - low) / half);
+    Some(place(
+        &names[joint],
+        ("frequency", "Hz"),
+        [low, high],
+        shares,
+    ))
 }
 
 /// The order of position that holds most of a joint's error; `share` is the joint's own.
@@ -260,15 +272,16 @@ fn order(
     let (k, gain) = orders.strongest()?;
     let half = 0.5 * orders.resolution();
     let [least, most] = orders.span;
-    Some(Place {
-        joint: names[joint].clone(),
-        coordinate: "order",
-        range: [k - half, k + half],
-        unit: "1/rad",
-        share_of_gap: share * (gain / r.dot(&r)).clamp(0.0, 1.0),
-        share_interval: None,
-        share_of_time: (2.0 * half / (most - least)).min(1.0),
-    })
+    let shares = (
+        share * (gain / r.dot(&r)).clamp(0.0, 1.0),
+        (2.0 * half / (most - least)).min(1.0),
+    );
+    Some(place(
+        &names[joint],
+        ("order", "1/rad"),
+        [k - half, k + half],
+        shares,
+    ))
 }
 
 /// Distance travelled since the joint last turned round, within each trajectory.

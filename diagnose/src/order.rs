@@ -189,7 +189,7 @@ fn remove_trend(sum: &mut [f64], count: &[f64]) {
             }
         }
     }
-    let c = Cholesky::new(a).solve(y.view());
+    let c = Cholesky::new(&a).solve(y.view());
     for (b, (s, n)) in sum.iter_mut().zip(count).enumerate() {
         *s -= n * powers(b).iter().zip(&c).map(|(p, c)| p * c).sum::<f64>();
     }

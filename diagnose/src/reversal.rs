@@ -125,7 +125,7 @@ fn left(smooth: &[Array1<f64>], last: &Array1<f64>, y: &Array1<f64>) -> f64 {
         a[[i, i]] += f64::MIN_POSITIVE;
     }
     let b: Array1<f64> = columns.iter().map(|c| c.dot(y)).collect();
-    let x = Cholesky::new(a).solve(b.view());
+    let x = Cholesky::new(&a).solve(b.view());
     (y.dot(y) - x.dot(&b)).max(0.0)
 }
 

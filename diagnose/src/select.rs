@@ -283,10 +283,11 @@ fn least_fraction(candidate: &Candidate) -> f64 {
         Effect::PreslidingHysteresis if candidate.shape.first().is_some_and(|s| s.1 < NARROW) => {
             0.35
         }
+        // A blow or a spring is late as well, for a part of its error.
+        Effect::TimeDelay => 0.35,
         Effect::PreslidingHysteresis
         | Effect::StribeckFriction
         | Effect::JointCoupling
-        | Effect::TimeDelay
         | Effect::Backlash
         | Effect::JointElasticity
         | Effect::TorqueRipple => 0.06,

@@ -215,7 +215,7 @@ fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], input
         for i in 0..x.ncols() {
             a[[i, i]] += RIDGE * kept.len() as f64;
         }
-        let beta = Cholesky::new(a).solve(b.view());
+        let beta = Cholesky::new(&a).solve(b.view());
         for &k in rows {
             let e = y[k] - x.row(k).dot(&beta);
             left += e * e;

@@ -194,7 +194,7 @@ impl Column {
     }
 }
 
-/// Everything that needs no look at the residual. `prismatic[j]` picks units.
+/// Everything that needs no look at the residual.
 pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
     let mut all = Vec::new();
     all.extend(parameters::candidates(scene));

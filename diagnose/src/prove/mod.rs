@@ -11,6 +11,7 @@ use crate::objective::Settings;
 use physics::robot::Robot;
 use rayon::prelude::*;
 use report::{Cell, Column, Table};
+use serde::Serialize;
 use serde_json::Value;
 use simulate::cases::{Case, EFFECTS, Kind, draw, generate, write};
 use std::path::Path;
@@ -70,12 +71,11 @@ pub fn prove(
             let found = report_of(&case, &Options::default())?;
             if let (Some(out), Some(folder)) = (out, &reports) {
                 write(&case, out)?;
-                let text = serde_json::to_string_pretty(&found).expect("numbers and strings");
+                let text = format!("{found:#}");
                 report::write_atomic(&folder.join(format!("{}.json", case.id)), &text)?;
             }
-            let truth: Value = serde_json::to_value(&case.truth).expect("numbers and strings");
             done();
-            Ok(judge(&truth, &found))
+            Ok(judge(&json(&case.truth), &found))
         })
         .collect()
 }
@@ -105,9 +105,8 @@ pub fn leave_one_out(
             ..Options::default()
         };
         let found = report_of(&case, &options)?;
-        let truth: Value = serde_json::to_value(&case.truth).expect("numbers and strings");
         done();
-        Ok(Some(withheld::judge(effect, &truth, &found)))
+        Ok(Some(withheld::judge(effect, &json(&case.truth), &found)))
     };
     let all: Result<Vec<Option<LeftOut>>, _> = (0..cases).into_par_iter().map(of).collect();
     Ok(all?.into_iter().flatten().collect())
@@ -127,7 +126,12 @@ fn report_of(case: &Case, options: &Options) -> Result<Value, ProveError> {
     let robot = Robot::from_urdf_str(&case.urdf).map_err(|e| fail(e.into()))?;
     let model = NominalModel::new(robot);
     let outcome = diagnose(&model, &case.train, &case.test, options).map_err(fail)?;
-    Ok(serde_json::to_value(&outcome.diagnosis).expect("numbers and strings"))
+    Ok(json(&outcome.diagnosis))
+}
+
+/// A report or an answer as the scores read it.
+fn json(of: &impl Serialize) -> Value {
+    serde_json::to_value(of).expect("fields with names, numbers and strings")
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
