@@ -46,7 +46,7 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
 }
 
 /// Quantities that users ask for, from those that are linear.
-fn derived(effect: Effect, parameters: &mut [Parameter]) {
+fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
     let value = |p: &[Parameter], n: &str| p.iter().find(|p| p.name == n).map(|p| (p.value, p.std));
     match effect {
         Effect::Payload => {
@@ -65,6 +65,22 @@ fn derived(effect: Effect, parameters: &mut [Parameter]) {
                 p.std /= mass;
                 p.unit = "m".to_owned();
             }
+        }
+        Effect::BaseTilt => {
+            let (Some((tilt, std)), Some((angle, _))) =
+                (value(parameters, "tilt"), value(parameters, "direction"))
+            else {
+                return;
+            };
+            let (sin, cos) = angle.sin_cos();
+            *parameters = [("tilt_x", cos), ("tilt_y", sin)]
+                .map(|(name, part)| Parameter {
+                    name: name.to_owned(),
+                    value: tilt * part,
+                    std: std * part.abs(),
+                    ..parameters[0].clone()
+                })
+                .to_vec();
         }
         Effect::JointElasticity => {
             for p in parameters

@@ -6,6 +6,7 @@ use crate::fit::{Fit, Variable};
 use crate::objective::Objective;
 use physics::robot::Robot;
 use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
 
 /// Largest change of a suspected link's parameter, in squares of its prior deviation (half its size): beyond that the
 /// link is not the cause, it stands in for something else.
@@ -83,6 +84,8 @@ impl<'a> Search<'a> {
     /// Every admissible candidate tried on top of a fit, best first.
     pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<Tried> {
         let before = self.objective.of_fit(fit, 0);
+        // Each effect is as likely as any other, and so is each of its places.
+        let places = self.places();
         let mut all: Vec<Tried> = (0..self.candidates.len())
             .into_par_iter()
             .filter(|c| !accepted.iter().any(|a| self.excludes(*a, *c)))
@@ -102,7 +105,8 @@ impl<'a> Search<'a> {
                             .zip(&variables)
                             .all(|(g, v)| g * g * v.precision < MOST_CHANGE));
                 let gain = before - self.objective.of_trial(&trial, self.members[c].len())
-                    + self.candidates[c].evidence;
+                    + self.candidates[c].evidence
+                    - (places[&self.candidates[c].effect].len() as f64).ln();
                 within.then_some(Tried {
                     candidate: c,
                     gain,
@@ -118,6 +122,18 @@ impl<'a> Search<'a> {
                 .then(a.candidate.cmp(&b.candidate))
         });
         all
+    }
+
+    /// Places where the catalogue looks for each effect.
+    fn places(&self) -> HashMap<Effect, HashSet<(&[usize], Option<usize>)>> {
+        let mut places: HashMap<_, HashSet<_>> = HashMap::new();
+        for c in self.candidates {
+            places
+                .entry(c.effect)
+                .or_default()
+                .insert((c.joints.as_slice(), c.driver));
+        }
+        places
     }
 
     /// Whether one accepted candidate rules another out: the same effect at the same place.
@@ -283,13 +299,12 @@ fn least_fraction(candidate: &Candidate) -> f64 {
         Effect::PreslidingHysteresis if candidate.shape.first().is_some_and(|s| s.1 < NARROW) => {
             0.35
         }
-        // A blow or a spring is late as well, for a part of its error.
-        Effect::TimeDelay => 0.35,
+        // Blows and springs are late as well, and vibration of whatever kind is a spring's, for a part of their error.
+        Effect::TimeDelay | Effect::JointElasticity => 0.35,
         Effect::PreslidingHysteresis
         | Effect::StribeckFriction
         | Effect::JointCoupling
         | Effect::Backlash
-        | Effect::JointElasticity
         | Effect::TorqueRipple => 0.06,
         _ => f64::NEG_INFINITY,
     }
