@@ -12,6 +12,9 @@ use std::collections::{HashMap, HashSet};
 /// link is not the cause, it stands in for something else.
 const MOST_CHANGE: f64 = 9.0;
 
+/// Mass and first moments, the first parameters of a body.
+const MOMENTS: usize = 4;
+
 /// A candidate tried on top of a fit.
 #[derive(Clone, Debug)]
 pub struct Tried {
@@ -57,13 +60,18 @@ impl<'a> Search<'a> {
     /// Coefficients of a candidate with wide priors.
     pub fn variables(&self, candidate: usize) -> Vec<Variable> {
         let c = &self.candidates[candidate];
-        if c.effect == Effect::LinkParameters {
-            return self.objective.freed_link(self.robot, c.joints[0]);
-        }
-        self.members[candidate]
+        let wide = self.members[candidate]
             .iter()
-            .map(|&c| self.objective.wide(c))
-            .collect()
+            .map(|&c| self.objective.wide(c));
+        match c.effect {
+            Effect::LinkParameters => self.objective.freed_link(self.robot, c.joints[0]),
+            Effect::Payload => wide
+                .zip(self.objective.freed_link(self.robot, c.joints[0]))
+                .enumerate()
+                .map(|(p, (wide, freed))| if p < MOMENTS { wide } else { freed })
+                .collect(),
+            _ => wide.collect(),
+        }
     }
 
     /// Fit of the base and the given candidates.
@@ -71,6 +79,17 @@ impl<'a> Search<'a> {
         let mut variables = self.base.clone();
         variables.extend(accepted.iter().flat_map(|&c| self.variables(c)));
         self.objective.fit(variables)
+    }
+
+    /// Coefficients that a candidate is charged for. What a body on the last link weighs and where says nearly all about
+    /// it: its inertia is tied to the size of the link. A wrong last link is the same columns at the same price.
+    fn price(&self, candidate: usize) -> usize {
+        let c = &self.candidates[candidate];
+        match c.effect {
+            Effect::Payload => MOMENTS,
+            Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => MOMENTS,
+            _ => self.members[candidate].len(),
+        }
     }
 
     /// Causes beyond parameters.
@@ -104,7 +123,7 @@ impl<'a> Search<'a> {
                             .iter()
                             .zip(&variables)
                             .all(|(g, v)| g * g * v.precision < MOST_CHANGE));
-                let gain = before - self.objective.of_trial(&trial, self.members[c].len())
+                let gain = before - self.objective.of_trial(&trial, self.price(c))
                     + self.candidates[c].evidence
                     - (places[&self.candidates[c].effect].len() as f64).ln();
                 within.then_some(Tried {

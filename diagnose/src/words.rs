@@ -332,6 +332,8 @@ fn experiment(cause: &Cause) -> &'static str {
     let with = |e| cause.ambiguous_with.contains(&e) || cause.effect == e;
     if with(Effect::TorqueOffset) && with(Effect::AsymmetricFriction) {
         "Record rests that are reached from both directions."
+    } else if with(Effect::BaseTilt) && with(Effect::EncoderOffset) {
+        "Put a level on the base: where the first axis lies flat, no motion tells a tilt from its joint's zero."
     } else if with(Effect::Payload) || with(Effect::LinkParameters) {
         "Record the same motions with and without a known mass on the last link."
     } else if with(Effect::FrictionDrift) {
