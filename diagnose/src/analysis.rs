@@ -1,6 +1,6 @@
 //! The diagnosis, step by step: recording → gap → first fit → catalogue → causes.
 
-use crate::candidates::{self, Candidate, backlash, torque_ripple};
+use crate::candidates::{self, Candidate, backlash, saturation, torque_ripple};
 use crate::dictionary::Dictionary;
 use crate::error::DiagnoseError;
 use crate::fit::{Fit, Variable};
@@ -15,6 +15,7 @@ use crate::reversal::choose;
 use crate::scene::{Scale, Scene};
 use crate::select::{Search, Tried};
 use datasets::Recording;
+use datasets::check::plateau;
 use ndarray::{Array1, Array2};
 use physics::robot::Robot;
 use rayon::prelude::*;
@@ -201,6 +202,8 @@ pub fn find(
         )
         .map_or_else(Vec::new, |o| o.lines(torque_ripple::LINES));
         candidates.extend(torque_ripple::candidates(j, &orders));
+        let flat = plateau(&data.tau.column(j).to_vec());
+        candidates.extend(flat.map(|(limit, _)| saturation::flat_top(j, limit)));
     }
     let load = data.table_to_samples(&scene.rigid);
     if let Some(blows) = impacts::clearest(data, &residual, &load) {

@@ -10,8 +10,9 @@ use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::ladder::{deviations, figures, total};
 use crate::model::NominalModel;
-use crate::quantities::{ambiguous, confidence, moved, parameters, pushed};
+use crate::quantities::{ambiguous, confidence, limit, moved, parameters, pushed};
 use crate::report::{Cause, Step};
+use crate::saturated::saturated;
 use crate::scene::Scene;
 use ndarray::{Array1, Array2};
 use physics::robot::PARAMETERS_PER_LINK;
@@ -88,17 +89,32 @@ pub fn explain(
             &residual,
         ));
     }
+    let mut parts = parts(model, found, &columns, shape);
+    // What is measured in the held-out recording itself.
+    let mut local = Array2::zeros(shape);
+    let cuts = match found.settings.withheld {
+        Some(Effect::Saturation) => Vec::new(),
+        _ => saturated(held, &residual),
+    };
+    for cut in &cuts {
+        local += &cut.torque;
+        residual -= &cut.torque;
+        ladder.push(step(Effect::Saturation.name(), &residual));
+        parts.push(Part {
+            effect: Effect::Saturation,
+            accepted: None,
+            torque: cut.torque.clone(),
+        });
+    }
     let contact = if with_contact {
         detect(held, &residual)
     } else {
         None
     };
     if let Some(c) = &contact {
+        local += &c.torque;
         residual -= &c.torque;
         ladder.push(step(Effect::ExternalContact.name(), &residual));
-    }
-    let mut parts = parts(model, found, &columns, shape);
-    if let Some(c) = &contact {
         parts.push(Part {
             effect: Effect::ExternalContact,
             accepted: None,
@@ -129,15 +145,9 @@ pub fn explain(
         let (with, without) = match part.accepted {
             Some(c) if !part.effect.is_absorbable() => {
                 let others: Vec<usize> = structure.iter().copied().filter(|&o| o != c).collect();
-                let mut without = left(&others);
-                if let Some(contact) = &contact {
-                    without -= &contact.torque;
-                }
-                (residual.clone(), without)
+                (residual.clone(), left(&others) - &local)
             }
-            None if part.effect == Effect::ExternalContact => {
-                (residual.clone(), &residual + &part.torque)
-            }
+            None if !part.effect.is_parameter() => (residual.clone(), &residual + &part.torque),
             _ => (tight_residual.clone(), without),
         };
         let (closed, interval) = closed(
@@ -169,6 +179,7 @@ pub fn explain(
                 None if part.effect == Effect::ExternalContact => contact
                     .as_ref()
                     .map_or_else(Vec::new, |c| pushed(model, c, frames, &names)),
+                None if part.effect == Effect::Saturation => limit(&cuts, &joints, &names),
                 None => moved(model, found, part.effect, &joints, &names),
             },
             ambiguous_with: cause
@@ -318,20 +329,11 @@ fn closed(
                     .map(|&j| rows.clone().map(|i| t[[i, j]] * t[[i, j]]).sum::<f64>())
                     .sum::<f64>()
             };
-            (squares(with), squares(without))
+            let before = squares(without);
+            (before - squares(with), before)
         })
         .collect();
-    let ratio = |pick: &mut dyn Iterator<Item = usize>| {
-        let (a, b) = pick.fold((0.0, 0.0), |(a, b), k| (a + sums[k].0, b + sums[k].1));
-        if b > 0.0 { 1.0 - a / b } else { 0.0 }
-    };
-    let value = ratio(&mut (0..sums.len()));
-    let mut draws: Vec<f64> = (0..200)
-        .map(|seed| ratio(&mut signal::bootstrap::block_bootstrap(sums.len(), 1, seed).into_iter()))
-        .collect();
-    draws.sort_by(f64::total_cmp);
-    let at = |p: f64| draws[(p * (draws.len() - 1) as f64).round() as usize];
-    (value, [at(0.05).min(value), at(0.95).max(value)])
+    signal::bootstrap::ratio(&sums)
 }
 
 /// Part of the gap, as given, that the last step removes.

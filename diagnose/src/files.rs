@@ -84,6 +84,7 @@ impl Given {
         Ok(read(path, &self.options[1])?)
     }
 }
+
 /// One recording of all trajectories. Optional tables that one of them lacks are left out.
 fn joined(all: &[Recording]) -> Recording {
     let mut out = all[0].clone();

@@ -18,6 +18,7 @@ use ndarray::Array2;
 use physics::dynamics::{Workspace, mass_matrix};
 use physics::robot::Robot;
 use rayon::prelude::*;
+use signal::quantile::median;
 use simulate::plant::{Friction, Plant};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -97,11 +98,6 @@ fn tolerances(robot: &Robot) -> Vec<f64> {
     let of = |rotation| if rotation { TOLERANCE[0] } else { TOLERANCE[1] };
     let joints = robot.joints().iter();
     joints.map(|j| of(j.kind.is_rotation())).collect()
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// τ_b on the recorded motion, shape (samples, joints).

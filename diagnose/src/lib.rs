@@ -35,6 +35,7 @@ pub mod quantities;
 pub mod recordings;
 pub mod report;
 pub mod reversal;
+pub mod saturated;
 pub mod scene;
 pub mod select;
 mod shift;

@@ -5,7 +5,6 @@ use crate::order::Orders;
 use crate::report::Place;
 use ndarray::{Array1, Array2};
 use signal::Motion;
-use signal::bootstrap::block_bootstrap;
 use signal::spectrum::welch;
 
 /// Most regions reported.
@@ -14,9 +13,8 @@ const MOST: usize = 16;
 const BINS: usize = 8;
 /// Least share of the gap that is reported.
 const LEAST: f64 = 0.01;
-/// Stretches that the bootstrap draws, s, and how often it draws.
+/// Stretches that the bootstrap draws, s.
 const BLOCK: f64 = 1.5;
-const DRAWS: u64 = 200;
 /// Window of the spectrum, s.
 const WINDOW: f64 = 4.0;
 /// Upper ends of the bands, Hz; the last reaches half the sampling rate.
@@ -84,7 +82,7 @@ pub fn locate(
     let mut places: Vec<Place> = regions
         .into_iter()
         .map(|r| Place {
-            share_interval: Some(interval(&shares, r.joint, &r.inside, block, &r.place)),
+            share_interval: Some(interval(&shares, r.joint, &r.inside, block)),
             ..r.place
         })
         .collect();
@@ -185,13 +183,7 @@ fn sums(share: &Array1<f64>, inside: &dyn Fn(usize) -> bool) -> (f64, f64) {
 }
 
 /// 90 % interval of a region's share by bootstrap over stretches of time.
-fn interval(
-    shares: &Array2<f64>,
-    joint: usize,
-    inside: &[bool],
-    block: usize,
-    place: &Place,
-) -> [f64; 2] {
+fn interval(shares: &Array2<f64>, joint: usize, inside: &[bool], block: usize) -> [f64; 2] {
     let rows = shares.nrows();
     let blocks: Vec<(f64, f64)> = (0..rows.div_ceil(block))
         .map(|b| {
@@ -201,20 +193,7 @@ fn interval(
             (part.map(|i| shares[[i, joint]]).sum::<f64>(), all)
         })
         .collect();
-    let mut draws: Vec<f64> = (0..DRAWS)
-        .map(|seed| {
-            let (part, all) = block_bootstrap(blocks.len(), 1, seed)
-                .into_iter()
-                .fold((0.0, 0.0), |(p, a), b| (p + blocks[b].0, a + blocks[b].1));
-            if all > 0.0 { part / all } else { 0.0 }
-        })
-        .collect();
-    draws.sort_by(f64::total_cmp);
-    let at = |p: f64| draws[(p * (draws.len() - 1) as f64).round() as usize];
-    [
-        at(0.05).min(place.share_of_gap),
-        at(0.95).max(place.share_of_gap),
-    ]
+    signal::bootstrap::ratio(&blocks).1
 }
 
 /// The band of frequency that holds most of a joint's error for its width; `share` is the joint's own.

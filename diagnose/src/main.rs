@@ -141,12 +141,12 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         leave_one_out,
         out,
     } = proof;
-    let bar = indicatif::ProgressBar::new(*cases);
+    let bar = ProgressBar::new(*cases);
     let scores = prove::prove(*cases, *seed, out.as_deref(), || bar.inc(1))?;
     bar.finish_and_clear();
     println!("{}", prove::table(&scores).to_text());
     if *leave_one_out {
-        let bar = indicatif::ProgressBar::new(*cases);
+        let bar = ProgressBar::new(*cases);
         let answers = prove::leave_one_out(*cases, *seed, || bar.inc(1))?;
         bar.finish_and_clear();
         println!("{}", prove::withheld_table(&answers).to_text());

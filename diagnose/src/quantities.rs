@@ -6,6 +6,7 @@ use crate::contact::Contact;
 use crate::effect::Effect;
 use crate::model::NominalModel;
 use crate::report::Parameter;
+use crate::saturated::Saturated;
 use crate::select::Tried;
 use physics::robot::PARAMETERS_PER_LINK;
 
@@ -201,6 +202,19 @@ pub fn pushed(
         out.push(new("force", force, 0.3 * force, "N"));
     }
     out
+}
+
+/// Limits of the joints whose torque is cut.
+pub fn limit(cuts: &[Saturated], joints: &[usize], names: &[String]) -> Vec<Parameter> {
+    let own = cuts.iter().filter(|c| joints.contains(&c.joint));
+    own.map(|c| Parameter {
+        name: "limit".to_owned(),
+        joint: Some(names[c.joint].clone()),
+        value: c.limit,
+        std: 0.0,
+        unit: "N·m".to_owned(),
+    })
+    .collect()
 }
 
 /// How much more the name explains than the best other name.

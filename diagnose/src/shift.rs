@@ -3,6 +3,7 @@
 use datasets::Recording;
 use ndarray::Array2;
 use signal::correlation;
+use signal::quantile::median;
 
 /// Shift of the recorded torque behind a prediction on the same motion, per joint, in s: median
 /// over trajectories, within ± `longest_s`. `None` for a joint without a clear peak.
@@ -20,7 +21,7 @@ pub fn torque_shift(
     let longest = (longest_s / step).ceil() as usize;
     (0..recording.dof())
         .map(|joint| {
-            let mut shifts: Vec<f64> = recording
+            let shifts: Vec<f64> = recording
                 .trajectories
                 .iter()
                 .filter_map(|t| {
@@ -32,8 +33,7 @@ pub fn torque_shift(
                         .then_some(lag.samples * step)
                 })
                 .collect();
-            shifts.sort_by(f64::total_cmp);
-            shifts.get(shifts.len() / 2).copied()
+            median(shifts)
         })
         .collect()
 }

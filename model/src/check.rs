@@ -198,8 +198,9 @@ fn fitted(
     let rigid = PARAMETERS_PER_LINK * n;
     let mut y = vec![0.0; n * rigid];
     let mut line = vec![0.0; p + targets];
+    let segments = recording.segments();
     for k in thinned(recording) {
-        let Some(trajectory) = recording.segments().into_iter().find(|s| s.contains(&k)) else {
+        let Some(trajectory) = segments.iter().find(|s| s.contains(&k)) else {
             continue;
         };
         let time = &recording.time[trajectory.clone()];

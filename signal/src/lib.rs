@@ -18,6 +18,7 @@ pub mod correlation;
 pub mod differences;
 pub mod filter;
 pub mod motion;
+pub mod quantile;
 pub mod resample;
 pub mod smoother;
 pub mod sos;

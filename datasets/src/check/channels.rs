@@ -2,6 +2,7 @@
 
 use super::{CheckOptions, Finding, JointFigures, Kind, Severity};
 use crate::Recording;
+use signal::quantile::median;
 use signal::{Motion, correlation};
 
 /// A joint whose positions stay within this never moves, in rad or m.
@@ -293,11 +294,11 @@ impl Channel<'_> {
     }
 }
 
-/// Level and share of samples of a flat top in |τ|, where there is one.
+/// Level (median of the flat part, N·m) and share of samples of a flat top in |τ|, where there is one.
 ///
 /// Without a limit the largest values are rare; with one they crowd below it. The top of the range
 /// is compared with the band below it.
-fn plateau(tau: &[f64]) -> Option<(f64, f64)> {
+pub fn plateau(tau: &[f64]) -> Option<(f64, f64)> {
     let largest = tau.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let count = |from: f64, to: f64| {
         tau.iter()
@@ -312,5 +313,9 @@ fn plateau(tau: &[f64]) -> Option<(f64, f64)> {
     let entries = tau.windows(2).filter(|w| !at_top(&w[0]) && at_top(&w[1]));
     let visits = entries.count() + usize::from(tau.first().is_some_and(at_top));
     let crowded = top > CROWDED * below.max(1.0) && share > PLATEAU_SHARE;
-    (crowded && visits >= PLATEAU_VISITS).then_some((largest, share))
+    if !crowded || visits < PLATEAU_VISITS {
+        return None;
+    }
+    let flat = tau.iter().filter(|v| at_top(v)).map(|v| v.abs());
+    Some((median(flat.collect())?, share))
 }

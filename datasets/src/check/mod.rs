@@ -5,7 +5,7 @@
 mod channels;
 mod clock;
 
-pub use channels::STILL;
+pub use channels::{STILL, plateau};
 
 use crate::prepare::Prepared;
 use crate::repeats::{self, Repeatability};

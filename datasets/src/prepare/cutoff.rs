@@ -14,6 +14,7 @@
 //! noise floor, with the exact gain D(f) = 2 sin(πfΔ)/Δ of a difference over one step.
 
 use serde::Serialize;
+use signal::quantile::median;
 use signal::spectrum::{Spectrum, welch};
 
 /// The floor is read in this part of the band up to half the rate: above all motion.
@@ -112,15 +113,14 @@ pub(crate) fn difference_spectrum(
 pub(crate) fn floor_of(spectrum: &Spectrum, band: [f64; 2], gain: impl Fn(f64) -> f64) -> f64 {
     let nyquist = spectrum.frequency.last().copied().unwrap_or(0.0);
     let band = band[0] * nyquist..=band[1] * nyquist;
-    let mut levels: Vec<f64> = spectrum
+    let levels: Vec<f64> = spectrum
         .frequency
         .iter()
         .zip(&spectrum.density)
         .filter(|(f, _)| band.contains(f))
         .map(|(&f, p)| p / gain(f))
         .collect();
-    levels.sort_by(f64::total_cmp);
-    levels.get(levels.len() / 2).copied().unwrap_or(0.0)
+    median(levels).unwrap_or(0.0)
 }
 
 /// J(f_c)/Var(q̈) of one joint at the [`candidates`]; empty for a joint without motion.

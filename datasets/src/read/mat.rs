@@ -13,6 +13,7 @@ use crate::columns::{Affine, ColumnMap, Group, Layout};
 use crate::{Part, Problem, ReadError, ReadOptions, Recording};
 use matfile::{MatFile, NumericData};
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
+use signal::quantile::median;
 use std::path::Path;
 
 /// Motor torque to link torque, joint 1 to 6.
@@ -215,25 +216,14 @@ fn continue_clock(time: &mut [f64], train: &[f64]) {
         return;
     }
     let steps: Vec<f64> = train.windows(2).map(|w| w[1] - w[0]).collect();
-    let median = median(&steps);
-    let seams: Vec<f64> = steps
-        .into_iter()
-        .filter(|&s| s > SEAM_STEPS * median)
-        .collect();
-    let pause = if seams.is_empty() {
-        median
-    } else {
-        self::median(&seams)
+    let Some(step) = median(steps.clone()) else {
+        return;
     };
+    let seams = steps.into_iter().filter(|&s| s > SEAM_STEPS * step);
+    let pause = median(seams.collect()).unwrap_or(step);
     if pause.is_finite() {
         time.iter_mut().for_each(|t| *t += end - start + pause);
     }
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Labels the executions: at the seams of the clock or, where it has none, every 60.588 s.
@@ -244,7 +234,7 @@ fn executions(
     file: &Path,
 ) -> Result<LabelRuns, ReadError> {
     let steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
-    let step = median(&steps);
+    let step = median(steps.clone()).unwrap_or(f64::NAN);
     let seamed = steps.iter().any(|&s| s > SEAM_STEPS * step);
     let mut labels = LabelRuns::default();
     let mut number = 0;

@@ -13,7 +13,7 @@ mod load_dependent_friction;
 mod nonlinear_viscous_friction;
 mod parameters;
 mod presliding_hysteresis;
-mod saturation;
+pub mod saturation;
 mod stribeck_friction;
 mod time_delay;
 mod torque_channel;

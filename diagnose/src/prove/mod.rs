@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use report::{Cell, Column, Table};
 use serde::Serialize;
 use serde_json::Value;
+use signal::quantile::median;
 use simulate::cases::{Case, EFFECTS, Kind, draw, generate, write};
 use std::path::Path;
 
@@ -132,11 +133,6 @@ fn report_of(case: &Case, options: &Options) -> Result<Value, ProveError> {
 /// A report or an answer as the scores read it.
 fn json(of: &impl Serialize) -> Value {
     serde_json::to_value(of).expect("fields with names, numbers and strings")
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// Scores by kind of case, singles together, and the rates that only some kinds have.
