@@ -225,11 +225,13 @@ impl<'a> Search<'a> {
         if c.evidence > 0.0 {
             return true;
         }
-        if fraction(&before, &after, &c.joints) < least_fraction(c) {
+        let part = fraction(&before, &after, &c.joints);
+        if part < least_fraction(c) {
             return false;
         }
         // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
         let clear = match c.effect {
+            Effect::PreslidingHysteresis if is_narrow(c) && part < PLAINLY => 3.0 * s.enough,
             Effect::PreslidingHysteresis => 2.0 * s.enough,
             Effect::LoadDependentFriction => s.enough,
             effect if effect.is_absorbable() => s.enough,
@@ -307,19 +309,19 @@ fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
     1.0 - squares(after) / squares(before).max(1e-300)
 }
 
+/// Part of the error that shows plainly.
+const PLAINLY: f64 = 0.35;
+
 /// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
 /// spare them a bend instead. What the sign of a filtered velocity gets wrong at reversals looks like memory over
 /// less than a milliradian, or like friction that falls at once, which therefore have to show plainly.
 fn least_fraction(candidate: &Candidate) -> f64 {
-    const NARROW: f64 = 1.2e-3;
     const SLOW: f64 = 0.012;
     match candidate.effect {
-        Effect::StribeckFriction if candidate.shape.first().is_some_and(|s| s.1 < SLOW) => 0.35,
-        Effect::PreslidingHysteresis if candidate.shape.first().is_some_and(|s| s.1 < NARROW) => {
-            0.35
-        }
+        Effect::StribeckFriction if candidate.shape.first().is_some_and(|s| s.1 < SLOW) => PLAINLY,
+        Effect::PreslidingHysteresis if is_narrow(candidate) => 0.22,
         // Blows and springs are late as well, and vibration of whatever kind is a spring's, for a part of their error.
-        Effect::TimeDelay | Effect::JointElasticity => 0.35,
+        Effect::TimeDelay | Effect::JointElasticity => PLAINLY,
         Effect::PreslidingHysteresis
         | Effect::StribeckFriction
         | Effect::JointCoupling
@@ -327,6 +329,12 @@ fn least_fraction(candidate: &Candidate) -> f64 {
         | Effect::TorqueRipple => 0.06,
         _ => f64::NEG_INFINITY,
     }
+}
+
+/// Whether memory reaches no further than what a wrong sign at reversals imitates.
+fn is_narrow(candidate: &Candidate) -> bool {
+    const NARROW: f64 = 1.2e-3;
+    candidate.shape.first().is_some_and(|s| s.1 < NARROW)
 }
 
 fn without(accepted: &[usize], i: usize) -> Vec<usize> {
