@@ -14,6 +14,8 @@ const MOST_CHANGE: f64 = 9.0;
 
 /// Mass and first moments, the first parameters of a body.
 const MOMENTS: usize = 4;
+/// Those of a body on the last link that a recording shows.
+const SHOWN: usize = 2;
 
 /// A candidate tried on top of a fit.
 #[derive(Clone, Debug)]
@@ -81,13 +83,14 @@ impl<'a> Search<'a> {
         self.objective.fit(variables)
     }
 
-    /// Coefficients that a candidate is charged for. What a body on the last link weighs and where says nearly all about
-    /// it: its inertia is tied to the size of the link. A wrong last link is the same columns at the same price.
+    /// Coefficients that a candidate is charged for. Of a body on the last link a recording shows little more than two
+    /// moments, those about the last axis; the rest is tied to the given values and the link's size. A wrong last link is
+    /// the same columns at the same price.
     fn price(&self, candidate: usize) -> usize {
         let c = &self.candidates[candidate];
         match c.effect {
-            Effect::Payload => MOMENTS,
-            Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => MOMENTS,
+            Effect::Payload => SHOWN,
+            Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => SHOWN,
             _ => self.members[candidate].len(),
         }
     }
