@@ -42,3 +42,27 @@ pub fn saturated(frame: &Frame, residual: &Array2<f64>) -> Vec<Saturated> {
     };
     (0..frame.dof()).filter_map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use datasets::Recording;
+
+    #[test]
+    fn a_cut_torque_is_told_from_a_wrong_one() {
+        let time: Vec<f64> = (0..4000).map(|i| 0.005 * f64::from(i)).collect();
+        let table =
+            |f: &dyn Fn(f64) -> f64| Array2::from_shape_fn((time.len(), 1), |(i, _)| f(time[i]));
+        let predicted = table(&|t| 10.0 * (1.3 * t).sin() + 3.0 * (3.1 * t).cos());
+        let found = |tau: &Array2<f64>| {
+            let q = table(&|t| (1.3 * t).sin());
+            let recording = Recording::new("r", time.clone(), q, Some(tau.clone()));
+            let frame = Frame::new(&recording, tau.clone(), Some(20.0)).unwrap();
+            saturated(&frame, &(tau - &predicted))
+        };
+        let cut = found(&predicted.mapv(|t| t.clamp(-8.0, 8.0)));
+        assert_eq!(cut.len(), 1);
+        assert!((cut[0].limit - 8.0).abs() < 1e-9, "{}", cut[0].limit);
+        assert!(found(&(0.8 * &predicted)).is_empty());
+    }
+}
