@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
                             .all(|(g, v)| g * g * v.precision < MOST_CHANGE));
                 let gain = before - self.objective.of_trial(&trial, self.price(c))
                     + self.candidates[c].evidence
-                    - (places[&self.candidates[c].effect].len() as f64).ln();
+                    - places[&self.candidates[c].effect].ln();
                 within.then_some(Tried {
                     candidate: c,
                     gain,
@@ -146,16 +146,15 @@ impl<'a> Search<'a> {
         all
     }
 
-    /// Places where the catalogue looks for each effect.
-    fn places(&self) -> HashMap<Effect, HashSet<(&[usize], Option<usize>)>> {
-        let mut places: HashMap<_, HashSet<_>> = HashMap::new();
-        for c in self.candidates {
-            places
-                .entry(c.effect)
-                .or_default()
-                .insert((c.joints.as_slice(), c.driver));
+    /// Number of places where the catalogue looks for each effect.
+    fn places(&self) -> HashMap<Effect, f64> {
+        let of = |c: &'a Candidate| (c.effect, &c.joints, c.driver);
+        let places: HashSet<_> = self.candidates.iter().map(of).collect();
+        let mut counts = HashMap::new();
+        for (effect, _, _) in places {
+            *counts.entry(effect).or_insert(0.0) += 1.0;
         }
-        places
+        counts
     }
 
     /// Whether one accepted candidate rules another out: the same effect at the same place.

@@ -116,6 +116,6 @@ mod tests {
         let along = std::f64::consts::FRAC_PI_2 + 0.2;
         assert_eq!(name, "direction");
         assert!((angle - along).sin().abs() < 1e-4, "{angle}");
-        assert_eq!(candidate(&arm("1 0 0")).columns.len(), 2);
+        assert_eq!(candidate(&arm("0 0 1")).columns.len(), 2);
     }
 }
