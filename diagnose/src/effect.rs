@@ -111,6 +111,11 @@ impl Effect {
         matches!(self, Effect::LinkParameters | Effect::FrictionParameters)
     }
 
+    /// Whether it makes the whole prediction late or oscillate, of which other effects give some as well.
+    pub fn is_dynamic(self) -> bool {
+        matches!(self, Effect::TimeDelay | Effect::JointElasticity)
+    }
+
     /// Whether free inertial and friction parameters can take most of it over, so that its worth
     /// counts from the model as given.
     pub fn is_absorbable(self) -> bool {

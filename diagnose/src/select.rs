@@ -228,7 +228,8 @@ impl<'a> Search<'a> {
             return true;
         }
         let part = fraction(&before, &after, &c.joints);
-        if part < least_fraction(c) {
+        let sure = c.effect.is_dynamic() && tried.gain > 20.0 * s.enough;
+        if part < least_fraction(c) && !sure {
             return false;
         }
         // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
@@ -323,7 +324,7 @@ fn least_fraction(candidate: &Candidate) -> f64 {
         Effect::StribeckFriction if candidate.shape.first().is_some_and(|s| s.1 < SLOW) => PLAINLY,
         Effect::PreslidingHysteresis if is_narrow(candidate) => 0.22,
         // Blows and springs are late as well, and vibration of whatever kind is a spring's, for a part of their error.
-        Effect::TimeDelay | Effect::JointElasticity => PLAINLY,
+        effect if effect.is_dynamic() => PLAINLY,
         Effect::PreslidingHysteresis
         | Effect::StribeckFriction
         | Effect::JointCoupling
