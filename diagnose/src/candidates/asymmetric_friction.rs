@@ -1,4 +1,4 @@
-//! `asymmetric_friction`: friction that differs between the two directions. Columns |q̇| (viscous) and |sign q̇|
+//! `asymmetric_friction`: friction that differs between the two directions. Columns |q̇| (viscous) and sign² q̇
 //! (Coulomb; one while the joint moves). Confounder of the latter: torque offset, from which only standstill
 //! separates it.
 
@@ -13,7 +13,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let viscous = || Quantity::plain("viscous_difference", "N·m·s/rad", Some(joint));
     let coulomb = || Quantity::plain("coulomb_difference", "N·m", Some(joint));
     let speed = Column::own(joint, move |s| s.motion.qd.column(joint).mapv(f64::abs));
-    let moving = Column::own(joint, move |s| s.sign.column(joint).mapv(f64::abs));
+    let moving = Column::own(joint, move |s| s.sign.column(joint).mapv(|x| x * x));
     let new = |q, c| Candidate::single(Effect::AsymmetricFriction, joint, q, Bound::Free, c);
     let qd = scene.motion.qd.column(joint);
     let standing = qd.iter().filter(|v| v.abs() < STANDING.0).count();

@@ -62,7 +62,7 @@ pub(super) fn provenance(d: &Diagnosis, inputs: &[(String, String)]) -> Section 
     let mut pairs: Vec<(String, String)> = inputs.to_vec();
     pairs.push(("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()));
     let mut caveats = vec![
-        "Effects were fitted and chosen on the data alone; the held-out recording reports and chooses nothing.".to_owned(),
+        "Effects were fitted and chosen on the data alone; the held-out recording reports and chooses nothing but contact and a cut torque, which are estimated where they are scored.".to_owned(),
         "A mass is only as right as the torque scale: without a known load, gain and mass cannot be told apart.".to_owned(),
         "Deviations are those of the fit, given the model; they do not hold errors of the kinematics.".to_owned(),
     ];
