@@ -65,7 +65,8 @@ pub trait Mechanism: Send {
     fn advance(&mut self, _now: &Instant, _v: &[f64]) {}
 }
 
-/// Sign of `v`, softened below `eps`.
+/// Sign of `v`, softened below `eps`: v/√(v² + ε²), which comes to rest more slowly than the hyperbolic tangent of
+/// identification and diagnosis.
 pub(crate) fn soft_sign(v: f64, eps: f64) -> f64 {
-    (v / eps).tanh()
+    v / v.hypot(eps)
 }
