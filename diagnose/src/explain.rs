@@ -308,8 +308,19 @@ fn touched(
         .collect();
     let most = fall.iter().copied().fold(0.0, f64::max);
     (0..fall.len())
-        .filter(|&j| fall[j] >= 0.35 * most)
+        .filter(|&j| fall[j] >= 0.35 * most || freed(part, found, j))
         .collect()
+}
+
+/// Whether a joint's own friction coefficients were accepted as wrong, however little torque that is.
+fn freed(part: &Part, found: &Findings, joint: usize) -> bool {
+    part.effect == Effect::FrictionParameters
+        && (0..found.accepted.len()).any(|c| {
+            let candidate = found.candidate(c);
+            candidate.effect == Effect::FrictionParameters
+                && candidate.joints == [joint]
+                && candidate.quantities.len() > 1
+        })
 }
 
 /// Part of the joints' squared error that is removed, with a 90 % interval by bootstrap over blocks of time.

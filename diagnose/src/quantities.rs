@@ -148,6 +148,7 @@ pub fn moved(
                 sc,
                 "N·m",
             ));
+            out.extend(slow(found, j, names));
         }
     } else {
         let given = model.robot.parameters();
@@ -168,6 +169,19 @@ pub fn moved(
         }
     }
     out
+}
+
+/// The part of a joint's Coulomb friction that builds up over a wider velocity than the model's, and that velocity.
+fn slow(found: &Findings, joint: usize, names: &[String]) -> Vec<Parameter> {
+    let own = (0..found.accepted.len()).find(|&c| {
+        let candidate = found.candidate(c);
+        candidate.effect == Effect::FrictionParameters
+            && candidate.joints == [joint]
+            && !candidate.shape.is_empty()
+    });
+    let mut all = own.map_or_else(Vec::new, |c| parameters(found, c, names));
+    all.retain(|p| p.name.starts_with("slow_"));
+    all
 }
 
 /// Force, link and time of the strongest burst.

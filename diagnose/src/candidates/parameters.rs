@@ -10,6 +10,10 @@ use crate::effect::Effect;
 use crate::scene::Scene;
 use physics::robot::PARAMETERS_PER_LINK;
 
+/// Velocity over which a part of a joint's Coulomb friction may build up, in widths of its softened sign: how a real
+/// contact comes to rest is nobody's law, and a wrong one looks like Stribeck or degressive friction.
+const BUILD_UP: f64 = 4.0;
+
 const LINK: [(&str, &str); PARAMETERS_PER_LINK] = [
     ("mass", "kg"),
     ("first_moment_x", "kg·m"),
@@ -65,20 +69,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     let mut all = vec![payload];
     all.extend((0..dof).map(|l| link(Effect::LinkParameters, l)));
     for j in 0..dof {
-        let viscous = Quantity::plain("viscous", "N·m·s/rad", Some(j));
-        let friction = Candidate::single(
-            Effect::FrictionParameters,
-            j,
-            viscous,
-            Bound::Free,
-            base(dof, PARAMETERS_PER_LINK * dof + j),
-        );
-        let coulomb = Quantity::plain("coulomb", "N·m", Some(j));
-        all.push(friction.and(
-            coulomb,
-            Bound::Free,
-            base(dof, (PARAMETERS_PER_LINK + 1) * dof + j),
-        ));
+        all.extend(friction(scene, j));
         let inertia = Quantity::plain("inertia", "kg·m²", Some(j));
         let column = Column::own(j, move |s| s.motion.qdd.column(j).to_owned());
         all.push(Candidate::single(
@@ -90,4 +81,29 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         ));
     }
     all
+}
+
+/// Other coefficients of viscous and Coulomb friction, a part of Coulomb friction that builds up more slowly, and all
+/// of these.
+fn friction(scene: &Scene, j: usize) -> [Candidate; 3] {
+    let dof = scene.dof();
+    let new = |q, bound, c| Candidate::single(Effect::FrictionParameters, j, q, bound, c);
+    let viscous = || Quantity::plain("viscous", "N·m·s/rad", Some(j));
+    let coulomb = || Quantity::plain("coulomb", "N·m", Some(j));
+    let slow = || Quantity::plain("slow_coulomb", "N·m", Some(j));
+    let slope = base(dof, PARAMETERS_PER_LINK * dof + j);
+    let level = base(dof, (PARAMETERS_PER_LINK + 1) * dof + j);
+    let velocity = BUILD_UP * scene.scale.softness[j];
+    let slower = Column::own(j, move |s| {
+        let late = s.motion.qd.column(j).mapv(|v| (v / velocity).tanh());
+        late - s.sign.column(j)
+    });
+    let shaped = |c: Candidate| c.with_shape("slow_velocity", velocity, "rad/s");
+    let plain =
+        || new(viscous(), Bound::Free, slope.clone()).and(coulomb(), Bound::Free, level.clone());
+    [
+        plain(),
+        shaped(new(slow(), Bound::Positive, slower.clone())),
+        shaped(plain().and(slow(), Bound::Positive, slower)),
+    ]
 }

@@ -24,6 +24,17 @@ pub fn recording(extra: f64, shift: f64) -> String {
 
 /// The same with another number of trajectories and of samples in each.
 pub fn cut(extra: f64, shift: f64, trajectories: u32, samples: u32) -> String {
+    let friction = |qd: f64| 0.4 * qd + 0.3 * qd.signum() + extra * qd * qd.abs();
+    rubbing(friction, shift, trajectories, samples)
+}
+
+/// The same with friction by another law of velocity, N·m.
+pub fn rubbing(
+    friction: impl Fn(f64) -> f64,
+    shift: f64,
+    trajectories: u32,
+    samples: u32,
+) -> String {
     let mut text = String::from("trajectory,time,q1,tau1\n");
     let mut noise = 1u32;
     for trajectory in 0..trajectories {
@@ -38,7 +49,7 @@ pub fn cut(extra: f64, shift: f64, trajectories: u32, samples: u32) -> String {
             let rigid = 0.02 * qdd - 0.1 * 9.81 * q.cos();
             noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let e = 0.004 * (f64::from(noise >> 8) / f64::from(1u32 << 24) - 0.5);
-            let tau = rigid + 0.4 * qd + 0.3 * qd.signum() + extra * qd * qd.abs() + e;
+            let tau = rigid + friction(qd) + e;
             text.push_str(&format!("{trajectory},{t},{q},{tau}\n"));
         }
     }

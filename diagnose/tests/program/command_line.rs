@@ -1,6 +1,6 @@
 //! Exit codes and messages of the command line.
 
-use crate::case::{Case, URDF, causes, cut, recording, run};
+use crate::case::{Case, URDF, causes, cut, recording, rubbing, run};
 
 #[test]
 fn refuses_what_it_cannot_use_with_status_2() {
@@ -93,6 +93,28 @@ fn names_quadratic_friction_and_writes_every_file() {
     assert!(physics::robot::Robot::from_urdf_file(&patch).is_ok());
     let said = String::from_utf8_lossy(&out.stdout);
     assert!(said.contains("nonlinear viscous friction on j1"), "{said}");
+}
+
+/// How friction comes to rest is nobody's law: neither of two others than the model's is a structure of its own.
+#[test]
+fn friction_that_builds_up_slowly_is_no_structure() {
+    let laws: [fn(f64) -> f64; 2] = [
+        |v| v / v.hypot(0.012),
+        |v| (v / 0.005).atan() * std::f64::consts::FRAC_2_PI,
+    ];
+    for law in laws {
+        let friction = |v: f64| 0.4 * v + 0.3 * law(v);
+        let case = Case::new(
+            &rubbing(friction, 0.0, 6, 1500),
+            &rubbing(friction, 0.45, 6, 1500),
+        );
+        let report = case.report(&[]);
+        let named = causes(&report);
+        assert!(
+            named.iter().all(|&c| c == "friction_parameters"),
+            "{named:?}"
+        );
+    }
 }
 
 /// Torque that is not the torque of the joint: said first, with the scale.
