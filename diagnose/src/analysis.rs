@@ -2,6 +2,7 @@
 
 use crate::candidates::{self, Candidate, backlash, saturation, torque_ripple};
 use crate::dictionary::Dictionary;
+use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::fit::{Fit, Variable};
 use crate::folds::folds;
@@ -17,7 +18,7 @@ use crate::select::{Search, Tried};
 use datasets::Recording;
 use datasets::check::plateau;
 use ndarray::{Array1, Array2};
-use physics::robot::Robot;
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 
 /// Most causes that are named.
@@ -302,6 +303,36 @@ impl Findings {
         let fit: Fit = objective.fit(variables.clone());
         let beta = fit.beta().clone();
         (variables, beta)
+    }
+
+    /// Change of each parameter of the model (10 N inertial, N viscous, N Coulomb) by the variables kept, and its deviation:
+    /// of several coefficients of one parameter the narrowest says how well it is known. Infinite where none moves it.
+    pub fn changes(&self, keep: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {
+        let mut out = vec![(0.0, f64::INFINITY); self.base];
+        let mut add = |parameter: usize, change: f64, std: f64| {
+            let (sum, least) = &mut out[parameter];
+            *sum += change;
+            *least = least.min(std);
+        };
+        let (variables, beta) = &self.tight;
+        for (i, v) in variables.iter().enumerate().filter(|(i, _)| keep(*i)) {
+            if v.column < self.base {
+                add(v.column, beta[i], self.std[i]);
+            }
+        }
+        let given = self.present.parameters();
+        for accepted in &self.accepted {
+            let candidate = &self.candidates[accepted.candidate];
+            let i = accepted.variables.start;
+            if candidate.effect == Effect::LinkParameters && candidate.columns.len() == 1 && keep(i)
+            {
+                let first = PARAMETERS_PER_LINK * candidate.joints[0];
+                for p in first..first + PARAMETERS_PER_LINK {
+                    add(p, beta[i] * given[p], self.std[i] * given[p].abs());
+                }
+            }
+        }
+        out
     }
 
     /// The candidate behind an accepted cause.

@@ -4,7 +4,7 @@
 //! of causes is |r − Σ_S c_k|². Shapley's value of a game that is quadratic in its players is exact without
 //! enumeration: φ_k = 2 r·c_k − c_k·Σ_l c_l.
 
-use crate::analysis::{Columns, Findings, Frames, gap};
+use crate::analysis::{Accepted, Columns, Findings, Frames, gap};
 use crate::contact::{Contact, detect};
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
@@ -183,6 +183,7 @@ pub fn explain(
                 None => moved(model, found, part.effect, &joints, &names),
             },
             ambiguous_with: cause
+                .or_else(|| suspected(found, part.effect))
                 .map_or_else(Vec::new, |a| ambiguous(found, &a.tried, a.candidate)),
         });
     }
@@ -310,6 +311,12 @@ fn touched(
     (0..fall.len())
         .filter(|&j| fall[j] >= 0.35 * most || freed(part, found, j))
         .collect()
+}
+
+/// The first link or joint whose parameters were accepted as wrong.
+fn suspected(found: &Findings, effect: Effect) -> Option<&Accepted> {
+    let mut of_effect = (0..found.accepted.len()).filter(|&c| found.candidate(c).effect == effect);
+    of_effect.next().map(|c| &found.accepted[c])
 }
 
 /// Whether a joint's own friction coefficients were accepted as wrong, however little torque that is.

@@ -14,7 +14,6 @@ const MOST: usize = 24;
 /// Parameters that moved clearly, most deviations first. A payload is no move of the last link.
 pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
     let n = model.robot.dof();
-    let (variables, beta) = &found.tight;
     let other = |i: usize| {
         let mut causes = 0..found.accepted.len();
         causes.any(|c| {
@@ -29,16 +28,8 @@ pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
     given.extend(joints.iter().map(|j| j.damping));
     given.extend(joints.iter().map(|j| j.friction));
     let mut out = Vec::new();
-    for (column, &before) in given.iter().enumerate() {
-        let own: Vec<usize> = (0..variables.len())
-            .filter(|&i| variables[i].column == column && !other(i))
-            .collect();
-        let change: f64 = own.iter().map(|&i| beta[i]).sum();
-        // Of two coefficients of one column the narrower says how well the column is known.
-        let std = own
-            .iter()
-            .map(|&i| found.std[i])
-            .fold(f64::INFINITY, f64::min);
+    let changes = found.changes(|i| !other(i));
+    for (column, (&before, (change, std))) in given.iter().zip(changes).enumerate() {
         let deviations = change.abs() / std.max(1e-300);
         if !(deviations.is_finite() && deviations > CLEAR) {
             continue;

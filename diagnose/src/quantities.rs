@@ -107,21 +107,9 @@ pub fn moved(
     names: &[String],
 ) -> Vec<Parameter> {
     let n = model.robot.dof();
-    let (variables, beta) = &found.tight;
     let mut out = Vec::new();
-    let total = |column: usize| {
-        let of = || {
-            variables
-                .iter()
-                .enumerate()
-                .filter(move |(_, v)| v.column == column)
-                .map(|(i, _)| i)
-        };
-        (
-            of().map(|i| beta[i]).sum::<f64>(),
-            of().map(|i| found.std[i]).fold(f64::INFINITY, f64::min),
-        )
-    };
+    let changes = found.changes(|_| true);
+    let total = |parameter: usize| changes[parameter];
     let parameter = |name: String, j: usize, value, std, unit: &str| Parameter {
         name,
         joint: Some(names[j].clone()),

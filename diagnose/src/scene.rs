@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 use ndarray::{Array1, Array2, Axis};
 use physics::dynamics::{Workspace, inverse_dynamics, inverse_dynamics_with_gravity};
-use physics::robot::Robot;
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use signal::Motion;
 
@@ -157,6 +157,19 @@ impl<'a> Scene<'a> {
         let by = &self.tangents[joint];
         let column = |x: &Array1<f64>| x.clone().insert_axis(Axis(1));
         &by.q * &column(dq) + &by.qd * &column(&rate) + &by.qdd * &column(&acceleration)
+    }
+
+    /// Torque that one link alone needs.
+    pub fn torque_of_link(&self, link: usize) -> Array2<f64> {
+        let own = PARAMETERS_PER_LINK * link..PARAMETERS_PER_LINK * (link + 1);
+        let mut parameters = self.robot.parameters();
+        for (p, value) in parameters.iter_mut().enumerate() {
+            *value *= f64::from(own.contains(&p));
+        }
+        let alone = self.robot.with_parameters(&parameters);
+        let alone = alone.expect("as many parameters as the robot has");
+        let m = self.motion;
+        rigid_torque(&alone, &m.q, &m.qd, &m.qdd)
     }
 
     /// Rigid torque under another gravity, minus that under the robot's.

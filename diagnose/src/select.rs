@@ -12,6 +12,9 @@ use std::collections::{HashMap, HashSet};
 /// link is not the cause, it stands in for something else.
 const MOST_CHANGE: f64 = 9.0;
 
+/// Deviation of the density of a suspected link, relative.
+const DENSITY: f64 = 0.5;
+
 /// Mass and first moments, the first parameters of a body.
 const MOMENTS: usize = 4;
 /// Those of a body on the last link that a recording shows.
@@ -66,6 +69,10 @@ impl<'a> Search<'a> {
             .iter()
             .map(|&c| self.objective.wide(c));
         match c.effect {
+            Effect::LinkParameters if c.columns.len() == 1 => vec![Variable {
+                column: self.members[candidate][0],
+                precision: DENSITY.powi(-2),
+            }],
             Effect::LinkParameters => self.objective.freed_link(self.robot, c.joints[0]),
             Effect::Payload => wide
                 .zip(self.objective.freed_link(self.robot, c.joints[0]))
@@ -88,10 +95,11 @@ impl<'a> Search<'a> {
     /// the same columns at the same price.
     fn price(&self, candidate: usize) -> usize {
         let c = &self.candidates[candidate];
+        let all = self.members[candidate].len();
         match c.effect {
             Effect::Payload => SHOWN,
-            Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => SHOWN,
-            _ => self.members[candidate].len(),
+            Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => SHOWN.min(all),
+            _ => all,
         }
     }
 

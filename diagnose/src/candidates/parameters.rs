@@ -9,6 +9,7 @@ use super::{Bound, Candidate, Column, ColumnTorque, Quantity};
 use crate::effect::Effect;
 use crate::scene::Scene;
 use physics::robot::PARAMETERS_PER_LINK;
+use std::sync::Arc;
 
 /// Velocity over which a part of a joint's Coulomb friction may build up, in widths of its softened sign: how a real
 /// contact comes to rest is nobody's law, and a wrong one looks like Stribeck or degressive friction.
@@ -67,7 +68,9 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     let mut payload = link(Effect::Payload, dof - 1);
     payload.bounds[0] = Bound::Positive;
     let mut all = vec![payload];
-    all.extend((0..dof).map(|l| link(Effect::LinkParameters, l)));
+    for l in 0..dof {
+        all.extend([link(Effect::LinkParameters, l), heavier(l)]);
+    }
     for j in 0..dof {
         all.extend(friction(scene, j));
         let inertia = Quantity::plain("inertia", "kg·m²", Some(j));
@@ -81,6 +84,20 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         ));
     }
     all
+}
+
+/// A link of another density: all its parameters in proportion. One coefficient, where the link's own need ten.
+fn heavier(link: usize) -> Candidate {
+    let torque = Column {
+        joints: (0..=link).collect(),
+        torque: ColumnTorque::Made(Arc::new(move |s| {
+            let torque = s.torque_of_link(link);
+            (0..=link).map(|j| torque.column(j).to_owned()).collect()
+        })),
+    };
+    let density = Quantity::plain("density", "1", Some(link));
+    let more = Bound::Between(-1.0, f64::INFINITY);
+    Candidate::single(Effect::LinkParameters, link, density, more, torque)
 }
 
 /// Other coefficients of viscous and Coulomb friction, a part of Coulomb friction that builds up more slowly, and all

@@ -84,15 +84,7 @@ pub fn robot(
     found: &Findings,
     causes: &[Cause],
 ) -> Result<Robot, RobotError> {
-    let (variables, beta) = &found.tight;
-    let mut change = vec![0.0; 12 * model.robot.dof()];
-    for (v, b) in variables
-        .iter()
-        .zip(beta)
-        .filter(|(v, _)| v.column < 12 * model.robot.dof())
-    {
-        change[v.column] += b;
-    }
+    let change: Vec<f64> = found.changes(|_| true).iter().map(|c| c.0).collect();
     let mut inertia = model.robot.rotor_inertia();
     for cause in causes.iter().filter(|c| c.effect == Effect::RotorInertia) {
         if let Some(j) = joint(model, cause) {
