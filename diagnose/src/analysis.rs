@@ -327,8 +327,9 @@ impl Findings {
             if candidate.effect == Effect::LinkParameters && candidate.columns.len() == 1 && keep(i)
             {
                 let first = PARAMETERS_PER_LINK * candidate.joints[0];
-                for p in first..first + PARAMETERS_PER_LINK {
-                    add(p, beta[i] * given[p], self.std[i] * given[p].abs());
+                let own = given.iter().enumerate().skip(first);
+                for (p, size) in own.take(PARAMETERS_PER_LINK) {
+                    add(p, beta[i] * size, self.std[i] * size.abs());
                 }
             }
         }
