@@ -113,7 +113,7 @@ impl Simulated {
 }
 
 /// Changes with every change of what a seed gives, so that no cache goes stale.
-const EDITION: u32 = 1;
+const EDITION: u32 = 2;
 
 /// The protocol's recordings from `cache`, or simulated and left there. A cache that cannot be read is made anew.
 ///
