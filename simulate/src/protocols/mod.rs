@@ -182,7 +182,7 @@ mod tests {
         // A broken cache is made anew.
         let file = cache
             .path()
-            .join("foxbot_a05-6-1")
+            .join(format!("foxbot_a05-6-{EDITION}"))
             .join("foxbot_a05-identification.parquet");
         fs::write(&file, "broken").unwrap();
         assert_eq!(get().parts[0].1.q, fresh.parts[0].1.q);
