@@ -255,7 +255,7 @@ fn foxbot_parameters() {
 
 /// The exponents are found with the parameters, from viscous friction that starts out linear.
 ///
-/// The plant softens the sign below 0.002 rad/s, which takes a few thousandths off the exponents. Friction
+/// The plant softens the sign below 0.001 rad/s, which takes a few thousandths off the exponents. Friction
 /// coefficients are left aside here: their deviations are stated for the exponents found.
 #[test]
 fn foxbot_exponents_and_feasibility() {
