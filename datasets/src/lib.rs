@@ -14,6 +14,7 @@ mod assemble;
 pub mod check;
 pub mod columns;
 pub mod error;
+pub mod metrics;
 pub mod prepare;
 pub mod read;
 pub mod recording;

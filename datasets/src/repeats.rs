@@ -5,6 +5,7 @@
 //! motion it is close to the noise, at standstill a model with memory can be better.
 
 use crate::Recording;
+use crate::metrics::MOVING;
 use ndarray::Array2;
 use serde::Serialize;
 use signal::resample;
@@ -15,9 +16,6 @@ const SAME_MOTION: f64 = 0.02;
 
 /// A joint that stays within this (standard deviation, rad or m) does not take part.
 const STILL: f64 = 1e-3;
-
-/// Speed above which a sample counts as in motion, in rad/s or m/s, as in the scores.
-const MOVING: f64 = 0.01;
 
 /// Spread of repeated executions per joint, in N·m (N).
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,7 +1,8 @@
 //! The least-squares system of one joint: base parameters and terms against measured torque.
 
-use crate::identification::{MOVING, Target};
+use crate::identification::Target;
 use crate::session::Session;
+use datasets::metrics::MOVING;
 use ndarray::Array2;
 use physics::dynamics::{Workspace, regressor};
 use physics::effects::Term;

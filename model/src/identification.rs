@@ -27,7 +27,7 @@ use std::ops::Range;
 /// Settings of [`identify`].
 #[derive(Clone, Debug)]
 pub struct IdentifyOptions {
-    /// Fit on moving samples alone: for each joint, those with |q̇| above [`MOVING`].
+    /// Fit on moving samples alone: for each joint, those with |q̇| above [`datasets::metrics::MOVING`].
     pub moving_only: bool,
     /// Choose further terms; otherwise the basic ones are all.
     pub select: bool,
@@ -50,9 +50,6 @@ impl Default for IdentifyOptions {
         }
     }
 }
-
-/// Speed above which a joint counts as moving, rad/s or m/s.
-pub const MOVING: f64 = 0.01;
 
 /// Why identification failed.
 #[derive(Debug, thiserror::Error)]

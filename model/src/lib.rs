@@ -13,7 +13,6 @@ pub mod evaluation;
 pub mod failure;
 pub mod folds;
 pub mod identification;
-pub mod metrics;
 pub mod page;
 pub mod physics_fit;
 pub mod predict;

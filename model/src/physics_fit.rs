@@ -5,10 +5,10 @@ use crate::diagnostics::{self, Conditioning, Diagnostics};
 use crate::directory::{
     BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
 };
-use crate::identification::{Identified, IdentifyError, IdentifyOptions, MOVING, Target, identify};
-use crate::metrics::{Row, ShapeError};
+use crate::identification::{Identified, IdentifyError, IdentifyOptions, Target, identify};
 use crate::predict::predict;
 use crate::session::Session;
+use datasets::metrics::{MOVING, Row, ShapeError};
 use datasets::prepare::Source as Derivative;
 use datasets::prepare::{PrepareError, PrepareOptions, prepare};
 use datasets::{Recording, repeats};

@@ -1,8 +1,8 @@
 //! The baselines on the shared KR300 files, beside the paper's figures. Skipped where they are absent.
 
+use datasets::metrics::{Scope, Scores};
 use datasets::{Part, ReadOptions, Recording, read};
 use model::baseline::{ForwardSettings, LinearForward, LinearInverse};
-use model::metrics::{Scope, Scores};
 use ndarray::Array2;
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! Metrics and baselines against NumPy and nfoursid: `fixtures/baselines.py`.
 
+use datasets::metrics::{Scope, Scores};
 use model::baseline::{ForwardSettings, LinearForward, LinearInverse};
-use model::metrics::{Scope, Scores};
 use ndarray::Array2;
 use serde::Deserialize;
 use std::collections::BTreeMap;

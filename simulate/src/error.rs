@@ -19,6 +19,9 @@ pub enum SimulateError {
         /// Its index.
         index: u64,
     },
+    /// Torques of a case do not belong together.
+    #[error(transparent)]
+    Shape(#[from] datasets::metrics::ShapeError),
     /// A file or folder could not be written.
     #[error("cannot write {path}: {source}")]
     Write {

@@ -2,6 +2,7 @@
 
 use super::{CheckOptions, Finding, JointFigures, Kind, Severity};
 use crate::Recording;
+use crate::metrics::MOVING;
 use signal::quantile::median;
 use signal::{Motion, correlation};
 
@@ -9,8 +10,6 @@ use signal::{Motion, correlation};
 pub const STILL: f64 = 1e-3;
 /// Top speed below which friction cannot be resolved, in rad/s or m/s.
 const SLOW: f64 = 0.05;
-/// Speed of a sample in motion; reversals are counted between speeds beyond it.
-const MOVING: f64 = 0.01;
 /// Cycles below which a recording is too short.
 const CYCLES: f64 = 3.0;
 /// Range below which position-dependent torque cannot be seen, in rad or m, and as a part of the

@@ -2,11 +2,11 @@
 
 use super::EvaluateError;
 use crate::directory::ModelFile;
-use crate::metrics::Row;
 use crate::predict::predict;
 use crate::residual;
 use crate::session::Session;
 use datasets::Recording;
+use datasets::metrics::Row;
 use datasets::prepare::{PrepareOptions, Prepared, prepare};
 use feedforward::network::Compensator;
 use ndarray::Array2;

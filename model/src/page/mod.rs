@@ -5,9 +5,9 @@ mod residuals;
 
 use crate::baseline::published::Published;
 use crate::directory::ModelFile;
-use crate::metrics::{Row, Scope};
 use crate::tables;
 use datasets::Recording;
+use datasets::metrics::{Row, Scope};
 use ndarray::Array2;
 use report::figure::{Ink, Panel, Plot};
 use report::{KeyFigure, Page, Section, Tone};

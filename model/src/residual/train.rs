@@ -7,6 +7,7 @@ use compensator::training::{
     Control, Job, Loss, Samples, Schedule, Split, Trained, Training, UnitConfig, train, train_ridge,
 };
 use datasets::Recording;
+use datasets::metrics::MOVING;
 use feedforward::clock::Memory;
 use feedforward::inputs::{CompensatorRecord, UnitValidation};
 use feedforward::network::Compensator;
@@ -300,7 +301,7 @@ fn weight(fit: &Fit, rows: &[(usize, Vec<usize>)], joint: usize, moving_only: bo
     let mut weights = Vec::new();
     for (i, order) in rows {
         let qd = &fit.session.parts[*i].at_samples.qd;
-        let moves = |r: usize| qd[[r, joint]].abs() > crate::identification::MOVING;
+        let moves = |r: usize| qd[[r, joint]].abs() > MOVING;
         weights.extend(
             order
                 .iter()

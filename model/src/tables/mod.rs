@@ -7,7 +7,7 @@ pub use identification::{base_parameters, conditioning, estimator, links, residu
 use crate::baseline::FORWARD;
 use crate::baseline::published::{Published, Task};
 use crate::directory::ModelFile;
-use crate::metrics::{Row, Scope};
+use datasets::metrics::{Row, Scope};
 use report::{Cell, Column, Table};
 
 /// Whether a row is about positions simulated from torque, not about torque.

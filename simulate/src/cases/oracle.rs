@@ -1,15 +1,18 @@
 //! How well a model can possibly do on a case's held-out recording, and how much of an effect parameters absorb.
 
+use crate::SimulateError;
 use crate::arm::Arm;
 use crate::mechanism::soft_sign;
 use crate::plant::Friction;
 use datasets::Recording;
+use datasets::metrics::{Scope, Scores, ShapeError};
 use nalgebra::{DMatrix, DVector};
+use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics, regressor};
 use physics::robot::{Robot, RobotError};
 use serde::Serialize;
 
-/// Held-out NRMSE (RMSE over the recorded torque's standard deviation) per joint, or its mean.
+/// Held-out NRMSE per joint, or its mean, as [`datasets::metrics`] has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nrmse<T> {
     /// The simulator's model untouched.
@@ -27,16 +30,27 @@ pub struct Nrmse<T> {
 pub struct Oracle {
     /// Cut-off of the zero-phase filter at which the true model does best, Hz.
     pub cutoff_hz: f64,
-    /// Mean over joints.
-    pub mean_nrmse: Nrmse<f64>,
-    /// Per joint.
-    pub nrmse: Nrmse<Vec<f64>>,
+    /// Mean over joints; null where no joint has a figure.
+    pub mean_nrmse: Nrmse<Option<f64>>,
+    /// Per joint; null for a joint that never moves.
+    pub nrmse: Nrmse<Vec<Option<f64>>>,
 }
 
 /// Cut-offs tried, Hz.
 const CUTOFFS: [f64; 4] = [10.0, 15.0, 25.0, 40.0];
 /// Softening of the sign in the model as given, rad/s (the contract's).
 const GIVEN_EPS: f64 = 0.005;
+
+impl<T> Nrmse<T> {
+    fn map<U>(&self, of: impl Fn(&T) -> U) -> Nrmse<U> {
+        Nrmse {
+            as_given: of(&self.as_given),
+            without_effect: of(&self.without_effect),
+            with_effect: of(&self.with_effect),
+            noise_floor: of(&self.noise_floor),
+        }
+    }
+}
 
 /// Filtered motion of a recording, row after row.
 struct Motion {
@@ -124,7 +138,7 @@ fn torque(robot: &Robot, motion: &Motion, friction: impl Fn(usize, f64) -> f64) 
 /// with `smooth_effect` the effect is filtered as the motion is.
 ///
 /// # Errors
-/// An arm is no possible robot.
+/// An arm is no possible robot; torques of other sizes than the recording.
 pub fn oracle(
     nominal: &Arm,
     plant: &Arm,
@@ -133,21 +147,14 @@ pub fn oracle(
     effect: &[f64],
     smooth_effect: bool,
     noise: &[f64],
-) -> Result<Oracle, RobotError> {
+) -> Result<Oracle, SimulateError> {
     let n = nominal.dof();
     let (given, real) = (nominal.robot()?, plant.robot()?);
     let measured: Vec<f64> = held_out.tau.iter().flatten().copied().collect();
-    let spread: Vec<f64> = (0..n)
-        .map(|j| deviation(measured.iter().skip(j).step_by(n)))
-        .collect();
-    let score = |model: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        let error = |j: usize| {
-            rms((j..measured.len())
-                .step_by(n)
-                .map(|i| measured[i] - model(i)))
-        };
-        (0..n).map(|j| error(j) / spread[j]).collect()
+    let table = |of: &dyn Fn(usize) -> f64| {
+        Array2::from_shape_fn((measured.len() / n, n), |(row, j)| of(row * n + j))
     };
+    let torques = table(&|i| measured[i]);
     let friction = frictions(plant);
     let bounds: Vec<usize> = std::iter::once(0)
         .chain(held_out.segments().iter().map(|s| s.end))
@@ -161,31 +168,31 @@ pub fn oracle(
             let joint = &nominal.joints[j];
             joint.damping * v + joint.friction * (v / GIVEN_EPS).clamp(-1.0, 1.0)
         });
-        let nrmse = Nrmse {
-            as_given: score(&|i| as_given[i]),
-            without_effect: score(&|i| without[i]),
-            with_effect: score(&|i| without[i] + effect[i]),
-            noise_floor: score(&|i| measured[i] - noise[i]),
+        let qd = table(&|i| motion.qd[i]);
+        let score = |model: &dyn Fn(usize) -> f64| {
+            Scores::of(torques.view(), table(model).view(), qd.view(), Scope::All)
         };
-        (cutoff, nrmse)
+        Ok::<_, ShapeError>((
+            cutoff,
+            Nrmse {
+                as_given: score(&|i| as_given[i])?,
+                without_effect: score(&|i| without[i])?,
+                with_effect: score(&|i| without[i] + effect[i])?,
+                noise_floor: score(&|i| measured[i] - noise[i])?,
+            },
+        ))
     };
-    let (mut cutoff_hz, mut nrmse) = at(CUTOFFS[0]);
+    let (mut cutoff_hz, mut scores) = at(CUTOFFS[0])?;
     for cutoff in &CUTOFFS[1..] {
-        let (cutoff, other) = at(*cutoff);
-        if mean(&other.with_effect) < mean(&nrmse.with_effect) {
-            (cutoff_hz, nrmse) = (cutoff, other);
+        let (cutoff, other) = at(*cutoff)?;
+        if other.with_effect.mean_nrmse < scores.with_effect.mean_nrmse {
+            (cutoff_hz, scores) = (cutoff, other);
         }
     }
-    let mean_nrmse = Nrmse {
-        as_given: mean(&nrmse.as_given),
-        without_effect: mean(&nrmse.without_effect),
-        with_effect: mean(&nrmse.with_effect),
-        noise_floor: mean(&nrmse.noise_floor),
-    };
     Ok(Oracle {
         cutoff_hz,
-        mean_nrmse,
-        nrmse,
+        mean_nrmse: scores.map(|s| s.mean_nrmse),
+        nrmse: scores.map(|s| s.nrmse.clone()),
     })
 }
 
@@ -301,14 +308,4 @@ pub fn rms(x: impl Iterator<Item = f64>) -> f64 {
     } else {
         f64::sqrt(sum / count)
     }
-}
-
-fn deviation<'a>(x: impl Iterator<Item = &'a f64> + Clone) -> f64 {
-    let (sum, count) = x.clone().fold((0.0, 0.0), |(s, c), v| (s + v, c + 1.0));
-    let mean = sum / count;
-    rms(x.map(|v| v - mean))
-}
-
-fn mean(x: &[f64]) -> f64 {
-    x.iter().sum::<f64>() / x.len() as f64
 }

@@ -2,8 +2,8 @@
 
 use super::{ForwardSettings, LinearForward};
 use crate::baseline::BaselineError;
-use crate::metrics::{Row, ShapeError};
 use datasets::Recording;
+use datasets::metrics::{Row, ShapeError};
 use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

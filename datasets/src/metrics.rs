@@ -1,15 +1,16 @@
 //! Figures of merit of the KR300 benchmark (Weigand et al. 2022, equations 5–10), for torques and,
-//! in the forward task, for positions.
+//! in the forward task, for positions: the one implementation behind `eval`, `diagnose` and the
+//! simulator's oracle.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView1, ArrayView2};
 use serde::{Deserialize, Serialize};
 
-/// A joint moves where its speed is above this, in rad/s or m/s.
-pub const MOVING_SPEED: f64 = 0.01;
+/// A sample of a joint is in motion where its speed is above this, in rad/s or m/s.
+pub const MOVING: f64 = 0.01;
 
 /// A joint never moves where its speed stays below this throughout, in rad/s or m/s: well below
-/// [`MOVING_SPEED`], so that slow motion still counts, and above what encoder noise derives to.
-pub const REST_SPEED: f64 = 1e-3;
+/// [`MOVING`], so that slow motion still counts, and above what encoder noise derives to.
+pub const REST: f64 = 1e-3;
 
 /// Which samples are scored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -17,7 +18,7 @@ pub const REST_SPEED: f64 = 1e-3;
 pub enum Scope {
     /// Every sample.
     All,
-    /// For each joint, the samples in which it moves faster than [`MOVING_SPEED`].
+    /// For each joint, the samples in which it moves faster than [`MOVING`].
     Moving,
 }
 
@@ -96,40 +97,85 @@ impl Scores {
                 });
             }
         }
-        let joints = measured.ncols();
-        let (mut rmse, mut nrmse) = (Vec::with_capacity(joints), Vec::with_capacity(joints));
-        for j in 0..joints {
-            let (y, speed) = (measured.column(j), qd.column(j));
-            let squares: Vec<f64> = std::iter::zip(y, predicted.column(j))
-                .zip(speed)
-                .filter(|(_, v)| scope == Scope::All || v.abs() > MOVING_SPEED)
-                .map(|((y, p), _)| (y - p).powi(2))
-                .collect();
-            let error = finite((squares.iter().sum::<f64>() / squares.len() as f64).sqrt());
-            let moves = speed.iter().any(|v| v.abs() > REST_SPEED);
-            // A constant's computed deviation is rounding: compared with its size, not with zero.
-            let deviation = y.std(0.0);
-            let largest = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            let varies = deviation > 1e-12 * largest;
-            rmse.push(error);
-            nrmse.push(
-                error
-                    .filter(|_| moves && varies)
-                    .and_then(|e| finite(e / deviation)),
-            );
+        Self::of_errors(
+            (&measured - &predicted).view(),
+            &deviations(measured, qd),
+            qd,
+            scope,
+            |_| true,
+        )
+    }
+
+    /// Scores errors (measured − predicted) of shape (samples, joints) over the samples that `counted`
+    /// keeps and where `qd` says that the scope holds. `deviations`, one per joint, are those of the
+    /// measured quantity over all samples, counted or not, as [`deviations`] gives them.
+    ///
+    /// # Errors
+    /// Tables of different shapes.
+    pub fn of_errors(
+        errors: ArrayView2<f64>,
+        deviations: &[Option<f64>],
+        qd: ArrayView2<f64>,
+        scope: Scope,
+        counted: impl Fn(usize) -> bool,
+    ) -> Result<Self, ShapeError> {
+        let expected = errors.dim();
+        for (what, found) in [
+            ("the velocity", qd.dim()),
+            ("the deviation", (expected.0, deviations.len())),
+        ] {
+            if found != expected {
+                return Err(ShapeError {
+                    what,
+                    found,
+                    expected,
+                });
+            }
         }
+        let rmse = std::iter::zip(errors.columns(), qd.columns()).map(|(error, speed)| {
+            let squares: Vec<f64> = std::iter::zip(error, speed)
+                .enumerate()
+                .filter(|(row, (_, v))| counted(*row) && (scope == Scope::All || v.abs() > MOVING))
+                .map(|(_, (e, _))| e.powi(2))
+                .collect();
+            finite((squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+        });
+        Ok(Self::relative(rmse.collect(), deviations))
+    }
+
+    /// The figures that follow from each joint's RMSE and the deviation of what was measured.
+    pub fn relative(rmse: Vec<Option<f64>>, deviations: &[Option<f64>]) -> Self {
+        let nrmse: Vec<Option<f64>> = std::iter::zip(&rmse, deviations)
+            .map(|(error, deviation)| finite((*error)? / (*deviation)?))
+            .collect();
         let r2: Vec<Option<f64>> = nrmse
             .iter()
             .map(|e| e.map(|e| 100.0 * (1.0 - e * e)))
             .collect();
-        Ok(Self {
+        Self {
             mean_nrmse: mean(&nrmse),
             mean_r2: mean(&r2),
             rmse,
             nrmse,
             r2,
-        })
+        }
     }
+}
+
+/// What each joint's errors are divided by: the standard deviation of the measured quantity over all
+/// samples. None for a joint that never moves ([`REST`]) and for a quantity that never varies. Both
+/// tables of shape (samples, joints), `qd` in rad/s or m/s.
+pub fn deviations(measured: ArrayView2<f64>, qd: ArrayView2<f64>) -> Vec<Option<f64>> {
+    std::iter::zip(measured.columns(), qd.columns())
+        .map(|(y, speed)| deviation(y).filter(|_| speed.iter().any(|v| v.abs() > REST)))
+        .collect()
+}
+
+/// Standard deviation of what varies. A constant's computed deviation is rounding: it is compared with
+/// the constant's size, not with zero.
+fn deviation(y: ArrayView1<f64>) -> Option<f64> {
+    let largest = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    finite(y.std(0.0)).filter(|deviation| *deviation > 1e-12 * largest)
 }
 
 impl Row {
@@ -159,7 +205,7 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 /// Mean of what exists; none where nothing does.
-fn mean(values: &[Option<f64>]) -> Option<f64> {
+pub fn mean(values: &[Option<f64>]) -> Option<f64> {
     let present: Vec<f64> = values.iter().flatten().copied().collect();
     finite(present.iter().sum::<f64>() / present.len() as f64)
 }
@@ -201,6 +247,22 @@ mod tests {
             assert_eq!((s.mean_nrmse, s.mean_r2), (s.nrmse[0], s.r2[0]));
             assert_eq!(s.rmse[1].is_some(), scope == Scope::All);
         }
+    }
+
+    #[test]
+    fn samples_left_out_count_in_the_deviation_alone() {
+        let measured = array![[1.0], [3.0], [1.0], [3.0]];
+        let qd = array![[0.5], [0.5], [0.5], [0.0]];
+        let deviation = deviations(measured.view(), qd.view());
+        assert_eq!(deviation, [Some(1.0)]);
+        let errors = array![[2.0], [4.0], [9.0], [2.0]];
+        let score = |scope| {
+            Scores::of_errors(errors.view(), &deviation, qd.view(), scope, |row| row != 2).unwrap()
+        };
+        assert_eq!(score(Scope::All).nrmse, [Some(8.0_f64.sqrt())]);
+        assert_eq!(score(Scope::Moving).nrmse, [Some(10.0_f64.sqrt())]);
+        let short = Scores::of_errors(errors.view(), &[], qd.view(), Scope::All, |_| true);
+        assert!(short.unwrap_err().to_string().contains("the deviation"));
     }
 
     #[test]
