@@ -152,7 +152,10 @@ pub(crate) fn assemble(
     recording.trajectories = split_at_jumps(recording.trajectories, &recording.time, step);
     recording.torque_filter = match torque_filter {
         Some(own) => own,
-        None => options.torque_filter.filter(|f| f.applies_at(1.0 / step)),
+        None => options
+            .torque_filter
+            .filter(|f| 1.0 / step <= f.up_to_hz)
+            .map(|f| f.filter),
     };
     Ok(recording)
 }

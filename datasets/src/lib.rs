@@ -20,6 +20,7 @@ pub mod read;
 pub mod recording;
 pub mod repeats;
 pub mod session;
+pub mod stop_band;
 pub mod torque_filter;
 pub mod write;
 
@@ -28,5 +29,5 @@ pub use error::{Problem, ReadError};
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use read::{Part, ReadOptions, read};
 pub use recording::{Recording, Trajectory};
-pub use torque_filter::TorqueFilter;
+pub use torque_filter::{DeclaredFilter, TorqueFilter};
 pub use write::{WriteError, write};

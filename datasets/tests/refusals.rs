@@ -238,7 +238,7 @@ fn parquet_says_itself_whether_its_torque_is_filtered() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.parquet");
     let mut kr300 = options();
-    kr300.torque_filter = Some(TorqueFilter::KR300);
+    kr300.torque_filter = Some(TorqueFilter::KR300.decimated());
     write(&sample(None), &path).unwrap();
     assert_eq!(read(&path, &kr300).unwrap().torque_filter, None);
     write(&sample(Some(TorqueFilter::KR300)), &path).unwrap();

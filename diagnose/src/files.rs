@@ -7,7 +7,6 @@ use model::directory::ModelFile;
 use model::evaluation::read_options;
 use model::setup::Setup;
 use ndarray::{Array2, Axis, concatenate};
-use physics::robot::to_urdf;
 use std::path::{Path, PathBuf};
 
 /// A simulator's model with what reading its robot's recordings needs.
@@ -16,8 +15,15 @@ pub struct Given {
     pub model: NominalModel,
     /// Its URDF, as the user has it where there is one.
     pub urdf: String,
-    /// For the recordings that are fitted, and for the one that is scored.
-    options: [ReadOptions; 2],
+    reading: Reading,
+}
+
+/// Where it stands how recordings are read.
+enum Reading {
+    /// The robot with its drive file, and what its recordings show.
+    Robot(Box<Setup>),
+    /// A model directory: for the recordings that are fitted, and for the one that is scored.
+    Directory(Box<[ReadOptions; 2]>),
 }
 
 impl Given {
@@ -31,15 +37,10 @@ impl Given {
         gravity: Option<[f64; 3]>,
     ) -> Result<Self, DiagnoseError> {
         let setup = Setup::new(name, drive, gravity)?;
-        let options = [
-            setup.read_options(Part::Train, true)?,
-            setup.read_options(Part::Test, true)?,
-        ];
-        let urdf = std::fs::read_to_string(name).unwrap_or_else(|_| to_urdf(&setup.robot));
         Ok(Self {
-            model: NominalModel::new(setup.robot),
-            urdf,
-            options,
+            model: NominalModel::new(setup.robot.clone()),
+            urdf: setup.urdf.clone(),
+            reading: Reading::Robot(Box::new(setup)),
         })
     }
 
@@ -56,18 +57,23 @@ impl Given {
         Ok(Self {
             model: NominalModel::identified(&file)?,
             urdf: file.physics.urdf,
-            options,
+            reading: Reading::Directory(Box::new(options)),
         })
     }
 
-    /// Reads and joins the recordings that are fitted.
+    /// Reads and joins the recordings that are fitted; a low-pass that their torque shows then holds for the one
+    /// that is scored as well.
     ///
     /// # Errors
     /// A file cannot be used.
-    pub fn data(&self, paths: &[PathBuf]) -> Result<Recording, DiagnoseError> {
-        let all: Result<Vec<Recording>, _> =
-            paths.iter().map(|p| read(p, &self.options[0])).collect();
-        let mut all = all?;
+    pub fn data(&mut self, paths: &[PathBuf]) -> Result<Recording, DiagnoseError> {
+        let mut all = match &mut self.reading {
+            Reading::Robot(setup) => setup.read_training(paths)?,
+            Reading::Directory(options) => paths
+                .iter()
+                .map(|p| read(p, &options[0]))
+                .collect::<Result<_, _>>()?,
+        };
         // One is not copied: it may fill half the memory.
         Ok(if all.len() == 1 {
             all.remove(0)
@@ -81,7 +87,10 @@ impl Given {
     /// # Errors
     /// The file cannot be used.
     pub fn heldout(&self, path: &Path) -> Result<Recording, DiagnoseError> {
-        Ok(read(path, &self.options[1])?)
+        Ok(match &self.reading {
+            Reading::Robot(setup) => read(path, &setup.read_options(Part::Test, true)?)?,
+            Reading::Directory(options) => read(path, &options[1])?,
+        })
     }
 }
 

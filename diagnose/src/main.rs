@@ -39,7 +39,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     let drive = arguments.drive.as_deref();
-    let given = match (&arguments.robot, &arguments.model) {
+    let mut given = match (&arguments.robot, &arguments.model) {
         (Some(robot), _) => Given::robot(robot, drive, arguments.gravity)?,
         (None, Some(directory)) => Given::model(directory, drive)?,
         (None, None) => unreachable!("the command line demands one of them"),

@@ -90,7 +90,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Results to stand beside the scores.
 fn published(file: &ModelFile) -> Vec<&'static Published> {
     beside(
-        &file.physics.robot,
+        file.physics.builtin,
         &[published::Part::Test, published::Part::Train],
     )
 }

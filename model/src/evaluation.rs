@@ -9,7 +9,7 @@ use crate::page::Subject;
 use crate::predict::parameter_deviation;
 use crate::residual::{self, ResidualError};
 use crate::session::Session;
-use crate::setup::{Setup, SetupError};
+use crate::setup::{self, Setup, SetupError};
 use datasets::metrics::{MOVING, Row, ShapeError};
 use datasets::prepare::{PrepareError, PrepareOptions, prepare};
 use datasets::repeats::{self, Repeatability};
@@ -119,7 +119,10 @@ pub fn read_options(
         e => unreachable!("{e}"),
     })?;
     let mut options = Setup::of(robot, drive)?.read_options(part, torque_needed)?;
-    options.torque_filter = options.torque_filter.or(file.preprocessing.torque_filter);
+    let stored = file.preprocessing.torque_filter;
+    options.torque_filter = options
+        .torque_filter
+        .or(stored.map(|filter| setup::known(filter, file.preprocessing.rate_hz)));
     Ok(options)
 }
 
@@ -275,8 +278,14 @@ pub fn notes(session: &Session, part: usize, file: &ModelFile) -> Vec<String> {
     }
     if let Some(f) = report.torque_filter {
         notes.push(format!(
-            "The recorded torque has been low-passed (zero-phase Chebyshev, order {}, {} Hz): the same filter was applied to every prediction before scoring.",
-            f.order, f.cutoff_hz
+            "The recorded torque has been low-passed (zero-phase Chebyshev, order {}, {:.3} Hz{}): the same filter was applied to every prediction before scoring.",
+            f.order,
+            f.cutoff_hz,
+            if f.recognised {
+                "; recognised from the empty stop band of the training torque, declare it in a drive file if you know better"
+            } else {
+                ""
+            }
         ));
     }
     if !session.clock_known[part] {

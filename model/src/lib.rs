@@ -21,4 +21,5 @@ pub mod selection;
 pub mod session;
 pub mod setup;
 pub mod tables;
+pub mod torque_band;
 pub mod urdf;

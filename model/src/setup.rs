@@ -1,12 +1,15 @@
 //! From the command line's robot and drive file to a robot and the way its recordings are read.
 
+use crate::torque_band;
 use datasets::{
-    Affine, ColumnMap, Group, Part, ReadError, ReadOptions, Recording, TorqueFilter, read,
+    Affine, ColumnMap, DeclaredFilter, Group, Part, ReadError, ReadOptions, Recording,
+    TorqueFilter, read,
 };
 use nalgebra::Vector3;
 use physics::robot::{
-    Robot, RobotError,
+    Builtin, Robot, RobotError,
     drive::{Conversion, Drive},
+    to_urdf,
 };
 use std::path::{Path, PathBuf};
 
@@ -17,7 +20,15 @@ pub struct Setup {
     pub robot: Robot,
     /// Drive file, if one was given.
     pub drive: Option<Drive>,
+    /// The robot as a URDF: the user's own text where there is one.
+    pub urdf: String,
+    /// Low-pass of the recorded torque that the training recordings have shown.
+    recognised: Option<DeclaredFilter>,
 }
+
+/// Recordings up to this many times as fast as those that a filter is known of are taken to have been through
+/// it as well.
+const AS_FAST: f64 = 1.25;
 
 /// A robot or a recording that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -56,11 +67,24 @@ impl Setup {
         drive: Option<&Path>,
         gravity: Option<[f64; 3]>,
     ) -> Result<Self, SetupError> {
-        let mut robot = Robot::load(robot)?;
+        let mut loaded = Robot::load(robot)?;
         if let Some(g) = gravity {
-            robot = robot.with_gravity(Vector3::from(g));
+            loaded = loaded.with_gravity(Vector3::from(g));
         }
-        Self::of(robot, drive)
+        let text = match loaded.which_builtin() {
+            Some(_) => None,
+            None => Some(
+                std::fs::read_to_string(robot).map_err(|source| RobotError::Read {
+                    path: robot.into(),
+                    source,
+                })?,
+            ),
+        };
+        let mut setup = Self::of(loaded, drive)?;
+        if let Some(text) = text {
+            setup.urdf = text;
+        }
+        Ok(setup)
     }
 
     /// For a robot that is loaded already.
@@ -75,7 +99,12 @@ impl Setup {
             Some(drive) => drive.apply(robot)?,
             None => robot,
         };
-        Ok(Self { robot, drive })
+        Ok(Self {
+            urdf: to_urdf(&robot),
+            robot,
+            drive,
+            recognised: None,
+        })
     }
 
     /// Options for reading this robot's recordings.
@@ -83,7 +112,7 @@ impl Setup {
     /// # Errors
     /// A drive file that cannot convert torque.
     pub fn read_options(&self, part: Part, torque_needed: bool) -> Result<ReadOptions, SetupError> {
-        let mut options = if self.robot.name() == "kr300" {
+        let mut options = if self.robot.which_builtin() == Some(Builtin::Kr300) {
             ReadOptions::kr300(part)
         } else {
             ReadOptions {
@@ -92,14 +121,17 @@ impl Setup {
             }
         };
         options.torque_needed = torque_needed;
+        options.torque_filter = options.torque_filter.or(self.recognised);
         if let Some(drive) = &self.drive {
             options.columns = column_map(drive, &self.robot)?;
             if let Some(f) = drive.torque_filter {
-                options.torque_filter = Some(TorqueFilter {
+                let filter = TorqueFilter {
                     order: f.order,
                     cutoff_hz: f.cutoff_hz,
                     ripple_db: f.ripple_db,
-                });
+                    recognised: false,
+                };
+                options.torque_filter = Some(filter.always());
             }
         }
         Ok(options)
@@ -117,6 +149,38 @@ impl Setup {
     ) -> Result<Vec<Recording>, SetupError> {
         let options = self.read_options(part, torque_needed)?;
         paths.iter().map(|path| Ok(read(path, &options)?)).collect()
+    }
+
+    /// Reads the training recordings. Where neither they nor the drive file nor the built-in robot declare a
+    /// low-pass of the torque, one that their torque shows is taken over, for these recordings and for those of
+    /// their rate that are read later.
+    ///
+    /// # Errors
+    /// The first recording that cannot be used.
+    pub fn read_training(&mut self, paths: &[PathBuf]) -> Result<Vec<Recording>, SetupError> {
+        let mut data = self.read(paths, Part::Train, true)?;
+        if self
+            .read_options(Part::Train, true)?
+            .torque_filter
+            .is_none()
+            && let Some(filter) = torque_band::recognise(&self.robot, &data)
+        {
+            let fastest = data
+                .iter()
+                .map(|r| 1.0 / r.median_step())
+                .fold(0.0, f64::max);
+            self.recognised = Some(known(filter, fastest));
+            data.iter_mut().for_each(|r| r.torque_filter = Some(filter));
+        }
+        Ok(data)
+    }
+}
+
+/// A filter that recordings of `rate_hz` are known to have been through.
+pub fn known(filter: TorqueFilter, rate_hz: f64) -> DeclaredFilter {
+    DeclaredFilter {
+        up_to_hz: filter.decimated().up_to_hz.max(AS_FAST * rate_hz),
+        filter,
     }
 }
 
@@ -153,7 +217,29 @@ fn column_map(drive: &Drive, robot: &Robot) -> Result<ColumnMap, SetupError> {
 
 #[cfg(test)]
 mod tests {
-    use super::gravity;
+    use super::*;
+    use physics::robot::urdf_with;
+
+    #[test]
+    fn a_name_in_a_urdf_makes_no_built_in_robot() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("arm.urdf");
+        let text = to_urdf(&Robot::builtin("foxbot_a05").unwrap())
+            .replace("robot name=\"foxbot_a05\"", "robot name=\"kr300\"");
+        std::fs::write(&path, &text).unwrap();
+        let setup = Setup::new(path.to_str().unwrap(), None, None).unwrap();
+        assert_eq!(setup.robot.name(), "kr300");
+        let options = setup.read_options(Part::Train, true).unwrap();
+        assert!(!options.kr300 && options.torque_filter.is_none());
+        // The text that a patch goes into is the user's, to the byte.
+        assert_eq!(setup.urdf, text);
+        assert!(urdf_with(&setup.urdf, &setup.robot).is_ok());
+        let options = Setup::new("kr300", None, None)
+            .unwrap()
+            .read_options(Part::Train, true)
+            .unwrap();
+        assert!(options.kr300 && options.torque_filter.is_some());
+    }
 
     #[test]
     fn gravity_from_text() {

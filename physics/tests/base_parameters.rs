@@ -152,7 +152,7 @@ fn foxbot_has_the_58_parameters_of_the_paper() {
 
 #[test]
 fn grouped_columns_predict_the_same_torque() {
-    for name in physics::robot::builtin::NAMES {
+    for name in physics::robot::Builtin::ALL.map(physics::robot::Builtin::name) {
         let robot = robot(name);
         let base = BaseParameters::of_robot(&robot, &[]);
         let beta = base.base_from(&robot.parameters());

@@ -73,7 +73,7 @@ fn new_numbers_go_into_the_text_and_nothing_else_changes() {
 
 #[test]
 fn built_in_robots_survive_a_round_trip() {
-    for name in physics::robot::builtin::NAMES {
+    for name in physics::robot::Builtin::ALL.map(physics::robot::Builtin::name) {
         let robot = Robot::builtin(name).expect("built in");
         let back = Robot::from_urdf_str(&to_urdf(&robot)).expect("what is written can be read");
         assert_eq!(robot.joint_names(), back.joint_names());

@@ -4,6 +4,7 @@ use crate::arguments::Arguments;
 use datasets::{Part, Recording};
 use model::failure::Failure;
 use model::setup::Setup;
+use physics::robot::Builtin;
 use simulate::protocols::{Protocol, cached};
 
 /// Robot and recordings.
@@ -18,17 +19,17 @@ pub struct Input {
 
 /// Reads what the arguments name; without `--data`, the built-in robot is simulated.
 pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
-    let setup = Setup::new(
+    let mut setup = Setup::new(
         arguments.robot.as_deref().unwrap_or("ur5"),
         arguments.drive.as_deref(),
         arguments.gravity,
     )?;
     if arguments.data.is_empty() {
-        let protocol = match arguments.robot.as_deref() {
-            None | Some("ur5") => Protocol::Ur5,
-            Some("kr300") => Protocol::Kr300,
-            Some("foxbot_a05") => Protocol::FoxbotA05,
-            Some(_) => {
+        let protocol = match setup.robot.which_builtin() {
+            Some(Builtin::Ur5) => Protocol::Ur5,
+            Some(Builtin::Kr300) => Protocol::Kr300,
+            Some(Builtin::FoxbotA05) => Protocol::FoxbotA05,
+            None => {
                 return Err(Failure::input(
                     "--data is missing",
                     "Give recordings of the robot; only the built-in robots can be simulated instead.",
@@ -48,7 +49,7 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
             heldout,
         });
     }
-    let data = setup.read(&arguments.data, Part::Train, true)?;
+    let data = setup.read_training(&arguments.data)?;
     let heldout = match &arguments.heldout {
         Some(path) => setup
             .read(std::slice::from_ref(path), Part::Test, true)?

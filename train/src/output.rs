@@ -201,7 +201,7 @@ pub fn page(
 
 fn published(fit: &Fit, heldout: bool) -> Vec<&'static Published> {
     let part = if heldout { Part::Test } else { Part::Train };
-    beside(&fit.file.physics.robot, &[part])
+    beside(fit.file.physics.builtin, &[part])
 }
 
 /// Prints what a person wants to see, the scores last.

@@ -6,7 +6,7 @@ mod npy;
 mod npz;
 mod parquet;
 
-use crate::{ColumnMap, Problem, ReadError, Recording, TorqueFilter};
+use crate::{ColumnMap, DeclaredFilter, Problem, ReadError, Recording, TorqueFilter};
 use std::path::Path;
 
 pub use mat::GEAR_RATIOS as KR300_GEAR_RATIOS;
@@ -33,9 +33,8 @@ pub struct ReadOptions {
     pub torque_needed: bool,
     /// Names and units of the columns.
     pub columns: ColumnMap,
-    /// Low-pass that recordings of this robot went through; see [`TorqueFilter`] for when it
-    /// applies.
-    pub torque_filter: Option<TorqueFilter>,
+    /// Low-pass that recordings of this robot are declared to have been through.
+    pub torque_filter: Option<DeclaredFilter>,
     /// The robot is the KR300 of the benchmark: its .mat files may be read.
     pub kr300: bool,
 }
@@ -54,7 +53,7 @@ impl ReadOptions {
     pub fn kr300(part: Part) -> Self {
         Self {
             part,
-            torque_filter: Some(TorqueFilter::KR300),
+            torque_filter: Some(TorqueFilter::KR300.decimated()),
             kr300: true,
             ..Self::for_robot(6)
         }

@@ -152,6 +152,7 @@ fn stored_filter(text: &str) -> Result<Option<TorqueFilter>, Problem> {
         order,
         cutoff_hz,
         ripple_db,
+        recognised: false,
     }))
 }
 

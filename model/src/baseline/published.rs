@@ -2,6 +2,8 @@
 //!
 //! None was measured by this project. Protocols differ: read `protocol` before comparing.
 
+use physics::robot::Builtin;
+
 /// What a model was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
@@ -148,11 +150,11 @@ impl Part {
     }
 }
 
-/// What belongs beside the scores of `robot` on these parts: nothing but for the benchmark's own robot.
-pub fn beside(robot: &str, parts: &[Part]) -> Vec<&'static Published> {
+/// What belongs beside the scores of a robot on these parts: nothing but for the benchmark's own, the built-in.
+pub fn beside(robot: Option<Builtin>, parts: &[Part]) -> Vec<&'static Published> {
     PUBLISHED
         .iter()
-        .filter(|p| robot == "kr300" && parts.contains(&p.part))
+        .filter(|p| robot == Some(Builtin::Kr300) && parts.contains(&p.part))
         .collect()
 }
 

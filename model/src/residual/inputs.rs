@@ -22,10 +22,15 @@ pub enum Preset {
 ///
 /// The default preset gives each joint its own motion, the size of its load, and friction states:
 /// on KR300, motion of the other joints lets a network recognise the 33 trajectories and memory is
-/// what generalises. `moving_only` takes a finer set of states, and the wrist's two last joints see each
-/// other's velocity. The warm-up clock is left to the
+/// what generalises. `moving_only` takes a finer set of states, and two joints whose gears are `nested` in each
+/// other see each other's velocity. The warm-up clock is left to the
 /// physics: a network extrapolates it without bound.
-pub fn inputs(preset: Preset, joints: usize, moving_only: bool) -> (Vec<Input>, Vec<Vec<usize>>) {
+pub fn inputs(
+    preset: Preset,
+    joints: usize,
+    moving_only: bool,
+    nested: Option<[usize; 2]>,
+) -> (Vec<Input>, Vec<Vec<usize>>) {
     let mut list: Vec<Input> = Vec::new();
     let mut seen = vec![Vec::new(); joints];
     match preset {
@@ -53,7 +58,12 @@ pub fn inputs(preset: Preset, joints: usize, moving_only: bool) -> (Vec<Input>, 
                     columns.push(list.len());
                     list.push(Input { joint, signal });
                 }
-                if let Some(joint) = wrist_partner(joint, joints).filter(|_| moving_only) {
+                let other = nested.and_then(|[a, b]| match joint {
+                    j if j == a => Some(b),
+                    j if j == b => Some(a),
+                    _ => None,
+                });
+                if let Some(joint) = other.filter(|_| moving_only) {
                     columns.push(list.len());
                     list.push(Input {
                         joint,
@@ -64,15 +74,6 @@ pub fn inputs(preset: Preset, joints: usize, moving_only: bool) -> (Vec<Input>, 
         }
     }
     (list, seen)
-}
-
-/// The other of the last two joints of a six-joint arm or longer: their gears run inside each other.
-fn wrist_partner(joint: usize, joints: usize) -> Option<usize> {
-    match joints - joint {
-        1 if joints >= 6 => Some(joint - 1),
-        2 if joints >= 6 => Some(joint + 1),
-        _ => None,
-    }
 }
 
 fn states(moving_only: bool) -> Vec<Term> {

@@ -12,6 +12,7 @@ use feedforward::clock::Memory;
 use feedforward::inputs::{CompensatorRecord, UnitValidation};
 use feedforward::network::Compensator;
 use ndarray::{Array1, Array2, Axis};
+use physics::robot::Builtin;
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 
@@ -117,7 +118,12 @@ pub fn train_residual(
 ) -> Result<Learned, ResidualError> {
     let joints = fit.file.joints.len();
     let model = fit.file.physics.model()?;
-    let (list, seen) = inputs(options.preset, joints, options.moving_only);
+    let (list, seen) = inputs(
+        options.preset,
+        joints,
+        options.moving_only,
+        fit.file.physics.builtin.and_then(Builtin::nested_gears),
+    );
     let load = fit.session.load(model.load_robot());
     let tables = input_table(&fit.session, &list, &load, &[]);
     // Windows keep their length in time: faster recordings are taken apart into several sequences.

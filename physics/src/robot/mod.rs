@@ -3,7 +3,7 @@
 //! A [`Robot`] is immutable. It comes from a URDF ([`Robot::from_urdf_file`]), a Denavit–Hartenberg table
 //! ([`dh`]), or is built in ([`Robot::builtin`]).
 
-pub mod builtin;
+mod builtin;
 mod chain;
 mod counterbalance;
 pub mod dh;
@@ -14,6 +14,7 @@ mod joint;
 mod urdf;
 mod urdf_write;
 
+pub use builtin::Builtin;
 pub(crate) use chain::{Chain, ChainJoint};
 pub use counterbalance::Counterbalance;
 pub use error::RobotError;
@@ -36,6 +37,7 @@ pub struct Robot {
     counterbalance: Option<Counterbalance>,
     warnings: Vec<String>,
     chain: Chain,
+    builtin: Option<Builtin>,
 }
 
 impl Robot {
@@ -62,6 +64,7 @@ impl Robot {
             counterbalance: None,
             warnings,
             chain,
+            builtin: None,
         })
     }
 
@@ -77,15 +80,26 @@ impl Robot {
         if !path.exists() && path.extension().is_none() {
             return Err(RobotError::UnknownRobot {
                 name: name_or_path.to_owned(),
-                builtins: builtin::NAMES.join(", "),
+                builtins: Builtin::ALL.map(Builtin::name).join(", "),
             });
         }
         Self::from_urdf_file(path)
     }
 
-    /// A built-in robot: one of [`builtin::NAMES`].
+    /// A built-in robot by name: see [`Builtin`].
     pub fn builtin(name: &str) -> Option<Self> {
-        builtin::robot(name)
+        Builtin::named(name).map(Builtin::robot)
+    }
+
+    /// Which built-in robot this is; none for a description from elsewhere, whatever it is called.
+    pub fn which_builtin(&self) -> Option<Builtin> {
+        self.builtin
+    }
+
+    /// The same robot known as a built-in one, or as none: for a stored robot that is read back.
+    pub fn known_as(mut self, builtin: Option<Builtin>) -> Self {
+        self.builtin = builtin;
+        self
     }
 
     /// Reads a URDF file. See [`Robot::from_urdf_str`].

@@ -1,7 +1,7 @@
 //! How a torque model is stored.
 
 use super::{TorqueModel, TorqueModelError, WeightedTerm};
-use crate::robot::{Robot, to_urdf};
+use crate::robot::{Builtin, Robot, to_urdf};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 pub struct TorqueModelRecord {
     /// Name of the robot.
     pub robot: String,
+    /// Which built-in robot it is; absent for any other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub builtin: Option<Builtin>,
     /// Joint names, base first.
     pub joints: Vec<String>,
     /// The nominal robot as a URDF: its kinematics are used, its inertials are replaced.
@@ -35,6 +38,7 @@ impl TorqueModelRecord {
     ) -> Self {
         Self {
             robot: nominal.name().to_owned(),
+            builtin: nominal.which_builtin(),
             joints: nominal.joint_names(),
             urdf: to_urdf(nominal),
             gravity: nominal.gravity().into(),
@@ -49,7 +53,9 @@ impl TorqueModelRecord {
     /// # Errors
     /// A URDF that cannot be used.
     pub fn nominal(&self) -> Result<Robot, TorqueModelError> {
-        Ok(Robot::from_urdf_str(&self.urdf)?.with_gravity(Vector3::from(self.gravity)))
+        Ok(Robot::from_urdf_str(&self.urdf)?
+            .with_gravity(Vector3::from(self.gravity))
+            .known_as(self.builtin))
     }
 
     /// The model, ready to evaluate.

@@ -7,17 +7,54 @@ mod ur5;
 use super::dh::{Convention, Pose, Row, placements};
 use super::{Inertia, Joint, Limits, Link, Robot};
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
-/// Names of the built-in robots.
-pub const NAMES: [&str; 3] = ["ur5", "kr300", "foxbot_a05"];
+/// Which built-in robot. What is known of one beyond its description (its benchmark's files, gears that
+/// run inside each other) follows from this and never from the name that a description carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Builtin {
+    /// Universal Robots UR5.
+    Ur5,
+    /// KUKA KR300 R2500 ultra SE of the benchmark.
+    Kr300,
+    /// Foxbot A05.
+    #[serde(rename = "foxbot_a05")]
+    FoxbotA05,
+}
 
-/// The built-in robot of that name.
-pub(super) fn robot(name: &str) -> Option<Robot> {
-    match name {
-        "ur5" => Some(ur5::robot()),
-        "kr300" => Some(kr300::robot()),
-        "foxbot_a05" => Some(foxbot::robot()),
-        _ => None,
+impl Builtin {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Ur5, Self::Kr300, Self::FoxbotA05];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ur5 => "ur5",
+            Self::Kr300 => "kr300",
+            Self::FoxbotA05 => "foxbot_a05",
+        }
+    }
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|b| b.name() == name)
+    }
+
+    /// The robot.
+    pub fn robot(self) -> Robot {
+        let robot = match self {
+            Self::Ur5 => ur5::robot(),
+            Self::Kr300 => kr300::robot(),
+            Self::FoxbotA05 => foxbot::robot(),
+        };
+        robot.known_as(Some(self))
+    }
+
+    /// Two joints whose gears run inside each other, so that each one's friction depends on the other's
+    /// speed; base first.
+    pub fn nested_gears(self) -> Option<[usize; 2]> {
+        (self == Self::Kr300).then_some([4, 5])
     }
 }
 
