@@ -5,7 +5,8 @@ use crate::model::NominalModel;
 use datasets::{Part, ReadOptions, Recording, Trajectory, read};
 use model::directory::ModelFile;
 use model::evaluation::read_options;
-use model::setup::Setup;
+use model::setup::{Setup, SetupError};
+use model::units::refuse_degrees;
 use ndarray::{Array2, Axis, concatenate};
 use std::path::{Path, PathBuf};
 
@@ -71,7 +72,7 @@ impl Given {
             Reading::Robot(setup) => setup.read_training(paths)?,
             Reading::Directory(options) => paths
                 .iter()
-                .map(|p| read(p, &options[0]))
+                .map(|p| of_model(&self.model, p, &options[0]))
                 .collect::<Result<_, _>>()?,
         };
         // One is not copied: it may fill half the memory.
@@ -87,11 +88,22 @@ impl Given {
     /// # Errors
     /// The file cannot be used.
     pub fn heldout(&self, path: &Path) -> Result<Recording, DiagnoseError> {
-        Ok(match &self.reading {
-            Reading::Robot(setup) => read(path, &setup.read_options(Part::Test, true)?)?,
-            Reading::Directory(options) => read(path, &options[1])?,
-        })
+        match &self.reading {
+            Reading::Robot(setup) => Ok(setup.read_one(path, Part::Test, true)?),
+            Reading::Directory(options) => of_model(&self.model, path, &options[1]),
+        }
     }
+}
+
+/// Reads a recording of a model directory's robot.
+fn of_model(
+    model: &NominalModel,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<Recording, DiagnoseError> {
+    let recording = read(path, options)?;
+    refuse_degrees(&model.robot, &recording).map_err(SetupError::from)?;
+    Ok(recording)
 }
 
 /// One recording of all trajectories. Optional tables that one of them lacks are left out.

@@ -1,4 +1,6 @@
 //! `diagnose`: where the gap between a simulator and a real robot lies, and what causes it.
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
 
@@ -19,19 +21,19 @@ fn main() -> ExitCode {
         (Some(proof), _) => match run_proof(&proof) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("error: {error}");
+                report::warn!("error: {error}");
                 ExitCode::FAILURE
             }
         },
         (None, Some(arguments)) => match run(&arguments) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("error: {error}");
+                report::warn!("error: {error}");
                 ExitCode::from(if error.is_input() { 2 } else { 1 })
             }
         },
         (None, None) => {
-            eprintln!("error: --robot or --model, --data and --heldout are needed; see --help");
+            report::warn!("error: --robot or --model, --data and --heldout are needed; see --help");
             ExitCode::from(2)
         }
     }
@@ -62,17 +64,17 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     spinner.finish_and_clear();
     outcome.diagnosis.next_experiment = next.as_ref().map(|n| n.summary.clone());
     for note in [short, short_heldout].into_iter().flatten() {
-        println!("Note: {note}.");
+        report::say!("Note: {note}.");
         outcome.diagnosis.notes.push(note);
     }
     for line in words::lines(&outcome.diagnosis) {
-        println!("{line}");
+        report::say!("{line}");
     }
     let mut files = files(arguments, &given, &outcome)?;
     match (&arguments.next, &next) {
         (Some(path), Some(next)) => files.push((path.clone(), next.csv())),
         (Some(_), None) => {
-            println!("No motion is needed: no two causes that one could tell apart.")
+            report::say!("No motion is needed: no two causes that one could tell apart.")
         }
         _ => {}
     }
@@ -80,7 +82,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         report::write_atomic(path, text)?;
     }
     if arguments.patch.is_some() {
-        println!(
+        report::say!(
             "Patched model: {}",
             patch::summary(&outcome.diagnosis.causes)
         );
@@ -144,12 +146,12 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
     let bar = ProgressBar::new(*cases);
     let scores = prove::prove(*cases, *seed, out.as_deref(), || bar.inc(1))?;
     bar.finish_and_clear();
-    println!("{}", prove::table(&scores).to_text());
+    report::say!("{}", prove::table(&scores).to_text());
     if *leave_one_out {
         let bar = ProgressBar::new(*cases);
         let answers = prove::leave_one_out(*cases, *seed, || bar.inc(1))?;
         bar.finish_and_clear();
-        println!("{}", prove::withheld_table(&answers).to_text());
+        report::say!("{}", prove::withheld_table(&answers).to_text());
     }
     Ok(())
 }

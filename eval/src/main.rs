@@ -1,5 +1,7 @@
 //! `eval`: scores and predictions of a model directory on a recording.
 #![forbid(unsafe_code)]
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use clap::Parser;
 use datasets::prepare::PrepareOptions;
@@ -97,28 +99,27 @@ fn published(file: &ModelFile) -> Vec<&'static Published> {
 
 fn print(file: &ModelFile, evaluation: &Evaluation) {
     let report = &evaluation.report;
-    println!(
+    report::say!(
         "{}: {} samples, robot {}",
-        evaluation.recording.source, report.samples, file.physics.robot
+        evaluation.recording.source,
+        report.samples,
+        file.physics.robot
     );
     if !report.rows.is_empty() {
         let published = published(file);
-        println!("\nNRMSE");
-        print!(
-            "{}",
-            tables::scores(&file.joints, &report.rows, &published).to_text()
-        );
-        println!("\nRMSE");
-        print!("{}", tables::errors(&file.joints, &report.rows).to_text());
+        report::say!("\nNRMSE");
+        report::say_text!(tables::scores(&file.joints, &report.rows, &published).to_text());
+        report::say!("\nRMSE");
+        report::say_text!(tables::errors(&file.joints, &report.rows).to_text());
         if let Some(table) = tables::forward(&file.joints, &report.rows, &published) {
-            println!("\nNRMSE of positions simulated from torque");
-            print!("{}", table.to_text());
+            report::say!("\nNRMSE of positions simulated from torque");
+            report::say_text!(table.to_text());
         }
         for p in published {
-            println!("{}, {}: {}", p.model, p.part.name(), p.source);
+            report::say!("{}, {}: {}", p.model, p.part.name(), p.source);
         }
     }
     for note in &report.notes {
-        println!("{note}");
+        report::say!("{note}");
     }
 }

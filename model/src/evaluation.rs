@@ -10,6 +10,7 @@ use crate::predict::parameter_deviation;
 use crate::residual::{self, ResidualError};
 use crate::session::Session;
 use crate::setup::{self, Setup, SetupError};
+use crate::units::{Degrees, refuse_degrees};
 use datasets::metrics::{MOVING, Row, ShapeError};
 use datasets::prepare::{PrepareError, PrepareOptions, prepare};
 use datasets::repeats::{self, Repeatability};
@@ -87,6 +88,9 @@ pub enum EvaluateError {
     /// Tables of different shapes.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// The recording is in another unit.
+    #[error(transparent)]
+    Degrees(#[from] Degrees),
     /// The model is for another robot.
     #[error(
         "{file} has {found} joints, the model {expected}; give a recording of the model's robot ({robot})"
@@ -144,6 +148,7 @@ pub fn evaluate(
             robot: file.physics.robot.clone(),
         });
     }
+    refuse_degrees(&file.physics.nominal()?, &recording)?;
     let prepared =
         prepare(&recording, &options.prepare).map_err(|source| EvaluateError::Prepare {
             file: recording.source.clone(),

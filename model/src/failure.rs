@@ -49,9 +49,9 @@ impl Failure {
 
     /// Prints message and hint to standard error and returns the exit status.
     pub fn report(&self) -> std::process::ExitCode {
-        eprintln!("error: {}", self.message);
+        report::warn!("error: {}", self.message);
         if !self.hint.is_empty() {
-            eprintln!("hint: {}", self.hint);
+            report::warn!("hint: {}", self.hint);
         }
         std::process::ExitCode::from(self.status)
     }
@@ -65,6 +65,7 @@ impl From<SetupError> for Failure {
                 "See the built-in names (ur5, kr300, foxbot_a05), or give the path of a URDF.",
             ),
             SetupError::Read(e) => Self::input(e.to_string(), ""),
+            SetupError::Degrees(e) => Self::input(e.to_string(), ""),
         }
     }
 }
@@ -140,6 +141,7 @@ impl From<EvaluateError> for Failure {
             EvaluateError::Directory(e) => e.into(),
             EvaluateError::Residual(e) => e.into(),
             EvaluateError::Joints { .. } => Self::input(error.to_string(), ""),
+            EvaluateError::Degrees(e) => Self::input(e.to_string(), ""),
             e => Self::input(
                 e.to_string(),
                 "Check the recording with train --check-only.",

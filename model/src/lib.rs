@@ -1,6 +1,8 @@
 //! The pipeline behind `train` and `eval`: from recordings to an identified model, its directory on
 //! disk, its predictions and its scores.
 #![forbid(unsafe_code)]
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod baseline;
 pub mod check;
@@ -22,4 +24,5 @@ pub mod session;
 pub mod setup;
 pub mod tables;
 pub mod torque_band;
+pub mod units;
 pub mod urdf;

@@ -1,6 +1,7 @@
 //! From the command line's robot and drive file to a robot and the way its recordings are read.
 
 use crate::torque_band;
+use crate::units::{Degrees, refuse_degrees};
 use datasets::{
     Affine, ColumnMap, DeclaredFilter, Group, Part, ReadError, ReadOptions, Recording,
     TorqueFilter, read,
@@ -39,6 +40,9 @@ pub enum SetupError {
     /// A recording.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// A recording in another unit.
+    #[error(transparent)]
+    Degrees(#[from] Degrees),
 }
 
 /// Reads gravity in the base frame, m/s², from `X,Y,Z`.
@@ -137,6 +141,21 @@ impl Setup {
         Ok(options)
     }
 
+    /// Reads a recording of this robot.
+    ///
+    /// # Errors
+    /// It cannot be used, or its positions are in a unit that the drive file does not say.
+    pub fn read_one(
+        &self,
+        path: &Path,
+        part: Part,
+        torque_needed: bool,
+    ) -> Result<Recording, SetupError> {
+        let recording = read(path, &self.read_options(part, torque_needed)?)?;
+        refuse_degrees(&self.robot, &recording)?;
+        Ok(recording)
+    }
+
     /// Reads recordings of this robot.
     ///
     /// # Errors
@@ -147,8 +166,10 @@ impl Setup {
         part: Part,
         torque_needed: bool,
     ) -> Result<Vec<Recording>, SetupError> {
-        let options = self.read_options(part, torque_needed)?;
-        paths.iter().map(|path| Ok(read(path, &options)?)).collect()
+        paths
+            .iter()
+            .map(|path| self.read_one(path, part, torque_needed))
+            .collect()
     }
 
     /// Reads the training recordings. Where neither they nor the drive file nor the built-in robot declare a

@@ -19,6 +19,7 @@
 
 pub mod figure;
 pub mod page;
+pub mod say;
 pub mod table;
 mod terminal;
 pub mod write;

@@ -1,4 +1,6 @@
 //! `simulate`: recordings of simulated robots.
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -64,14 +66,14 @@ fn main() -> ExitCode {
     let result = match pool {
         Ok(pool) => pool.install(|| run(&arguments)),
         Err(error) => {
-            eprintln!("simulate: cannot start threads: {error}");
+            report::warn!("simulate: cannot start threads: {error}");
             return ExitCode::FAILURE;
         }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("simulate: {error}");
+            report::warn!("simulate: {error}");
             ExitCode::FAILURE
         }
     }
@@ -100,7 +102,7 @@ fn record(protocol: Protocol, to: &Recordings, quiet: bool) -> Result<(), Simula
     let made = protocol.simulate(to.seed, &|part| bar.set_position((100.0 * part) as u64))?;
     bar.finish();
     for file in made.write(&to.out, &to.format)? {
-        println!("{}", file.display());
+        report::say!("{}", file.display());
     }
     Ok(())
 }

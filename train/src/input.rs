@@ -50,12 +50,11 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
         });
     }
     let data = setup.read_training(&arguments.data)?;
-    let heldout = match &arguments.heldout {
-        Some(path) => setup
-            .read(std::slice::from_ref(path), Part::Test, true)?
-            .pop(),
-        None => None,
-    };
+    let heldout = arguments
+        .heldout
+        .as_ref()
+        .map(|path| setup.read_one(path, Part::Test, true))
+        .transpose()?;
     Ok(Input {
         setup,
         data,

@@ -1,5 +1,7 @@
 //! `train`: recordings to a model directory.
 #![forbid(unsafe_code)]
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
 mod checkpoint;

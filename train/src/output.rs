@@ -208,30 +208,31 @@ fn published(fit: &Fit, heldout: bool) -> Vec<&'static Published> {
 pub fn print(fit: &Fit, metrics: &Metrics, arguments: &Arguments) {
     let file = &fit.file;
     if let Some(d) = &file.diagnostics {
-        println!("\nBase parameters");
-        print!("{}", tables::base_parameters(file).to_text());
-        println!("\nCondition numbers of the weighted regressor");
-        print!("{}", tables::conditioning(&d.conditioning).to_text());
-        println!("\nResidual of the physics on the training recordings");
+        report::say!("\nBase parameters");
+        report::say_text!(tables::base_parameters(file).to_text());
+        report::say!("\nCondition numbers of the weighted regressor");
+        report::say_text!(tables::conditioning(&d.conditioning).to_text());
+        report::say!("\nResidual of the physics on the training recordings");
         let tests = tables::residual_tests(&file.joints, &d.residual_tests);
-        print!("{}", tests.to_text());
+        report::say_text!(tests.to_text());
         if !d.links.is_empty() {
-            println!(
+            report::say!(
                 "\nLinks of the identified URDF: eigenvalues of the pseudo-inertia over the largest"
             );
-            print!("{}", tables::links(d).to_text());
+            report::say_text!(tables::links(d).to_text());
         }
         for line in tables::estimator(file, d) {
-            println!("{line}");
+            report::say!("{line}");
         }
     }
     scores("the training recordings", fit, &metrics.train, false);
     if let Some(rows) = &metrics.heldout {
         scores("the held-out recording", fit, rows, true);
-        print!("\n{}", tables::errors(&file.joints, rows).to_text());
+        report::say!();
+        report::say_text!(tables::errors(&file.joints, rows).to_text());
         print_members(rows, &metrics.members);
     }
-    println!(
+    report::say!(
         "\nmodel: {}\nreport: {}",
         arguments.out.display(),
         arguments.out.join(PAGE).display()
@@ -240,11 +241,11 @@ pub fn print(fit: &Fit, metrics: &Metrics, arguments: &Arguments) {
 
 fn scores(of: &str, fit: &Fit, rows: &[Row], heldout: bool) {
     let (joints, published) = (&fit.file.joints, published(fit, heldout));
-    println!("\nNRMSE on {of}");
-    print!("{}", tables::scores(joints, rows, &published).to_text());
+    report::say!("\nNRMSE on {of}");
+    report::say_text!(tables::scores(joints, rows, &published).to_text());
     if let Some(table) = tables::forward(joints, rows, &published) {
-        println!("NRMSE of positions that a linear model simulates from the torque of {of}");
-        print!("{}", table.to_text());
+        report::say!("NRMSE of positions that a linear model simulates from the torque of {of}");
+        report::say_text!(table.to_text());
     }
 }
 
@@ -263,7 +264,7 @@ fn print_members(rows: &[Row], members: &[Member]) {
             })
             .collect();
         if let (Some(whole), false) = (whole, alone.is_empty()) {
-            println!(
+            report::say!(
                 "seeds, {}: mean NRMSE {} (members {})",
                 scope.name(),
                 one(whole.scores.mean_nrmse),
@@ -276,16 +277,20 @@ fn print_members(rows: &[Row], members: &[Member]) {
 /// Prints the check of recordings, as text or JSON.
 pub fn check(reports: &[CheckReport], as_json: bool, quiet: bool) {
     if as_json {
-        print!("{}", json(&reports));
+        report::say_text!(json(&reports));
         return;
     }
     if quiet {
         return;
     }
     for report in reports {
-        println!(
+        report::say!(
             "{}: {} samples, {} trajectories, {:.0} s at {:.1} Hz",
-            report.source, report.samples, report.trajectories, report.duration_s, report.rate_hz
+            report.source,
+            report.samples,
+            report.trajectories,
+            report.duration_s,
+            report.rate_hz
         );
         if let Some(r) = &report.repeatability {
             let floor: Vec<String> = r
@@ -293,14 +298,14 @@ pub fn check(reports: &[CheckReport], as_json: bool, quiet: bool) {
                 .iter()
                 .map(|v| v.map_or_else(|| "–".into(), |v| format!("{v:.3}")))
                 .collect();
-            println!(
+            report::say!(
                 "  {} repeated motions; spread in motion {} N·m",
                 r.pairs.len(),
                 floor.join(" ")
             );
         }
         for finding in &report.findings {
-            println!("  {:?}: {}", finding.severity, finding.message);
+            report::say!("  {:?}: {}", finding.severity, finding.message);
         }
     }
 }

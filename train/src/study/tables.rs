@@ -24,7 +24,7 @@ const PAPER_8: [(&str, [f64; 6]); 2] = [
 
 /// Prints all tables.
 pub fn print(report: &Report) {
-    println!(
+    report::say!(
         "Simulated UR5, seed {}: {} of 5 folds by whole trajectories, units of {h} + {h}, {} epochs of {} windows; each joint trained and scored where it moves",
         report.seed,
         report.folds,
@@ -32,29 +32,23 @@ pub fn print(report: &Report) {
         report.windows_per_epoch,
         h = report.hidden
     );
-    println!("\nTable 6: RMSE on held-out trajectories, N·m");
+    report::say!("\nTable 6: RMSE on held-out trajectories, N·m");
     let mut table = by_joint(report, "model", &report.table_6, |v| v.replace('_', " "));
     for (name, figures) in PAPER_6 {
         table.push(row(name, &figures, 3));
     }
-    print!("{}", table.to_text());
-    println!("\nInputs of the unit (first fold), N·m");
+    report::say_text!(table.to_text());
+    report::say!("\nInputs of the unit (first fold), N·m");
     let name = |v: &&str| match *v {
         "own" => "own joint".to_owned(),
         "all" => "all joints".to_owned(),
         other => other.to_uppercase(),
     };
-    print!(
-        "{}",
-        by_joint(report, "inputs", &report.inputs, name).to_text()
-    );
-    println!("\nTimestep of the window (first fold), N·m");
+    report::say_text!(by_joint(report, "inputs", &report.inputs, name).to_text());
+    report::say!("\nTimestep of the window (first fold), N·m");
     let name = |v: &usize| format!("T = {v}");
-    print!(
-        "{}",
-        by_joint(report, "timestep", &report.timesteps, name).to_text()
-    );
-    println!(
+    report::say_text!(by_joint(report, "timestep", &report.timesteps, name).to_text());
+    report::say!(
         "\nHidden nodes: one fully connected layer, LSTM n + n without attention (first fold, joint 1), N·m"
     );
     let mut table = Table::new([
@@ -69,9 +63,9 @@ pub fn print(report: &Report) {
             Cell::number(n.lstm, 3),
         ]);
     }
-    print!("{}", table.to_text());
+    report::say_text!(table.to_text());
     let v = &report.table_8;
-    println!(
+    report::say!(
         "\nTable 7: relative error of all torques (equation 27), % (paper: below 8, 8.84, 4.75)"
     );
     let mut table = Table::new([
@@ -84,8 +78,8 @@ pub fn print(report: &Report) {
         Cell::number(v.relative_error, 2),
         Cell::number(v.relative_error_compensated, 2),
     ]);
-    print!("{}", table.to_text());
-    println!("\nTable 8: verification recording, unit of the first fold");
+    report::say_text!(table.to_text());
+    report::say!("\nTable 8: verification recording, unit of the first fold");
     let percent = |rmse: &[f64]| -> Vec<f64> {
         std::iter::zip(rmse, &v.max_torque)
             .map(|(e, m)| 100.0 * e / m)
@@ -100,7 +94,7 @@ pub fn print(report: &Report) {
     for (name, figures) in PAPER_8 {
         table.push(row(&format!("{name} / %"), &figures, 2));
     }
-    print!("{}", table.to_text());
+    report::say_text!(table.to_text());
 }
 
 fn header(report: &Report, first: &str) -> Table {

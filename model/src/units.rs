@@ -1,0 +1,141 @@
+//! Positions whose unit a recording itself gives away.
+
+use datasets::Recording;
+use physics::robot::Robot;
+use std::f64::consts::{PI, TAU};
+
+/// The line of a drive file that declares degrees.
+const LINE: &str = "units.angle = \"deg\"";
+
+/// Positions of rotating joints that can only be degrees.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{file}: q{} runs over {span:.0} ({turns:.1} turns, were it rad), where {joint} has {room:.1} rad, and so do \
+     {alike} of {moving} moving joints: the positions are in degrees; declare it by the line `{LINE}` in a drive \
+     file (--drive FILE.toml)",
+    .index + 1
+)]
+pub struct Degrees {
+    /// The recording.
+    pub file: String,
+    /// The joint with the longest way, by index and name.
+    pub index: usize,
+    /// Its name.
+    pub joint: String,
+    /// Its largest position less its smallest, as recorded.
+    pub span: f64,
+    /// The same in turns, were it rad.
+    pub turns: f64,
+    /// What the robot has between its limits, rad.
+    pub room: f64,
+    /// Joints that go further than they can.
+    pub alike: usize,
+    /// Joints that move.
+    pub moving: usize,
+}
+
+/// Rotation that a joint without limits is given, rad: it may well turn on and on.
+const UNLIMITED: f64 = 4.0 * TAU;
+/// A joint goes further than it can beyond this many times its room.
+const BEYOND: f64 = 1.5;
+/// Degrees of motion below which nothing is said of a joint.
+const SMALL: f64 = 1.0;
+
+/// Proof that the recorded positions are degrees: at least half of the moving joints go further than the robot can
+/// turn, wherever their zeros are, and none does when the numbers are read as degrees. A motion of few degrees
+/// proves nothing.
+///
+/// # Errors
+/// The proof.
+pub fn refuse_degrees(robot: &Robot, recording: &Recording) -> Result<(), Degrees> {
+    let spans: Vec<(usize, f64, f64)> = robot
+        .joints()
+        .iter()
+        .enumerate()
+        .take(recording.dof())
+        .filter(|(_, joint)| joint.kind.is_rotation())
+        .map(|(j, joint)| {
+            let (low, high) = recording
+                .q
+                .column(j)
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &q| {
+                    (low.min(q), high.max(q))
+                });
+            let room = joint.limits.upper - joint.limits.lower;
+            // Limits of zero width are a placeholder, those of many turns say nothing.
+            let room = if room > 0.1 {
+                room.min(UNLIMITED)
+            } else {
+                UNLIMITED
+            };
+            (j, high - low, room)
+        })
+        .filter(|(_, span, _)| *span > SMALL)
+        .collect();
+    let alike = spans
+        .iter()
+        .filter(|(_, span, room)| *span > BEYOND * room)
+        .count();
+    let fit = spans
+        .iter()
+        .all(|(_, span, room)| span * PI / 180.0 <= BEYOND * room);
+    let longest = spans.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    match longest {
+        Some(&(index, span, room)) if fit && 2 * alike >= spans.len().max(2) => Err(Degrees {
+            file: recording.source.clone(),
+            index,
+            joint: robot.joints()[index].name.clone(),
+            span,
+            turns: span / TAU,
+            room,
+            alike,
+            moving: spans.len(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+
+    fn recording(reach: [f64; 6]) -> Recording {
+        let time: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
+        let q = Array2::from_shape_fn((200, 6), |(i, j)| {
+            reach[j] * (0.03 * i as f64 + j as f64).sin()
+        });
+        Recording::new("made.csv", time, q, None)
+    }
+
+    #[test]
+    fn degrees_are_proven_by_the_way_that_joints_go() {
+        let robot = Robot::builtin("ur5").unwrap();
+        let error =
+            refuse_degrees(&robot, &recording([60.0, 40.0, 50.0, 30.0, 20.0, 0.1])).unwrap_err();
+        assert_eq!((error.moving, error.index), (5, 0));
+        assert!(error.to_string().contains("in degrees"), "{error}");
+        let drive = physics::robot::drive::Drive::from_toml(LINE, &robot).unwrap();
+        assert!((drive.position_conversion(&robot)[0].scale - PI / 180.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn radians_never_are() {
+        let robot = Robot::builtin("ur5").unwrap();
+        for reach in [
+            [1.5; 6],
+            // A last joint that turns on and on.
+            [1.5, 1.0, 1.0, 1.0, 1.0, 40.0],
+            // So small a motion may be either.
+            [3.0, 2.0, 4.0, 2.0, 1.0, 3.0],
+            [0.0; 6],
+        ] {
+            assert_eq!(
+                refuse_degrees(&robot, &recording(reach)),
+                Ok(()),
+                "{reach:?}"
+            );
+        }
+    }
+}
