@@ -1,5 +1,5 @@
 //! Any bytes as a .mat file: an error or a sound recording, never a panic.
-//! Run with `cargo +nightly fuzz run mat`.
+//! Run with `RUSTC_BOOTSTRAP=1 cargo fuzz run mat`.
 #![no_main]
 
 use datasets::read::{Format, read_bytes};

@@ -1,5 +1,5 @@
 //! Any bytes as a .npz file: an error or a sound recording, never a panic.
-//! Run with `cargo +nightly fuzz run npz`.
+//! Run with `RUSTC_BOOTSTRAP=1 cargo fuzz run npz`.
 #![no_main]
 
 use datasets::read::{Format, read_bytes};

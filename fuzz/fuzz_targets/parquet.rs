@@ -1,5 +1,5 @@
 //! Any bytes as a .parquet file: an error or a sound recording, never a panic.
-//! Run with `cargo +nightly fuzz run parquet`.
+//! Run with `RUSTC_BOOTSTRAP=1 cargo fuzz run parquet`.
 #![no_main]
 
 use datasets::read::{Format, read_bytes};

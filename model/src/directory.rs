@@ -171,11 +171,19 @@ impl ModelFile {
             path: path.clone(),
             source,
         })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads the text of a `model.json`; `path` stands for it in messages.
+    ///
+    /// # Errors
+    /// As [`ModelFile::load`].
+    pub fn parse(text: &str, path: PathBuf) -> Result<Self, DirectoryError> {
         let format = |e: serde_json::Error| DirectoryError::Format {
             path: path.clone(),
             reason: e.to_string(),
         };
-        let value: serde_json::Value = serde_json::from_str(&text).map_err(format)?;
+        let value: serde_json::Value = serde_json::from_str(text).map_err(format)?;
         let found = value
             .get("schema")
             .and_then(|s| s.as_str())

@@ -8,6 +8,7 @@
 //! begins and ends at rest. In re-aligned copies the clock jumps at every seam. Both are read;
 //! executions are labelled `train00` … and `test00` … in file order.
 
+use super::contained::contained;
 use crate::assemble::{Columns, LabelRuns, assemble};
 use crate::columns::{Affine, ColumnMap, Group, Layout};
 use crate::{Part, Problem, ReadError, ReadOptions, Recording};
@@ -59,7 +60,9 @@ pub(crate) fn read(
         }
         .in_file(file)
     };
-    let mat = MatFile::parse(bytes).map_err(|e| damaged(e.to_string()))?;
+    let mat = contained("MATLAB", file, || {
+        MatFile::parse(bytes).map_err(|e| damaged(e.to_string()))
+    })?;
     let part = match options.part {
         Part::Train => "train",
         Part::Test => "test",

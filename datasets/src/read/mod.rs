@@ -1,6 +1,8 @@
 //! Readers: one per file format, all with the same checks behind them.
 
+mod contained;
 mod csv;
+mod footer;
 mod mat;
 mod npy;
 mod npz;

@@ -1,5 +1,7 @@
 //! Parquet: flat columns of numbers, labels as text or integers.
 
+use super::contained::contained;
+use super::footer::plausible;
 use crate::assemble::{Columns, LabelRuns, assemble};
 use crate::columns::{Layout, Role};
 use crate::{Problem, ReadError, ReadOptions, Recording, TorqueFilter};
@@ -8,9 +10,7 @@ use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use std::cell::Cell;
 use std::path::Path;
-use std::sync::Once;
 
 /// Key of the file's metadata under which the writer of this crate notes the torque filter.
 pub(crate) const TORQUE_FILTER_KEY: &str = "residyn.torque_filter";
@@ -19,22 +19,17 @@ pub(crate) const TORQUE_FILTER_KEY: &str = "residyn.torque_filter";
 const BATCH: usize = 8192;
 
 /// Reads a Parquet file held in memory.
-///
-/// The decoder asserts in places what a damaged file does not keep (a dictionary page before the
-/// pages that use it, for one); such a panic is caught and refused like any other damage.
 pub(crate) fn read(
     bytes: &[u8],
     file: &Path,
     options: &ReadOptions,
 ) -> Result<Recording, ReadError> {
-    quietly(|| std::panic::catch_unwind(|| decode(bytes, file, options))).unwrap_or_else(|_| {
-        let detail = "the decoder gave up on its pages".to_owned();
-        Err(Problem::Damaged {
-            format: "Parquet",
-            detail,
-        }
-        .in_file(file))
-    })
+    if !plausible(bytes) {
+        let detail = "its footer claims more than it holds".to_owned();
+        let format = "Parquet";
+        return Err(Problem::Damaged { format, detail }.in_file(file));
+    }
+    contained("Parquet", file, || decode(bytes, file, options))
 }
 
 fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
@@ -106,28 +101,6 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         torque_filter,
     };
     assemble(&layout, columns, options, file)
-}
-
-thread_local! {
-    static QUIET: Cell<bool> = const { Cell::new(false) };
-}
-
-/// Runs `work` without the message that a panic of this thread would print; other threads and the hook that the
-/// program has set are left alone.
-fn quietly<T>(work: impl FnOnce() -> T) -> T {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let previous = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |info| {
-            if !QUIET.get() {
-                previous(info);
-            }
-        }));
-    });
-    let before = QUIET.replace(true);
-    let result = work();
-    QUIET.set(before);
-    result
 }
 
 /// Reads `none` or `order,cutoff_hz,ripple_db`.
