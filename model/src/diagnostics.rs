@@ -1,9 +1,9 @@
 //! How well an identification stands: conditioning, residual tests, possible links.
 
-use crate::identification::Identified;
+use crate::estimators::constrained;
+use crate::identification::{Identified, IdentifyError};
 use physics::effects::Term;
-use physics::identify::base::BaseParameters;
-use physics::identify::feasible::{Constraints, Feasibility, FeasibilityError, Feasible, Nominal};
+use physics::identify::feasible::Feasible;
 use physics::identify::least_squares::{LeastSquaresError, SubRegressors};
 use physics::identify::residuals::{ResidualTests, residual_tests};
 use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
@@ -27,6 +27,18 @@ pub struct Diagnostics {
     pub links: Vec<PossibleLink>,
     /// Largest distance of a base parameter of those links from its estimate, in deviations.
     pub moved: Option<f64>,
+    /// Training error of those links beside the free estimate's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost: Option<PossibleCost>,
+}
+
+/// Root mean square of the training rows' errors, each joint's over its residual deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PossibleCost {
+    /// Of the estimate without the condition.
+    pub free: f64,
+    /// Of possible links.
+    pub possible: f64,
 }
 
 /// Condition numbers of the regressor and its parts, rows weighted as in the fit; none where a part is empty or lacks
@@ -113,30 +125,38 @@ pub fn tests(
     residual_tests(&residual, predicted, velocity, breaks).ok()
 }
 
-/// The possible links whose base parameters are, within their deviations, nearest to the estimate; those of the fit,
+/// The possible links that explain the training rows best, friction beside them fitted again; those of the fit,
 /// where it demanded them. Directions that the data leave open keep the nominal values.
 ///
 /// # Errors
 /// No such links were found.
-pub fn possible(robot: &Robot, found: &Identified) -> Result<Feasible, FeasibilityError> {
+pub fn possible(robot: &Robot, found: &Identified) -> Result<Feasible, IdentifyError> {
     if let Some(feasible) = &found.feasible {
         return Ok(feasible.clone());
     }
-    let base = BaseParameters::of_robot(robot, &[]);
-    let (values, std) = (&found.estimate.parameters, &found.estimate.std);
-    let information = faer::Mat::from_fn(base.len(), base.len(), |i, j| {
-        if i == j {
-            std[i].max(1e-9 * (1.0 + values[i].abs())).powi(-2)
-        } else {
-            0.0
-        }
-    });
-    Feasibility::new(
-        base.grouping(),
-        Constraints::new(robot.dof(), []),
-        Nominal::of_robot(robot, &[]),
-    )?
-    .nearest(&values[..base.len()], information.as_ref())
+    constrained(
+        robot,
+        &found.base,
+        &found.terms,
+        &found.triangle,
+        found.estimate.sigma2,
+    )
+}
+
+/// What it costs that links are possible bodies.
+///
+/// # Errors
+/// Parameters that do not belong to the rows.
+pub fn cost(found: &Identified, possible: &Feasible) -> Result<PossibleCost, LeastSquaresError> {
+    let rows = found.triangle.rows().max(1) as f64;
+    let error = |parameters: &[f64]| -> Result<f64, LeastSquaresError> {
+        let squares = found.triangle.residual_sum_of_squares(parameters)?;
+        Ok((squares / rows).sqrt())
+    };
+    Ok(PossibleCost {
+        free: error(&found.free)?,
+        possible: error(&possible.base)?,
+    })
 }
 
 /// Eigenvalues of the pseudo-inertias of `standard` parameters.

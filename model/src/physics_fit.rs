@@ -287,6 +287,9 @@ fn diagnose(
         residual_tests,
         links: possible.map_or_else(Vec::new, |p| diagnostics::links(robot, &p.standard)),
         moved: possible.and_then(|p| diagnostics::moved(identified, p)),
+        cost: possible
+            .map(|p| diagnostics::cost(identified, p))
+            .transpose()?,
     })
 }
 

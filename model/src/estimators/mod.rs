@@ -8,6 +8,7 @@ mod possible;
 mod prior;
 mod rows;
 
+pub use possible::constrained;
 pub use prior::Known;
 
 use crate::design::Data;

@@ -5,7 +5,7 @@ use crate::identification::IdentifyError;
 use faer::Mat;
 use physics::effects::{Sliding, Term};
 use physics::identify::base::BaseParameters;
-use physics::identify::feasible::{Constraints, Feasibility, Nominal};
+use physics::identify::feasible::{Constraints, Feasibility, Feasible, Nominal};
 use physics::identify::least_squares::Triangle;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
@@ -62,6 +62,20 @@ pub(super) fn condition(
         Constraints::new(robot.dof(), nonnegative),
         Nominal::of_robot(robot, &extras),
     )?)
+}
+
+/// The estimate from the same rows of links that are possible bodies.
+///
+/// # Errors
+/// A system that cannot be solved.
+pub fn constrained(
+    robot: &Robot,
+    base: &BaseParameters,
+    terms: &[Vec<Term>],
+    triangle: &Triangle,
+    sigma2: f64,
+) -> Result<Feasible, IdentifyError> {
+    Ok(condition(robot, base, terms, triangle)?.fit(triangle, sigma2)?)
 }
 
 /// Whether a joint's friction is viscous (or a power of speed), Coulomb and offset alone.
