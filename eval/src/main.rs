@@ -11,6 +11,7 @@ use model::directory::{ModelFile, json};
 use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use model::failure::Failure;
 use model::{page, tables};
+use report::{say, say_text};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -39,6 +40,9 @@ struct Arguments {
     /// Cut-off of the zero-phase low-pass of the motion, Hz [default: chosen from the data].
     #[arg(long)]
     cutoff_hz: Option<f64>,
+    /// Print the scores of every model and scope.
+    #[arg(long, conflicts_with = "quiet")]
+    verbose: bool,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -84,7 +88,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         evaluation.write_prediction(path)?;
     }
     if !arguments.quiet {
-        print(&file, &evaluation);
+        print(&file, &evaluation, arguments.verbose);
     }
     Ok(())
 }
@@ -97,29 +101,48 @@ fn published(file: &ModelFile) -> Vec<&'static Published> {
     )
 }
 
-fn print(file: &ModelFile, evaluation: &Evaluation) {
+/// Width of a line for a person.
+const WIDTH: usize = 100;
+
+fn print(file: &ModelFile, evaluation: &Evaluation, verbose: bool) {
     let report = &evaluation.report;
-    report::say!(
+    say!(
         "{}: {} samples, robot {}",
         evaluation.recording.source,
         report.samples,
         file.physics.robot
     );
-    if !report.rows.is_empty() {
-        let published = published(file);
-        report::say!("\nNRMSE");
-        report::say_text!(tables::scores(&file.joints, &report.rows, &published).to_text());
-        report::say!("\nRMSE");
-        report::say_text!(tables::errors(&file.joints, &report.rows).to_text());
-        if let Some(table) = tables::forward(&file.joints, &report.rows, &published) {
-            report::say!("\nNRMSE of positions simulated from torque");
-            report::say_text!(table.to_text());
-        }
+    if verbose && !report.rows.is_empty() {
+        tables_of(file, evaluation);
+    } else if let Some(table) = tables::errors_by_joint(&file.joints, &report.rows) {
+        say!("\nNRMSE (error over the torque's deviation):\n");
+        say_text!(table.to_text());
+        say!();
+    }
+    let published = published(file);
+    if !report.rows.is_empty() && !published.is_empty() {
+        say!("Published, mean NRMSE:");
         for p in published {
-            report::say!("{}, {}: {}", p.model, p.part.name(), p.source);
+            let (model, part) = (p.model, p.part.name());
+            let line = format!("{:.4} {model}, {part}: {}", p.mean_nrmse, p.source);
+            say_text!(report::wrapped(&line, WIDTH, "  "));
         }
+        say!();
     }
     for note in &report.notes {
-        report::say!("{note}");
+        say_text!(report::wrapped(note, WIDTH, ""));
+    }
+}
+
+/// Every score of every model and scope.
+fn tables_of(file: &ModelFile, evaluation: &Evaluation) {
+    let (joints, rows, published) = (&file.joints, &evaluation.report.rows, published(file));
+    say!("\nNRMSE");
+    say_text!(tables::scores(joints, rows, &published).to_text());
+    say!("\nRMSE");
+    say_text!(tables::errors(joints, rows).to_text());
+    if let Some(table) = tables::forward(joints, rows, &published) {
+        say!("\nNRMSE of positions simulated from torque");
+        say_text!(table.to_text());
     }
 }

@@ -27,4 +27,5 @@ pub mod write;
 pub use figure::Figure;
 pub use page::{KeyFigure, Page, Section, Tone};
 pub use table::{Best, Cell, Column, Table};
+pub use terminal::wrapped;
 pub use write::{WriteError, write_atomic};

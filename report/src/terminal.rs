@@ -4,6 +4,28 @@ use crate::Table;
 use std::fmt::Write;
 use unicode_width::UnicodeWidthStr;
 
+/// Text in lines of at most `width` columns, all after `indent`, those after the first two columns further in;
+/// a word that is longer stands alone. Every line ends with a line break, control characters are shown as `?`.
+pub fn wrapped(text: &str, width: usize, indent: &str) -> String {
+    let mut out = String::new();
+    let mut line = indent.to_owned();
+    let mut empty = true;
+    for word in printable(text).split_whitespace() {
+        if !empty && line.width() + 1 + word.width() > width {
+            let _ = writeln!(out, "{line}");
+            line = format!("{indent}  ");
+            empty = true;
+        }
+        if !empty {
+            line.push(' ');
+        }
+        line.push_str(word);
+        empty = false;
+    }
+    let _ = writeln!(out, "{line}");
+    out
+}
+
 impl Table {
     /// The table as plain text, aligned by display width; the best numbers carry a `*`.
     ///

@@ -70,6 +70,9 @@ pub struct Arguments {
     /// Threads; the result does not depend on it [default: all cores].
     #[arg(long)]
     pub threads: Option<usize>,
+    /// Print everything: all findings, parameters, tests of the residual, scores of every scope.
+    #[arg(long, conflicts_with = "quiet")]
+    pub verbose: bool,
     /// Print nothing but errors.
     #[arg(long)]
     pub quiet: bool,

@@ -10,6 +10,7 @@ mod input;
 mod output;
 mod progress;
 mod run;
+mod screen;
 mod study;
 
 use arguments::{Arguments, Command};

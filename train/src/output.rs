@@ -1,10 +1,9 @@
-//! What `train` prints and writes.
+//! What `train` writes.
 
 use crate::arguments::Arguments;
 use crate::input::Input;
 use datasets::Recording;
-use datasets::check::CheckReport;
-use datasets::metrics::{Row, Scope};
+use datasets::metrics::Row;
 use model::baseline::published::{Part, Published, beside};
 use model::diagnostics::Diagnostics;
 use model::directory::{BaseParameter, json};
@@ -12,35 +11,38 @@ use model::failure::Failure;
 use model::page::Subject;
 use model::physics_fit::Fit;
 use model::residual::{Learned, member_torques};
-use model::tables;
 use serde::Serialize;
 use std::cmp::Reverse;
 
 /// Name of the report page in the model directory.
-const PAGE: &str = "report.html";
+pub const PAGE: &str = "report.html";
 
 /// Contents of `metrics.json`.
 #[derive(Serialize)]
 pub struct Metrics {
     schema: &'static str,
     joints: Vec<String>,
-    train: Vec<Row>,
-    heldout: Option<Vec<Row>>,
+    /// Scores of the training recordings.
+    pub train: Vec<Row>,
+    /// Scores of the held-out one.
+    pub heldout: Option<Vec<Row>>,
     /// Identified parameters.
     base_parameters: Vec<BaseParameter>,
     /// How well they stand.
     diagnostics: Option<Diagnostics>,
     /// Each member of the ensembles alone on the held-out recording.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    members: Vec<Member>,
+    pub members: Vec<Member>,
 }
 
 /// Mean NRMSE of one seed.
 #[derive(Serialize)]
-struct Member {
+pub struct Member {
     member: usize,
-    mean_nrmse: Option<f64>,
-    mean_nrmse_moving: Option<f64>,
+    /// Over all samples.
+    pub mean_nrmse: Option<f64>,
+    /// In motion.
+    pub mean_nrmse_moving: Option<f64>,
 }
 
 /// Rows of one recording of the session.
@@ -199,113 +201,8 @@ pub fn page(
     Ok(())
 }
 
-fn published(fit: &Fit, heldout: bool) -> Vec<&'static Published> {
+/// Published results beside the scores of this robot.
+pub fn published(fit: &Fit, heldout: bool) -> Vec<&'static Published> {
     let part = if heldout { Part::Test } else { Part::Train };
     beside(fit.file.physics.builtin, &[part])
-}
-
-/// Prints what a person wants to see, the scores last.
-pub fn print(fit: &Fit, metrics: &Metrics, arguments: &Arguments) {
-    let file = &fit.file;
-    if let Some(d) = &file.diagnostics {
-        report::say!("\nBase parameters");
-        report::say_text!(tables::base_parameters(file).to_text());
-        report::say!("\nCondition numbers of the weighted regressor");
-        report::say_text!(tables::conditioning(&d.conditioning).to_text());
-        report::say!("\nResidual of the physics on the training recordings");
-        let tests = tables::residual_tests(&file.joints, &d.residual_tests);
-        report::say_text!(tests.to_text());
-        if !d.links.is_empty() {
-            report::say!(
-                "\nLinks of the identified URDF: eigenvalues of the pseudo-inertia over the largest"
-            );
-            report::say_text!(tables::links(d).to_text());
-        }
-        for line in tables::estimator(file, d) {
-            report::say!("{line}");
-        }
-    }
-    scores("the training recordings", fit, &metrics.train, false);
-    if let Some(rows) = &metrics.heldout {
-        scores("the held-out recording", fit, rows, true);
-        report::say!();
-        report::say_text!(tables::errors(&file.joints, rows).to_text());
-        print_members(rows, &metrics.members);
-    }
-    report::say!(
-        "\nmodel: {}\nreport: {}",
-        arguments.out.display(),
-        arguments.out.join(PAGE).display()
-    );
-}
-
-fn scores(of: &str, fit: &Fit, rows: &[Row], heldout: bool) {
-    let (joints, published) = (&fit.file.joints, published(fit, heldout));
-    report::say!("\nNRMSE on {of}");
-    report::say_text!(tables::scores(joints, rows, &published).to_text());
-    if let Some(table) = tables::forward(joints, rows, &published) {
-        report::say!("NRMSE of positions that a linear model simulates from the torque of {of}");
-        report::say_text!(table.to_text());
-    }
-}
-
-/// The spread of seeds, in both scopes.
-fn print_members(rows: &[Row], members: &[Member]) {
-    let one = |figure: Option<f64>| figure.map_or_else(|| "–".to_owned(), |v| format!("{v:.4}"));
-    for scope in Scope::BOTH {
-        let whole = rows
-            .iter()
-            .find(|r| r.name == "physics+compensator" && r.scope == scope);
-        let alone: Vec<String> = members
-            .iter()
-            .map(|m| match scope {
-                Scope::All => one(m.mean_nrmse),
-                Scope::Moving => one(m.mean_nrmse_moving),
-            })
-            .collect();
-        if let (Some(whole), false) = (whole, alone.is_empty()) {
-            report::say!(
-                "seeds, {}: mean NRMSE {} (members {})",
-                scope.name(),
-                one(whole.scores.mean_nrmse),
-                alone.join(" ")
-            );
-        }
-    }
-}
-
-/// Prints the check of recordings, as text or JSON.
-pub fn check(reports: &[CheckReport], as_json: bool, quiet: bool) {
-    if as_json {
-        report::say_text!(json(&reports));
-        return;
-    }
-    if quiet {
-        return;
-    }
-    for report in reports {
-        report::say!(
-            "{}: {} samples, {} trajectories, {:.0} s at {:.1} Hz",
-            report.source,
-            report.samples,
-            report.trajectories,
-            report.duration_s,
-            report.rate_hz
-        );
-        if let Some(r) = &report.repeatability {
-            let floor: Vec<String> = r
-                .moving
-                .iter()
-                .map(|v| v.map_or_else(|| "–".into(), |v| format!("{v:.3}")))
-                .collect();
-            report::say!(
-                "  {} repeated motions; spread in motion {} N·m",
-                r.pairs.len(),
-                floor.join(" ")
-            );
-        }
-        for finding in &report.findings {
-            report::say!("  {:?}: {}", finding.severity, finding.message);
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! The steps of `train`.
 
 use crate::arguments::{Arguments, PresetName};
-use crate::{checkpoint, input, output, progress};
+use crate::{checkpoint, input, output, progress, screen};
 use compensator::training::Control;
 use datasets::check::CheckReport;
 use datasets::prepare::PrepareOptions;
@@ -53,11 +53,8 @@ pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
         cutoff_hz: arguments.cutoff_hz,
         ..PrepareOptions::default()
     };
-    output::check(
-        &checks(&input, &prepare_options)?,
-        arguments.check_only && arguments.json,
-        arguments.quiet,
-    );
+    let checks = checks(&input, &prepare_options)?;
+    screen::check(&checks, arguments);
     if arguments.check_only {
         return Ok(());
     }
@@ -134,7 +131,11 @@ pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
         checkpoint::remove(folder);
     }
     if !arguments.quiet {
-        output::print(&fit, &metrics, arguments);
+        if arguments.verbose {
+            screen::everything(&fit, &metrics, arguments);
+        } else {
+            screen::first(&fit, &metrics, &checks, arguments);
+        }
     }
     Ok(())
 }

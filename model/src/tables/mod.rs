@@ -1,8 +1,10 @@
 //! Tables that train and eval print and put on their pages.
 
 mod identification;
+mod overview;
 
 pub use identification::{base_parameters, conditioning, estimator, links, residual_tests};
+pub use overview::{errors_by_joint, friction};
 
 use crate::baseline::FORWARD;
 use crate::baseline::published::{Published, Task};

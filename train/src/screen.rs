@@ -1,0 +1,232 @@
+//! What `train` prints: a first screen for a person, and with `--verbose` everything.
+
+use crate::arguments::Arguments;
+use crate::output::{Member, Metrics, PAGE, published};
+use datasets::check::{CheckReport, Finding, Severity};
+use datasets::metrics::{Row, Scope};
+use model::directory::json;
+use model::physics_fit::Fit;
+use model::tables;
+use report::{say, say_text};
+use std::path::Path;
+
+/// Width of the first screen.
+const WIDTH: usize = 100;
+/// Lines about what to look at, at most.
+const LOOK_AT: usize = 5;
+/// Mean NRMSE from which a joint is pointed out.
+const POOR: f64 = 0.3;
+
+/// Prints the check of recordings before the fit: all of it with `--check-only` or `--verbose`, otherwise a line per
+/// recording and what makes results useless.
+pub fn check(reports: &[CheckReport], arguments: &Arguments) {
+    if arguments.check_only && arguments.json {
+        say_text!(json(&reports));
+        return;
+    }
+    if arguments.quiet {
+        return;
+    }
+    let whole = arguments.check_only || arguments.verbose;
+    for report in reports {
+        say!(
+            "{}: {} samples, {} trajectories, {:.0} s at {:.1} Hz",
+            report.source,
+            report.samples,
+            report.trajectories,
+            report.duration_s,
+            report.rate_hz
+        );
+        if let (Some(r), true) = (&report.repeatability, whole) {
+            let floor: Vec<String> = r
+                .moving
+                .iter()
+                .map(|v| v.map_or_else(|| "–".into(), |v| format!("{v:.3}")))
+                .collect();
+            say!(
+                "  {} repeated motions; spread in motion {} N·m",
+                r.pairs.len(),
+                floor.join(" ")
+            );
+        }
+        for finding in &report.findings {
+            if whole || finding.severity == Severity::Severe {
+                say!("  {:?}: {}", finding.severity, finding.message);
+            }
+        }
+    }
+}
+
+/// Prints the first screen: what was learned, how good it is, what to look at, where everything else is.
+pub fn first(fit: &Fit, metrics: &Metrics, checks: &[CheckReport], arguments: &Arguments) {
+    let file = &fit.file;
+    let known = file.base_parameters.len()
+        - file
+            .diagnostics
+            .as_ref()
+            .map_or(0, |d| d.poorly_determined.len());
+    say!(
+        "\nLearned: {} base parameters of the rigid body, {known} of them to 30 % or better, and friction in N·m at\n\
+         each joint's top speed (rad/s) and, slow, at a tenth of it:\n",
+        file.base_parameters.len()
+    );
+    let motions: Vec<_> = fit.session.parts[..file.provenance.recordings.len()]
+        .iter()
+        .map(|part| &part.at_samples)
+        .collect();
+    say_text!(tables::friction(file, &motions).to_text());
+    let (rows, of) = match &metrics.heldout {
+        Some(rows) => (
+            rows,
+            "on the held-out recording, which nothing was fitted to",
+        ),
+        None => (
+            &metrics.train,
+            "on the training recordings; --heldout FILE tells how good it is on others",
+        ),
+    };
+    if let Some(table) = tables::errors_by_joint(&file.joints, rows) {
+        say!("\nNRMSE (error over the torque's deviation) {of}:\n");
+        say_text!(table.to_text());
+    }
+    let lines = look_at(fit, metrics, checks);
+    if !lines.is_empty() {
+        say!("\nLook at:");
+        for line in lines.iter().take(LOOK_AT) {
+            say_text!(report::wrapped(line, WIDTH, "  "));
+        }
+        if lines.len() > LOOK_AT {
+            say!("  {} more: --verbose", lines.len() - LOOK_AT);
+        }
+    }
+    places(&arguments.out);
+}
+
+/// Where the results are.
+fn places(out: &Path) {
+    say!(
+        "\nmodel: {}\nreport: {}",
+        out.display(),
+        out.join(PAGE).display()
+    );
+}
+
+/// What a person should know before relying on the model, most serious first.
+fn look_at(fit: &Fit, metrics: &Metrics, checks: &[CheckReport]) -> Vec<String> {
+    let file = &fit.file;
+    let mut lines = findings(checks, Severity::Severe);
+    let rows = metrics.heldout.as_ref().unwrap_or(&metrics.train);
+    let last = rows
+        .iter()
+        .rfind(|r| r.scope == Scope::All && r.name.starts_with("physics"));
+    if let Some(row) = last {
+        let poor: Vec<&str> = std::iter::zip(&file.joints, &row.scores.nrmse)
+            .filter(|(_, v)| v.is_some_and(|v| v > POOR))
+            .map(|(joint, _)| joint.as_str())
+            .collect();
+        if !poor.is_empty() {
+            lines.push(format!(
+                "{}: NRMSE above {POOR}; diagnose says which effect is missing.",
+                poor.join(", ")
+            ));
+        }
+    }
+    if let Some(f) = file.preprocessing.torque_filter.filter(|f| f.recognised) {
+        lines.push(format!(
+            "The torque was low-passed near {:.1} Hz before it was stored (its spectrum is empty above): predictions \
+             pass the same filter before they are scored. A drive file can declare it.",
+            f.half_power_hz()
+        ));
+    }
+    lines.extend(findings(checks, Severity::Warning));
+    lines
+}
+
+/// Findings of one severity, those of a kind in one line.
+fn findings(checks: &[CheckReport], severity: Severity) -> Vec<String> {
+    let all: Vec<&Finding> = checks
+        .iter()
+        .flat_map(|c| &c.findings)
+        .filter(|f| f.severity == severity)
+        .collect();
+    let mut lines = Vec::new();
+    for (i, finding) in all.iter().enumerate() {
+        if all[..i].iter().any(|f| f.kind == finding.kind) {
+            continue;
+        }
+        let alike = all.iter().filter(|f| f.kind == finding.kind).count();
+        lines.push(match alike {
+            1 => format!("{}.", finding.message),
+            n => format!("{} ({} more like it).", finding.message, n - 1),
+        });
+    }
+    lines
+}
+
+/// Prints everything: parameters, conditioning, residuals, scores of every scope.
+pub fn everything(fit: &Fit, metrics: &Metrics, arguments: &Arguments) {
+    let file = &fit.file;
+    if let Some(d) = &file.diagnostics {
+        say!("\nBase parameters");
+        say_text!(tables::base_parameters(file).to_text());
+        say!("\nFriction and other terms");
+        say_text!(tables::terms(file).to_text());
+        say!("\nCondition numbers of the weighted regressor");
+        say_text!(tables::conditioning(&d.conditioning).to_text());
+        say!("\nResidual of the physics on the training recordings");
+        let tests = tables::residual_tests(&file.joints, &d.residual_tests);
+        say_text!(tests.to_text());
+        if !d.links.is_empty() {
+            say!(
+                "\nLinks of the identified URDF: eigenvalues of the pseudo-inertia over the largest"
+            );
+            say_text!(tables::links(d).to_text());
+        }
+        for line in tables::estimator(file, d) {
+            say!("{line}");
+        }
+    }
+    scores("the training recordings", fit, &metrics.train, false);
+    if let Some(rows) = &metrics.heldout {
+        scores("the held-out recording", fit, rows, true);
+        say!();
+        say_text!(tables::errors(&file.joints, rows).to_text());
+        members(rows, &metrics.members);
+    }
+    places(&arguments.out);
+}
+
+fn scores(of: &str, fit: &Fit, rows: &[Row], heldout: bool) {
+    let (joints, published) = (&fit.file.joints, published(fit, heldout));
+    say!("\nNRMSE on {of}");
+    say_text!(tables::scores(joints, rows, &published).to_text());
+    if let Some(table) = tables::forward(joints, rows, &published) {
+        say!("NRMSE of positions that a linear model simulates from the torque of {of}");
+        say_text!(table.to_text());
+    }
+}
+
+/// The spread of seeds, in both scopes.
+fn members(rows: &[Row], members: &[Member]) {
+    let one = |figure: Option<f64>| figure.map_or_else(|| "–".to_owned(), |v| format!("{v:.4}"));
+    for scope in Scope::BOTH {
+        let whole = rows
+            .iter()
+            .find(|r| r.name == "physics+compensator" && r.scope == scope);
+        let alone: Vec<String> = members
+            .iter()
+            .map(|m| match scope {
+                Scope::All => one(m.mean_nrmse),
+                Scope::Moving => one(m.mean_nrmse_moving),
+            })
+            .collect();
+        if let (Some(whole), false) = (whole, alone.is_empty()) {
+            say!(
+                "seeds, {}: mean NRMSE {} (members {})",
+                scope.name(),
+                one(whole.scores.mean_nrmse),
+                alone.join(" ")
+            );
+        }
+    }
+}
