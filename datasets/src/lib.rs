@@ -14,6 +14,7 @@ mod assemble;
 pub mod check;
 pub mod columns;
 pub mod error;
+pub mod folds;
 pub mod metrics;
 pub mod prepare;
 pub mod read;
@@ -26,6 +27,7 @@ pub mod write;
 
 pub use columns::{Affine, ColumnMap, Group};
 pub use error::{Problem, ReadError};
+pub use folds::Folds;
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use read::{Part, ReadOptions, read};
 pub use recording::{Recording, Trajectory};
