@@ -180,19 +180,25 @@ impl Recording {
     /// # Panics
     /// If an index is not below `trajectories.len()`.
     pub fn select(&self, trajectories: &[usize]) -> Self {
-        let rows: Vec<usize> = trajectories
-            .iter()
-            .flat_map(|&i| self.trajectories[i].range.clone())
-            .collect();
+        let whole = |&i: &usize| (i, self.trajectories[i].range.clone());
+        self.stretches(&trajectories.iter().map(whole).collect::<Vec<_>>())
+    }
+
+    /// The recording with only these rows of trajectories (index, rows of the recording), each stretch a trajectory
+    /// of its own, in the order given.
+    ///
+    /// # Panics
+    /// If an index is not below `trajectories.len()`, or a row not below `len()`.
+    pub fn stretches(&self, stretches: &[(usize, Range<usize>)]) -> Self {
+        let rows: Vec<usize> = stretches.iter().flat_map(|(_, r)| r.clone()).collect();
         let mut start = 0;
-        let kept = trajectories
+        let kept = stretches
             .iter()
-            .map(|&i| {
-                let t = &self.trajectories[i];
-                let range = start..start + t.range.len();
+            .map(|(i, rows)| {
+                let range = start..start + rows.len();
                 start = range.end;
                 Trajectory {
-                    label: t.label.clone(),
+                    label: self.trajectories[*i].label.clone(),
                     range,
                 }
             })

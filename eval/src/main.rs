@@ -4,7 +4,6 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use clap::Parser;
-use datasets::prepare::PrepareOptions;
 use datasets::{Part, read};
 use model::baseline::published::{self, Published, beside};
 use model::directory::{ModelFile, json};
@@ -37,7 +36,7 @@ struct Arguments {
     /// Drive file: names and units of the recording's columns, gear ratios, torque constants.
     #[arg(long)]
     drive: Option<PathBuf>,
-    /// Cut-off of the zero-phase low-pass of the motion, Hz [default: chosen from the data].
+    /// Cut-off of the zero-phase low-pass of the motion, Hz [default: the model's own].
     #[arg(long)]
     cutoff_hz: Option<f64>,
     /// Print the scores of every model and scope.
@@ -69,10 +68,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let recording =
         read(&arguments.data, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
     let options = EvaluateOptions {
-        prepare: PrepareOptions {
-            cutoff_hz: arguments.cutoff_hz,
-            ..PrepareOptions::default()
-        },
+        cutoff_hz: arguments.cutoff_hz,
     };
     let evaluation = evaluate(&arguments.model, &file, recording, &options)?;
     // Pages first: nothing is printed of a run whose files cannot be written.

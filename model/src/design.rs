@@ -74,10 +74,12 @@ pub struct Data<'a> {
     pub target: &'a Target<'a>,
     /// Whether only moving samples count.
     pub moving_only: bool,
+    /// Every how many samples one is a row; 1: all.
+    pub every: usize,
 }
 
 impl Data<'_> {
-    /// The systems of all joints, with blocks.
+    /// The systems of all joints, with `blocks` or without.
     ///
     /// # Errors
     /// Columns that are not finite.
@@ -85,10 +87,11 @@ impl Data<'_> {
         &self,
         terms: &[Vec<Term>],
         load: &[Array2<f64>],
+        blocks: bool,
     ) -> Result<Vec<JointSystem>, LeastSquaresError> {
         (0..terms.len())
             .into_par_iter()
-            .map(|joint| JointSystem::new(self, joint, &terms[joint], load, true))
+            .map(|joint| JointSystem::new(self, joint, &terms[joint], load, blocks))
             .collect()
     }
 
@@ -99,7 +102,9 @@ impl Data<'_> {
 
     /// Whether the row of one joint at one sample counts.
     pub fn counts(&self, part: usize, row: usize, joint: usize) -> bool {
-        !self.moving_only || self.session.parts[part].at_samples.qd[[row, joint]].abs() > MOVING
+        row.is_multiple_of(self.every)
+            && (!self.moving_only
+                || self.session.parts[part].at_samples.qd[[row, joint]].abs() > MOVING)
     }
 }
 
@@ -108,12 +113,12 @@ const BLOCKS: usize = 256;
 /// Samples in a block, at least.
 const SHORTEST_BLOCK: usize = 8;
 
-/// Normal equations of one joint, fold by fold and block by block, over its own columns.
+/// Normal equations of one joint, cell by cell of the folds and block by block, over its own columns.
 pub struct JointSystem {
     /// Base parameters that act on this joint: indices into all base parameters.
     acting: Vec<usize>,
     terms: usize,
-    folds: Vec<Triangle>,
+    cells: Vec<Triangle>,
     /// Samples that follow each other, the same ones for every joint.
     blocks: Vec<Gram>,
 }
@@ -135,7 +140,7 @@ impl JointSystem {
         let acting = acting(rigid);
         let term_columns = data.session.columns(joint, terms, load, &[]);
         let width = acting.len() + terms.len();
-        let mut folds: Vec<Accumulator> = (0..data.target.folds)
+        let mut cells: Vec<Accumulator> = (0..data.target.folds.cells.len())
             .map(|_| Accumulator::new(width))
             .collect();
         let size = data.samples().div_ceil(BLOCKS).max(SHORTEST_BLOCK);
@@ -144,9 +149,8 @@ impl JointSystem {
         let mut a = vec![0.0; width];
         let mut seen = 0;
         for (part, tau) in data.target.tau.iter().enumerate() {
-            let segments = &data.session.parts[part].at_samples.segments;
-            for (segment, &fold) in segments.iter().zip(&data.target.fold[part]) {
-                for row in segment.clone() {
+            for (rows, cell) in &data.target.folds.rows[part] {
+                for row in rows.clone() {
                     if blocks && seen == size {
                         let full = std::mem::replace(&mut block, Accumulator::new(width));
                         finished.push(Gram::from(&full.finish()?));
@@ -165,7 +169,7 @@ impl JointSystem {
                     {
                         *a = *value;
                     }
-                    folds[fold].push(&a, tau[[row, joint]], 1.0)?;
+                    cells[*cell].push(&a, tau[[row, joint]], 1.0)?;
                     if blocks {
                         block.push(&a, tau[[row, joint]], 1.0)?;
                     }
@@ -175,14 +179,14 @@ impl JointSystem {
         if blocks {
             finished.push(Gram::from(&block.finish()?));
         }
-        let folds = folds
+        let cells = cells
             .into_iter()
             .map(Accumulator::finish)
             .collect::<Result<_, _>>()?;
         Ok(Self {
             acting,
             terms: terms.len(),
-            folds,
+            cells,
             blocks: finished,
         })
     }
@@ -197,19 +201,19 @@ impl JointSystem {
         self.acting.len() + self.terms
     }
 
-    /// Number of folds.
-    pub fn folds(&self) -> usize {
-        self.folds.len()
+    /// Number of cells of the folds.
+    pub fn cells(&self) -> usize {
+        self.cells.len()
     }
 
     /// Number of samples.
     pub fn rows(&self) -> usize {
-        self.folds.iter().map(Triangle::rows).sum()
+        self.cells.iter().map(Triangle::rows).sum()
     }
 
-    /// Normal equations of each fold.
+    /// Normal equations of each cell of the folds.
     pub fn grams(&self) -> Vec<Gram> {
-        self.folds.iter().map(Gram::from).collect()
+        self.cells.iter().map(Gram::from).collect()
     }
 
     /// Where this joint's columns stand among all parameters when its terms begin at `offset`.
@@ -223,7 +227,7 @@ impl JointSystem {
 
     /// Root mean square of the measured torque.
     pub fn target_deviation(&self) -> f64 {
-        let sum: f64 = self.folds.iter().map(Triangle::target_sum_of_squares).sum();
+        let sum: f64 = self.cells.iter().map(Triangle::target_sum_of_squares).sum();
         (sum / self.rows() as f64).sqrt().max(f64::MIN_POSITIVE)
     }
 
@@ -233,23 +237,23 @@ impl JointSystem {
     /// A parameter vector of another length.
     pub fn deviation(&self, parameters: &[f64]) -> Result<f64, LeastSquaresError> {
         let mut sum = 0.0;
-        for fold in &self.folds {
-            sum += fold.residual_sum_of_squares(parameters)?;
+        for cell in &self.cells {
+            sum += cell.residual_sum_of_squares(parameters)?;
         }
         Ok((sum / self.rows() as f64).sqrt().max(f64::MIN_POSITIVE))
     }
 }
 
-/// One fold of all joints as one triangle over `total` parameters, each joint scaled by 1/sigma.
+/// One cell of the folds of all joints as one triangle over `total` parameters, each joint scaled by 1/sigma.
 pub fn joined(
     joints: &[(&JointSystem, Vec<usize>)],
     sigma: &[f64],
-    fold: usize,
+    cell: usize,
     total: usize,
 ) -> Result<Triangle, LeastSquaresError> {
     let mut whole = Triangle::empty(total);
     for ((system, map), sigma) in joints.iter().zip(sigma) {
-        whole.merge(&system.folds[fold].scaled(1.0 / sigma).embed(map, total)?)?;
+        whole.merge(&system.cells[cell].scaled(1.0 / sigma).embed(map, total)?)?;
     }
     Ok(whole)
 }

@@ -16,6 +16,18 @@ pub fn basic() -> Vec<Term> {
     ]
 }
 
+/// Whether a term takes energy from the motion at whatever speed, so that its coefficient cannot be negative.
+pub fn dissipates(term: &Term) -> bool {
+    match term {
+        Term::Sliding(Sliding::AsymmetricViscous) => false,
+        // Faster than linear it may also bend the viscous line down.
+        Term::Sliding(Sliding::Power { exponent }) => *exponent < 1.0,
+        Term::Sliding(_) | Term::Stop(_) | Term::Dahl(_) => true,
+        Term::Load(_) => true,
+        _ => false,
+    }
+}
+
 /// What warm-up terms need to know about the clock of the training recordings.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionClock {

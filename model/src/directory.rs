@@ -1,8 +1,10 @@
 //! The model directory: `model.json`, `compensator.safetensors`, `metrics.json`, `identified.urdf`.
 
 use crate::baseline::{ForwardBaseline, LinearInverse};
+use crate::cutoff::CutoffChoice;
 use crate::diagnostics::Diagnostics;
 use datasets::TorqueFilter;
+use datasets::prepare::{Derivatives, PrepareOptions};
 use feedforward::clock::Memory;
 use ndarray::Array2;
 use physics::torque_model::{TorqueModelError, TorqueModelRecord};
@@ -88,6 +90,15 @@ pub struct Preprocessing {
     pub fine_hz: f64,
     /// Zero-phase low-pass of the motion, Hz; none where positions were interpolated.
     pub cutoff_hz: Option<f64>,
+    /// Whether the cut-off was given rather than chosen.
+    #[serde(default)]
+    pub cutoff_given: bool,
+    /// How the cut-off was chosen by the torque; none where it was not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cutoff: Option<CutoffChoice>,
+    /// Whether recorded velocity was left aside; otherwise it is fused in where it fits.
+    #[serde(default)]
+    pub position_alone: bool,
     /// Whether recorded velocity was used as recorded.
     pub recorded_velocity: bool,
     /// Low-pass that the recorded torque went through.
@@ -158,6 +169,21 @@ pub enum DirectoryError {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
+}
+
+impl Preprocessing {
+    /// How a recording is prepared for this model; `cutoff_hz` instead of the model's own cut-off where it is given.
+    pub fn options(&self, cutoff_hz: Option<f64>) -> PrepareOptions {
+        PrepareOptions {
+            cutoff_hz: cutoff_hz.or(self.cutoff_hz),
+            derivatives: if self.position_alone {
+                Derivatives::FromPosition
+            } else {
+                Derivatives::Auto
+            },
+            ..PrepareOptions::default()
+        }
+    }
 }
 
 impl ModelFile {

@@ -4,6 +4,7 @@ mod variants;
 
 use crate::baseline::BaselineError;
 use crate::baseline::published::Published;
+use crate::cutoff;
 use crate::directory::{DirectoryError, ModelFile};
 use crate::page::Subject;
 use crate::predict::parameter_deviation;
@@ -12,7 +13,7 @@ use crate::session::Session;
 use crate::setup::{self, Setup, SetupError};
 use crate::units::{Degrees, refuse_degrees};
 use datasets::metrics::{MOVING, Row, ShapeError};
-use datasets::prepare::{PrepareError, PrepareOptions, prepare};
+use datasets::prepare::{PrepareError, PrepareReport, prepare};
 use datasets::repeats::{self, Repeatability};
 use datasets::{Part, Recording, Trajectory};
 use ndarray::Array2;
@@ -24,8 +25,8 @@ use variants::Loaded;
 /// Settings of [`evaluate`].
 #[derive(Clone, Debug, Default)]
 pub struct EvaluateOptions {
-    /// Preparation of the recording.
-    pub prepare: PrepareOptions,
+    /// Cut-off of the motion's low-pass instead of the model's own, Hz.
+    pub cutoff_hz: Option<f64>,
 }
 
 /// Contents of `eval --json`.
@@ -149,8 +150,10 @@ pub fn evaluate(
         });
     }
     refuse_degrees(&file.physics.nominal()?, &recording)?;
+    let wanted = file.preprocessing.options(options.cutoff_hz);
+    let prepare_options = cutoff::for_recording(&wanted, &recording);
     let prepared =
-        prepare(&recording, &options.prepare).map_err(|source| EvaluateError::Prepare {
+        prepare(&recording, &prepare_options).map_err(|source| EvaluateError::Prepare {
             file: recording.source.clone(),
             source,
         })?;
@@ -196,7 +199,7 @@ pub fn evaluate(
         }
     }
     let (more, of_variants) =
-        variants::rows(&loaded, &recording, &session.parts[0], &options.prepare)?;
+        variants::rows(&loaded, &recording, &session.parts[0], &prepare_options)?;
     rows.extend(more);
     if let Some(forward) = &file.forward_baseline {
         rows.extend(forward.rows(&recording, &motion.qd)?.into_iter().flatten());
@@ -266,6 +269,20 @@ impl Evaluation {
     }
 }
 
+/// Where a cut-off comes from.
+fn cutoff_words(report: &PrepareReport, file: &ModelFile) -> String {
+    let own = &file.preprocessing;
+    match (own.cutoff_hz, report.cutoff_hz) {
+        (Some(model), Some(hz)) if hz < model => {
+            format!("the highest that this rate carries instead of the model's {model:.3} Hz")
+        }
+        (model, hz) if model != hz => "as given".to_owned(),
+        _ if own.cutoff_given => "as given for the model".to_owned(),
+        _ if own.cutoff.is_some() => "chosen by the torque's error on rows left out".to_owned(),
+        _ => "chosen from the data".to_owned(),
+    }
+}
+
 /// What the figures of one recording of the session depend on, in words.
 pub fn notes(session: &Session, part: usize, file: &ModelFile) -> Vec<String> {
     let report = &session.parts[part].report;
@@ -273,11 +290,7 @@ pub fn notes(session: &Session, part: usize, file: &ModelFile) -> Vec<String> {
     match report.cutoff_hz {
         Some(hz) => notes.push(format!(
             "Motion: zero-phase low-pass at {hz:.3} Hz, {}; not causal.",
-            if report.cutoff_given {
-                "as given"
-            } else {
-                "chosen from the data"
-            }
+            cutoff_words(report, file)
         )),
         None => notes.push("Motion: splines through the recorded positions; not causal.".into()),
     }

@@ -7,16 +7,18 @@
 //! 4. Everything together again with the estimator asked for; standard deviations from leaving blocks of time
 //!    out, because residuals are correlated in time.
 
+use crate::basic;
 use crate::design::{Data, JointSystem};
 use crate::dictionary::{self, SessionClock};
 use crate::estimators::{self, EstimatorOptions, EstimatorReport, Solution};
-use crate::folds;
-use crate::selection::{self, ForwardOptions, Selection};
+use crate::selection::{self, FoldGrams, ForwardOptions, Selection};
 use crate::session::Session;
+use crate::shrinkage::GivenInertias;
+use datasets::Folds;
 use datasets::check::STILL;
 use ndarray::Array2;
 use physics::effects::Term;
-use physics::identify::base::{BaseParameters, Extra};
+use physics::identify::base::BaseParameters;
 use physics::identify::feasible::{FeasibilityError, Feasible};
 use physics::identify::iterative::IterativeError;
 use physics::identify::least_squares::{Estimate, LeastSquaresError, Triangle};
@@ -118,6 +120,8 @@ pub struct Identified {
     pub feasible: Option<Feasible>,
     /// How it was estimated.
     pub report: EstimatorReport,
+    /// How far the given inertias count, where they do.
+    pub given: Option<GivenInertias>,
 }
 
 impl Identified {
@@ -138,47 +142,8 @@ impl Identified {
 pub struct Target<'a> {
     /// Measured torque of each recording, shape (samples, joints).
     pub tau: Vec<&'a Array2<f64>>,
-    /// Fold of each trajectory of each recording.
-    pub fold: Vec<Vec<usize>>,
-    /// Number of folds.
-    pub folds: usize,
-}
-
-impl<'a> Target<'a> {
-    /// Deals the trajectories of all recordings to folds; `repeats` are pairs of trajectories of
-    /// one recording that execute the same motion.
-    pub fn new(
-        tau: Vec<&'a Array2<f64>>,
-        trajectories: &[usize],
-        repeats: &[Vec<(usize, usize)>],
-        most: usize,
-    ) -> Self {
-        let mut groups = Vec::new();
-        let mut start = 0;
-        for (&count, pairs) in trajectories.iter().zip(repeats) {
-            groups.extend(
-                folds::groups(count, pairs)
-                    .into_iter()
-                    .map(|g| start + g.start..start + g.end),
-            );
-            start += count;
-        }
-        let dealt = folds::deal(&groups, most);
-        let mut rest = dealt.as_slice();
-        let fold = trajectories
-            .iter()
-            .map(|&count| {
-                let (mine, others) = rest.split_at(count);
-                rest = others;
-                mine.to_vec()
-            })
-            .collect();
-        Self {
-            tau,
-            fold,
-            folds: groups.len().min(most),
-        }
-    }
+    /// How the rows are dealt for cross-validation.
+    pub folds: Folds,
 }
 
 /// Identifies `robot` from the first `target.tau.len()` recordings of `session`; further recordings
@@ -196,18 +161,7 @@ pub fn identify(
         return Err(IdentifyError::NothingMoves);
     }
     let base = BaseParameters::of_robot(robot, &[]);
-    // Rotor inertia joins the basic terms where the rigid body does not contain it already.
-    let with_rotors = BaseParameters::of_robot(robot, &[Extra::RotorInertia]);
-    let rigid_columns = physics::robot::PARAMETERS_PER_LINK * robot.dof();
-    let basic: Vec<Vec<Term>> = (0..robot.dof())
-        .map(|joint| {
-            let mut terms = dictionary::basic();
-            if with_rotors.independent().contains(&(rigid_columns + joint)) {
-                terms.push(Term::RotorInertia);
-            }
-            terms
-        })
-        .collect();
+    let basic = basic::terms(robot);
     let rigid = crate::design::rigid_columns(robot, &base, session, 0..target.tau.len());
     let data = Data {
         robot,
@@ -216,17 +170,19 @@ pub fn identify(
         session,
         target,
         moving_only: options.moving_only,
+        every: 1,
     };
     let no_load: Vec<Array2<f64>> = session
         .parts
         .iter()
         .map(|p| Array2::zeros(p.fine.q.dim()))
         .collect();
-    let whole = |solution: Solution, load_base, selections| Identified {
+    let whole = |solution: Solution, load_base, selections, given| Identified {
         base: base.clone(),
         load_base,
         selections,
-        folds: target.folds,
+        folds: target.folds.count,
+        given,
         estimate: solution.estimate,
         free: solution.free,
         terms: solution.terms,
@@ -235,14 +191,19 @@ pub fn identify(
         feasible: solution.feasible,
         report: solution.report,
     };
-    if !options.select || target.folds < 2 {
+    if !options.select || target.folds.count < 2 {
         let only = estimators::solve(&data, basic, &no_load, &options.estimator)?;
         let load_base = only.estimate.parameters[..base.len()].to_vec();
         let selections = vec![Selection::default(); robot.dof()];
-        return Ok(whole(only, load_base, selections));
+        return Ok(whole(only, load_base, selections, None));
     }
 
-    let first = estimators::solve(&data, basic.clone(), &no_load, &options.estimator.quick())?;
+    let basic = basic::with_signs(&data, basic, &no_load, &options.forward)?;
+    let mut estimator = options.estimator.clone();
+    if estimator.prior.is_none() {
+        estimator.given = basic::given_inertias(&data, &basic, &no_load)?;
+    }
+    let first = estimators::solve(&data, basic.clone(), &no_load, &estimator.quick())?;
     let load_base = first.estimate.parameters[..base.len()].to_vec();
     let load = session.load(&robot.with_parameters(&base.standard_from(&load_base))?);
     let clock = clock(session);
@@ -253,10 +214,26 @@ pub fn identify(
                 dictionary::candidates(robot.joints()[joint].kind.is_rotation(), clock);
             let terms: Vec<Term> = basic[joint].iter().cloned().chain(candidates).collect();
             let system = JointSystem::new(&data, joint, &terms, &load, false)?;
-            let grams = system.grams();
+            if system.rows() == 0 {
+                return Ok((basic[joint].clone(), Selection::default()));
+            }
+            let folds = FoldGrams::new(&system.grams(), &target.folds)?;
             let always: Vec<usize> = (0..system.rigid() + basic[joint].len()).collect();
             let rest: Vec<usize> = (always.len()..system.columns()).collect();
-            let selection = selection::forward(&grams, &always, &rest, options.forward)?;
+            let plain = folds.parameters(&always, options.forward.ridge)?;
+            let plain = plain.unwrap_or_else(|| vec![0.0; always.len()]);
+            // Friction only takes energy: no coefficient may turn negative that was not so in the basic fit.
+            let admissible = |columns: &[usize], parameters: &[f64]| {
+                columns.iter().zip(parameters).all(|(&c, &value)| {
+                    let Some(term) = c.checked_sub(system.rigid()).map(|k| &terms[k]) else {
+                        return true;
+                    };
+                    let least = plain.get(c).map_or(0.0, |p| p.min(0.0));
+                    !dictionary::dissipates(term) || value >= least
+                })
+            };
+            let selection =
+                selection::forward(&folds, &always, &rest, &options.forward, admissible)?;
             let taken = selection
                 .taken
                 .iter()
@@ -267,9 +244,35 @@ pub fn identify(
             ))
         })
         .collect::<Result<_, LeastSquaresError>>()?;
-    let (terms, selections): (Vec<_>, Vec<_>) = chosen.into_iter().unzip();
-    let last = estimators::solve(&data, terms, &load, &options.estimator)?;
-    Ok(whole(last, load_base, selections))
+    let (mut terms, selections): (Vec<Vec<Term>>, Vec<_>) = chosen.into_iter().unzip();
+    let last = loop {
+        let last = estimators::solve(&data, terms.clone(), &load, &estimator)?;
+        // Fitted with the other joints a coefficient may have turned after all.
+        let Some((joint, k)) = most_negative(&last, base.len(), &basic) else {
+            break last;
+        };
+        terms[joint].remove(k);
+    };
+    Ok(whole(last, load_base, selections, estimator.given))
+}
+
+/// The chosen term with the most negative coefficient, in deviations, among those that only take energy: joint, index.
+fn most_negative(solution: &Solution, base: usize, basic: &[Vec<Term>]) -> Option<(usize, usize)> {
+    let (offsets, _) = estimators::offsets(base, &solution.terms);
+    let mut worst = None;
+    for (joint, (list, offset)) in solution.terms.iter().zip(offsets).enumerate() {
+        for (k, term) in list.iter().enumerate().skip(basic[joint].len()) {
+            let (value, std) = (
+                solution.estimate.parameters[offset + k],
+                solution.estimate.std[offset + k],
+            );
+            let size = value / std.max(f64::MIN_POSITIVE);
+            if dictionary::dissipates(term) && size < worst.map_or(0.0, |(s, _)| s) {
+                worst = Some((size, (joint, k)));
+            }
+        }
+    }
+    worst.map(|(_, place)| place)
 }
 
 /// Whether some joint's positions differ: poses held still tell of gravity too.

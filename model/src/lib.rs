@@ -5,7 +5,9 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod baseline;
+pub mod basic;
 pub mod check;
+pub mod cutoff;
 pub mod design;
 pub mod diagnostics;
 pub mod dictionary;
@@ -13,8 +15,8 @@ pub mod directory;
 pub mod estimators;
 pub mod evaluation;
 pub mod failure;
-pub mod folds;
 pub mod identification;
+pub mod out_of_fold;
 pub mod page;
 pub mod physics_fit;
 pub mod predict;
@@ -22,6 +24,7 @@ pub mod residual;
 pub mod selection;
 pub mod session;
 pub mod setup;
+pub mod shrinkage;
 pub mod tables;
 pub mod torque_band;
 pub mod units;

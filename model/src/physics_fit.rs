@@ -1,6 +1,7 @@
 //! `train --physics-only`: recordings to an identified model with its scores.
 
 use crate::baseline::{BaselineError, ForwardBaseline, inverse::LinearInverse};
+use crate::cutoff::{self, CutoffError};
 use crate::diagnostics::{self, Conditioning, Diagnostics};
 use crate::directory::{
     BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
@@ -10,8 +11,8 @@ use crate::predict::predict;
 use crate::session::Session;
 use datasets::metrics::{MOVING, Row, ShapeError};
 use datasets::prepare::Source as Derivative;
-use datasets::prepare::{PrepareError, PrepareOptions, prepare};
-use datasets::{Recording, repeats};
+use datasets::prepare::{Derivatives, PrepareError, PrepareOptions, prepare};
+use datasets::{Folds, Recording};
 use feedforward::clock::Memory;
 use ndarray::Array2;
 use physics::effects::Term;
@@ -36,6 +37,9 @@ pub struct FitOptions {
 /// Why a fit failed.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
+    /// The cut-off of the motion.
+    #[error(transparent)]
+    Cutoff(#[from] CutoffError),
     /// A recording cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
@@ -84,10 +88,12 @@ pub fn fit_physics(
     heldout: Option<&Recording>,
     options: &FitOptions,
 ) -> Result<Fit, FitError> {
+    let (options_chosen, cutoff) = cutoff::choose(robot, data, &options.prepare)?;
     let mut parts = Vec::new();
     for recording in data.iter().chain(heldout) {
+        let own = cutoff::for_recording(&options_chosen, recording);
         parts.push(
-            prepare(recording, &options.prepare).map_err(|source| FitError::Prepare {
+            prepare(recording, &own).map_err(|source| FitError::Prepare {
                 file: recording.source.clone(),
                 source,
             })?,
@@ -122,14 +128,15 @@ pub fn fit_physics(
             .ok_or_else(|| IdentifyError::NoTorque(recording.source.clone()))?;
         rest.push(tau - known);
     }
-    let pairs: Vec<Vec<(usize, usize)>> = data.iter().map(repeats::find).collect();
-    let trajectories: Vec<usize> = data.iter().map(|r| r.trajectories.len()).collect();
-    let target = Target::new(
-        rest.iter().collect(),
-        &trajectories,
-        &pairs,
-        options.identify.folds,
-    );
+    let recordings: Vec<&Recording> = data.iter().collect();
+    let target = Target {
+        tau: rest.iter().collect(),
+        folds: Folds::new(
+            &recordings,
+            options.identify.folds,
+            cutoff::gap(&options_chosen),
+        ),
+    };
     let identified = identify(robot, &session, &target, &options.identify)?;
     let record = record(robot, &identified);
     let model = record.model()?;
@@ -165,6 +172,9 @@ pub fn fit_physics(
             rate_hz: first.rate_hz,
             fine_hz: first.fine_hz,
             cutoff_hz: first.cutoff_hz,
+            cutoff_given: options.prepare.cutoff_hz.is_some(),
+            cutoff,
+            position_alone: options_chosen.derivatives == Derivatives::FromPosition,
             recorded_velocity: first.velocity.iter().all(|v| *v == Derivative::Recorded),
             torque_filter: first.torque_filter,
             moving_only: options.identify.moving_only,
@@ -189,7 +199,7 @@ pub fn fit_physics(
         identified,
         possible,
         physics,
-        fold: target.fold,
+        fold: target.folds.of_trajectories(&recordings),
     })
 }
 

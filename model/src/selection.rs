@@ -1,5 +1,6 @@
 //! Forward selection of terms by cross-validation.
 
+use datasets::Folds;
 use physics::identify::least_squares::{Gram, LeastSquaresError};
 
 /// Settings of [`forward`].
@@ -7,6 +8,8 @@ use physics::identify::least_squares::{Gram, LeastSquaresError};
 pub struct ForwardOptions {
     /// Part of the cross-validated error that a term has to remove to be taken.
     pub least_gain: f64,
+    /// Standard errors, over the folds, by which what it removes has to exceed zero.
+    pub standard_errors: f64,
     /// Most terms taken.
     pub most: usize,
     /// Ridge relative to the columns' norms.
@@ -17,9 +20,23 @@ impl Default for ForwardOptions {
     fn default() -> Self {
         Self {
             least_gain: 0.003,
+            standard_errors: 1.0,
             most: 24,
             ridge: 3e-5,
         }
+    }
+}
+
+impl ForwardOptions {
+    /// Whether squared errors by fold fall by more than chance: the mean of the falls above `standard_errors` of its
+    /// own, and their sum above `least_gain` of the error before.
+    pub fn falls(&self, before: &[f64], after: &[f64]) -> bool {
+        let n = before.len() as f64;
+        let falls: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
+        let mean = falls.iter().sum::<f64>() / n;
+        let spread = falls.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        mean * n > self.least_gain * before.iter().sum::<f64>()
+            && mean > self.standard_errors * (spread / n).sqrt()
     }
 }
 
@@ -32,66 +49,144 @@ pub struct Selection {
     pub errors: Vec<f64>,
 }
 
-/// Greedy selection: as long as the best candidate lowers the error on folds left out enough.
+/// Sums over what each fold is fitted on and tested on.
+pub struct FoldGrams {
+    fitted: Vec<Gram>,
+    tested: Vec<Gram>,
+    whole: Gram,
+}
+
+impl FoldGrams {
+    /// From the normal equations of each cell of `folds`; folds without rows are left out.
+    ///
+    /// # Errors
+    /// Cells with different numbers of columns, or none.
+    pub fn new(cells: &[Gram], folds: &Folds) -> Result<Self, LeastSquaresError> {
+        let sum = |picked: &mut dyn Iterator<Item = usize>| -> Result<Gram, LeastSquaresError> {
+            let first = picked.next().ok_or(LeastSquaresError::NoRows)?;
+            let mut sum = cells[first].clone();
+            for cell in picked {
+                sum = sum.plus(&cells[cell])?;
+            }
+            Ok(sum)
+        };
+        let (mut fitted, mut tested) = (Vec::new(), Vec::new());
+        for fold in 0..folds.count {
+            let (Ok(fit), Ok(test)) = (sum(&mut folds.fitted(fold)), sum(&mut folds.tested(fold)))
+            else {
+                continue;
+            };
+            if fit.rows() > 0 && test.rows() > 0 {
+                fitted.push(fit);
+                tested.push(test);
+            }
+        }
+        Ok(Self {
+            fitted,
+            tested,
+            whole: sum(&mut (0..cells.len()))?,
+        })
+    }
+
+    /// Number of folds.
+    pub fn len(&self) -> usize {
+        self.fitted.len()
+    }
+
+    /// Whether there is nothing to test on.
+    pub fn is_empty(&self) -> bool {
+        self.len() < 2
+    }
+
+    /// Squared error of each fold, fitted on `columns` without it; `None` where they are dependent.
+    ///
+    /// # Errors
+    /// Columns that do not exist.
+    pub fn errors(
+        &self,
+        columns: &[usize],
+        ridge: f64,
+    ) -> Result<Option<Vec<f64>>, LeastSquaresError> {
+        let mut errors = Vec::with_capacity(self.len());
+        for (train, test) in self.fitted.iter().zip(&self.tested) {
+            match train.fit(columns, ridge)? {
+                Some(fit) => errors.push(test.residual_sum_of_squares(columns, &fit.parameters)?),
+                None => return Ok(None),
+            }
+        }
+        Ok(Some(errors))
+    }
+
+    /// Parameters of `columns` fitted on all rows; `None` where they are dependent.
+    ///
+    /// # Errors
+    /// Columns that do not exist.
+    pub fn parameters(
+        &self,
+        columns: &[usize],
+        ridge: f64,
+    ) -> Result<Option<Vec<f64>>, LeastSquaresError> {
+        Ok(self.whole.fit(columns, ridge)?.map(|fit| fit.parameters))
+    }
+}
+
+/// Greedy selection: as long as the best candidate lowers the error on folds left out enough, and by more than
+/// chance.
 ///
-/// `folds` holds the normal equations of each fold over all columns, `always` the columns in every
-/// fit. With fewer than two folds nothing can be tested and nothing is taken.
+/// `always` are the columns in every fit; `admissible` judges the parameters of a fit of all rows (columns in order
+/// of `always`, then as taken). With fewer than two folds nothing can be tested and nothing is taken.
 ///
 /// # Errors
 /// Columns that the normal equations do not have.
 pub fn forward(
-    folds: &[Gram],
+    folds: &FoldGrams,
     always: &[usize],
     candidates: &[usize],
-    options: ForwardOptions,
+    options: &ForwardOptions,
+    admissible: impl Fn(&[usize], &[f64]) -> bool,
 ) -> Result<Selection, LeastSquaresError> {
     let mut selection = Selection::default();
-    let populated: Vec<&Gram> = folds.iter().filter(|g| g.rows() > 0).collect();
-    let [first, rest @ ..] = populated.as_slice() else {
-        return Ok(selection);
-    };
-    if rest.is_empty() {
+    if folds.is_empty() {
         return Ok(selection);
     }
-    let mut total = (*first).clone();
-    for gram in rest {
-        total = total.plus(gram)?;
-    }
-    let training: Vec<Gram> = populated
-        .iter()
-        .map(|g| total.minus(g))
-        .collect::<Result<_, _>>()?;
-    let error = |columns: &[usize]| -> Result<f64, LeastSquaresError> {
-        let mut sum = 0.0;
-        for (train, test) in training.iter().zip(&populated) {
-            match train.fit(columns, options.ridge)? {
-                Some(fit) => sum += test.residual_sum_of_squares(columns, &fit.parameters)?,
-                None => return Ok(f64::INFINITY),
-            }
-        }
-        Ok(sum)
-    };
     let mut columns = always.to_vec();
-    let mut best = error(&columns)?;
-    selection.errors.push(best);
+    let Some(mut best) = folds.errors(&columns, options.ridge)? else {
+        return Ok(selection);
+    };
+    selection.errors.push(best.iter().sum());
     while selection.taken.len() < options.most {
-        let mut winner = None;
+        let mut tried = Vec::new();
         for &candidate in candidates.iter().filter(|c| !selection.taken.contains(c)) {
             columns.push(candidate);
-            let e = error(&columns)?;
-            columns.pop();
-            if e < winner.map_or(f64::INFINITY, |(least, _)| least) {
-                winner = Some((e, candidate));
+            if let Some(errors) = folds.errors(&columns, options.ridge)? {
+                tried.push((errors.iter().sum::<f64>(), candidate, errors));
             }
+            columns.pop();
         }
-        let Some((e, candidate)) = winner.filter(|&(e, _)| e < best * (1.0 - options.least_gain))
-        else {
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut winner = None;
+        for (sum, candidate, errors) in tried {
+            if !options.falls(&best, &errors) {
+                // A smaller fall may be a steadier one, but not below the least gain.
+                if sum > best.iter().sum::<f64>() * (1.0 - options.least_gain) {
+                    break;
+                }
+                continue;
+            }
+            columns.push(candidate);
+            let fit = folds.parameters(&columns, options.ridge)?;
+            if fit.is_some_and(|p| admissible(&columns, &p)) {
+                winner = Some((candidate, sum, errors));
+                break;
+            }
+            columns.pop();
+        }
+        let Some((candidate, sum, errors)) = winner else {
             break;
         };
-        best = e;
-        columns.push(candidate);
+        best = errors;
         selection.taken.push(candidate);
-        selection.errors.push(e);
+        selection.errors.push(sum);
     }
     Ok(selection)
 }

@@ -13,14 +13,14 @@ pub fn identified(fit: &Fit) -> Option<String> {
     let nominal: Robot = fit.file.physics.nominal().ok()?;
     let possible = fit.possible.as_ref()?;
     let parameters = &possible.standard[..PARAMETERS_PER_LINK * nominal.dof()];
-    let coefficient = |wanted: Sliding| -> Vec<f64> {
+    let coefficient = |wanted: &dyn Fn(&Sliding) -> bool| -> Vec<f64> {
         fit.file
             .physics
             .terms
             .iter()
             .map(|list| {
                 list.iter()
-                    .find(|w| w.term == Term::Sliding(wanted))
+                    .find(|w| matches!(&w.term, Term::Sliding(s) if wanted(s)))
                     .map_or(0.0, |w| w.value.max(0.0))
             })
             .collect()
@@ -29,8 +29,8 @@ pub fn identified(fit: &Fit) -> Option<String> {
         .with_parameters(parameters)
         .and_then(|r| {
             r.with_friction(
-                &coefficient(Sliding::Viscous),
-                &coefficient(Sliding::Coulomb),
+                &coefficient(&|s| *s == Sliding::Viscous),
+                &coefficient(&Sliding::is_coulomb),
             )
         })
         .ok()?;

@@ -104,6 +104,7 @@ impl EstimatorArguments {
             },
             prior,
             ridge: self.ridge,
+            given: None,
         })
     }
 }

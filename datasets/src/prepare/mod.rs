@@ -53,6 +53,13 @@ impl Default for PrepareOptions {
     }
 }
 
+impl PrepareOptions {
+    /// Whether a recording at `rate_hz` is low-passed at all.
+    pub fn low_passes(&self, rate_hz: f64) -> bool {
+        self.cutoff_hz.is_some() || rate_hz >= SLOW_HZ
+    }
+}
+
 /// Where a derivative comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -13,6 +13,7 @@ pub use prior::Known;
 
 use crate::design::Data;
 use crate::identification::IdentifyError;
+use crate::shrinkage::GivenInertias;
 use ndarray::Array2;
 use physics::effects::Term;
 use physics::identify::feasible::Feasible;
@@ -55,7 +56,7 @@ const RIDGE: f64 = 3e-5;
 const PRIOR_RIDGE: f64 = 0.1;
 
 /// How parameters are estimated.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct EstimatorOptions {
     /// The estimator. Default [`Estimator::Wls`].
     pub estimator: Estimator,
@@ -67,6 +68,8 @@ pub struct EstimatorOptions {
     pub prior: Option<Known>,
     /// Ridge relative to the norm of each column. Default 3e-5, with a prior 0.1.
     pub ridge: Option<f64>,
+    /// How far the given inertias count; least squares without outliers alone. Default: not at all.
+    pub given: Option<GivenInertias>,
 }
 
 impl Default for EstimatorOptions {
@@ -77,6 +80,7 @@ impl Default for EstimatorOptions {
             lmi: Lmi::default(),
             prior: None,
             ridge: None,
+            given: None,
         }
     }
 }
@@ -126,6 +130,9 @@ pub struct EstimatorReport {
     pub ridge: f64,
     /// What the ridge pulled towards; none: zero.
     pub prior: Option<String>,
+    /// Part of each link's size by which its parameters were expected to differ from the given ones; none: freely.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub given_part: Option<f64>,
     /// Covariance of the torque noise between joints, N²·m²; of independent joints, diagonal.
     pub noise: Vec<Vec<f64>>,
     /// Part of each joint's rows that was left out as outliers.
@@ -175,7 +182,7 @@ pub fn solve(
 }
 
 /// Index of the first parameter of each joint's terms, and of the first one beyond all.
-fn offsets(base: usize, terms: &[Vec<Term>]) -> (Vec<usize>, usize) {
+pub(crate) fn offsets(base: usize, terms: &[Vec<Term>]) -> (Vec<usize>, usize) {
     let mut next = base;
     let firsts = terms
         .iter()

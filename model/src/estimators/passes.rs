@@ -6,7 +6,7 @@ use crate::design::{Data, JointSystem, joined, joined_blocks};
 use crate::identification::IdentifyError;
 use ndarray::Array2;
 use physics::effects::Term;
-use physics::identify::least_squares::{Triangle, block_covariance, solve as least_squares};
+use physics::identify::least_squares::{Gram, Triangle, block_covariance, solve as least_squares};
 use rayon::prelude::*;
 
 /// Passes in which weights settle.
@@ -20,7 +20,7 @@ pub(super) fn solve(
     load: &[Array2<f64>],
     options: &EstimatorOptions,
 ) -> Result<Solution, IdentifyError> {
-    let systems = data.systems(&terms, load)?;
+    let systems = data.systems(&terms, load, true)?;
     let (firsts, total) = offsets(data.base.len(), &terms);
     let joints: Vec<(&JointSystem, Vec<usize>)> = systems
         .iter()
@@ -37,16 +37,23 @@ pub(super) fn solve(
         .map(|(s, _)| if weighted { s.target_deviation() } else { 1.0 })
         .collect();
     let settings = options.solve_options(data.base.len(), &terms);
+    let given = match &options.given {
+        Some(given) => Some(given.rows(total)?),
+        None => None,
+    };
     let passes = if weighted { PASSES } else { 1 };
     let mut pass = 0;
     loop {
         pass += 1;
-        let folds: Vec<Triangle> = (0..systems[0].folds())
+        let cells: Vec<Triangle> = (0..systems[0].cells())
             .into_par_iter()
-            .map(|fold| joined(&joints, &sigma, fold, total))
+            .map(|cell| joined(&joints, &sigma, cell, total))
             .collect::<Result<_, _>>()?;
-        let triangle = Triangle::stack(folds.iter().filter(|t| t.rows() > 0))?;
-        let mut estimate = least_squares(&triangle, &settings)?;
+        let triangle = Triangle::stack(cells.iter().filter(|t| t.rows() > 0))?;
+        let mut estimate = match &given {
+            Some(rows) => least_squares(&Triangle::stack([&triangle, rows])?, &settings)?,
+            None => least_squares(&triangle, &settings)?,
+        };
         let last = pass == passes;
         let feasible = match options.lmi {
             Lmi::Every => true,
@@ -70,7 +77,12 @@ pub(super) fn solve(
             continue;
         }
         let blocks = joined_blocks(&joints, &sigma, total)?;
-        let covariance = block_covariance(&blocks, &estimate, settings.ridge)?;
+        let covariance = block_covariance(
+            &blocks,
+            &estimate,
+            settings.ridge,
+            given.as_ref().map(Gram::from).as_ref(),
+        )?;
         estimate = estimate.with_covariance(covariance)?;
         let free = estimate.parameters.clone();
         if let Some(feasible) = &feasible {
@@ -90,6 +102,7 @@ pub(super) fn solve(
                 lmi: options.lmi,
                 ridge: settings.ridge,
                 prior: options.prior.as_ref().map(|p| p.name.clone()),
+                given_part: options.given.as_ref().map(|g| g.part),
                 noise: diagonal(&residual_std),
                 left_out: vec![0.0; terms.len()],
                 exponents: vec![None; terms.len()],

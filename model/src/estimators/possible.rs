@@ -85,7 +85,12 @@ pub(super) fn is_plain(terms: &[Term]) -> bool {
             t,
             Term::Offset
                 | Term::RotorInertia
-                | Term::Sliding(Sliding::Viscous | Sliding::Coulomb | Sliding::Power { .. })
+                | Term::Sliding(
+                    Sliding::Viscous
+                        | Sliding::Coulomb
+                        | Sliding::SoftCoulomb { .. }
+                        | Sliding::Power { .. }
+                )
         )
     })
 }

@@ -65,7 +65,10 @@ impl Known {
         mean.resize(base, 0.0);
         for (list, known) in terms.iter().zip(&self.terms) {
             mean.extend(list.iter().map(|term| {
-                let value = known.iter().find(|(t, _)| t == term);
+                // However soft its sign, it is the same coefficient.
+                let coulomb = |t: &Term| matches!(t, Term::Sliding(s) if s.is_coulomb());
+                let same = |t: &Term| t == term || coulomb(t) && coulomb(term);
+                let value = known.iter().find(|(t, _)| same(t));
                 value.map_or(0.0, |(_, v)| *v)
             }));
         }

@@ -42,7 +42,7 @@ pub(super) fn solve(
         converged &= found.converged;
     }
     let settings = options.solve_options(data.base.len(), &terms);
-    let covariance = block_covariance(&found.blocks, &found.estimate, settings.ridge)?;
+    let covariance = block_covariance(&found.blocks, &found.estimate, settings.ridge, None)?;
     let mut estimate = found.estimate.with_covariance(covariance)?;
     let free = estimate.parameters.clone();
     if let Some(feasible) = &found.feasible {
@@ -66,6 +66,7 @@ pub(super) fn solve(
             lmi: options.lmi,
             ridge: settings.ridge,
             prior: options.prior.as_ref().map(|p| p.name.clone()),
+            given_part: None,
             noise: found.noise.rows().into_iter().map(|r| r.to_vec()).collect(),
             left_out,
             exponents,

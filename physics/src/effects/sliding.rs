@@ -8,8 +8,13 @@ use serde::{Deserialize, Serialize};
 pub enum Sliding {
     /// q̇: viscous friction.
     Viscous,
-    /// sign(q̇): Coulomb friction. Never smoothed; filter the column like the torque instead.
+    /// sign(q̇): Coulomb friction, not smoothed; the column is filtered like the torque instead.
     Coulomb,
+    /// tanh(q̇/velocity): Coulomb friction as a low-passed velocity or a drive at rest shows it.
+    SoftCoulomb {
+        /// Velocity over which the sign turns round.
+        velocity: f64,
+    },
     /// |q̇|: the difference of viscous friction between the two directions.
     AsymmetricViscous,
     /// sign(q̇)·exp(−|q̇|/velocity): Stribeck friction, Tustin's form.
@@ -37,14 +42,23 @@ impl Sliding {
             Sliding::Coulomb => sign(qd),
             Sliding::AsymmetricViscous => qd.abs(),
             Sliding::Stribeck { velocity } => sign(qd) * (-qd.abs() / velocity).exp(),
-            Sliding::Degressive { velocity } => (qd / velocity).tanh(),
+            Sliding::SoftCoulomb { velocity } | Sliding::Degressive { velocity } => {
+                (qd / velocity).tanh()
+            }
             Sliding::Power { exponent } => sign(qd) * qd.abs().powf(exponent),
         }
     }
 
+    /// Whether its parameter is the Coulomb friction of the joint.
+    pub fn is_coulomb(&self) -> bool {
+        matches!(self, Sliding::Coulomb | Sliding::SoftCoulomb { .. })
+    }
+
     pub(super) fn effect(&self) -> &'static str {
         match self {
-            Sliding::Viscous | Sliding::Coulomb => "friction_parameters",
+            Sliding::Viscous | Sliding::Coulomb | Sliding::SoftCoulomb { .. } => {
+                "friction_parameters"
+            }
             Sliding::AsymmetricViscous => "asymmetric_friction",
             Sliding::Stribeck { .. } => "stribeck_friction",
             Sliding::Degressive { .. } | Sliding::Power { .. } => "nonlinear_viscous_friction",
@@ -55,6 +69,7 @@ impl Sliding {
         match self {
             Sliding::Viscous => "viscous".into(),
             Sliding::Coulomb => "coulomb".into(),
+            Sliding::SoftCoulomb { velocity } => format!("coulomb({velocity:.3})"),
             Sliding::AsymmetricViscous => "asymmetric_viscous".into(),
             Sliding::Stribeck { velocity } => format!("stribeck({velocity:.3})"),
             Sliding::Degressive { velocity } => format!("degressive({velocity:.3})"),
@@ -92,7 +107,7 @@ mod tests {
     proptest! {
         #[test]
         fn friction_opposes_both_directions_alike(qd in -3.0..3.0f64, v in 0.001..1.0f64, a in 0.1..2.0f64) {
-            for s in [Sliding::Viscous, Sliding::Coulomb, Sliding::Stribeck { velocity: v },
+            for s in [Sliding::Viscous, Sliding::Coulomb, Sliding::Stribeck { velocity: v }, Sliding::SoftCoulomb { velocity: v },
                       Sliding::Degressive { velocity: v }, Sliding::Power { exponent: a }] {
                 prop_assert_eq!(s.at(qd), -s.at(-qd));
                 prop_assert!(s.at(qd) * qd >= 0.0);

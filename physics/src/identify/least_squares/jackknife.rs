@@ -19,6 +19,8 @@ const FEWEST: usize = 24;
 /// long as 24 are left, and each parameter keeps its largest deviation (Flyvbjerg and Petersen, "Error estimates
 /// on averages of correlated data", J. Chem. Phys. 91, 1989). It is never below the deviation for independent noise.
 ///
+/// `held` are rows that stay in every fit: those of a prior.
+///
 /// Fewer than 24 blocks say too little: the estimate's own covariance is returned.
 ///
 /// # Errors
@@ -27,8 +29,12 @@ pub fn block_covariance(
     blocks: &[Gram],
     estimate: &Estimate,
     ridge: f64,
+    held: Option<&Gram>,
 ) -> Result<Array2<f64>, LeastSquaresError> {
     let p = estimate.parameters.len();
+    if let Some(held) = held {
+        check_size("the rows of every fit", held.columns(), p)?;
+    }
     let mut level: Vec<Gram> = blocks.iter().filter(|b| b.rows() > 0).cloned().collect();
     for block in &level {
         check_size("a block", block.columns(), p)?;
@@ -36,7 +42,7 @@ pub fn block_covariance(
     if level.len() < FEWEST {
         return Ok(estimate.covariance.clone());
     }
-    let finest = jackknife(&level, estimate, ridge)?;
+    let finest = jackknife(&level, estimate, ridge, held)?;
     let mut largest: Vec<f64> = (0..p)
         .map(|i| estimate.covariance[(i, i)].max(finest[(i, i)]))
         .collect();
@@ -48,7 +54,7 @@ pub fn block_covariance(
                 one => Ok(one[0].clone()),
             })
             .collect::<Result<_, _>>()?;
-        let variance = jackknife(&level, estimate, ridge)?;
+        let variance = jackknife(&level, estimate, ridge, held)?;
         for (largest, new) in std::iter::zip(&mut largest, variance.diag()) {
             *largest = largest.max(*new);
         }
@@ -70,12 +76,16 @@ fn jackknife(
     blocks: &[Gram],
     estimate: &Estimate,
     ridge: f64,
+    held: Option<&Gram>,
 ) -> Result<Array2<f64>, LeastSquaresError> {
     let p = estimate.parameters.len();
     let x = Mat::from_fn(p, 1, |i, _| estimate.parameters[i]);
     let mut whole = Mat::<f64>::zeros(p, p);
     for block in blocks {
         whole += block.products().submatrix(0, 0, p, p);
+    }
+    if let Some(held) = held {
+        whole += held.products().submatrix(0, 0, p, p);
     }
     // Columns of unit norm; those that no row excites stay where the ridge holds them.
     let scale: Vec<f64> = (0..p)
@@ -85,7 +95,7 @@ fn jackknife(
         })
         .collect();
     // Squared condition numbers leave room for no less than 1e-6, as in `Gram::fit`.
-    let held = ridge.max(1e-6).powi(2);
+    let ridge2 = ridge.max(1e-6).powi(2);
     let mut steps = Mat::<f64>::zeros(p, blocks.len());
     for (g, block) in blocks.iter().enumerate() {
         let products = block.products();
@@ -93,7 +103,7 @@ fn jackknife(
         let score = products.submatrix(0, p, p, 1) - own * &x;
         let rest = Mat::from_fn(p, p, |i, j| {
             let entry = (whole[(i, j)] - own[(i, j)]) * scale[i] * scale[j];
-            let diagonal = if scale[i] > 0.0 { held } else { 1.0 };
+            let diagonal = if scale[i] > 0.0 { ridge2 } else { 1.0 };
             entry + if i == j { diagonal } else { 0.0 }
         });
         let factor = rest
@@ -151,7 +161,7 @@ mod tests {
             let options = SolveOptions::default();
             let plain = solve(&Triangle::stack(&blocks).unwrap(), &options).unwrap();
             let grams: Vec<Gram> = blocks.iter().map(Gram::from).collect();
-            let covariance = block_covariance(&grams, &plain, options.ridge).unwrap();
+            let covariance = block_covariance(&grams, &plain, options.ridge, None).unwrap();
             let aware = plain.clone().with_covariance(covariance).unwrap();
             for (i, truth) in TRUTH.iter().enumerate() {
                 let off = (plain.parameters[i] - truth).abs();
