@@ -288,3 +288,32 @@ fn part_of(recording: &Recording, samples: usize) -> Recording {
     }
     recording.stretches(&rows)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tried(list: &[(f64, f64)]) -> Vec<Tried> {
+        let of = |&(cutoff_hz, error): &(f64, f64)| Tried { cutoff_hz, error };
+        list.iter().map(of).collect()
+    }
+
+    #[test]
+    fn the_middle_of_what_is_as_good_as_the_best() {
+        // Flat from 4 to 16 Hz: 8 Hz. The dip far away is as good, but not joined to the best.
+        let flat = [
+            (2.0, 0.2),
+            (4.0, 0.1002),
+            (8.0, 0.1),
+            (16.0, 0.1001),
+            (32.0, 0.3),
+            (64.0, 0.1),
+        ];
+        assert_eq!(middle(&tried(&flat)), Some(8.0));
+        assert_eq!(
+            middle(&tried(&[(3.0, 0.2), (5.0, 0.1), (9.0, 0.4)])),
+            Some(5.0)
+        );
+        assert_eq!(middle(&[]), None);
+    }
+}

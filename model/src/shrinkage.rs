@@ -140,3 +140,42 @@ fn rows(
     let b = Array1::from_shape_fn(n, |i| (0..n).map(|j| whitening[(i, j)] * given[j]).sum());
     Triangle::of(a.view(), b.view()).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rows are the distance from the given base parameters in deviations: doubling the part halves it, and a link
+    /// off by its own size is one part away from them, whatever shares its column.
+    #[test]
+    fn rows_measure_the_distance_from_the_given_links() {
+        let robot = Robot::builtin("ur5").unwrap();
+        let base = BaseParameters::of_robot(&robot, &[]);
+        let covariance = covariance(&robot, &base).unwrap();
+        let given = base.base_from(&robot.parameters());
+        let distance = |part: f64, at: &[f64]| {
+            let rows = rows(&robot, &base, &covariance, part, 1.0).unwrap();
+            rows.residual_sum_of_squares(at).unwrap().sqrt()
+        };
+        assert!(distance(0.1, &given) < 1e-6);
+        let mut heavier = robot.parameters();
+        for p in &mut heavier[40..50] {
+            *p *= 1.1;
+        }
+        let other = base.base_from(&heavier);
+        let (near, far) = (distance(0.1, &other), distance(0.05, &other));
+        assert!((far / near - 2.0).abs() < 1e-6, "{near} {far}");
+        // Ten parameters a tenth of their size off, some of them shared: of the order of one deviation.
+        assert!((0.3..3.2).contains(&near), "{near}");
+    }
+
+    #[test]
+    fn a_robot_without_inertias_has_no_prior() {
+        let robot = Robot::builtin("ur5").unwrap();
+        let base = BaseParameters::of_robot(&robot, &[]);
+        let empty = robot
+            .with_parameters(&vec![0.0; robot.parameters().len()])
+            .unwrap();
+        assert!(covariance(&empty, &base).is_none());
+    }
+}

@@ -105,6 +105,69 @@ fn scores_and_predictions() {
     }
 }
 
+/// `eval` prepares a recording as the model was prepared, whatever the rate: the figures of `train --heldout`, to the
+/// last digit.
+#[test]
+fn eval_repeats_what_train_said_at_every_rate() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for rate in [50.0, 100.0, 125.0, 250.0, 1000.0] {
+        let plan = |seed| Plan {
+            rate,
+            seed,
+            trajectories: 2,
+            ..Plan::default()
+        };
+        let data = record_to(folder.path(), "train.csv", &ur5(), &plan(1));
+        let test = record_to(folder.path(), "test.csv", &ur5(), &plan(2));
+        let held = ["--physics-only", "--heldout", test.to_str().expect("UTF-8")];
+        let model = train(folder.path(), &data, &held);
+        let scores = folder.path().join("scores.json");
+        run(eval(&model, &test).arg("--json").arg(&scores)).succeeded();
+        let (scores, metrics) = (json(&scores), json(&model.join("metrics.json")));
+        for name in ["linear_baseline", "physics"] {
+            for scope in ["all", "moving"] {
+                assert_eq!(
+                    row(&scores, "rows", name, scope),
+                    row(&metrics, "heldout", name, scope),
+                    "{rate} Hz, {name}, {scope}"
+                );
+            }
+        }
+        let cutoff = json(&model.join("model.json"))["preprocessing"]["cutoff_hz"].as_f64();
+        assert!(
+            cutoff.is_some_and(|hz| hz <= 0.4 * rate),
+            "{rate} Hz: {cutoff:?}"
+        );
+    }
+}
+
+/// A recording whose rate cannot carry the model's cut-off takes the highest that it can, and that is said.
+#[test]
+fn a_slower_recording_takes_what_its_rate_carries() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let plan = |rate, seed| Plan {
+        rate,
+        seed,
+        ..Plan::default()
+    };
+    let data = record_to(folder.path(), "train.csv", &ur5(), &plan(250.0, 1));
+    let slow = record_to(folder.path(), "slow.csv", &ur5(), &plan(50.0, 2));
+    let model = train(
+        folder.path(),
+        &data,
+        &["--physics-only", "--cutoff-hz", "30"],
+    );
+    let ended = run(&mut eval(&model, &slow));
+    ended.succeeded();
+    assert!(
+        ended
+            .out
+            .contains("low-pass at 20.000 Hz, the highest that this rate carries"),
+        "{}",
+        ended.out
+    );
+}
+
 /// The scores are those of what --predict writes, against the torque as it stands in the file.
 fn rmse_is_that_of_the_prediction(scores: &Value, recording: &Path, predicted: &str) {
     let table = |text: &str| -> Vec<Vec<f64>> {

@@ -40,6 +40,7 @@ fn effects_pay_on_a_recording_not_seen() {
     let basic = mean_rmse(&data, folder.path(), &["--basic"]);
     let chosen = mean_rmse(&data, folder.path(), &[]);
     println!("mean RMSE: basic {basic:.4} N·m, with effects {chosen:.4} N·m");
+    assert!(chosen <= 1.02 * 1.398, "{chosen} N·m, 1.398 N·m before");
     assert!(
         chosen <= 0.8 * basic,
         "{:.1} % lower ({basic} to {chosen} N·m), target 20 %",

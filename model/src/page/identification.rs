@@ -16,6 +16,13 @@ pub(super) fn section(file: &ModelFile) -> Section {
         Section::new("Base parameters, with the standard parameters that form each")
             .table(tables::base_parameters(file)),
     );
+    if let (Some(table), Some(hz)) = (tables::cutoffs(file), file.preprocessing.cutoff_hz) {
+        section = section.details(
+            Section::new(format!("Cut-off of the motion: {hz:.2} Hz, of those tried"))
+                .paragraph("Rigid body, viscous and softened Coulomb friction, offset and rotor inertia, fitted to the recorded torque of the training recordings; the error is that on rows left out. The middle of the stretch that is as good as the best is taken.")
+                .table(table),
+        );
+    }
     let Some(d) = &file.diagnostics else {
         return section;
     };

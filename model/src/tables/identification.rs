@@ -1,5 +1,6 @@
 //! Tables about the identification itself.
 
+use crate::cutoff::Tried;
 use crate::diagnostics::{Conditioning, Diagnostics, POOR};
 use crate::directory::ModelFile;
 use crate::estimators::{Estimator, EstimatorReport, Lmi};
@@ -48,6 +49,33 @@ pub fn conditioning(c: &Conditioning) -> Table {
         table.push([Cell::text(name), cell]);
     }
     table
+}
+
+/// Cut-offs of the motion's low-pass that were tried, with the basic model's error on rows left out; none where the
+/// cut-off was not chosen so.
+pub fn cutoffs(file: &ModelFile) -> Option<Table> {
+    let choice = file.preprocessing.cutoff.as_ref()?;
+    let mut table = Table::new(vec![
+        Column::text("derivatives from"),
+        Column::number("cut-off / Hz"),
+        Column::number("mean NRMSE on rows left out"),
+    ]);
+    let mut push = |from: &str, tried: &Tried| {
+        table.push(vec![
+            Cell::text(from),
+            Cell::number(tried.cutoff_hz, 2),
+            Cell::number(tried.error, 4),
+        ]);
+    };
+    choice
+        .tried
+        .iter()
+        .for_each(|t| push("position, recorded velocity where it fits", t));
+    choice
+        .position_alone
+        .iter()
+        .for_each(|t| push("position alone", t));
+    Some(table)
 }
 
 /// Tests of the residuals, joint by joint.

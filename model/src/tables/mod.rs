@@ -3,7 +3,9 @@
 mod identification;
 mod overview;
 
-pub use identification::{base_parameters, conditioning, estimator, links, residual_tests};
+pub use identification::{
+    base_parameters, conditioning, cutoffs, estimator, links, residual_tests,
+};
 pub use overview::{errors_by_joint, friction};
 
 use crate::baseline::FORWARD;

@@ -207,7 +207,7 @@ mod tests {
         )
         .unwrap();
         let grams: Vec<Gram> = triangles.iter().map(Gram::from).collect();
-        let found = jackknife(&grams, &estimate, 0.0).unwrap()[(0, 0)];
+        let found = jackknife(&grams, &estimate, 0.0, None).unwrap()[(0, 0)];
         let mean = values.iter().sum::<f64>() / 30.0;
         let squares: f64 = values
             .iter()
