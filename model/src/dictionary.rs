@@ -16,14 +16,13 @@ pub fn basic() -> Vec<Term> {
     ]
 }
 
-/// Whether a term takes energy from the motion at whatever speed, so that its coefficient cannot be negative.
-pub fn dissipates(term: &Term) -> bool {
+/// Whether a term is friction of a shape of its own, which may not be many times the joint's friction: curves that
+/// differ little cancel, and hundreds of N·m of one against hundreds of another are no physics.
+pub fn is_friction_shape(term: &Term) -> bool {
     match term {
-        Term::Sliding(Sliding::AsymmetricViscous) => false,
-        // Faster than linear it may also bend the viscous line down.
-        Term::Sliding(Sliding::Power { exponent }) => *exponent < 1.0,
-        Term::Sliding(_) | Term::Stop(_) | Term::Dahl(_) => true,
-        Term::Load(_) => true,
+        Term::Sliding(_) | Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_) => true,
+        Term::Load(_) | Term::Position(_) => true,
+        Term::WarmUp(w) => is_friction_shape(&w.term),
         _ => false,
     }
 }

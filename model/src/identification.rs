@@ -53,6 +53,9 @@ impl Default for IdentifyOptions {
     }
 }
 
+/// Times the joint's basic friction that a further friction shape may move.
+const LARGEST: f64 = 3.0;
+
 /// Why identification failed.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentifyError {
@@ -207,7 +210,7 @@ pub fn identify(
     let load_base = first.estimate.parameters[..base.len()].to_vec();
     let load = session.load(&robot.with_parameters(&base.standard_from(&load_base))?);
     let clock = clock(session);
-    let chosen: Vec<(Vec<Term>, Selection)> = (0..robot.dof())
+    let chosen: Vec<(Vec<Term>, Vec<f64>, Selection)> = (0..robot.dof())
         .into_par_iter()
         .map(|joint| {
             let candidates =
@@ -215,22 +218,16 @@ pub fn identify(
             let terms: Vec<Term> = basic[joint].iter().cloned().chain(candidates).collect();
             let system = JointSystem::new(&data, joint, &terms, &load, false)?;
             if system.rows() == 0 {
-                return Ok((basic[joint].clone(), Selection::default()));
+                let free = vec![f64::INFINITY; basic[joint].len()];
+                return Ok((basic[joint].clone(), free, Selection::default()));
             }
             let folds = FoldGrams::new(&system.grams(), &target.folds)?;
             let always: Vec<usize> = (0..system.rigid() + basic[joint].len()).collect();
             let rest: Vec<usize> = (always.len()..system.columns()).collect();
-            let plain = folds.parameters(&always, options.forward.ridge)?;
-            let plain = plain.unwrap_or_else(|| vec![0.0; always.len()]);
-            // Friction only takes energy: no coefficient may turn negative that was not so in the basic fit.
+            let bounds = bounds(&folds, &terms, system.rigid(), &always, options)?;
             let admissible = |columns: &[usize], parameters: &[f64]| {
-                columns.iter().zip(parameters).all(|(&c, &value)| {
-                    let Some(term) = c.checked_sub(system.rigid()).map(|k| &terms[k]) else {
-                        return true;
-                    };
-                    let least = plain.get(c).map_or(0.0, |p| p.min(0.0));
-                    !dictionary::dissipates(term) || value >= least
-                })
+                let mut taken = columns.iter().zip(parameters).skip(always.len());
+                taken.all(|(&c, value)| value.abs() <= bounds[c - system.rigid()])
             };
             let selection =
                 selection::forward(&folds, &always, &rest, &options.forward, admissible)?;
@@ -240,39 +237,81 @@ pub fn identify(
                 .map(|&c| terms[c - system.rigid()].clone());
             Ok((
                 basic[joint].iter().cloned().chain(taken).collect(),
+                kept(&selection, &bounds, system.rigid(), basic[joint].len()),
                 selection,
             ))
         })
         .collect::<Result<_, LeastSquaresError>>()?;
-    let (mut terms, selections): (Vec<Vec<Term>>, Vec<_>) = chosen.into_iter().unzip();
+    let (mut terms, mut bounds, mut selections) = (Vec::new(), Vec::new(), Vec::new());
+    for (list, bound, selection) in chosen {
+        terms.push(list);
+        bounds.push(bound);
+        selections.push(selection);
+    }
     let last = loop {
         let last = estimators::solve(&data, terms.clone(), &load, &estimator)?;
-        // Fitted with the other joints a coefficient may have turned after all.
-        let Some((joint, k)) = most_negative(&last, base.len(), &basic) else {
+        // Fitted with the other joints a coefficient may have grown after all.
+        let Some((joint, k)) = beyond(&last, base.len(), &bounds) else {
             break last;
         };
         terms[joint].remove(k);
+        bounds[joint].remove(k);
     };
     Ok(whole(last, load_base, selections, estimator.given))
 }
 
-/// The chosen term with the most negative coefficient, in deviations, among those that only take energy: joint, index.
-fn most_negative(solution: &Solution, base: usize, basic: &[Vec<Term>]) -> Option<(usize, usize)> {
+/// Largest size of the coefficient of each of a joint's terms: a friction shape moves at most [`LARGEST`] times the
+/// torque (RMS) that viscous and Coulomb friction of the basic fit move; others are free.
+fn bounds(
+    folds: &FoldGrams,
+    terms: &[Term],
+    rigid: usize,
+    always: &[usize],
+    options: &IdentifyOptions,
+) -> Result<Vec<f64>, LeastSquaresError> {
+    let Some(plain) = folds.parameters(always, options.forward.ridge)? else {
+        return Ok(vec![f64::INFINITY; terms.len()]);
+    };
+    let mut friction = 0.0;
+    for (&c, value) in always.iter().zip(&plain).skip(rigid) {
+        if matches!(terms[c - rigid], Term::Sliding(_)) {
+            friction += value.abs() * folds.rms(c)?;
+        }
+    }
+    terms
+        .iter()
+        .enumerate()
+        .map(|(k, term)| {
+            let rms = folds.rms(rigid + k)?;
+            let bounded = k + rigid >= always.len() && dictionary::is_friction_shape(term);
+            Ok(if bounded && rms > 0.0 {
+                LARGEST * friction / rms
+            } else {
+                f64::INFINITY
+            })
+        })
+        .collect()
+}
+
+/// Bounds of the basic terms, then of those taken.
+fn kept(selection: &Selection, bounds: &[f64], rigid: usize, basic: usize) -> Vec<f64> {
+    let taken = selection.taken.iter().map(|&c| bounds[c - rigid]);
+    bounds[..basic].iter().copied().chain(taken).collect()
+}
+
+/// The term whose coefficient is furthest beyond its bound: joint, index.
+fn beyond(solution: &Solution, base: usize, bounds: &[Vec<f64>]) -> Option<(usize, usize)> {
     let (offsets, _) = estimators::offsets(base, &solution.terms);
-    let mut worst = None;
-    for (joint, (list, offset)) in solution.terms.iter().zip(offsets).enumerate() {
-        for (k, term) in list.iter().enumerate().skip(basic[joint].len()) {
-            let (value, std) = (
-                solution.estimate.parameters[offset + k],
-                solution.estimate.std[offset + k],
-            );
-            let size = value / std.max(f64::MIN_POSITIVE);
-            if dictionary::dissipates(term) && size < worst.map_or(0.0, |(s, _)| s) {
-                worst = Some((size, (joint, k)));
+    let mut worst = (1.0, None);
+    for (joint, (list, offset)) in bounds.iter().zip(offsets).enumerate() {
+        for (k, bound) in list.iter().enumerate() {
+            let part = solution.estimate.parameters[offset + k].abs() / bound;
+            if part > worst.0 {
+                worst = (part, Some((joint, k)));
             }
         }
     }
-    worst.map(|(_, place)| place)
+    worst.1
 }
 
 /// Whether some joint's positions differ: poses held still tell of gravity too.

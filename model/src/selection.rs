@@ -117,6 +117,14 @@ impl FoldGrams {
         Ok(Some(errors))
     }
 
+    /// Root mean square of a column over all rows.
+    ///
+    /// # Errors
+    /// A column that does not exist.
+    pub fn rms(&self, column: usize) -> Result<f64, LeastSquaresError> {
+        self.whole.rms(column)
+    }
+
     /// Parameters of `columns` fitted on all rows; `None` where they are dependent.
     ///
     /// # Errors

@@ -43,6 +43,16 @@ impl Gram {
         self.rows
     }
 
+    /// Root mean square of a column over the rows; zero without rows.
+    ///
+    /// # Errors
+    /// A column that does not exist.
+    pub fn rms(&self, column: usize) -> Result<f64, LeastSquaresError> {
+        self.check_columns(&[column])?;
+        let mean = self.products[(column, column)].max(0.0) / self.rows.max(1) as f64;
+        Ok(mean.sqrt())
+    }
+
     /// From the sums themselves: (p + 1) × (p + 1), symmetric, the target last.
     pub(crate) fn from_products(products: Mat<f64>, rows: usize) -> Self {
         Self { products, rows }
