@@ -19,12 +19,10 @@ pub fn basic() -> Vec<Term> {
 /// Whether a term is friction of a shape of its own, which may not be many times the joint's friction: curves that
 /// differ little cancel, and hundreds of N·m of one against hundreds of another are no physics.
 pub fn is_friction_shape(term: &Term) -> bool {
-    match term {
-        Term::Sliding(_) | Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_) => true,
-        Term::Load(_) | Term::Position(_) => true,
-        Term::WarmUp(w) => is_friction_shape(&w.term),
-        _ => false,
-    }
+    matches!(
+        term,
+        Term::Sliding(_) | Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_)
+    )
 }
 
 /// What warm-up terms need to know about the clock of the training recordings.

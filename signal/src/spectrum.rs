@@ -118,6 +118,9 @@ mod tests {
         let ((hann, all), (harris, same)) =
             (beside(welch(&x, 512.0, 512)), beside(deep(&x, 512.0, 512)));
         assert!(hann > -80.0 && harris < -90.0, "{hann} {harris}");
-        assert!((all - 0.5).abs() < 1e-6 && (same - 0.5).abs() < 1e-6);
+        assert!(
+            (all - 0.5).abs() < 1e-6 && (same - 0.5).abs() < 1e-6,
+            "{all} {same}"
+        );
     }
 }
