@@ -37,6 +37,9 @@ impl Noise {
     }
 }
 
+/// Torque beyond the model's by trajectory, time in it, q̇ of all joints and joint, N·m.
+type Extra<'a> = dyn Fn(usize, f64, &[f64], usize) -> f64 + 'a;
+
 /// What a recording shows.
 struct Shown<'a> {
     seed: u32,
@@ -44,8 +47,7 @@ struct Shown<'a> {
     seconds: f64,
     /// How far each joint moves, rad.
     reach: [f64; JOINTS],
-    /// Torque beyond the model's by trajectory, time in it, q̇ of all joints and joint, N·m.
-    more: &'a dyn Fn(usize, f64, &[f64], usize) -> f64,
+    more: &'a Extra<'a>,
 }
 
 impl Shown<'_> {
@@ -104,7 +106,7 @@ fn nothing(_: usize, _: f64, _: &[f64], _: usize) -> f64 {
 }
 
 /// The robot in motion, six runs of 12 s.
-fn moving(seed: u32, more: &dyn Fn(usize, f64, &[f64], usize) -> f64) -> Recording {
+fn moving(seed: u32, more: &Extra<'_>) -> Recording {
     Shown {
         seed,
         trajectories: 6,
@@ -116,7 +118,7 @@ fn moving(seed: u32, more: &dyn Fn(usize, f64, &[f64], usize) -> f64) -> Recordi
 }
 
 /// The robot at rest for three minutes.
-fn standing(seed: u32, more: &dyn Fn(usize, f64, &[f64], usize) -> f64) -> Recording {
+fn standing(seed: u32, more: &Extra<'_>) -> Recording {
     Shown {
         seed,
         trajectories: 4,
