@@ -198,7 +198,17 @@ fn shared_sessions_and_repeats() {
         };
         let (train, test) = (of("train.parquet"), of("test.parquet"));
         let steps = order(&[&train, &test]);
-        let files: Vec<usize> = steps.iter().map(|s| s.recording).collect();
-        assert_eq!(files, [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1]);
+        // One session, or two days that restart the clock: every trajectory once, each file's own in their order.
+        let count = |file: usize| steps.iter().filter(|s| s.recording == file).count();
+        assert_eq!(count(0), train.trajectories.len());
+        assert_eq!(count(1), test.trajectories.len());
+        for (file, recording) in [&train, &test].into_iter().enumerate() {
+            let own = steps.iter().filter(|s| s.recording == file);
+            assert!(
+                own.map(|s| s.trajectory).is_sorted(),
+                "{}",
+                recording.source
+            );
+        }
     }
 }

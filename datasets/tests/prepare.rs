@@ -292,6 +292,8 @@ fn shared_recordings_are_prepared() {
         let p = prepare(&r, &PrepareOptions::default()).unwrap();
         println!("{}: {:?}", file.display(), p.report);
         let hz = p.report.cutoff_hz.unwrap();
-        assert!((5.0..=50.0).contains(&hz), "{}: {hz} Hz", file.display());
+        // The easier ones are recorded at 250 Hz; of slower ones less is left.
+        let least = if p.report.rate_hz > 200.0 { 5.0 } else { 1.0 };
+        assert!((least..=50.0).contains(&hz), "{}: {hz} Hz", file.display());
     }
 }

@@ -201,7 +201,16 @@ pub fn identify(
         return Ok(whole(only, load_base, selections, None));
     }
 
-    let basic = basic::with_signs(&data, basic, &no_load, &options.forward)?;
+    // Whole visits left out judge fairly; blocks of one motion share what the motion does not show.
+    let forward = ForwardOptions {
+        standard_errors: if target.folds.whole {
+            0.0
+        } else {
+            options.forward.standard_errors
+        },
+        ..options.forward
+    };
+    let basic = basic::with_signs(&data, basic, &no_load, &forward)?;
     let mut estimator = options.estimator.clone();
     if estimator.prior.is_none() {
         estimator.given = basic::given_inertias(&data, &basic, &no_load)?;
@@ -229,8 +238,7 @@ pub fn identify(
                 let mut taken = columns.iter().zip(parameters).skip(always.len());
                 taken.all(|(&c, value)| value.abs() <= bounds[c - system.rigid()])
             };
-            let selection =
-                selection::forward(&folds, &always, &rest, &options.forward, admissible)?;
+            let selection = selection::forward(&folds, &always, &rest, &forward, admissible)?;
             let taken = selection
                 .taken
                 .iter()

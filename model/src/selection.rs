@@ -8,7 +8,7 @@ use physics::identify::least_squares::{Gram, LeastSquaresError};
 pub struct ForwardOptions {
     /// Part of the cross-validated error that a term has to remove to be taken.
     pub least_gain: f64,
-    /// Standard errors, over the folds, by which what it removes has to exceed zero.
+    /// Standard errors, over the folds, by which what it removes has to exceed zero where trajectories are cut.
     pub standard_errors: f64,
     /// Most terms taken.
     pub most: usize,
