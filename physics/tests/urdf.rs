@@ -279,3 +279,14 @@ fn kr300_equals_the_shared_description() {
         assert!((a - b).abs() < 1e-8 * b.abs().max(1.0), "{a} {b}");
     }
 }
+
+#[test]
+fn numbers_of_no_robot_are_refused() {
+    let text = to_urdf(&Robot::builtin("foxbot_a05").expect("built in"));
+    for part in ["mass value=\"", "ixx=\"", "xyz=\""] {
+        let at = text.rfind(part).expect("written") + part.len();
+        let end = at + text[at..].find(['"', ' ']).expect("closed");
+        let huge = format!("{}1e308{}", &text[..at], &text[end..]);
+        assert!(Robot::from_urdf_str(&huge).is_err(), "{part}");
+    }
+}

@@ -273,6 +273,9 @@ impl Robot {
     }
 }
 
+/// Inertial parameters and placements beyond this (kg, m) belong to no robot; their products leave the numbers.
+const LARGEST: f64 = 1e12;
+
 /// Relative tolerance on the eigenvalues of a described inertia: published tables carry about six
 /// digits.
 const ROUNDING: f64 = 1e-5;
@@ -300,12 +303,12 @@ fn check_joint(joint: &Joint) -> Result<(), RobotError> {
     number("rotor inertia", joint.rotor_inertia)?;
     let placement = joint.rotation.iter().chain(joint.translation.iter());
     for &value in placement {
-        if !value.is_finite() {
+        if !value.is_finite() || value.abs() > LARGEST {
             return Err(RobotError::BadNumber {
                 owner: joint.name.clone(),
                 what: "origin".to_owned(),
                 value,
-                hint: "it must be finite".to_owned(),
+                hint: "it must be finite and that of a robot".to_owned(),
             });
         }
     }
@@ -321,7 +324,9 @@ fn check_inertia(joint: &Joint, warnings: &mut Vec<String>) -> Result<(), RobotE
         joint: joint.name.clone(),
         reason,
     };
-    if let Some(bad) = inertia.parameters().iter().find(|p| !p.is_finite()) {
+    let parameters = inertia.parameters();
+    let usable = |p: &f64| p.is_finite() && p.abs() <= LARGEST;
+    if let Some(bad) = parameters.iter().find(|p| !usable(p)) {
         return Err(impossible(format!("it contains {bad}")));
     }
     if inertia.mass < 0.0 {
