@@ -49,28 +49,39 @@ impl Folds {
     /// fitted when that block is tested.
     pub fn new(recordings: &[&Recording], most: usize, gap: f64) -> Self {
         let pairs: Vec<Vec<(usize, usize)>> = recordings.iter().map(|r| repeats::find(r)).collect();
-        let mut visits = Vec::new();
-        for (part, (recording, pairs)) in recordings.iter().zip(&pairs).enumerate() {
-            let groups = groups(recording.trajectories.len(), pairs);
-            visits.extend(groups.into_iter().map(|g| (part, g)));
+        let visits = visits(recordings, &pairs);
+        if visits.len() >= FEWEST || most < 2 {
+            return Self::whole(recordings, visits, most);
         }
         let mut folds = Self {
             count: 0,
             cells: Vec::new(),
             rows: vec![Vec::new(); recordings.len()],
-            whole: visits.len() >= FEWEST || most < 2,
+            whole: false,
         };
-        if folds.whole {
-            folds.count = visits.len().min(most.max(1));
-            // Round robin spreads slow changes (warm-up) over all folds.
-            for (k, (part, group)) in visits.into_iter().enumerate() {
-                let fold = k % folds.count;
-                for trajectory in &recordings[part].trajectories[group] {
-                    folds.put(part, trajectory.range.clone(), fold, Vec::new());
-                }
+        folds.cut(recordings, &pairs, most, gap);
+        folds
+    }
+
+    /// Deals whole visits however few they are: for what cannot be cut, such as the windows of a network.
+    pub fn of_visits(recordings: &[&Recording], most: usize) -> Self {
+        let pairs: Vec<Vec<(usize, usize)>> = recordings.iter().map(|r| repeats::find(r)).collect();
+        Self::whole(recordings, visits(recordings, &pairs), most)
+    }
+
+    fn whole(recordings: &[&Recording], visits: Vec<(usize, Range<usize>)>, most: usize) -> Self {
+        let mut folds = Self {
+            count: visits.len().min(most.max(1)),
+            cells: Vec::new(),
+            rows: vec![Vec::new(); recordings.len()],
+            whole: true,
+        };
+        // Round robin spreads slow changes (warm-up) over all folds.
+        for (k, (part, group)) in visits.into_iter().enumerate() {
+            let fold = k % folds.count;
+            for trajectory in &recordings[part].trajectories[group] {
+                folds.put(part, trajectory.range.clone(), fold, Vec::new());
             }
-        } else {
-            folds.cut(recordings, &pairs, most, gap);
         }
         folds
     }
@@ -217,6 +228,16 @@ struct Motion<'a> {
     /// Folds of the blocks.
     folds: Range<usize>,
     gap: f64,
+}
+
+/// Groups of trajectories that belong together, by recording.
+fn visits(recordings: &[&Recording], pairs: &[Vec<(usize, usize)>]) -> Vec<(usize, Range<usize>)> {
+    let all = recordings.iter().zip(pairs).enumerate();
+    all.flat_map(|(part, (recording, pairs))| {
+        let groups = groups(recording.trajectories.len(), pairs);
+        groups.into_iter().map(move |g| (part, g))
+    })
+    .collect()
 }
 
 /// Groups of trajectory indices that belong together, in order.

@@ -199,7 +199,7 @@ pub fn fit_physics(
         identified,
         possible,
         physics,
-        fold: target.folds.of_trajectories(&recordings),
+        fold: Folds::of_visits(&recordings, options.identify.folds).of_trajectories(&recordings),
     })
 }
 
