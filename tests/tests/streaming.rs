@@ -1,6 +1,6 @@
 //! The run-time against `eval`: the same torque over whole recordings, sample by sample, without allocation.
 
-use datasets::prepare::{PrepareOptions, Prepared, prepare};
+use datasets::prepare::{Derivatives, PrepareOptions, Prepared, prepare};
 use datasets::{ReadOptions, Recording};
 use feedforward::Feedforward;
 use feedforward::clock::LONGEST_PAUSE;
@@ -111,8 +111,19 @@ fn stream(
     assert!(ALLOCATIONS.get() > before);
 }
 
-fn prepared(recording: &Recording) -> Prepared {
-    prepare(recording, &PrepareOptions::default()).expect("it was used by eval")
+/// The motion as `eval` prepares it for the model.
+fn prepared(recording: &Recording, model: &Path) -> Prepared {
+    let own = &json(&model.join("model.json"))["preprocessing"];
+    let options = PrepareOptions {
+        cutoff_hz: own["cutoff_hz"].as_f64(),
+        derivatives: if own["position_alone"] == true {
+            Derivatives::FromPosition
+        } else {
+            Derivatives::Auto
+        },
+        ..PrepareOptions::default()
+    };
+    prepare(recording, &options).expect("it was used by eval")
 }
 
 /// Largest difference of one row from the prediction, N·m.
@@ -156,7 +167,7 @@ fn same_torque_as_eval_at_the_recorded_rate() {
         let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
         let mut model = Feedforward::load(&place("model"), None).expect("a model");
         assert!((model.period() - 0.01).abs() < 1e-9);
-        let motion = prepared(&recording);
+        let motion = prepared(&recording, &place("model"));
         let mut worst = 0.0_f64;
         stream(&mut model, &motion.at_samples, known, |row, tau| {
             worst = worst.max(difference(tau, &expected[row]));
@@ -194,7 +205,7 @@ fn same_torque_as_eval_between_the_recorded_samples() {
     assert!(has_a_unit(&place("model")));
     let (recording, expected) = predicted(&place("model"), &test, &place("torque.csv"));
     let mut model = Feedforward::load(&place("model"), Some(1.0 / 120.0)).expect("a model");
-    let motion = prepared(&recording);
+    let motion = prepared(&recording, &place("model"));
     let starts: Vec<[usize; 2]> = std::iter::zip(&motion.fine.segments, recording.segments())
         .map(|(fine, rows)| {
             assert_eq!(fine.len(), 2 * rows.len() - 1, "two fine steps per sample");
