@@ -41,7 +41,6 @@ pub mod reversal;
 pub mod rungs;
 pub mod scene;
 pub mod select;
-mod shift;
 pub mod standing;
 pub mod unknown;
 mod verdict;
