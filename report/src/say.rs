@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Whether standard output was closed by its reader.
 static CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// Writes to standard output what [`say!`](crate::say) and [`say_text!`](crate::say_text) give.
+/// Writes to standard output what `say!` and `say_text!` give.
 ///
 /// A closed pipe (`… | head`) is the end of the output and no failure: what comes later is dropped, and the
 /// program goes on to write its files. Any other failure (a full disk) is said once on standard error.
