@@ -4,7 +4,7 @@ use crate::candidates::{self, Candidate, backlash, saturation, torque_ripple};
 use crate::dictionary::Dictionary;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
-use crate::fit::{Fit, Variable};
+use crate::fit::Variable;
 use crate::folds::folds;
 use crate::frame::Frame;
 use crate::gram::Grams;
@@ -13,11 +13,12 @@ use crate::model::NominalModel;
 use crate::objective::{Objective, Settings};
 use crate::order::Orders;
 use crate::reversal::choose;
+use crate::rungs::FREEDOMS;
 use crate::scene::{Scale, Scene};
 use crate::select::{Search, Tried};
 use datasets::Recording;
 use datasets::check::plateau;
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Axis};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 
@@ -25,6 +26,8 @@ use rayon::prelude::*;
 const MOST_CAUSES: usize = 24;
 /// Highest cut-off of the motion over the rate of a recording.
 pub const MOST_CUTOFF: f64 = 0.3;
+/// The same of a cut-off that is given.
+const HIGHEST_CUTOFF: f64 = 0.4;
 
 /// The recordings on their clocks.
 pub struct Frames {
@@ -37,7 +40,7 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Prepares both recordings.
+    /// Prepares both recordings, their motion low-passed at `cutoff_hz`, or at what suits the fitted one.
     ///
     /// # Errors
     /// No torque, or a recording that cannot be prepared.
@@ -45,11 +48,14 @@ impl Frames {
         model: &NominalModel,
         data: &Recording,
         heldout: &Recording,
+        cutoff_hz: Option<f64>,
     ) -> Result<Self, DiagnoseError> {
-        let view = choose(model, data)?;
+        let carried = |r: &Recording| cutoff_hz.map(|c| c.min(HIGHEST_CUTOFF * rate(r)));
+        let view = choose(model, data, carried(data))?;
         // A recording at a lower rate cannot be filtered as high.
         let frame = |r: &Recording| {
-            let most = MOST_CUTOFF * rate(r);
+            let part = cutoff_hz.map_or(MOST_CUTOFF, |_| HIGHEST_CUTOFF);
+            let most = part * rate(r);
             fresh(r, view.cutoff_hz.map(|c| c.min(most)))
         };
         let (data, heldout) = (frame(data)?, frame(heldout)?);
@@ -124,6 +130,8 @@ pub struct Findings {
     pub std: Array1<f64>,
     /// The best of what was not accepted.
     pub rest: Vec<Tried>,
+    /// How far parameters may leave the given values when they are identified again, in tolerances.
+    pub freedom: f64,
     /// Settings of the search.
     pub settings: Settings,
 }
@@ -162,17 +170,30 @@ impl Columns {
         variables: &[Variable],
         beta: &Array1<f64>,
     ) -> Array2<f64> {
+        let mut out = Array2::zeros(shape);
+        self.add(&mut out, 0..shape.0, variables, beta);
+        out
+    }
+
+    /// Adds the torque of the given coefficients on some samples to `out`, shape (samples, joints).
+    pub fn add(
+        &self,
+        out: &mut Array2<f64>,
+        samples: std::ops::Range<usize>,
+        variables: &[Variable],
+        beta: &Array1<f64>,
+    ) {
         let mut by_column = std::collections::HashMap::new();
         for (v, b) in variables.iter().zip(beta) {
             *by_column.entry(v.column).or_insert(0.0) += b;
         }
-        let mut out = Array2::zeros(shape);
+        let mut out = out.slice_axis_mut(Axis(0), samples.clone().into());
         for (c, j, x) in &self.0 {
             if let Some(&b) = by_column.get(c) {
-                out.column_mut(*j).scaled_add(b, x);
+                out.column_mut(*j)
+                    .scaled_add(b, &x.slice_axis(Axis(0), samples.clone().into()));
             }
         }
-        out
     }
 }
 
@@ -253,6 +274,7 @@ pub fn find(
         tight,
         std,
         rest,
+        freedom: FREEDOMS[0],
         settings,
     })
 }
@@ -280,31 +302,6 @@ fn first_fit(
 }
 
 impl Findings {
-    /// Fit of the base and some accepted causes with the given parameters' tolerances widened by `freedom`.
-    pub fn refit(
-        &self,
-        model: &NominalModel,
-        scale: &Scale,
-        causes: &[usize],
-        freedom: f64,
-    ) -> (Vec<Variable>, Array1<f64>) {
-        let objective = Objective::new(&self.grams, scale, &self.settings);
-        let mut variables = objective.base(model.sizes());
-        for v in &mut variables {
-            v.precision /= freedom * freedom;
-        }
-        for &c in causes {
-            variables.extend(
-                self.dictionary.members[self.accepted[c].candidate]
-                    .iter()
-                    .map(|&m| objective.wide(m)),
-            );
-        }
-        let fit: Fit = objective.fit(variables.clone());
-        let beta = fit.beta().clone();
-        (variables, beta)
-    }
-
     /// Change of each parameter of the model (10 N inertial, N viscous, N Coulomb) by the variables kept, and its deviation:
     /// of several coefficients of one parameter the narrowest says how well it is known. Infinite where none moves it.
     pub fn changes(&self, keep: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {

@@ -63,6 +63,12 @@ pub struct Arguments {
     /// Drive file: gear ratios, torque constants, joint zeros, names and units of columns.
     #[arg(long, value_name = "FILE.toml")]
     pub drive: Option<PathBuf>,
+    /// Cut-off of the motion's low-pass, Hz, instead of the one chosen from the data.
+    #[arg(long, value_name = "F", value_parser = cutoff)]
+    pub cutoff_hz: Option<f64>,
+    /// Skip what takes surrogates of the recording.
+    #[arg(long)]
+    pub fast: bool,
     /// Also say what a learned compensator would still close.
     #[arg(long)]
     pub learn: bool,
@@ -79,4 +85,11 @@ pub struct Arguments {
     /// rotor inertias, a drive file.
     #[arg(long)]
     pub patch: Option<PathBuf>,
+}
+
+fn cutoff(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(f) if f > 0.0 && f.is_finite() => Ok(f),
+        _ => Err("a frequency above zero is needed, in Hz".to_owned()),
+    }
 }

@@ -1,13 +1,16 @@
 //! `external_contact`: a force from outside during part of the recording.
 //!
 //! It does not repeat, so nothing fitted on one trajectory predicts it on another: it is found as bursts of what
-//! the other causes leave, in the recording that is scored. A force on link k loads joints 1…k, not those beyond:
-//! the last loaded joint names the link. Within a burst the torque is followed in time by the smoothed residual.
+//! the other causes leave, in either recording, each by itself. A force on link k loads joints 1…k, not those beyond:
+//! the last loaded joint names the link. Of a joint at rest, what departs from what it holds most of the time counts.
+//! Pushed samples are fitted and scored nowhere.
 //! Confounders: any rare event that repeats with the motion, which a learner then predicts; a fault of one joint's
 //! torque channel or transmission that comes and goes, which loads no other joint; vibration, which swings about zero.
 
-use crate::frame::{Frame, REVERSAL_SPEED};
-use ndarray::{Array1, Array2, ArrayView1, ArrayViewMut1};
+use crate::frame::Frame;
+use crate::report::Push;
+use crate::standing::{Judged, State};
+use ndarray::{Array2, ArrayView1, ArrayViewMut1};
 use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
 use std::ops::Range;
@@ -18,6 +21,12 @@ const WINDOW: f64 = 0.12;
 const HEIGHT: f64 = 8.0;
 /// Gap between windows of one burst, s.
 const GAP: f64 = 0.4;
+/// Longest push, s: what presses longer is a load.
+const LONGEST: f64 = 20.0;
+/// Fewest windows of a burst in motion, where shorter ones may be reversals.
+const FEWEST: usize = 3;
+/// Height of a burst over that of the highest one, below which it is none.
+const LEAST_HEIGHT: f64 = 0.05;
 /// Most of the time that bursts may take.
 const MOST_TIME: f64 = 0.4;
 /// Least part of the squared window means that lies in bursts.
@@ -56,37 +65,53 @@ pub struct Contact {
     pub share: f64,
     /// Sum over joints of the torque's mean square over the variance of the measured torque.
     pub size: f64,
+    /// Whether some push came while a joint stood.
+    pub at_rest: bool,
 }
 
-/// Windows of a trajectory: mean residual per joint.
+/// Windows of all trajectories: mean of what is left, per joint; none where the joint turns round or stops.
 struct Windows {
     samples: Vec<Range<usize>>,
-    mean: Array2<f64>,
+    mean: Array2<Option<f64>>,
+    standing: Array2<bool>,
 }
 
-/// Looks for bursts in a residual at the recorded samples. None where nothing stands out, or too much does.
-pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
-    let windows = windows(frame, residual);
+impl Windows {
+    /// Usual size of the means of a joint that moves, or stands; at least `least`.
+    fn usual(&self, joint: usize, standing: bool, least: f64) -> f64 {
+        let of = |w: usize| self.mean[[w, joint]].filter(|_| self.standing[[w, joint]] == standing);
+        let mut size: Vec<f64> = (0..self.samples.len())
+            .filter_map(|w| Some(of(w)?.abs()))
+            .collect();
+        size.sort_by(f64::total_cmp);
+        let middle = size.get(size.len() / 2).copied().unwrap_or(0.0);
+        (1.4826 * middle).max(least).max(1e-9)
+    }
+}
+
+/// Looks for pushes in what is left at the recorded samples; of joints in motion only where `moving` says that the motion
+/// explains no such thing. None where nothing stands out, or too much does.
+pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
+    let dof = frame.dof();
+    let windows = windows(frame, left, moving);
     let n = windows.samples.len();
     if n < 20 {
         return None;
     }
-    let usual: Vec<f64> = (0..frame.dof())
+    let levels: Vec<[f64; 2]> = (0..dof)
         .map(|j| {
-            let mut size: Vec<f64> = windows.mean.column(j).iter().map(|m| m.abs()).collect();
-            size.sort_by(f64::total_cmp);
             let least = QUIET * frame.tau.column(j).std(0.0);
-            (1.4826 * size[n / 2]).max(least).max(1e-9)
+            [false, true].map(|standing| windows.usual(j, standing, least))
         })
         .collect();
-    let height = |w: usize| {
-        (0..frame.dof())
-            .map(|j| windows.mean[[w, j]].abs() / usual[j])
-            .fold(0.0, f64::max)
+    let relative = |w: usize, j: usize| {
+        let usual = levels[j][usize::from(windows.standing[[w, j]])];
+        windows.mean[[w, j]].map_or(0.0, |m| m.abs() / usual)
     };
+    let highest = |w: usize| (0..dof).map(|j| relative(w, j)).fold(0.0, f64::max);
     let reach = ((GAP / WINDOW).round() as usize).max(1);
     let mut bursts: Vec<Range<usize>> = Vec::new();
-    for w in (0..n).filter(|&w| height(w) > HEIGHT) {
+    for w in (0..n).filter(|&w| highest(w) > HEIGHT) {
         match bursts.last_mut() {
             Some(b) if w - (b.end - 1) <= reach && adjacent(&windows.samples, b.end - 1, w) => {
                 b.end = w + 1
@@ -94,8 +119,32 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
             _ => bursts.push(w..w + 1),
         }
     }
-    // Short ones may be reversals.
-    bursts.retain(|b| b.len() >= 3);
+    let at_rest = |b: &Range<usize>| {
+        let loaded = |w: usize, j: usize| relative(w, j) > HEIGHT;
+        b.clone()
+            .any(|w| (0..dof).any(|j| loaded(w, j) && windows.standing[[w, j]]))
+    };
+    // A rest that is pushed was quiet before and is again afterwards; how a joint comes to rest is no push.
+    let quiet = |w: usize| (0..dof).any(|j| windows.standing[[w, j]]) && highest(w) <= HEIGHT;
+    let between = |b: &Range<usize>| {
+        b.start > 0
+            && adjacent(&windows.samples, b.start - 1, b.start)
+            && quiet(b.start - 1)
+            && b.end < n
+            && adjacent(&windows.samples, b.end - 1, b.end)
+            && quiet(b.end)
+    };
+    bursts.retain(|b| {
+        if at_rest(b) {
+            between(b)
+        } else {
+            b.len() >= FEWEST
+        }
+    });
+    let height = |b: &Range<usize>| b.clone().map(highest).fold(0.0, f64::max);
+    let most = bursts.iter().map(height).fold(0.0, f64::max);
+    bursts.retain(|b| height(b) >= LEAST_HEIGHT * most);
+    let rests = bursts.iter().any(at_rest);
     for b in &mut bursts {
         let start = b.start.saturating_sub(1);
         if adjacent(&windows.samples, start, b.start) {
@@ -105,36 +154,36 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
             b.end += 1;
         }
     }
+    let samples = |b: &Range<usize>| windows.samples[b.start].start..windows.samples[b.end - 1].end;
+    let time = &frame.samples().time;
+    let last = windows.samples[n - 1].end;
+    // What has not ended, or presses on and on, is a load.
+    bursts.retain(|b| {
+        let s = samples(b);
+        s.end < last && time[s.end - 1] - time[s.start] <= LONGEST
+    });
     let inside: usize = bursts.iter().map(Range::len).sum();
-    let energy = |w: usize| {
-        (0..frame.dof())
-            .map(|j| (windows.mean[[w, j]] / usual[j]).powi(2))
-            .sum::<f64>()
-    };
+    let energy = |w: usize| (0..dof).map(|j| relative(w, j).powi(2)).sum::<f64>();
     let all: f64 = (0..n).map(energy).sum();
     let share = bursts.iter().cloned().flatten().map(energy).sum::<f64>() / all;
     if bursts.is_empty() || inside as f64 > MOST_TIME * n as f64 || share < LEAST_SHARE {
         return None;
     }
     let rate = frame.report().rate_hz;
-    let mut torque = Array2::zeros(residual.dim());
+    let mut torque = Array2::zeros(left.departure.dim());
     let bursts: Vec<Burst> = bursts
         .into_iter()
         .map(|b| {
-            let peak = |j: usize| {
-                b.clone()
-                    .map(|w| windows.mean[[w, j]].abs() / usual[j])
-                    .fold(0.0, f64::max)
-            };
-            let highest = (0..frame.dof()).map(peak).fold(0.0, f64::max);
-            let last = (0..frame.dof())
+            let peak = |j: usize| b.clone().map(|w| relative(w, j)).fold(0.0, f64::max);
+            let highest = (0..dof).map(peak).fold(0.0, f64::max);
+            let last = (0..dof)
                 .rev()
                 .find(|&j| peak(j) > (0.15 * highest).max(4.0))
                 .unwrap_or(0);
-            let samples = windows.samples[b.start].start..windows.samples[b.end - 1].end;
+            let samples = samples(&b);
             for j in 0..=last {
                 follow(
-                    residual.column(j),
+                    left.departure.column(j),
                     samples.clone(),
                     rate,
                     torque.column_mut(j),
@@ -147,16 +196,17 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
             }
         })
         .collect();
-    let load: Vec<f64> = (0..frame.dof())
+    let load: Vec<f64> = (0..dof)
         .map(|j| {
-            let square = torque.column(j).dot(&torque.column(j)) / residual.nrows() as f64;
+            let square = torque.column(j).dot(&torque.column(j)) / torque.nrows() as f64;
             square / frame.tau.column(j).var(0.0).max(1e-12)
         })
         .collect();
     let size: f64 = load.iter().sum();
-    if frame.dof() > 1 && load.iter().any(|l| *l > ALONE * size) {
+    if dof > 1 && load.iter().any(|l| *l > ALONE * size) {
         return None;
     }
+    let usual: Vec<f64> = levels.iter().map(|l| l[0].max(l[1])).collect();
     if steadiness(&torque, &bursts, &usual) < STEADY {
         return None;
     }
@@ -165,6 +215,7 @@ pub fn detect(frame: &Frame, residual: &Array2<f64>) -> Option<Contact> {
         torque,
         share,
         size,
+        at_rest: rests,
     })
 }
 
@@ -190,7 +241,7 @@ fn adjacent(samples: &[Range<usize>], a: usize, b: usize) -> bool {
     a <= b && (a..b).all(|w| samples[w].end == samples[w + 1].start)
 }
 
-fn windows(frame: &Frame, residual: &Array2<f64>) -> Windows {
+fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
     let length = ((WINDOW * frame.report().rate_hz).round() as usize).max(2);
     let samples: Vec<Range<usize>> = frame
         .samples()
@@ -200,17 +251,32 @@ fn windows(frame: &Frame, residual: &Array2<f64>) -> Windows {
             (0..s.len() / length).map(move |w| s.start + w * length..s.start + (w + 1) * length)
         })
         .collect();
+    let all =
+        |w: usize, j: usize, state: State| samples[w].clone().all(|i| left.state[[i, j]] == state);
+    let shape = (samples.len(), frame.dof());
+    let standing = Array2::from_shape_fn(shape, |(w, j)| all(w, j, State::Standing));
     // What happens while a joint turns round is friction's.
     let qd = &frame.samples().qd;
-    let mean = Array2::from_shape_fn((samples.len(), residual.ncols()), |(w, j)| {
-        if samples[w].clone().any(|i| {
-            qd[[i, j]] * qd[[samples[w].start, j]] <= 0.0 || qd[[i, j]].abs() < REVERSAL_SPEED
-        }) {
-            return 0.0;
-        }
-        samples[w].clone().map(|i| residual[[i, j]]).sum::<f64>() / length as f64
+    let mean = Array2::from_shape_fn(shape, |(w, j)| {
+        let turns = || {
+            samples[w]
+                .clone()
+                .any(|i| qd[[i, j]] * qd[[samples[w].start, j]] <= 0.0)
+        };
+        let seen = standing[[w, j]] || moving && all(w, j, State::Moving) && !turns();
+        seen.then(|| {
+            samples[w]
+                .clone()
+                .map(|i| left.departure[[i, j]])
+                .sum::<f64>()
+                / length as f64
+        })
     });
-    Windows { samples, mean }
+    Windows {
+        samples,
+        mean,
+        standing,
+    }
 }
 
 /// The residual of a joint inside a burst, smoothed by running means, which shorten towards its ends.
@@ -239,19 +305,42 @@ fn follow(
 }
 
 impl Contact {
-    /// Whether a row that is fitted lies in a burst, on any joint; `margin` in samples on either side.
-    pub fn covers(&self, frame: &Frame, margin: usize) -> Vec<bool> {
-        let index: Array1<f64> = (0..frame.tau.nrows()).map(|i| i as f64).collect();
-        frame
-            .pick(index.view())
-            .iter()
-            .map(|&i| {
-                let i = i as usize;
-                self.bursts
-                    .iter()
-                    .any(|b| i + margin >= b.samples.start && i < b.samples.end + margin)
-            })
+    /// Which recorded samples lie in a push, or within `margin` samples of one.
+    pub fn pushed(&self, samples: usize, margin: usize) -> Vec<bool> {
+        let near =
+            |i: usize, b: &Burst| i + margin >= b.samples.start && i < b.samples.end + margin;
+        (0..samples)
+            .map(|i| self.bursts.iter().any(|b| near(i, b)))
             .collect()
+    }
+
+    /// Joints that it loads.
+    pub fn loaded(&self) -> Vec<usize> {
+        let last = self.bursts.iter().map(|b| b.last_joint).max();
+        (0..=last.unwrap_or(0)).collect()
+    }
+
+    /// The pushes as the report has them; `recording` is `data` or `heldout`.
+    pub fn pushes(&self, recording: &'static str, robot: &Robot, frame: &Frame) -> Vec<Push> {
+        let motion = frame.samples();
+        let one = |b: &Burst| {
+            let segment = motion
+                .segments
+                .iter()
+                .position(|s| s.contains(&b.samples.start));
+            let rows = b.samples.len() as f64;
+            let mean =
+                |j: usize| b.samples.clone().map(|i| self.torque[[i, j]]).sum::<f64>() / rows;
+            Push {
+                recording,
+                trajectory: segment.map_or(String::new(), |s| frame.label(s).to_owned()),
+                start: motion.time[b.samples.start],
+                end: motion.time[b.samples.end - 1],
+                link: robot.joints()[b.last_joint].link.name.clone(),
+                torque: (0..robot.dof()).map(mean).collect(),
+            }
+        };
+        self.bursts.iter().map(one).collect()
     }
 
     /// Largest force at the origin of the frame after the loaded link, N, by least squares over J_vᵀ f, for the

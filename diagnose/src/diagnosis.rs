@@ -4,37 +4,29 @@ use crate::analysis::{Findings, Frames, find};
 use crate::contact::detect;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
-use crate::explain::{Explanation, explain, removed};
+use crate::explain::{CONTACT_SIZE, Explanation, Said, explain};
 use crate::forward;
-use crate::ladder::{repeatability, step};
+use crate::ladder::{Scored, repeatability};
 use crate::learned::learned;
+use crate::listing::{Listing, list};
 use crate::locate::locate;
 use crate::model::NominalModel;
 use crate::moved::moved;
 use crate::objective::Settings;
 use crate::patch::{self, possible};
 use crate::recordings::{checked, not_identifiable, notes};
-use crate::report::{Cause, Diagnosis, Place, Simulation, Tested, Unexplained, Verdict};
-use crate::scene::rigid_torque;
+use crate::report::{Cause, Diagnosis, NotIdentifiable, Place, Simulation, Tested};
+use crate::scene::{Scene, rigid_torque};
+use crate::standing::{Coulomb, Judged, judge, states};
 use crate::unknown::{Left, examine};
+use crate::verdict::{CLEAR, Evidence, dead, moves, remainder, verdict};
 use datasets::Recording;
+use ndarray::Array2;
 use physics::robot::Robot;
 
-/// Structure left on some joint, relative to its torque, from which it counts as clear.
-const CLEAR: f64 = 0.03;
-/// Part of the whole gap that it must be.
-const CLEAR_SHARE: f64 = 0.06;
-/// Structured error that is clear whatever its share.
-const PLAIN: f64 = 0.09;
-/// Part of the gap that the causes must remove to explain it.
-const EXPLAINED: f64 = 0.8;
-/// Gap on the worst joint below which there is none.
-const SMALL: f64 = 0.05;
-/// Part of the error that a learner may predict for the rest to count as contact.
+/// Part of the error that a learner may predict for the rest to count as contact in motion.
 const CONTACT_LEARNABLE: f64 = 0.35;
-/// Least part of the gap that contact makes.
-const CONTACT_SIZE: f64 = 0.1;
-/// Time around a burst that is not fitted either, s.
+/// Time around a push that is not fitted either, s.
 const CONTACT_MARGIN: f64 = 0.1;
 
 /// Everything a report is made of.
@@ -47,8 +39,8 @@ pub struct Outcome {
     pub frames: Frames,
     /// The measured explanation.
     pub explanation: Explanation,
-    /// What is left per joint, on the fitted recording.
-    pub left: Vec<Left>,
+    /// What has structure of what is left, per joint, on the fitted recording.
+    pub left: Vec<Option<Left>>,
 }
 
 /// What a diagnosis is to do.
@@ -56,10 +48,20 @@ pub struct Outcome {
 pub struct Options {
     /// How gaps are weighed.
     pub settings: Settings,
+    /// Cut-off of the motion's low-pass, Hz; chosen from the fitted recording where none is given.
+    pub cutoff_hz: Option<f64>,
     /// Train a compensator on what the causes leave.
     pub learn: bool,
     /// Simulate motion with the model as given and with the causes.
     pub simulate: bool,
+}
+
+/// What the fitted recording says, some of its samples left out.
+struct Search {
+    findings: Findings,
+    listing: Listing,
+    left: Vec<Option<Left>>,
+    judged: Judged,
 }
 
 /// Diagnoses the gap between a model and recordings.
@@ -72,49 +74,104 @@ pub fn diagnose(
     heldout: &Recording,
     options: &Options,
 ) -> Result<Outcome, DiagnoseError> {
-    let settings = options.settings.clone();
-    let frames = Frames::new(model, data, heldout)?;
+    let settings = &options.settings;
+    let frames = Frames::new(model, data, heldout, options.cutoff_hz)?;
+    let dead = dead(&frames.data);
+    let moves = moves(&frames.data, &states(&frames.data), &dead);
     let mut weight = frames.data.weights();
-    let mut findings = find(model, &frames, &weight, settings.clone())?;
-    let mut explanation = explain(model, &frames, &findings, false)?;
-    let mut left = examine(&frames.data, &explanation.residual_data);
-    let mut cleaned = explanation.residual_data.clone();
-    // What a learner predicts from motion repeats, and is no contact.
-    let repeats = left
-        .iter()
-        .any(|l| l.structured() > CLEAR && l.learnable > CONTACT_LEARNABLE);
-    if let Some(contact) = detect(&frames.data, &explanation.residual_data).filter(|c| {
-        !repeats
-            && options.settings.withheld != Some(Effect::ExternalContact)
-            && c.size > CONTACT_SIZE * explanation.given_data
-    }) {
-        let margin = (CONTACT_MARGIN * frames.data.report().rate_hz) as usize;
-        for (mut row, hit) in weight
-            .rows_mut()
-            .into_iter()
-            .zip(contact.covers(&frames.data, margin))
-        {
-            if hit {
-                row.fill(0.0);
-            }
-        }
-        findings = find(model, &frames, &weight, settings)?;
-        explanation = explain(model, &frames, &findings, true)?;
-        let rest = detect(&frames.data, &explanation.residual_data);
-        cleaned = rest.map_or_else(
-            || explanation.residual_data.clone(),
-            |c| &explanation.residual_data - &c.torque,
-        );
-        left = examine(&frames.data, &cleaned);
+    for (mut column, _) in weight.columns_mut().into_iter().zip(&dead).filter(|d| *d.1) {
+        column.fill(0.0);
     }
+    let search = |weight: &Array2<f64>, skipped: &[bool]| -> Result<Search, DiagnoseError> {
+        let mut findings = find(model, &frames, weight, settings.clone())?;
+        let scored = Scored::new(&dead, skipped.iter().map(|s| !s).collect());
+        let listing = list(model, &frames, &mut findings, weight, &scored, moves);
+        let left = examine(
+            &frames.data,
+            &listing.residual,
+            &frames.data.pick(|i| skipped[i]),
+        );
+        let scene = Scene::new(&findings.present, frames.data.motion(), &frames.scale);
+        let coulomb = Coulomb {
+            torque: listing.coulomb.clone(),
+            sign: frames.data.table_to_samples(&scene.sign),
+        };
+        let judged = judge(&frames.data, &listing.residual, &coulomb);
+        Ok(Search {
+            findings,
+            listing,
+            left,
+            judged,
+        })
+    };
+    let mut skipped = vec![false; frames.data.tau.nrows()];
+    let mut found = search(&weight, &skipped)?;
+    // What a learner predicts from motion repeats, and is no contact.
+    let repeats = |left: &[Option<Left>]| {
+        let mut left = left.iter().flatten();
+        left.any(|l| l.structured() > CLEAR && l.learnable > CONTACT_LEARNABLE)
+    };
+    let look = (settings.withheld != Some(Effect::ExternalContact)).then(|| !repeats(&found.left));
+    let contact = look.and_then(|moving| {
+        detect(&frames.data, &found.judged, moving)
+            .filter(|c| c.at_rest || c.size > CONTACT_SIZE * found.listing.given)
+    });
+    if let Some(contact) = &contact {
+        let margin = (CONTACT_MARGIN * frames.data.report().rate_hz) as usize;
+        skipped = contact.pushed(skipped.len(), margin);
+        let rows = weight.rows_mut().into_iter();
+        let near = rows.zip(frames.data.pick(|i| skipped[i]));
+        near.filter(|r| r.1).for_each(|(mut row, _)| row.fill(0.0));
+        found = search(&weight, &skipped)?;
+    }
+    let said = Said {
+        listing: &found.listing,
+        contact: contact.as_ref(),
+        dead: &dead,
+        look: look.map(|_| !repeats(&found.left)),
+    };
+    let explanation = explain(model, &frames, &found.findings, &said);
     let names = model.robot.joint_names();
+    let rest = remainder(
+        data,
+        &frames.data,
+        &found.judged,
+        &skipped,
+        &found.left,
+        &names,
+        &dead,
+    );
+    let (verdict, reason) = verdict(&Evidence {
+        dead: &dead,
+        moves,
+        given: found.listing.given,
+        left: &found.left,
+        rest: &rest,
+        causes: !explanation.causes.is_empty(),
+        pushed: explanation
+            .causes
+            .iter()
+            .any(|c| c.effect == Effect::ExternalContact),
+        cut: explanation.cut,
+    });
+    let Search {
+        findings,
+        listing,
+        left,
+        ..
+    } = found;
+    let mut quiet = listing.residual;
+    for (mut row, _) in quiet.rows_mut().into_iter().zip(&skipped).filter(|r| *r.1) {
+        row.fill(0.0);
+    }
     let recordings = checked(model, &frames, [data, heldout]);
     let mut ladder = explanation.ladder.clone();
     if options.learn
-        && let Some(torque) = learned(&frames, &cleaned, &findings.present)?
+        && let Some(torque) = learned(&frames, &quiet, &findings.present)?
     {
         let rest = &explanation.residual - &torque;
-        ladder.push(step("learned", &rest, &frames.heldout));
+        let scored = &explanation.scored;
+        ladder.push(scored.step("learned", &rest, &frames.heldout));
     }
     ladder.extend(repeatability(heldout, &frames.heldout));
     let simulation = if options.simulate {
@@ -124,10 +181,25 @@ pub fn diagnose(
     };
     let samples = frames.heldout.samples();
     let load = rigid_torque(&model.robot, &samples.q, &samples.qd, &samples.qdd);
+    let mut unknowable = not_identifiable(&frames, recordings.first(), &names);
+    unknowable.extend(
+        names
+            .iter()
+            .zip(&dead)
+            .filter(|(_, dead)| **dead)
+            .map(|(name, _)| NotIdentifiable {
+                effect: None,
+                joints: vec![name.clone()],
+                reason: format!(
+                    "{name} has no usable torque channel: nearly every sample has one value"
+                ),
+            }),
+    );
     let diagnosis = Diagnosis {
         schema: "diagnosis/1",
         joints: names.clone(),
-        verdict: verdict(&explanation, &left),
+        verdict,
+        reason,
         ladder,
         places: places_in_units(
             locate(
@@ -143,19 +215,11 @@ pub fn diagnose(
         causes: in_units(explanation.causes.clone(), &model.robot),
         moved_parameters: moved(model, &findings),
         candidates: tested(&findings, &names),
-        not_identifiable: not_identifiable(&frames, recordings.first(), &names),
+        not_identifiable: unknowable,
         recordings,
         simulation,
         next_experiment: None,
-        unexplained: names
-            .iter()
-            .zip(&left)
-            .map(|(joint, l)| Unexplained {
-                joint: joint.clone(),
-                nrmse: l.structured(),
-                learnable: l.learnable,
-            })
-            .collect(),
+        unexplained: rest,
         notes: notes(&frames),
     };
     Ok(Outcome {
@@ -230,37 +294,6 @@ fn linear(unit: &str) -> Option<&'static str> {
     })
 }
 
-fn verdict(explanation: &Explanation, left: &[Left]) -> Verdict {
-    let given = explanation.ladder[0]
-        .all
-        .nrmse
-        .iter()
-        .flatten()
-        .map(|v| v * v)
-        .sum::<f64>();
-    let clear = left.iter().any(|l| {
-        let s = l.structured();
-        s > PLAIN || s > CLEAR && s * s > CLEAR_SHARE * given
-    });
-    if clear {
-        return Verdict::UnknownEffect;
-    }
-    if explanation.causes.is_empty() {
-        return if given.sqrt() < SMALL || removed(&explanation.ladder) < EXPLAINED {
-            Verdict::NoGap
-        } else {
-            Verdict::Explained
-        };
-    }
-    let floor = left.iter().all(|l| l.structured() < CLEAR / 2.0);
-    let bare = left.iter().all(|l| l.structured() < CLEAR);
-    if floor || (bare && removed(&explanation.ladder) > EXPLAINED) {
-        Verdict::Explained
-    } else {
-        Verdict::PartlyExplained
-    }
-}
-
 /// The best candidate of each effect and place beyond the accepted causes.
 fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
     const MOST: usize = 40;
@@ -284,7 +317,7 @@ fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
             effect: c.effect,
             joints: c.joints.iter().map(|&j| names[j].clone()).collect(),
             gap_closed: 1.0 - now / given.max(1e-300),
-            p_value: (-t.gain.max(0.0)).exp(),
+            p_value: None,
         });
     }
     out

@@ -2,27 +2,27 @@
 //!
 //! With r the gap as given and c_k the torques of the causes from one joint fit, the squared error of a set S
 //! of causes is |r − Σ_S c_k|². Shapley's value of a game that is quadratic in its players is exact without
-//! enumeration: φ_k = 2 r·c_k − c_k·Σ_l c_l.
+//! enumeration: φ_k = 2 r·c_k − c_k·Σ_l c_l. What a push leaves out of the score counts as its torque.
 
 use crate::analysis::{Accepted, Columns, Findings, Frames, gap};
 use crate::contact::{Contact, detect};
 use crate::effect::Effect;
-use crate::error::DiagnoseError;
-use crate::ladder::{deviations, figures, total};
+use crate::fit::Fit;
+use crate::ladder::{Scored, total};
+use crate::listing::Listing;
 use crate::model::NominalModel;
-use crate::quantities::{ambiguous, confidence, limit, moved, parameters, pushed};
+use crate::out_of_fold::BLOCK;
+use crate::quantities::{ambiguous, lead, moved, parameters, pushed};
 use crate::report::{Cause, Step};
-use crate::saturated::saturated;
+use crate::rungs::Free;
 use crate::scene::Scene;
+use crate::standing::{Coulomb, judge};
+use datasets::metrics::deviations;
 use ndarray::{Array1, Array2};
 use physics::robot::PARAMETERS_PER_LINK;
 
-/// How far parameters may leave the given values in the ladder, in tolerances.
-const FREEDOM: f64 = 100.0;
-/// Fall of some joint's NRMSE from which a change of parameters is listed.
-const LISTED: f64 = 0.03;
-/// Rows of a block of the bootstrap, s.
-const BLOCK: f64 = 1.5;
+/// Least part of the gap that contact in motion makes.
+pub const CONTACT_SIZE: f64 = 0.1;
 
 /// One cause's torque on the held-out recording.
 struct Part {
@@ -37,127 +37,139 @@ pub struct Explanation {
     pub ladder: Vec<Step>,
     /// Causes, largest share first.
     pub causes: Vec<Cause>,
-    /// Held-out gap as given, shape (samples, joints).
+    /// Held-out gap as given, shape (samples, joints); zero where a joint is not judged.
     pub gap: Array2<f64>,
-    /// Held-out residual of the last step.
+    /// Held-out residual of the last step, pushes still in it.
     pub residual: Array2<f64>,
-    /// Residual of the last step on the fitted recording, contact still in it.
-    pub residual_data: Array2<f64>,
-    /// Sum over joints of squared NRMSE as given, on the fitted recording.
-    pub given_data: f64,
-    /// Contact found in the held-out recording.
-    pub contact: Option<Contact>,
+    /// What of the held-out recording is scored at the last step.
+    pub scored: Scored,
+    /// Part of the held-out samples that pushes cut.
+    pub cut: f64,
 }
 
-/// Measures the findings on the held-out recording. `with_contact`: the fitted recording shows a force from
-/// outside, so it is looked for in the held-out one.
-///
-/// # Errors
-/// None beyond those of the model's own numbers.
+/// What the fitted recording says, which the held-out one only measures.
+pub struct Said<'a> {
+    /// Causes that are listed.
+    pub listing: &'a Listing,
+    /// Pushes found in the fitted recording.
+    pub contact: Option<&'a Contact>,
+    /// Joints without a usable torque channel there.
+    pub dead: &'a [bool],
+    /// Whether pushes are looked for in the held-out recording; if so, whether in motion, too.
+    pub look: Option<bool>,
+}
+
+/// Measures the findings on the held-out recording. Its torque chooses nothing but the pushes that are found in it.
 pub fn explain(
     model: &NominalModel,
     frames: &Frames,
     found: &Findings,
-    with_contact: bool,
-) -> Result<Explanation, DiagnoseError> {
+    said: &Said,
+) -> Explanation {
     let held = &frames.heldout;
     let names = model.robot.joint_names();
-    let gap_held = gap(model, held, &frames.scale);
-    let deviation = deviations(&held.tau);
+    let whole = Scored::new(said.dead, vec![true; held.tau.nrows()]);
+    let judged = |table: Array2<f64>| whole.judged(table);
+    let gap_held = judged(gap(model, held, &frames.scale));
+    let mut deviation = deviations(held.tau.view(), held.samples().qd.view());
+    if deviation.iter().all(Option::is_none) {
+        // A robot at rest has no NRMSE; its joints' shares are relative to what they hold.
+        let spread = held.tau.columns().into_iter().map(|c| c.std(0.0));
+        deviation = spread.map(|s| Some(s).filter(|s| *s > 0.0)).collect();
+    }
     let scene = Scene::new(&found.present, held.motion(), &frames.scale).with_tangents();
     let columns = Columns::new(&found.dictionary, &scene, held, &found.tight.0);
     let shape = gap_held.dim();
-    let step = |name: &str, residual: &Array2<f64>| Step {
-        step: name.to_owned(),
-        all: figures(residual, &deviation, None),
-        moving: Some(figures(residual, &deviation, Some(&held.samples().qd))),
+    let left = |causes: &[usize], free: Free| {
+        let fit: Fit = found.refit(model, &frames.scale, causes, free);
+        judged(&gap_held - &columns.torque(shape, &fit.variables, fit.beta()))
     };
-    let left = |causes: &[usize]| {
-        let (variables, beta) = found.refit(model, &frames.scale, causes, FREEDOM);
-        &gap_held - &columns.torque(shape, &variables, &beta)
-    };
-    let structure: Vec<usize> = (0..found.accepted.len())
-        .filter(|&c| !found.candidate(c).effect.is_parameter())
-        .collect();
-    let mut ladder = vec![step("as_given", &gap_held)];
-    let mut residual = left(&[]);
-    ladder.push(step("reidentified", &residual));
+    let structure = found.structure();
+    let mut ladder = vec![whole.step("as_given", &gap_held, held)];
+    let mut residual = left(&[], Free::All);
+    ladder.push(whole.step("reidentified", &residual, held));
     for n in 1..=structure.len() {
-        residual = left(&structure[..n]);
-        ladder.push(step(
-            found.candidate(structure[n - 1]).effect.name(),
-            &residual,
-        ));
+        residual = left(&structure[..n], Free::All);
+        let name = found.candidate(structure[n - 1]).effect.name();
+        ladder.push(whole.step(name, &residual, held));
     }
     let mut parts = parts(model, found, &columns, shape);
-    // What is measured in the held-out recording itself.
-    let mut local = Array2::zeros(shape);
-    let cuts = match found.settings.withheld {
-        Some(Effect::Saturation) => Vec::new(),
-        _ => saturated(held, &residual),
+    parts.iter_mut().for_each(|p| {
+        let torque = std::mem::take(&mut p.torque);
+        p.torque = judged(torque);
+    });
+    let here = said.look.and_then(|moving| {
+        let coulomb = Coulomb {
+            torque: said.listing.coulomb.clone(),
+            sign: held.table_to_samples(&scene.sign),
+        };
+        let given = total(&ladder[0].all);
+        detect(held, &judge(held, &residual, &coulomb), moving)
+            .filter(|c| c.at_rest || c.size > CONTACT_SIZE * given)
+    });
+    let cut = here
+        .as_ref()
+        .map_or_else(|| vec![false; shape.0], |c| c.pushed(shape.0, 0));
+    let scored = Scored::new(said.dead, cut.iter().map(|c| !c).collect());
+    // What of a residual is scored.
+    let kept = |residual: &Array2<f64>| {
+        let mut kept = residual.clone();
+        let rows = kept.rows_mut().into_iter().zip(&cut);
+        rows.filter(|(_, c)| **c)
+            .for_each(|(mut row, _)| row.fill(0.0));
+        kept
     };
-    for cut in &cuts {
-        local += &cut.torque;
-        residual -= &cut.torque;
-        ladder.push(step(Effect::Saturation.name(), &residual));
-        parts.push(Part {
-            effect: Effect::Saturation,
-            accepted: None,
-            torque: cut.torque.clone(),
-        });
-    }
-    let contact = if with_contact {
-        detect(held, &residual)
-    } else {
-        None
-    };
-    if let Some(c) = &contact {
-        local += &c.torque;
-        residual -= &c.torque;
-        ladder.push(step(Effect::ExternalContact.name(), &residual));
+    if here.is_some() || said.contact.is_some() {
+        ladder.push(scored.step(Effect::ExternalContact.name(), &residual, held));
         parts.push(Part {
             effect: Effect::ExternalContact,
             accepted: None,
-            torque: c.torque.clone(),
+            torque: &residual - &kept(&residual),
         });
     }
     let all: Array2<f64> = parts
         .iter()
         .fold(Array2::zeros(shape), |sum, p| sum + &p.torque);
     let tight_residual = &gap_held - &all;
-    let shares = shapley(&gap_held, &parts, &deviation);
+    let listed = |p: &Part| {
+        !p.effect.is_parameter() || said.listing.parameters.iter().any(|l| l.0 == p.effect)
+    };
+    let shares = shapley(&gap_held, &parts, &deviation, &listed);
+    let block = (BLOCK * held.report().rate_hz) as usize;
     let mut causes = Vec::new();
-    for (part, share) in parts.iter().zip(&shares) {
-        let without = &tight_residual + &part.torque;
-        let joints = touched(&part.torque, &tight_residual, part, found, &deviation);
-        if part.effect.is_parameter() {
-            let before = figures(&without, &deviation, None);
-            let after = figures(&tight_residual, &deviation, None);
-            let fall = before
-                .nrmse
-                .iter()
-                .zip(&after.nrmse)
-                .filter_map(|(b, a)| Some((*b)? - (*a)?));
-            if fall.fold(f64::NEG_INFINITY, f64::max) < LISTED {
-                continue;
-            }
-        }
+    for (part, share) in parts.iter().zip(&shares).filter(|(p, _)| listed(p)) {
+        let contact = part.effect == Effect::ExternalContact;
+        let joints = joints(part, said, here.as_ref());
         let (with, without) = match part.accepted {
-            Some(c) if !part.effect.is_absorbable() => {
-                let others: Vec<usize> = structure.iter().copied().filter(|&o| o != c).collect();
-                (residual.clone(), left(&others) - &local)
+            _ if contact => (kept(&residual), residual.clone()),
+            Some(_) if part.effect.is_absorbable() => {
+                (tight_residual.clone(), &tight_residual + &part.torque)
             }
-            None if !part.effect.is_parameter() => (residual.clone(), &residual + &part.torque),
-            _ => (tight_residual.clone(), without),
+            Some(c) => {
+                let others: Vec<usize> = structure.iter().copied().filter(|&o| o != c).collect();
+                (residual.clone(), left(&others, Free::All))
+            }
+            None => {
+                let links = part.effect == Effect::LinkParameters;
+                let held_fast = if links { Free::Friction } else { Free::Links };
+                (residual.clone(), left(&structure, held_fast))
+            }
         };
-        let (closed, interval) = closed(
-            &with,
-            &without,
-            &joints,
-            (BLOCK * held.report().rate_hz) as usize,
-        );
-        let name = |j: &usize| names[*j].clone();
+        let with = if contact { with } else { kept(&with) };
+        let without = if contact { without } else { kept(&without) };
+        let (closed, interval) = closed(&with, &without, &joints, block);
         let cause = part.accepted.map(|c| &found.accepted[c]);
+        let pushes = if contact {
+            let data = said
+                .contact
+                .map(|c| c.pushes("data", &model.robot, &frames.data));
+            let here = here
+                .as_ref()
+                .map(|c| c.pushes("heldout", &model.robot, held));
+            data.into_iter().chain(here).flatten().collect()
+        } else {
+            Vec::new()
+        };
         causes.push(Cause {
             effect: part.effect,
             kind: if part.effect.is_parameter() {
@@ -165,44 +177,69 @@ pub fn explain(
             } else {
                 "structure"
             },
-            joints: joints.iter().map(name).collect(),
+            joints: joints.iter().map(|&j| names[j].clone()).collect(),
             driver: part
                 .accepted
                 .and_then(|c| found.candidate(c).driver)
                 .map(|d| names[d].clone()),
-            confidence: cause.map_or(0.9, |a| confidence(found, &a.tried, a.candidate)),
+            confidence: None,
+            lead: cause.map(|a| lead(found, &a.tried, a.candidate)),
             share_of_gap: *share,
             gap_closed: closed,
-            gap_closed_interval: interval,
+            // Pushes do not repeat: of what another recording would show they say nothing.
+            gap_closed_interval: Some(interval).filter(|_| !contact),
+            confirmed: if contact {
+                here.is_some()
+            } else {
+                interval[0] > 0.0
+            },
+            p_value: None,
             parameters: match part.accepted {
                 Some(c) => parameters(found, c, &names),
-                None if part.effect == Effect::ExternalContact => contact
-                    .as_ref()
-                    .map_or_else(Vec::new, |c| pushed(model, c, frames, &names)),
-                None if part.effect == Effect::Saturation => limit(&cuts, &joints, &names),
+                None if contact => pushed(model, frames, said.contact, here.as_ref()),
                 None => moved(model, found, part.effect, &joints, &names),
             },
+            pushes,
             ambiguous_with: cause
                 .or_else(|| suspected(found, part.effect))
                 .map_or_else(Vec::new, |a| ambiguous(found, &a.tried, a.candidate)),
         });
     }
     causes.sort_by(|a, b| b.share_of_gap.total_cmp(&a.share_of_gap));
-    let data_scene =
-        Scene::new(&found.present, frames.data.motion(), &frames.scale).with_tangents();
-    let (variables, beta) = found.refit(model, &frames.scale, &structure, FREEDOM);
-    let data_columns = Columns::new(&found.dictionary, &data_scene, &frames.data, &variables);
-    let gap_data = gap(model, &frames.data, &frames.scale);
-    let residual_data = &gap_data - &data_columns.torque(gap_data.dim(), &variables, &beta);
-    Ok(Explanation {
+    let lost = cut.iter().filter(|c| **c).count();
+    Explanation {
         ladder,
         causes,
         gap: gap_held,
         residual,
-        residual_data,
-        given_data: total(&figures(&gap_data, &deviations(&frames.data.tau), None)),
-        contact,
-    })
+        scored,
+        cut: lost as f64 / shape.0.max(1) as f64,
+    }
+}
+
+/// Joints that a cause is reported for.
+fn joints(part: &Part, said: &Said, here: Option<&Contact>) -> Vec<usize> {
+    match part.accepted {
+        Some(cause) => {
+            let mut listed = said.listing.structure.iter();
+            listed
+                .find(|(c, _)| *c == cause)
+                .map_or_else(Vec::new, |l| l.1.clone())
+        }
+        None if part.effect.is_parameter() => {
+            let mut listed = said.listing.parameters.iter();
+            listed
+                .find(|(e, _)| *e == part.effect)
+                .map_or_else(Vec::new, |l| l.1.clone())
+        }
+        None => {
+            let all = here.into_iter().chain(said.contact);
+            let mut joints: Vec<usize> = all.flat_map(Contact::loaded).collect();
+            joints.sort_unstable();
+            joints.dedup();
+            joints
+        }
+    }
 }
 
 /// Torques of all causes from the joint fit near the given parameters.
@@ -257,59 +294,37 @@ fn parts(
     parts
 }
 
-/// Shares of what all causes together remove, in mean over joints of squared NRMSE; they sum to one.
-fn shapley(gap: &Array2<f64>, parts: &[Part], deviation: &[Option<f64>]) -> Vec<f64> {
+/// Shares of what the listed causes together remove, in mean over joints of squared NRMSE; they sum to one. What does
+/// harm has none.
+fn shapley(
+    gap: &Array2<f64>,
+    parts: &[Part],
+    deviation: &[Option<f64>],
+    listed: &dyn Fn(&Part) -> bool,
+) -> Vec<f64> {
     let all: Array2<f64> = parts
         .iter()
         .fold(Array2::zeros(gap.dim()), |sum, p| sum + &p.torque);
-    let values: Vec<f64> = parts
-        .iter()
-        .map(|p| {
-            let each = deviation
-                .iter()
-                .enumerate()
-                .filter_map(|(j, d)| Some((j, (*d)?)));
-            each.map(|(j, d)| {
-                let c = p.torque.column(j);
-                (2.0 * gap.column(j).dot(&c) - c.dot(&all.column(j))) / (d * d)
-            })
-            .sum()
-        })
-        .collect();
-    let sum: f64 = values.iter().map(|v: &f64| v.max(0.0)).sum();
+    let value = |p: &Part| -> f64 {
+        let each = deviation
+            .iter()
+            .enumerate()
+            .filter_map(|(j, d)| Some((j, (*d)?)));
+        let of = |(j, d): (usize, f64)| {
+            let c = p.torque.column(j);
+            (2.0 * gap.column(j).dot(&c) - c.dot(&all.column(j))) / (d * d)
+        };
+        if listed(p) {
+            each.map(of).sum::<f64>().max(0.0)
+        } else {
+            0.0
+        }
+    };
+    let values: Vec<f64> = parts.iter().map(value).collect();
+    let sum: f64 = values.iter().sum();
     values
         .iter()
-        .map(|v| if sum > 0.0 { v.max(0.0) / sum } else { 0.0 })
-        .collect()
-}
-
-/// Joints that a cause is reported for: its own, or those whose torque it changes noticeably.
-fn touched(
-    torque: &Array2<f64>,
-    residual: &Array2<f64>,
-    part: &Part,
-    found: &Findings,
-    deviation: &[Option<f64>],
-) -> Vec<usize> {
-    if let Some(c) = part.accepted {
-        let candidate = found.candidate(c);
-        let few = candidate.joints.len() < torque.ncols() || part.effect == Effect::TimeDelay;
-        if few && !matches!(part.effect, Effect::Payload) {
-            return candidate.joints.clone();
-        }
-    }
-    let fall: Vec<f64> = (0..torque.ncols())
-        .map(|j| {
-            let Some(d) = deviation[j] else { return 0.0 };
-            let (r, c) = (residual.column(j), torque.column(j));
-            let without = &r + &c;
-            let n = r.len().max(1) as f64;
-            (((without.dot(&without) - r.dot(&r)) / n).max(0.0)).sqrt() / d
-        })
-        .collect();
-    let most = fall.iter().copied().fold(0.0, f64::max);
-    (0..fall.len())
-        .filter(|&j| fall[j] >= 0.35 * most || freed(part, found, j))
+        .map(|v| if sum > 0.0 { v / sum } else { 0.0 })
         .collect()
 }
 
@@ -317,17 +332,6 @@ fn touched(
 fn suspected(found: &Findings, effect: Effect) -> Option<&Accepted> {
     let mut of_effect = (0..found.accepted.len()).filter(|&c| found.candidate(c).effect == effect);
     of_effect.next().map(|c| &found.accepted[c])
-}
-
-/// Whether a joint's own friction coefficients were accepted as wrong, however little torque that is.
-fn freed(part: &Part, found: &Findings, joint: usize) -> bool {
-    part.effect == Effect::FrictionParameters
-        && (0..found.accepted.len()).any(|c| {
-            let candidate = found.candidate(c);
-            candidate.effect == Effect::FrictionParameters
-                && candidate.joints == [joint]
-                && candidate.quantities.len() > 1
-        })
 }
 
 /// Part of the joints' squared error that is removed, with a 90 % interval by bootstrap over blocks of time.
@@ -352,12 +356,4 @@ fn closed(
         })
         .collect();
     signal::bootstrap::ratio(&sums)
-}
-
-/// Part of the gap, as given, that the last step removes.
-pub fn removed(ladder: &[Step]) -> f64 {
-    let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else {
-        return 0.0;
-    };
-    1.0 - total(&last.all) / total(&first.all).max(1e-300)
 }

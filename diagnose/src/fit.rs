@@ -89,6 +89,11 @@ impl<'a> Fit<'a> {
         &self.all.beta
     }
 
+    /// Coefficients of the fits without each fold, in the order of the folds.
+    pub fn betas(&self) -> impl Iterator<Item = &Array1<f64>> {
+        self.parts.iter().map(|p| &p.beta)
+    }
+
     /// Posterior standard deviations of the coefficients, given the weights.
     pub fn std(&self) -> Array1<f64> {
         self.all.factor.inverse_diagonal().mapv(f64::sqrt)

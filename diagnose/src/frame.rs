@@ -34,6 +34,7 @@ pub struct Frame {
     pub tau: Array2<f64>,
     /// Rows that are fitted, by trajectory.
     pub rows: Vec<Range<usize>>,
+    labels: Vec<String>,
     lowpass: Option<Vec<Section>>,
     stride: usize,
 }
@@ -72,6 +73,11 @@ impl Frame {
             prepared,
             tau,
             rows,
+            labels: recording
+                .trajectories
+                .iter()
+                .map(|t| t.label.clone())
+                .collect(),
             lowpass,
             stride,
         })
@@ -80,6 +86,28 @@ impl Frame {
     /// The recording as it was prepared.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
+    }
+
+    /// Label of a trajectory, by index.
+    pub fn label(&self, trajectory: usize) -> &str {
+        self.labels.get(trajectory).map_or("", String::as_str)
+    }
+
+    /// Recorded samples that some fitted rows of one trajectory stand for.
+    pub fn samples_of(&self, rows: Range<usize>) -> Range<usize> {
+        let own = self.rows.iter().zip(&self.samples().segments);
+        for (trajectory, samples) in own {
+            if rows.start >= trajectory.start && rows.end <= trajectory.end {
+                let at = |row: usize| samples.start + (row - trajectory.start) * self.stride;
+                let end = if rows.end == trajectory.end {
+                    samples.end
+                } else {
+                    at(rows.end)
+                };
+                return at(rows.start)..end;
+            }
+        }
+        0..0
     }
 
     /// Motion on the fine grid.
@@ -135,12 +163,12 @@ impl Frame {
     }
 
     /// Values at the recorded samples on the rows that are fitted, without filtering.
-    pub fn pick(&self, samples: ArrayView1<f64>) -> Array1<f64> {
+    pub fn pick<T>(&self, at: impl Fn(usize) -> T) -> Vec<T> {
         self.samples()
             .segments
             .iter()
             .flat_map(|s| s.clone().step_by(self.stride))
-            .map(|i| samples[i])
+            .map(at)
             .collect()
     }
 
@@ -185,7 +213,8 @@ impl Frame {
     fn slow(&self, speed: f64, reach: usize) -> Array2<bool> {
         let mut out = Array2::from_elem((self.len(), self.dof()), false);
         for j in 0..self.dof() {
-            let qd = self.pick(self.samples().qd.column(j));
+            let column = self.samples().qd.column(j);
+            let qd = self.pick(|i| column[i]);
             for range in &self.rows {
                 for i in range.clone() {
                     let crossed = i + 1 < range.end && qd[i] * qd[i + 1] < 0.0;

@@ -1,90 +1,79 @@
-//! Errors on the held-out recording.
+//! Errors on the held-out recording, by the metric of `eval`.
 
 use crate::frame::Frame;
-use crate::report::{Figures, Step};
+use crate::report::Step;
+use datasets::metrics::{Scope, Scores, deviations};
 use datasets::{Recording, repeats};
 use ndarray::Array2;
 
-/// Velocity above which a sample counts as in motion, rad/s (m/s).
-const MOVING: f64 = 0.01;
-
-/// Standard deviation of the measured torque per joint; None where it does not vary.
-pub fn deviations(tau: &Array2<f64>) -> Vec<Option<f64>> {
-    tau.columns()
-        .into_iter()
-        .map(|c| Some(c.std(0.0)).filter(|s| *s > 1e-12))
-        .collect()
+/// What of a recording is scored.
+#[derive(Clone, Debug)]
+pub struct Scored {
+    dead: Vec<bool>,
+    kept: Vec<bool>,
 }
 
-/// A step of the ladder: figures of a residual at the recorded samples of a frame, all and in motion.
-pub fn step(name: &str, residual: &Array2<f64>, frame: &Frame) -> Step {
-    let deviation = deviations(&frame.tau);
-    Step {
-        step: name.to_owned(),
-        all: figures(residual, &deviation, None),
-        moving: Some(figures(residual, &deviation, Some(&frame.samples().qd))),
+impl Scored {
+    /// All joints but the dead ones, at the samples kept.
+    pub fn new(dead: &[bool], kept: Vec<bool>) -> Self {
+        Self {
+            dead: dead.to_vec(),
+            kept,
+        }
+    }
+
+    /// A table of shape (samples, joints) with zero where a joint is dead.
+    pub fn judged(&self, mut table: Array2<f64>) -> Array2<f64> {
+        let columns = table.columns_mut().into_iter().zip(&self.dead);
+        for (mut column, _) in columns.filter(|c| *c.1) {
+            column.fill(0.0);
+        }
+        table
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.kept.iter().filter(|k| **k).count()
+    }
+
+    /// A step of the ladder: figures of a residual at the recorded samples of a frame, shape (samples, joints).
+    pub fn step(&self, name: &str, residual: &Array2<f64>, frame: &Frame) -> Step {
+        Step {
+            step: name.to_owned(),
+            samples: self.samples(),
+            all: self.figures(residual, frame, Scope::All),
+            moving: self.figures(residual, frame, Scope::Moving),
+        }
+    }
+
+    /// Figures of a residual in one scope.
+    pub fn figures(&self, residual: &Array2<f64>, frame: &Frame, scope: Scope) -> Scores {
+        let qd = frame.samples().qd.view();
+        let deviations = deviations(frame.tau.view(), qd);
+        let all = Scores::of_errors(residual.view(), &deviations, qd, scope, |i| self.kept[i])
+            .expect("a residual has the shape of its recording");
+        let judged = all.rmse.iter().zip(&self.dead);
+        let rmse = judged.map(|(r, dead)| r.filter(|_| !dead)).collect();
+        Scores::relative(rmse, &deviations)
     }
 }
 
 /// The floor: spread of the torque over executions of one motion. None where no motion is repeated.
 pub fn repeatability(recording: &Recording, frame: &Frame) -> Option<Step> {
     let pairs = repeats::find(recording);
-    let floor = repeats::repeatability(recording, &frame.samples().qd, &pairs)?;
-    let deviation = deviations(&frame.tau);
-    let moving: Vec<f64> = floor.moving.iter().map(|m| m.unwrap_or(0.0)).collect();
-    let moves: Vec<Option<f64>> = floor
-        .moving
-        .iter()
-        .zip(&deviation)
-        .map(|(m, d)| m.and(*d))
-        .collect();
+    let qd = &frame.samples().qd;
+    let floor = repeats::repeatability(recording, qd, &pairs)?;
+    let deviations = deviations(frame.tau.view(), qd.view());
+    let all = floor.all.into_iter().map(Some).collect();
     Some(Step {
         step: "repeatability".to_owned(),
-        all: relative(floor.all, &deviation),
-        moving: Some(relative(moving, &moves)),
+        samples: frame.tau.nrows(),
+        all: Scores::relative(all, &deviations),
+        moving: Scores::relative(floor.moving, &deviations),
     })
 }
 
-/// Figures of a residual over all samples, or over those of each joint in motion.
-pub fn figures(
-    residual: &Array2<f64>,
-    deviation: &[Option<f64>],
-    moving_at: Option<&Array2<f64>>,
-) -> Figures {
-    let rmse: Vec<f64> = (0..residual.ncols())
-        .map(|j| {
-            let squares = residual
-                .column(j)
-                .iter()
-                .enumerate()
-                .filter(|(i, _)| moving_at.is_none_or(|qd| qd[[*i, j]].abs() > MOVING))
-                .fold((0.0, 0usize), |(s, n), (_, r)| (s + r * r, n + 1));
-            (squares.0 / squares.1.max(1) as f64).sqrt()
-        })
-        .collect();
-    relative(rmse, deviation)
-}
-
-/// Figures from errors in N·m and the deviations that they are relative to.
-fn relative(rmse: Vec<f64>, deviation: &[Option<f64>]) -> Figures {
-    let nrmse: Vec<Option<f64>> = rmse
-        .iter()
-        .zip(deviation)
-        .map(|(r, d)| d.map(|d| r / d))
-        .collect();
-    let known: Vec<f64> = nrmse.iter().flatten().copied().collect();
-    Figures {
-        r2: nrmse
-            .iter()
-            .map(|v| v.map(|v| 100.0 * (1.0 - v * v)))
-            .collect(),
-        mean_nrmse: known.iter().sum::<f64>() / known.len().max(1) as f64,
-        rmse,
-        nrmse,
-    }
-}
-
 /// Sum over joints of squared NRMSE.
-pub fn total(figures: &Figures) -> f64 {
+pub fn total(figures: &Scores) -> f64 {
     figures.nrmse.iter().flatten().map(|v| v * v).sum()
 }

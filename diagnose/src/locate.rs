@@ -1,8 +1,8 @@
 //! Where the gap lies: shares of the squared held-out error by joint and region.
 
-use crate::ladder::deviations;
 use crate::order::Orders;
 use crate::report::Place;
+use datasets::metrics::deviations;
 use ndarray::{Array1, Array2};
 use signal::Motion;
 use signal::spectrum::welch;
@@ -39,7 +39,7 @@ pub fn locate(
     names: &[String],
     rate_hz: f64,
 ) -> Vec<Place> {
-    let deviation = deviations(tau);
+    let deviation = deviations(tau.view(), motion.qd.view());
     let weight: Vec<f64> = deviation
         .iter()
         .map(|d| d.map_or(0.0, |d| 1.0 / (d * d)))

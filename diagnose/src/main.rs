@@ -52,6 +52,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     let (heldout, short_heldout) = budget::within(given.heldout(&arguments.heldout)?);
     spinner.set_message("looking for causes");
     let options = Options {
+        cutoff_hz: arguments.cutoff_hz,
         learn: arguments.learn,
         simulate: true,
         ..Options::default()
@@ -63,7 +64,10 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     };
     spinner.finish_and_clear();
     outcome.diagnosis.next_experiment = next.as_ref().map(|n| n.summary.clone());
-    for note in [short, short_heldout].into_iter().flatten() {
+    let fast = arguments
+        .fast
+        .then(|| "no surrogates were drawn (--fast)".to_owned());
+    for note in [short, short_heldout, fast].into_iter().flatten() {
         report::say!("Note: {note}.");
         outcome.diagnosis.notes.push(note);
     }

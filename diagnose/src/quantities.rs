@@ -6,7 +6,6 @@ use crate::contact::Contact;
 use crate::effect::Effect;
 use crate::model::NominalModel;
 use crate::report::Parameter;
-use crate::saturated::Saturated;
 use crate::select::Tried;
 use physics::robot::PARAMETERS_PER_LINK;
 
@@ -25,7 +24,7 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
             name: q.name.to_owned(),
             joint: q.joint.map(|j| names[j].clone()),
             value: q.offset + q.factor * found.tight.1[i],
-            std: (q.factor * found.std[i]).abs(),
+            std: Some((q.factor * found.std[i]).abs()),
             unit: q.unit.to_owned(),
         })
         .collect();
@@ -38,7 +37,7 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
         name: name.to_owned(),
         joint: joint.clone(),
         value: if value.is_finite() { value } else { 0.0 },
-        std: 0.0,
+        std: None,
         unit: unit.to_owned(),
     };
     out.extend(candidate.shape.iter().map(grid));
@@ -63,7 +62,7 @@ fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
                 };
                 p.name = name.to_owned();
                 p.value /= mass;
-                p.std /= mass;
+                p.std = p.std.map(|s| s / mass.abs());
                 p.unit = "m".to_owned();
             }
         }
@@ -78,7 +77,7 @@ fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
                 .map(|(name, part)| Parameter {
                     name: name.to_owned(),
                     value: tilt * part,
-                    std: std * part.abs(),
+                    std: std.map(|s| s * part.abs()),
                     ..parameters[0].clone()
                 })
                 .to_vec();
@@ -89,7 +88,7 @@ fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
                 .filter(|p| p.name == "compliance" && p.value > 0.0)
             {
                 p.name = "stiffness".to_owned();
-                p.std /= p.value * p.value;
+                p.std = p.std.map(|s| s / (p.value * p.value));
                 p.value = 1.0 / p.value;
                 p.unit = "N·m/rad".to_owned();
             }
@@ -114,7 +113,7 @@ pub fn moved(
         name,
         joint: Some(names[j].clone()),
         value,
-        std,
+        std: Some(std).filter(|s: &f64| s.is_finite()),
         unit: unit.to_owned(),
     };
     if effect == Effect::FrictionParameters {
@@ -172,55 +171,45 @@ fn slow(found: &Findings, joint: usize, names: &[String]) -> Vec<Parameter> {
     all
 }
 
-/// Force, link and time of the strongest burst.
+/// Force of the strongest push, its link and time: of the held-out recording, or of the fitted one where there is none.
 pub fn pushed(
     model: &NominalModel,
-    contact: &Contact,
     frames: &Frames,
-    names: &[String],
+    data: Option<&Contact>,
+    heldout: Option<&Contact>,
 ) -> Vec<Parameter> {
-    let Some(burst) = contact
-        .bursts
-        .iter()
-        .max_by(|a, b| a.height.total_cmp(&b.height))
-    else {
+    let both = [(heldout, &frames.heldout), (data, &frames.data)];
+    let Some((contact, frame)) = both.into_iter().find_map(|(c, f)| Some((c?, f))) else {
         return Vec::new();
     };
-    let time = &frames.heldout.samples().time;
-    let joint = Some(names[burst.last_joint].clone());
-    let new = |name: &str, value: f64, std: f64, unit: &str| Parameter {
+    let strongest = contact
+        .bursts
+        .iter()
+        .max_by(|a, b| a.height.total_cmp(&b.height));
+    let Some(burst) = strongest else {
+        return Vec::new();
+    };
+    let time = &frame.samples().time;
+    let joint = Some(model.robot.joints()[burst.last_joint].name.clone());
+    let new = |name: &str, value: f64, unit: &str| Parameter {
         name: name.to_owned(),
         joint: joint.clone(),
         value,
-        std,
+        std: None,
         unit: unit.to_owned(),
     };
     let mut out = vec![
-        new("start", time[burst.samples.start], 0.12, "s"),
-        new("end", time[burst.samples.end - 1], 0.12, "s"),
-        new("bursts", contact.bursts.len() as f64, 0.0, "1"),
+        new("start", time[burst.samples.start], "s"),
+        new("end", time[burst.samples.end - 1], "s"),
+        new("bursts", contact.bursts.len() as f64, "1"),
     ];
-    if let Some(force) = contact.force(&model.robot, &frames.heldout) {
-        out.push(new("force", force, 0.3 * force, "N"));
-    }
+    let force = contact.force(&model.robot, frame);
+    out.extend(force.map(|f| new("force", f, "N")));
     out
 }
 
-/// Limits of the joints whose torque is cut.
-pub fn limit(cuts: &[Saturated], joints: &[usize], names: &[String]) -> Vec<Parameter> {
-    let own = cuts.iter().filter(|c| joints.contains(&c.joint));
-    own.map(|c| Parameter {
-        name: "limit".to_owned(),
-        joint: Some(names[c.joint].clone()),
-        value: c.limit,
-        std: 0.0,
-        unit: "N·m".to_owned(),
-    })
-    .collect()
-}
-
-/// How much more the name explains than the best other name.
-pub fn confidence(found: &Findings, tried: &[Tried], own: usize) -> f64 {
+/// Gain of the name over the best other name, nats.
+pub fn lead(found: &Findings, tried: &[Tried], own: usize) -> f64 {
     let effect = found.candidates[own].effect;
     let best = |f: &dyn Fn(&Candidate) -> bool| {
         tried
@@ -228,8 +217,7 @@ pub fn confidence(found: &Findings, tried: &[Tried], own: usize) -> f64 {
             .find(|t| f(&found.candidates[t.candidate]))
             .map_or(0.0, |t| t.gain.max(0.0))
     };
-    let lead = best(&|c| c.effect == effect) - best(&|c| c.effect != effect);
-    1.0 / (1.0 + (-lead / 8.0).exp())
+    best(&|c| c.effect == effect) - best(&|c| c.effect != effect)
 }
 
 /// Effects that explain nearly as much in its place.

@@ -145,7 +145,7 @@ pub fn not_identifiable(
     let mut out = Vec::new();
     let mut add = |effects: &[Effect], joints: Vec<String>, reason: String| {
         out.extend(effects.iter().map(|&effect| NotIdentifiable {
-            effect,
+            effect: Some(effect),
             joints: joints.clone(),
             reason: reason.clone(),
         }));

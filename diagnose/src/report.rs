@@ -2,6 +2,7 @@
 
 use crate::effect::Effect;
 use datasets::check::CheckReport;
+use datasets::metrics::Scores;
 use serde::Serialize;
 
 /// A diagnosis.
@@ -13,6 +14,9 @@ pub struct Diagnosis {
     pub joints: Vec<String>,
     /// What it comes to.
     pub verdict: Verdict,
+    /// Why nothing can be said, where the verdict is `cannot_tell`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
     /// How far the gap shrinks, step by step, on the held-out recording.
     pub ladder: Vec<Step>,
     /// Where the gap lies.
@@ -52,6 +56,8 @@ pub enum Verdict {
     PartlyExplained,
     /// Clear structure is left that no effect of the catalogue explains.
     UnknownEffect,
+    /// The recording does not say.
+    CannotTell,
 }
 
 impl Verdict {
@@ -62,21 +68,9 @@ impl Verdict {
             Verdict::Explained => "explained",
             Verdict::PartlyExplained => "partly_explained",
             Verdict::UnknownEffect => "unknown_effect",
+            Verdict::CannotTell => "cannot_tell",
         }
     }
-}
-
-/// Errors per joint, N·m and relative; null where a joint's torque does not vary.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Figures {
-    /// Root mean squared error.
-    pub rmse: Vec<f64>,
-    /// The same over the standard deviation of the measured torque.
-    pub nrmse: Vec<Option<f64>>,
-    /// 100·(1 − NRMSE²), percent.
-    pub r2: Vec<Option<f64>>,
-    /// Mean NRMSE over joints.
-    pub mean_nrmse: f64,
 }
 
 /// A step of the ladder.
@@ -84,12 +78,13 @@ pub struct Figures {
 pub struct Step {
     /// `as_given`, `reidentified`, an effect, `learned` or `repeatability`.
     pub step: String,
-    /// Over all samples.
+    /// Held-out samples that are scored; where contact is listed, those outside pushes.
+    pub samples: usize,
+    /// Over all of them; null where nothing was judged.
     #[serde(flatten)]
-    pub all: Figures,
-    /// Over samples in motion.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub moving: Option<Figures>,
+    pub all: Scores,
+    /// Over those in which each joint moves.
+    pub moving: Scores,
 }
 
 /// A region where the gap lies.
@@ -122,10 +117,27 @@ pub struct Parameter {
     pub joint: Option<String>,
     /// Value.
     pub value: f64,
-    /// Standard deviation.
-    pub std: f64,
+    /// Standard deviation; null where none was estimated.
+    pub std: Option<f64>,
     /// Unit.
     pub unit: String,
+}
+
+/// A force from outside during part of a recording.
+#[derive(Clone, Debug, Serialize)]
+pub struct Push {
+    /// `data` or `heldout`.
+    pub recording: &'static str,
+    /// Label of the trajectory.
+    pub trajectory: String,
+    /// First time stamp, s.
+    pub start: f64,
+    /// Last time stamp, s.
+    pub end: f64,
+    /// Link that is pushed: the last one whose joint is loaded.
+    pub link: String,
+    /// Mean torque of the push by joint, N·m (N).
+    pub torque: Vec<f64>,
 }
 
 /// An accepted cause.
@@ -140,16 +152,26 @@ pub struct Cause {
     /// Driving joint of a coupling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<String>,
-    /// How sure the name is, 0 to 1.
-    pub confidence: f64,
+    /// Estimated probability that effect and joint are right; null where it was not estimated.
+    pub confidence: Option<f64>,
+    /// Gain over the best other name in its place, nats; null for parameters and for contact, which nothing else was tried
+    /// against. No probability.
+    pub lead: Option<f64>,
     /// Part of what all causes remove.
     pub share_of_gap: f64,
     /// Part of the named joints' squared error that it removes.
     pub gap_closed: f64,
-    /// 90 % interval of the same.
-    pub gap_closed_interval: [f64; 2],
+    /// 90 % interval of the same; null of contact, which does not repeat.
+    pub gap_closed_interval: Option<[f64; 2]>,
+    /// Whether the interval excludes zero.
+    pub confirmed: bool,
+    /// Chance of so large a gain anywhere in the catalogue, from surrogates; null where none were drawn.
+    pub p_value: Option<f64>,
     /// Sizes.
     pub parameters: Vec<Parameter>,
+    /// Of contact: when, where and how much.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pushes: Vec<Push>,
     /// What this recording cannot tell from it.
     pub ambiguous_with: Vec<Effect>,
 }
@@ -163,30 +185,36 @@ pub struct Tested {
     pub joints: Vec<String>,
     /// Part of the joints' squared error that it removes on trajectories left out, the accepted causes in place.
     pub gap_closed: f64,
-    /// Probability of so large a gain by chance, from the gain in nats.
-    pub p_value: f64,
+    /// Chance of so large a gain anywhere in the catalogue, from surrogates; null where none were drawn.
+    pub p_value: Option<f64>,
 }
 
 /// What this recording cannot show.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotIdentifiable {
-    /// Effect.
-    pub effect: Effect,
+    /// Effect; none where nothing at all can be said of the joints.
+    pub effect: Option<Effect>,
     /// Joints.
     pub joints: Vec<String>,
     /// Why.
     pub reason: String,
 }
 
-/// What is left on a joint away from reversals.
+/// What is left on a joint out of fold, on the fitted recording; null where it was not judged.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unexplained {
     /// Joint.
     pub joint: String,
-    /// Root mean squared error above the noise, relative to the joint's torque.
-    pub nrmse: f64,
+    /// Root mean squared error with structure away from reversals, relative to the joint's torque.
+    pub nrmse: Option<f64>,
     /// Part of it that a flexible learner predicts on trajectories left out.
-    pub learnable: f64,
+    pub learnable: Option<f64>,
+    /// Root mean squared error in motion, N·m (N).
+    pub moving: Option<f64>,
+    /// The same at rest, beyond what friction holds there.
+    pub standing: Option<f64>,
+    /// Spread of repeated motions, or noise of the torque, N·m (N).
+    pub floor: Option<f64>,
 }
 
 /// Simulated motion against the recorded one, with the model as given (before) and with the causes (after).

@@ -35,14 +35,26 @@ pub struct View {
 /// Chooses the view on some trajectories spread over a recording: the one that leaves least error beyond a scaled
 /// model, viscous and Coulomb friction, own inertia and gravity of each joint.
 ///
+/// With `given`, the cut-off is that, in Hz, and only the softness is chosen.
+///
 /// # Errors
 /// A recording without torque, or one that cannot be prepared.
-pub fn choose(model: &NominalModel, data: &Recording) -> Result<View, DiagnoseError> {
+pub fn choose(
+    model: &NominalModel,
+    data: &Recording,
+    given: Option<f64>,
+) -> Result<View, DiagnoseError> {
     let n = data.trajectories.len();
     let few = n.min(TRAJECTORIES);
     let spread: Vec<usize> = (0..few).map(|i| i * n / few).collect();
     let sample = data.select(&spread);
-    let first = fresh(&sample, None)?;
+    let first = fresh(&sample, given)?;
+    if given.is_some() {
+        return Ok(View {
+            cutoff_hz: given,
+            softness: seen(model, &first).1,
+        });
+    }
     let Some(automatic) = first.report().cutoff_hz else {
         let softness = seen(model, &first).1;
         return Ok(View {

@@ -217,7 +217,10 @@ impl<'a> Search<'a> {
     /// visible on some joint and in the whole gap.
     fn worth(&self, fit: &Fit, tried: &Tried) -> bool {
         let s = self.objective.settings;
-        if tried.gain < s.enough {
+        let c = &self.candidates[tried.candidate];
+        // What else speaks for a candidate helps it against other names; it has to pay by itself.
+        let gain = tried.gain - c.evidence;
+        if gain < s.enough {
             return false;
         }
         let before = self.objective.relative(&fit.error());
@@ -230,13 +233,9 @@ impl<'a> Search<'a> {
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
         let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
-        let c = &self.candidates[tried.candidate];
         let memory = c.effect == Effect::PreslidingHysteresis;
-        if c.evidence > 0.0 {
-            return true;
-        }
         let part = fraction(&before, &after, &c.joints);
-        let sure = c.effect.is_dynamic() && tried.gain > 20.0 * s.enough;
+        let sure = c.effect.is_dynamic() && gain > 20.0 * s.enough;
         if part < least_fraction(c) && !sure {
             return false;
         }
@@ -248,7 +247,7 @@ impl<'a> Search<'a> {
             effect if effect.is_absorbable() => s.enough,
             _ => 1.4 * s.enough,
         };
-        (misfit && !memory) || tried.gain > clear
+        (misfit && !memory) || gain > clear
     }
 
     /// Whether a trial removes so much of its own joints' error that it can be nobody's leftover.

@@ -16,6 +16,9 @@ const LAGS: [f64; 6] = [0.08, 0.1, 0.125, 0.16, 0.2, 0.26];
 /// Ridge of the learner relative to the number of rows.
 const RIDGE: f64 = 3e-3;
 
+/// Fewest rows away from reversals that a joint is judged by.
+const FEWEST: usize = 50;
+
 /// What is left on a joint, relative to the deviation of its torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Left {
@@ -36,10 +39,19 @@ impl Left {
     }
 }
 
-/// Examines a residual at the recorded samples, shape (samples, joints).
-pub fn examine(frame: &Frame, residual: &Array2<f64>) -> Vec<Left> {
+/// Examines a residual at the recorded samples, shape (samples, joints), away from reversals and from `skipped` rows. None
+/// where a joint has too few other rows.
+pub fn examine(frame: &Frame, residual: &Array2<f64>, skipped: &[bool]) -> Vec<Option<Left>> {
     let r = frame.table_thin(residual);
-    let reversal = frame.reversals();
+    let mut reversal = frame.reversals();
+    for (mut row, _) in reversal
+        .rows_mut()
+        .into_iter()
+        .zip(skipped)
+        .filter(|r| *r.1)
+    {
+        row.fill(true);
+    }
     let inputs = Inputs::new(frame);
     (0..frame.dof())
         .into_par_iter()
@@ -53,16 +65,11 @@ fn one(
     r: &Array1<f64>,
     reversal: &Array2<bool>,
     inputs: &Inputs,
-) -> Left {
+) -> Option<Left> {
     let deviation = frame.tau.column(joint).std(0.0).max(1e-12);
     let kept: Vec<usize> = (0..r.len()).filter(|&i| !reversal[[i, joint]]).collect();
-    if kept.len() < 50 {
-        return Left {
-            error: 0.0,
-            lasting: 0.0,
-            learnable: 0.0,
-            rows: kept.len(),
-        };
+    if kept.len() < FEWEST {
+        return None;
     }
     let square = kept.iter().map(|&i| r[i] * r[i]).sum::<f64>() / kept.len() as f64;
     let correlation = |lag: f64| {
@@ -81,12 +88,12 @@ fn one(
         .map(correlation)
         .fold(0.0, f64::max)
         .min(1.0);
-    Left {
+    Some(Left {
         error: square.sqrt() / deviation,
         lasting,
         learnable: learnable(frame, joint, r, &kept, inputs),
         rows: kept.len(),
-    }
+    })
 }
 
 /// Motions on the rows, scaled to unit deviation.
@@ -103,7 +110,8 @@ impl Inputs {
         let rows = |t: &Array2<f64>| {
             let mut out = Array2::zeros((frame.len(), t.ncols()));
             for (j, c) in t.columns().into_iter().enumerate() {
-                out.column_mut(j).assign(&frame.pick(c));
+                out.column_mut(j)
+                    .assign(&Array1::from(frame.pick(|i| c[i])));
             }
             out
         };

@@ -1,22 +1,28 @@
 //! The report in words, for the terminal and the page.
 
 use crate::effect::Effect;
-use crate::report::{Cause, Diagnosis, NextExperiment, Parameter, Simulation, Verdict};
+use crate::report::{Cause, Diagnosis, NextExperiment, Parameter, Simulation, Step, Verdict};
 use datasets::check::Severity;
 
 /// The diagnosis as lines of text, the most important first.
 pub fn lines(d: &Diagnosis) -> Vec<String> {
     let mut out = vec![verdict(d)];
     out.extend(worst_findings(d));
-    match d.causes.first() {
-        Some(first) => {
+    let (confirmed, rest): (Vec<&Cause>, Vec<&Cause>) = d.causes.iter().partition(|c| c.confirmed);
+    match confirmed.split_first() {
+        Some((first, others)) => {
             out.push(format!("Biggest cause: {}.", sentence(first)));
             out.push(format!("  {}", closes(first)));
             out.push(format!("  In the simulator: {}", remedy(first)));
-            out.extend(also(&d.causes[1..]));
+            out.extend(also("Also", others));
         }
-        None => out.push("No cause to report.".to_owned()),
+        None if rest.is_empty() => out.push("No cause to report.".to_owned()),
+        None => out.push("No cause shows on the held-out recording.".to_owned()),
     }
+    out.extend(also(
+        "Found in the data, not confirmed by the held-out recording",
+        &rest,
+    ));
     out.extend(remainder(d));
     out.extend(d.simulation.as_ref().map(|s| motion(s, &d.joints)));
     out.extend(ambiguities(d));
@@ -26,9 +32,9 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
 }
 
 /// Further causes, those of one effect in one line.
-fn also(causes: &[Cause]) -> Vec<String> {
+fn also(head: &str, causes: &[&Cause]) -> Vec<String> {
     let mut groups: Vec<Vec<&Cause>> = Vec::new();
-    for cause in causes {
+    for &cause in causes {
         match groups.iter_mut().find(|g| g[0].effect == cause.effect) {
             Some(group) => group.push(cause),
             None => groups.push(vec![cause]),
@@ -44,10 +50,14 @@ fn also(causes: &[Cause]) -> Vec<String> {
         )
     };
     let line = |group: Vec<&Cause>| match group.as_slice() {
-        [cause] => format!("Also: {}; {}.", sentence(cause), closes(cause)),
+        [cause] => format!("{head}: {}; {}.", sentence(cause), closes(cause)),
         several => {
             let list: Vec<String> = several.iter().map(one).collect();
-            format!("Also: {} on {}.", plain(several[0].effect), list.join(", "))
+            format!(
+                "{head}: {} on {}.",
+                plain(several[0].effect),
+                list.join(", ")
+            )
         }
     };
     groups.into_iter().map(line).collect()
@@ -100,9 +110,10 @@ pub fn worst_findings(d: &Diagnosis) -> Vec<String> {
 pub fn unknowable(d: &Diagnosis) -> Vec<String> {
     let mut out: Vec<(String, Vec<&str>)> = Vec::new();
     for n in &d.not_identifiable {
+        let effect = n.effect.map_or("anything at all", plain);
         match out.iter_mut().find(|(reason, _)| *reason == n.reason) {
-            Some((_, effects)) => effects.push(plain(n.effect)),
-            None => out.push((n.reason.clone(), vec![plain(n.effect)])),
+            Some((_, effects)) => effects.push(effect),
+            None => out.push((n.reason.clone(), vec![effect])),
         }
     }
     let say = |(reason, effects): (String, Vec<&str>)| {
@@ -122,7 +133,7 @@ fn remainder(d: &Diagnosis) -> Option<String> {
         d.ladder
             .iter()
             .find(|s| s.step == name)
-            .map(|s| s.all.mean_nrmse)
+            .and_then(|s| s.all.mean_nrmse)
     };
     let learned =
         mean("learned").map(|l| format!("a learned compensator would bring it to {l:.3}"));
@@ -161,20 +172,18 @@ pub fn motion(s: &Simulation, joints: &[String]) -> String {
 }
 
 fn verdict(d: &Diagnosis) -> String {
-    let nrmse = |name: &str| {
-        d.ladder
-            .iter()
-            .find(|s| s.step == name)
-            .map_or(0.0, |s| s.all.mean_nrmse)
+    let nrmse = |step: Option<&Step>| {
+        let mean = step.and_then(|s| s.all.mean_nrmse);
+        mean.map_or("unknown".to_owned(), |m| format!("{m:.3}"))
     };
     let last = d
         .ladder
         .iter()
-        .rfind(|s| s.step != "learned" && s.step != "repeatability")
-        .map_or(0.0, |s| s.all.mean_nrmse);
+        .rfind(|s| s.step != "learned" && s.step != "repeatability");
     let figures = format!(
-        "mean NRMSE on held-out data {:.3} as given, {last:.3} explained",
-        nrmse("as_given")
+        "mean NRMSE on held-out data {} as given, {} explained",
+        nrmse(d.ladder.first()),
+        nrmse(last)
     );
     let says = match d.verdict {
         Verdict::NoGap => {
@@ -186,11 +195,15 @@ fn verdict(d: &Diagnosis) -> String {
             let worst = d
                 .unexplained
                 .iter()
-                .max_by(|a, b| a.nrmse.total_cmp(&b.nrmse));
+                .max_by(|a, b| a.nrmse.unwrap_or(0.0).total_cmp(&b.nrmse.unwrap_or(0.0)));
             let place = worst.map_or("", |w| w.joint.as_str());
             return format!(
                 "Something is there that the catalogue does not know, on {place} ({figures})."
             );
+        }
+        Verdict::CannotTell => {
+            let reason = d.reason.as_deref().unwrap_or_default();
+            return format!("This recording does not say: {reason} ({figures}).");
         }
     };
     format!("{says} ({figures}).")
@@ -217,13 +230,15 @@ fn place(cause: &Cause) -> String {
 
 /// How much of the gap it closes.
 pub fn closes(cause: &Cause) -> String {
-    let [low, high] = cause.gap_closed_interval;
+    let interval = cause
+        .gap_closed_interval
+        .map_or(String::new(), |[low, high]| {
+            format!(" ({:.0}–{:.0} %)", 100.0 * low, 100.0 * high)
+        });
     format!(
-        "closes {:.0} % of the gap of {} on held-out data ({:.0}–{:.0} %)",
+        "closes {:.0} % of the gap of {} on held-out data{interval}",
         100.0 * cause.gap_closed,
-        cause.joints.join(", "),
-        100.0 * low,
-        100.0 * high
+        cause.joints.join(", ")
     )
 }
 
@@ -234,15 +249,9 @@ pub fn value(p: &Parameter) -> String {
     } else {
         format!(" {}", p.unit)
     };
-    if p.std > 0.0 {
-        format!(
-            "{} {:.4} ± {:.2}{unit}",
-            p.name,
-            Short(p.value),
-            Short(p.std)
-        )
-    } else {
-        format!("{} {:.4}{unit}", p.name, Short(p.value))
+    match p.std {
+        Some(std) => format!("{} {:.4} ± {:.2}{unit}", p.name, Short(p.value), Short(std)),
+        None => format!("{} {:.4}{unit}", p.name, Short(p.value)),
     }
 }
 

@@ -49,11 +49,9 @@ fn round_trip(effect: &str, index: u64) {
     );
     // What the causes closed, the patched model no longer leaves open.
     let steps = &before.diagnosis.ladder;
-    let (given, explained) = (
-        steps[0].all.mean_nrmse,
-        steps[steps.len() - 1].all.mean_nrmse,
-    );
-    let patched = after.diagnosis.ladder[0].all.mean_nrmse;
+    let error = |step: &diagnose::report::Step| step.all.mean_nrmse.unwrap();
+    let (given, explained) = (error(&steps[0]), error(&steps[steps.len() - 1]));
+    let patched = error(&after.diagnosis.ladder[0]);
     println!("{effect}: {given:.4} as given, {explained:.4} explained, {patched:.4} patched");
     assert!(given - patched > 0.8 * (given - explained), "{effect}");
 }

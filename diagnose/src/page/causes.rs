@@ -52,13 +52,17 @@ pub(super) fn section(outcome: &Outcome) -> Section {
         Ink::Predicted,
         &d.causes
             .iter()
-            .map(|c| (c.gap_closed, c.gap_closed_interval))
+            .map(|c| {
+                let point = [c.gap_closed, c.gap_closed];
+                (c.gap_closed, c.gap_closed_interval.unwrap_or(point))
+            })
             .collect::<Vec<_>>(),
     );
     let head = [
         Column::text("cause"),
         Column::text("joints"),
-        Column::number("confidence"),
+        Column::number("lead over other names / nats"),
+        Column::text("shown by the held-out recording"),
         Column::text("could also be"),
         Column::text("in the simulator"),
     ];
@@ -67,7 +71,8 @@ pub(super) fn section(outcome: &Outcome) -> Section {
         t.row([
             Cell::text(name(c.effect)),
             Cell::text(c.joints.join(", ")),
-            Cell::number(c.confidence, 2),
+            Cell::optional(c.lead, 0),
+            Cell::text(if c.confirmed { "yes" } else { "no" }),
             if rivals.is_empty() {
                 Cell::missing()
             } else {
@@ -103,7 +108,7 @@ fn parameters(list: &[Parameter]) -> Table {
         t.row([
             Cell::text(p.name.replace('_', " ")),
             p.joint.as_ref().map_or_else(Cell::missing, Cell::text),
-            Cell::with_std(p.value, p.std),
+            Cell::with_std(p.value, p.std.unwrap_or(0.0)),
             Cell::text(&p.unit),
         ])
     })
@@ -115,7 +120,6 @@ fn tried(d: &Diagnosis) -> Section {
         Column::text("effect"),
         Column::text("joints"),
         Column::number("part closed on trajectories left out"),
-        Column::number("p"),
     ];
     let table = d
         .candidates
@@ -126,7 +130,6 @@ fn tried(d: &Diagnosis) -> Section {
                 Cell::text(name(c.effect)),
                 Cell::text(c.joints.join(", ")),
                 Cell::number(c.gap_closed, 3),
-                Cell::significant(c.p_value, 2),
             ])
         });
     Section::new("Evidence: what was tried in their place").table(table)

@@ -1,7 +1,7 @@
 //! What is left, what the recordings are, and where everything comes from.
 
 use crate::report::Diagnosis;
-use crate::words::{name, unknowable};
+use crate::words::unknowable;
 use datasets::check::Severity;
 use report::{Cell, Column, Section, Table};
 
@@ -11,18 +11,26 @@ pub(super) fn left(d: &Diagnosis) -> Section {
         Column::text("joint"),
         Column::number("structured error"),
         Column::number("learnable part"),
+        Column::number("left in motion / N·m (N)"),
+        Column::number("left at rest"),
+        Column::number("floor"),
     ];
     let table = d.unexplained.iter().fold(Table::new(head), |t, u| {
         t.row([
             Cell::text(&u.joint),
-            Cell::number(u.nrmse, 4),
-            Cell::number(u.learnable.max(0.0), 2),
+            Cell::optional(u.nrmse, 4),
+            Cell::optional(u.learnable.map(|l| l.max(0.0)), 2),
+            Cell::optional(u.moving, 3),
+            Cell::optional(u.standing, 3),
+            Cell::optional(u.floor, 3),
         ])
     });
     Section::new("What is left")
         .paragraph(
             "Error away from reversals that lasts longer than noise would or that a flexible learner predicts on trajectories left out, \
-             relative to each joint's torque. Above 0.03 something is there that the catalogue does not explain.",
+             relative to each joint's torque. Above 0.03 something is there that the catalogue does not explain. What is left in \
+             motion and at rest is on the fitted recording, out of fold; the floor is the spread of repeated motions, or the torque's \
+             noise above the band of the motion.",
         )
         .table(table)
 }
@@ -58,26 +66,14 @@ pub(super) fn recordings(d: &Diagnosis) -> Section {
 }
 
 /// Caveats, inputs and version.
-pub(super) fn provenance(d: &Diagnosis, inputs: &[(String, String)]) -> Section {
+pub(super) fn provenance(inputs: &[(String, String)]) -> Section {
     let mut pairs: Vec<(String, String)> = inputs.to_vec();
     pairs.push(("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()));
-    let mut caveats = vec![
-        "Effects were fitted and chosen on the data alone; the held-out recording reports and chooses nothing but contact and a cut torque, which are estimated where they are scored.".to_owned(),
+    let caveats = vec![
+        "Effects were fitted and chosen on the data alone; the torque of the held-out recording reports and chooses nothing but the pushes that are found in it.".to_owned(),
         "A mass is only as right as the torque scale: without a known load, gain and mass cannot be told apart.".to_owned(),
         "Deviations are those of the fit, given the model; they do not hold errors of the kinematics.".to_owned(),
     ];
-    let guessed: Vec<String> = d
-        .causes
-        .iter()
-        .filter(|c| c.confidence < 0.8)
-        .map(|c| name(c.effect))
-        .collect();
-    if !guessed.is_empty() {
-        caveats.push(format!(
-            "Named with less than 0.8 confidence: {}; another name explains nearly as much.",
-            guessed.join(", ")
-        ));
-    }
     Section::new("Caveats and provenance")
         .list(caveats)
         .pairs(pairs)

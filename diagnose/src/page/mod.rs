@@ -17,19 +17,18 @@ pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> 
     let mut page = Page::new("Where the simulator and the robot part")
         .subtitle("Torque of a simulator's model against a recording of the real robot; every figure is measured on the held-out recording.")
         .key_figure(KeyFigure::new("verdict", d.verdict.name().replace('_', " ")).tone(tone(d)));
-    let nrmse = |at: Option<usize>| at.map_or(f64::NAN, |n| d.ladder[n].all.mean_nrmse);
+    let nrmse = |at: Option<usize>| {
+        let mean = at.and_then(|n| d.ladder[n].all.mean_nrmse);
+        mean.map_or("–".to_owned(), |m| format!("{m:.3}"))
+    };
     let last = d
         .ladder
         .iter()
         .rposition(|s| s.step != "learned" && s.step != "repeatability");
     page = page
-        .key_figure(
-            KeyFigure::new("error as given", format!("{:.3}", nrmse(Some(0)))).note("mean NRMSE"),
-        )
-        .key_figure(
-            KeyFigure::new("error explained", format!("{:.3}", nrmse(last))).note("mean NRMSE"),
-        );
-    if let Some(first) = d.causes.first() {
+        .key_figure(KeyFigure::new("error as given", nrmse(Some(0))).note("mean NRMSE"))
+        .key_figure(KeyFigure::new("error explained", nrmse(last)).note("mean NRMSE"));
+    if let Some(first) = d.causes.iter().find(|c| c.confirmed) {
         page = page.key_figure(
             KeyFigure::new("biggest cause", name(first.effect))
                 .note(format!("on {}", first.joints.join(", "))),
@@ -44,7 +43,7 @@ pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> 
         .section(maps::maps(outcome))
         .section(data::left(d))
         .section(data::recordings(d))
-        .section(data::provenance(d, inputs))
+        .section(data::provenance(inputs))
         .footer(format!(
             "Made by residyn {} (schema {}).",
             env!("CARGO_PKG_VERSION"),
@@ -56,7 +55,7 @@ pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> 
 fn tone(d: &Diagnosis) -> Tone {
     match d.verdict {
         Verdict::NoGap | Verdict::Explained => Tone::Good,
-        Verdict::PartlyExplained => Tone::Warning,
+        Verdict::PartlyExplained | Verdict::CannotTell => Tone::Warning,
         Verdict::UnknownEffect => Tone::Bad,
     }
 }
@@ -75,7 +74,8 @@ fn words(d: &Diagnosis) -> Section {
         }
     }
     let verdict = said.first().map_or("", |v| v.trim_end_matches('.'));
-    let most = d.causes.first().filter(|c| c.gap_closed > 0.05);
+    let most = d.causes.iter().find(|c| c.confirmed);
+    let most = most.filter(|c| c.gap_closed > 0.05);
     let most = most.map_or(String::new(), |c| {
         format!("The biggest cause, {}, {}.", name(c.effect), closes(c))
     });
@@ -95,10 +95,13 @@ fn ladder(outcome: &Outcome) -> Section {
     let steps = || labels.iter().zip(&d.ladder);
     let mut waterfall = Waterfall::new("Mean NRMSE on the held-out recording", "mean NRMSE");
     for (label, step) in steps() {
+        let Some(mean) = step.all.mean_nrmse else {
+            continue;
+        };
         waterfall = if step.step == "repeatability" {
-            waterfall.floor("repeatability", step.all.mean_nrmse)
+            waterfall.floor("repeatability", mean)
         } else {
-            waterfall.step(label, step.all.mean_nrmse)
+            waterfall.step(label, mean)
         };
     }
     let table = |moving: bool| {
@@ -106,14 +109,10 @@ fn ladder(outcome: &Outcome) -> Section {
         columns.extend(d.joints.iter().map(Column::number));
         columns.push(Column::number("mean"));
         steps().fold(Table::new(columns), |t, (label, step)| {
-            let figures = if moving {
-                step.moving.as_ref().unwrap_or(&step.all)
-            } else {
-                &step.all
-            };
+            let figures = if moving { &step.moving } else { &step.all };
             let mut cells = vec![Cell::text(label)];
             cells.extend(figures.nrmse.iter().map(|v| Cell::optional(*v, 4)));
-            cells.push(Cell::number(figures.mean_nrmse, 4));
+            cells.push(Cell::optional(figures.mean_nrmse, 4));
             t.row(cells)
         })
     };

@@ -80,10 +80,11 @@ pub(super) fn table(patched: &Patched, settings: &[Setting]) -> String {
         let written = place(cause.effect).unwrap_or("this table");
         for p in &cause.parameters {
             let joints = p.joint.clone().unwrap_or_else(|| cause.joints.join(","));
+            let std = p.std.map_or(String::new(), |s| s.to_string());
             let _ = writeln!(
                 out,
                 "{effect}\t{joints}\t{}\t{}\t{}\t{}\t{written}",
-                p.name, p.value, p.std, p.unit
+                p.name, p.value, std, p.unit
             );
         }
         if cause.parameters.is_empty() {

@@ -14,14 +14,14 @@ pub enum Answer {
     Confounder,
     /// No structural cause: parameters took it over, or it is too small.
     Parameters,
-    /// Another name, with a confidence of at least `CONFIDENT` and without a rival that is a confounder.
+    /// Another name, ahead of all others by at least `CLEAR` and without a rival that is a confounder.
     Wrong,
-    /// Another name, said with less confidence.
+    /// Another name, ahead by less.
     Doubtful,
 }
 
-/// Confidence from which a name counts as said.
-const CONFIDENT: f64 = 0.8;
+/// Lead over other names from which a name counts as said, nats.
+const CLEAR: f64 = 11.0;
 
 /// One case.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +49,7 @@ pub fn judge(effect: Effect, truth: &Value, report: &Value) -> LeftOut {
         _ if report["verdict"] == "unknown_effect" => Answer::Unknown,
         None => Answer::Parameters,
         Some(c) if named(c) || rivals(c) => Answer::Confounder,
-        Some(c) if c["confidence"].as_f64().unwrap_or(1.0) >= CONFIDENT => Answer::Wrong,
+        Some(c) if c["lead"].as_f64().is_none_or(|l| l >= CLEAR) => Answer::Wrong,
         Some(_) => Answer::Doubtful,
     };
     LeftOut { effect, answer }
@@ -98,23 +98,23 @@ mod tests {
     #[test]
     fn a_confident_wrong_name_is_the_failure() {
         let truth = json!({"effects": [{"indistinguishable": []}]});
-        let report = |verdict: &str, effect: &str, confidence: f64| {
+        let report = |verdict: &str, effect: &str, lead: f64| {
             json!({"verdict": verdict, "causes": [
-                {"effect": "friction_parameters", "kind": "parameter", "confidence": 1.0},
-                {"effect": effect, "kind": "structure", "confidence": confidence, "ambiguous_with": []}]})
+                {"effect": "friction_parameters", "kind": "parameter", "lead": null},
+                {"effect": effect, "kind": "structure", "lead": lead, "ambiguous_with": []}]})
         };
         let answer = |r: &Value| judge(Effect::Backlash, &truth, r).answer;
         assert_eq!(
-            answer(&report("unknown_effect", "payload", 1.0)),
+            answer(&report("unknown_effect", "payload", 99.0)),
             Answer::Unknown
         );
         assert_eq!(
-            answer(&report("explained", "joint_elasticity", 1.0)),
+            answer(&report("explained", "joint_elasticity", 99.0)),
             Answer::Confounder
         );
-        assert_eq!(answer(&report("explained", "payload", 0.9)), Answer::Wrong);
+        assert_eq!(answer(&report("explained", "payload", 20.0)), Answer::Wrong);
         assert_eq!(
-            answer(&report("explained", "payload", 0.3)),
+            answer(&report("explained", "payload", 3.0)),
             Answer::Doubtful
         );
         assert_eq!(
