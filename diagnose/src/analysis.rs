@@ -2,7 +2,6 @@
 
 use crate::candidates::{self, Candidate, backlash, saturation, torque_ripple};
 use crate::dictionary::Dictionary;
-use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::fit::Variable;
 use crate::folds::folds;
@@ -15,7 +14,8 @@ use crate::order::Orders;
 use crate::reversal::choose;
 use crate::rungs::FREEDOMS;
 use crate::scene::{Scale, Scene};
-use crate::select::{Search, Tried};
+use crate::select::Tried;
+use crate::simplest::{Answer, Simplest};
 use datasets::Recording;
 use datasets::check::plateau;
 use ndarray::{Array1, Array2, Axis};
@@ -108,6 +108,9 @@ pub struct Accepted {
     pub variables: std::ops::Range<usize>,
     /// Everything tried in its place, best first.
     pub tried: Vec<Tried>,
+    /// Squared error that it leaves over what the free refit in its place does, on folds left out; None where parameters
+    /// cannot take it over.
+    pub over_refit: Option<f64>,
 }
 
 /// What the search came to.
@@ -235,27 +238,32 @@ pub fn find(
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let grams = dictionary.grams(&scene, data, &y, weight, &folds);
     let objective = Objective::new(&grams, scale, &settings);
-    let base = objective.base(model.sizes());
-    let search = Search {
+    let simplest = Simplest {
         objective: &objective,
         candidates: &candidates,
         members: &dictionary.members,
-        robot: model.sizes(),
-        base: base.clone(),
+        model,
+        most: MOST_CAUSES,
     };
-    let selection = search.run(MOST_CAUSES);
+    let Answer {
+        selection,
+        base,
+        over_refit,
+    } = simplest.answer();
     let mut start = base.len();
     let accepted = selection
         .accepted
         .iter()
         .zip(selection.steps)
-        .map(|(&candidate, tried)| {
+        .zip(over_refit)
+        .map(|((&candidate, tried), over_refit)| {
             let variables = start..start + dictionary.members[candidate].len();
             start = variables.end;
             Accepted {
                 candidate,
                 variables,
                 tried,
+                over_refit,
             }
         })
         .collect();
@@ -294,7 +302,7 @@ fn first_fit(
     let dictionary = Dictionary::new(data.dof(), &[]);
     let grams = dictionary.grams(given, data, y, weight, &folds(&data.rows));
     let objective = Objective::new(&grams, &frames.scale, settings);
-    let base = objective.base(model.sizes());
+    let base = objective.base(model, 1.0);
     let fit = objective.fit(base.clone());
     let columns = Columns::new(&dictionary, given, data, &base);
     let residual = gap - &columns.torque(gap.dim(), &base, fit.beta());
@@ -317,17 +325,15 @@ impl Findings {
                 add(v.column, beta[i], self.std[i]);
             }
         }
-        let given = self.present.parameters();
         for accepted in &self.accepted {
             let candidate = &self.candidates[accepted.candidate];
             let i = accepted.variables.start;
-            if candidate.effect == Effect::LinkParameters && candidate.columns.len() == 1 && keep(i)
-            {
-                let first = PARAMETERS_PER_LINK * candidate.joints[0];
-                let own = given.iter().enumerate().skip(first);
-                for (p, size) in own.take(PARAMETERS_PER_LINK) {
-                    add(p, beta[i] * size, self.std[i] * size.abs());
-                }
+            let Some(change) = candidate.change.filter(|_| keep(i)) else {
+                continue;
+            };
+            let first = PARAMETERS_PER_LINK * candidate.joints[0];
+            for (p, size) in change.into_iter().enumerate().filter(|(_, s)| *s != 0.0) {
+                add(first + p, beta[i] * size, self.std[i] * size.abs());
             }
         }
         out

@@ -6,6 +6,7 @@ use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::explain::{CONTACT_SIZE, Explanation, Said, explain};
 use crate::forward;
+use crate::friction::friction;
 use crate::ladder::{Scored, repeatability};
 use crate::learned::learned;
 use crate::listing::{Listing, list};
@@ -16,6 +17,7 @@ use crate::objective::Settings;
 use crate::patch::{self, possible};
 use crate::recordings::{checked, not_identifiable, notes};
 use crate::report::{Cause, Diagnosis, NotIdentifiable, Place, Simulation, Tested};
+use crate::resonance::{resonances, standing_out};
 use crate::scene::{Scene, rigid_torque};
 use crate::standing::{Coulomb, Judged, judge, states};
 use crate::unknown::{Left, examine};
@@ -213,6 +215,12 @@ pub fn diagnose(
             &model.robot,
         ),
         causes: in_units(explanation.causes.clone(), &model.robot),
+        resonances: resonances(
+            &frames.data,
+            &standing_out(model, &frames, &findings),
+            &names,
+        ),
+        friction: friction(model, &frames, &findings),
         moved_parameters: moved(model, &findings),
         candidates: tested(&findings, &names),
         not_identifiable: unknowable,

@@ -198,6 +198,17 @@ fn parameters(
             listed[1].push(j);
         }
     }
+    // A link that was found wrong by itself is named, however little of its torque is its own joint's.
+    if !listed[0].is_empty() {
+        let links = found
+            .accepted
+            .iter()
+            .map(|a| &found.candidates[a.candidate]);
+        let wrong = links.filter(|c| c.effect == Effect::LinkParameters);
+        listed[0].extend(wrong.map(|c| c.joints[0]));
+        listed[0].sort_unstable();
+        listed[0].dedup();
+    }
     [Effect::LinkParameters, Effect::FrictionParameters]
         .into_iter()
         .zip(listed)

@@ -45,6 +45,11 @@ impl NominalModel {
         self.identified.as_ref().map_or(&self.robot, |i| &i.sizes)
     }
 
+    /// Whether the parameters were identified on a recording, so that one at zero is no missing one.
+    pub fn is_identified(&self) -> bool {
+        self.identified.is_some()
+    }
+
     /// Torque that the simulator predicts at the recorded samples, shape (samples, joints): inverse dynamics +
     /// damping·q̇ + friction·sign(q̇), with rotor inertia and counterbalance where the model has them; or the
     /// identified model's torque, memory included.

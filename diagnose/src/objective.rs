@@ -8,8 +8,14 @@
 use crate::effect::Effect;
 use crate::fit::{Fit, Trial, Variable};
 use crate::gram::Grams;
+use crate::model::NominalModel;
 use crate::scene::Scale;
 use physics::robot::{Joint, PARAMETERS_PER_LINK, Robot};
+
+/// Torque that friction which the model lacks may make, relative to the joint's, one deviation.
+const MISSING: f64 = 3.0;
+/// The same of a change of friction that nobody would report, however small the coefficient is.
+const UNREPORTED: f64 = 0.003;
 
 /// How gaps are weighed.
 #[derive(Clone, Debug)]
@@ -90,6 +96,12 @@ impl<'a> Objective<'a> {
             .collect()
     }
 
+    /// Mean squared error of each joint with the floor added, relative to its squared torque.
+    pub fn relative_variance(&self, error: &[f64]) -> Vec<f64> {
+        let each = self.variance(error).into_iter().zip(&self.torque);
+        each.map(|(v, t)| v / (t * t)).collect()
+    }
+
     /// Root mean squared error of each joint relative to its torque.
     pub fn relative(&self, error: &[f64]) -> Vec<f64> {
         let each = error.iter().zip(&self.grams.total).zip(&self.torque);
@@ -166,31 +178,28 @@ impl<'a> Objective<'a> {
         sizes.into_iter().enumerate().map(variable).collect()
     }
 
-    /// The base columns with the given parameters' tolerances as priors. Friction that the model lacks altogether
-    /// is free: nobody claimed that it is zero.
-    pub fn base(&self, robot: &Robot) -> Vec<Variable> {
+    /// The base columns with the given parameters' tolerances, `freedom` times as wide, as priors. A coefficient of friction
+    /// that the model has at zero is missing, joint by joint, and free: nobody claimed that it is zero. One that was
+    /// identified as zero is.
+    pub fn base(&self, model: &NominalModel, freedom: f64) -> Vec<Variable> {
         let s = self.settings;
-        let mut deviations: Vec<f64> = robot
-            .joints()
+        let joints = model.sizes().joints();
+        let mut deviations: Vec<f64> = joints
             .iter()
-            .flat_map(|j| link_sizes(j).map(|x| s.inertial_tolerance * x))
+            .flat_map(|j| link_sizes(j).map(|x| freedom * s.inertial_tolerance * x))
             .collect();
-        let lacking = robot
-            .joints()
-            .iter()
-            .all(|j| j.damping == 0.0 && j.friction == 0.0);
-        // A coefficient may be off by what nobody would report, however small it is given.
-        let least = |column: usize| {
-            let size = self.grams.column_rms(column, &self.torque).max(1e-9);
-            if lacking { 3.0 / size } else { 0.003 / size }
-        };
-        let n = deviations.len();
-        let dof = robot.dof();
-        for (j, joint) in robot.joints().iter().enumerate() {
-            deviations.push((s.friction_tolerance * joint.damping).max(least(n + j)));
-        }
-        for (j, joint) in robot.joints().iter().enumerate() {
-            deviations.push((s.friction_tolerance * joint.friction).max(least(n + dof + j)));
+        let damping = joints.iter().map(|j| j.damping);
+        let coulomb = joints.iter().map(|j| j.friction);
+        for given in damping.chain(coulomb) {
+            let size = self
+                .grams
+                .column_rms(deviations.len(), &self.torque)
+                .max(1e-9);
+            deviations.push(if given == 0.0 && !model.is_identified() {
+                MISSING / size
+            } else {
+                freedom * (s.friction_tolerance * given).max(UNREPORTED / size)
+            });
         }
         deviations
             .iter()
@@ -204,7 +213,7 @@ impl<'a> Objective<'a> {
 }
 
 /// Size of each inertial parameter of a link: its mass, times its radius of gyration about the joint, times that again.
-fn link_sizes(joint: &Joint) -> [f64; PARAMETERS_PER_LINK] {
+pub(crate) fn link_sizes(joint: &Joint) -> [f64; PARAMETERS_PER_LINK] {
     let body = &joint.link.inertia;
     let spread = body.about_com().trace() / 2.0 / body.mass.max(1e-9);
     let radius = (body.com().norm_squared() + spread).sqrt().max(1e-3);

@@ -7,6 +7,7 @@ use crate::effect::Effect;
 use crate::model::NominalModel;
 use crate::report::Parameter;
 use crate::select::Tried;
+use crate::simplest::AS_GOOD;
 use physics::robot::PARAMETERS_PER_LINK;
 
 /// Gain below which two names are one answer: in nats, and relative to the better one.
@@ -229,6 +230,14 @@ pub fn ambiguous(found: &Findings, tried: &[Tried], own: usize) -> Vec<Effect> {
         .map_or(0.0, |t| t.gain);
     let near = gain - AMBIGUOUS.0.max(AMBIGUOUS.1 * gain);
     let mut out: Vec<Effect> = Vec::new();
+    // A free refit that leaves less is a rival, however many parameters it takes.
+    let accepted = found.accepted.iter().find(|a| a.candidate == own);
+    if accepted
+        .and_then(|a| a.over_refit)
+        .is_some_and(|r| r > AS_GOOD)
+    {
+        out.push(Effect::LinkParameters);
+    }
     for t in tried
         .iter()
         .filter(|t| t.gain > near && t.gain > 0.5 * gain)

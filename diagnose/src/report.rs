@@ -1,6 +1,8 @@
 //! The report as the JSON file has it (schema `diagnosis/1`).
 
 use crate::effect::Effect;
+use crate::friction::Friction;
+use crate::resonance::Resonance;
 use datasets::check::CheckReport;
 use datasets::metrics::Scores;
 use serde::Serialize;
@@ -24,6 +26,10 @@ pub struct Diagnosis {
     pub places: Vec<Place>,
     /// Accepted causes, largest share first.
     pub causes: Vec<Cause>,
+    /// Narrow peaks of what the parameters leave, said before a cause is.
+    pub resonances: Vec<Resonance>,
+    /// Friction of every joint over its speed, all that is friction summed.
+    pub friction: Vec<Friction>,
     /// Parameters of the given structure that moved, the causes being in place; most deviations first.
     pub moved_parameters: Vec<Moved>,
     /// Everything tried, best first.

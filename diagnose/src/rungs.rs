@@ -50,11 +50,8 @@ impl Findings {
             matches!(free, Free::All | Free::Links),
             matches!(free, Free::All | Free::Friction),
         );
-        let mut variables = objective.base(model.sizes());
+        let mut variables = objective.base(model, self.freedom);
         variables.retain(|v| if v.column < inertial { links } else { friction });
-        for v in &mut variables {
-            v.precision /= self.freedom * self.freedom;
-        }
         let slow = (0..self.accepted.len())
             .filter(|&c| friction && self.candidate(c).effect == Effect::FrictionParameters);
         let columns = |c: usize| self.dictionary.members[self.accepted[c].candidate].iter();

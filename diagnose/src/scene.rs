@@ -159,13 +159,10 @@ impl<'a> Scene<'a> {
         &by.q * &column(dq) + &by.qd * &column(&rate) + &by.qdd * &column(&acceleration)
     }
 
-    /// Torque that one link alone needs.
-    pub fn torque_of_link(&self, link: usize) -> Array2<f64> {
-        let own = PARAMETERS_PER_LINK * link..PARAMETERS_PER_LINK * (link + 1);
-        let mut parameters = self.robot.parameters();
-        for (p, value) in parameters.iter_mut().enumerate() {
-            *value *= f64::from(own.contains(&p));
-        }
+    /// Torque that one link alone needs, its body having some parameters.
+    pub fn torque_of_link(&self, link: usize, body: &[f64; PARAMETERS_PER_LINK]) -> Array2<f64> {
+        let mut parameters = vec![0.0; PARAMETERS_PER_LINK * self.dof()];
+        parameters[PARAMETERS_PER_LINK * link..][..PARAMETERS_PER_LINK].copy_from_slice(body);
         let alone = self.robot.with_parameters(&parameters);
         let alone = alone.expect("as many parameters as the robot has");
         let m = self.motion;

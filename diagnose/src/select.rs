@@ -59,6 +59,8 @@ pub struct Search<'a> {
     pub robot: &'a Robot,
     /// The base with its priors.
     pub base: Vec<Variable>,
+    /// Candidates that may not be accepted.
+    pub barred: HashSet<usize>,
 }
 
 impl<'a> Search<'a> {
@@ -69,11 +71,15 @@ impl<'a> Search<'a> {
             .iter()
             .map(|&c| self.objective.wide(c));
         match c.effect {
-            Effect::LinkParameters if c.columns.len() == 1 => vec![Variable {
+            Effect::LinkParameters if c.change.is_some() && c.shape.is_empty() => vec![Variable {
                 column: self.members[candidate][0],
                 precision: DENSITY.powi(-2),
             }],
-            Effect::LinkParameters => self.objective.freed_link(self.robot, c.joints[0]),
+            Effect::LinkParameters if c.change.is_none() => {
+                let mut freed = self.objective.freed_link(self.robot, c.joints[0]);
+                freed.retain(|v| self.members[candidate].contains(&v.column));
+                freed
+            }
             Effect::Payload => wide
                 .zip(self.objective.freed_link(self.robot, c.joints[0]))
                 .enumerate()
@@ -118,11 +124,13 @@ impl<'a> Search<'a> {
         let places = self.places();
         let mut all: Vec<Tried> = (0..self.candidates.len())
             .into_par_iter()
+            .filter(|c| !self.barred.contains(c))
             .filter(|c| !accepted.iter().any(|a| self.excludes(*a, *c)))
             .filter_map(|c| {
                 let variables = self.variables(c);
                 let trial = fit.trial(&variables);
-                let link = self.candidates[c].effect == Effect::LinkParameters;
+                let candidate = &self.candidates[c];
+                let link = candidate.effect == Effect::LinkParameters && candidate.shape.is_empty();
                 let within = trial
                     .gamma
                     .iter()
@@ -347,7 +355,8 @@ fn is_narrow(candidate: &Candidate) -> bool {
     candidate.shape.first().is_some_and(|s| s.1 < NARROW)
 }
 
-fn without(accepted: &[usize], i: usize) -> Vec<usize> {
+/// All but one.
+pub(crate) fn without(accepted: &[usize], i: usize) -> Vec<usize> {
     accepted
         .iter()
         .enumerate()

@@ -2,12 +2,14 @@
 
 use crate::effect::Effect;
 use crate::report::{Cause, Diagnosis, NextExperiment, Parameter, Simulation, Step, Verdict};
+use crate::resonance::Resonance;
 use datasets::check::Severity;
 
 /// The diagnosis as lines of text, the most important first.
 pub fn lines(d: &Diagnosis) -> Vec<String> {
     let mut out = vec![verdict(d)];
     out.extend(worst_findings(d));
+    out.extend(d.resonances.iter().map(resonance));
     let (confirmed, rest): (Vec<&Cause>, Vec<&Cause>) = d.causes.iter().partition(|c| c.confirmed);
     match confirmed.split_first() {
         Some((first, others)) => {
@@ -29,6 +31,21 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
     out.extend(d.next_experiment.as_ref().map(experiment_designed));
     out.extend(unknowable(d));
     out
+}
+
+/// A resonance: before friction or a delay is blamed, something swings.
+pub fn resonance(r: &Resonance) -> String {
+    let when = match (r.in_motion, r.at_rest) {
+        (true, true) => "in motion, and rings at rest",
+        (false, true) => "rings at rest",
+        _ => "in motion",
+    };
+    format!(
+        "Resonance: {:.2} Hz ({:.2} Hz wide), {when}, on {}: what swings there is neither friction nor a delay.",
+        r.frequency,
+        r.width,
+        r.joints.join(", ")
+    )
 }
 
 /// Further causes, those of one effect in one line.

@@ -33,6 +33,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         bounds: vec![Bound::Free; columns.len()],
         columns,
         quantities,
+        change: None,
         shape,
         evidence: 0.0,
     }]

@@ -23,6 +23,7 @@ mod transmission;
 use crate::effect::Effect;
 use crate::scene::Scene;
 use ndarray::Array1;
+use physics::robot::PARAMETERS_PER_LINK;
 use std::sync::Arc;
 
 pub use parameters::base_columns;
@@ -117,6 +118,8 @@ pub struct Candidate {
     pub bounds: Vec<Bound>,
     /// What the coefficients are.
     pub quantities: Vec<Quantity>,
+    /// Change of its link's parameters per unit of its one coefficient, where that is all it is.
+    pub change: Option<[f64; PARAMETERS_PER_LINK]>,
     /// Shape parameters: name, value, unit.
     pub shape: Vec<(&'static str, f64, &'static str)>,
     /// What speaks for it beside the error that it removes, nats.
@@ -139,6 +142,7 @@ impl Candidate {
             columns: vec![column],
             bounds: vec![bound],
             quantities: vec![quantity],
+            change: None,
             shape: Vec::new(),
             evidence: 0.0,
         }

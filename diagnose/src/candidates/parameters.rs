@@ -7,8 +7,11 @@
 
 use super::{Bound, Candidate, Column, ColumnTorque, Quantity};
 use crate::effect::Effect;
+use crate::objective::link_sizes;
 use crate::scene::Scene;
-use physics::robot::PARAMETERS_PER_LINK;
+use nalgebra::{Rotation3, Vector3};
+use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// Velocity over which a part of a joint's Coulomb friction may build up, in widths of its softened sign: how a real
@@ -61,6 +64,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
             .iter()
             .map(|&(name, unit)| Quantity::plain(name, unit, Some(link)))
             .collect(),
+        change: None,
         shape: Vec::new(),
         evidence: 0.0,
     };
@@ -69,7 +73,12 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     payload.bounds[0] = Bound::Positive;
     let mut all = vec![payload];
     for l in 0..dof {
-        all.extend([link(Effect::LinkParameters, l), heavier(l)]);
+        all.extend([
+            link(Effect::LinkParameters, l),
+            heavier(scene, l),
+            displaced(dof, l),
+        ]);
+        all.extend(turned(scene, l));
     }
     for j in 0..dof {
         all.extend(friction(scene, j));
@@ -87,17 +96,90 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
 }
 
 /// A link of another density: all its parameters in proportion. One coefficient, where the link's own need ten.
-fn heavier(link: usize) -> Candidate {
+fn heavier(scene: &Scene, link: usize) -> Candidate {
+    let density = Quantity::plain("density", "1", Some(link));
+    let more = Bound::Between(-1.0, f64::INFINITY);
+    changed(link, body(scene.robot, link).parameters(), density, more)
+}
+
+/// Quarter and half turns, rad, about the axes of a link's frame.
+const TURNS: [f64; 3] = [-FRAC_PI_2, FRAC_PI_2, PI];
+/// Bound of the part of such a turn that is found.
+const WHOLE: Bound = Bound::Between(0.75, 1.25);
+/// Change of the parameters, relative to the link's sizes, below which a turn shows nothing.
+const TURN_SHOWS: f64 = 0.2;
+
+/// A link whose inertials stand in a wrong frame: centre of mass and inertia turned against it.
+fn turned(scene: &Scene, link: usize) -> Vec<Candidate> {
+    let own = body(scene.robot, link);
+    let sizes = link_sizes(&scene.robot.joints()[link]);
+    let axes = [
+        ("turn_x", Vector3::x()),
+        ("turn_y", Vector3::y()),
+        ("turn_z", Vector3::z()),
+    ];
+    let each = axes.into_iter().flat_map(|a| TURNS.map(|angle| (a, angle)));
+    each.filter_map(|((name, axis), angle)| {
+        let by = *Rotation3::new(axis * angle).matrix();
+        let mut change = own.transformed(&by, &Vector3::zeros()).parameters();
+        for (new, old) in change.iter_mut().zip(own.parameters()) {
+            *new -= old;
+        }
+        let shows = change
+            .iter()
+            .zip(sizes)
+            .any(|(c, s)| c.abs() > TURN_SHOWS * s);
+        let part = Quantity::plain("part_of_turn", "1", Some(link));
+        shows.then(|| changed(link, change, part, WHOLE).with_shape(name, angle, "rad"))
+    })
+    .collect()
+}
+
+/// A link's body in the present model.
+fn body(robot: &Robot, link: usize) -> Inertia {
+    robot.joints()[link].link.inertia
+}
+
+/// A link whose parameters change by a multiple of `change`.
+fn changed(
+    link: usize,
+    change: [f64; PARAMETERS_PER_LINK],
+    quantity: Quantity,
+    bound: Bound,
+) -> Candidate {
     let torque = Column {
         joints: (0..=link).collect(),
         torque: ColumnTorque::Made(Arc::new(move |s| {
-            let torque = s.torque_of_link(link);
+            let torque = s.torque_of_link(link, &change);
             (0..=link).map(|j| torque.column(j).to_owned()).collect()
         })),
     };
-    let density = Quantity::plain("density", "1", Some(link));
-    let more = Bound::Between(-1.0, f64::INFINITY);
-    Candidate::single(Effect::LinkParameters, link, density, more, torque)
+    let mut candidate = Candidate::single(Effect::LinkParameters, link, quantity, bound, torque);
+    candidate.change = Some(change);
+    candidate
+}
+
+/// A link whose mass lies elsewhere: its first moments. Three coefficients, where a torque of the joint's position that
+/// does the same needs more.
+fn displaced(dof: usize, link: usize) -> Candidate {
+    let moments = 1..4;
+    Candidate {
+        effect: Effect::LinkParameters,
+        joints: vec![link],
+        driver: None,
+        columns: moments
+            .clone()
+            .map(|p| base(dof, PARAMETERS_PER_LINK * link + p))
+            .collect(),
+        bounds: vec![Bound::Free; moments.len()],
+        quantities: LINK[moments]
+            .iter()
+            .map(|&(name, unit)| Quantity::plain(name, unit, Some(link)))
+            .collect(),
+        change: None,
+        shape: Vec::new(),
+        evidence: 0.0,
+    }
 }
 
 /// Other coefficients of viscous and Coulomb friction, a part of Coulomb friction that builds up more slowly, and all

@@ -35,6 +35,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
                 bounds: vec![Bound::Between(0.6, 1.6)],
                 quantities: vec![Quantity::scaled("delay", "s", None, delay)],
                 shape: Vec::new(),
+                change: None,
                 evidence: 0.0,
             }
         })

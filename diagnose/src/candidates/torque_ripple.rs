@@ -40,6 +40,7 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
                 bounds: vec![Bound::Free; 2 * n],
                 quantities: Vec::new(),
                 shape: orders[..n].iter().map(|&k| ("order", k, "1/rad")).collect(),
+                change: None,
                 evidence: 0.0,
             };
             for ((sin, cos), (s, k)) in columns[..n].iter().zip(NAMES) {

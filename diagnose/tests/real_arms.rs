@@ -1,0 +1,104 @@
+//! Raw recordings of real arms, where they are there: friction as their authors measured it, and nothing that is not there.
+
+use datasets::{ReadOptions, read};
+use diagnose::diagnosis::{Options, Outcome, diagnose};
+use diagnose::effect::Effect;
+use diagnose::model::NominalModel;
+use physics::robot::Robot;
+use std::io::Write;
+use std::path::PathBuf;
+
+fn outcome(arm: &str) -> Option<Outcome> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../shared/data")
+        .join(arm);
+    if !folder.is_dir() {
+        // Not println: what goes through it is swallowed where a test passes.
+        let _ = writeln!(
+            std::io::stderr(),
+            "skipped: {} is not there",
+            folder.display()
+        );
+        return None;
+    }
+    let robot = Robot::from_urdf_file(folder.join("robot.urdf")).unwrap();
+    let options = ReadOptions::for_robot(robot.dof());
+    let [data, heldout] =
+        ["train.csv", "test.csv"].map(|f| read(&folder.join(f), &options).unwrap());
+    let model = NominalModel::new(robot);
+    Some(diagnose(&model, &data, &heldout, &Options::default()).unwrap())
+}
+
+#[track_caller]
+fn nothing_invented(found: &Outcome) {
+    let absent = [
+        Effect::Payload,
+        Effect::BaseTilt,
+        Effect::ExternalContact,
+        Effect::JointCoupling,
+    ];
+    let causes = &found.diagnosis.causes;
+    assert!(
+        causes.iter().all(|c| !absent.contains(&c.effect)),
+        "{causes:?}"
+    );
+}
+
+/// Friction of every joint at a speed within a part of the authors'.
+#[track_caller]
+fn rubs(found: &Outcome, speed: f64, authors: &[f64], within: f64) {
+    let d = &found.diagnosis;
+    for (joint, known) in d.friction.iter().zip(authors) {
+        let at = joint.speed.iter().position(|v| (v - speed).abs() < 1e-9);
+        let value = joint.found[at.unwrap()].unwrap();
+        println!("{}: {value:.2} of {known:.2} N·m", joint.joint);
+        assert!(
+            (value / known - 1.0).abs() < within,
+            "{}: {value} of {known}",
+            joint.joint
+        );
+        let named =
+            |c: &diagnose::report::Cause| c.effect.is_friction() && c.joints.contains(&joint.joint);
+        assert!(
+            joint.given[at.unwrap()] > 0.0 || d.causes.iter().any(named),
+            "{}",
+            joint.joint
+        );
+    }
+}
+
+#[test]
+fn friction_of_a_ur10() {
+    let Some(found) = outcome("ur10") else { return };
+    nothing_invented(&found);
+    let coulomb = [13.9, 17.2, 9.4, 2.6, 2.8, 3.5];
+    let viscous = [14.5, 14.2, 7.7, 3.6, 2.6, 2.8];
+    let authors: Vec<f64> = coulomb
+        .iter()
+        .zip(viscous)
+        .map(|(c, v)| c + 0.5 * v)
+        .collect();
+    rubs(&found, 0.5, &authors, 0.2);
+    assert!(
+        found.diagnosis.resonances.is_empty(),
+        "{:?}",
+        found.diagnosis.resonances
+    );
+}
+
+#[test]
+fn friction_of_an_xmate() {
+    let Some(found) = outcome("xmate") else {
+        return;
+    };
+    nothing_invented(&found);
+    rubs(&found, 0.3, &[9.0, 14.0, 7.0, 10.0, 3.0, 3.5, 1.7], 0.25);
+}
+
+#[test]
+fn a_panda_has_nothing_extra() {
+    let Some(found) = outcome("panda") else {
+        return;
+    };
+    nothing_invented(&found);
+}
