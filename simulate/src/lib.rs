@@ -6,6 +6,7 @@
 //! - [`plant`], [`control`], [`mod@reference`], [`run`]: integration, controller, excitation, the loop.
 //! - [`cases`]: sealed diagnosis cases with one withheld effect and their answers.
 //! - [`protocols`]: recordings as the source papers made theirs.
+//! - [`raw`]: recordings as a controller logs them, with what is true of their torque channel.
 //!
 //! Of `physics` only robots and rigid-body dynamics are used: nothing here shares a formula with the effects
 //! that a diagnosis fits.
@@ -20,6 +21,7 @@ mod measure;
 pub mod mechanism;
 pub mod plant;
 pub mod protocols;
+pub mod raw;
 pub mod reference;
 pub mod run;
 

@@ -4,7 +4,7 @@
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use simulate::{Protocol, SimulateError, cases};
+use simulate::{Protocol, SimulateError, cases, raw};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -31,6 +31,19 @@ enum What {
         out: PathBuf,
         /// Number of cases.
         #[arg(long, default_value_t = cases::ROUND)]
+        cases: u64,
+        /// Seed of the run.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// Raw recordings as a controller logs them: robot.urdf, train.csv and test.csv for each, and truth/ID.json with delay,
+    /// scale and offset of the torque.
+    Raw {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// Number of recordings.
+        #[arg(long, default_value_t = 100)]
         cases: u64,
         /// Seed of the run.
         #[arg(long, default_value_t = 1)]
@@ -87,6 +100,17 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
                 bar.set_message(id.to_owned());
                 bar.inc(1);
             })?;
+            bar.finish_with_message(format!("written to {}", out.display()));
+            Ok(())
+        }
+        What::Raw { out, cases, seed } => {
+            let bar = bar(*cases, arguments.quiet);
+            for index in 0..*cases {
+                let case = raw::generate(*seed, index)?;
+                raw::write(&case, out)?;
+                bar.set_message(case.id);
+                bar.inc(1);
+            }
             bar.finish_with_message(format!("written to {}", out.display()));
             Ok(())
         }

@@ -5,7 +5,7 @@
 //! reads (`cases/ID/`) and the one that it must not (`truth/ID.json`). The same index and seed give the same
 //! case on any number of threads.
 
-mod build;
+pub(crate) mod build;
 mod experiment;
 mod generate;
 mod kind;
@@ -15,7 +15,7 @@ mod rehearsal;
 mod shapes;
 mod sizes;
 mod truth;
-mod withheld;
+pub(crate) mod withheld;
 mod write;
 
 pub use generate::{Case, generate};
