@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod assemble;
+pub mod channel;
 pub mod check;
 pub mod columns;
 pub mod error;

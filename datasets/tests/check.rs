@@ -111,24 +111,6 @@ fn each_fault_is_found_and_nothing_else() {
 }
 
 #[test]
-fn a_wrong_torque_scale_is_found_against_a_reference() {
-    let r = good();
-    let rms = report(&r, &CheckOptions::default()).joints[0]
-        .torque_rms
-        .unwrap();
-    let options = CheckOptions {
-        torque_reference: vec![100.0 * rms, rms],
-        ..CheckOptions::default()
-    };
-    let found = report(&r, &options).findings;
-    assert_eq!(found.len(), 1);
-    assert_eq!(
-        (found[0].kind, found[0].joint),
-        (Kind::TorqueScale, Some(0))
-    );
-}
-
-#[test]
 fn repeats_are_found_from_the_motion_and_give_the_noise() {
     // The second trajectory repeats the first under another label; torques differ by ±0.5.
     let mut r = good();

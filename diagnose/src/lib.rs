@@ -43,7 +43,6 @@ pub mod reversal;
 pub mod rungs;
 pub mod scene;
 pub mod select;
-mod shift;
 pub mod simplest;
 pub mod standing;
 pub mod unknown;

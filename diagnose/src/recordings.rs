@@ -5,20 +5,13 @@ use crate::effect::Effect;
 use crate::frame::Frame;
 use crate::model::NominalModel;
 use crate::report::NotIdentifiable;
-use crate::scene::Scale;
-use crate::shift::torque_shift;
 use datasets::Recording;
-use datasets::check::{CheckOptions, CheckReport, Finding, Kind, Severity, check, shift_finding};
-use ndarray::Array2;
+use datasets::check::{CheckOptions, CheckReport, check};
+use datasets::prepare::{PrepareReport, Source};
+use model::channel;
 
-/// Longest shift between torque and motion that is looked for, s.
-const LONGEST_SHIFT: f64 = 0.1;
 /// Range of a joint that never moves, rad (m).
 const STILL: f64 = 1e-3;
-/// Scale of the torque beyond which its unit is in doubt.
-const SCALE: f64 = 3.0;
-/// Least correlation of measured and predicted torque for a scale to mean something.
-const ALIKE: f64 = 0.8;
 /// Motion below which effects that act over a session are hidden by the others, s.
 const SHORT: f64 = 30.0;
 /// Fewest cycles of a joint that show what happens at reversals.
@@ -30,24 +23,18 @@ const NARROW: f64 = 0.2;
 /// Rate below which what vibrates is not recorded, Hz.
 const COARSE: f64 = 40.0;
 
-/// Checks both recordings against each other and the model: the fitted one, then the held-out one.
+/// Checks both recordings, the fitted one, then the held-out one: what `train` checks, but for what its own fit needs.
 pub fn checked(
     model: &NominalModel,
     frames: &Frames,
     recordings: [&Recording; 2],
 ) -> Vec<CheckReport> {
     let both = [&frames.data, &frames.heldout].into_iter().zip(recordings);
-    both.filter_map(|(frame, recording)| one(model, frame, recording, &frames.scale))
+    both.filter_map(|(frame, recording)| one(model, frame, recording))
         .collect()
 }
 
-fn one(
-    model: &NominalModel,
-    frame: &Frame,
-    recording: &Recording,
-    scale: &Scale,
-) -> Option<CheckReport> {
-    let predicted = model.predicted(frame, scale);
+fn one(model: &NominalModel, frame: &Frame, recording: &Recording) -> Option<CheckReport> {
     let joints = model.robot.joints();
     let options = CheckOptions {
         joints: model.robot.joint_names(),
@@ -55,85 +42,12 @@ fn one(
             .iter()
             .map(|j| [j.limits.lower, j.limits.upper])
             .collect(),
-        // Scales are judged below, where measured and predicted torque are alike.
-        torque_reference: Vec::new(),
     };
     let mut report = check(recording, frame.prepared(), &options).ok()?;
-    report
-        .findings
-        .extend(scale_findings(frame, &predicted, &options.joints));
-    let mut shifts: Vec<f64> = torque_shift(recording, &predicted, LONGEST_SHIFT)
-        .into_iter()
-        .flatten()
-        .collect();
-    shifts.sort_by(f64::total_cmp);
-    // One clock for all joints: a shift that only some of them show is not the recording's.
-    if let (Some(&least), Some(&most)) = (shifts.first(), shifts.last()) {
-        let step = recording.median_step();
-        let middle = shifts[shifts.len() / 2];
-        if least.signum() == most.signum() && most - least < 2.0 * step {
-            report.findings.extend(shift_finding(middle, step));
-        }
-    }
-    report
-        .findings
-        .sort_by_key(|f| std::cmp::Reverse(f.severity));
+    let channel = channel::estimate(&model.robot, recording, frame.prepared());
+    report.add(channel.findings(&options.joints));
+    report.channel = Some(channel);
     Some(report)
-}
-
-/// Torque of another unit: measured torque that follows the predicted one at a scale far from one. Where most joints
-/// do, one finding speaks for all.
-fn scale_findings(frame: &Frame, predicted: &Array2<f64>, names: &[String]) -> Vec<Finding> {
-    let scales: Vec<Option<f64>> = (0..frame.dof())
-        .map(|j| {
-            let (t, p) = (frame.tau.column(j), predicted.column(j));
-            let (tt, pp, tp) = (t.dot(&t), p.dot(&p), t.dot(&p));
-            (tp.abs() > ALIKE * (tt * pp).sqrt()).then(|| tp / pp)
-        })
-        .collect();
-    let mut known: Vec<f64> = scales.iter().flatten().copied().collect();
-    known.sort_by(f64::total_cmp);
-    let far = |s: f64| !(1.0 / SCALE..=SCALE).contains(&s);
-    let finding = |joint, value, message| Finding {
-        kind: Kind::TorqueScale,
-        severity: Severity::Severe,
-        joint,
-        row: None,
-        value,
-        parameters: Vec::new(),
-        message,
-    };
-    let remedy = "give gear ratios and torque constants by --drive, or multiply the column";
-    if known.len() > 1 && 2 * known.iter().filter(|s| far(**s)).count() > known.len() {
-        let list: Vec<String> = scales
-            .iter()
-            .map(|s| s.map_or("unknown".to_owned(), |s| format!("{s:.4}")))
-            .collect();
-        let middle = known[known.len() / 2];
-        let guess = if middle.abs() < 1.0 {
-            "motor current in A or motor-side torque, not joint torque in N·m"
-        } else {
-            "another unit than N·m"
-        };
-        let message = format!(
-            "the recorded torque is {} times what the model predicts, joint by joint: it looks like {guess}; {remedy}",
-            list.join(", ")
-        );
-        return vec![finding(None, middle, message)];
-    }
-    let each = scales
-        .iter()
-        .enumerate()
-        .filter_map(|(j, s)| Some((j, s.filter(|s| far(*s))?)));
-    each.map(|(j, s)| {
-        let message = format!(
-            "{}: the recorded torque is {s:.4} times what the model predicts (current in A, motor side, or a sign?); \
-             {remedy}",
-            names[j]
-        );
-        finding(Some(j), s, message)
-    })
-    .collect()
 }
 
 /// Effects that the fitted recording cannot show, and why.
@@ -218,6 +132,27 @@ pub fn not_identifiable(
     out
 }
 
+/// Where velocity and acceleration come from, in words.
+fn derivatives(report: &PrepareReport) -> String {
+    let word = |source: &Source| match source {
+        Source::Recorded => "as recorded",
+        Source::Derived => "derived from position",
+        Source::Replaced => "derived from position instead of the recorded one",
+        Source::Fused => "derived from position and recorded velocity together",
+    };
+    let mut velocity: Vec<&str> = Vec::new();
+    for source in &report.velocity {
+        if !velocity.contains(&word(source)) {
+            velocity.push(word(source));
+        }
+    }
+    format!(
+        "velocity {}, acceleration {}",
+        velocity.join(" or, on other joints, "),
+        word(&report.acceleration)
+    )
+}
+
 /// What was done to the recordings.
 pub fn notes(frames: &Frames) -> Vec<String> {
     let mut out = Vec::new();
@@ -229,8 +164,9 @@ pub fn notes(frames: &Frames) -> Vec<String> {
                 format!("low-passed at {c:.1} Hz")
             });
         out.push(format!(
-            "{what}: {:.1} Hz, motion {cutoff}, derivatives made from position",
-            r.rate_hz
+            "{what}: {:.1} Hz, motion {cutoff}, {}",
+            r.rate_hz,
+            derivatives(r)
         ));
     }
     let (a, b) = (

@@ -6,6 +6,7 @@
 
 pub mod baseline;
 pub mod basic;
+pub mod channel;
 pub mod check;
 pub mod cutoff;
 pub mod design;

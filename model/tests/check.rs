@@ -95,8 +95,12 @@ fn torque_in_another_unit_or_reversed() {
     for factor in [10.0, 1.0 / 101.0, -1.0] {
         let mut r = recording(lively, 0.0);
         torque(&mut r).column_mut(1).mapv_inplace(|t| factor * t);
-        let found = checked(&r).findings;
-        assert!(!found.is_empty(), "{factor}");
+        let CheckReport {
+            findings: found,
+            channel,
+            ..
+        } = checked(&r);
+        assert!(!found.is_empty(), "{factor}: {channel:?}");
         assert_eq!(found[0].kind, Kind::TorqueScale, "{factor}: {found:?}");
         assert_eq!(
             (found[0].joint, found[0].severity),

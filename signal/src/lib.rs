@@ -15,6 +15,7 @@
 
 pub mod bootstrap;
 pub mod correlation;
+pub mod delay;
 pub mod differences;
 pub mod filter;
 pub mod motion;

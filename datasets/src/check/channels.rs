@@ -1,10 +1,11 @@
 //! Position, velocity and torque of one joint.
 
+use super::velocity::VelocityChannel;
 use super::{CheckOptions, Finding, JointFigures, Kind, Severity};
 use crate::Recording;
 use crate::metrics::MOVING;
+use signal::Motion;
 use signal::quantile::median;
-use signal::{Motion, correlation};
 
 /// A joint whose positions stay within this never moves, in rad or m.
 pub const STILL: f64 = 1e-3;
@@ -16,8 +17,10 @@ const CYCLES: f64 = 3.0;
 /// range between the limits.
 const SMALL_RANGE: f64 = 0.2;
 const SMALL_PART: f64 = 0.05;
-/// Factor between recorded and expected RMS torque beyond which the scale is wrong.
-const TORQUE_FACTOR: f64 = 3.0;
+/// A recorded velocity that is later than this for certain, s, is worth a note …
+const LATE: f64 = 2e-3;
+/// … and one of another size than the derivative by more than this a warning.
+const VELOCITY_GAIN: f64 = 0.05;
 /// The plateau is looked for in the top of |τ|: this part of the largest value …
 const TOP: f64 = 0.01;
 /// … must hold this many times more samples than its neighbourhood would …
@@ -33,6 +36,7 @@ const FROZEN_S: f64 = 0.5;
 pub(super) struct Channel<'a> {
     pub recording: &'a Recording,
     pub motion: &'a Motion,
+    pub velocity: Option<VelocityChannel>,
     pub joint: usize,
     pub name: String,
 }
@@ -74,6 +78,7 @@ impl Channel<'_> {
             torque_max: tau
                 .as_ref()
                 .map(|t| t.iter().fold(0.0, |m, v| v.abs().max(m))),
+            velocity_delay: self.velocity.map(|v| v.late),
         }
     }
 
@@ -115,7 +120,7 @@ impl Channel<'_> {
         found.extend(self.velocity_finding());
         found.extend(self.corrupt_row());
         if let Some(tau) = self.tau() {
-            found.extend(self.torque_findings(&tau, figures, options));
+            found.extend(self.torque_findings(&tau));
         }
         found
     }
@@ -168,34 +173,22 @@ impl Channel<'_> {
         found
     }
 
-    /// Compares the recorded velocity with the derivative of the position.
+    /// What of the recorded velocity is worth a sentence.
     fn velocity_finding(&self) -> Option<Finding> {
-        let recorded = self.recording.qd.as_ref()?.column(self.joint);
-        let (mut across, mut own) = (0.0, 0.0);
-        for (row, v) in recorded.iter().enumerate() {
-            across += v * self.qd(row);
-            own += self.qd(row).powi(2);
-        }
-        if own == 0.0 {
-            return None;
-        }
-        let gain = across / own;
-        if (gain - 1.0).abs() > 0.05 {
+        let VelocityChannel { gain, late } = self.velocity?;
+        if (gain - 1.0).abs() > VELOCITY_GAIN {
             let text = format!("the recorded velocity is {gain:.3} times dq/dt; check its unit");
             return Some(self.finding(Kind::VelocityMismatch, Severity::Warning, gain, text));
         }
-        let longest = self
-            .recording
-            .trajectories
-            .iter()
-            .max_by_key(|t| t.range.len())?;
-        let of_motion: Vec<f64> = longest.range.clone().map(|r| self.qd(r)).collect();
-        let of_record: Vec<f64> = longest.range.clone().map(|r| recorded[r]).collect();
-        let lag = correlation::lag(&of_motion, &of_record, 20)?;
-        (lag.samples.abs() > 0.5).then(|| {
-            let late = lag.samples * self.recording.median_step();
-            let text = format!("the recorded velocity is {:.1} ms late", 1e3 * late);
-            self.finding(Kind::VelocityMismatch, Severity::Note, late, text)
+        let (value, [low, high]) = (late.value?, late.interval?);
+        late.lies_outside([-LATE, LATE]).then(|| {
+            let text = format!(
+                "the recorded velocity is {:.1} ms ({:.1} to {:.1}) late",
+                1e3 * value,
+                1e3 * low,
+                1e3 * high
+            );
+            self.finding(Kind::VelocityMismatch, Severity::Note, value, text)
         })
     }
 
@@ -225,12 +218,7 @@ impl Channel<'_> {
         })
     }
 
-    fn torque_findings(
-        &self,
-        tau: &[f64],
-        figures: &JointFigures,
-        options: &CheckOptions,
-    ) -> Vec<Finding> {
+    fn torque_findings(&self, tau: &[f64]) -> Vec<Finding> {
         let mut found = Vec::new();
         if tau.iter().all(|v| *v == tau[0]) {
             let text = format!(
@@ -247,21 +235,6 @@ impl Channel<'_> {
                 100.0 * share
             );
             found.push(self.finding(Kind::TorquePlateau, Severity::Warning, level, text));
-        }
-        let expected = options
-            .torque_reference
-            .get(self.joint)
-            .copied()
-            .filter(|t| *t > 0.0);
-        if let (Some(expected), Some(rms)) = (expected, figures.torque_rms) {
-            let factor = rms / expected;
-            if !(1.0 / TORQUE_FACTOR..=TORQUE_FACTOR).contains(&factor) {
-                let text = format!(
-                    "the torque is {factor:.3} times what the model expects; \
-                     check gear ratio, torque constant and unit"
-                );
-                found.push(self.finding(Kind::TorqueScale, Severity::Severe, factor, text));
-            }
         }
         found
     }

@@ -4,9 +4,11 @@
 
 mod channels;
 mod clock;
+mod velocity;
 
 pub use channels::{STILL, plateau};
 
+use crate::channel::{Estimate95, TorqueChannel};
 use crate::prepare::Prepared;
 use crate::repeats::{self, Repeatability};
 use crate::{Problem, Recording};
@@ -19,8 +21,6 @@ pub struct CheckOptions {
     pub joints: Vec<String>,
     /// Lower and upper joint limits in rad (m), base first; infinite where there are none.
     pub position_limits: Vec<[f64; 2]>,
-    /// Expected RMS torque per joint in N·m (N), e.g. of the nominal model on this motion.
-    pub torque_reference: Vec<f64>,
 }
 
 /// How bad a finding is.
@@ -106,6 +106,9 @@ pub struct JointFigures {
     pub torque_rms: Option<f64>,
     /// Largest torque in N·m (N).
     pub torque_max: Option<f64>,
+    /// Recorded velocity behind the derivative of the position, s, where velocity was recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_delay: Option<Estimate95>,
 }
 
 /// The check of a recording.
@@ -123,6 +126,9 @@ pub struct CheckReport {
     pub rate_hz: f64,
     /// Figures per joint.
     pub joints: Vec<JointFigures>,
+    /// Delay, scale and offset of the torque, where a model was at hand to compare it with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<TorqueChannel>,
     /// Repeated motions and the floor that follows.
     pub repeatability: Option<Repeatability>,
     /// Findings, worst first.
@@ -130,6 +136,12 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
+    /// Adds findings, worst first again.
+    pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
+        self.findings.extend(findings);
+        self.findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
+    }
+
     /// The worst severity; `None` when nothing was found.
     pub fn worst(&self) -> Option<Severity> {
         self.findings.iter().map(|f| f.severity).max()
@@ -155,6 +167,7 @@ pub fn check(
         let view = channels::Channel {
             recording,
             motion: &prepared.at_samples,
+            velocity: velocity::compare(recording, prepared, joint),
             joint,
             name: name.unwrap_or_else(|| format!("joint {}", joint + 1)),
         };
@@ -176,25 +189,8 @@ pub fn check(
             .sum(),
         rate_hz: prepared.report.rate_hz,
         joints,
+        channel: None,
         repeatability: repeats::repeatability(recording, &prepared.at_samples.qd, &pairs),
         findings,
-    })
-}
-
-/// The finding for a shift of torque against motion of `shift_s` seconds, worth a warning from a
-/// quarter of a sample on.
-pub fn shift_finding(shift_s: f64, step_s: f64) -> Option<Finding> {
-    (shift_s.abs() > 0.25 * step_s).then(|| Finding {
-        kind: Kind::TorqueShift,
-        severity: Severity::Warning,
-        joint: None,
-        row: None,
-        value: shift_s,
-        parameters: Vec::new(),
-        message: format!(
-            "the torque is {:.1} ms {} than the motion; record both on one clock or correct the delay",
-            1e3 * shift_s.abs(),
-            if shift_s > 0.0 { "later" } else { "earlier" }
-        ),
     })
 }

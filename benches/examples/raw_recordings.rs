@@ -1,0 +1,207 @@
+//! Raw recordings of robots that nobody has met: do the intervals of the torque channel cover, and what does the default
+//! cut-off cost against the best one in hindsight?
+//!
+//! `cargo run --release -p benches --example raw_recordings -- --cases 100 --seed S` simulates recordings (see
+//! `simulate::raw`), estimates the channel of the part to fit on, and prints how often intervals of 95 % hold the truth, with
+//! the interval of Clopper and Pearson. With `--cutoffs` it also fits the physics of `train --physics-only` with its own
+//! choice and with every cut-off of a list, and compares the errors on the part to test on. A run that was cut off goes on
+//! with `--first K`: recordings do not depend on each other.
+
+use clap::Parser;
+use datasets::channel::Estimate95;
+use datasets::prepare::{PrepareOptions, prepare};
+use model::channel::estimate;
+use physics::robot::Robot;
+use rayon::prelude::*;
+use simulate::raw::{RawCase, generate};
+use statrs::distribution::{Beta, ContinuousCDF};
+use std::process::ExitCode;
+
+/// Intervals of the torque channel and choice of the cut-off on simulated raw recordings.
+#[derive(Parser)]
+struct Arguments {
+    /// Number of recordings.
+    #[arg(long, default_value_t = 100)]
+    cases: u64,
+    /// Seed.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Index of the first recording.
+    #[arg(long, default_value_t = 0)]
+    first: u64,
+    /// A line for every joint.
+    #[arg(long)]
+    joints: bool,
+}
+
+/// Whether intervals hold the truth.
+#[derive(Default, Clone)]
+struct Tally {
+    held: u64,
+    judged: u64,
+    /// Not determined.
+    unknown: u64,
+    /// Half widths.
+    halves: Vec<f64>,
+}
+
+impl Tally {
+    fn count(&mut self, estimate: &Estimate95, truth: f64) {
+        let Some([low, high]) = estimate.interval else {
+            self.unknown += 1;
+            return;
+        };
+        self.judged += 1;
+        self.held += u64::from((low..=high).contains(&truth));
+        self.halves.push(0.5 * (high - low));
+    }
+
+    fn add(mut self, other: &Self) -> Self {
+        self.held += other.held;
+        self.judged += other.judged;
+        self.unknown += other.unknown;
+        self.halves.extend(&other.halves);
+        self
+    }
+
+    fn line(&self, what: &str) -> String {
+        let [low, high] = clopper_pearson(self.held, self.judged);
+        format!(
+            "{what:<34} {:>4} of {:>4} = {:.3} [{low:.3}, {high:.3}], median half width {:.4}, not determined {}",
+            self.held,
+            self.judged,
+            self.held as f64 / self.judged.max(1) as f64,
+            signal::quantile::median(self.halves.clone()).unwrap_or(f64::NAN),
+            self.unknown
+        )
+    }
+}
+
+/// Interval of 95 % of a proportion (Clopper and Pearson 1934).
+fn clopper_pearson(held: u64, of: u64) -> [f64; 2] {
+    let (k, n) = (held as f64, of as f64);
+    let at = |a: f64, b: f64, p: f64| Beta::new(a, b).map_or(f64::NAN, |d| d.inverse_cdf(p));
+    [
+        if held == 0 {
+            0.0
+        } else {
+            at(k, n - k + 1.0, 0.025)
+        },
+        if held == of {
+            1.0
+        } else {
+            at(k + 1.0, n - k, 0.975)
+        },
+    ]
+}
+
+#[derive(Default, Clone)]
+struct Outcome {
+    common: Tally,
+    joint_delay: Tally,
+    scale: Tally,
+    offset: Tally,
+    signs: Tally,
+    text: String,
+}
+
+fn judge(
+    case: &RawCase,
+    joints: bool,
+) -> Result<Outcome, Box<dyn std::error::Error + Send + Sync>> {
+    let robot = Robot::from_urdf_str(&case.urdf)?;
+    let prepared = prepare(&case.train, &PrepareOptions::default())?;
+    let found = estimate(&robot, &case.train, &prepared);
+    let truth = &case.truth;
+    let mut out = Outcome::default();
+    let shared = truth.lag.iter().all(|l| *l == truth.lag[0]);
+    if shared {
+        out.common.count(&found.delay, truth.delay);
+    }
+    let show = |e: &Estimate95, unit: f64| match (e.value, e.interval) {
+        (Some(v), Some([a, b])) => format!("{:.3} [{:.3}, {:.3}]", unit * v, unit * a, unit * b),
+        _ => "null".to_owned(),
+    };
+    let setting = &truth.setting;
+    out.text = format!(
+        "{:>3} {} {:<12} {:>4.0} Hz {:>5.1} s cut-off {:>5.1}: delay {} ms, truth {:.2}{}",
+        setting.index,
+        setting.id,
+        setting.robot,
+        setting.rate_hz,
+        case.train.len() as f64 / setting.rate_hz,
+        prepared.report.cutoff_hz.unwrap_or(f64::NAN),
+        show(&found.delay, 1e3),
+        1e3 * truth.delay,
+        if shared { "" } else { " (filters differ)" },
+    );
+    for (j, channel) in found.joints.iter().enumerate() {
+        out.joint_delay.count(&channel.delay, truth.joint_delay[j]);
+        out.scale.count(&channel.scale, truth.gain[j]);
+        out.offset.count(&channel.offset, truth.offset[j]);
+        if let Some(sign) = channel.sign {
+            out.signs.judged += 1;
+            out.signs.held += u64::from(f64::from(sign) * truth.gain[j] > 0.0);
+        } else {
+            out.signs.unknown += 1;
+        }
+        if joints {
+            let held = |e: &Estimate95, t: f64| match e.interval {
+                Some([a, b]) if (a..=b).contains(&t) => ' ',
+                Some(_) => '!',
+                None => '-',
+            };
+            out.text += &format!(
+                "\n      {} delay {} ms, truth {:.2} {} scale {}, truth {:.3} {} offset {}, truth {:.3} {} {:?}",
+                j + 1,
+                show(&channel.delay, 1e3),
+                1e3 * truth.joint_delay[j],
+                held(&channel.delay, truth.joint_delay[j]),
+                show(&channel.scale, 1.0),
+                truth.gain[j],
+                held(&channel.scale, truth.gain[j]),
+                show(&channel.offset, 1.0),
+                truth.offset[j],
+                held(&channel.offset, truth.offset[j]),
+                truth.lag[j],
+            );
+        }
+    }
+    Ok(out)
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let span = arguments.first..arguments.first + arguments.cases;
+    println!("seed {}, recordings {span:?}", arguments.seed);
+    let outcomes: Result<Vec<Outcome>, _> = span
+        .into_par_iter()
+        .map(|index| {
+            let case = generate(arguments.seed, index)?;
+            let outcome = judge(&case, arguments.joints)?;
+            println!("{}", outcome.text);
+            Ok::<_, Box<dyn std::error::Error + Send + Sync>>(outcome)
+        })
+        .collect();
+    let outcomes = match outcomes {
+        Ok(outcomes) => outcomes,
+        Err(error) => {
+            eprintln!("raw_recordings: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let sum = |of: fn(&Outcome) -> &Tally| {
+        outcomes
+            .iter()
+            .fold(Tally::default(), |sum, o| sum.add(of(o)))
+    };
+    println!(
+        "{}",
+        sum(|o| &o.common).line("delay, one filter for all joints")
+    );
+    println!("{}", sum(|o| &o.joint_delay).line("delay, joint by joint"));
+    println!("{}", sum(|o| &o.scale).line("scale, joint by joint"));
+    println!("{}", sum(|o| &o.offset).line("offset, joint by joint"));
+    println!("{}", sum(|o| &o.signs).line("sign"));
+    ExitCode::SUCCESS
+}

@@ -1,0 +1,157 @@
+//! The rows of one joint: its torque against shared and own columns at a delay.
+
+use super::systems::{Joint, Systems};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use signal::delay::{Search, System, correlation_time, rows_at};
+
+/// Least variance of a residual, as a part of the torque's mean square: no model is right to a thousandth.
+const PRECISION: f64 = 1e-6;
+/// Rows of one joint: shared columns, own columns, and, from the second round on, the change with the delay.
+pub(super) struct Rows {
+    /// Values, row after row.
+    pub values: Vec<f64>,
+    /// Recorded torque of each row.
+    pub target: Vec<f64>,
+    /// Shared columns, the first ones.
+    pub shared: usize,
+    /// Own columns without the change with the delay.
+    pub own: usize,
+    /// All columns.
+    pub width: usize,
+    /// Whether the change with the delay is among them, as the last.
+    pub slope: bool,
+    /// One over variance and correlation time.
+    pub weight: f64,
+    /// Correlation time of the residual, rows.
+    pub correlation: f64,
+}
+
+impl Rows {
+    /// Rows at a delay, s; `known` are the coefficients of shared and own columns, from which the change with the delay
+    /// follows.
+    pub fn new(
+        joint: &Joint,
+        systems: &Systems,
+        delay: f64,
+        known: Option<&[f64]>,
+    ) -> Option<Self> {
+        let search = Search::default();
+        let shared = joint.standard.len();
+        let mut columns: Vec<Vec<f64>> = joint
+            .standard
+            .iter()
+            .map(|c| {
+                if c.is_empty() {
+                    vec![0.0; joint.torque.len()]
+                } else {
+                    c.clone()
+                }
+            })
+            .collect();
+        columns.extend([joint.rigid.clone(), joint.rotor.clone()]);
+        columns.extend(joint.friction.iter().cloned());
+        let own = columns.len() - shared;
+        let slope = known.is_some();
+        if let Some(known) = known {
+            // The whole prediction: its slope, with the sign of a delay, is the last column.
+            let mut whole = vec![0.0; joint.torque.len()];
+            for (column, c) in columns.iter().zip(known) {
+                whole.iter_mut().zip(column).for_each(|(w, v)| *w += c * v);
+            }
+            columns.push(whole);
+        }
+        let width = columns.len();
+        let system = System {
+            columns,
+            target: joint.torque.clone(),
+            segments: systems.segments.clone(),
+            steps: systems.steps.clone(),
+        };
+        let (mut values, target) = rows_at(&system, delay, &search)?;
+        if slope {
+            // Central difference over a few ms of a spline: as good as its derivative.
+            let h = 1e-3;
+            let [before, after] = [delay - h, delay + h].map(|d| rows_at(&system, d, &search));
+            let (before, after) = (before?.0, after?.0);
+            for row in 0..target.len() {
+                let at = row * width + width - 1;
+                values[at] = (after[at] - before[at]) / (2.0 * h);
+            }
+        }
+        let mut rows = Self {
+            values,
+            target,
+            shared,
+            own,
+            width,
+            slope,
+            weight: 1.0,
+            correlation: 1.0,
+        };
+        rows.weigh()?;
+        Some(rows)
+    }
+
+    /// Sets the weight by what the best model of this joint alone leaves.
+    fn weigh(&mut self) -> Option<()> {
+        let p = self.width;
+        let mut a = self.products(|_| 1.0);
+        let mut size = Vec::with_capacity(p);
+        for i in 0..p {
+            size.push(a[(i, i)].max(f64::MIN_POSITIVE).sqrt());
+        }
+        let b = Mat::from_fn(p, 1, |i, _| a[(i, p)] / size[i]);
+        let yy = a[(p, p)];
+        a = Mat::from_fn(p, p, |i, j| {
+            a[(i, j)] / (size[i] * size[j]) + if i == j { 1e-7 } else { 0.0 }
+        });
+        let x = a.llt(Side::Lower).ok()?.solve(&b);
+        let residual: Vec<f64> = self
+            .values
+            .chunks(p)
+            .zip(&self.target)
+            .map(|(row, y)| {
+                let fit: f64 = row
+                    .iter()
+                    .enumerate()
+                    .map(|(i, v)| v * x[(i, 0)] / size[i])
+                    .sum();
+                y - fit
+            })
+            .collect();
+        let square: f64 = residual.iter().map(|e| e * e).sum();
+        let rows = residual.len() as f64;
+        self.correlation = correlation_time(&[&residual]);
+        let effective = rows / self.correlation;
+        // Parameters take their part of the effective rows: those that act, in fact fewer.
+        let spent = (self.own as f64 + 6.0).min(0.5 * effective);
+        let variance = (square / rows).max(PRECISION * yy / rows) * effective / (effective - spent);
+        self.weight = 1.0 / (variance.max(f64::MIN_POSITIVE) * self.correlation);
+        Some(())
+    }
+
+    /// Products of all columns times a factor, the target last.
+    pub fn products(&self, factor: impl Fn(usize) -> f64) -> Mat<f64> {
+        let p = self.width;
+        let mut sums = vec![0.0; (p + 1) * (p + 1)];
+        let mut line = vec![0.0; p + 1];
+        for (row, y) in self.values.chunks(p).zip(&self.target) {
+            line[..p].copy_from_slice(row);
+            line[p] = *y;
+            for i in 0..=p {
+                let v = line[i];
+                if v != 0.0 {
+                    let sums = &mut sums[i * (p + 1) + i..(i + 1) * (p + 1)];
+                    sums.iter_mut()
+                        .zip(&line[i..])
+                        .for_each(|(s, w)| *s += v * w);
+                }
+            }
+        }
+        let factor = |i: usize| if i < p { factor(i) } else { 1.0 };
+        Mat::from_fn(p + 1, p + 1, |i, j| {
+            sums[i.min(j) * (p + 1) + i.max(j)] * factor(i) * factor(j)
+        })
+    }
+}

@@ -1,0 +1,297 @@
+//! What each joint's torque is compared with: rigid body and friction as columns on a uniform grid.
+
+use datasets::Recording;
+use datasets::check::STILL;
+use datasets::prepare::Prepared;
+use physics::dynamics::{Workspace, inverse_dynamics, regressor};
+use physics::identify::base::{BaseParameters, Extra};
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use signal::delay::System;
+use signal::{resample, smoother};
+use std::ops::Range;
+
+/// Rate of the rows, Hz, or a little more: motion and the delay of a torque live far below half of it.
+const RATE: f64 = 100.0;
+/// Low-pass of motion, friction and torque alike, as a part of the rows' rate and of the recording's: what passes is
+/// sampled well in both, and hardly any noise of q̈ passes. Where preparation has passed less of the motion, no more of the
+/// torque is looked at.
+const BAND: [f64; 2] = [0.15, 0.3];
+
+/// Columns and torque of all joints.
+#[derive(Clone)]
+pub(super) struct Systems {
+    /// Base parameters of the robot with its rotors.
+    pub base: BaseParameters,
+    /// One for each joint; none for a joint that never moves or whose torque keeps one value.
+    pub joints: Vec<Option<Joint>>,
+    /// Rows that follow each other, and their steps in s.
+    pub segments: Vec<Range<usize>>,
+    /// Time between the rows of each segment, s.
+    pub steps: Vec<f64>,
+}
+
+/// Columns of one joint, low-passed like its torque.
+#[derive(Clone)]
+pub(super) struct Joint {
+    /// Torque per standard parameter of the links, 10 N columns; empty where it is zero throughout.
+    pub standard: Vec<Vec<f64>>,
+    /// Torque of the robot as described, counterbalance included.
+    pub rigid: Vec<f64>,
+    /// Acceleration: rotor inertia.
+    pub rotor: Vec<f64>,
+    /// Friction and offset; the offset is the first.
+    pub friction: Vec<Vec<f64>>,
+    /// Recorded torque.
+    pub torque: Vec<f64>,
+}
+
+impl Systems {
+    /// The systems of a recording; `prepared` comes from it.
+    pub fn new(robot: &Robot, recording: &Recording, prepared: &Prepared) -> Option<Self> {
+        let tau = recording.tau.as_ref()?;
+        let n = robot.dof();
+        let grids = Grids::new(recording, prepared)?;
+        let motion = &prepared.fine;
+        let width = PARAMETERS_PER_LINK * n;
+        let moves: Vec<bool> = (0..n)
+            .map(|j| {
+                let q = recording.q.column(j);
+                let low = q.iter().copied().fold(f64::INFINITY, f64::min);
+                q.iter().any(|v| v - low >= STILL)
+            })
+            .collect();
+        let rows = grids.rows();
+        let mut standard = vec![vec![vec![0.0; rows]; width]; n];
+        let mut rigid = vec![vec![0.0; rows]; n];
+        let (mut y, mut torque) = (vec![0.0; n * width], vec![0.0; n]);
+        let mut workspace = Workspace::new(robot);
+        let states = [&motion.q, &motion.qd, &motion.qdd].map(|table| {
+            let columns = table.columns().into_iter();
+            columns
+                .map(|c| grids.motion(&c.to_vec()))
+                .collect::<Vec<_>>()
+        });
+        for row in 0..rows {
+            // What derivation makes of a joint at rest is noise.
+            let of = |state: usize| -> Vec<f64> {
+                let joints =
+                    (0..n).map(|j| (state == 0 || moves[j]).then_some(states[state][j][row]));
+                joints.map(Option::unwrap_or_default).collect()
+            };
+            let [q, qd, qdd] = [0, 1, 2].map(of);
+            regressor(robot, &mut workspace, &q, &qd, &qdd, &mut y);
+            inverse_dynamics(robot, &mut workspace, &q, &qd, &qdd, &mut torque);
+            if let Some(c) = robot.counterbalance() {
+                torque[c.joint] += c.torque(q[c.joint]);
+            }
+            for j in 0..n {
+                rigid[j][row] = torque[j];
+                for (column, value) in standard[j].iter_mut().zip(&y[j * width..]) {
+                    column[row] = *value;
+                }
+            }
+        }
+        let joints = standard
+            .into_iter()
+            .zip(rigid)
+            .enumerate()
+            .map(|(j, (standard, rigid))| {
+                let measured = tau.column(j).to_vec();
+                let dead = measured.iter().all(|t| *t == measured[0]);
+                if !moves[j] || dead {
+                    return None;
+                }
+                let fine = |table: &ndarray::Array2<f64>| table.column(j).to_vec();
+                let qd = fine(&motion.qd);
+                let shows = |c: &Vec<f64>| c.iter().any(|v| v.abs() > 1e-9);
+                let columns = standard.into_iter();
+                Some(Joint {
+                    standard: columns
+                        .map(|c| if shows(&c) { c } else { Vec::new() })
+                        .collect(),
+                    rigid,
+                    rotor: states[2][j].clone(),
+                    friction: friction(&fine(&motion.q), &qd, &motion.segments)
+                        .iter()
+                        .map(|c| grids.thinned(c))
+                        .collect(),
+                    torque: grids.torque(recording, prepared, &measured)?,
+                })
+            })
+            .collect();
+        Some(Self {
+            base: BaseParameters::of_robot(robot, &[Extra::RotorInertia]),
+            joints,
+            segments: grids.segments.clone(),
+            steps: grids.steps.clone(),
+        })
+    }
+
+    /// The same with offset, viscous and Coulomb friction alone.
+    pub fn with_plain_friction(&self) -> Self {
+        let mut plain = self.clone();
+        for joint in plain.joints.iter_mut().flatten() {
+            joint.friction.truncate(PLAIN);
+        }
+        plain
+    }
+
+    /// One joint's torque against base parameters, friction and offset.
+    pub fn system(&self, joint: &Joint, index: usize) -> System {
+        let rigid = joint.standard.len();
+        let mut columns: Vec<Vec<f64>> = self
+            .base
+            .independent()
+            .iter()
+            .filter(|&&c| c < rigid && !joint.standard[c].is_empty())
+            .map(|&c| joint.standard[c].clone())
+            .collect();
+        if self.base.independent().contains(&(rigid + index)) {
+            columns.push(joint.rotor.clone());
+        }
+        columns.extend(joint.friction.iter().cloned());
+        System {
+            columns,
+            target: joint.torque.clone(),
+            segments: self.segments.clone(),
+            steps: self.steps.clone(),
+        }
+    }
+}
+
+/// Columns of offset, viscous and Coulomb friction, the first ones.
+const PLAIN: usize = 3;
+/// Speeds, as parts of the top speed, at which friction departs from viscous and Coulomb.
+const BENDS: [f64; 2] = [0.05, 0.3];
+/// Ways, as parts of the range, in which friction builds up after a reversal.
+const WAYS: [f64; 2] = [0.001, 0.01];
+
+/// Offset and friction of a joint: viscous, Coulomb, odd functions of speed that bend at low speed, and friction that
+/// builds up after a reversal. The last looks like a delay of Coulomb friction: where it is allowed for, reversals do not
+/// tell of the delay, and smooth torque does.
+fn friction(q: &[f64], qd: &[f64], segments: &[Range<usize>]) -> Vec<Vec<f64>> {
+    let top = qd.iter().fold(f64::MIN_POSITIVE, |m, v| v.abs().max(m));
+    let low = q.iter().copied().fold(f64::INFINITY, f64::min);
+    let range = q.iter().fold(0.0_f64, |m, q| m.max(q - low));
+    let mut columns = vec![
+        vec![1.0; qd.len()],
+        qd.to_vec(),
+        qd.iter().map(|&v| Extra::Coulomb.value(v, 0.0)).collect(),
+    ];
+    for bend in BENDS {
+        let of = |v: &f64| {
+            let x = v / (bend * top);
+            x / (1.0 + x * x)
+        };
+        columns.push(qd.iter().map(of).collect());
+    }
+    for way in WAYS {
+        columns.push(built_up(q, qd, segments, way * range));
+    }
+    columns
+}
+
+/// What a reversal takes from Coulomb friction until the joint has gone some multiples of `way`: sign(q̇) less a bristle that
+/// bends by that way (Dahl), zero where the joint starts.
+fn built_up(q: &[f64], qd: &[f64], segments: &[Range<usize>], way: f64) -> Vec<f64> {
+    let mut out = vec![0.0; q.len()];
+    for s in segments {
+        let mut bent = 0.0;
+        let mut last: Option<f64> = None;
+        for row in s.clone() {
+            let sign = Extra::Coulomb.value(qd[row], 0.0);
+            let gone = last.map_or(0.0, |l| (q[row] - l).abs());
+            bent = if last.is_none() {
+                sign
+            } else {
+                sign + (bent - sign) * (-gone / way.max(f64::MIN_POSITIVE)).exp()
+            };
+            last = Some(q[row]);
+            out[row] = sign - bent;
+        }
+    }
+    out
+}
+
+/// The rows: every `stride`-th of the fine motion.
+struct Grids {
+    fine: Vec<Range<usize>>,
+    stride: usize,
+    rate_hz: f64,
+    cutoff_hz: f64,
+    /// Whether preparation has passed no more of the motion than that.
+    motion_is_smooth: bool,
+    segments: Vec<Range<usize>>,
+    steps: Vec<f64>,
+}
+
+impl Grids {
+    fn new(recording: &Recording, prepared: &Prepared) -> Option<Self> {
+        let fine_hz = prepared.report.fine_hz;
+        let stride = ((fine_hz / RATE).floor() as usize).max(1);
+        let rate_hz = fine_hz / stride as f64;
+        let band_hz = (BAND[0] * rate_hz).min(BAND[1] / recording.median_step());
+        let prepared_hz = prepared.report.cutoff_hz.unwrap_or(f64::INFINITY);
+        let cutoff_hz = band_hz.min(prepared_hz);
+        let (mut segments, mut steps, mut start) = (Vec::new(), Vec::new(), 0);
+        for s in &prepared.fine.segments {
+            let rows = s.len().div_ceil(stride);
+            segments.push(start..start + rows);
+            let time = &prepared.fine.time;
+            let step = (time[s.end - 1] - time[s.start]) / (s.len().max(2) - 1) as f64;
+            steps.push(step * stride as f64);
+            start += rows;
+        }
+        (rate_hz.is_finite() && cutoff_hz > 0.0).then_some(Self {
+            fine: prepared.fine.segments.clone(),
+            stride,
+            rate_hz,
+            cutoff_hz,
+            motion_is_smooth: prepared_hz <= band_hz,
+            segments,
+            steps,
+        })
+    }
+
+    fn rows(&self) -> usize {
+        self.segments.last().map_or(0, |s| s.end)
+    }
+
+    fn low_passed(&self, x: &[f64], rate_hz: f64) -> Vec<f64> {
+        // The cut-off is below half of either rate by construction.
+        smoother::low_pass(x, self.cutoff_hz, rate_hz).unwrap_or_else(|_| x.to_vec())
+    }
+
+    /// Positions or their derivatives on the rows.
+    fn motion(&self, column: &[f64]) -> Vec<f64> {
+        if !self.motion_is_smooth {
+            return self.thinned(column);
+        }
+        let parts = self.fine.iter();
+        parts
+            .flat_map(|s| column[s.clone()].iter().step_by(self.stride).copied())
+            .collect()
+    }
+
+    /// A column of the fine motion through the low-pass, on the rows.
+    fn thinned(&self, column: &[f64]) -> Vec<f64> {
+        let parts = self.fine.iter();
+        parts
+            .flat_map(|s| {
+                let smooth = self.low_passed(&column[s.clone()], self.rate_hz * self.stride as f64);
+                smooth.into_iter().step_by(self.stride)
+            })
+            .collect()
+    }
+
+    /// Recorded torque on the fine grid, through the low-pass, on the rows.
+    fn torque(&self, recording: &Recording, prepared: &Prepared, tau: &[f64]) -> Option<Vec<f64>> {
+        let mut fine = Vec::with_capacity(prepared.fine.len());
+        for (t, s) in recording.trajectories.iter().zip(&self.fine) {
+            let (time, values) = (&recording.time[t.range.clone()], &tau[t.range.clone()]);
+            let at = &prepared.fine.time[s.clone()];
+            fine.extend(resample::cubic(time, values, at).ok()?);
+        }
+        Some(self.thinned(&fine))
+    }
+}
