@@ -3,7 +3,8 @@
 use super::systems::{Joint, Systems};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
-use signal::delay::{Search, System, correlation_time, rows_at};
+use signal::correlation::correlation_time;
+use signal::delay::{Search, System, rows_at};
 
 /// Least variance of a residual, as a part of the torque's mean square: no model is right to a thousandth.
 const PRECISION: f64 = 1e-6;
