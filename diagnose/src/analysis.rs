@@ -247,6 +247,8 @@ pub fn find(
     };
     let Answer {
         selection,
+        steps,
+        rest,
         base,
         over_refit,
     } = simplest.answer();
@@ -254,7 +256,7 @@ pub fn find(
     let accepted = selection
         .accepted
         .iter()
-        .zip(selection.steps)
+        .zip(steps)
         .zip(over_refit)
         .map(|((&candidate, tried), over_refit)| {
             let variables = start..start + dictionary.members[candidate].len();
@@ -271,7 +273,7 @@ pub fn find(
         selection.fit.variables.clone(),
         selection.fit.beta().clone(),
     );
-    let (std, rest) = (selection.fit.std(), selection.rest);
+    let std = selection.fit.std();
     Ok(Findings {
         present,
         candidates,

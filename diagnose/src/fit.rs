@@ -118,8 +118,7 @@ impl<'a> Fit<'a> {
 
     /// The same fit with `added` columns as well.
     pub fn trial(&self, added: &[Variable]) -> Trial {
-        let dof = self.grams.dof();
-        let mut error = vec![0.0; dof];
+        let mut error = vec![0.0; self.grams.dof()];
         for (f, part) in self.parts.iter().enumerate() {
             let (direction, gamma) = self.step(part, added, Some(f));
             for (j, e) in error.iter_mut().enumerate() {
@@ -128,7 +127,27 @@ impl<'a> Fit<'a> {
             }
         }
         let (direction, gamma) = self.step(&self.all, added, None);
-        let beta = &self.all.beta + &direction;
+        self.tried(added, error, &direction, gamma)
+    }
+
+    /// The same with the errors of the rows that were fitted: what a trial gives at a glance, at a fraction of its price.
+    pub fn glance(&self, added: &[Variable]) -> Trial {
+        let (direction, gamma) = self.step(&self.all, added, None);
+        let each = self.grams.total.iter().zip(&self.all.error).enumerate();
+        let error = each
+            .map(|(j, (gram, e))| e + self.change(gram, &self.all, j, added, &direction, &gamma))
+            .collect();
+        self.tried(added, error, &direction, gamma)
+    }
+
+    fn tried(
+        &self,
+        added: &[Variable],
+        error: Vec<f64>,
+        direction: &Array1<f64>,
+        gamma: Array1<f64>,
+    ) -> Trial {
+        let beta = &self.all.beta + direction;
         let extra: f64 = added
             .iter()
             .zip(&gamma)

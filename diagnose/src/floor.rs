@@ -23,8 +23,7 @@ const FEWEST: usize = 8;
 
 /// Least root mean squared error of any model, N·m, by joint; none where the recording does not say.
 pub fn floor(recording: &Recording, frame: &Frame, states: &Array2<State>) -> Vec<Option<f64>> {
-    let pairs = repeats::find(recording);
-    let spread = repeats::repeatability(recording, &frame.samples().qd, &pairs);
+    let spread = repeats::repeatability(recording, &frame.samples().qd, frame.repeats());
     let repeated = |j: usize| {
         let s = spread.as_ref()?;
         s.moving[j].or(Some(s.all[j])).filter(|x| *x > 0.0)

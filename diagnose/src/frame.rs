@@ -3,7 +3,7 @@
 
 use crate::scene::Scale;
 use datasets::prepare::{PrepareError, PrepareReport};
-use datasets::{PrepareOptions, Prepared, Recording, prepare};
+use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
 use ndarray::{Array1, Array2, ArrayView1};
 use signal::Motion;
 use signal::filter::filtfilt;
@@ -35,6 +35,7 @@ pub struct Frame {
     /// Rows that are fitted, by trajectory.
     pub rows: Vec<Range<usize>>,
     labels: Vec<String>,
+    repeats: Vec<(usize, usize)>,
     lowpass: Option<Vec<Section>>,
     stride: usize,
 }
@@ -78,6 +79,7 @@ impl Frame {
                 .iter()
                 .map(|t| t.label.clone())
                 .collect(),
+            repeats: repeats::find(recording),
             lowpass,
             stride,
         })
@@ -86,6 +88,11 @@ impl Frame {
     /// The recording as it was prepared.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
+    }
+
+    /// Trajectories that execute one motion, each with the next one like it.
+    pub fn repeats(&self) -> &[(usize, usize)] {
+        &self.repeats
     }
 
     /// Label of a trajectory, by index.

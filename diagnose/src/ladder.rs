@@ -60,9 +60,8 @@ impl Scored {
 
 /// The floor: spread of the torque over executions of one motion. None where no motion is repeated.
 pub fn repeatability(recording: &Recording, frame: &Frame) -> Option<Step> {
-    let pairs = repeats::find(recording);
     let qd = &frame.samples().qd;
-    let floor = repeats::repeatability(recording, qd, &pairs)?;
+    let floor = repeats::repeatability(recording, qd, frame.repeats())?;
     let deviations = deviations(frame.tau.view(), qd.view());
     let all = floor.all.into_iter().map(Some).collect();
     Some(Step {

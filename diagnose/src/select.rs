@@ -2,7 +2,7 @@
 
 use crate::candidates::{Bound, Candidate};
 use crate::effect::Effect;
-use crate::fit::{Fit, Variable};
+use crate::fit::{Fit, Trial, Variable};
 use crate::objective::Objective;
 use physics::robot::Robot;
 use rayon::prelude::*;
@@ -14,6 +14,9 @@ const MOST_CHANGE: f64 = 9.0;
 
 /// Deviation of the density of a suspected link, relative.
 const DENSITY: f64 = 0.5;
+
+/// Candidates that are tried on folds left out where one is exchanged for a better one.
+const CONTENDERS: usize = 40;
 
 /// Mass and first moments, the first parameters of a body.
 const MOMENTS: usize = 4;
@@ -35,16 +38,12 @@ pub struct Tried {
     pub gamma: Vec<f64>,
 }
 
-/// Causes found, with what they were chosen among.
+/// Causes found.
 pub struct Selection<'a> {
     /// Accepted candidates in the order of acceptance.
     pub accepted: Vec<usize>,
     /// Fit with all of them.
     pub fit: Fit<'a>,
-    /// For each accepted candidate everything tried in its place, the others standing, best first.
-    pub steps: Vec<Vec<Tried>>,
-    /// What was tried after the last acceptance, best first.
-    pub rest: Vec<Tried>,
 }
 
 /// The search over one dictionary.
@@ -119,16 +118,38 @@ impl<'a> Search<'a> {
 
     /// Every admissible candidate tried on top of a fit, best first.
     pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<Tried> {
+        let all: Vec<usize> = (0..self.candidates.len()).collect();
+        self.judged(fit, accepted, &all, |f, v| f.trial(v))
+    }
+
+    /// The best candidates on top of a fit, of those that look best on the fitted rows, and `own` in any case.
+    fn contenders(&self, fit: &Fit, accepted: &[usize], own: usize) -> Vec<Tried> {
+        let all: Vec<usize> = (0..self.candidates.len()).collect();
+        let seen = self.judged(fit, accepted, &all, |f, v| f.glance(v));
+        let best = seen.iter().map(|t| t.candidate).filter(|c| *c != own);
+        let few: Vec<usize> = best.take(CONTENDERS).chain([own]).collect();
+        self.judged(fit, accepted, &few, |f, v| f.trial(v))
+    }
+
+    /// Those of some candidates that are admissible, tried on top of a fit, best first.
+    fn judged(
+        &self,
+        fit: &Fit,
+        accepted: &[usize],
+        some: &[usize],
+        trial: impl Fn(&Fit, &[Variable]) -> Trial + Sync,
+    ) -> Vec<Tried> {
         let before = self.objective.of_fit(fit, 0);
         // Each effect is as likely as any other, and so is each of its places.
         let places = self.places();
-        let mut all: Vec<Tried> = (0..self.candidates.len())
-            .into_par_iter()
+        let mut all: Vec<Tried> = some
+            .par_iter()
+            .copied()
             .filter(|c| !self.barred.contains(c))
             .filter(|c| !accepted.iter().any(|a| self.excludes(*a, *c)))
             .filter_map(|c| {
                 let variables = self.variables(c);
-                let trial = fit.trial(&variables);
+                let trial = trial(fit, &variables);
                 let candidate = &self.candidates[c];
                 let link = candidate.effect == Effect::LinkParameters && candidate.shape.is_empty();
                 let within = trial
@@ -185,7 +206,7 @@ impl<'a> Search<'a> {
         let mut accepted: Vec<usize> = Vec::new();
         let mut gains: Vec<f64> = Vec::new();
         let mut fit = self.fit(&accepted);
-        let rest = loop {
+        loop {
             let tried = self.tried(&fit, &accepted);
             let best = tried
                 .iter()
@@ -202,23 +223,24 @@ impl<'a> Search<'a> {
                     self.exchange(&mut accepted);
                     fit = self.fit(&accepted);
                 }
-                _ => break tried,
+                _ => break,
             }
-        };
+        }
         self.drop_superfluous(&mut accepted);
         let fit = self.fit(&accepted);
-        let steps = (0..accepted.len())
-            .map(|i| {
-                let others = without(&accepted, i);
-                self.tried(&self.fit(&others), &others)
-            })
-            .collect();
-        Selection {
-            accepted,
-            fit,
-            steps,
-            rest,
-        }
+        Selection { accepted, fit }
+    }
+
+    /// What some causes were chosen among: for each everything tried in its place, the others standing, and everything
+    /// tried beside all of them, best first.
+    pub fn alternatives(&self, selection: &Selection) -> (Vec<Vec<Tried>>, Vec<Tried>) {
+        let accepted = &selection.accepted;
+        let instead = |i: usize| {
+            let others = without(accepted, i);
+            self.tried(&self.fit(&others), &others)
+        };
+        let steps = (0..accepted.len()).map(instead).collect();
+        (steps, self.tried(&selection.fit, accepted))
     }
 
     /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
@@ -291,7 +313,7 @@ impl<'a> Search<'a> {
     fn exchange(&self, accepted: &mut [usize]) {
         for i in 0..accepted.len().saturating_sub(1) {
             let others = without(accepted, i);
-            let tried = self.tried(&self.fit(&others), &others);
+            let tried = self.contenders(&self.fit(&others), &others, accepted[i]);
             let own = tried
                 .iter()
                 .find(|t| t.candidate == accepted[i])
@@ -310,9 +332,8 @@ impl<'a> Search<'a> {
         while i < accepted.len() {
             let others = without(accepted, i);
             let fit = self.fit(&others);
-            let tried = self.tried(&fit, &others);
-            let own = tried.iter().find(|t| t.candidate == accepted[i]);
-            if own.is_some_and(|t| self.worth(&fit, t)) {
+            let tried = self.judged(&fit, &others, &[accepted[i]], |f, v| f.trial(v));
+            if tried.first().is_some_and(|t| self.worth(&fit, t)) {
                 i += 1;
             } else {
                 accepted.remove(i);

@@ -11,7 +11,7 @@ use crate::fit::{Fit, Variable};
 use crate::model::NominalModel;
 use crate::objective::Objective;
 use crate::rungs::FREEDOMS;
-use crate::select::{Search, Selection, without};
+use crate::select::{Search, Selection, Tried, without};
 use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
 
@@ -33,6 +33,10 @@ const TOUCHED: f64 = 0.35;
 pub struct Answer<'a> {
     /// The causes.
     pub selection: Selection<'a>,
+    /// For each cause everything tried in its place, the others standing, best first.
+    pub steps: Vec<Vec<Tried>>,
+    /// What was tried beside all of them, best first.
+    pub rest: Vec<Tried>,
     /// Base variables with the priors of the answer.
     pub base: Vec<Variable>,
     /// Squared error of each accepted cause over that of the free refit in its place; None for what parameters cannot
@@ -55,7 +59,7 @@ pub struct Simplest<'a> {
 }
 
 /// A search that has run.
-struct Tried<'a> {
+struct Run<'a> {
     search: Search<'a>,
     selection: Selection<'a>,
     over_refit: Vec<Option<f64>>,
@@ -97,7 +101,7 @@ impl<'a> Simplest<'a> {
 
     /// The search without a link's full set of parameters, where it needs fewer coefficients than the search with them and
     /// stands against the refit; else the search with them.
-    fn fewer(&self, freedom: f64) -> Tried<'a> {
+    fn fewer(&self, freedom: f64) -> Run<'a> {
         let full = self.run(freedom, HashSet::new());
         let many = |c: usize| self.is_many(c);
         if !full.selection.accepted.iter().any(|&c| many(c)) {
@@ -105,7 +109,7 @@ impl<'a> Simplest<'a> {
         }
         let barred = (0..self.candidates.len()).filter(|&c| many(c)).collect();
         let few = self.run(freedom, barred);
-        let price = |t: &Tried| -> usize {
+        let price = |t: &Run| -> usize {
             let of = t.selection.accepted.iter();
             of.map(|&c| self.members[c].len()).sum()
         };
@@ -144,7 +148,7 @@ impl<'a> Simplest<'a> {
         (0..self.candidates.len()).filter(same).collect()
     }
 
-    fn run(&self, freedom: f64, barred: HashSet<usize>) -> Tried<'a> {
+    fn run(&self, freedom: f64, barred: HashSet<usize>) -> Run<'a> {
         let search = Search {
             objective: self.objective,
             candidates: self.candidates,
@@ -166,7 +170,7 @@ impl<'a> Simplest<'a> {
             .collect();
         let free = self.refit(&search, &structure, &(0..own.len()).collect::<Vec<_>>());
         let enough = self.as_low(&own, &free);
-        Tried {
+        Run {
             search,
             selection,
             over_refit,
@@ -225,7 +229,7 @@ impl<'a> Simplest<'a> {
     }
 }
 
-impl<'a> Tried<'a> {
+impl<'a> Run<'a> {
     /// Accepted candidates that leave too much.
     fn beaten(&self) -> Vec<usize> {
         let each = self.selection.accepted.iter().zip(&self.over_refit);
@@ -246,8 +250,11 @@ impl<'a> Tried<'a> {
     }
 
     fn answer(self) -> Answer<'a> {
+        let (steps, rest) = self.search.alternatives(&self.selection);
         Answer {
             selection: self.selection,
+            steps,
+            rest,
             base: self.search.base,
             over_refit: self.over_refit,
         }

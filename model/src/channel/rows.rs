@@ -1,8 +1,9 @@
 //! The rows of one joint: its torque against shared and own columns at a delay.
 
 use super::systems::{Joint, Systems};
+use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::{Accum, Mat, MatRef, Par, Side};
 use signal::correlation::correlation_time;
 use signal::delay::{Search, System, rows_at};
 
@@ -26,6 +27,8 @@ pub(super) struct Rows {
     pub weight: f64,
     /// Correlation time of the residual, rows.
     pub correlation: f64,
+    /// Products of all columns, the target last.
+    sums: Mat<f64>,
 }
 
 impl Rows {
@@ -81,6 +84,7 @@ impl Rows {
             }
         }
         let mut rows = Self {
+            sums: sums(&values, &target, width),
             values,
             target,
             shared,
@@ -135,24 +139,28 @@ impl Rows {
     /// Products of all columns times a factor, the target last.
     pub fn products(&self, factor: impl Fn(usize) -> f64) -> Mat<f64> {
         let p = self.width;
-        let mut sums = vec![0.0; (p + 1) * (p + 1)];
-        let mut line = vec![0.0; p + 1];
-        for (row, y) in self.values.chunks(p).zip(&self.target) {
-            line[..p].copy_from_slice(row);
-            line[p] = *y;
-            for i in 0..=p {
-                let v = line[i];
-                if v != 0.0 {
-                    let sums = &mut sums[i * (p + 1) + i..(i + 1) * (p + 1)];
-                    sums.iter_mut()
-                        .zip(&line[i..])
-                        .for_each(|(s, w)| *s += v * w);
-                }
-            }
-        }
         let factor = |i: usize| if i < p { factor(i) } else { 1.0 };
         Mat::from_fn(p + 1, p + 1, |i, j| {
-            sums[i.min(j) * (p + 1) + i.max(j)] * factor(i) * factor(j)
+            self.sums[(i, j)] * factor(i) * factor(j)
         })
     }
+}
+
+/// Products of columns, row after row, and a target, which comes last.
+fn sums(values: &[f64], target: &[f64], width: usize) -> Mat<f64> {
+    let x = MatRef::from_row_major_slice(values, target.len(), width);
+    let y = MatRef::from_column_major_slice(target, target.len(), 1);
+    let product = |a: MatRef<f64>, b: MatRef<f64>| {
+        let mut out = Mat::zeros(a.ncols(), b.ncols());
+        // On one thread: the same bits whatever their number.
+        matmul(&mut out, Accum::Replace, a.transpose(), b, 1.0, Par::Seq);
+        out
+    };
+    let (xx, xy, yy) = (product(x, x), product(x, y), product(y, y));
+    Mat::from_fn(width + 1, width + 1, |i, j| match (i < width, j < width) {
+        (true, true) => xx[(i, j)],
+        (true, false) => xy[(i, 0)],
+        (false, true) => xy[(j, 0)],
+        (false, false) => yy[(0, 0)],
+    })
 }

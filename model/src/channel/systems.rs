@@ -16,6 +16,8 @@ const RATE: f64 = 100.0;
 /// sampled well in both, and hardly any noise of q̈ passes. Where preparation has passed less of the motion, no more of the
 /// torque is looked at.
 const BAND: [f64; 2] = [0.15, 0.3];
+/// Rows looked at, at most: minutes of motion say what hours do.
+const ROWS: usize = 12_000;
 
 /// Columns and torque of all joints.
 #[derive(Clone)]
@@ -215,6 +217,8 @@ fn built_up(q: &[f64], qd: &[f64], segments: &[Range<usize>], way: f64) -> Vec<f
 
 /// The rows: every `stride`-th of the fine motion.
 struct Grids {
+    /// Trajectories that are looked at, and their part of the fine motion.
+    trajectories: Vec<usize>,
     fine: Vec<Range<usize>>,
     stride: usize,
     rate_hz: f64,
@@ -233,8 +237,9 @@ impl Grids {
         let band_hz = (BAND[0] * rate_hz).min(BAND[1] / recording.median_step());
         let prepared_hz = prepared.report.cutoff_hz.unwrap_or(f64::INFINITY);
         let cutoff_hz = band_hz.min(prepared_hz);
+        let (trajectories, fine) = evenly(&prepared.fine.segments, ROWS * stride);
         let (mut segments, mut steps, mut start) = (Vec::new(), Vec::new(), 0);
-        for s in &prepared.fine.segments {
+        for s in &fine {
             let rows = s.len().div_ceil(stride);
             segments.push(start..start + rows);
             let time = &prepared.fine.time;
@@ -243,7 +248,8 @@ impl Grids {
             start += rows;
         }
         (rate_hz.is_finite() && cutoff_hz > 0.0).then_some(Self {
-            fine: prepared.fine.segments.clone(),
+            trajectories,
+            fine,
             stride,
             rate_hz,
             cutoff_hz,
@@ -286,12 +292,32 @@ impl Grids {
 
     /// Recorded torque on the fine grid, through the low-pass, on the rows.
     fn torque(&self, recording: &Recording, prepared: &Prepared, tau: &[f64]) -> Option<Vec<f64>> {
-        let mut fine = Vec::with_capacity(prepared.fine.len());
-        for (t, s) in recording.trajectories.iter().zip(&self.fine) {
-            let (time, values) = (&recording.time[t.range.clone()], &tau[t.range.clone()]);
-            let at = &prepared.fine.time[s.clone()];
-            fine.extend(resample::cubic(time, values, at).ok()?);
+        let mut rows = Vec::with_capacity(self.rows());
+        for (&t, s) in self.trajectories.iter().zip(&self.fine) {
+            let range = recording.trajectories[t].range.clone();
+            let (time, values) = (&recording.time[range.clone()], &tau[range]);
+            let fine = resample::cubic(time, values, &prepared.fine.time[s.clone()]).ok()?;
+            let smooth = self.low_passed(&fine, self.rate_hz * self.stride as f64);
+            rows.extend(smooth.into_iter().step_by(self.stride));
         }
-        Some(self.thinned(&fine))
+        Some(rows)
     }
+}
+
+/// Some stretches, evenly spread, with about `most` samples together, and their indices; the beginning of a longer one.
+fn evenly(stretches: &[Range<usize>], most: usize) -> (Vec<usize>, Vec<Range<usize>>) {
+    let all: usize = stretches.iter().map(Range::len).sum();
+    let every = all.div_ceil(most).clamp(1, stretches.len().max(1));
+    let kept = (0..stretches.len()).step_by(every);
+    let share = most.div_ceil(stretches.len().div_ceil(every).max(1));
+    let of = |k: usize| {
+        let s = &stretches[k];
+        let end = if all <= most {
+            s.end
+        } else {
+            s.end.min(s.start + share)
+        };
+        s.start..end
+    };
+    (kept.clone().collect(), kept.map(of).collect())
 }

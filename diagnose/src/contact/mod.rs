@@ -7,16 +7,19 @@
 //! Confounders: any rare event that repeats with the motion, which a learner then predicts; a fault of one joint's
 //! torque channel or transmission that comes and goes, which loads no other joint; vibration, which swings about zero.
 
+mod repeated;
+mod windows;
+
 use crate::frame::Frame;
 use crate::report::Push;
-use crate::standing::{Judged, State};
+use crate::standing::Judged;
 use ndarray::{Array2, ArrayView1, ArrayViewMut1};
 use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
+use repeated::repeats;
 use std::ops::Range;
+use windows::{WINDOW, adjacent, windows};
 
-/// Length of a window, s.
-const WINDOW: f64 = 0.12;
 /// Height of a burst over the usual window mean of its joint.
 const HEIGHT: f64 = 8.0;
 /// Gap between windows of one burst, s.
@@ -69,26 +72,6 @@ pub struct Contact {
     pub at_rest: bool,
 }
 
-/// Windows of all trajectories: mean of what is left, per joint; none where the joint turns round or stops.
-struct Windows {
-    samples: Vec<Range<usize>>,
-    mean: Array2<Option<f64>>,
-    standing: Array2<bool>,
-}
-
-impl Windows {
-    /// Usual size of the means of a joint that moves, or stands; at least `least`.
-    fn usual(&self, joint: usize, standing: bool, least: f64) -> f64 {
-        let of = |w: usize| self.mean[[w, joint]].filter(|_| self.standing[[w, joint]] == standing);
-        let mut size: Vec<f64> = (0..self.samples.len())
-            .filter_map(|w| Some(of(w)?.abs()))
-            .collect();
-        size.sort_by(f64::total_cmp);
-        let middle = size.get(size.len() / 2).copied().unwrap_or(0.0);
-        (1.4826 * middle).max(least).max(1e-9)
-    }
-}
-
 /// Looks for pushes in what is left at the recorded samples; of joints in motion only where `moving` says that the motion
 /// explains no such thing. None where nothing stands out, or too much does.
 pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
@@ -104,6 +87,7 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
             [false, true].map(|standing| windows.usual(j, standing, least))
         })
         .collect();
+    let usual: Vec<f64> = levels.iter().map(|l| l[0].max(l[1])).collect();
     let relative = |w: usize, j: usize| {
         let usual = levels[j][usize::from(windows.standing[[w, j]])];
         windows.mean[[w, j]].map_or(0.0, |m| m.abs() / usual)
@@ -144,7 +128,6 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
     let height = |b: &Range<usize>| b.clone().map(highest).fold(0.0, f64::max);
     let most = bursts.iter().map(height).fold(0.0, f64::max);
     bursts.retain(|b| height(b) >= LEAST_HEIGHT * most);
-    let rests = bursts.iter().any(at_rest);
     for b in &mut bursts {
         let start = b.start.saturating_sub(1);
         if adjacent(&windows.samples, start, b.start) {
@@ -162,6 +145,9 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
         let s = samples(b);
         s.end < last && time[s.end - 1] - time[s.start] <= LONGEST
     });
+    // What comes again with the motion is the robot's own.
+    bursts.retain(|b| !repeats(frame, &left.departure, &samples(b), &usual));
+    let rests = bursts.iter().any(at_rest);
     let inside: usize = bursts.iter().map(Range::len).sum();
     let energy = |w: usize| (0..dof).map(|j| relative(w, j).powi(2)).sum::<f64>();
     let all: f64 = (0..n).map(energy).sum();
@@ -206,7 +192,6 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
     if dof > 1 && load.iter().any(|l| *l > ALONE * size) {
         return None;
     }
-    let usual: Vec<f64> = levels.iter().map(|l| l[0].max(l[1])).collect();
     if steadiness(&torque, &bursts, &usual) < STEADY {
         return None;
     }
@@ -234,49 +219,6 @@ fn steadiness(torque: &Array2<f64>, bursts: &[Burst], usual: &[f64]) -> f64 {
         }
     }
     mean / all
-}
-
-/// Whether two windows follow each other without a break between trajectories.
-fn adjacent(samples: &[Range<usize>], a: usize, b: usize) -> bool {
-    a <= b && (a..b).all(|w| samples[w].end == samples[w + 1].start)
-}
-
-fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
-    let length = ((WINDOW * frame.report().rate_hz).round() as usize).max(2);
-    let samples: Vec<Range<usize>> = frame
-        .samples()
-        .segments
-        .iter()
-        .flat_map(|s| {
-            (0..s.len() / length).map(move |w| s.start + w * length..s.start + (w + 1) * length)
-        })
-        .collect();
-    let all =
-        |w: usize, j: usize, state: State| samples[w].clone().all(|i| left.state[[i, j]] == state);
-    let shape = (samples.len(), frame.dof());
-    let standing = Array2::from_shape_fn(shape, |(w, j)| all(w, j, State::Standing));
-    // What happens while a joint turns round is friction's.
-    let qd = &frame.samples().qd;
-    let mean = Array2::from_shape_fn(shape, |(w, j)| {
-        let turns = || {
-            samples[w]
-                .clone()
-                .any(|i| qd[[i, j]] * qd[[samples[w].start, j]] <= 0.0)
-        };
-        let seen = standing[[w, j]] || moving && all(w, j, State::Moving) && !turns();
-        seen.then(|| {
-            samples[w]
-                .clone()
-                .map(|i| left.departure[[i, j]])
-                .sum::<f64>()
-                / length as f64
-        })
-    });
-    Windows {
-        samples,
-        mean,
-        standing,
-    }
 }
 
 /// The residual of a joint inside a burst, smoothed by running means, which shorten towards its ends.
