@@ -13,9 +13,10 @@ mod fit;
 mod rows;
 mod systems;
 
+use crate::cutoff::{self, CutoffError};
 use datasets::Recording;
-use datasets::channel::{Estimate95, JointChannel, TorqueChannel};
-use datasets::prepare::Prepared;
+use datasets::channel::{Estimate95, JointChannel, SHORT_DELAY, TorqueChannel};
+use datasets::prepare::{PrepareOptions, Prepared, prepare};
 use fit::{Fitted, Found, Moments};
 use physics::robot::Robot;
 use systems::Systems;
@@ -54,6 +55,53 @@ pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> To
         delay: common.estimate(apart),
         joints: joints.collect(),
     }
+}
+
+/// Delay of the torque of some recordings made with one channel, s, where it is certain: its interval lies beyond what
+/// changes no torque, and the basic model out of fold is better with it. `options` says how they are prepared.
+///
+/// # Errors
+/// Recordings that cannot be prepared, or not fitted.
+pub fn certain_delay(
+    robot: &Robot,
+    recordings: &[Recording],
+    options: &PrepareOptions,
+) -> Result<Option<Estimate95>, CutoffError> {
+    let mut known = Vec::new();
+    for recording in recordings {
+        let prepared =
+            prepare(recording, &cutoff::for_recording(options, recording)).map_err(|source| {
+                CutoffError::Prepare {
+                    file: recording.source.clone(),
+                    source,
+                }
+            })?;
+        let delay = estimate(robot, recording, &prepared).delay;
+        if let (Some(value), Some([low, high])) = (delay.value, delay.interval) {
+            let std = 0.25 * (high - low);
+            known.push(Moments {
+                value,
+                variance: std * std,
+            });
+        }
+    }
+    let delay = match known.as_slice() {
+        [] => return Ok(None),
+        [one] => {
+            let half = 2.0 * one.variance.sqrt();
+            Estimate95::new(one.value, [one.value - half, one.value + half])
+        }
+        several => delay::common(several, several.len()).estimate(0.0),
+    };
+    let Some(value) = delay.value.filter(|_| delay.lies_outside(SHORT_DELAY)) else {
+        return Ok(None);
+    };
+    let later = PrepareOptions {
+        torque_delay: value,
+        ..*options
+    };
+    let better = cutoff::explains_better(robot, recordings, &later, options)?;
+    Ok(better.then_some(delay))
 }
 
 /// What all joints whose delay is determined have in common.
