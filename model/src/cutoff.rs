@@ -225,8 +225,10 @@ impl<'a> Search<'a> {
                 .collect(),
             folds: Folds::new(&self.recordings, FOLDS, gap(options)),
         };
-        let rigid = rigid_columns(self.robot, &self.base, &session, 0..self.recordings.len());
         let samples: usize = self.recordings.iter().map(|r| r.len()).sum();
+        let every = samples.div_ceil(ROWS).max(1);
+        let all = 0..self.recordings.len();
+        let rigid = rigid_columns(self.robot, &self.base, &session, all, every);
         let data = Data {
             robot: self.robot,
             base: &self.base,
@@ -234,7 +236,7 @@ impl<'a> Search<'a> {
             session: &session,
             target: &target,
             moving_only: false,
-            every: samples.div_ceil(ROWS).max(1),
+            every,
         };
         let terms = basic::softened(&basic::terms(self.robot), basic::USUAL_SOFTNESS);
         let no_load: Vec<Array2<f64>> = session

@@ -279,6 +279,23 @@ impl Prepared {
             .collect()
     }
 
+    /// Rows of the fine grid that [`Self::to_samples`] needs for every `every`-th sample; all of them where a low-pass runs
+    /// over them.
+    pub fn rows_for(&self, every: usize) -> Vec<bool> {
+        let mut needed = vec![!self.torque_sections.is_empty() || every < 2; self.fine.len()];
+        for (f, s) in self.fine.segments.iter().zip(&self.at_samples.segments) {
+            let time = &self.fine.time[f.clone()];
+            for row in s.clone().filter(|r| r.is_multiple_of(every)) {
+                let at = self.at_samples.time[row] - self.torque_delay;
+                let right = time.partition_point(|&t| t <= at);
+                let last = time.len() - 1;
+                needed[f.start + right.saturating_sub(1).min(last)] = true;
+                needed[f.start + right.min(last)] = true;
+            }
+        }
+        needed
+    }
+
     /// Takes a torque-like column from the fine grid to the recorded stamps: through the low-pass
     /// of the recorded torque where there is one, then linearly between the two fine points next
     /// to each stamp less the torque's delay. Never over a break: there its first or last value stays.

@@ -44,10 +44,11 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
 
 /// What bounds hold, and what that costs.
 pub fn bounds(b: &Bounds) -> String {
-    let held = if b.held.is_empty() {
-        "coefficients that would be negative within their deviation".to_owned()
-    } else {
-        b.held.join(", ")
+    const NAMED: usize = 3;
+    let held = match b.held.len() {
+        0 => "coefficients that would be negative within their deviation".to_owned(),
+        n if n <= NAMED + 1 => b.held.join(", "),
+        n => format!("{} and {} more", b.held[..NAMED].join(", "), n - NAMED),
     };
     format!(
         "Held to what is possible: {held}; that costs {:.4} of mean NRMSE on the fitted recording.",
