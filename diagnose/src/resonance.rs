@@ -1,7 +1,7 @@
 //! Resonance: a narrow peak in the spectrum of what the model leaves, while the arm moves or ringing while it stands.
 //!
 //! The spectrum is Welch's over windows of the recorded samples; a peak stands out of the median of its surroundings by
-//! more than the highest of as many bins of noise would once in [`CHANCE`] recordings (a sum of K windows of noise is
+//! more than the highest of as many bins of noise would once in `CHANCE` recordings (a sum of K windows of noise is
 //! gamma distributed). In motion a peak that the predicted torque has as well is the motion's own line.
 
 use crate::analysis::{Columns, Findings, Frames, gap};
