@@ -1,7 +1,7 @@
 //! Raw recordings as a controller's log has them, with what is true of their torque channel.
 //!
-//! A recording is a motion of a random robot ([`plant`]) seen through sensors ([`sensors`]) and a torque channel
-//! ([`channel`]): a pure shift, a causal filter, gain, offset, noise and quantisation; jittered stamps, lost packets,
+//! A recording is a motion of a random robot (`plant`) seen through sensors (`sensors`) and a torque channel
+//! (`channel`): a pure shift, a causal filter, gain, offset, noise and quantisation; jittered stamps, lost packets,
 //! encoder counts, a velocity that may be late. The robot has a little of everything that a rigid body with viscous and
 //! Coulomb friction lacks, and its URDF is nearly right, so that no model is exact. [`generate`] makes a recording of one
 //! motion or several, divides it into a part to fit and a part to test, and says what an estimator should find.
