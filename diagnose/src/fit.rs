@@ -126,11 +126,6 @@ impl<'a> Fit<'a> {
             .collect()
     }
 
-    /// Squared error on the fold that was left out, by fold, then joint.
-    pub fn error_by_fold(&self) -> Vec<&[f64]> {
-        self.parts.iter().map(|p| p.error.as_slice()).collect()
-    }
-
     /// Σ λ β².
     pub fn penalty(&self) -> f64 {
         penalty(&self.variables, &self.all.beta)

@@ -65,20 +65,3 @@ pub fn delayed(time: &[f64], values: &[f64], delay: f64) -> Result<Vec<f64>, Spl
     let at: Vec<f64> = time.iter().map(|t| t - delay).collect();
     cubic(time, values, &at)
 }
-
-/// Jittered stamps to a uniform grid of the given step, by a cubic spline: `(grid, values)`.
-///
-/// # Errors
-/// Fewer than four samples, or times that do not increase.
-pub fn uniform(
-    time: &[f64],
-    values: &[f64],
-    step: f64,
-) -> Result<(Vec<f64>, Vec<f64>), SplineError> {
-    let grid = match (time.first(), time.last()) {
-        (Some(&first), Some(&last)) => uniform_grid(first, last, step),
-        _ => Vec::new(),
-    };
-    let resampled = cubic(time, values, &grid)?;
-    Ok((grid, resampled))
-}
