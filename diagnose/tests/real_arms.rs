@@ -124,7 +124,10 @@ fn what_is_advised_of_a_panda_is_possible_and_is_what_is_written() {
     for cause in &found.diagnosis.causes {
         for p in &cause.parameters {
             let joint = p.joint.as_deref();
-            let j = robot.joints().iter().position(|own| Some(own.name.as_str()) == joint);
+            let j = robot
+                .joints()
+                .iter()
+                .position(|own| Some(own.name.as_str()) == joint);
             let in_file = match (cause.effect, p.name.as_str()) {
                 (Effect::FrictionParameters, "viscous") => robot.joints()[j.unwrap()].damping,
                 (Effect::FrictionParameters, "coulomb") => robot.joints()[j.unwrap()].friction,
@@ -134,7 +137,10 @@ fn what_is_advised_of_a_panda_is_possible_and_is_what_is_written() {
                 _ => continue,
             };
             let apart = (in_file - p.value).abs();
-            assert!(apart < 1e-6 * (1.0 + in_file.abs()), "{p:?}: {in_file} in the URDF");
+            assert!(
+                apart < 1e-6 * (1.0 + in_file.abs()),
+                "{p:?}: {in_file} in the URDF"
+            );
             if cause.effect == Effect::FrictionParameters {
                 assert!(p.value >= 0.0, "{p:?}");
             }
@@ -143,6 +149,10 @@ fn what_is_advised_of_a_panda_is_possible_and_is_what_is_written() {
     }
     assert!(compared > 3, "{compared} numbers compared");
     for joint in robot.joints() {
-        assert!(joint.link.inertia.is_consistent(1e-6), "{}", joint.link.name);
+        assert!(
+            joint.link.inertia.is_consistent(1e-6),
+            "{}",
+            joint.link.name
+        );
     }
 }

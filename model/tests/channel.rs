@@ -140,10 +140,19 @@ fn a_certain_delay_belongs_to_the_model() {
     let fit = fit_physics(&robot, std::slice::from_ref(&late), Some(&test), &settings).unwrap();
     let stored = fit.file.preprocessing.torque_delay.unwrap();
     assert!(holds(&stored, 0.02, 0.01), "{stored:?}");
-    assert_eq!(Some(fit.file.preprocessing.options(None).torque_delay), stored.value);
+    assert_eq!(
+        Some(fit.file.preprocessing.options(None).torque_delay),
+        stored.value
+    );
     // Noise of 0.4 N·m, uniform: 0.23 N·m. Without the delay it is several times that.
     let rows = fit.rows(1, &test).unwrap();
     let physics = rows.iter().find(|r| r.name == "physics").unwrap();
-    let worst = physics.scores.rmse.iter().flatten().copied().fold(0.0, f64::max);
+    let worst = physics
+        .scores
+        .rmse
+        .iter()
+        .flatten()
+        .copied()
+        .fold(0.0, f64::max);
     assert!(worst < 0.4, "{:?}", physics.scores.rmse);
 }

@@ -63,7 +63,6 @@ pub struct Estimate {
 }
 
 impl Estimate {
-
     /// The same estimate with another covariance (p × p).
     ///
     /// # Errors
