@@ -89,9 +89,16 @@ pub fn fit_physics(
     heldout: Option<&Recording>,
     options: &FitOptions,
 ) -> Result<Fit, FitError> {
-    let (mut options_chosen, cutoff) = cutoff::choose(robot, data, &options.prepare)?;
+    let (mut options_chosen, mut cutoff) = cutoff::choose(robot, data, &options.prepare)?;
     let torque_delay = channel::certain_delay(robot, data, &options_chosen)?;
-    options_chosen.torque_delay = torque_delay.and_then(|d| d.value).unwrap_or(0.0);
+    if let Some(value) = torque_delay.and_then(|d| d.value) {
+        // Torque that is late is explained best by too slow a motion: with the delay allowed for, the cut-off is another.
+        let later = PrepareOptions {
+            torque_delay: value,
+            ..options.prepare
+        };
+        (options_chosen, cutoff) = cutoff::choose(robot, data, &later)?;
+    }
     let mut parts = Vec::new();
     for recording in data.iter().chain(heldout) {
         let own = cutoff::for_recording(&options_chosen, recording);

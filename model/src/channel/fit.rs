@@ -20,9 +20,6 @@ use signal::delay::{Search, student_975};
 
 /// Relative errors of the described inertials that are weighed against each other. Nobody knows them better than the first.
 const TOLERANCES: [f64; 5] = [0.02, 0.04, 0.08, 0.16, 0.32];
-/// What the last link carries is rarely in its description: its inertials may be off by so many times more. Else a joint
-/// that turns little but a tool has a scale that is the tool's.
-const TOOL: f64 = 20.0;
 /// Rounds of Gauss and Newton.
 const ROUNDS: usize = 6;
 /// Longest step of a delay in one round, s.
@@ -128,8 +125,6 @@ impl Sizes {
             inertials.extend([mass * arm; 3]);
             inertials.extend([mass * arm * arm; 6]);
         }
-        let last = inertials.len().saturating_sub(PARAMETERS_PER_LINK);
-        inertials[last..].iter_mut().for_each(|s| *s *= TOOL);
         let mut mass = vec![0.0; n * n];
         mass_matrix(robot, &mut Workspace::new(robot), &vec![0.0; n], &mut mass);
         Self {

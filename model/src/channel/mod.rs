@@ -26,6 +26,11 @@ const WIDEST_DELAY: f64 = 0.06;
 /// Half width of a scale's interval, relative to it, beyond which not even its sign is known.
 const WIDEST_SCALE: f64 = 1.0;
 
+/// Part of a joint's described torque that is the last link's from which its scale may be a tool's.
+const CARRIED: f64 = 0.5;
+/// Scale that no tool makes.
+const TOOL: f64 = 30.0;
+
 /// Estimates the channel of a recording of `robot`, whose described inertials count as nearly right. `prepared` comes
 /// from `recording`. All null without torque.
 ///
@@ -48,7 +53,8 @@ pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> To
     let joints = (0..n).map(|j| {
         let other = plain.as_ref().and_then(|p| p.joints[j]);
         rich.joints[j].map_or(JointChannel::UNKNOWN, |found| {
-            of_joint(&rich, found, other, common.between)
+            let carried = systems.joints[j].as_ref().map_or(1.0, |s| s.carried);
+            of_joint(&rich, found, other, common.between, carried)
         })
     });
     TorqueChannel {
@@ -116,8 +122,15 @@ fn common(fitted: &Fitted) -> delay::Common {
     delay::common(&known, fitted.blocks)
 }
 
-/// One joint's channel from its fit, the one with plain friction and the variance of delays between joints.
-fn of_joint(fitted: &Fitted, found: Found, plain: Option<Found>, between: f64) -> JointChannel {
+/// One joint's channel from its fit, the one with plain friction, the variance of delays between joints, and the part of
+/// its described torque that is the last link's.
+fn of_joint(
+    fitted: &Fitted,
+    found: Found,
+    plain: Option<Found>,
+    between: f64,
+    carried: f64,
+) -> JointChannel {
     let with = |of: fn(&Found) -> Moments, more: f64| {
         let here = of(&found);
         let apart = plain.as_ref().map_or(0.0, |p| of(p).value - here.value);
@@ -128,7 +141,9 @@ fn of_joint(fitted: &Fitted, found: Found, plain: Option<Found>, between: f64) -
     let delay = with(|f| f.delay, between);
     let scale = with(|f| f.scale, 0.0);
     let determined = fitted.half_width(found.delay.variance) < WIDEST_DELAY;
-    let sized = scale.1 < WIDEST_SCALE * scale.0.abs();
+    // A tool that nobody described makes torque larger, as a scale would, on a joint that turns little else.
+    let tool = carried > CARRIED && scale.0 - scale.1 > 1.0 && scale.0 < TOOL;
+    let sized = scale.1 < WIDEST_SCALE * scale.0.abs() && !tool;
     JointChannel {
         delay: if determined {
             interval(delay)
