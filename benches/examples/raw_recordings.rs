@@ -9,8 +9,11 @@
 
 use clap::Parser;
 use datasets::channel::Estimate95;
+use datasets::metrics::{Row, Scope};
 use datasets::prepare::{PrepareOptions, prepare};
 use model::channel::estimate;
+use model::cutoff::HIGHEST_PART;
+use model::physics_fit::{FitOptions, fit_physics};
 use physics::robot::Robot;
 use rayon::prelude::*;
 use simulate::raw::{RawCase, generate};
@@ -32,6 +35,9 @@ struct Arguments {
     /// A line for every joint.
     #[arg(long)]
     joints: bool,
+    /// Fit the physics with its own cut-off and with each of a list.
+    #[arg(long)]
+    cutoffs: bool,
 }
 
 /// Whether intervals hold the truth.
@@ -95,8 +101,51 @@ fn clopper_pearson(held: u64, of: u64) -> [f64; 2] {
     ]
 }
 
+/// Cut-offs of which the best in hindsight is taken, Hz; those above 0.4 of the rate are left out.
+const HINDSIGHT: [f64; 8] = [2.0, 3.5, 6.0, 9.0, 14.0, 22.0, 40.0, 80.0];
+
+/// Error on the part to test on of the physics at its own cut-off, that cut-off, and the best error and cut-off of the list.
+fn against_hindsight(
+    robot: &Robot,
+    case: &RawCase,
+) -> Result<[f64; 4], Box<dyn std::error::Error + Send + Sync>> {
+    let fit =
+        |cutoff_hz: Option<f64>| -> Result<[f64; 2], Box<dyn std::error::Error + Send + Sync>> {
+            let options = FitOptions {
+                prepare: PrepareOptions {
+                    cutoff_hz,
+                    ..PrepareOptions::default()
+                },
+                ..FitOptions::default()
+            };
+            let fit = fit_physics(
+                robot,
+                std::slice::from_ref(&case.train),
+                Some(&case.test),
+                &options,
+            )?;
+            let rows = fit.rows(1, &case.test)?;
+            let own = |r: &&Row| r.name == "physics" && r.scope == Scope::All;
+            let error = rows.iter().find(own).and_then(|r| r.scores.mean_nrmse);
+            let cutoff = fit.file.preprocessing.cutoff_hz.unwrap_or(f64::NAN);
+            Ok([error.unwrap_or(f64::NAN), cutoff])
+        };
+    let [own, at] = fit(None)?;
+    let highest = HIGHEST_PART * case.truth.setting.rate_hz;
+    let mut best = [own, at];
+    for hz in HINDSIGHT.into_iter().filter(|hz| *hz < highest) {
+        let tried = fit(Some(hz))?;
+        if tried[0] < best[0] {
+            best = tried;
+        }
+    }
+    Ok([own, at, best[0], best[1]])
+}
+
 #[derive(Default, Clone)]
 struct Outcome {
+    /// Error with the default cut-off over the best in hindsight.
+    ratio: Option<f64>,
     common: Tally,
     joint_delay: Tally,
     scale: Tally,
@@ -108,6 +157,7 @@ struct Outcome {
 fn judge(
     case: &RawCase,
     joints: bool,
+    cutoffs: bool,
 ) -> Result<Outcome, Box<dyn std::error::Error + Send + Sync>> {
     let robot = Robot::from_urdf_str(&case.urdf)?;
     let prepared = prepare(&case.train, &PrepareOptions::default())?;
@@ -135,6 +185,14 @@ fn judge(
         1e3 * truth.delay,
         if shared { "" } else { " (filters differ)" },
     );
+    if cutoffs {
+        let [own, at, best, best_at] = against_hindsight(&robot, case)?;
+        out.ratio = Some(own / best).filter(|r| r.is_finite());
+        out.text += &format!(
+            "\n      NRMSE {own:.4} at {at:.1} Hz, best {best:.4} at {best_at:.1} Hz: {:.3}",
+            own / best
+        );
+    }
     for (j, channel) in found.joints.iter().enumerate() {
         out.joint_delay.count(&channel.delay, truth.joint_delay[j]);
         out.scale.count(&channel.scale, truth.gain[j]);
@@ -178,7 +236,7 @@ fn main() -> ExitCode {
         .into_par_iter()
         .map(|index| {
             let case = generate(arguments.seed, index)?;
-            let outcome = judge(&case, arguments.joints)?;
+            let outcome = judge(&case, arguments.joints, arguments.cutoffs)?;
             println!("{}", outcome.text);
             Ok::<_, Box<dyn std::error::Error + Send + Sync>>(outcome)
         })
@@ -203,5 +261,15 @@ fn main() -> ExitCode {
     println!("{}", sum(|o| &o.scale).line("scale, joint by joint"));
     println!("{}", sum(|o| &o.offset).line("offset, joint by joint"));
     println!("{}", sum(|o| &o.signs).line("sign"));
+    let ratios: Vec<f64> = outcomes.iter().filter_map(|o| o.ratio).collect();
+    if let (Some(middle), Some(worst)) = (
+        signal::quantile::median(ratios.clone()),
+        ratios.iter().copied().reduce(f64::max),
+    ) {
+        println!(
+            "error over that of the best cut-off in hindsight: median {middle:.3}, worst {worst:.3}, {} recordings",
+            ratios.len()
+        );
+    }
     ExitCode::SUCCESS
 }

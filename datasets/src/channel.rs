@@ -70,7 +70,7 @@ pub struct TorqueChannel {
 }
 
 /// A delay that lies wholly within this, s, changes no torque by what anybody measures: it is written, not said.
-const SHORT_DELAY: f64 = 2e-3;
+pub const SHORT_DELAY: [f64; 2] = [-2e-3, 2e-3];
 /// Scales that a described robot and a nominal torque constant leave open: nothing is said of an interval that reaches
 /// into them.
 const USUAL_SCALE: [f64; 2] = [0.8, 1.25];
@@ -95,12 +95,12 @@ impl TorqueChannel {
 
     fn delay_finding(&self) -> Option<Finding> {
         let (value, [low, high]) = (self.delay.value?, self.delay.interval?);
-        let outside = self.delay.lies_outside([-SHORT_DELAY, SHORT_DELAY]);
+        let outside = self.delay.lies_outside(SHORT_DELAY);
         outside.then(|| {
             let (near, far) = (low.abs().min(high.abs()), low.abs().max(high.abs()));
             let message = format!(
-                "the torque is {:.1} ms ({:.1} to {:.1}) {} than the motion: a filter or another clock; prediction and \
-                 score can be shifted by it, a controller needs no such shift",
+                "the torque is {:.1} ms ({:.1} to {:.1}) {} than the motion: a filter or another clock; fit and score allow \
+                 for it, a controller needs no such shift",
                 1e3 * value.abs(),
                 1e3 * near,
                 1e3 * far,

@@ -51,11 +51,6 @@ impl Group {
             Self::Temp => "temp",
         }
     }
-
-    /// The group with this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|g| g.name() == name)
-    }
 }
 
 /// Conversion of a stored value to SI link-side units: `value · scale + offset`.

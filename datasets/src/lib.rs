@@ -21,7 +21,6 @@ pub mod prepare;
 pub mod read;
 pub mod recording;
 pub mod repeats;
-pub mod session;
 pub mod stop_band;
 pub mod torque_filter;
 pub mod write;

@@ -1,7 +1,6 @@
 //! The check of a recording on recordings with one known fault each, and the order of sessions.
 
 use datasets::check::{CheckOptions, CheckReport, Kind, check};
-use datasets::session::{on_one_clock, order};
 use datasets::{Part, PrepareOptions, ReadOptions, Recording, Trajectory, prepare, read, repeats};
 use ndarray::Array2;
 use std::io::Write;
@@ -131,22 +130,7 @@ fn repeats_are_found_from_the_motion_and_give_the_noise() {
 }
 
 #[test]
-fn interleaved_recordings_share_a_clock_and_restarted_ones_do_not() {
-    let whole = good();
-    let (first, second) = (whole.select(&[0]), whole.select(&[1]));
-    assert!(on_one_clock(&first, &second) && on_one_clock(&second, &first));
-    let steps = order(&[&second, &first]);
-    let ids: Vec<_> = steps
-        .iter()
-        .map(|s| (s.recording, s.pause.is_some()))
-        .collect();
-    assert_eq!(ids, [(1, false), (0, true)]);
-    assert!(!on_one_clock(&whole, &whole));
-    assert!(order(&[&first, &first]).iter().all(|s| s.pause.is_none()));
-}
-
-#[test]
-fn shared_sessions_and_repeats() {
+fn repeats_of_shared_recordings() {
     let shared = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     if !shared.exists() {
         // Not println: what goes through it is swallowed where a test passes.
@@ -165,32 +149,6 @@ fn shared_sessions_and_repeats() {
         .unwrap()
     };
     let (train, test) = (kr300("train.parquet"), kr300("test.parquet"));
-    let steps = order(&[&train, &test]);
-    assert_eq!(steps.len(), 72);
-    assert_eq!(steps.iter().filter(|s| s.pause.is_none()).count(), 1);
     assert_eq!(repeats::find(&train).len(), 33);
     assert_eq!(repeats::find(&test), [(0, 3), (1, 4), (2, 5)]);
-    for case in std::fs::read_dir(shared.join("cases/cases")).unwrap() {
-        let of = |f: &str| {
-            read(
-                &case.as_ref().unwrap().path().join(f),
-                &ReadOptions::default(),
-            )
-            .unwrap()
-        };
-        let (train, test) = (of("train.parquet"), of("test.parquet"));
-        let steps = order(&[&train, &test]);
-        // One session, or two days that restart the clock: every trajectory once, each file's own in their order.
-        let count = |file: usize| steps.iter().filter(|s| s.recording == file).count();
-        assert_eq!(count(0), train.trajectories.len());
-        assert_eq!(count(1), test.trajectories.len());
-        for (file, recording) in [&train, &test].into_iter().enumerate() {
-            let own = steps.iter().filter(|s| s.recording == file);
-            assert!(
-                own.map(|s| s.trajectory).is_sorted(),
-                "{}",
-                recording.source
-            );
-        }
-    }
 }

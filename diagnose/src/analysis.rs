@@ -11,23 +11,22 @@ use crate::impacts;
 use crate::model::NominalModel;
 use crate::objective::{Objective, Settings};
 use crate::order::Orders;
-use crate::reversal::choose;
+use crate::reversal::softness;
 use crate::rungs::FREEDOMS;
 use crate::scene::{Scale, Scene};
 use crate::select::Tried;
 use crate::simplest::{Answer, Simplest};
-use datasets::Recording;
 use datasets::check::plateau;
+use datasets::{PrepareOptions, Recording};
+use model::cutoff;
 use ndarray::{Array1, Array2, Axis};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 
 /// Most causes that are named.
 const MOST_CAUSES: usize = 24;
-/// Highest cut-off of the motion over the rate of a recording.
-pub const MOST_CUTOFF: f64 = 0.3;
-/// The same of a cut-off that is given.
-const HIGHEST_CUTOFF: f64 = 0.4;
+/// Trajectories that the softness of signs is chosen on, evenly spread.
+const TRAJECTORIES: usize = 4;
 
 /// The recordings on their clocks.
 pub struct Frames {
@@ -40,7 +39,8 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Prepares both recordings, their motion low-passed at `cutoff_hz`, or at what suits the fitted one.
+    /// Prepares both recordings: as the model's own training did, where it was identified; else as training on the fitted
+    /// recording would. A given cut-off, Hz, goes before either.
     ///
     /// # Errors
     /// No torque, or a recording that cannot be prepared.
@@ -50,16 +50,28 @@ impl Frames {
         heldout: &Recording,
         cutoff_hz: Option<f64>,
     ) -> Result<Self, DiagnoseError> {
-        let carried = |r: &Recording| cutoff_hz.map(|c| c.min(HIGHEST_CUTOFF * rate(r)));
-        let view = choose(model, data, carried(data))?;
-        // A recording at a lower rate cannot be filtered as high.
-        let frame = |r: &Recording| {
-            let part = cutoff_hz.map_or(MOST_CUTOFF, |_| HIGHEST_CUTOFF);
-            let most = part * rate(r);
-            fresh(r, view.cutoff_hz.map(|c| c.min(most)))
+        let mut options = match model.preparation() {
+            Some(own) => PrepareOptions {
+                cutoff_hz: cutoff_hz.or(own.cutoff_hz),
+                ..*own
+            },
+            None => {
+                let given = PrepareOptions {
+                    cutoff_hz,
+                    ..PrepareOptions::default()
+                };
+                cutoff::choose(&model.robot, std::slice::from_ref(data), &given)?.0
+            }
         };
-        let (data, heldout) = (frame(data)?, frame(heldout)?);
-        let scale = data.scale(&[&heldout], view.softness);
+        let few = data.trajectories.len().min(TRAJECTORIES);
+        let spread: Vec<usize> = (0..few)
+            .map(|i| i * data.trajectories.len() / few)
+            .collect();
+        let data = fresh(data, &cutoff::for_recording(&options, data))?;
+        // Where nothing else chose, the fitted recording's own noise does for both.
+        options.cutoff_hz = options.cutoff_hz.or(data.report().cutoff_hz);
+        let heldout = fresh(heldout, &cutoff::for_recording(&options, heldout))?;
+        let scale = data.scale(&[&heldout], softness(model, &data, &spread));
         Ok(Self {
             data,
             heldout,
@@ -68,32 +80,16 @@ impl Frames {
     }
 }
 
-/// Mean rate of a recording's samples within its trajectories, Hz.
-fn rate(recording: &Recording) -> f64 {
-    let (steps, time) =
-        recording
-            .segments()
-            .iter()
-            .filter(|s| s.len() > 1)
-            .fold((0, 0.0), |(n, t), s| {
-                (
-                    n + s.len() - 1,
-                    t + recording.time[s.end - 1] - recording.time[s.start],
-                )
-            });
-    steps as f64 / time.max(1e-9)
-}
-
 /// A recording with its torque, prepared.
 ///
 /// # Errors
 /// No torque, or a recording that cannot be prepared.
-pub fn fresh(recording: &Recording, cutoff_hz: Option<f64>) -> Result<Frame, DiagnoseError> {
+pub fn fresh(recording: &Recording, options: &PrepareOptions) -> Result<Frame, DiagnoseError> {
     let tau = recording
         .tau
         .clone()
         .ok_or_else(|| DiagnoseError::NoTorque(recording.source.clone()))?;
-    Frame::new(recording, tau, cutoff_hz).map_err(|error| DiagnoseError::Prepare {
+    Frame::new(recording, tau, options).map_err(|error| DiagnoseError::Prepare {
         source_name: recording.source.clone(),
         error,
     })
@@ -312,31 +308,33 @@ fn first_fit(
 }
 
 impl Findings {
+    /// How the variables of the fit near the given parameters change the model's parameters (10 N inertial, N viscous, N
+    /// Coulomb): variable, parameter, change per unit.
+    pub fn parameter_map(&self) -> Vec<(usize, usize, f64)> {
+        let variables = self.tight.0.iter().enumerate();
+        let mut map: Vec<(usize, usize, f64)> = variables
+            .filter(|(_, v)| v.column < self.base)
+            .map(|(i, v)| (i, v.column, 1.0))
+            .collect();
+        for accepted in &self.accepted {
+            let candidate = &self.candidates[accepted.candidate];
+            let first = PARAMETERS_PER_LINK * candidate.joints[0];
+            let sizes = candidate.change.into_iter().flatten().enumerate();
+            let sizes = sizes.filter(|(_, size)| *size != 0.0);
+            map.extend(sizes.map(|(p, size)| (accepted.variables.start, first + p, size)));
+        }
+        map
+    }
+
     /// Change of each parameter of the model (10 N inertial, N viscous, N Coulomb) by the variables kept, and its deviation:
     /// of several coefficients of one parameter the narrowest says how well it is known. Infinite where none moves it.
     pub fn changes(&self, keep: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {
         let mut out = vec![(0.0, f64::INFINITY); self.base];
-        let mut add = |parameter: usize, change: f64, std: f64| {
+        let beta = &self.tight.1;
+        for (i, parameter, size) in self.parameter_map().into_iter().filter(|m| keep(m.0)) {
             let (sum, least) = &mut out[parameter];
-            *sum += change;
-            *least = least.min(std);
-        };
-        let (variables, beta) = &self.tight;
-        for (i, v) in variables.iter().enumerate().filter(|(i, _)| keep(*i)) {
-            if v.column < self.base {
-                add(v.column, beta[i], self.std[i]);
-            }
-        }
-        for accepted in &self.accepted {
-            let candidate = &self.candidates[accepted.candidate];
-            let i = accepted.variables.start;
-            let Some(change) = candidate.change.filter(|_| keep(i)) else {
-                continue;
-            };
-            let first = PARAMETERS_PER_LINK * candidate.joints[0];
-            for (p, size) in change.into_iter().enumerate().filter(|(_, s)| *s != 0.0) {
-                add(first + p, beta[i] * size, self.std[i] * size.abs());
-            }
+            *sum += beta[i] * size;
+            *least = least.min(self.std[i] * size.abs());
         }
         out
     }

@@ -1,6 +1,7 @@
 //! The whole diagnosis of a pair of recordings.
 
 use crate::analysis::{Findings, Frames, find};
+use crate::bounds::hold;
 use crate::contact::detect;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
@@ -126,6 +127,7 @@ pub fn diagnose(
         near.filter(|r| r.1).for_each(|(mut row, _)| row.fill(0.0));
         found = search(&weight, &skipped)?;
     }
+    let bounds = hold(model, &mut found.findings, &frames.scale);
     let said = Said {
         listing: &found.listing,
         contact: contact.as_ref(),
@@ -222,6 +224,7 @@ pub fn diagnose(
         ),
         friction: friction(model, &frames, &findings),
         moved_parameters: moved(model, &findings),
+        bounds,
         candidates: tested(&findings, &names),
         not_identifiable: unknowable,
         recordings,

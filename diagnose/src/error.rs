@@ -2,6 +2,7 @@
 
 use datasets::ReadError;
 use datasets::prepare::PrepareError;
+use model::cutoff::CutoffError;
 use model::directory::DirectoryError;
 use model::setup::SetupError;
 use physics::robot::RobotError;
@@ -33,6 +34,9 @@ pub enum DiagnoseError {
         /// Why.
         error: PrepareError,
     },
+    /// No cut-off can be chosen from a recording.
+    #[error(transparent)]
+    Cutoff(Box<CutoffError>),
     /// A recording without torque.
     #[error("{0}: no measured torque (columns tau1, tau2, …): a gap cannot be measured without it")]
     NoTorque(String),
@@ -68,6 +72,12 @@ impl From<SetupError> for DiagnoseError {
 impl From<DirectoryError> for DiagnoseError {
     fn from(error: DirectoryError) -> Self {
         Self::Directory(Box::new(error))
+    }
+}
+
+impl From<CutoffError> for DiagnoseError {
+    fn from(error: CutoffError) -> Self {
+        Self::Cutoff(Box::new(error))
     }
 }
 

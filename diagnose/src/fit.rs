@@ -99,16 +99,31 @@ impl<'a> Fit<'a> {
         self.all.factor.inverse_diagonal().mapv(f64::sqrt)
     }
 
+    /// Posterior covariance of the coefficients, given the weights.
+    pub fn covariance(&self) -> Array2<f64> {
+        self.all
+            .factor
+            .solve_rows(&Array2::eye(self.variables.len()))
+    }
+
+    /// Squared error of some coefficients on all rows, by joint, (N·m)².
+    pub fn error_of(&self, beta: &Array1<f64>) -> Vec<f64> {
+        let each = self.grams.total.iter().zip(&self.places);
+        each.map(|(gram, place)| {
+            let mut x = Array1::<f64>::zeros(gram.xy.len());
+            for &(i, p) in place {
+                x[p] += beta[i];
+            }
+            gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&gram.xx.dot(&x))
+        })
+        .collect()
+    }
+
     /// Leave-one-fold-out squared error by joint, (N·m)².
     pub fn error(&self) -> Vec<f64> {
         (0..self.grams.dof())
             .map(|j| self.parts.iter().map(|p| p.error[j]).sum())
             .collect()
-    }
-
-    /// Squared error on the fold that was left out, by fold, then joint.
-    pub fn error_by_fold(&self) -> Vec<&[f64]> {
-        self.parts.iter().map(|p| p.error.as_slice()).collect()
     }
 
     /// Σ λ β².

@@ -89,7 +89,8 @@ mod tests {
             10.0 * (2.0 * time[i]).sin() + 3.0 * (2.0 * time[i]).cos().signum() + 0.2 * noise
         });
         let recording = Recording::new("r", time, q, Some(tau.clone()));
-        let frame = Frame::new(&recording, tau, Some(20.0)).unwrap();
+        let frame =
+            Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(20.0)).unwrap();
         let found = floor(&recording, &frame, &states(&frame))[0].unwrap();
         assert!((found - 0.2).abs() < 0.03, "{found}");
     }

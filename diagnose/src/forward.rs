@@ -315,7 +315,7 @@ mod tests {
         let law = friction(0.5, 0.2);
         let tau = rigid_torque(robot, &q, &qd, &qdd) + qd.mapv(|v| law.torque(v));
         let recording = Recording::new("pendulum", time, q, Some(tau.clone()));
-        Frame::new(&recording, tau, Some(40.0)).unwrap()
+        Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(40.0)).unwrap()
     }
 
     #[test]

@@ -48,15 +48,9 @@ impl Frame {
     pub fn new(
         recording: &Recording,
         tau: Array2<f64>,
-        cutoff_hz: Option<f64>,
+        options: &PrepareOptions,
     ) -> Result<Self, PrepareError> {
-        let prepared = prepare(
-            recording,
-            &PrepareOptions {
-                cutoff_hz,
-                ..PrepareOptions::default()
-            },
-        )?;
+        let prepared = prepare(recording, options)?;
         let rate = prepared.report.rate_hz;
         let stride = ((rate / ANALYSIS_RATE).round() as usize).max(1);
         // A recording that was low-passed before it was stored is fitted as it is.

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod analysis;
+pub mod bounds;
 pub mod budget;
 pub mod candidates;
 pub mod cholesky;

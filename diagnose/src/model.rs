@@ -5,6 +5,7 @@ mod identified;
 use crate::error::DiagnoseError;
 use crate::frame::Frame;
 use crate::scene::{Scale, Scene};
+use datasets::PrepareOptions;
 use identified::Identified;
 use model::directory::ModelFile;
 use ndarray::Array2;
@@ -16,6 +17,7 @@ pub struct NominalModel {
     /// Inertials, damping, friction, rotor inertia, counterbalance.
     pub robot: Robot,
     identified: Option<Identified>,
+    preparation: Option<PrepareOptions>,
 }
 
 impl NominalModel {
@@ -24,6 +26,7 @@ impl NominalModel {
         Self {
             robot,
             identified: None,
+            preparation: None,
         }
     }
 
@@ -36,6 +39,7 @@ impl NominalModel {
         Ok(Self {
             robot,
             identified: Some(identified),
+            preparation: Some(file.preprocessing.options(None)),
         })
     }
 
@@ -43,6 +47,11 @@ impl NominalModel {
     /// combinations and may be zero or negative where the nominal ones are not.
     pub fn sizes(&self) -> &Robot {
         self.identified.as_ref().map_or(&self.robot, |i| &i.sizes)
+    }
+
+    /// How recordings were prepared that the parameters were identified on; none where nothing was.
+    pub fn preparation(&self) -> Option<&PrepareOptions> {
+        self.preparation.as_ref()
     }
 
     /// Whether the parameters were identified on a recording, so that one at zero is no missing one.

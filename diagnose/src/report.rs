@@ -1,5 +1,6 @@
 //! The report as the JSON file has it (schema `diagnosis/1`).
 
+use crate::bounds::Bounds;
 use crate::effect::Effect;
 use crate::friction::Friction;
 use crate::resonance::Resonance;
@@ -32,6 +33,8 @@ pub struct Diagnosis {
     pub friction: Vec<Friction>,
     /// Parameters of the given structure that moved, the causes being in place; most deviations first.
     pub moved_parameters: Vec<Moved>,
+    /// Parameters that a bound holds, and its cost; null where all are possible by themselves.
+    pub bounds: Option<Bounds>,
     /// Everything tried, best first.
     pub candidates: Vec<Tested>,
     /// What the gap means in motion, with the model as given and with the causes.

@@ -35,6 +35,8 @@ const CHANCE: f64 = 1e4;
 const STANDS_OUT: f64 = 10.0;
 /// Part of the residual's peak that the predicted torque's may reach for the peak not to be the motion's.
 const MOTION: f64 = 0.3;
+/// Width of a peak over its frequency from which it is a hump, and nothing that swings.
+const NARROW: f64 = 0.5;
 /// Frequencies of two joints that differ by less, relative to them, are one.
 const SAME: f64 = 0.04;
 
@@ -109,7 +111,8 @@ pub fn resonances(frame: &Frame, residual: &Array2<f64>, names: &[String]) -> Ve
                 // What shows in few windows is an event, not what swings whenever it is struck.
                 let lasting = each.iter().filter(|w| near(w) > 0.5 * STANDS_OUT).count();
                 if highest && !motions && 2 * lasting > each.len() {
-                    peaks.push(peak(&mean, &own, k, j, at_rest));
+                    let found = peak(&mean, &own, k, j, at_rest);
+                    peaks.extend(Some(found).filter(|p| p.width < NARROW * p.frequency));
                 }
             }
         }

@@ -218,7 +218,7 @@ mod tests {
         });
         let tau = Array2::from_shape_fn((800, 1), |(i, _)| (0.3 * time[i]).sin());
         let recording = Recording::new("r", time, q, Some(tau.clone()));
-        Frame::new(&recording, tau, Some(8.0)).unwrap()
+        Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(8.0)).unwrap()
     }
 
     #[test]

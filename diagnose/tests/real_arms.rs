@@ -4,6 +4,7 @@ use datasets::{ReadOptions, read};
 use diagnose::diagnosis::{Options, Outcome, diagnose};
 use diagnose::effect::Effect;
 use diagnose::model::NominalModel;
+use diagnose::patch::patch;
 use physics::robot::Robot;
 use std::io::Write;
 use std::path::PathBuf;
@@ -101,4 +102,57 @@ fn a_panda_has_nothing_extra() {
         return;
     };
     nothing_invented(&found);
+}
+
+/// No negative friction and no impossible body in words, JSON or URDF, and the same numbers in all of them.
+#[test]
+fn what_is_advised_of_a_panda_is_possible_and_is_what_is_written() {
+    let Some(found) = outcome("panda") else {
+        return;
+    };
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/panda/robot.urdf");
+    let text = std::fs::read_to_string(file).unwrap();
+    let model = NominalModel::new(Robot::from_urdf_str(&text).unwrap());
+    let written = patch(&model, &found, &text).unwrap();
+    let robot = Robot::from_urdf_str(&written.urdf).unwrap();
+    // Without bounds the fit takes dampings below zero and light links out of the cone of bodies.
+    let bounds = found.diagnosis.bounds.as_ref().unwrap();
+    assert!(!bounds.held.is_empty() && bounds.cost < 0.01, "{bounds:?}");
+    let labels = robot.parameter_names();
+    let links = robot.parameters();
+    let mut compared = 0;
+    for cause in &found.diagnosis.causes {
+        for p in &cause.parameters {
+            let joint = p.joint.as_deref();
+            let j = robot
+                .joints()
+                .iter()
+                .position(|own| Some(own.name.as_str()) == joint);
+            let in_file = match (cause.effect, p.name.as_str()) {
+                (Effect::FrictionParameters, "viscous") => robot.joints()[j.unwrap()].damping,
+                (Effect::FrictionParameters, "coulomb") => robot.joints()[j.unwrap()].friction,
+                (Effect::LinkParameters, name) => {
+                    links[labels.iter().position(|label| label == name).unwrap()]
+                }
+                _ => continue,
+            };
+            let apart = (in_file - p.value).abs();
+            assert!(
+                apart < 1e-6 * (1.0 + in_file.abs()),
+                "{p:?}: {in_file} in the URDF"
+            );
+            if cause.effect == Effect::FrictionParameters {
+                assert!(p.value >= 0.0, "{p:?}");
+            }
+            compared += 1;
+        }
+    }
+    assert!(compared > 3, "{compared} numbers compared");
+    for joint in robot.joints() {
+        assert!(
+            joint.link.inertia.is_consistent(1e-6),
+            "{}",
+            joint.link.name
+        );
+    }
 }

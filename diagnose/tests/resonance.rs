@@ -35,7 +35,7 @@ fn frame(torque: impl Fn(f64, bool) -> f64) -> Frame {
         noise() + ring
     });
     let recording = Recording::new("r.csv", time, q, Some(tau.clone()));
-    Frame::new(&recording, tau, Some(10.0)).unwrap()
+    Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(10.0)).unwrap()
 }
 
 fn found(frame: &Frame) -> Vec<Resonance> {

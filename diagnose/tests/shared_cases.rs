@@ -43,8 +43,7 @@ fn report(folder: &std::path::Path) -> Value {
 fn names_the_cause_says_none_and_says_unknown() {
     let Some(shared) = shared() else { return };
     for (case, verdict) in [
-        // What is left of the ripple is 1.6 times the noise of its joint.
-        ("07a6dac1d5", "partly_explained"),
+        ("07a6dac1d5", "explained"),
         ("7a6b200351", "no_gap"),
         ("0bee65972c", "unknown_effect"),
     ] {

@@ -74,16 +74,8 @@ pub fn choose(
     if options.cutoff_hz.is_some() || !fits || !options.low_passes(slowest) {
         return Ok((*options, None));
     }
-    let sample: Vec<Recording> = data
-        .iter()
-        .map(|r| part_of(r, SAMPLES / data.len()))
-        .collect();
-    let search = Search {
-        robot,
-        base: BaseParameters::of_robot(robot, &[]),
-        recordings: sample.iter().collect(),
-        options,
-    };
+    let sample = sample_of(data);
+    let search = Search::new(robot, &sample, options);
     let highest = (HIGHEST_PART * slowest).min(RANGE_HZ[1]);
     let lowest = RANGE_HZ[0].min(0.5 * highest);
     let steps = ((highest / lowest).ln() / RATIO.ln()).ceil() as usize;
@@ -128,6 +120,28 @@ pub fn choose(
     ))
 }
 
+/// Whether the basic model explains the torque of `data` better out of fold with one way of preparing than with another.
+///
+/// # Errors
+/// As [`choose`].
+pub fn explains_better(
+    robot: &Robot,
+    data: &[Recording],
+    one: &PrepareOptions,
+    other: &PrepareOptions,
+) -> Result<bool, CutoffError> {
+    let sample = sample_of(data);
+    let error = |options: &PrepareOptions| Search::new(robot, &sample, options).error(options);
+    let both = (error(one)?, error(other)?);
+    Ok(matches!(both, (Some(one), Some(other)) if one < other * (1.0 - ALIKE)))
+}
+
+/// Part of the recordings that is looked at.
+fn sample_of(data: &[Recording]) -> Vec<Recording> {
+    let share = SAMPLES / data.len().max(1);
+    data.iter().map(|r| part_of(r, share)).collect()
+}
+
 /// The options for one recording: a cut-off that its rate cannot carry becomes the highest that it can.
 pub fn for_recording(options: &PrepareOptions, recording: &Recording) -> PrepareOptions {
     let highest = HIGHEST_PART / recording.median_step();
@@ -166,25 +180,33 @@ struct Search<'a> {
     options: &'a PrepareOptions,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(robot: &'a Robot, sample: &'a [Recording], options: &'a PrepareOptions) -> Self {
+        Self {
+            robot,
+            base: BaseParameters::of_robot(robot, &[]),
+            recordings: sample.iter().collect(),
+            options,
+        }
+    }
+
     /// Errors at several cut-offs; those at which nothing could be fitted are left out.
     fn errors(&self, cutoffs: &[f64], from: Derivatives) -> Result<Vec<Tried>, CutoffError> {
         let tried = cutoffs.par_iter().map(|&cutoff_hz| {
-            let error = self.error(cutoff_hz, from)?;
+            let error = self.error(&PrepareOptions {
+                cutoff_hz: Some(cutoff_hz),
+                derivatives: from,
+                ..*self.options
+            })?;
             Ok(error.map(|error| Tried { cutoff_hz, error }))
         });
         let tried: Vec<Option<Tried>> = tried.collect::<Result<_, CutoffError>>()?;
         Ok(tried.into_iter().flatten().collect())
     }
 
-    fn error(&self, cutoff_hz: f64, derivatives: Derivatives) -> Result<Option<f64>, CutoffError> {
-        let options = PrepareOptions {
-            cutoff_hz: Some(cutoff_hz),
-            derivatives,
-            ..*self.options
-        };
+    fn error(&self, options: &PrepareOptions) -> Result<Option<f64>, CutoffError> {
         let prepared = |r: &&Recording| {
-            prepare(r, &options).map_err(|source| CutoffError::Prepare {
+            prepare(r, &for_recording(options, r)).map_err(|source| CutoffError::Prepare {
                 file: r.source.clone(),
                 source,
             })
@@ -201,10 +223,12 @@ impl Search<'_> {
                 .iter()
                 .filter_map(|r| r.tau.as_ref())
                 .collect(),
-            folds: Folds::new(&self.recordings, FOLDS, gap(&options)),
+            folds: Folds::new(&self.recordings, FOLDS, gap(options)),
         };
-        let rigid = rigid_columns(self.robot, &self.base, &session, 0..self.recordings.len());
         let samples: usize = self.recordings.iter().map(|r| r.len()).sum();
+        let every = samples.div_ceil(ROWS).max(1);
+        let all = 0..self.recordings.len();
+        let rigid = rigid_columns(self.robot, &self.base, &session, all, every);
         let data = Data {
             robot: self.robot,
             base: &self.base,
@@ -212,7 +236,7 @@ impl Search<'_> {
             session: &session,
             target: &target,
             moving_only: false,
-            every: samples.div_ceil(ROWS).max(1),
+            every,
         };
         let terms = basic::softened(&basic::terms(self.robot), basic::USUAL_SOFTNESS);
         let no_load: Vec<Array2<f64>> = session

@@ -16,12 +16,13 @@ use std::ops::Range;
 pub type RigidColumns = Vec<Vec<Array2<f64>>>;
 
 /// Base columns of some of the recordings at their samples, as the recorded torque would
-/// show them: see [`datasets::Prepared::to_samples`].
+/// show them: see [`datasets::Prepared::to_samples`]. Only every `every`-th sample is right.
 pub fn rigid_columns(
     robot: &Robot,
     base: &BaseParameters,
     session: &Session,
     recordings: Range<usize>,
+    every: usize,
 ) -> RigidColumns {
     let n = robot.dof();
     let width = PARAMETERS_PER_LINK * n;
@@ -34,7 +35,8 @@ pub fn rigid_columns(
         let mut fine = vec![vec![0.0; motion.len()]; n * base.len()];
         let rows = motion.q.rows().into_iter();
         let rows = rows.zip(motion.qd.rows()).zip(motion.qdd.rows());
-        for (row, ((q, qd), qdd)) in rows.enumerate() {
+        let needed = part.rows_for(every);
+        for (row, ((q, qd), qdd)) in rows.enumerate().filter(|(row, _)| needed[*row]) {
             let (Some(q), Some(qd), Some(qdd)) = (q.to_slice(), qd.to_slice(), qdd.to_slice())
             else {
                 unreachable!("tables are in standard layout");

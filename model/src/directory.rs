@@ -4,6 +4,7 @@ use crate::baseline::{ForwardBaseline, LinearInverse};
 use crate::cutoff::CutoffChoice;
 use crate::diagnostics::Diagnostics;
 use datasets::TorqueFilter;
+use datasets::channel::Estimate95;
 use datasets::prepare::{Derivatives, PrepareOptions};
 use feedforward::clock::Memory;
 use ndarray::Array2;
@@ -103,6 +104,10 @@ pub struct Preprocessing {
     pub recorded_velocity: bool,
     /// Low-pass that the recorded torque went through.
     pub torque_filter: Option<TorqueFilter>,
+    /// How much later the recorded torque is than the motion, s, where that is certain; fit and score allow for it, the
+    /// control loop does not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_delay: Option<Estimate95>,
     /// Whether only moving samples were fitted.
     pub moving_only: bool,
 }
@@ -181,6 +186,7 @@ impl Preprocessing {
             } else {
                 Derivatives::Auto
             },
+            torque_delay: self.torque_delay.and_then(|d| d.value).unwrap_or(0.0),
             ..PrepareOptions::default()
         }
     }

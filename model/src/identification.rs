@@ -165,7 +165,7 @@ pub fn identify(
     }
     let base = BaseParameters::of_robot(robot, &[]);
     let basic = basic::terms(robot);
-    let rigid = crate::design::rigid_columns(robot, &base, session, 0..target.tau.len());
+    let rigid = crate::design::rigid_columns(robot, &base, session, 0..target.tau.len(), 1);
     let data = Data {
         robot,
         base: &base,

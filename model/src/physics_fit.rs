@@ -1,6 +1,7 @@
 //! `train --physics-only`: recordings to an identified model with its scores.
 
 use crate::baseline::{BaselineError, ForwardBaseline, inverse::LinearInverse};
+use crate::channel;
 use crate::cutoff::{self, CutoffError};
 use crate::diagnostics::{self, Conditioning, Diagnostics};
 use crate::directory::{
@@ -88,7 +89,16 @@ pub fn fit_physics(
     heldout: Option<&Recording>,
     options: &FitOptions,
 ) -> Result<Fit, FitError> {
-    let (options_chosen, cutoff) = cutoff::choose(robot, data, &options.prepare)?;
+    let (mut options_chosen, mut cutoff) = cutoff::choose(robot, data, &options.prepare)?;
+    let torque_delay = channel::certain_delay(robot, data, &options_chosen)?;
+    if let Some(value) = torque_delay.and_then(|d| d.value) {
+        // Torque that is late is explained best by too slow a motion: with the delay allowed for, the cut-off is another.
+        let later = PrepareOptions {
+            torque_delay: value,
+            ..options.prepare
+        };
+        (options_chosen, cutoff) = cutoff::choose(robot, data, &later)?;
+    }
     let mut parts = Vec::new();
     for recording in data.iter().chain(heldout) {
         let own = cutoff::for_recording(&options_chosen, recording);
@@ -177,6 +187,7 @@ pub fn fit_physics(
             position_alone: options_chosen.derivatives == Derivatives::FromPosition,
             recorded_velocity: first.velocity.iter().all(|v| *v == Derivative::Recorded),
             torque_filter: first.torque_filter,
+            torque_delay,
             moving_only: options.identify.moving_only,
         },
         linear_baseline: baseline(data, &session)?,

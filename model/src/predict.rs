@@ -62,7 +62,7 @@ pub fn parameter_deviation(
     let robot = model.robot();
     let base = BaseParameters::of_robot(robot, &[]);
     let last = session.parts.len() - 1;
-    let rigid = rigid_columns(robot, &base, session, last..last + 1);
+    let rigid = rigid_columns(robot, &base, session, last..last + 1, 1);
     let load = session.load(model.load_robot());
     let mut offset = base.len();
     let mut table = Array2::zeros((session.parts[last].at_samples.len(), robot.dof()));

@@ -44,7 +44,7 @@ fn error(robot: &Robot, data: &[Recording], filter: Option<TorqueFilter>) -> Opt
         .collect::<Option<Vec<_>>>()?;
     let session = Session::new(parts, &[]);
     let base = BaseParameters::of_robot(robot, &[]);
-    let rigid = rigid_columns(robot, &base, &session, 0..data.len());
+    let rigid = rigid_columns(robot, &base, &session, 0..data.len(), 1);
     let load: Vec<Array2<f64>> = session
         .parts
         .iter()

@@ -2,7 +2,8 @@
 
 use datasets::channel::{Estimate95, TorqueChannel};
 use datasets::{PrepareOptions, Recording, prepare};
-use model::channel::estimate;
+use model::channel::{certain_delay, estimate};
+use model::physics_fit::{FitOptions, fit_physics};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::Robot;
@@ -119,4 +120,39 @@ fn nothing_is_said_of_a_torque_that_has_nothing_to_do_with_the_motion() {
     }
     made.tau = None;
     assert_eq!(found(&made), TorqueChannel::unknown(6));
+}
+
+/// A torque that is late for certain is late in the fit and in the scores, and nowhere else.
+#[test]
+fn a_certain_delay_belongs_to_the_model() {
+    let robot = Robot::builtin("ur5").unwrap();
+    let options = PrepareOptions::low_passed(10.0);
+    let delay = |recording: &Recording| {
+        certain_delay(&robot, std::slice::from_ref(recording), &options).unwrap()
+    };
+    assert_eq!(delay(&recording(0.0, [1.0; 6], 4)), None);
+    let (late, test) = (recording(0.02, [1.0; 6], 5), recording(0.02, [1.0; 6], 6));
+    assert!(holds(&delay(&late).unwrap(), 0.02, 0.01));
+    let settings = FitOptions {
+        prepare: options,
+        ..FitOptions::default()
+    };
+    let fit = fit_physics(&robot, std::slice::from_ref(&late), Some(&test), &settings).unwrap();
+    let stored = fit.file.preprocessing.torque_delay.unwrap();
+    assert!(holds(&stored, 0.02, 0.01), "{stored:?}");
+    assert_eq!(
+        Some(fit.file.preprocessing.options(None).torque_delay),
+        stored.value
+    );
+    // Noise of 0.4 N·m, uniform: 0.23 N·m. Without the delay it is several times that.
+    let rows = fit.rows(1, &test).unwrap();
+    let physics = rows.iter().find(|r| r.name == "physics").unwrap();
+    let worst = physics
+        .scores
+        .rmse
+        .iter()
+        .flatten()
+        .copied()
+        .fold(0.0, f64::max);
+    assert!(worst < 0.4, "{:?}", physics.scores.rmse);
 }

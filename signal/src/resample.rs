@@ -14,15 +14,23 @@ pub fn uniform_grid(start: f64, end: f64, step: f64) -> Vec<f64> {
     (0..=last).map(|k| start + k as f64 * step).collect()
 }
 
+/// Steps forward that are tried before a search.
+const NEAR: usize = 8;
+
 /// Values at `at`, linear between the samples, constant outside them.
 ///
 /// # Panics
 /// If there is no sample.
 pub fn linear(time: &[f64], values: &[f64], at: &[f64]) -> Vec<f64> {
     let last = time.len() - 1;
+    let mut right = 0;
     at.iter()
         .map(|&t| {
-            let right = time.partition_point(|&s| s <= t);
+            // Stamps mostly go on from one to the next: a step or two, not a search.
+            let near = (right..=last + 1)
+                .take(NEAR)
+                .find(|&k| (k > last || time[k] > t) && (k == 0 || time[k - 1] <= t));
+            right = near.unwrap_or_else(|| time.partition_point(|&s| s <= t));
             if right == 0 {
                 values[0]
             } else if right > last {
@@ -56,21 +64,4 @@ pub fn cubic(time: &[f64], values: &[f64], at: &[f64]) -> Result<Vec<f64>, Splin
 pub fn delayed(time: &[f64], values: &[f64], delay: f64) -> Result<Vec<f64>, SplineError> {
     let at: Vec<f64> = time.iter().map(|t| t - delay).collect();
     cubic(time, values, &at)
-}
-
-/// Jittered stamps to a uniform grid of the given step, by a cubic spline: `(grid, values)`.
-///
-/// # Errors
-/// Fewer than four samples, or times that do not increase.
-pub fn uniform(
-    time: &[f64],
-    values: &[f64],
-    step: f64,
-) -> Result<(Vec<f64>, Vec<f64>), SplineError> {
-    let grid = match (time.first(), time.last()) {
-        (Some(&first), Some(&last)) => uniform_grid(first, last, step),
-        _ => Vec::new(),
-    };
-    let resampled = cubic(time, values, &grid)?;
-    Ok((grid, resampled))
 }

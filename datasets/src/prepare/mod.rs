@@ -41,6 +41,9 @@ pub struct PrepareOptions {
     pub fine_hz: f64,
     /// Which derivatives to take.
     pub derivatives: Derivatives,
+    /// How much later the recorded torque is than the motion, s: a property of the recording's channel. Predictions meet the
+    /// recorded torque that much later; a control loop has no such delay.
+    pub torque_delay: f64,
 }
 
 impl Default for PrepareOptions {
@@ -49,11 +52,20 @@ impl Default for PrepareOptions {
             cutoff_hz: None,
             fine_hz: 100.0,
             derivatives: Derivatives::Auto,
+            torque_delay: 0.0,
         }
     }
 }
 
 impl PrepareOptions {
+    /// The defaults with a given cut-off, Hz.
+    pub fn low_passed(cutoff_hz: f64) -> Self {
+        Self {
+            cutoff_hz: Some(cutoff_hz),
+            ..Self::default()
+        }
+    }
+
     /// Whether a recording at `rate_hz` is low-passed at all.
     pub fn low_passes(&self, rate_hz: f64) -> bool {
         self.cutoff_hz.is_some() || rate_hz >= SLOW_HZ
@@ -127,6 +139,7 @@ pub struct Prepared {
     /// What was done.
     pub report: PrepareReport,
     torque_sections: Vec<Vec<sos::Section>>,
+    torque_delay: f64,
 }
 
 /// One trajectory: uniform grid and the grid's step.
@@ -241,6 +254,7 @@ pub fn prepare(recording: &Recording, options: &PrepareOptions) -> Result<Prepar
         at_samples,
         report,
         torque_sections,
+        torque_delay: options.torque_delay,
     })
 }
 
@@ -265,9 +279,26 @@ impl Prepared {
             .collect()
     }
 
+    /// Rows of the fine grid that [`Self::to_samples`] needs for every `every`-th sample; all of them where a low-pass runs
+    /// over them.
+    pub fn rows_for(&self, every: usize) -> Vec<bool> {
+        let mut needed = vec![!self.torque_sections.is_empty() || every < 2; self.fine.len()];
+        for (f, s) in self.fine.segments.iter().zip(&self.at_samples.segments) {
+            let time = &self.fine.time[f.clone()];
+            for row in s.clone().filter(|r| r.is_multiple_of(every)) {
+                let at = self.at_samples.time[row] - self.torque_delay;
+                let right = time.partition_point(|&t| t <= at);
+                let last = time.len() - 1;
+                needed[f.start + right.saturating_sub(1).min(last)] = true;
+                needed[f.start + right.min(last)] = true;
+            }
+        }
+        needed
+    }
+
     /// Takes a torque-like column from the fine grid to the recorded stamps: through the low-pass
     /// of the recorded torque where there is one, then linearly between the two fine points next
-    /// to each stamp. Never over a break.
+    /// to each stamp less the torque's delay. Never over a break: there its first or last value stays.
     ///
     /// # Panics
     /// If the column has not one entry per row of `fine`.
@@ -275,11 +306,12 @@ impl Prepared {
         let filtered = self.torque_filtered(column);
         let mut out = Vec::with_capacity(self.at_samples.len());
         for (f, s) in self.fine.segments.iter().zip(&self.at_samples.segments) {
-            let at = &self.at_samples.time[s.clone()];
+            let stamps = self.at_samples.time[s.clone()].iter();
+            let at: Vec<f64> = stamps.map(|t| t - self.torque_delay).collect();
             out.extend(resample::linear(
                 &self.fine.time[f.clone()],
                 &filtered[f.clone()],
-                at,
+                &at,
             ));
         }
         out

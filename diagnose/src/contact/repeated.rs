@@ -89,7 +89,8 @@ mod tests {
                 range: 300 * k..300 * (k + 1),
             })
             .collect();
-        let frame = Frame::new(&recording, tau, Some(8.0)).unwrap();
+        let frame =
+            Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(8.0)).unwrap();
         let mut departure = Array2::zeros((n, 1));
         for i in [100, 400, 700] {
             (i..i + 40).for_each(|k| departure[[k, 0]] = 5.0);

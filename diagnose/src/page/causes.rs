@@ -3,7 +3,7 @@
 use crate::diagnosis::Outcome;
 use crate::patch::Patch;
 use crate::report::{Cause, Diagnosis, Parameter};
-use crate::words::{name, remedy};
+use crate::words::{name, told};
 use report::figure::{Bars, Ink};
 use report::{Cell, Column, Section, Table};
 
@@ -78,7 +78,7 @@ pub(super) fn section(outcome: &Outcome) -> Section {
             } else {
                 Cell::text(rivals.join(", "))
             },
-            Cell::text(remedy(c)),
+            Cell::text(told(c)),
         ])
     });
     let mut section = Section::new("Causes")
@@ -173,7 +173,7 @@ pub(super) fn simulators(d: &Diagnosis, patch: &Patch) -> Section {
             section.paragraph("Nothing has to change; the values below fit the recording best.");
     }
     section
-        .list(d.causes.iter().map(|c| format!("{}: {}.", name(c.effect), remedy(c))))
+        .list(d.causes.iter().map(|c| format!("{}: {}.", name(c.effect), told(c))))
         .table(table.caption("Friction and rotor inertia with all causes in place"))
         .details(Section::new("MuJoCo: elements to merge by name").code(&patch.mjcf))
         .paragraph("--patch writes these values: a URDF, the MuJoCo elements, a table, and a drive file for rotor inertias.")

@@ -13,9 +13,10 @@ mod fit;
 mod rows;
 mod systems;
 
+use crate::cutoff::{self, CutoffError};
 use datasets::Recording;
-use datasets::channel::{Estimate95, JointChannel, TorqueChannel};
-use datasets::prepare::Prepared;
+use datasets::channel::{Estimate95, JointChannel, SHORT_DELAY, TorqueChannel};
+use datasets::prepare::{PrepareOptions, Prepared, prepare};
 use fit::{Fitted, Found, Moments};
 use physics::robot::Robot;
 use systems::Systems;
@@ -24,6 +25,11 @@ use systems::Systems;
 const WIDEST_DELAY: f64 = 0.06;
 /// Half width of a scale's interval, relative to it, beyond which not even its sign is known.
 const WIDEST_SCALE: f64 = 1.0;
+
+/// Part of a joint's described torque that is the last link's from which its scale may be a tool's.
+const CARRIED: f64 = 0.5;
+/// Scale that no tool makes.
+const TOOL: f64 = 30.0;
 
 /// Estimates the channel of a recording of `robot`, whose described inertials count as nearly right. `prepared` comes
 /// from `recording`. All null without torque.
@@ -47,13 +53,61 @@ pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> To
     let joints = (0..n).map(|j| {
         let other = plain.as_ref().and_then(|p| p.joints[j]);
         rich.joints[j].map_or(JointChannel::UNKNOWN, |found| {
-            of_joint(&rich, found, other, common.between)
+            let carried = systems.joints[j].as_ref().map_or(1.0, |s| s.carried);
+            of_joint(&rich, found, other, common.between, carried)
         })
     });
     TorqueChannel {
         delay: common.estimate(apart),
         joints: joints.collect(),
     }
+}
+
+/// Delay of the torque of some recordings made with one channel, s, where it is certain: its interval lies beyond what
+/// changes no torque, and the basic model out of fold is better with it. `options` says how they are prepared.
+///
+/// # Errors
+/// Recordings that cannot be prepared, or not fitted.
+pub fn certain_delay(
+    robot: &Robot,
+    recordings: &[Recording],
+    options: &PrepareOptions,
+) -> Result<Option<Estimate95>, CutoffError> {
+    let mut known = Vec::new();
+    for recording in recordings {
+        let prepared =
+            prepare(recording, &cutoff::for_recording(options, recording)).map_err(|source| {
+                CutoffError::Prepare {
+                    file: recording.source.clone(),
+                    source,
+                }
+            })?;
+        let delay = estimate(robot, recording, &prepared).delay;
+        if let (Some(value), Some([low, high])) = (delay.value, delay.interval) {
+            let std = 0.25 * (high - low);
+            known.push(Moments {
+                value,
+                variance: std * std,
+            });
+        }
+    }
+    let delay = match known.as_slice() {
+        [] => return Ok(None),
+        [one] => {
+            let half = 2.0 * one.variance.sqrt();
+            Estimate95::new(one.value, [one.value - half, one.value + half])
+        }
+        several => delay::common(several, several.len()).estimate(0.0),
+    };
+    let Some(value) = delay.value.filter(|_| delay.lies_outside(SHORT_DELAY)) else {
+        return Ok(None);
+    };
+    let later = PrepareOptions {
+        torque_delay: value,
+        ..*options
+    };
+    let better = cutoff::explains_better(robot, recordings, &later, options)?;
+    Ok(better.then_some(delay))
 }
 
 /// What all joints whose delay is determined have in common.
@@ -68,8 +122,15 @@ fn common(fitted: &Fitted) -> delay::Common {
     delay::common(&known, fitted.blocks)
 }
 
-/// One joint's channel from its fit, the one with plain friction and the variance of delays between joints.
-fn of_joint(fitted: &Fitted, found: Found, plain: Option<Found>, between: f64) -> JointChannel {
+/// One joint's channel from its fit, the one with plain friction, the variance of delays between joints, and the part of
+/// its described torque that is the last link's.
+fn of_joint(
+    fitted: &Fitted,
+    found: Found,
+    plain: Option<Found>,
+    between: f64,
+    carried: f64,
+) -> JointChannel {
     let with = |of: fn(&Found) -> Moments, more: f64| {
         let here = of(&found);
         let apart = plain.as_ref().map_or(0.0, |p| of(p).value - here.value);
@@ -80,7 +141,9 @@ fn of_joint(fitted: &Fitted, found: Found, plain: Option<Found>, between: f64) -
     let delay = with(|f| f.delay, between);
     let scale = with(|f| f.scale, 0.0);
     let determined = fitted.half_width(found.delay.variance) < WIDEST_DELAY;
-    let sized = scale.1 < WIDEST_SCALE * scale.0.abs();
+    // A tool that nobody described makes torque larger, as a scale would, on a joint that turns little else.
+    let tool = carried > CARRIED && scale.0 - scale.1 > 1.0 && scale.0 < TOOL;
+    let sized = scale.1 < WIDEST_SCALE * scale.0.abs() && !tool;
     JointChannel {
         delay: if determined {
             interval(delay)

@@ -39,6 +39,8 @@ pub(super) struct Joint {
     pub standard: Vec<Vec<f64>>,
     /// Torque of the robot as described, counterbalance included.
     pub rigid: Vec<f64>,
+    /// Part of that torque, by root mean square, that is the last link's.
+    pub carried: f64,
     /// Acceleration: rotor inertia.
     pub rotor: Vec<f64>,
     /// Friction and offset; the offset is the first.
@@ -106,8 +108,10 @@ impl Systems {
                 let fine = |table: &ndarray::Array2<f64>| table.column(j).to_vec();
                 let qd = fine(&motion.qd);
                 let shows = |c: &Vec<f64>| c.iter().any(|v| v.abs() > 1e-9);
+                let carried = carried(&standard, &rigid, &robot.parameters());
                 let columns = standard.into_iter();
                 Some(Joint {
+                    carried,
                     standard: columns
                         .map(|c| if shows(&c) { c } else { Vec::new() })
                         .collect(),
@@ -159,6 +163,21 @@ impl Systems {
             steps: self.steps.clone(),
         }
     }
+}
+
+/// Part of a described torque, by root mean square, that the last link makes.
+fn carried(standard: &[Vec<f64>], rigid: &[f64], parameters: &[f64]) -> f64 {
+    let first = parameters.len().saturating_sub(PARAMETERS_PER_LINK);
+    let last = |row: usize| -> f64 {
+        let own = standard[first..].iter().zip(&parameters[first..]);
+        own.map(|(column, p)| column[row] * p).sum()
+    };
+    let (mut own, mut all) = (0.0, 0.0);
+    for (row, whole) in rigid.iter().enumerate() {
+        own += last(row).powi(2);
+        all += whole * whole;
+    }
+    if all > 0.0 { (own / all).sqrt() } else { 1.0 }
 }
 
 /// Columns of offset, viscous and Coulomb friction, the first ones.

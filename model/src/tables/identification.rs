@@ -146,6 +146,19 @@ pub fn estimator(file: &ModelFile, d: &Diagnostics) -> Vec<String> {
         let found = list(&mut { found });
         lines.push(format!("Exponents of speed in viscous friction: {found}."));
     }
+    if let Some((value, [low, high])) = file
+        .preprocessing
+        .torque_delay
+        .and_then(|d| Some((d.value?, d.interval?)))
+    {
+        lines.push(format!(
+            "The recorded torque is {:.1} ms ({:.1} to {:.1}) later than the motion: the fit and every score allow for it, \
+             the control loop has no such delay.",
+            1e3 * value,
+            1e3 * low,
+            1e3 * high
+        ));
+    }
     if !r.converged {
         lines.push("The iteration stopped at its limit of rounds before it settled.".to_owned());
     }

@@ -18,7 +18,7 @@ mod tests;
 pub use condition::{SubRegressors, condition_number};
 pub use gram::{Gram, GramFit};
 pub use jackknife::block_covariance;
-pub use solve::{Estimate, Prior, SolveOptions, cluster_covariance, solve};
+pub use solve::{Estimate, Prior, SolveOptions, solve};
 pub use triangle::{Accumulator, Triangle};
 
 /// Why a least-squares problem could not be set up or solved.

@@ -4,7 +4,7 @@ use super::triangle::triangle_of;
 use super::{LeastSquaresError, Triangle, check_size};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par};
-use ndarray::{Array1, Array2, Axis};
+use ndarray::Array2;
 
 /// What is known of the parameters before the data: independent normal distributions.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,8 +45,7 @@ impl Default for SolveOptions {
 pub struct Estimate {
     /// Parameters, length p.
     pub parameters: Vec<f64>,
-    /// Covariance of the parameters, p × p, for independent noise (but see
-    /// [`Estimate::with_effective_samples`]); zero for columns left out.
+    /// Covariance of the parameters, p × p, for independent noise; zero for columns left out.
     pub covariance: Array2<f64>,
     /// Standard deviation of each parameter.
     pub std: Vec<f64>,
@@ -64,15 +63,6 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The same estimate with the covariance of autocorrelated noise: of `rows` rows only
-    /// `effective` count as independent.
-    pub fn with_effective_samples(mut self, effective: f64) -> Self {
-        let inflation = (self.rows as f64 / effective.max(1.0)).max(1.0);
-        self.covariance *= inflation;
-        self.set_deviations();
-        self
-    }
-
     /// The same estimate with another covariance (p × p).
     ///
     /// # Errors
@@ -157,34 +147,6 @@ pub fn solve(triangle: &Triangle, options: &SolveOptions) -> Result<Estimate, Le
     };
     estimate.set_deviations();
     Ok(estimate)
-}
-
-/// Covariance that holds whatever the correlation of the noise inside a group of rows, from the triangles
-/// of the groups (Liang and Zeger, 1986: the clustered sandwich): N⁻¹ (Σ_g s_g s_gᵀ) N⁻¹ · G/(G − 1) with
-/// s_g = A_gᵀ(b_g − A_g x) and N⁻¹ the estimate's covariance over its σ². Its rank is at most the number
-/// of groups G: single deviations can be read from it, directions cannot when G is small.
-///
-/// # Errors
-/// Fewer than two groups, or groups with another number of columns.
-pub fn cluster_covariance(
-    groups: &[Triangle],
-    estimate: &Estimate,
-) -> Result<Array2<f64>, LeastSquaresError> {
-    let (p, count) = (estimate.parameters.len(), groups.len());
-    if count < 2 {
-        return Err(LeastSquaresError::NoRows);
-    }
-    let mut inner = Array2::<f64>::zeros((p, p));
-    for group in groups {
-        check_size("a group", group.columns(), p)?;
-        let (r, e) = (group.r(), group.residual(&estimate.parameters));
-        let score = Array1::from_shape_fn(p, |j| (0..=j).map(|i| r[(i, j)] * e[i]).sum::<f64>());
-        let score = score.insert_axis(Axis(1));
-        inner += &score.dot(&score.t());
-    }
-    let inverse_normal = &estimate.covariance / estimate.sigma2;
-    let correction = count as f64 / (count - 1) as f64;
-    Ok(inverse_normal.dot(&inner).dot(&inverse_normal) * correction)
 }
 
 fn check_prior(prior: Option<&Prior>, p: usize) -> Result<(), LeastSquaresError> {
