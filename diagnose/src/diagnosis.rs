@@ -1,5 +1,7 @@
 //! The whole diagnosis of a pair of recordings.
 
+pub use crate::outcome::Outcome;
+
 use crate::analysis::{Findings, Frames, find};
 use crate::bounds::hold;
 use crate::contact::detect;
@@ -31,20 +33,6 @@ use physics::robot::Robot;
 const CONTACT_LEARNABLE: f64 = 0.35;
 /// Time around a push that is not fitted either, s.
 const CONTACT_MARGIN: f64 = 0.1;
-
-/// Everything a report is made of.
-pub struct Outcome {
-    /// The report.
-    pub diagnosis: Diagnosis,
-    /// The search behind it.
-    pub findings: Findings,
-    /// Prepared recordings.
-    pub frames: Frames,
-    /// The measured explanation.
-    pub explanation: Explanation,
-    /// What has structure of what is left, per joint, on the fitted recording.
-    pub left: Vec<Option<Left>>,
-}
 
 /// What a diagnosis is to do.
 #[derive(Clone, Debug, Default)]

@@ -33,6 +33,7 @@ pub mod moved;
 pub mod objective;
 pub mod order;
 pub mod out_of_fold;
+pub mod outcome;
 pub mod page;
 pub mod patch;
 pub mod prove;

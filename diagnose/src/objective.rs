@@ -17,6 +17,10 @@ const MISSING: f64 = 3.0;
 /// The same of a change of friction that nobody would report, however small the coefficient is.
 const UNREPORTED: f64 = 0.003;
 
+/// How far parameters may leave the given values when they are identified again, in tolerances: of these, what predicts
+/// best where the fit did not see. The freest comes first, and stays where another is not better by `BETTER`.
+pub const FREEDOMS: [f64; 4] = [100.0, 30.0, 10.0, 3.0];
+
 /// How gaps are weighed.
 #[derive(Clone, Debug)]
 pub struct Settings {

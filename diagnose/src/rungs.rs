@@ -4,13 +4,10 @@ use crate::analysis::Findings;
 use crate::effect::Effect;
 use crate::fit::{Fit, Variable};
 use crate::model::NominalModel;
-use crate::objective::Objective;
+use crate::objective::{FREEDOMS, Objective};
 use crate::scene::Scale;
 use physics::robot::PARAMETERS_PER_LINK;
 
-/// How far parameters may leave the given values when they are identified again, in tolerances: of these, what predicts
-/// best where the fit did not see. The freest comes first, and stays where another is not better by `BETTER`.
-pub const FREEDOMS: [f64; 4] = [100.0, 30.0, 10.0, 3.0];
 /// Part of the squared error out of fold that less freedom must spare.
 const BETTER: f64 = 0.02;
 

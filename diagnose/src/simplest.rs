@@ -9,8 +9,7 @@ use crate::candidates::Candidate;
 use crate::effect::Effect;
 use crate::fit::{Fit, Variable};
 use crate::model::NominalModel;
-use crate::objective::Objective;
-use crate::rungs::FREEDOMS;
+use crate::objective::{FREEDOMS, Objective};
 use crate::select::{Search, Selection, Tried, without};
 use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
@@ -96,7 +95,8 @@ impl<'a> Simplest<'a> {
                 }
             }
         }
-        last.expect("some width was tried").answer()
+        last.unwrap_or_else(|| self.run(1.0, HashSet::new()))
+            .answer()
     }
 
     /// The search without a link's full set of parameters, where it needs fewer coefficients than the search with them and
@@ -193,15 +193,15 @@ impl<'a> Simplest<'a> {
     /// The same of the free refit with some causes in place, at the freedom that is best on some joints.
     fn refit(&self, search: &Search, causes: &[usize], joints: &[usize]) -> Vec<f64> {
         let sum = |e: &[f64]| joints.iter().map(|&j| e[j]).sum::<f64>();
-        FREEDOMS
-            .into_iter()
-            .map(|freedom| {
-                let mut variables = self.objective.base(self.model, freedom);
-                variables.extend(causes.iter().flat_map(|&c| search.variables(c)));
-                self.relative(&self.objective.fit(variables))
-            })
-            .min_by(|a, b| sum(a).total_cmp(&sum(b)))
-            .expect("some freedom")
+        let of = |freedom: f64| {
+            let mut variables = self.objective.base(self.model, freedom);
+            variables.extend(causes.iter().flat_map(|&c| search.variables(c)));
+            self.relative(&self.objective.fit(variables))
+        };
+        let [first, narrower @ ..] = FREEDOMS;
+        narrower.into_iter().map(of).fold(of(first), |best, next| {
+            if sum(&next) < sum(&best) { next } else { best }
+        })
     }
 
     /// Squared error with an absorbable cause in place over that of the free refit instead of it.

@@ -1,7 +1,7 @@
 //! The check of a recording with the robot at hand: the torque's channel, and which parameters the motion tells apart.
 
 use crate::channel;
-use datasets::check::{CheckOptions, CheckReport, Finding, Kind, STILL, Severity, check};
+use datasets::check::{CheckOptions, CheckReport, Finding, Kind, Severity, check, moves};
 use datasets::prepare::{PrepareError, PrepareOptions, Prepared, prepare};
 use datasets::{Problem, Recording};
 use ndarray::Array2;
@@ -120,13 +120,7 @@ fn told_apart(
         })
         .collect();
     // What derivation makes of a joint at rest is noise, whose sign would look like motion.
-    let moves: Vec<bool> = (0..n)
-        .map(|j| {
-            let q = recording.q.column(j);
-            let low = q.iter().copied().fold(f64::INFINITY, f64::min);
-            q.iter().any(|v| v - low >= STILL)
-        })
-        .collect();
+    let moves: Vec<bool> = (0..n).map(|j| moves(recording, j)).collect();
     let mut rows = Accumulator::new(base.len());
     let mut workspace = Workspace::new(robot);
     let rigid = PARAMETERS_PER_LINK * n;

@@ -9,7 +9,7 @@ use crate::basic;
 use crate::design::{Data, rigid_columns};
 use crate::identification::{IdentifyError, Target};
 use crate::session::Session;
-use datasets::check::STILL;
+use datasets::check::moves;
 use datasets::prepare::{Derivatives, PrepareError, PrepareOptions, prepare};
 use datasets::{Folds, Recording};
 use ndarray::Array2;
@@ -252,11 +252,7 @@ impl<'a> Search<'a> {
     fn mean_nrmse(&self, rmse: &[f64]) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
         for (joint, rmse) in rmse.iter().enumerate() {
-            let moves = self.recordings.iter().any(|r| {
-                let q = r.q.column(joint);
-                let low = q.iter().copied().fold(f64::INFINITY, f64::min);
-                q.iter().any(|v| v - low >= STILL)
-            });
+            let moves = self.recordings.iter().any(|r| moves(r, joint));
             let (mut n, mut mean, mut squares) = (0.0, 0.0, 0.0);
             for tau in self.recordings.iter().filter_map(|r| r.tau.as_ref()) {
                 for t in tau.column(joint) {

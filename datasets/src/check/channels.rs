@@ -9,6 +9,14 @@ use signal::quantile::median;
 
 /// A joint whose positions stay within this never moves, in rad or m.
 pub const STILL: f64 = 1e-3;
+
+/// Whether a joint moves at all in a recording.
+pub fn moves(recording: &Recording, joint: usize) -> bool {
+    let q = recording.q.column(joint);
+    let low = q.iter().copied().fold(f64::INFINITY, f64::min);
+    q.iter().any(|v| v - low >= STILL)
+}
+
 /// Top speed below which friction cannot be resolved, in rad/s or m/s.
 const SLOW: f64 = 0.05;
 /// Cycles below which a recording is too short.

@@ -6,7 +6,7 @@ mod channels;
 mod clock;
 mod velocity;
 
-pub use channels::{STILL, plateau};
+pub use channels::{STILL, moves, plateau};
 
 use crate::channel::{Estimate95, TorqueChannel};
 use crate::prepare::Prepared;

@@ -7,10 +7,10 @@ mod urdf;
 mod values;
 
 use crate::analysis::Findings;
-use crate::diagnosis::Outcome;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::model::NominalModel;
+use crate::outcome::Outcome;
 use crate::report::Cause;
 use crate::words::value;
 use nalgebra::{Rotation3, Vector3};

@@ -1,7 +1,7 @@
 //! What each joint's torque is compared with: rigid body and friction as columns on a uniform grid.
 
 use datasets::Recording;
-use datasets::check::STILL;
+use datasets::check::moves;
 use datasets::prepare::Prepared;
 use physics::dynamics::{Workspace, inverse_dynamics, regressor};
 use physics::identify::base::{BaseParameters, Extra};
@@ -57,13 +57,7 @@ impl Systems {
         let grids = Grids::new(recording, prepared)?;
         let motion = &prepared.fine;
         let width = PARAMETERS_PER_LINK * n;
-        let moves: Vec<bool> = (0..n)
-            .map(|j| {
-                let q = recording.q.column(j);
-                let low = q.iter().copied().fold(f64::INFINITY, f64::min);
-                q.iter().any(|v| v - low >= STILL)
-            })
-            .collect();
+        let moves: Vec<bool> = (0..n).map(|j| moves(recording, j)).collect();
         let rows = grids.rows();
         let mut standard = vec![vec![vec![0.0; rows]; width]; n];
         let mut rigid = vec![vec![0.0; rows]; n];

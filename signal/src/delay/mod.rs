@@ -67,11 +67,6 @@ pub struct Delay {
     pub blocks: usize,
     /// Coefficients at that delay.
     pub coefficients: Vec<f64>,
-    /// Residual sum of squares at that delay over that without delay.
-    pub left: f64,
-    /// Σ of the squared change of the fitted target with the delay, that no coefficient can imitate, over the residual sum
-    /// of squares, 1/s².
-    pub information: f64,
 }
 
 impl Delay {

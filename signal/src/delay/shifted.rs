@@ -95,7 +95,7 @@ impl<'a> Shifted<'a> {
         for (row, y) in x.chunks(p).zip(self.target()) {
             add_row(&mut sums, row, y);
         }
-        let (coefficients, left) = fitted(&sums, p);
+        let (coefficients, _) = fitted(&sums, p);
         // ∂(Xβ)/∂d beside the columns.
         let lines: Vec<(Vec<f64>, f64)> = x
             .chunks(p)
@@ -164,14 +164,11 @@ impl<'a> Shifted<'a> {
         let mean = steps.iter().sum::<f64>() / n;
         let spread: f64 = steps.iter().map(|s| (s - mean).powi(2)).sum();
         let std = ((n - 1.0) / n * spread).sqrt();
-        let without = self.error(0.0);
         (std.is_finite() && with.is_finite()).then_some(Delay {
             delay,
             std,
             blocks: steps.len(),
             coefficients,
-            left: left / without.max(f64::MIN_POSITIVE),
-            information: own / left.max(f64::MIN_POSITIVE),
         })
     }
 }

@@ -24,5 +24,5 @@ pub use kind::{CaseSpec, EFFECTS, Kind, ROUND, draw};
 pub(crate) use oracle::left_by_parameters;
 pub use oracle::{Nrmse, Oracle};
 pub use truth::{PlantTruth, Truth, TruthEffect};
-pub(crate) use write::write_whole;
 pub use write::{write, write_all};
+pub(crate) use write::{write_sealed, write_whole};

@@ -3,7 +3,9 @@
 use super::generate::{Case, generate};
 use super::kind::draw;
 use crate::SimulateError;
+use datasets::Recording;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::fs;
 use std::path::Path;
 
@@ -12,7 +14,22 @@ use std::path::Path;
 /// # Errors
 /// A file cannot be written; what is there is then whole, but the case is not complete.
 pub fn write(case: &Case, folder: &Path) -> Result<(), SimulateError> {
-    let open = folder.join("cases").join(&case.id);
+    let recordings = [("train.parquet", &case.train), ("test.parquet", &case.test)];
+    write_sealed(folder, &case.id, &case.urdf, &recordings, &case.truth)
+}
+
+/// Writes what is open of a case into `cases/ID/` and its truth into `truth/ID.json` of `folder`.
+///
+/// # Errors
+/// As [`write()`].
+pub(crate) fn write_sealed(
+    folder: &Path,
+    id: &str,
+    urdf: &str,
+    recordings: &[(&str, &Recording)],
+    truth: &impl Serialize,
+) -> Result<(), SimulateError> {
+    let open = folder.join("cases").join(id);
     let sealed = folder.join("truth");
     for path in [&open, &sealed] {
         fs::create_dir_all(path).map_err(|source| SimulateError::Write {
@@ -20,11 +37,12 @@ pub fn write(case: &Case, folder: &Path) -> Result<(), SimulateError> {
             source,
         })?;
     }
-    datasets::write(&case.train, &open.join("train.parquet"))?;
-    datasets::write(&case.test, &open.join("test.parquet"))?;
-    write_whole(&open.join("robot.urdf"), &case.urdf)?;
-    let path = sealed.join(format!("{}.json", case.id));
-    let text = serde_json::to_string_pretty(&case.truth).map_err(|source| SimulateError::Json {
+    for (name, recording) in recordings {
+        datasets::write(recording, &open.join(name))?;
+    }
+    write_whole(&open.join("robot.urdf"), urdf)?;
+    let path = sealed.join(format!("{id}.json"));
+    let text = serde_json::to_string_pretty(truth).map_err(|source| SimulateError::Json {
         path: path.clone(),
         source,
     })?;

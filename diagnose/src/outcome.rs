@@ -1,0 +1,20 @@
+//! What a diagnosis comes to, with everything behind it.
+
+use crate::analysis::{Findings, Frames};
+use crate::explain::Explanation;
+use crate::report::Diagnosis;
+use crate::unknown::Left;
+
+/// Everything a report is made of.
+pub struct Outcome {
+    /// The report.
+    pub diagnosis: Diagnosis,
+    /// The search behind it.
+    pub findings: Findings,
+    /// Prepared recordings.
+    pub frames: Frames,
+    /// The measured explanation.
+    pub explanation: Explanation,
+    /// What has structure of what is left, per joint, on the fitted recording.
+    pub left: Vec<Option<Left>>,
+}
