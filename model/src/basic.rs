@@ -100,21 +100,6 @@ pub fn with_signs(
         .collect()
 }
 
-/// Error of the basic model on rows left out, per joint, N·m; `None` where nothing can be left out. NaN for a joint
-/// without rows.
-///
-/// # Errors
-/// Columns that are not finite.
-pub fn out_of_fold(
-    data: &Data,
-    basic: &[Vec<Term>],
-    load: &[Array2<f64>],
-) -> Result<Option<Vec<f64>>, LeastSquaresError> {
-    let systems = data.systems(basic, load, false)?;
-    let (offsets, total) = estimators::offsets(data.base.len(), basic);
-    OutOfFold::new(&systems, &offsets, total, &data.target.folds)?.rmse(None)
-}
-
 /// How far the given inertias count in a fit of the basic model.
 ///
 /// # Errors

@@ -21,6 +21,7 @@ pub mod out_of_fold;
 pub mod page;
 pub mod physics_fit;
 pub mod predict;
+pub mod preparation;
 pub mod residual;
 pub mod selection;
 pub mod session;

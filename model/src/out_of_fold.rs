@@ -3,6 +3,7 @@
 use crate::design::JointSystem;
 use crate::selection::FoldGrams;
 use datasets::Folds;
+use ndarray::{Array2, Axis};
 use physics::identify::least_squares::{Gram, LeastSquaresError, Triangle};
 
 /// Ridge of the fits, relative to the columns' norms.
@@ -105,33 +106,44 @@ impl<'a> OutOfFold<'a> {
         Ok(whole.fit(&columns, RIDGE)?.map(|f| f.parameters))
     }
 
-    /// RMSE of each joint on rows left out, N·m, with further rows `prior` in every fit; `None` where a fold cannot be
-    /// fitted or there are fewer than two. NaN for a joint without rows.
+    /// Squared error of each fold (row) and joint (column) summed over the rows left out, (N·m)², with further rows
+    /// `prior` in every fit; `None` where a fold cannot be fitted or there are fewer than two.
     ///
     /// # Errors
     /// A prior over other columns.
-    pub fn rmse(&self, prior: Option<&Gram>) -> Result<Option<Vec<f64>>, LeastSquaresError> {
+    pub fn squares(&self, prior: Option<&Gram>) -> Result<Option<Array2<f64>>, LeastSquaresError> {
         if self.folds.len() < 2 {
             return Ok(None);
         }
         let columns: Vec<usize> = (0..self.total).collect();
-        let mut sums = vec![0.0; self.systems.len()];
-        for (fitted, tested) in &self.folds {
+        let mut squares = Array2::zeros((self.folds.len(), self.systems.len()));
+        for ((fitted, tested), mut row) in self.folds.iter().zip(squares.rows_mut()) {
             let fit = match prior {
                 Some(prior) => fitted.plus(prior)?.fit(&columns, RIDGE)?,
                 None => fitted.fit(&columns, RIDGE)?,
             };
             let Some(fit) = fit else { return Ok(None) };
-            for ((sum, test), map) in sums.iter_mut().zip(tested).zip(&self.maps) {
+            for ((square, test), map) in row.iter_mut().zip(tested).zip(&self.maps) {
                 let own: Vec<usize> = (0..map.len()).collect();
                 let parameters: Vec<f64> = map.iter().map(|&c| fit.parameters[c]).collect();
-                *sum += test.residual_sum_of_squares(&own, &parameters)?;
+                *square = test.residual_sum_of_squares(&own, &parameters)?;
             }
         }
-        let rmse = sums
-            .iter()
-            .zip(&self.rows)
-            .map(|(s, &n)| (s / n as f64).sqrt());
-        Ok(Some(rmse.collect()))
+        Ok(Some(squares))
+    }
+
+    /// RMSE of each joint on rows left out, N·m, as [`Self::squares`]; NaN for a joint without rows.
+    ///
+    /// # Errors
+    /// A prior over other columns.
+    pub fn rmse(&self, prior: Option<&Gram>) -> Result<Option<Vec<f64>>, LeastSquaresError> {
+        let of = |squares: Array2<f64>| {
+            let sums = squares.sum_axis(Axis(0));
+            sums.iter()
+                .zip(&self.rows)
+                .map(|(s, &n)| (s / n as f64).sqrt())
+                .collect()
+        };
+        Ok(self.squares(prior)?.map(of))
     }
 }

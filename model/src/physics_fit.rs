@@ -1,7 +1,6 @@
 //! `train --physics-only`: recordings to an identified model with its scores.
 
 use crate::baseline::{BaselineError, ForwardBaseline, inverse::LinearInverse};
-use crate::channel;
 use crate::cutoff::{self, CutoffError};
 use crate::diagnostics::{self, Conditioning, Diagnostics};
 use crate::directory::{
@@ -9,6 +8,7 @@ use crate::directory::{
 };
 use crate::identification::{Identified, IdentifyError, IdentifyOptions, Target, identify};
 use crate::predict::predict;
+use crate::preparation;
 use crate::session::Session;
 use datasets::metrics::{MOVING, Row, ShapeError};
 use datasets::prepare::Source as Derivative;
@@ -89,16 +89,8 @@ pub fn fit_physics(
     heldout: Option<&Recording>,
     options: &FitOptions,
 ) -> Result<Fit, FitError> {
-    let (mut options_chosen, mut cutoff) = cutoff::choose(robot, data, &options.prepare)?;
-    let torque_delay = channel::certain_delay(robot, data, &options_chosen)?;
-    if let Some(value) = torque_delay.and_then(|d| d.value) {
-        // Torque that is late is explained best by too slow a motion: with the delay allowed for, the cut-off is another.
-        let later = PrepareOptions {
-            torque_delay: value,
-            ..options.prepare
-        };
-        (options_chosen, cutoff) = cutoff::choose(robot, data, &later)?;
-    }
+    let (options_chosen, cutoff, torque_delay) =
+        preparation::choose(robot, data, &options.prepare)?;
     let mut parts = Vec::new();
     for recording in data.iter().chain(heldout) {
         let own = cutoff::for_recording(&options_chosen, recording);

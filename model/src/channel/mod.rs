@@ -64,10 +64,10 @@ pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> To
 }
 
 /// Delay of the torque of some recordings made with one channel, s, where it is certain: its interval lies beyond what
-/// changes no torque, and the basic model out of fold is better with it. `options` says how they are prepared.
+/// changes no torque. `options` says how they are prepared.
 ///
 /// # Errors
-/// Recordings that cannot be prepared, or not fitted.
+/// Recordings that cannot be prepared.
 pub fn certain_delay(
     robot: &Robot,
     recordings: &[Recording],
@@ -99,15 +99,7 @@ pub fn certain_delay(
         }
         several => delay::common(several, several.len()).estimate(0.0),
     };
-    let Some(value) = delay.value.filter(|_| delay.lies_outside(SHORT_DELAY)) else {
-        return Ok(None);
-    };
-    let later = PrepareOptions {
-        torque_delay: value,
-        ..*options
-    };
-    let better = cutoff::explains_better(robot, recordings, &later, options)?;
-    Ok(better.then_some(delay))
+    Ok(Some(delay).filter(|d| d.lies_outside(SHORT_DELAY)))
 }
 
 /// What all joints whose delay is determined have in common.
