@@ -2,8 +2,8 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use datasets::{Recording, Trajectory};
-use diagnose::diagnosis::{Options, diagnose};
-use diagnose::model::NominalModel;
+use diagnose::NominalModel;
+use diagnose::{Options, diagnose};
 use ndarray::{Axis, concatenate};
 use physics::robot::Robot;
 use simulate::cases::{Case, draw, generate};

@@ -56,7 +56,7 @@ pub struct Arguments {
     #[arg(
         long,
         value_name = "X,Y,Z",
-        value_parser = model::setup::gravity,
+        value_parser = model::preparation::setup::gravity,
         allow_hyphen_values = true
     )]
     pub gravity: Option<[f64; 3]>,

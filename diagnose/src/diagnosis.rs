@@ -2,29 +2,30 @@
 
 pub use crate::outcome::Outcome;
 
-use crate::analysis::{Findings, Frames, find};
-use crate::bounds::hold;
-use crate::contact::detect;
+use crate::advice::patch;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
-use crate::explain::{CONTACT_SIZE, Explanation, Said, explain};
-use crate::forward;
-use crate::friction::friction;
-use crate::ladder::{Scored, repeatability};
-use crate::learned::learned;
-use crate::listing::{Listing, list};
-use crate::locate::locate;
-use crate::model::NominalModel;
-use crate::moved::moved;
-use crate::objective::Settings;
-use crate::patch::{self, possible};
-use crate::recordings::{checked, not_identifiable, notes};
-use crate::report::{Cause, Diagnosis, NotIdentifiable, Place, Simulation, Tested};
-use crate::resonance::{resonances, standing_out};
-use crate::scene::{Scene, rigid_torque};
-use crate::standing::{Coulomb, Judged, judge, states};
-use crate::unknown::{Left, examine};
-use crate::verdict::{CLEAR, Evidence, dead, moves, remainder, verdict};
+use crate::input::frames::Frames;
+use crate::input::recordings::{checked, not_identifiable, notes};
+use crate::ladder::listing::{Listing, list};
+use crate::ladder::scores::{Scored, repeatability};
+use crate::measure::bounds::hold;
+use crate::measure::explain::{CONTACT_SIZE, Explanation, Said, explain};
+use crate::measure::follow;
+use crate::measure::friction::friction;
+use crate::measure::learned::learned;
+use crate::measure::locate::locate;
+use crate::measure::moved::moved;
+use crate::measure::resonance::{resonances, standing_out};
+use crate::measure::verdict::{CLEAR, Evidence, dead, moves, remainder, verdict};
+use crate::motion::scene::{Scene, rigid_torque};
+use crate::motion::standing::{Coulomb, Judged, judge, states};
+use crate::schema::{Cause, Diagnosis, NotIdentifiable, Place, Simulation, Tested};
+use crate::search::find::{Findings, find};
+use crate::settings::Settings;
+use crate::simulator::{NominalModel, possible};
+use crate::traces::contact::detect;
+use crate::traces::unknown::{Left, examine};
 use datasets::Recording;
 use ndarray::Array2;
 use physics::robot::Robot;
@@ -240,15 +241,15 @@ fn simulated(
     let given = possible::robot(model.sizes(), &model.robot)?;
     let patched = patch::robot(model, findings, &explanation.causes)?;
     let held = &frames.heldout;
-    let before = forward::Model {
+    let before = follow::Model {
         robot: &given,
         torque: &(&held.tau - &explanation.gap),
     };
-    let after = forward::Model {
+    let after = follow::Model {
         robot: &patched,
         torque: &(&held.tau - &explanation.residual),
     };
-    Ok(forward::compare(held, &before, &after))
+    Ok(follow::compare(held, &before, &after))
 }
 
 /// Units of joints that slide instead of turning. Inertial parameters are those of links.

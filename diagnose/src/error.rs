@@ -2,9 +2,9 @@
 
 use datasets::ReadError;
 use datasets::prepare::PrepareError;
-use model::cutoff::CutoffError;
 use model::directory::DirectoryError;
-use model::setup::SetupError;
+use model::preparation::cutoff::CutoffError;
+use model::preparation::setup::SetupError;
 use physics::robot::RobotError;
 use physics::torque_model::TorqueModelError;
 

@@ -1,52 +1,52 @@
 //! Where the gap between a simulator's torque and a real robot's lies, which unmodelled effects cause
 //! it, and how far it shrinks.
+//!
+//! [`diagnose`] takes the simulator's model and two recordings to an [`Outcome`]. The way there, room by room, each
+//! using only those before it:
+//!
+//! | room | what stands there |
+//! |---|---|
+//! | `algebra` | sums of products, their factors, penalised fits |
+//! | `motion` | one recording's motion: clocks, what columns see of it, where it stands |
+//! | `simulator` | the model that the gap is measured from |
+//! | `schema` | the report as the JSON file has it |
+//! | `input` | model and recordings: read, checked, prepared |
+//! | `traces` | what is seen in a residual itself: pushes, blows, lines of position |
+//! | `catalogue` | every effect as columns of torque |
+//! | `search` | from the catalogue to the causes |
+//! | `ladder` | fits of what was found, and which causes are listed |
+//! | `measure` | shares, sizes, intervals, what is left, the verdict |
+//! | `advice` | corrected model, next motion |
+//! | `report` | words and page |
+//! | `prove` | the diagnosis of sealed cases |
 #![forbid(unsafe_code)]
 
-pub mod analysis;
-pub mod bounds;
-pub mod budget;
-pub mod candidates;
-pub mod cholesky;
-mod confounders;
-pub mod contact;
-pub mod diagnosis;
-pub mod dictionary;
-pub mod effect;
-pub mod error;
-pub mod experiment;
-pub mod explain;
-pub mod files;
-pub mod fit;
-pub mod floor;
-pub mod folds;
-pub mod forward;
-pub mod frame;
-pub mod friction;
-pub mod gram;
-pub mod impacts;
-pub mod ladder;
-pub mod learned;
-pub mod listing;
-pub mod locate;
-pub mod model;
-pub mod moved;
-pub mod objective;
-pub mod order;
-pub mod out_of_fold;
-pub mod outcome;
-pub mod page;
-pub mod patch;
+mod advice;
+mod algebra;
+mod catalogue;
+mod diagnosis;
+mod effect;
+mod error;
+mod input;
+mod ladder;
+mod measure;
+mod motion;
+mod outcome;
 pub mod prove;
-pub mod quantities;
-pub mod recordings;
-pub mod report;
-pub mod resonance;
-pub mod reversal;
-pub mod rungs;
-pub mod scene;
-pub mod select;
-pub mod simplest;
-pub mod standing;
-pub mod unknown;
-mod verdict;
-pub mod words;
+mod report;
+pub mod schema;
+mod search;
+mod settings;
+mod simulator;
+mod traces;
+
+pub use crate::report::{page, words};
+pub use advice::{next_motion, patch};
+pub use diagnosis::{Options, diagnose};
+pub use effect::Effect;
+pub use error::DiagnoseError;
+pub use input::budget;
+pub use input::given::Given;
+pub use outcome::Outcome;
+pub use settings::Settings;
+pub use simulator::NominalModel;

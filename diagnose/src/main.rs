@@ -6,10 +6,10 @@ mod arguments;
 
 use arguments::{Arguments, Command, Proof};
 use clap::Parser;
-use diagnose::diagnosis::{Options, Outcome, diagnose};
-use diagnose::error::DiagnoseError;
-use diagnose::files::Given;
-use diagnose::{budget, experiment, page, patch, prove, words};
+use diagnose::{
+    DiagnoseError, Given, Options, Outcome, budget, diagnose, next_motion, page, patch, prove,
+    words,
+};
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -59,7 +59,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     };
     let mut outcome = diagnose(&given.model, &data, &heldout, &options)?;
     let next = match &arguments.next {
-        Some(_) => experiment::design(&given.model, &outcome)?,
+        Some(_) => next_motion::design(&given.model, &outcome)?,
         None => None,
     };
     spinner.finish_and_clear();

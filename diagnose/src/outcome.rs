@@ -1,9 +1,10 @@
 //! What a diagnosis comes to, with everything behind it.
 
-use crate::analysis::{Findings, Frames};
-use crate::explain::Explanation;
-use crate::report::Diagnosis;
-use crate::unknown::Left;
+use crate::input::frames::Frames;
+use crate::measure::explain::Explanation;
+use crate::schema::Diagnosis;
+use crate::search::find::Findings;
+use crate::traces::unknown::Left;
 
 /// Everything a report is made of.
 pub struct Outcome {

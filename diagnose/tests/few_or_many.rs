@@ -2,10 +2,10 @@
 //! are links.
 
 use datasets::{ReadOptions, Recording, read};
-use diagnose::diagnosis::{Options, Outcome, diagnose};
-use diagnose::effect::Effect;
-use diagnose::model::NominalModel;
-use diagnose::report::Cause;
+use diagnose::Effect;
+use diagnose::NominalModel;
+use diagnose::schema::Cause;
+use diagnose::{Options, Outcome, diagnose};
 use nalgebra::{Rotation3, Vector3};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use simulate::cases::{Case, CaseSpec, Kind, generate};

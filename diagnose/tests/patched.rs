@@ -1,8 +1,8 @@
 //! A simulator's model with the causes written in: diagnosed again, they are no longer there.
 
-use diagnose::diagnosis::{Options, Outcome, diagnose};
-use diagnose::model::NominalModel;
+use diagnose::NominalModel;
 use diagnose::patch::patch;
+use diagnose::{Options, Outcome, diagnose};
 use physics::robot::Robot;
 use physics::robot::drive::Drive;
 use simulate::cases::{CaseSpec, EFFECTS, Kind, generate};
@@ -49,7 +49,7 @@ fn round_trip(effect: &str, index: u64) {
     );
     // What the causes closed, the patched model no longer leaves open.
     let steps = &before.diagnosis.ladder;
-    let error = |step: &diagnose::report::Step| step.all.mean_nrmse.unwrap();
+    let error = |step: &diagnose::schema::Step| step.all.mean_nrmse.unwrap();
     let (given, explained) = (error(&steps[0]), error(&steps[steps.len() - 1]));
     let patched = error(&after.diagnosis.ladder[0]);
     println!("{effect}: {given:.4} as given, {explained:.4} explained, {patched:.4} patched");

@@ -1,10 +1,10 @@
 //! Raw recordings of real arms, where they are there: friction as their authors measured it, and nothing that is not there.
 
 use datasets::{ReadOptions, read};
-use diagnose::diagnosis::{Options, Outcome, diagnose};
-use diagnose::effect::Effect;
-use diagnose::model::NominalModel;
+use diagnose::Effect;
+use diagnose::NominalModel;
 use diagnose::patch::patch;
+use diagnose::{Options, Outcome, diagnose};
 use physics::robot::Robot;
 use std::io::Write;
 use std::path::PathBuf;
@@ -59,7 +59,7 @@ fn rubs(found: &Outcome, speed: f64, authors: &[f64], within: f64) {
             joint.joint
         );
         let named =
-            |c: &diagnose::report::Cause| c.effect.is_friction() && c.joints.contains(&joint.joint);
+            |c: &diagnose::schema::Cause| c.effect.is_friction() && c.joints.contains(&joint.joint);
         assert!(
             joint.given[at.unwrap()] > 0.0 || d.causes.iter().any(named),
             "{}",

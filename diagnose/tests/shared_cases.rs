@@ -1,9 +1,9 @@
 //! The shared example cases, where they are there: right answers, and reports as the contract has them.
 
 use datasets::{ReadOptions, read};
-use diagnose::diagnosis::{Options, diagnose};
-use diagnose::model::NominalModel;
+use diagnose::NominalModel;
 use diagnose::prove::judge;
+use diagnose::{Options, diagnose};
 use physics::robot::Robot;
 use serde_json::Value;
 use std::io::Write;

@@ -1,8 +1,8 @@
 //! What a diagnosis comes to on recordings that say little, or whose held-out part is special.
 
 use datasets::{Recording, Trajectory};
-use diagnose::diagnosis::{Options, diagnose};
-use diagnose::model::NominalModel;
+use diagnose::NominalModel;
+use diagnose::{Options, diagnose};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::Robot;

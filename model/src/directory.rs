@@ -1,14 +1,17 @@
 //! The model directory: `model.json`, `compensator.safetensors`, `metrics.json`, `identified.urdf`.
 
 use crate::baseline::{ForwardBaseline, LinearInverse};
-use crate::cutoff::CutoffChoice;
-use crate::diagnostics::Diagnostics;
+use crate::identify::diagnostics::Diagnostics;
+use crate::identify::error::IdentifyError;
+use crate::identify::estimators::Known;
+use crate::preparation::cutoff::CutoffChoice;
 use datasets::TorqueFilter;
 use datasets::channel::Estimate95;
 use datasets::prepare::{Derivatives, PrepareOptions};
 use feedforward::clock::Memory;
 use ndarray::Array2;
-use physics::torque_model::{TorqueModelError, TorqueModelRecord};
+use physics::robot::Robot;
+use physics::torque_model::{TorqueModelError, TorqueModelRecord, WeightedTerm};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -193,6 +196,24 @@ impl Preprocessing {
 }
 
 impl ModelFile {
+    /// What an identification of the same robot may take as known from it.
+    ///
+    /// # Errors
+    /// Other base parameters than `robot` has.
+    pub fn known(&self, robot: &Robot) -> Result<Known, IdentifyError> {
+        let values = |list: &Vec<WeightedTerm>| {
+            let pairs = list.iter().map(|w| (w.term.clone(), w.value));
+            pairs.collect()
+        };
+        Known::earlier(
+            &self.physics.robot,
+            self.base_parameters.iter().map(|p| &p.formula),
+            self.base_parameters.iter().map(|p| p.value).collect(),
+            self.physics.terms.iter().map(values).collect(),
+            robot,
+        )
+    }
+
     /// Reads `model.json` of a model directory.
     ///
     /// # Errors

@@ -1,12 +1,12 @@
 //! What a command line says when it cannot go on.
 
-use crate::check::CheckError;
 use crate::directory::DirectoryError;
 use crate::evaluation::EvaluateError;
-use crate::identification::IdentifyError;
+use crate::identify::error::IdentifyError;
 use crate::physics_fit::FitError;
+use crate::preparation::check::CheckError;
+use crate::preparation::setup::SetupError;
 use crate::residual::ResidualError;
-use crate::setup::SetupError;
 
 /// One line for the user, a hint, and the exit status.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,14 +1,16 @@
 //! `train --physics-only`: recordings to an identified model with its scores.
 
 use crate::baseline::{BaselineError, ForwardBaseline, inverse::LinearInverse};
-use crate::cutoff::{self, CutoffError};
-use crate::diagnostics::{self, Conditioning, Diagnostics};
 use crate::directory::{
     BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
 };
-use crate::identification::{Identified, IdentifyError, IdentifyOptions, Target, identify};
+use crate::identify::diagnostics::{self, Conditioning, Diagnostics};
+use crate::identify::error::IdentifyError;
+use crate::identify::identification::{Identified, IdentifyOptions, identify};
+use crate::identify::target::Target;
 use crate::predict::predict;
-use crate::preparation;
+use crate::preparation::choice;
+use crate::preparation::cutoff::{self, CutoffError};
 use crate::session::Session;
 use datasets::metrics::{MOVING, Row, ShapeError};
 use datasets::prepare::Source as Derivative;
@@ -89,8 +91,7 @@ pub fn fit_physics(
     heldout: Option<&Recording>,
     options: &FitOptions,
 ) -> Result<Fit, FitError> {
-    let (options_chosen, cutoff, torque_delay) =
-        preparation::choose(robot, data, &options.prepare)?;
+    let (options_chosen, cutoff, torque_delay) = choice::choose(robot, data, &options.prepare)?;
     let mut parts = Vec::new();
     for recording in data.iter().chain(heldout) {
         let own = cutoff::for_recording(&options_chosen, recording);

@@ -1,6 +1,6 @@
 //! Torque of a model over recordings, as their torque sensors would have recorded it.
 
-use crate::design::rigid_columns;
+use crate::identify::design::rigid_columns;
 use crate::session::{Session, Start};
 use feedforward::clock::Memory;
 use ndarray::{Array2, Axis};

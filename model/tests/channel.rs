@@ -2,8 +2,8 @@
 
 use datasets::channel::{Estimate95, TorqueChannel};
 use datasets::{PrepareOptions, Recording, prepare};
-use model::channel::{certain_delay, estimate};
 use model::physics_fit::{FitOptions, fit_physics};
+use model::preparation::channel::{certain_delay, estimate};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::Robot;

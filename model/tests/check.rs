@@ -2,7 +2,7 @@
 
 use datasets::check::{CheckReport, Kind, Severity};
 use datasets::{PrepareOptions, Recording, Trajectory};
-use model::check::check_recording;
+use model::preparation::check::check_recording;
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::Robot;

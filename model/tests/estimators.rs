@@ -2,8 +2,8 @@
 //! power of speed.
 
 use datasets::{PrepareOptions, Recording, Trajectory};
-use model::estimators::{Estimator, EstimatorOptions, Known, Lmi};
-use model::identification::IdentifyOptions;
+use model::identify::estimators::{Estimator, EstimatorOptions, Known, Lmi};
+use model::identify::identification::IdentifyOptions;
 use model::physics_fit::{Fit, FitOptions, fit_physics};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
@@ -342,7 +342,7 @@ fn a_prior_carries_short_data() {
         assert!(error(&stiff) < 1e-3 * error(&free), "{estimator:?}");
     }
     // An older model of the same robot serves as well, one of another robot is refused.
-    let older = Known::model(&near.file, &robot).unwrap();
+    let older = near.file.known(&robot).unwrap();
     let again = fit(
         &case,
         EstimatorOptions {
@@ -351,5 +351,5 @@ fn a_prior_carries_short_data() {
         },
     );
     assert!(error(&again) < 0.3 * error(&free));
-    assert!(Known::model(&near.file, &Robot::builtin("kr300").unwrap()).is_err());
+    assert!(near.file.known(&Robot::builtin("kr300").unwrap()).is_err());
 }

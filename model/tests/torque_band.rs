@@ -1,6 +1,6 @@
 //! The low-pass of real recordings is recognised from their training torque, and none of raw ones.
 
-use model::setup::Setup;
+use model::preparation::setup::Setup;
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -62,7 +62,7 @@ pub struct Arguments {
     #[arg(long)]
     pub drive: Option<PathBuf>,
     /// Gravity in the base frame, m/s².
-    #[arg(long, value_name = "X,Y,Z", value_parser = model::setup::gravity, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = model::preparation::setup::gravity, allow_hyphen_values = true)]
     pub gravity: Option<[f64; 3]>,
     /// Cut-off of the zero-phase low-pass of the motion, Hz [default: chosen from the data].
     #[arg(long)]

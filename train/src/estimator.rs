@@ -2,8 +2,8 @@
 
 use clap::{Args, ValueEnum};
 use model::directory::ModelFile;
-use model::estimators::{Estimator, EstimatorOptions, Known, Lmi};
 use model::failure::Failure;
+use model::identify::estimators::{Estimator, EstimatorOptions, Known, Lmi};
 use physics::identify::iterative::Weight;
 use physics::robot::Robot;
 use std::path::Path;
@@ -80,7 +80,7 @@ impl EstimatorArguments {
             Some("nominal") => Some(Known::nominal(robot)),
             Some(directory) => {
                 let file = ModelFile::load(Path::new(directory))?;
-                Some(Known::model(&file, robot).map_err(|e| {
+                Some(file.known(robot).map_err(|e| {
                     Failure::input(e.to_string(), "Give a model directory of the same robot.")
                 })?)
             }

@@ -3,7 +3,7 @@
 use crate::arguments::Arguments;
 use datasets::{Part, Recording};
 use model::failure::Failure;
-use model::setup::Setup;
+use model::preparation::setup::Setup;
 use physics::robot::Builtin;
 use simulate::protocols::{Protocol, cached};
 

@@ -10,6 +10,7 @@ mod input;
 mod output;
 mod progress;
 mod run;
+mod runtime;
 mod screen;
 mod study;
 
@@ -25,7 +26,7 @@ fn main() -> ExitCode {
             return ExitCode::from(if e.use_stderr() { 2 } else { 0 });
         }
     };
-    let result = run::interruptible().and_then(|cancel| match &arguments.command {
+    let result = runtime::interruptible().and_then(|cancel| match &arguments.command {
         None => run::run(&arguments, &cancel),
         Some(Command::Study(study)) => study::run(study, &cancel),
     });

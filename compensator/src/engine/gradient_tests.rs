@@ -5,7 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use super::network::{Dropout, Network, Span};
+use super::network::Network;
+use super::span::{Dropout, Span};
 
 const INPUTS: usize = 3;
 

@@ -10,9 +10,11 @@ mod network;
 mod perceptron;
 mod real;
 mod recurrent;
+mod span;
 
 #[cfg(test)]
 mod gradient_tests;
 
-pub(crate) use network::{Dropout, Network, Span};
+pub(crate) use network::Network;
 pub(crate) use real::Real;
+pub(crate) use span::{Dropout, Span};

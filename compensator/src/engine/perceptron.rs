@@ -4,8 +4,8 @@ use feedforward::network::Tensor;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::matmul::{View, ViewMut, multiply, multiply_add};
-use super::network::{Dropout, Span};
 use super::real::{Real, add_rows};
+use super::span::{Dropout, Span};
 
 /// tanh of every element, in place.
 struct Bend<'a, T>(&'a mut [T]);

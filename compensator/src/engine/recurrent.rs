@@ -5,8 +5,8 @@ use pulp::Arch;
 
 use super::attention::{Attention, Weights};
 use super::lstm::{Lstm, Widths};
-use super::network::{Dropout, Span};
 use super::real::{Real, add_scaled, dot};
+use super::span::{Dropout, Span};
 
 /// Parameters, or their gradients, in the order of the flat vector.
 struct Parts<V> {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::adam::Adam;
-use super::trainer::{Position, State};
+use super::state::{Position, State};
 use crate::Error;
 
 const KEY: &str = "residyn-checkpoint";

@@ -11,7 +11,8 @@ use sha2::{Digest, Sha256};
 use super::batches::{Gatherer, Item, Layout};
 use super::config::UnitConfig;
 use super::samples::{Samples, Split};
-use super::trainer::{Epoch, State, Trainer, resume};
+use super::state::{Epoch, State};
+use super::trainer::{Trainer, resume};
 use super::{checkpoint, predict::predict};
 use crate::Error;
 

@@ -10,6 +10,7 @@ mod loss;
 mod predict;
 mod ridge;
 mod samples;
+mod state;
 mod trainer;
 
 pub use config::{Loss, Schedule, Training, UnitConfig};
@@ -18,4 +19,4 @@ pub use folds::{Fold, cross_validate, folds};
 pub use predict::predict;
 pub use ridge::train_ridge;
 pub use samples::{Samples, Split};
-pub use trainer::Epoch;
+pub use state::Epoch;

@@ -8,51 +8,13 @@ use pulp::Arch;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
 
 use super::adam::Adam;
 use super::batches::{Gatherer, Item};
 use super::config::{Schedule, Training};
+use super::state::{Epoch, Position, State};
 use crate::Error;
 use crate::engine::{Dropout, Network};
-
-/// What one epoch came to.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Epoch {
-    /// Mean cost of the training samples, in units of the normalised target, with dropout.
-    pub train_loss: f64,
-    /// Root mean square error of the validation samples, N·m, without dropout.
-    pub validation_rmse: Option<f64>,
-}
-
-/// Everything that the rest of the training depends on: with the settings, the data and the seed it is
-/// all that a checkpoint holds. Random numbers are drawn afresh from (seed, epoch, batch), so the
-/// generator has no state of its own.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct State {
-    pub(super) parameters: Vec<f32>,
-    pub(super) adam: Adam,
-    pub(super) best: Vec<f32>,
-    pub(super) progress: Position,
-}
-
-/// Where the loop stands.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Position {
-    /// Finished batches of the running epoch and their summed cost and weight.
-    pub(super) batch: usize,
-    pub(super) loss: f64,
-    pub(super) weight: f64,
-    pub(super) history: Vec<Epoch>,
-    pub(super) best_epoch: usize,
-    /// Epochs since the best one, and since the plateau schedule last acted or improved.
-    pub(super) stale: usize,
-    pub(super) plateau: usize,
-    /// Product of the plateau schedule's factors.
-    pub(super) rate: f32,
-    pub(super) finished: bool,
-}
 
 /// One network under training.
 #[derive(Debug)]

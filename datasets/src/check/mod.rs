@@ -4,6 +4,7 @@
 
 mod channels;
 mod clock;
+mod torque;
 mod velocity;
 
 pub use channels::{STILL, moves, plateau};

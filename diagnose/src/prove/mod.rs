@@ -6,8 +6,8 @@ mod withheld;
 
 use crate::diagnosis::{Options, diagnose};
 use crate::effect::Effect;
-use crate::model::NominalModel;
-use crate::objective::Settings;
+use crate::settings::Settings;
+use crate::simulator::NominalModel;
 use physics::robot::Robot;
 use rayon::prelude::*;
 use report::{Cell, Column, Table};

@@ -188,6 +188,16 @@ impl Stream {
     }
 }
 
+impl Compensator {
+    /// Streaming evaluation from neutral states.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn stream(&self) -> Result<Stream, Error> {
+        Stream::new(self)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::fixture::{compensator, samples};

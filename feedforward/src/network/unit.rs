@@ -1,6 +1,6 @@
 //! A unit with everything needed to evaluate it, and the set of units of one robot.
 
-use super::{Architecture, Bounds, Error, Normaliser, Stream};
+use super::{Architecture, Bounds, Error, Normaliser};
 
 /// One error-learning unit: predicts the residual torque of one joint, N·m (N for a prismatic joint).
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +65,7 @@ impl Unit {
 pub struct Compensator {
     /// Joint names in URDF order, base first.
     pub joints: Vec<String>,
-    /// Names of the input columns, in the order in which [`Stream::step`] takes them.
+    /// Names of the input columns, in the order in which [`super::Stream::step`] takes them.
     pub inputs: Vec<String>,
     /// Any number of units; those of one joint add up.
     pub units: Vec<Unit>,
@@ -110,13 +110,5 @@ impl Compensator {
             expected: inputs.to_vec(),
             found: self.inputs.clone(),
         })
-    }
-
-    /// Streaming evaluation from neutral states.
-    ///
-    /// # Errors
-    /// As [`Self::check`].
-    pub fn stream(&self) -> Result<Stream, Error> {
-        Stream::new(self)
     }
 }

@@ -1,6 +1,6 @@
 //! The same model fed other motion of the same recording: planned, and derived as a control loop must.
 
-use super::EvaluateError;
+use super::error::EvaluateError;
 use crate::directory::ModelFile;
 use crate::predict::predict;
 use crate::residual;

@@ -1,8 +1,8 @@
 //! Is what the model leaves behind noise? Numbers and four plots per joint.
 
 use super::Subject;
-use crate::diagnostics;
 use crate::directory::ModelFile;
+use crate::identify::diagnostics;
 use crate::tables;
 use physics::identify::residuals::{autocorrelation, normal_scores};
 use report::Section;

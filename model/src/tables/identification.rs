@@ -1,9 +1,9 @@
 //! Tables about the identification itself.
 
-use crate::cutoff::Tried;
-use crate::diagnostics::{Conditioning, Diagnostics, POOR};
 use crate::directory::ModelFile;
-use crate::estimators::{Estimator, EstimatorReport, Lmi};
+use crate::identify::diagnostics::{Conditioning, Diagnostics, POOR};
+use crate::identify::estimators::{Estimator, EstimatorReport, Lmi};
+use crate::preparation::cutoff::Tried;
 use physics::identify::residuals::ResidualTests;
 use report::{Cell, Column, Table};
 

@@ -5,27 +5,6 @@ use super::workspace::back;
 use crate::robot::Robot;
 use nalgebra::{Matrix3, Vector3};
 
-/// Articulated-body quantities of one link in its own frame. The inertia maps an acceleration (angular ẇ,
-/// linear a at the origin) to a wrench: n = I ẇ + H a, f = Hᵀ ẇ + M a.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Articulated {
-    rotational: Matrix3<f64>,
-    coupling: Matrix3<f64>,
-    translational: Matrix3<f64>,
-    /// Velocity-dependent acceleration (angular, linear).
-    bias_angular: Vector3<f64>,
-    bias_linear: Vector3<f64>,
-    /// Bias wrench.
-    moment: Vector3<f64>,
-    force: Vector3<f64>,
-    /// U = inertia · axis, as a wrench.
-    u_moment: Vector3<f64>,
-    u_force: Vector3<f64>,
-    /// 1/(axisᵀ U + armature), and the torque left after the bias.
-    inverse: f64,
-    rest: f64,
-}
-
 /// Acceleration q̈ = (M(q) + diag(armature))⁻¹ (τ − C q̇ − g) by articulated bodies (Featherstone, 2008, table
 /// 7.1), in O(N).
 ///

@@ -5,6 +5,7 @@
 //! inertia, counterbalance and everything else are effects added elsewhere (rotor inertia enters
 //! [`forward_dynamics`] as `armature`).
 
+mod articulated;
 mod forward;
 mod inverse;
 mod kinematics;

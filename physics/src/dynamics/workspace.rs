@@ -1,5 +1,6 @@
 //! Memory that the algorithms reuse.
 
+use super::articulated::Articulated;
 use crate::robot::{ChainJoint, Robot};
 use nalgebra::{Matrix3, Vector3};
 
@@ -8,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Debug, Clone)]
 pub struct Workspace {
     pub(super) links: Vec<LinkState>,
-    pub(super) articulated: Vec<super::forward::Articulated>,
+    pub(super) articulated: Vec<Articulated>,
     pub(super) screws: Vec<Screw>,
 }
 
@@ -46,7 +47,7 @@ impl Workspace {
                 };
                 n
             ],
-            articulated: vec![super::forward::Articulated::default(); n],
+            articulated: vec![Articulated::default(); n],
             screws: vec![
                 Screw {
                     angular: zero,

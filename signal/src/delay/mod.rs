@@ -8,79 +8,11 @@
 mod cubic;
 mod products;
 mod shifted;
+mod system;
+
+pub use system::{Delay, Search, System, student_975};
 
 use shifted::Shifted;
-use statrs::distribution::{ContinuousCDF, StudentsT};
-use std::ops::Range;
-
-/// Columns and target on uniform grids, segment by segment.
-#[derive(Clone, Debug, Default)]
-pub struct System {
-    /// Columns, each over all rows.
-    pub columns: Vec<Vec<f64>>,
-    /// Target over all rows.
-    pub target: Vec<f64>,
-    /// Rows that follow each other.
-    pub segments: Vec<Range<usize>>,
-    /// Time between the rows of each segment, s.
-    pub steps: Vec<f64>,
-}
-
-/// Where to look.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Search {
-    /// Smallest and largest delay, s. A minimum at either end is none.
-    pub range: [f64; 2],
-    /// Distance of the delays tried before the best is refined, s.
-    pub spacing: f64,
-    /// Shortest block of the jackknife, s.
-    pub block: f64,
-}
-
-impl Search {
-    /// The delays tried before the best is refined, ends included.
-    fn tries(&self) -> impl Iterator<Item = f64> + use<> {
-        let [low, high] = self.range;
-        let count = ((high - low) / self.spacing).ceil().max(1.0) as usize;
-        (0..=count).map(move |k| low + k as f64 * (high - low) / count as f64)
-    }
-}
-
-impl Default for Search {
-    fn default() -> Self {
-        Self {
-            range: [-0.06, 0.2],
-            spacing: 0.01,
-            block: 1.0,
-        }
-    }
-}
-
-/// A delay with everything needed to judge it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Delay {
-    /// Target behind columns, s.
-    pub delay: f64,
-    /// Its standard deviation, s.
-    pub std: f64,
-    /// Number of blocks behind `std`.
-    pub blocks: usize,
-    /// Coefficients at that delay.
-    pub coefficients: Vec<f64>,
-}
-
-impl Delay {
-    /// Interval of 95 %: Student's quantile of the number of blocks.
-    pub fn interval(&self) -> [f64; 2] {
-        let half = student_975(self.blocks.saturating_sub(1)) * self.std;
-        [self.delay - half, self.delay + half]
-    }
-}
-
-/// The value that Student's t with `dof` degrees of freedom exceeds with a chance of 2.5 %; infinite without any.
-pub fn student_975(dof: usize) -> f64 {
-    StudentsT::new(0.0, 1.0, dof as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
-}
 
 /// The delay of least squared error; `None` where there are too few rows, where the error is least at an end of the
 /// search, or where nothing depends on the delay.

@@ -2,7 +2,7 @@
 
 use super::cubic::{b_spline, slopes, weights};
 use super::products::{add_row, dot, fitted, own_part};
-use super::{Delay, Search, System};
+use super::system::{Delay, Search, System};
 use crate::correlation::correlation_time;
 use std::ops::Range;
 

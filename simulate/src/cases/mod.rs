@@ -12,6 +12,7 @@ mod kind;
 mod oracle;
 mod outside;
 mod rehearsal;
+mod scene;
 mod shapes;
 mod sizes;
 mod truth;

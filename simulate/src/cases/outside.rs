@@ -1,6 +1,6 @@
 //! Random shapes of mechanisms that the catalogue does not list.
 
-use super::shapes::{Scene, Shape};
+use super::scene::{Scene, Shape};
 use super::withheld::Withheld;
 use crate::families::log_uniform;
 use nalgebra::Vector3;

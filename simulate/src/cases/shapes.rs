@@ -1,9 +1,8 @@
 //! Random shapes of the effects.
 
 use super::outside::outside;
-use super::rehearsal::Rehearsal;
+use super::scene::{Scene, Shape};
 use super::withheld::Withheld;
-use crate::arm::Arm;
 use crate::families::log_uniform;
 use crate::mechanism::{CouplingKind, DragKind, Grab, Pins, StribeckKind};
 use crate::reference::Session;
@@ -13,28 +12,6 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
-
-/// What a shape is drawn for.
-pub struct Scene<'a> {
-    /// The plain plant.
-    pub arm: &'a Arm,
-    /// Its motion.
-    pub session: &'a Session,
-    /// Its motion as commanded.
-    pub rehearsal: &'a Rehearsal,
-    /// Diagonal of its mass matrix in mid-region, kg·m².
-    pub inertia: &'a [f64],
-}
-
-/// A shape and where and how large it is to be.
-pub struct Shape {
-    /// The effect.
-    pub effect: Withheld,
-    /// Joint on which its size is set; none: where it is largest.
-    pub joint: Option<usize>,
-    /// Share of that joint's torque.
-    pub share: f64,
-}
 
 /// A shape of the effect with this name, or none if this arm has no joint for it.
 pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {

@@ -1,16 +1,15 @@
 //! The simulated recordings and what the published physics leaves of their torque.
 
-use super::trial::Outcome;
-use super::{Study, Verification};
-use compensator::training::{Fold, Samples, predict as predict_unit};
+use super::arguments::Study;
+use compensator::training::{Fold, Samples};
 use datasets::Recording;
 use datasets::metrics::MOVING;
 use datasets::prepare::{PrepareOptions, prepare};
 use model::failure::Failure;
-use model::identification::IdentifyOptions;
+use model::identify::identification::IdentifyOptions;
 use model::physics_fit::{FitError, FitOptions, fit_physics};
 use model::predict::predict;
-use model::residual::{Pace, ResidualError};
+use model::residual::ResidualError;
 use model::session::Session;
 use ndarray::{Array2, Axis, concatenate};
 use physics::robot::Robot;
@@ -20,17 +19,17 @@ use std::ops::Range;
 /// One recording: inputs and residual torque.
 pub struct Run {
     /// q, q̇, q̈ of all joints, shape (samples, 3·joints).
-    inputs: Array2<f32>,
+    pub inputs: Array2<f32>,
     /// Measured minus physics, N·m; shape (joints, samples), so that a joint is one piece.
-    residual: Array2<f32>,
+    pub residual: Array2<f32>,
     /// 1 where the joint moves, else 0; shape (joints, samples). At standstill friction takes any value
     /// within its limits, which says nothing about the models compared here.
     moving: Array2<f32>,
     /// Measured torque, N·m, shape (samples, joints).
-    tau: Array2<f64>,
+    pub tau: Array2<f64>,
     /// Rows of each trajectory.
     pub segments: Vec<Range<usize>>,
-    rate_hz: f64,
+    pub rate_hz: f64,
 }
 
 impl Run {
@@ -72,8 +71,8 @@ pub struct Data {
     pub joints: Vec<String>,
     /// A thousand point-to-point moves: trained and tested on by whole trajectories.
     pub moves: Run,
-    verification: Run,
-    relative_error_identification: f64,
+    pub verification: Run,
+    pub relative_error_identification: f64,
 }
 
 impl Data {
@@ -143,48 +142,6 @@ impl Data {
         };
         (0..self.joints.len()).map(of).collect()
     }
-
-    /// Tables 7 and 8: the units of the first fold on the verification recording.
-    pub fn verify(&self, outcomes: &[Outcome]) -> Result<Verification, Failure> {
-        let run = &self.verification;
-        // Windows keep their length in time although this recording is faster.
-        let pace = Pace::new(run.rate_hz, 1.0 / self.moves.rate_hz)
-            .ok_or_else(|| Failure::other("the verification recording is too slow"))?;
-        let (order, phases) = pace.rows(&run.segments);
-        let every: Vec<usize> = (0..phases.len()).collect();
-        let all: Vec<usize> = (0..run.segments.len()).collect();
-        let inputs = run.inputs.select(Axis(0), &order);
-        let (mut physics, mut compensated, mut left) = (Vec::new(), Vec::new(), Vec::new());
-        for (joint, outcome) in outcomes.iter().enumerate() {
-            let target = run.residual.row(joint).select(Axis(0), &order);
-            let samples = Samples::new(inputs.view(), target.view(), None, &phases)
-                .map_err(ResidualError::from)?;
-            let paced =
-                predict_unit(&outcome.unit, &samples, &every).map_err(ResidualError::from)?;
-            let mut learned = vec![0.0; order.len()];
-            for (&row, value) in order.iter().zip(paced) {
-                learned[row] = f64::from(value);
-            }
-            physics.push(run.rmse(joint, &all, |_| 0.0));
-            compensated.push(run.rmse(joint, &all, |row| learned[row]));
-            left.extend(
-                std::iter::zip(run.residual.row(joint), learned).map(|(r, l)| f64::from(*r) - l),
-            );
-        }
-        Ok(Verification {
-            max_torque: run
-                .tau
-                .columns()
-                .into_iter()
-                .map(|c| c.iter().fold(0.0, |m: f64, t| m.max(t.abs())))
-                .collect(),
-            physics,
-            compensated,
-            relative_error_identification: self.relative_error_identification,
-            relative_error: relative_error(&run.tau, run.residual.iter().map(|r| f64::from(*r))),
-            relative_error_compensated: relative_error(&run.tau, left.into_iter()),
-        })
-    }
 }
 
 /// One row per joint, each in one piece.
@@ -199,7 +156,7 @@ fn part<'a>(set: &'a Simulated, name: &str) -> Result<&'a Recording, Failure> {
 }
 
 /// Equation 27, percent.
-fn relative_error(tau: &Array2<f64>, error: impl Iterator<Item = f64>) -> f64 {
+pub fn relative_error(tau: &Array2<f64>, error: impl Iterator<Item = f64>) -> f64 {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
     100.0 * norm(&mut { error }) / norm(&mut tau.iter().copied())
 }

@@ -1,94 +1,26 @@
 //! `train study`: the published comparisons (Tables 6–8 of the uncertainty-compensation paper) on the
 //! simulated UR5.
 
+mod arguments;
 mod data;
+mod results;
 mod settings;
 mod tables;
 mod trial;
+mod verification;
 
-use crate::run::{stop, threads};
-use clap::Args;
+pub use arguments::Study;
+
+use crate::runtime::{stop, threads};
 use compensator::inputs::InputSet;
 use compensator::training::{Control, Fold};
 use data::Data;
 use feedforward::network::{Architecture, Memory, Recurrent};
 use model::failure::Failure;
-use serde::Serialize;
+use results::{Nodes, Report, Variant};
 use settings::Settings;
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use trial::{Outcome, Trial};
-
-/// Reprints the published comparisons on the simulated UR5: Tables 6–8, input sets, timesteps, and
-/// fully connected against LSTM.
-#[derive(Debug, Args)]
-pub struct Study {
-    /// Seed of the simulation, the folds and the networks.
-    #[arg(long, default_value_t = 0)]
-    pub seed: u64,
-    /// Smaller units, fewer passes, one fold: a few minutes instead of half an hour.
-    #[arg(long)]
-    pub quick: bool,
-    /// Write the figures as JSON.
-    #[arg(long)]
-    pub json: Option<PathBuf>,
-    /// Folder that keeps the simulated recordings.
-    #[arg(long, default_value = "residyn-model/simulated")]
-    pub cache: PathBuf,
-    /// Threads; the result does not depend on it [default: all cores].
-    #[arg(long)]
-    pub threads: Option<usize>,
-    /// Print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
-}
-
-/// RMSE of every joint for one value of what a comparison varies, N·m.
-#[derive(Serialize)]
-struct Variant<T> {
-    value: T,
-    rmse: Vec<f64>,
-}
-
-/// Fully connected and LSTM units with the same number of hidden nodes, joint 1, N·m.
-#[derive(Serialize)]
-struct Nodes {
-    nodes: usize,
-    fully_connected: f64,
-    lstm: f64,
-}
-
-/// The published unit on a recording of high speed that nothing was fitted on.
-#[derive(Serialize)]
-struct Verification {
-    max_torque: Vec<f64>,
-    physics: Vec<f64>,
-    compensated: Vec<f64>,
-    /// ‖τ_m − τ_p‖/‖τ_m‖ in percent (equation 27), physics on the identification recording.
-    relative_error_identification: f64,
-    /// The same on the verification recording.
-    relative_error: f64,
-    relative_error_compensated: f64,
-}
-
-/// Contents of `train study --json`.
-#[derive(Serialize)]
-struct Report {
-    schema: &'static str,
-    seed: u64,
-    quick: bool,
-    joints: Vec<String>,
-    folds: usize,
-    hidden: usize,
-    epochs: usize,
-    windows_per_epoch: usize,
-    /// `physics`, `attention`, `no_attention`; mean over folds of held-out trajectories.
-    table_6: Vec<Variant<&'static str>>,
-    inputs: Vec<Variant<&'static str>>,
-    timesteps: Vec<Variant<usize>>,
-    nodes: Vec<Nodes>,
-    table_8: Verification,
-}
 
 /// Runs the study and prints it.
 pub fn run(study: &Study, cancel: &AtomicBool) -> Result<(), Failure> {
@@ -199,7 +131,7 @@ pub fn run(study: &Study, cancel: &AtomicBool) -> Result<(), Failure> {
             lstm: of_joint_1(&recurrent(n, None, 3))?,
         });
     }
-    let table_8 = data.verify(&attention)?;
+    let table_8 = verification::verify(&data, &attention)?;
     bar.finish_and_clear();
 
     let report = Report {

@@ -1,6 +1,6 @@
 //! What the study prints, with the paper's figures beside it.
 
-use super::{Report, Variant};
+use super::results::{Report, Variant};
 use report::{Best, Cell, Column, Table};
 
 /// Table 6 of the paper, N·m: physical model, with attention, no attention.

@@ -1,6 +1,7 @@
 //! Newton's method on a logarithmic barrier.
 
-use super::{Constraints, FeasibilityError, cone};
+use super::cone;
+use super::problem::{Constraints, FeasibilityError};
 use crate::robot::PARAMETERS_PER_LINK;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};

@@ -1,6 +1,5 @@
 //! The cone of possible bodies and its logarithmic barrier.
 
-use super::pseudo_inertia;
 use crate::robot::{Inertia, PARAMETERS_PER_LINK};
 use nalgebra::{Matrix4, SMatrix, SVector};
 use std::sync::LazyLock;
@@ -13,6 +12,13 @@ static BASIS: LazyLock<[Matrix4<f64>; PARAMETERS_PER_LINK]> = LazyLock::new(|| {
         pseudo_inertia(&unit)
     })
 });
+
+/// Pseudo-inertia of ten standard parameters.
+pub(super) fn pseudo_inertia(x: &[f64]) -> Matrix4<f64> {
+    let mut p = [0.0; PARAMETERS_PER_LINK];
+    p.copy_from_slice(&x[..PARAMETERS_PER_LINK]);
+    Inertia::from_parameters(&p).pseudo_inertia()
+}
 
 /// −log det J of ten parameters; `None` outside the cone.
 pub(super) fn value(x: &[f64]) -> Option<f64> {

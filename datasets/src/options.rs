@@ -1,0 +1,51 @@
+//! How a recording is read.
+
+use crate::{ColumnMap, DeclaredFilter, TorqueFilter};
+
+/// Which part of a file that holds both (the benchmark's .mat files).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// Training part: what `--data` takes.
+    #[default]
+    Train,
+    /// Test part: what `--heldout` and `eval` take.
+    Test,
+}
+
+/// How to read a recording.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Joints of the robot; `None` takes what the file has.
+    pub dof: Option<usize>,
+    /// Part of a .mat file.
+    pub part: Part,
+    /// Whether a recording without torque is refused. Prediction alone does without.
+    pub torque_needed: bool,
+    /// Names and units of the columns.
+    pub columns: ColumnMap,
+    /// Low-pass that recordings of this robot are declared to have been through.
+    pub torque_filter: Option<DeclaredFilter>,
+    /// The robot is the KR300 of the benchmark: its .mat files may be read.
+    pub kr300: bool,
+}
+
+impl ReadOptions {
+    /// For a robot with `dof` joints whose torque is needed.
+    pub fn for_robot(dof: usize) -> Self {
+        Self {
+            dof: Some(dof),
+            torque_needed: true,
+            ..Self::default()
+        }
+    }
+
+    /// For `--robot kr300`: six joints, the benchmark's files and its torque filter.
+    pub fn kr300(part: Part) -> Self {
+        Self {
+            part,
+            torque_filter: Some(TorqueFilter::KR300.decimated()),
+            kr300: true,
+            ..Self::for_robot(6)
+        }
+    }
+}

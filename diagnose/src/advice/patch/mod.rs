@@ -1,0 +1,152 @@
+//! The simulator's model with the accepted causes written in: a URDF as far as that has a place for them, a drive file
+//! for rotor inertias, a snippet for MuJoCo, and a table of values for everything else.
+
+mod mjcf;
+mod urdf;
+mod values;
+
+use crate::effect::Effect;
+use crate::error::DiagnoseError;
+use crate::outcome::Outcome;
+use crate::schema::Cause;
+use crate::schema::value::value;
+use crate::search::find::Findings;
+use crate::simulator::{NominalModel, possible};
+use nalgebra::{Rotation3, Vector3};
+use physics::robot::{Robot, RobotError};
+
+pub use values::Setting;
+
+/// Files of a patch.
+pub struct Patch {
+    /// The URDF: inertials, damping and friction as fitted with the causes in place, base and joint zeros turned.
+    pub urdf: String,
+    /// Drive file with the rotor inertias, where there is a new one; for `--drive`.
+    pub drive: Option<String>,
+    /// MJCF snippet.
+    pub mjcf: String,
+    /// Values of all causes, tab-separated.
+    pub values: String,
+    /// What every joint is to be set to.
+    pub settings: Vec<Setting>,
+}
+
+/// What is written of a robot.
+struct Patched<'a> {
+    /// Possible inertials, friction, rotor inertia, joint zeros.
+    robot: Robot,
+    /// Rotation vector by which the base is tilted, rad.
+    tilt: Vector3<f64>,
+    causes: &'a [Cause],
+}
+
+/// Writes the accepted causes into the model; `urdf` is its description.
+///
+/// # Errors
+/// The fitted parameters make no robot, or `urdf` is not that of the model.
+pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patch, DiagnoseError> {
+    let causes = &outcome.diagnosis.causes;
+    let robot = robot(model, &outcome.findings, causes)?;
+    let of = |effect: Effect| causes.iter().filter(move |c| c.effect == effect);
+    let mut zeros = vec![0.0; robot.dof()];
+    for cause in of(Effect::EncoderOffset) {
+        if let Some(j) = joint(model, cause) {
+            zeros[j] += number(cause, "zero");
+        }
+    }
+    let tilt = of(Effect::BaseTilt).fold(Vector3::zeros(), |sum, c| {
+        sum + Vector3::new(number(c, "tilt_x"), number(c, "tilt_y"), 0.0)
+    });
+    let patched = Patched {
+        robot,
+        tilt,
+        causes,
+    };
+    let settings = values::settings(&model.robot, &patched.robot);
+    let changed = of(Effect::RotorInertia).next().is_some();
+    Ok(Patch {
+        urdf: urdf::written(urdf, &patched, &zeros)?,
+        drive: changed.then(|| values::drive(&patched.robot)),
+        mjcf: mjcf::snippet(&patched, &zeros),
+        values: values::table(&patched, &settings),
+        settings,
+    })
+}
+
+/// The model with every fitted change of parameters that it has a place for, payload and rotor inertia included, as a robot
+/// whose links are possible bodies.
+///
+/// # Errors
+/// The fitted parameters make no robot.
+pub fn robot(
+    model: &NominalModel,
+    found: &Findings,
+    causes: &[Cause],
+) -> Result<Robot, RobotError> {
+    let change: Vec<f64> = found.changes(|_| true).iter().map(|c| c.0).collect();
+    let mut inertia = model.robot.rotor_inertia();
+    for cause in causes.iter().filter(|c| c.effect == Effect::RotorInertia) {
+        if let Some(j) = joint(model, cause) {
+            inertia[j] += number(cause, "inertia");
+        }
+    }
+    possible::robot(model.sizes(), &model.moved(&change)?)?.with_rotor_inertia(&inertia)
+}
+
+/// A parameter of a cause; zero where it has none of this name.
+fn number(cause: &Cause, name: &str) -> f64 {
+    let found = cause.parameters.iter().find(|p| p.name == name);
+    found.map_or(0.0, |p| p.value)
+}
+
+/// Index of a cause's first joint.
+fn joint(model: &NominalModel, cause: &Cause) -> Option<usize> {
+    let own = cause.joints.first()?;
+    model.robot.joints().iter().position(|j| j.name == *own)
+}
+
+impl Patched<'_> {
+    /// Gravity as the tilted base sees it, m/s².
+    fn gravity(&self) -> Vector3<f64> {
+        Rotation3::new(-self.tilt) * self.robot.gravity()
+    }
+}
+
+/// Where a cause is written.
+fn place(effect: Effect) -> Option<&'static str> {
+    match effect {
+        Effect::LinkParameters
+        | Effect::FrictionParameters
+        | Effect::Payload
+        | Effect::BaseTilt
+        | Effect::EncoderOffset => Some("URDF"),
+        Effect::RotorInertia => Some("drive file, MJCF"),
+        Effect::TimeDelay | Effect::JointElasticity | Effect::Backlash => Some("MJCF"),
+        _ => None,
+    }
+}
+
+/// One line on what the patch holds.
+pub fn summary(causes: &[Cause]) -> String {
+    let inside = |c: &&Cause| place(c.effect) == Some("URDF");
+    let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(inside);
+    let list = |c: &[&Cause]| {
+        let one = |c: &&Cause| {
+            c.parameters
+                .first()
+                .map_or(c.effect.name().to_owned(), |p| {
+                    format!("{} ({})", c.effect.name(), value(p))
+                })
+        };
+        if c.is_empty() {
+            "nothing".to_owned()
+        } else {
+            c.iter().map(one).collect::<Vec<_>>().join(", ")
+        }
+    };
+    format!(
+        "in the URDF: {}; beside it: {}",
+        list(&inside),
+        list(&outside)
+    )
+}

@@ -1,0 +1,6 @@
+//! Sums of products, their factors, and penalised fits on them.
+
+pub(crate) mod cholesky;
+pub(crate) mod fit;
+pub(crate) mod folds;
+pub(crate) mod gram;

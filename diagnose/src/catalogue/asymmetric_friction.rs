@@ -1,0 +1,29 @@
+//! `asymmetric_friction`: friction that differs between the two directions. Columns |q̇| (viscous) and sign² q̇
+//! (Coulomb; one while the joint moves). Confounder of the latter: torque offset, from which only standstill
+//! separates it.
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+
+/// Speed below which a joint stands, rad/s (m/s), and the part of the time up to which it may.
+const STANDING: (f64, f64) = (0.01, 0.2);
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let viscous = || Quantity::plain("viscous_difference", "N·m·s/rad", Some(joint));
+    let coulomb = || Quantity::plain("coulomb_difference", "N·m", Some(joint));
+    let speed = Column::own(joint, move |s| s.motion.qd.column(joint).mapv(f64::abs));
+    let moving = Column::own(joint, move |s| s.sign.column(joint).mapv(|x| x * x));
+    let new = |q, c| Candidate::single(Effect::AsymmetricFriction, joint, q, Bound::Free, c);
+    let qd = scene.motion.qd.column(joint);
+    let standing = qd.iter().filter(|v| v.abs() < STANDING.0).count();
+    if standing as f64 > STANDING.1 * qd.len() as f64 {
+        // What a joint holds at rest is its history's: the difference between rest and motion would be named.
+        return vec![new(viscous(), speed)];
+    }
+    vec![
+        new(viscous(), speed.clone()),
+        new(coulomb(), moving.clone()),
+        new(viscous(), speed).and(coulomb(), Bound::Free, moving),
+    ]
+}

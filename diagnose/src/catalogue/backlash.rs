@@ -1,0 +1,63 @@
+//! `backlash`: play in the transmission, q being the motor side. The link crosses the gap on its own inertia and
+//! meets the other flank: `transmission` with a stiff spring behind the gap.
+//! Confounders: elasticity (no gap), presliding hysteresis (reversal of velocity, not of torque).
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::transmission::Transmission;
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+
+/// Half plays, rad (m for prismatic joints, where they are a tenth).
+const HALF_PLAYS: [f64; 6] = [2e-4, 6e-4, 1.3e-3, 2.6e-3, 5e-3, 9e-3];
+/// Natural frequencies on the flanks, Hz, with their damping.
+const FLANKS: [(f64, f64); 2] = [(14.0, 0.3), (28.0, 0.3)];
+
+/// What blows after changes of the torque's sign are worth, nats.
+const BLOWS: f64 = 40.0;
+
+/// Candidates of a joint whose blows were found. Their timing is not asked of the column: what of it the play
+/// predicts is taken, in any size.
+pub fn struck(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let mut all = candidates(scene, joint);
+    for c in &mut all {
+        c.bounds[0] = Bound::Positive;
+        c.shape
+            .insert(0, ("half_play", c.quantities[0].factor, "rad"));
+        c.quantities[0] = Quantity::plain("share", "1", Some(joint));
+        c.evidence = BLOWS;
+    }
+    all
+}
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let dof = scene.dof();
+    let unit = if scene.robot.joints()[joint].kind.is_rotation() {
+        1.0
+    } else {
+        0.1
+    };
+    let mut all = Vec::new();
+    for play in HALF_PLAYS {
+        for (frequency, damping) in FLANKS {
+            let half_play = play * unit;
+            let transmission = Transmission {
+                frequency,
+                damping,
+                half_play,
+            };
+            let column = Column::whole(dof, move |s| transmission.change(s, joint));
+            let quantity = Quantity::scaled("half_play", "rad", Some(joint), half_play);
+            all.push(
+                Candidate::single(
+                    Effect::Backlash,
+                    joint,
+                    quantity,
+                    Bound::Between(0.4, 2.0),
+                    column,
+                )
+                .with_shape("flank_frequency", frequency, "Hz"),
+            );
+        }
+    }
+    all
+}

@@ -1,0 +1,180 @@
+//! A hypothesis of the catalogue and its columns.
+
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+use ndarray::Array1;
+use physics::robot::PARAMETERS_PER_LINK;
+use std::sync::Arc;
+
+/// Torque per unit of one parameter, on the rows of some joints. Clones are the same column.
+#[derive(Clone)]
+pub struct Column {
+    /// Joints whose torque it changes.
+    pub joints: Vec<usize>,
+    /// Columns of one recording at the fine rate, one per joint of `joints`.
+    pub torque: ColumnTorque,
+}
+
+/// A column from a scene: one vector per joint that it touches.
+pub type Maker = dyn Fn(&Scene) -> Vec<Array1<f64>> + Send + Sync;
+
+/// How a column's torque is made.
+#[derive(Clone)]
+pub enum ColumnTorque {
+    /// Column `usize` of the base: inertial parameters, then viscous, then Coulomb friction.
+    Base(usize),
+    /// From the scene.
+    Made(Arc<Maker>),
+}
+
+/// Which values of a coefficient make sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Any.
+    Free,
+    /// Above zero.
+    Positive,
+    /// Between the two: a shape on a grid whose size the coefficient only corrects.
+    Between(f64, f64),
+}
+
+/// Name, unit and conversion of a reported parameter.
+#[derive(Clone, Debug)]
+pub struct Quantity {
+    /// Name of the contract where it has one.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Joint that it belongs to.
+    pub joint: Option<usize>,
+    /// Reported value = `offset` + `factor`·coefficient.
+    pub offset: f64,
+    /// See `offset`.
+    pub factor: f64,
+}
+
+impl Quantity {
+    /// The coefficient itself.
+    pub fn plain(name: &'static str, unit: &'static str, joint: Option<usize>) -> Self {
+        Self {
+            name,
+            unit,
+            joint,
+            offset: 0.0,
+            factor: 1.0,
+        }
+    }
+
+    /// A shape parameter on a grid, corrected by the coefficient.
+    pub fn scaled(
+        name: &'static str,
+        unit: &'static str,
+        joint: Option<usize>,
+        factor: f64,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            joint,
+            offset: 0.0,
+            factor,
+        }
+    }
+}
+
+/// A hypothesis: an effect at one place with fixed shape parameters.
+pub struct Candidate {
+    /// The effect.
+    pub effect: Effect,
+    /// Joints that the report names.
+    pub joints: Vec<usize>,
+    /// Driving joint of a coupling.
+    pub driver: Option<usize>,
+    /// Its columns.
+    pub columns: Vec<Column>,
+    /// Bound of each coefficient.
+    pub bounds: Vec<Bound>,
+    /// What the coefficients are.
+    pub quantities: Vec<Quantity>,
+    /// Change of its link's parameters per unit of its one coefficient, where that is all it is.
+    pub change: Option<[f64; PARAMETERS_PER_LINK]>,
+    /// Shape parameters: name, value, unit.
+    pub shape: Vec<(&'static str, f64, &'static str)>,
+    /// What speaks for it beside the error that it removes, nats.
+    pub evidence: f64,
+}
+
+impl Candidate {
+    /// A candidate on one joint with one coefficient.
+    pub(super) fn single(
+        effect: Effect,
+        joint: usize,
+        quantity: Quantity,
+        bound: Bound,
+        column: Column,
+    ) -> Self {
+        Self {
+            effect,
+            joints: vec![joint],
+            driver: None,
+            columns: vec![column],
+            bounds: vec![bound],
+            quantities: vec![quantity],
+            change: None,
+            shape: Vec::new(),
+            evidence: 0.0,
+        }
+    }
+
+    /// Whether both change the torque of some joint.
+    pub fn shares_rows(&self, other: &Self) -> bool {
+        let touched = |c: &Self| -> Vec<usize> {
+            let of = c.columns.iter().flat_map(|c| c.joints.iter().copied());
+            of.collect()
+        };
+        let own = touched(self);
+        touched(other).iter().any(|j| own.contains(j))
+    }
+
+    pub(super) fn with_shape(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
+        self.shape.push((name, value, unit));
+        self
+    }
+
+    pub(super) fn and(mut self, quantity: Quantity, bound: Bound, column: Column) -> Self {
+        self.columns.push(column);
+        self.bounds.push(bound);
+        self.quantities.push(quantity);
+        self
+    }
+}
+
+impl Column {
+    /// A column on the rows of one joint.
+    pub(super) fn own(
+        joint: usize,
+        make: impl Fn(&Scene) -> Array1<f64> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            joints: vec![joint],
+            torque: ColumnTorque::Made(Arc::new(move |s| vec![make(s)])),
+        }
+    }
+
+    /// A column on the rows of all joints, from a table of shape (samples, joints).
+    pub(super) fn whole(
+        dof: usize,
+        make: impl Fn(&Scene) -> ndarray::Array2<f64> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            joints: (0..dof).collect(),
+            torque: ColumnTorque::Made(Arc::new(move |s| {
+                make(s)
+                    .columns()
+                    .into_iter()
+                    .map(|c| c.to_owned())
+                    .collect()
+            })),
+        }
+    }
+}

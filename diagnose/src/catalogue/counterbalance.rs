@@ -1,0 +1,65 @@
+//! `counterbalance`: a torque of the joint's own position. Legendre polynomials over the recorded range,
+//! of rising degree, stand for springs, gas and hydraulic cylinders alike.
+//! Confounders: gravity of the links beyond (its sines and cosines), torque offset (degree 0 alone).
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+
+const NAMES: [&str; 5] = ["degree_0", "degree_1", "degree_2", "degree_3", "degree_4"];
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let (low, high) = scene.scale.range[joint];
+    let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0).max(1e-6));
+    let column = move |degree: usize| {
+        Column::own(joint, move |s| {
+            s.motion
+                .q
+                .column(joint)
+                .mapv(|q| legendre(degree, (q - middle) / half))
+        })
+    };
+    let columns: Vec<Column> = (0..NAMES.len()).map(column).collect();
+    [1, 2, 4]
+        .into_iter()
+        .map(|degree| Candidate {
+            effect: Effect::Counterbalance,
+            joints: vec![joint],
+            driver: None,
+            columns: columns[..=degree].to_vec(),
+            bounds: vec![Bound::Free; degree + 1],
+            quantities: NAMES[..=degree]
+                .iter()
+                .map(|n| Quantity::plain(n, "N·m", Some(joint)))
+                .collect(),
+            shape: vec![("middle", middle, "rad"), ("half_range", half, "rad")],
+            change: None,
+            evidence: 0.0,
+        })
+        .collect()
+}
+
+/// Legendre polynomial by Bonnet's recursion.
+fn legendre(degree: usize, x: f64) -> f64 {
+    let (mut last, mut p) = (1.0, x);
+    if degree == 0 {
+        return 1.0;
+    }
+    for n in 1..degree {
+        let n = n as f64;
+        (last, p) = (p, ((2.0 * n + 1.0) * x * p - n * last) / (n + 1.0));
+    }
+    p
+}
+
+#[cfg(test)]
+mod tests {
+    use super::legendre;
+
+    #[test]
+    fn legendre_by_hand() {
+        // P₂(½) = (3/4 − 1)/2, P₄(½) = (35/16 − 30/4 + 3)/8.
+        assert!((legendre(2, 0.5) + 0.125).abs() < 1e-15);
+        assert!((legendre(4, 0.5) + 0.289_062_5).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,35 @@
+//! `encoder_offset`: a wrong joint zero, q_true = q + zero. One parameter that changes the torque of every
+//! joint below it in a known proportion. Small zeros by the torque's derivative; larger ones on a grid, each by the
+//! torque at the turned position, where the derivative would be the torque of links whose masses lie elsewhere.
+//! Confounders: first moments, base tilt (first joints).
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::{Scene, rigid_torque};
+
+/// Zero up to which the derivative holds, rad: cos falls by less than one percent.
+const LINEAR: f64 = 0.14;
+/// Larger zeros, rad.
+const LARGER: [f64; 6] = [-0.46, -0.32, -0.2, 0.2, 0.32, 0.46];
+/// How far the coefficient may correct one of these.
+const AROUND: (f64, f64) = (0.75, 1.3);
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let new = |quantity, bound, column| {
+        Candidate::single(Effect::EncoderOffset, joint, quantity, bound, column)
+    };
+    let slope = Column::whole(scene.dof(), move |s| s.tangents[joint].q.clone());
+    let zero = Quantity::plain("zero", "rad", Some(joint));
+    let larger = LARGER.into_iter().map(|angle| {
+        let turned = Column::whole(scene.dof(), move |s| {
+            let mut q = s.motion.q.clone();
+            q.column_mut(joint).mapv_inplace(|x| x + angle);
+            rigid_torque(s.robot, &q, &s.motion.qd, &s.motion.qdd) - &s.rigid
+        });
+        let zero = Quantity::scaled("zero", "rad", Some(joint), angle);
+        new(zero, Bound::Between(AROUND.0, AROUND.1), turned)
+    });
+    std::iter::once(new(zero, Bound::Between(-LINEAR, LINEAR), slope))
+        .chain(larger)
+        .collect()
+}

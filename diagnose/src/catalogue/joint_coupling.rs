@@ -1,0 +1,42 @@
+//! `joint_coupling`: another joint's motion drives this joint's transmission. A sparse screen over pairs, one
+//! column each: the driver's velocity, direction, acceleration or position, and the direction of both motions combined. Confounders: Coriolis and inertial coupling
+//! (all base parameters), kinematic errors.
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::{Scene, soft_sign};
+
+/// Ratios of driver to driven motion in a shared transmission.
+const RATIOS: [f64; 10] = [-4.0, -2.0, -1.0, -0.5, -0.25, 0.25, 0.5, 1.0, 2.0, 4.0];
+
+pub(super) fn candidates(scene: &Scene, driven: usize) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    for driver in (0..scene.dof()).filter(|&d| d != driven) {
+        let new = |name, unit, column| {
+            let quantity = Quantity::plain(name, unit, Some(driven));
+            let mut c =
+                Candidate::single(Effect::JointCoupling, driven, quantity, Bound::Free, column);
+            c.driver = Some(driver);
+            c
+        };
+        let (low, high) = scene.scale.range[driver];
+        let middle = (low + high) / 2.0;
+        let qd = Column::own(driven, move |s| s.motion.qd.column(driver).to_owned());
+        let sign = Column::own(driven, move |s| s.sign.column(driver).to_owned());
+        let qdd = Column::own(driven, move |s| s.motion.qdd.column(driver).to_owned());
+        let q = Column::own(driven, move |s| &s.motion.q.column(driver) - middle);
+        all.push(new("viscous", "N·m·s/rad", qd));
+        all.push(new("coulomb", "N·m", sign));
+        all.push(new("inertia", "kg·m²", qdd));
+        all.push(new("stiffness", "N·m/rad", q));
+        for ratio in RATIOS {
+            // Friction of what both motions turn together.
+            let relative = Column::own(driven, move |s| {
+                (&s.motion.qd.column(driven) + &(&s.motion.qd.column(driver) * ratio))
+                    .mapv(soft_sign)
+            });
+            all.push(new("coulomb", "N·m", relative).with_shape("ratio", ratio, "1"));
+        }
+    }
+    all
+}

@@ -1,0 +1,75 @@
+//! `joint_elasticity`: a compliant transmission, q being the motor side. The link stands at q_link = q − T/K, T being
+//! the torque through the spring, which is the rigid torque of the link's own motion: two fixed-point
+//! steps, the rigid model linearised there, gravity gradient and the neighbours' torques included; or, where the link
+//! oscillates, by [`super::transmission`].
+//! Confounders: backlash (odd in T but flat), delay (first derivative), rotor and link inertia.
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::transmission::Transmission;
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+use ndarray::Array2;
+
+/// Frequencies of the joint's own oscillation against the rigid arm, Hz.
+const FREQUENCIES: [f64; 4] = [4.5, 7.5, 12.0, 20.0];
+/// Rounding of the spring torque before it is differentiated twice, s: noise of the acceleration grows with the
+/// square of the frequency, the wind-up of a motion does not.
+const ROUNDING: [f64; 2] = [0.01, 0.025];
+
+/// Frequencies of the oscillating link, Hz, and its damping ratios.
+const RESONANCES: [f64; 6] = [5.0, 7.0, 9.5, 13.0, 18.0, 25.0];
+const DAMPING: f64 = 0.12;
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let inertia = own_inertia(scene, joint);
+    let resonant = RESONANCES.into_iter().map(|frequency| {
+        let transmission = Transmission {
+            frequency,
+            damping: DAMPING,
+            half_play: 0.0,
+        };
+        let stiffness = inertia * (std::f64::consts::TAU * frequency).powi(2);
+        let column = Column::whole(scene.dof(), move |s| transmission.change(s, joint));
+        let compliance = Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
+        Candidate::single(
+            Effect::JointElasticity,
+            joint,
+            compliance,
+            Bound::Between(0.5, 2.0),
+            column,
+        )
+    });
+    let quasi_static = FREQUENCIES
+        .into_iter()
+        .flat_map(|f| ROUNDING.map(|r| (f, r)))
+        .map(|(f, rounding)| {
+            let stiffness = inertia * (std::f64::consts::TAU * f).powi(2);
+            let column = Column::whole(scene.dof(), move |s| {
+                compliant(s, joint, 1.0 / stiffness, rounding)
+            });
+            // The column is nearly proportional to 1/K: the coefficient corrects the compliance.
+            let compliance =
+                Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
+            Candidate::single(
+                Effect::JointElasticity,
+                joint,
+                compliance,
+                Bound::Between(0.1, 2.5),
+                column,
+            )
+        });
+    quasi_static.chain(resonant).collect()
+}
+
+/// Change of the rigid torque by a transmission of the given compliance, rad/(N·m).
+fn compliant(scene: &Scene, joint: usize, compliance: f64, rounding: f64) -> Array2<f64> {
+    let rigid = scene.rounded(&scene.rigid.column(joint).to_owned(), rounding);
+    let first = scene.departure(joint, &(&rigid * -compliance));
+    let spring = rigid + scene.rounded(&first.column(joint).to_owned(), rounding);
+    scene.departure(joint, &(spring * -compliance))
+}
+
+/// Mean inertia that the joint turns, kg·m².
+fn own_inertia(scene: &Scene, joint: usize) -> f64 {
+    (scene.tangents[joint].qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
+}

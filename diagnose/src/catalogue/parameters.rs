@@ -1,0 +1,208 @@
+//! `link_parameters`, `friction_parameters`, `payload`, `rotor_inertia`: wider freedom for
+//! parameters that the model has, and the inertia of a motor that it lacks.
+//!
+//! The base of every fit already holds all inertial and friction parameters, tied to the given values
+//! by a narrow prior. A candidate of this file fits one link's or joint's parameters a second time
+//! with a wide prior, so that a change beyond a few percent is paid for once, not per sample.
+
+use super::candidate::{Bound, Candidate, Column, ColumnTorque, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+use crate::simulator::link_sizes;
+use nalgebra::{Rotation3, Vector3};
+use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+/// Velocity over which a part of a joint's Coulomb friction may build up, in widths of its softened sign: how a real
+/// contact comes to rest is nobody's law, and a wrong one looks like Stribeck or degressive friction.
+const BUILD_UP: f64 = 4.0;
+
+const LINK: [(&str, &str); PARAMETERS_PER_LINK] = [
+    ("mass", "kg"),
+    ("first_moment_x", "kg·m"),
+    ("first_moment_y", "kg·m"),
+    ("first_moment_z", "kg·m"),
+    ("inertia_xx", "kg·m²"),
+    ("inertia_xy", "kg·m²"),
+    ("inertia_yy", "kg·m²"),
+    ("inertia_xz", "kg·m²"),
+    ("inertia_yz", "kg·m²"),
+    ("inertia_zz", "kg·m²"),
+];
+
+/// Columns of the base: 10 inertial parameters per link, base first, then viscous, then Coulomb
+/// friction. Changes of parameters, not parameters: the torque to explain is the gap.
+pub fn base_columns(dof: usize) -> Vec<Column> {
+    let inertial =
+        (0..PARAMETERS_PER_LINK * dof).map(|c| (c, (0..=c / PARAMETERS_PER_LINK).collect()));
+    let friction = (0..2 * dof).map(|f| (PARAMETERS_PER_LINK * dof + f, vec![f % dof]));
+    inertial
+        .chain(friction)
+        .map(|(c, joints)| Column {
+            joints,
+            torque: ColumnTorque::Base(c),
+        })
+        .collect()
+}
+
+fn base(dof: usize, column: usize) -> Column {
+    base_columns(dof).swap_remove(column)
+}
+
+pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
+    let dof = scene.dof();
+    let link = |effect, link: usize| Candidate {
+        effect,
+        joints: vec![link],
+        driver: None,
+        columns: (0..PARAMETERS_PER_LINK)
+            .map(|p| base(dof, PARAMETERS_PER_LINK * link + p))
+            .collect(),
+        bounds: vec![Bound::Free; PARAMETERS_PER_LINK],
+        quantities: LINK
+            .iter()
+            .map(|&(name, unit)| Quantity::plain(name, unit, Some(link)))
+            .collect(),
+        change: None,
+        shape: Vec::new(),
+        evidence: 0.0,
+    };
+    // Before the last link's parameters, whose columns are the same: of two equal answers the first wins.
+    let mut payload = link(Effect::Payload, dof - 1);
+    payload.bounds[0] = Bound::Positive;
+    let mut all = vec![payload];
+    for l in 0..dof {
+        all.extend([
+            link(Effect::LinkParameters, l),
+            heavier(scene, l),
+            displaced(dof, l),
+        ]);
+        all.extend(turned(scene, l));
+    }
+    for j in 0..dof {
+        all.extend(friction(scene, j));
+        let inertia = Quantity::plain("inertia", "kg·m²", Some(j));
+        let column = Column::own(j, move |s| s.motion.qdd.column(j).to_owned());
+        all.push(Candidate::single(
+            Effect::RotorInertia,
+            j,
+            inertia,
+            Bound::Positive,
+            column,
+        ));
+    }
+    all
+}
+
+/// A link of another density: all its parameters in proportion. One coefficient, where the link's own need ten.
+fn heavier(scene: &Scene, link: usize) -> Candidate {
+    let density = Quantity::plain("density", "1", Some(link));
+    let more = Bound::Between(-1.0, f64::INFINITY);
+    changed(link, body(scene.robot, link).parameters(), density, more)
+}
+
+/// Quarter and half turns, rad, about the axes of a link's frame.
+const TURNS: [f64; 3] = [-FRAC_PI_2, FRAC_PI_2, PI];
+/// Bound of the part of such a turn that is found.
+const WHOLE: Bound = Bound::Between(0.75, 1.25);
+/// Change of the parameters, relative to the link's sizes, below which a turn shows nothing.
+const TURN_SHOWS: f64 = 0.2;
+
+/// A link whose inertials stand in a wrong frame: centre of mass and inertia turned against it.
+fn turned(scene: &Scene, link: usize) -> Vec<Candidate> {
+    let own = body(scene.robot, link);
+    let sizes = link_sizes(&scene.robot.joints()[link]);
+    let axes = [
+        ("turn_x", Vector3::x()),
+        ("turn_y", Vector3::y()),
+        ("turn_z", Vector3::z()),
+    ];
+    let each = axes.into_iter().flat_map(|a| TURNS.map(|angle| (a, angle)));
+    each.filter_map(|((name, axis), angle)| {
+        let by = *Rotation3::new(axis * angle).matrix();
+        let mut change = own.transformed(&by, &Vector3::zeros()).parameters();
+        for (new, old) in change.iter_mut().zip(own.parameters()) {
+            *new -= old;
+        }
+        let shows = change
+            .iter()
+            .zip(sizes)
+            .any(|(c, s)| c.abs() > TURN_SHOWS * s);
+        let part = Quantity::plain("part_of_turn", "1", Some(link));
+        shows.then(|| changed(link, change, part, WHOLE).with_shape(name, angle, "rad"))
+    })
+    .collect()
+}
+
+/// A link's body in the present model.
+fn body(robot: &Robot, link: usize) -> Inertia {
+    robot.joints()[link].link.inertia
+}
+
+/// A link whose parameters change by a multiple of `change`.
+fn changed(
+    link: usize,
+    change: [f64; PARAMETERS_PER_LINK],
+    quantity: Quantity,
+    bound: Bound,
+) -> Candidate {
+    let torque = Column {
+        joints: (0..=link).collect(),
+        torque: ColumnTorque::Made(Arc::new(move |s| {
+            let torque = s.torque_of_link(link, &change);
+            (0..=link).map(|j| torque.column(j).to_owned()).collect()
+        })),
+    };
+    let mut candidate = Candidate::single(Effect::LinkParameters, link, quantity, bound, torque);
+    candidate.change = Some(change);
+    candidate
+}
+
+/// A link whose mass lies elsewhere: its first moments. Three coefficients, where a torque of the joint's position that
+/// does the same needs more.
+fn displaced(dof: usize, link: usize) -> Candidate {
+    let moments = 1..4;
+    Candidate {
+        effect: Effect::LinkParameters,
+        joints: vec![link],
+        driver: None,
+        columns: moments
+            .clone()
+            .map(|p| base(dof, PARAMETERS_PER_LINK * link + p))
+            .collect(),
+        bounds: vec![Bound::Free; moments.len()],
+        quantities: LINK[moments]
+            .iter()
+            .map(|&(name, unit)| Quantity::plain(name, unit, Some(link)))
+            .collect(),
+        change: None,
+        shape: Vec::new(),
+        evidence: 0.0,
+    }
+}
+
+/// Other coefficients of viscous and Coulomb friction, a part of Coulomb friction that builds up more slowly, and all
+/// of these.
+fn friction(scene: &Scene, j: usize) -> [Candidate; 3] {
+    let dof = scene.dof();
+    let new = |q, bound, c| Candidate::single(Effect::FrictionParameters, j, q, bound, c);
+    let viscous = || Quantity::plain("viscous", "N·m·s/rad", Some(j));
+    let coulomb = || Quantity::plain("coulomb", "N·m", Some(j));
+    let slow = || Quantity::plain("slow_coulomb", "N·m", Some(j));
+    let slope = base(dof, PARAMETERS_PER_LINK * dof + j);
+    let level = base(dof, (PARAMETERS_PER_LINK + 1) * dof + j);
+    let velocity = BUILD_UP * scene.scale.softness[j];
+    let slower = Column::own(j, move |s| {
+        let late = s.motion.qd.column(j).mapv(|v| (v / velocity).tanh());
+        late - s.sign.column(j)
+    });
+    let shaped = |c: Candidate| c.with_shape("slow_velocity", velocity, "rad/s");
+    let plain =
+        || new(viscous(), Bound::Free, slope.clone()).and(coulomb(), Bound::Free, level.clone());
+    [
+        plain(),
+        shaped(new(slow(), Bound::Positive, slower.clone())),
+        shaped(plain().and(slow(), Bound::Positive, slower)),
+    ]
+}

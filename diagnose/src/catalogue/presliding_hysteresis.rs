@@ -1,0 +1,95 @@
+//! `presliding_hysteresis`: friction with memory of displacement, by stop operators (one Maxwell-slip element) and
+//! Dahl's state over a grid of widths. The state runs on from one trajectory to the next.
+//!
+//! Two forms of each: friction on top of the Coulomb friction that the model has, and memory that replaces the
+//! jump of that friction (state minus sign). Confounders: Stribeck friction, backlash, a delay.
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+use ndarray::Array1;
+use physics::effects::{Dahl, Stop};
+
+/// Widths relative to the recorded range of the joint.
+const WIDTHS: [f64; 7] = [3e-4, 1e-3, 3e-3, 8e-3, 0.02, 0.05, 0.12];
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let (low, high) = scene.scale.range[joint];
+    let range = (high - low).max(1e-6);
+    let amplitude = || Quantity::plain("hysteresis", "N·m", Some(joint));
+    let single = |width: f64, column: Column| {
+        Candidate::single(
+            Effect::PreslidingHysteresis,
+            joint,
+            amplitude(),
+            Bound::Positive,
+            column,
+        )
+        .with_shape("width", width, "rad")
+    };
+    let mut all = Vec::new();
+    let mut elements = Vec::new();
+    for w in WIDTHS {
+        let width = w * range;
+        let (stop, dahl) = (
+            Stop { width },
+            Dahl {
+                stiffness: 1.0 / width,
+            },
+        );
+        let element = Column::own(joint, move |s| {
+            state(s, joint, |z, dq| stop.next(z, dq)) - s.sign.column(joint)
+        });
+        all.push(single(
+            width,
+            Column::own(joint, move |s| state(s, joint, |z, dq| stop.next(z, dq))),
+        ));
+        all.push(single(
+            width,
+            Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq))),
+        ));
+        all.push(single(width, element.clone()));
+        all.push(single(
+            width,
+            Column::own(joint, move |s| {
+                state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)
+            }),
+        ));
+        // Micro-damping: the rate of the state, as bristles have it.
+        let damped = Column::own(joint, move |s| {
+            state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)
+        });
+        let rate = Column::own(joint, move |s| {
+            s.derivative(&state(s, joint, |z, dq| dahl.next(z, dq)))
+        });
+        let damping = Quantity::plain("micro_damping", "N·m·s", Some(joint));
+        all.push(single(width, damped).and(damping, Bound::Free, rate));
+        elements.push((width, element));
+    }
+    // A distribution of widths: three neighbouring elements at once.
+    for three in elements.windows(3) {
+        let mut c = single(three[0].0, three[0].1.clone());
+        for (width, element) in &three[1..] {
+            c = c
+                .and(amplitude(), Bound::Free, element.clone())
+                .with_shape("width", *width, "rad");
+        }
+        c.bounds = vec![Bound::Free; 3];
+        all.push(c);
+    }
+    all
+}
+
+/// State of an operator over all trajectories in order of time; it jumps with the position from the end of
+/// one to the start of the next, as the joint itself did.
+fn state(scene: &Scene, joint: usize, next: impl Fn(f64, f64) -> f64) -> Array1<f64> {
+    let q = scene.motion.q.column(joint);
+    let mut out = Array1::zeros(q.len());
+    let (mut z, mut last) = (0.0, None);
+    for i in scene.order.iter().cloned().flatten() {
+        z = next(z, last.map_or(0.0, |l: f64| q[i] - l));
+        last = Some(q[i]);
+        out[i] = z;
+    }
+    out
+}

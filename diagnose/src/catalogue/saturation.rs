@@ -1,0 +1,40 @@
+//! `saturation`: the recorded torque is cut at a limit while the joint received more. The column is the cut of
+//! the predicted torque. Confounder: none where the histogram has a flat top; a limit near the peak is invisible.
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+
+/// Limits relative to the largest predicted torque.
+const LIMITS: [f64; 10] = [0.3, 0.38, 0.46, 0.54, 0.62, 0.68, 0.74, 0.8, 0.86, 0.92];
+
+/// What a flat top of the recorded torque is worth, nats.
+const FLAT_TOP: f64 = 40.0;
+
+/// The limit of a flat top in the recorded torque. Where only one trajectory reaches it, no other can foretell it: it is
+/// taken if the prediction is cut there as much as it should be.
+pub fn flat_top(joint: usize, limit: f64) -> Candidate {
+    let mut candidate = cut(joint, limit);
+    candidate.evidence = FLAT_TOP;
+    candidate
+}
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let predicted = &scene.rigid.column(joint) + &scene.drive.column(joint);
+    let largest = predicted.iter().fold(0.0f64, |a, x| a.max(x.abs()));
+    LIMITS
+        .into_iter()
+        .map(|share| cut(joint, share * largest))
+        .collect()
+}
+
+fn cut(joint: usize, limit: f64) -> Candidate {
+    let column = Column::own(joint, move |s| {
+        let predicted = &s.rigid.column(joint) + &s.drive.column(joint);
+        predicted.mapv(|t| t.clamp(-limit, limit) - t)
+    });
+    let cut = Quantity::plain("cut", "1", Some(joint));
+    let bound = Bound::Between(0.7, 1.4);
+    Candidate::single(Effect::Saturation, joint, cut, bound, column)
+        .with_shape("limit", limit, "N·m")
+}

@@ -1,0 +1,49 @@
+//! `stribeck_friction`: extra friction near zero velocity that falls as the joint starts to slide,
+//! sign(q̇)·exp(−(|q̇|/v_s)^δ). Confounders: Coulomb friction (slow v_s absorbed), presliding, degressive viscous friction
+//! (the same curve with the other sign: hence the bound).
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::{SOFT_SIGN, Scene};
+
+/// Stribeck velocities relative to the joint's root mean square velocity. What is narrower than the softened sign is
+/// not told from it.
+const VELOCITIES: [f64; 7] = [0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0];
+/// Least Stribeck velocity over that of the softened sign.
+const NARROWEST: f64 = 8.0;
+/// Exponents: Tustin's and the Gaussian form.
+const EXPONENTS: [f64; 2] = [1.0, 2.0];
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let speed = scene.scale.speed[joint];
+    let mut all = Vec::new();
+    for v in VELOCITIES {
+        for exponent in EXPONENTS {
+            let velocity = v * speed;
+            if velocity < NARROWEST * scene.scale.softness[joint].max(SOFT_SIGN) {
+                continue;
+            }
+            let column = Column::own(joint, move |s| {
+                let qd = s.motion.qd.column(joint);
+                let mut out = s.sign.column(joint).to_owned();
+                out.zip_mut_with(&qd, |x, v| {
+                    *x *= (-(v.abs() / velocity).powf(exponent)).exp()
+                });
+                out
+            });
+            let stribeck = Quantity::plain("stribeck", "N·m", Some(joint));
+            all.push(
+                Candidate::single(
+                    Effect::StribeckFriction,
+                    joint,
+                    stribeck,
+                    Bound::Positive,
+                    column,
+                )
+                .with_shape("velocity", velocity, "rad/s")
+                .with_shape("exponent", exponent, "1"),
+            );
+        }
+    }
+    all
+}

@@ -1,0 +1,41 @@
+//! `torque_gain` and `torque_offset`: errors of one joint's torque channel.
+//!
+//! The gain's column is the torque that the model predicts, never the measured one: a regressor that
+//! contains the noise it is to explain always gains. Confounders of the gain: the joint's own
+//! inertial and friction parameters taken together; of the offset: Coulomb friction that differs by
+//! direction, and gravity of links that hardly turn.
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::saturation;
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+use ndarray::Array1;
+
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let gain = Candidate::single(
+        Effect::TorqueGain,
+        joint,
+        Quantity {
+            name: "gain",
+            unit: "1",
+            joint: Some(joint),
+            offset: 1.0,
+            factor: 1.0,
+        },
+        Bound::Between(-0.9, 4.0),
+        Column::own(joint, move |s| {
+            &s.rigid.column(joint) + &s.drive.column(joint)
+        }),
+    );
+    let offset = Candidate::single(
+        Effect::TorqueOffset,
+        joint,
+        Quantity::plain("offset", "N·m", Some(joint)),
+        Bound::Free,
+        Column::own(joint, |s| Array1::ones(s.len())),
+    );
+    [gain, offset]
+        .into_iter()
+        .chain(saturation::candidates(scene, joint))
+        .collect()
+}

@@ -1,0 +1,54 @@
+//! `torque_ripple`: torque periodic in the joint's position (cogging, gear meshing). The orders come from the
+//! periodogram over position of what a first fit leaves, on unfiltered torque at the recorded rate: a low-pass
+//! would remove the ripple of a fast joint. Orders need not be whole.
+//! Confounders: none at high orders; below a few cycles per range, gravity and counterbalance.
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+
+/// Most lines of one joint.
+pub const LINES: usize = 3;
+
+const NAMES: [(&str, &str); LINES] = [
+    ("sine_1", "cosine_1"),
+    ("sine_2", "cosine_2"),
+    ("sine_3", "cosine_3"),
+];
+
+/// Candidates of a joint with one, two and three lines.
+pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
+    let columns: Vec<(Column, Column)> = orders
+        .iter()
+        .map(|&k| {
+            (
+                Column::own(joint, move |s| {
+                    s.motion.q.column(joint).mapv(|q| (k * q).sin())
+                }),
+                Column::own(joint, move |s| {
+                    s.motion.q.column(joint).mapv(|q| (k * q).cos())
+                }),
+            )
+        })
+        .collect();
+    (1..=orders.len().min(LINES))
+        .map(|n| {
+            let mut c = Candidate {
+                effect: Effect::TorqueRipple,
+                joints: vec![joint],
+                driver: None,
+                columns: Vec::new(),
+                bounds: vec![Bound::Free; 2 * n],
+                quantities: Vec::new(),
+                shape: orders[..n].iter().map(|&k| ("order", k, "1/rad")).collect(),
+                change: None,
+                evidence: 0.0,
+            };
+            for ((sin, cos), (s, k)) in columns[..n].iter().zip(NAMES) {
+                c.columns.extend([sin.clone(), cos.clone()]);
+                c.quantities.push(Quantity::plain(s, "N·m", Some(joint)));
+                c.quantities.push(Quantity::plain(k, "N·m", Some(joint)));
+            }
+            c
+        })
+        .collect()
+}

@@ -1,0 +1,7 @@
+//! What the command line names: model and recordings, checked, on their clocks.
+
+pub mod budget;
+pub(crate) mod frames;
+pub(crate) mod given;
+pub(crate) mod recordings;
+pub(crate) mod reversal;

@@ -1,0 +1,183 @@
+//! The recordings before any physics: what is wrong with them, what they cannot show, and what was done to them.
+
+use crate::effect::Effect;
+use crate::input::frames::Frames;
+use crate::motion::frame::Frame;
+use crate::schema::NotIdentifiable;
+use crate::simulator::NominalModel;
+use datasets::Recording;
+use datasets::check::{CheckOptions, CheckReport, check};
+use datasets::prepare::{PrepareReport, Source};
+use model::preparation::channel;
+
+/// Range of a joint that never moves, rad (m).
+const STILL: f64 = 1e-3;
+/// Motion below which effects that act over a session are hidden by the others, s.
+const SHORT: f64 = 30.0;
+/// Fewest cycles of a joint that show what happens at reversals.
+const CYCLES: f64 = 3.0;
+/// Speed below which viscous friction of any form is hidden by Coulomb friction, rad/s (m/s).
+const SLOW: f64 = 0.05;
+/// Range below which torques of the position look alike, rad (m).
+const NARROW: f64 = 0.2;
+/// Rate below which what vibrates is not recorded, Hz.
+const COARSE: f64 = 40.0;
+
+/// Checks both recordings, the fitted one, then the held-out one: what `train` checks, but for what its own fit needs.
+pub fn checked(
+    model: &NominalModel,
+    frames: &Frames,
+    recordings: [&Recording; 2],
+) -> Vec<CheckReport> {
+    let both = [&frames.data, &frames.heldout].into_iter().zip(recordings);
+    both.filter_map(|(frame, recording)| one(model, frame, recording))
+        .collect()
+}
+
+fn one(model: &NominalModel, frame: &Frame, recording: &Recording) -> Option<CheckReport> {
+    let joints = model.robot.joints();
+    let options = CheckOptions {
+        joints: model.robot.joint_names(),
+        position_limits: joints
+            .iter()
+            .map(|j| [j.limits.lower, j.limits.upper])
+            .collect(),
+    };
+    let mut report = check(recording, frame.prepared(), &options).ok()?;
+    let channel = channel::estimate(&model.robot, recording, frame.prepared());
+    report.add(channel.findings(&options.joints));
+    report.channel = Some(channel);
+    Some(report)
+}
+
+/// Effects that the fitted recording cannot show, and why.
+pub fn not_identifiable(
+    frames: &Frames,
+    report: Option<&CheckReport>,
+    names: &[String],
+) -> Vec<NotIdentifiable> {
+    let mut out = Vec::new();
+    let mut add = |effects: &[Effect], joints: Vec<String>, reason: String| {
+        out.extend(effects.iter().map(|&effect| NotIdentifiable {
+            effect: Some(effect),
+            joints: joints.clone(),
+            reason: reason.clone(),
+        }));
+    };
+    for (j, (low, high)) in frames.scale.range.iter().enumerate() {
+        let own = vec![names[j].clone()];
+        let name = &names[j];
+        if high - low < STILL {
+            add(&Effect::ALL, own, format!("{name} never moves"));
+            continue;
+        }
+        let Some(figures) = report.and_then(|r| r.joints.get(j)) else {
+            continue;
+        };
+        if figures.cycles < CYCLES {
+            let effects = [
+                Effect::AsymmetricFriction,
+                Effect::StribeckFriction,
+                Effect::PreslidingHysteresis,
+                Effect::Backlash,
+            ];
+            let reason = format!(
+                "{name} turns round {:.0} times; record six reversals or more",
+                2.0 * figures.cycles
+            );
+            add(&effects, own.clone(), reason);
+        }
+        if figures.top_speed < SLOW {
+            let effects = [Effect::NonlinearViscousFriction, Effect::RotorInertia];
+            let reason = format!(
+                "{name} moves at {:.3} rad/s at most; record faster motion",
+                figures.top_speed
+            );
+            add(&effects, own.clone(), reason);
+        }
+        if high - low < NARROW {
+            let effects = [
+                Effect::Counterbalance,
+                Effect::EncoderOffset,
+                Effect::TorqueRipple,
+            ];
+            let reason = format!(
+                "{name} covers {:.2} rad; record more of its range",
+                high - low
+            );
+            add(&effects, own, reason);
+        }
+    }
+    let seconds = frames.data.len() as f64 / frames.data.row_rate();
+    if seconds < SHORT {
+        let effects = [
+            Effect::FrictionDrift,
+            Effect::LinkParameters,
+            Effect::TorqueRipple,
+        ];
+        let reason = format!(
+            "{seconds:.0} s of motion are too short to tell it from other effects; record a minute or more"
+        );
+        add(&effects, names.to_vec(), reason);
+    }
+    let rate = frames.data.report().rate_hz;
+    if rate < COARSE {
+        let effects = [Effect::JointElasticity, Effect::TorqueRipple];
+        let reason = format!(
+            "at {rate:.0} Hz nothing above {:.0} Hz is recorded: no resonance and no ripple of the motor's order",
+            0.5 * rate
+        );
+        add(&effects, names.to_vec(), reason);
+    }
+    out
+}
+
+/// Where velocity and acceleration come from, in words.
+fn derivatives(report: &PrepareReport) -> String {
+    let word = |source: &Source| match source {
+        Source::Recorded => "as recorded",
+        Source::Derived => "derived from position",
+        Source::Replaced => "derived from position instead of the recorded one",
+        Source::Fused => "derived from position and recorded velocity together",
+    };
+    let mut velocity: Vec<&str> = Vec::new();
+    for source in &report.velocity {
+        if !velocity.contains(&word(source)) {
+            velocity.push(word(source));
+        }
+    }
+    format!(
+        "velocity {}, acceleration {}",
+        velocity.join(" or, on other joints, "),
+        word(&report.acceleration)
+    )
+}
+
+/// What was done to the recordings.
+pub fn notes(frames: &Frames) -> Vec<String> {
+    let mut out = Vec::new();
+    for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {
+        let r = frame.report();
+        let cutoff = r
+            .cutoff_hz
+            .map_or("interpolated without a low-pass".to_owned(), |c| {
+                format!("low-passed at {c:.1} Hz")
+            });
+        out.push(format!(
+            "{what}: {:.1} Hz, motion {cutoff}, {}",
+            r.rate_hz,
+            derivatives(r)
+        ));
+    }
+    let (a, b) = (
+        frames.data.report().rate_hz,
+        frames.heldout.report().rate_hz,
+    );
+    if (a / b - 1.0).abs() > 0.02 {
+        out.push(format!(
+            "the recordings have different rates ({a:.0} and {b:.0} Hz): the held-out motion is resampled to the grid \
+             on which effects are built, and scored at its own samples"
+        ));
+    }
+    out
+}

@@ -1,0 +1,218 @@
+//! Which causes are listed: those that pay on the part of the fitted recording that their fit did not see.
+//!
+//! The search compares sums over that part; here each cause it accepted is left out alone, the others standing, and the
+//! fall of the error is drawn again from blocks of time. A cause whose interval holds zero is taken back, the weakest
+//! first, since two that share a torque may each be spared while the other stands.
+
+use crate::effect::Effect;
+use crate::input::frames::Frames;
+use crate::ladder::out_of_fold::{OutOfFold, gain};
+use crate::ladder::rungs::Free;
+use crate::ladder::scores::{Scored, total};
+use crate::search::find::{Findings, gap};
+use crate::simulator::NominalModel;
+use datasets::metrics::{Scope, deviations};
+use ndarray::Array2;
+
+/// Fall of a joint's NRMSE by re-identification from which a change of parameters is listed.
+const LISTED: f64 = 0.03;
+/// Part of the largest change, relative to the joints' torques, from which an effect of the whole arm touches a joint.
+const NOTICED: f64 = 0.35;
+
+/// What the fitted recording says of the causes that stand.
+pub struct Listing {
+    /// For each accepted cause of kind `structure`: its index among the accepted, and its joints.
+    pub structure: Vec<(usize, Vec<usize>)>,
+    /// Changes of parameters that are listed, and their joints.
+    pub parameters: Vec<(Effect, Vec<usize>)>,
+    /// What the last step leaves out of fold at the recorded samples, shape (samples, joints).
+    pub residual: Array2<f64>,
+    /// Sum over joints of the squared NRMSE of the model as given.
+    pub given: f64,
+    /// Coulomb friction in the last step's prediction, N·m, by joint.
+    pub coulomb: Vec<f64>,
+}
+
+/// Takes back what does not pay, and says what the rest touches. `weight` on the fitted rows, shape (rows, joints); `scored`
+/// is what of the fitted recording is judged; `moves` is false where there is hardly any motion to say anything.
+pub fn list(
+    model: &NominalModel,
+    frames: &Frames,
+    found: &mut Findings,
+    weight: &Array2<f64>,
+    scored: &Scored,
+    moves: bool,
+) -> Listing {
+    let gap = scored.judged(gap(model, &frames.data, &frames.scale));
+    let unseen = OutOfFold::new(found, frames, &gap, weight);
+    while !moves && !found.accepted.is_empty() {
+        found.take_back(0, &frames.scale);
+    }
+    found.choose_freedom(model, &frames.scale);
+    let causes = loop {
+        let causes = left_out(model, frames, found, &unseen);
+        let weakest = causes
+            .iter()
+            .filter(|c| c.interval[0] <= 0.0)
+            .min_by(|a, b| a.interval[0].total_cmp(&b.interval[0]));
+        match weakest {
+            Some(cause) => found.take_back(cause.accepted, &frames.scale),
+            None => break causes,
+        }
+    };
+    let structure: Vec<(usize, Vec<usize>)> =
+        causes.into_iter().map(|c| (c.accepted, c.joints)).collect();
+    let last = found.refit(model, &frames.scale, &found.structure(), Free::All);
+    let parameters = if moves {
+        parameters(model, frames, found, &unseen, scored, &structure)
+    } else {
+        Vec::new()
+    };
+    Listing {
+        parameters,
+        given: total(&scored.figures(&gap, &frames.data, Scope::All)),
+        coulomb: found.coulomb(model, &last),
+        residual: scored.judged(unseen.residual(&last)),
+        structure,
+    }
+}
+
+/// An accepted cause left out alone.
+struct LeftOut {
+    accepted: usize,
+    joints: Vec<usize>,
+    interval: [f64; 2],
+}
+
+/// Every accepted cause of kind `structure` left out alone. What free parameters could take over is taken out of the fit
+/// near the given parameters, these held where they are; of all others the parameters are fitted again without it.
+fn left_out(
+    model: &NominalModel,
+    frames: &Frames,
+    found: &Findings,
+    unseen: &OutOfFold,
+) -> Vec<LeftOut> {
+    let structure = found.structure();
+    if structure.is_empty() {
+        return Vec::new();
+    }
+    let refit = |causes: &[usize]| {
+        let fit = found.refit(model, &frames.scale, causes, Free::All);
+        unseen.residual(&fit)
+    };
+    let after = unseen.losses(&refit(&structure));
+    let tight = found.tight_fit(&frames.scale);
+    let held = unseen.residual(&tight);
+    let held_after = unseen.losses(&held);
+    let one = |&c: &usize| {
+        let own = found.accepted[c].variables.clone();
+        let torque = unseen.torque(&tight, |i| own.contains(&i));
+        let joints = touched(found, c, &torque, &held, frames);
+        let (_, interval) = if found.candidate(c).effect.is_absorbable() {
+            gain(&unseen.losses(&(&held + &torque)), &held_after, &joints)
+        } else {
+            let others: Vec<usize> = structure.iter().copied().filter(|&o| o != c).collect();
+            gain(&unseen.losses(&refit(&others)), &after, &joints)
+        };
+        LeftOut {
+            accepted: c,
+            joints,
+            interval,
+        }
+    };
+    structure.iter().map(one).collect()
+}
+
+/// Joints that a cause is reported for: its own, or of the whole arm those whose torque it changes noticeably.
+fn touched(
+    found: &Findings,
+    cause: usize,
+    torque: &Array2<f64>,
+    residual: &Array2<f64>,
+    frames: &Frames,
+) -> Vec<usize> {
+    let candidate = found.candidate(cause);
+    let few = candidate.joints.len() < torque.ncols() || candidate.effect == Effect::TimeDelay;
+    if few && candidate.effect != Effect::Payload {
+        return candidate.joints.clone();
+    }
+    let motion = frames.data.samples();
+    let deviation = deviations(frames.data.tau.view(), motion.qd.view());
+    let fall: Vec<f64> = (0..torque.ncols())
+        .map(|j| {
+            let Some(d) = deviation[j] else { return 0.0 };
+            let (r, c) = (residual.column(j), torque.column(j));
+            let fall = (2.0 * r.dot(&c) + c.dot(&c)) / r.len().max(1) as f64;
+            fall.max(0.0).sqrt() / d
+        })
+        .collect();
+    let most = fall.iter().copied().fold(0.0, f64::max);
+    (0..fall.len())
+        .filter(|&j| fall[j] > 0.0 && fall[j] >= NOTICED * most)
+        .collect()
+}
+
+/// NRMSE by joint, and losses by block, then joint.
+type Errors = (Vec<Option<f64>>, Vec<Vec<f64>>);
+
+/// Changes of parameters that lower a joint's error by what is worth saying, more than noise would: links and friction
+/// each held at the given values while all else is fitted. A joint that needs both, or that re-identification alone helps,
+/// goes to the one that helps it more.
+fn parameters(
+    model: &NominalModel,
+    frames: &Frames,
+    found: &Findings,
+    unseen: &OutOfFold,
+    scored: &Scored,
+    structure: &[(usize, Vec<usize>)],
+) -> Vec<(Effect, Vec<usize>)> {
+    let all = found.structure();
+    let of = |causes: &[usize], free: Free| -> Errors {
+        let fit = found.refit(model, &frames.scale, causes, free);
+        let residual = unseen.residual(&fit);
+        let nrmse = scored.figures(&residual, &frames.data, Scope::All).nrmse;
+        (nrmse, unseen.losses(&residual))
+    };
+    let falls = |before: &Errors, after: &Errors| -> Vec<f64> {
+        let fall = |j: usize| match (before.0[j], after.0[j]) {
+            (Some(b), Some(a)) if gain(&before.1, &after.1, &[j]).1[0] > 0.0 => b - a,
+            _ => 0.0,
+        };
+        (0..before.0.len()).map(fall).collect()
+    };
+    let full = of(&all, Free::All);
+    let links = falls(&of(&all, Free::Friction), &full);
+    let friction = falls(&of(&all, Free::Links), &full);
+    let both = falls(&of(&all, Free::Nothing), &full);
+    let alone = falls(&of(&[], Free::Nothing), &of(&[], Free::All));
+    let explained = |j: usize| structure.iter().any(|(_, joints)| joints.contains(&j));
+    let dof = links.len();
+    let mut listed = [Vec::new(), Vec::new()];
+    for j in 0..dof {
+        let worth = |fall: &[f64]| fall[j] >= LISTED;
+        let needed = worth(&both) || worth(&alone) && !explained(j);
+        let most = links[j].max(friction[j]);
+        if worth(&links) || needed && most < LISTED && links[j] >= friction[j] {
+            listed[0].push(j);
+        }
+        if worth(&friction) || needed && most < LISTED && links[j] < friction[j] {
+            listed[1].push(j);
+        }
+    }
+    // A link that was found wrong by itself is named, however little of its torque is its own joint's.
+    if !listed[0].is_empty() {
+        let links = found
+            .accepted
+            .iter()
+            .map(|a| &found.candidates[a.candidate]);
+        let wrong = links.filter(|c| c.effect == Effect::LinkParameters);
+        listed[0].extend(wrong.map(|c| c.joints[0]));
+        listed[0].sort_unstable();
+        listed[0].dedup();
+    }
+    [Effect::LinkParameters, Effect::FrictionParameters]
+        .into_iter()
+        .zip(listed)
+        .filter(|(_, joints)| !joints.is_empty())
+        .collect()
+}

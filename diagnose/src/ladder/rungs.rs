@@ -1,0 +1,125 @@
+//! Fits of what was found: the steps of the ladder, and the fit near the given parameters.
+
+use crate::algebra::fit::{Fit, Variable};
+use crate::effect::Effect;
+use crate::motion::scene::Scale;
+use crate::search::find::Findings;
+use crate::search::objective::Objective;
+use crate::settings::FREEDOMS;
+use crate::simulator::NominalModel;
+use physics::robot::PARAMETERS_PER_LINK;
+
+/// Part of the squared error out of fold that less freedom must spare.
+const BETTER: f64 = 0.02;
+
+/// Parameters of the given structure that a fit may move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Free {
+    /// Inertial parameters of links, and friction.
+    All,
+    /// Inertial parameters alone.
+    Links,
+    /// Friction alone.
+    Friction,
+    /// None: they are as given.
+    Nothing,
+}
+
+impl Findings {
+    /// Accepted causes of kind `structure`, by index among the accepted.
+    pub fn structure(&self) -> Vec<usize> {
+        (0..self.accepted.len())
+            .filter(|&c| !self.candidate(c).effect.is_parameter())
+            .collect()
+    }
+
+    /// Fit of the given structure and some accepted causes, parameters identified again as far as they are `free`. Coulomb
+    /// friction that was found to build up slowly counts as the given structure's.
+    pub fn refit(
+        &self,
+        model: &NominalModel,
+        scale: &Scale,
+        causes: &[usize],
+        free: Free,
+    ) -> Fit<'_> {
+        let objective = Objective::new(&self.grams, scale, &self.settings);
+        let inertial = PARAMETERS_PER_LINK * model.robot.dof();
+        let (links, friction) = (
+            matches!(free, Free::All | Free::Links),
+            matches!(free, Free::All | Free::Friction),
+        );
+        let mut variables = objective.base(model, self.freedom);
+        variables.retain(|v| if v.column < inertial { links } else { friction });
+        let slow = (0..self.accepted.len())
+            .filter(|&c| friction && self.candidate(c).effect == Effect::FrictionParameters);
+        let columns = |c: usize| self.dictionary.members[self.accepted[c].candidate].iter();
+        let beyond = slow.flat_map(|c| columns(c).filter(|&&m| m >= self.base));
+        let named = causes.iter().flat_map(|&c| columns(c));
+        variables.extend(beyond.chain(named).map(|&m| objective.wide(m)));
+        objective.fit(variables)
+    }
+
+    /// Chooses how far parameters may leave the given values when they are identified again.
+    pub fn choose_freedom(&mut self, model: &NominalModel, scale: &Scale) {
+        let structure = self.structure();
+        let mut best = (f64::INFINITY, FREEDOMS[0]);
+        for freedom in FREEDOMS {
+            self.freedom = freedom;
+            let fit = self.refit(model, scale, &structure, Free::All);
+            let objective = Objective::new(&self.grams, scale, &self.settings);
+            let error: f64 = objective.relative(&fit.error()).iter().map(|e| e * e).sum();
+            if error < (1.0 - BETTER) * best.0 {
+                best = (error, freedom);
+            }
+        }
+        self.freedom = best.1;
+    }
+
+    /// The fit near the given parameters, with all that was accepted.
+    pub fn tight_fit(&self, scale: &Scale) -> Fit<'_> {
+        Objective::new(&self.grams, scale, &self.settings).fit(self.tight.0.clone())
+    }
+
+    /// Takes an accepted cause back, by index among the accepted: it becomes the first of what was not accepted.
+    pub fn take_back(&mut self, cause: usize, scale: &Scale) {
+        let taken = self.accepted.remove(cause);
+        let (start, n) = (taken.variables.start, taken.variables.len());
+        let mut variables: Vec<Variable> = std::mem::take(&mut self.tight.0);
+        variables.drain(taken.variables);
+        for later in self
+            .accepted
+            .iter_mut()
+            .filter(|a| a.variables.start > start)
+        {
+            later.variables = later.variables.start - n..later.variables.end - n;
+        }
+        let (beta, std) = {
+            let objective = Objective::new(&self.grams, scale, &self.settings);
+            let fit = objective.fit(variables.clone());
+            (fit.beta().clone(), fit.std())
+        };
+        self.tight = (variables, beta);
+        self.std = std;
+        let own = taken
+            .tried
+            .into_iter()
+            .find(|t| t.candidate == taken.candidate);
+        self.rest.splice(0..0, own);
+    }
+
+    /// Coulomb friction in the prediction of a fit, N·m, by joint.
+    pub fn coulomb(&self, model: &NominalModel, fit: &Fit) -> Vec<f64> {
+        let dof = model.robot.dof();
+        let first = (PARAMETERS_PER_LINK + 1) * dof;
+        let change = |j: usize| -> f64 {
+            let own = fit.variables.iter().zip(fit.beta());
+            own.filter(|(v, _)| v.column == first + j)
+                .map(|(_, b)| b)
+                .sum()
+        };
+        let joints = model.robot.joints().iter().enumerate();
+        joints
+            .map(|(j, joint)| joint.friction + change(j))
+            .collect()
+    }
+}

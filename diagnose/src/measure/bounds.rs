@@ -1,0 +1,148 @@
+//! What is advised is possible: links that are bodies, friction that takes energy.
+//!
+//! The fit near the given parameters knows no bounds; noise takes a damping of nothing below zero and a light link out of the
+//! cone of bodies. Its estimate is moved to the nearest one inside, nearest in the metric of its own posterior, and all that
+//! is fitted beside the parameters moves with them: text, tables, patch and figures are of one set of numbers.
+
+use crate::motion::scene::Scale;
+use crate::schema::Bounds;
+use crate::search::find::Findings;
+use crate::simulator::NominalModel;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use ndarray::Array1;
+use physics::identify::feasible::{Constraints, Feasibility, Nominal};
+use physics::robot::PARAMETERS_PER_LINK;
+
+/// Eigenvalue of a pseudo-inertia over the largest, below zero, that is rounding.
+const ROUNDING: f64 = 1e-9;
+/// Deviation of the nominal model over a parameter's size: the posterior decides, not this.
+const FREE: f64 = 1e3;
+/// A parameter is held by a bound where it would be beyond by this part of its deviation.
+const BEYOND: f64 = 0.05;
+
+/// Moves the fit near the given parameters to possible ones. None where it is possible, and for an identified model, whose
+/// parameters are combinations.
+pub fn hold(model: &NominalModel, found: &mut Findings, scale: &Scale) -> Option<Bounds> {
+    if model.is_identified() {
+        return None;
+    }
+    let n = model.robot.dof();
+    let inertial = PARAMETERS_PER_LINK * n;
+    let joints = model.robot.joints();
+    let friction = || {
+        let damping = joints.iter().map(|j| j.damping);
+        damping.chain(joints.iter().map(|j| j.friction))
+    };
+    let mut given = model.robot.parameters();
+    given.extend(friction());
+    let map = found.parameter_map();
+    let beta = found.tight.1.clone();
+    let mut fitted = given.clone();
+    for (variable, parameter, size) in &map {
+        fitted[*parameter] += size * beta[*variable];
+    }
+    // A link whose description is no body stays what it is: the patch finds one of the same torques.
+    let links: Vec<usize> = (0..n)
+        .filter(|&l| joints[l].link.inertia.is_consistent(ROUNDING))
+        .map(|l| PARAMETERS_PER_LINK * l)
+        .collect();
+    let constraints = Constraints {
+        links,
+        nonnegative: (inertial..given.len()).collect(),
+    };
+    let of_link = |at: usize| Constraints {
+        links: vec![at],
+        nonnegative: Vec::new(),
+    };
+    let wrong_links: Vec<usize> = constraints
+        .links
+        .iter()
+        .copied()
+        .filter(|&at| of_link(at).smallest_eigenvalue(&fitted) < -ROUNDING)
+        .collect();
+    let negative: Vec<usize> = (inertial..given.len())
+        .filter(|&p| fitted[p] < 0.0)
+        .collect();
+    if wrong_links.is_empty() && negative.is_empty() {
+        return None;
+    }
+    let mut nominal = Nominal::of_robot(model.sizes(), &[]);
+    nominal.parameters = given.clone();
+    nominal.std.iter_mut().for_each(|s| *s *= FREE);
+    nominal
+        .std
+        .extend((0..2 * n).map(|f| FREE * scale.torque[f % n].max(1e-9)));
+
+    let fit = found.tight_fit(scale);
+    let covariance = fit.covariance();
+    // Covariance of variables and parameters, and of parameters.
+    let (count, parameters) = (beta.len(), given.len());
+    let mut cross = Mat::<f64>::zeros(count, parameters);
+    for (variable, parameter, size) in &map {
+        for i in 0..count {
+            cross[(i, *parameter)] += size * covariance[[i, *variable]];
+        }
+    }
+    let mut own = Mat::<f64>::zeros(parameters, parameters);
+    for (variable, parameter, size) in &map {
+        for p in 0..parameters {
+            own[(*parameter, p)] += size * cross[(*variable, p)];
+        }
+    }
+    let deviation: Vec<f64> = (0..parameters).map(|p| own[(p, p)].sqrt()).collect();
+    let scaled = Mat::from_fn(parameters, parameters, |i, j| {
+        own[(i, j)] / (deviation[i] * deviation[j])
+    });
+    let factor = scaled.llt(Side::Lower).ok()?;
+    let inverse = factor.solve(Mat::<f64>::identity(parameters, parameters));
+    let information = Mat::from_fn(parameters, parameters, |i, j| {
+        inverse[(i, j)] / (deviation[i] * deviation[j])
+    });
+    let identity = Mat::<f64>::identity(parameters, parameters);
+    let near = Feasibility::new(identity.as_ref(), constraints, nominal)
+        .and_then(|f| f.nearest(&fitted, information.as_ref()))
+        .ok()?;
+    let step = Mat::from_fn(parameters, 1, |i, _| {
+        (near.standard[i] - fitted[i]) / deviation[i]
+    });
+    let weights = factor.solve(step);
+    let moved: Array1<f64> = (0..count)
+        .map(|i| {
+            let change: f64 = (0..parameters)
+                .map(|p| cross[(i, p)] * weights[(p, 0)] / deviation[p])
+                .sum();
+            beta[i] + change
+        })
+        .collect();
+    let error = |beta: &Array1<f64>| -> f64 {
+        let each = fit.error_of(beta);
+        let relative = each.iter().zip(&found.grams.total).zip(&scale.torque);
+        let sum: f64 = relative
+            .map(|((e, g), t)| (e.max(0.0) / g.samples.max(1.0)).sqrt() / t)
+            .sum();
+        sum / n as f64
+    };
+    let cost = error(&moved) - error(&beta);
+    let names = |p: usize| joints[(p - inertial) % n].name.as_str();
+    let kind = |p: usize| {
+        if p < inertial + n {
+            "viscous"
+        } else {
+            "Coulomb"
+        }
+    };
+    let clearly = negative
+        .into_iter()
+        .filter(|&p| fitted[p] < -BEYOND * deviation[p]);
+    let links = wrong_links.into_iter().map(|at| {
+        let link = &joints[at / PARAMETERS_PER_LINK].link.name;
+        format!("inertials of {link}")
+    });
+    let held = links
+        .chain(clearly.map(|p| format!("{} friction of {}", kind(p), names(p))))
+        .collect();
+    drop(fit);
+    found.tight.1 = moved;
+    Some(Bounds { held, cost })
+}

@@ -1,0 +1,360 @@
+//! What each cause does to the held-out recording: steps, shares, intervals, sizes.
+//!
+//! With r the gap as given and c_k the torques of the causes from one joint fit, the squared error of a set S
+//! of causes is |r − Σ_S c_k|². Shapley's value of a game that is quadratic in its players is exact without
+//! enumeration: φ_k = 2 r·c_k − c_k·Σ_l c_l. What a push leaves out of the score counts as its torque.
+
+use crate::algebra::fit::Fit;
+use crate::effect::Effect;
+use crate::input::frames::Frames;
+use crate::ladder::listing::Listing;
+use crate::ladder::out_of_fold::BLOCK;
+use crate::ladder::rungs::Free;
+use crate::ladder::scores::{Scored, total};
+use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
+use crate::motion::scene::Scene;
+use crate::motion::standing::{Coulomb, judge};
+use crate::schema::{Cause, Step};
+use crate::search::find::{Accepted, Columns, Findings, gap};
+use crate::simulator::NominalModel;
+use crate::traces::contact::{Contact, detect};
+use datasets::metrics::deviations;
+use ndarray::{Array1, Array2};
+use physics::robot::PARAMETERS_PER_LINK;
+
+/// Least part of the gap that contact in motion makes.
+pub const CONTACT_SIZE: f64 = 0.1;
+
+/// One cause's torque on the held-out recording.
+struct Part {
+    effect: Effect,
+    accepted: Option<usize>,
+    torque: Array2<f64>,
+}
+
+/// Ladder, causes, and what the last step leaves on the held-out recording.
+pub struct Explanation {
+    /// Steps on the held-out recording.
+    pub ladder: Vec<Step>,
+    /// Causes, largest share first.
+    pub causes: Vec<Cause>,
+    /// Held-out gap as given, shape (samples, joints); zero where a joint is not judged.
+    pub gap: Array2<f64>,
+    /// Held-out residual of the last step, pushes still in it.
+    pub residual: Array2<f64>,
+    /// What of the held-out recording is scored at the last step.
+    pub scored: Scored,
+    /// Part of the held-out samples that pushes cut.
+    pub cut: f64,
+}
+
+/// What the fitted recording says, which the held-out one only measures.
+pub struct Said<'a> {
+    /// Causes that are listed.
+    pub listing: &'a Listing,
+    /// Pushes found in the fitted recording.
+    pub contact: Option<&'a Contact>,
+    /// Joints without a usable torque channel there.
+    pub dead: &'a [bool],
+    /// Whether pushes are looked for in the held-out recording; if so, whether in motion, too.
+    pub look: Option<bool>,
+}
+
+/// Measures the findings on the held-out recording. Its torque chooses nothing but the pushes that are found in it.
+pub fn explain(
+    model: &NominalModel,
+    frames: &Frames,
+    found: &Findings,
+    said: &Said,
+) -> Explanation {
+    let held = &frames.heldout;
+    let names = model.robot.joint_names();
+    let whole = Scored::new(said.dead, vec![true; held.tau.nrows()]);
+    let judged = |table: Array2<f64>| whole.judged(table);
+    let gap_held = judged(gap(model, held, &frames.scale));
+    let mut deviation = deviations(held.tau.view(), held.samples().qd.view());
+    if deviation.iter().all(Option::is_none) {
+        // A robot at rest has no NRMSE; its joints' shares are relative to what they hold.
+        let spread = held.tau.columns().into_iter().map(|c| c.std(0.0));
+        deviation = spread.map(|s| Some(s).filter(|s| *s > 0.0)).collect();
+    }
+    let scene = Scene::new(&found.present, held.motion(), &frames.scale).with_tangents();
+    let columns = Columns::new(&found.dictionary, &scene, held, &found.tight.0);
+    let shape = gap_held.dim();
+    let left = |causes: &[usize], free: Free| {
+        let fit: Fit = found.refit(model, &frames.scale, causes, free);
+        judged(&gap_held - &columns.torque(shape, &fit.variables, fit.beta()))
+    };
+    let structure = found.structure();
+    let mut ladder = vec![whole.step("as_given", &gap_held, held)];
+    let mut residual = left(&[], Free::All);
+    ladder.push(whole.step("reidentified", &residual, held));
+    for n in 1..=structure.len() {
+        residual = left(&structure[..n], Free::All);
+        let name = found.candidate(structure[n - 1]).effect.name();
+        ladder.push(whole.step(name, &residual, held));
+    }
+    let mut parts = parts(model, found, &columns, shape);
+    parts.iter_mut().for_each(|p| {
+        let torque = std::mem::take(&mut p.torque);
+        p.torque = judged(torque);
+    });
+    let here = said.look.and_then(|moving| {
+        let coulomb = Coulomb {
+            torque: said.listing.coulomb.clone(),
+            sign: held.table_to_samples(&scene.sign),
+        };
+        let given = total(&ladder[0].all);
+        detect(held, &judge(held, &residual, &coulomb), moving)
+            .filter(|c| c.at_rest || c.size > CONTACT_SIZE * given)
+    });
+    let cut = here
+        .as_ref()
+        .map_or_else(|| vec![false; shape.0], |c| c.pushed(shape.0, 0));
+    let scored = Scored::new(said.dead, cut.iter().map(|c| !c).collect());
+    // What of a residual is scored.
+    let kept = |residual: &Array2<f64>| {
+        let mut kept = residual.clone();
+        let rows = kept.rows_mut().into_iter().zip(&cut);
+        rows.filter(|(_, c)| **c)
+            .for_each(|(mut row, _)| row.fill(0.0));
+        kept
+    };
+    if here.is_some() || said.contact.is_some() {
+        ladder.push(scored.step(Effect::ExternalContact.name(), &residual, held));
+        parts.push(Part {
+            effect: Effect::ExternalContact,
+            accepted: None,
+            torque: &residual - &kept(&residual),
+        });
+    }
+    let all: Array2<f64> = parts
+        .iter()
+        .fold(Array2::zeros(shape), |sum, p| sum + &p.torque);
+    let tight_residual = &gap_held - &all;
+    let listed = |p: &Part| {
+        !p.effect.is_parameter() || said.listing.parameters.iter().any(|l| l.0 == p.effect)
+    };
+    let shares = shapley(&gap_held, &parts, &deviation, &listed);
+    let block = (BLOCK * held.report().rate_hz) as usize;
+    let mut causes = Vec::new();
+    for (part, share) in parts.iter().zip(&shares).filter(|(p, _)| listed(p)) {
+        let contact = part.effect == Effect::ExternalContact;
+        let joints = joints(part, said, here.as_ref());
+        let (with, without) = match part.accepted {
+            _ if contact => (kept(&residual), residual.clone()),
+            Some(_) if part.effect.is_absorbable() => {
+                (tight_residual.clone(), &tight_residual + &part.torque)
+            }
+            Some(c) => {
+                let others: Vec<usize> = structure.iter().copied().filter(|&o| o != c).collect();
+                (residual.clone(), left(&others, Free::All))
+            }
+            None => {
+                let links = part.effect == Effect::LinkParameters;
+                let held_fast = if links { Free::Friction } else { Free::Links };
+                (residual.clone(), left(&structure, held_fast))
+            }
+        };
+        let with = if contact { with } else { kept(&with) };
+        let without = if contact { without } else { kept(&without) };
+        let (closed, interval) = closed(&with, &without, &joints, block);
+        let cause = part.accepted.map(|c| &found.accepted[c]);
+        let pushes = if contact {
+            let data = said
+                .contact
+                .map(|c| c.pushes("data", &model.robot, &frames.data));
+            let here = here
+                .as_ref()
+                .map(|c| c.pushes("heldout", &model.robot, held));
+            data.into_iter().chain(here).flatten().collect()
+        } else {
+            Vec::new()
+        };
+        causes.push(Cause {
+            effect: part.effect,
+            kind: if part.effect.is_parameter() {
+                "parameter"
+            } else {
+                "structure"
+            },
+            joints: joints.iter().map(|&j| names[j].clone()).collect(),
+            driver: part
+                .accepted
+                .and_then(|c| found.candidate(c).driver)
+                .map(|d| names[d].clone()),
+            confidence: None,
+            lead: cause.map(|a| lead(found, &a.tried, a.candidate)),
+            share_of_gap: *share,
+            gap_closed: closed,
+            // Pushes do not repeat: of what another recording would show they say nothing.
+            gap_closed_interval: Some(interval).filter(|_| !contact),
+            confirmed: if contact {
+                here.is_some()
+            } else {
+                interval[0] > 0.0
+            },
+            p_value: None,
+            parameters: match part.accepted {
+                Some(c) => parameters(found, c, &names),
+                None if contact => pushed(model, frames, said.contact, here.as_ref()),
+                None => moved(model, found, part.effect, &joints, &names),
+            },
+            pushes,
+            ambiguous_with: cause
+                .or_else(|| suspected(found, part.effect))
+                .map_or_else(Vec::new, |a| ambiguous(found, &a.tried, a.candidate)),
+        });
+    }
+    causes.sort_by(|a, b| b.share_of_gap.total_cmp(&a.share_of_gap));
+    let lost = cut.iter().filter(|c| **c).count();
+    Explanation {
+        ladder,
+        causes,
+        gap: gap_held,
+        residual,
+        scored,
+        cut: lost as f64 / shape.0.max(1) as f64,
+    }
+}
+
+/// Joints that a cause is reported for.
+fn joints(part: &Part, said: &Said, here: Option<&Contact>) -> Vec<usize> {
+    match part.accepted {
+        Some(cause) => {
+            let mut listed = said.listing.structure.iter();
+            listed
+                .find(|(c, _)| *c == cause)
+                .map_or_else(Vec::new, |l| l.1.clone())
+        }
+        None if part.effect.is_parameter() => {
+            let mut listed = said.listing.parameters.iter();
+            listed
+                .find(|(e, _)| *e == part.effect)
+                .map_or_else(Vec::new, |l| l.1.clone())
+        }
+        None => {
+            let all = here.into_iter().chain(said.contact);
+            let mut joints: Vec<usize> = all.flat_map(Contact::loaded).collect();
+            joints.sort_unstable();
+            joints.dedup();
+            joints
+        }
+    }
+}
+
+/// Torques of all causes from the joint fit near the given parameters.
+fn parts(
+    model: &NominalModel,
+    found: &Findings,
+    columns: &Columns,
+    shape: (usize, usize),
+) -> Vec<Part> {
+    let (variables, beta) = &found.tight;
+    let inertial = PARAMETERS_PER_LINK * model.robot.dof();
+    let only = |keep: &dyn Fn(usize) -> bool| {
+        let b: Array1<f64> = beta
+            .iter()
+            .enumerate()
+            .map(|(i, &b)| if keep(i) { b } else { 0.0 })
+            .collect();
+        columns.torque(shape, variables, &b)
+    };
+    // Freed links and joints belong to the parameter entries.
+    let of = |effect: Effect| -> Vec<std::ops::Range<usize>> {
+        let of_effect = (0..found.accepted.len()).filter(|&c| found.candidate(c).effect == effect);
+        of_effect
+            .map(|c| found.accepted[c].variables.clone())
+            .collect()
+    };
+    let (links, joints) = (of(Effect::LinkParameters), of(Effect::FrictionParameters));
+    let inside =
+        |ranges: &[std::ops::Range<usize>], i: usize| ranges.iter().any(|r| r.contains(&i));
+    let mut parts = vec![
+        Part {
+            effect: Effect::LinkParameters,
+            accepted: None,
+            torque: only(&|i| i < inertial || inside(&links, i)),
+        },
+        Part {
+            effect: Effect::FrictionParameters,
+            accepted: None,
+            torque: only(&|i| (inertial..found.base).contains(&i) || inside(&joints, i)),
+        },
+    ];
+    for (c, accepted) in found.accepted.iter().enumerate() {
+        let effect = found.candidate(c).effect;
+        if !effect.is_parameter() {
+            parts.push(Part {
+                effect,
+                accepted: Some(c),
+                torque: only(&|i| accepted.variables.contains(&i)),
+            });
+        }
+    }
+    parts
+}
+
+/// Shares of what the listed causes together remove, in mean over joints of squared NRMSE; they sum to one. What does
+/// harm has none.
+fn shapley(
+    gap: &Array2<f64>,
+    parts: &[Part],
+    deviation: &[Option<f64>],
+    listed: &dyn Fn(&Part) -> bool,
+) -> Vec<f64> {
+    let all: Array2<f64> = parts
+        .iter()
+        .fold(Array2::zeros(gap.dim()), |sum, p| sum + &p.torque);
+    let value = |p: &Part| -> f64 {
+        let each = deviation
+            .iter()
+            .enumerate()
+            .filter_map(|(j, d)| Some((j, (*d)?)));
+        let of = |(j, d): (usize, f64)| {
+            let c = p.torque.column(j);
+            (2.0 * gap.column(j).dot(&c) - c.dot(&all.column(j))) / (d * d)
+        };
+        if listed(p) {
+            each.map(of).sum::<f64>().max(0.0)
+        } else {
+            0.0
+        }
+    };
+    let values: Vec<f64> = parts.iter().map(value).collect();
+    let sum: f64 = values.iter().sum();
+    values
+        .iter()
+        .map(|v| if sum > 0.0 { v / sum } else { 0.0 })
+        .collect()
+}
+
+/// The first link or joint whose parameters were accepted as wrong.
+fn suspected(found: &Findings, effect: Effect) -> Option<&Accepted> {
+    let mut of_effect = (0..found.accepted.len()).filter(|&c| found.candidate(c).effect == effect);
+    of_effect.next().map(|c| &found.accepted[c])
+}
+
+/// Part of the joints' squared error that is removed, with a 90 % interval by bootstrap over blocks of time.
+fn closed(
+    with: &Array2<f64>,
+    without: &Array2<f64>,
+    joints: &[usize],
+    block: usize,
+) -> (f64, [f64; 2]) {
+    let block = block.max(1);
+    let sums: Vec<(f64, f64)> = (0..with.nrows().div_ceil(block))
+        .map(|b| {
+            let rows = b * block..((b + 1) * block).min(with.nrows());
+            let squares = |t: &Array2<f64>| {
+                joints
+                    .iter()
+                    .map(|&j| rows.clone().map(|i| t[[i, j]] * t[[i, j]]).sum::<f64>())
+                    .sum::<f64>()
+            };
+            let before = squares(without);
+            (before - squares(with), before)
+        })
+        .collect();
+    signal::bootstrap::ratio(&sums)
+}

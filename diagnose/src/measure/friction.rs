@@ -1,0 +1,128 @@
+//! Friction as one number: all that resists a joint's motion at a speed, whatever the causes call it.
+
+use crate::effect::Effect;
+use crate::input::frames::Frames;
+use crate::motion::scene::Scene;
+use crate::schema::Friction;
+use crate::search::find::{Columns, Findings};
+use crate::simulator::NominalModel;
+use ndarray::{Array1, Array2, ArrayView1};
+use physics::robot::PARAMETERS_PER_LINK;
+
+/// Speeds that friction is stated at where a joint moved so fast, rad/s (m/s).
+const SPEEDS: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0];
+/// Samples of a speed: those within this factor of it.
+const BAND: f64 = 1.25;
+/// Fewest of them in each direction, s.
+const LEAST: f64 = 0.1;
+
+/// Friction of every joint, from the fit near the given parameters on the fitted recording.
+pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<Friction> {
+    let frame = &frames.data;
+    let scene = Scene::new(&found.present, frame.motion(), &frames.scale).with_tangents();
+    let (variables, beta) = &found.tight;
+    let rubs = |i: usize| {
+        let n = PARAMETERS_PER_LINK * model.robot.dof();
+        let of = |c: usize| {
+            found.accepted[c].variables.contains(&i) && found.candidate(c).effect.is_friction()
+        };
+        (n..found.base).contains(&i) || (0..found.accepted.len()).any(of)
+    };
+    let kept: Vec<usize> = (0..variables.len()).filter(|i| rubs(*i)).collect();
+    let variables: Vec<_> = kept.iter().map(|&i| variables[i]).collect();
+    let beta: Array1<f64> = kept.iter().map(|&i| beta[i]).collect();
+    let columns = Columns::new(&found.dictionary, &scene, frame, &variables);
+    let mut torque: Array2<f64> = columns.torque(frame.tau.dim(), &variables, &beta);
+    let qd = &frame.samples().qd;
+    let sign = frame.table_to_samples(&scene.sign);
+    let joints = model.robot.joints();
+    for (j, joint) in joints.iter().enumerate() {
+        let mut own = torque.column_mut(j);
+        own.scaled_add(joint.damping, &qd.column(j));
+        own.scaled_add(joint.friction, &sign.column(j));
+    }
+    let least = (LEAST * frame.report().rate_hz).ceil() as usize;
+    joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            let at = |v: &f64| at_speed(qd.column(j), torque.column(j), *v, least);
+            Friction {
+                joint: joint.name.clone(),
+                speed: SPEEDS.to_vec(),
+                given: SPEEDS
+                    .iter()
+                    .map(|v| joint.friction + joint.damping * v)
+                    .collect(),
+                found: SPEEDS.iter().map(at).collect(),
+                unit: if joint.kind.is_rotation() {
+                    "N·m"
+                } else {
+                    "N"
+                },
+            }
+        })
+        .collect()
+}
+
+/// Half the difference of the torque between both directions at a speed: of each the line through what was recorded near
+/// it. None where one direction was hardly recorded.
+fn at_speed(qd: ArrayView1<f64>, torque: ArrayView1<f64>, speed: f64, least: usize) -> Option<f64> {
+    let side = |sign: f64| {
+        let near = |v: &f64| (speed / BAND..=speed * BAND).contains(v);
+        let points: Vec<(f64, f64)> = qd
+            .iter()
+            .zip(torque)
+            .map(|(v, t)| (sign * v, sign * t))
+            .filter(|(v, _)| near(v))
+            .collect();
+        (points.len() >= least.max(2)).then(|| line_at(&points, speed))
+    };
+    Some(0.5 * (side(1.0)? + side(-1.0)?))
+}
+
+/// Value at `x` of the least-squares line through some points; their mean where they all stand at one place.
+fn line_at(points: &[(f64, f64)], x: f64) -> f64 {
+    let n = points.len() as f64;
+    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+    let (mx, my) = (mean(&|p| p.0), mean(&|p| p.1));
+    let spread = mean(&|p| (p.0 - mx).powi(2));
+    let slope = if spread > 0.0 {
+        mean(&|p| (p.0 - mx) * (p.1 - my)) / spread
+    } else {
+        0.0
+    };
+    my + slope * (x - mx)
+}
+
+impl Effect {
+    /// Whether it resists the motion of its own joint.
+    pub fn is_friction(self) -> bool {
+        matches!(
+            self,
+            Effect::FrictionParameters
+                | Effect::AsymmetricFriction
+                | Effect::StribeckFriction
+                | Effect::NonlinearViscousFriction
+                | Effect::LoadDependentFriction
+                | Effect::PreslidingHysteresis
+                | Effect::FrictionDrift
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_directions_by_hand() {
+        // 2 + 3 v forwards, 1 + v backwards: at 0.5 they are 3.5 and 1.5.
+        let qd: Array1<f64> = (-100..=100).map(|i| 0.01 * f64::from(i)).collect();
+        let torque = qd.mapv(|v| if v > 0.0 { 2.0 + 3.0 * v } else { -1.0 + v });
+        let value = at_speed(qd.view(), torque.view(), 0.5, 5).unwrap();
+        assert!((value - 2.5).abs() < 1e-9, "{value}");
+        let forward = qd.mapv(f64::abs);
+        assert_eq!(at_speed(forward.view(), torque.view(), 0.5, 5), None);
+    }
+}

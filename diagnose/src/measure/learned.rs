@@ -1,0 +1,140 @@
+//! What the compensator would still close: error-learning units trained on what the causes leave of the fitted
+//! recording, applied to the held-out one.
+//!
+//! Inputs and architecture are those of `train`; the training is short, as the question is how much there is to
+//! learn and not how to learn all of it. A unit that does not help on the last fitted trajectories is off.
+
+use crate::error::DiagnoseError;
+use crate::input::frames::Frames;
+use compensator::training::{
+    Control, Job, Loss, Samples, Schedule, Split, Training, UnitConfig, train,
+};
+use feedforward::network::Compensator;
+use model::residual::{Pace, Preset, ResidualError, input_table, inputs, predict_from};
+use model::session::Session;
+use ndarray::{Array1, Array2, Axis};
+use physics::robot::Robot;
+use std::ops::Range;
+
+/// Fastest rate of the samples within a window, Hz; faster recordings are several interleaved ones.
+const RATE: f64 = 62.5;
+/// Samples that an epoch visits.
+const SAMPLES: f32 = 8000.0;
+/// Passes.
+const EPOCHS: usize = 10;
+/// Fewest pieces; fewer trajectories are cut in time.
+const FEWEST: usize = 8;
+/// Samples of the shortest piece.
+const SHORTEST: usize = 50;
+/// Part of the pieces that decides whether a unit helps.
+const JUDGES: f64 = 0.25;
+
+/// Torque of the learned part on the held-out recording, shape (samples, joints). `left` is what the causes leave of
+/// the fitted one; `robot` says which load the transmissions carry. None where the held-out recording is too slow for
+/// the windows.
+///
+/// # Errors
+/// The training failed.
+pub fn learned(
+    frames: &Frames,
+    left: &Array2<f64>,
+    robot: &Robot,
+) -> Result<Option<Array2<f64>>, DiagnoseError> {
+    let parts = vec![
+        frames.data.prepared().clone(),
+        frames.heldout.prepared().clone(),
+    ];
+    let period = (1.0 / RATE).max(1.0 / frames.data.report().rate_hz);
+    let paces = [&frames.data, &frames.heldout].map(|f| Pace::new(f.report().rate_hz, period));
+    let [Some(fitted), Some(scored)] = paces else {
+        return Ok(None);
+    };
+    let session = Session::new(parts, &[]);
+    let joints = robot.joint_names();
+    let (list, seen) = inputs(Preset::Default, joints.len(), false, None);
+    let tables = input_table(&session, &list, &session.load(robot), &[]);
+    let pieces = pieces(&session.parts[0].at_samples.segments);
+    let (rows, sequences) = fitted.rows(&pieces);
+    let table = tables[0].select(Axis(0), &rows);
+    let targets: Vec<Array1<f32>> = (0..joints.len())
+        .map(|j| rows.iter().map(|&r| left[[r, j]] as f32).collect())
+        .collect();
+    if pieces.len() < 2 {
+        return Ok(None);
+    }
+    let judges = (JUDGES * pieces.len() as f64).ceil() as usize;
+    let first = sequences.len() - judges * fitted.phases();
+    let split = Split {
+        train: (0..first).collect(),
+        validation: (first..sequences.len()).collect(),
+    };
+    let jobs: Vec<Job> = targets
+        .iter()
+        .enumerate()
+        .filter(|(_, t)| t.iter().any(|x| *x != t[0]))
+        .map(|(joint, target)| {
+            Ok(Job {
+                joint,
+                columns: seen[joint].clone(),
+                samples: Samples::new(table.view(), target.view(), None, &sequences)?,
+                split: split.clone(),
+                config: config(rows.len()),
+                seed: joint as u64,
+            })
+        })
+        .collect::<Result<_, ResidualError>>()?;
+    let control = Control {
+        threads: rayon::current_num_threads(),
+        ..Control::default()
+    };
+    let trained = train(&jobs, &control).map_err(ResidualError::from)?;
+    let compensator = Compensator {
+        joints,
+        inputs: list.iter().map(|i| i.name()).collect(),
+        units: trained.into_iter().map(|t| t.unit).collect(),
+    };
+    let segments = &session.parts[1].at_samples.segments;
+    Ok(Some(predict_from(
+        &compensator,
+        &tables[1],
+        segments,
+        scored,
+    )?))
+}
+
+/// Trajectories, or where there are few of them stretches of time.
+fn pieces(segments: &[Range<usize>]) -> Vec<Range<usize>> {
+    let cuts = FEWEST.div_ceil(segments.len().max(1));
+    let cut = |s: &Range<usize>| {
+        let (start, length) = (s.start, s.len());
+        (0..cuts).map(move |k| start + length * k / cuts..start + length * (k + 1) / cuts)
+    };
+    segments
+        .iter()
+        .flat_map(cut)
+        .filter(|r| r.len() >= SHORTEST)
+        .collect()
+}
+
+fn config(samples: usize) -> UnitConfig {
+    UnitConfig {
+        training: Training {
+            epochs: EPOCHS,
+            batch: 128,
+            share: (SAMPLES / samples as f32).min(1.0),
+            learning_rate: 1e-2,
+            schedule: Schedule::OneCycle {
+                warm_up: 0.15,
+                start: 0.1,
+                end: 1e-3,
+            },
+            dropout: 0.0,
+            loss: Loss::Mse,
+            patience: EPOCHS,
+            ..Training::default()
+        },
+        // Few pieces judge: what helps a little there may not help elsewhere.
+        least_gain: 0.05,
+        ..UnitConfig::default()
+    }
+}

@@ -1,0 +1,64 @@
+//! Which parameters of the given structure moved, and by how many deviations, the causes being in place.
+
+use crate::effect::Effect;
+use crate::schema::Moved;
+use crate::search::find::Findings;
+use crate::simulator::NominalModel;
+use physics::robot::{PARAMETER_NAMES, PARAMETERS_PER_LINK};
+
+/// Deviations from which a parameter has moved.
+const CLEAR: f64 = 3.0;
+/// Most parameters listed.
+const MOST: usize = 24;
+
+/// Parameters that moved clearly, most deviations first. A payload is no move of the last link.
+pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
+    let n = model.robot.dof();
+    let other = |i: usize| {
+        let mut causes = 0..found.accepted.len();
+        causes.any(|c| {
+            let effect = found.candidate(c).effect;
+            found.accepted[c].variables.contains(&i)
+                && (!effect.is_parameter() || effect == Effect::Payload)
+        })
+    };
+    let inertial = PARAMETERS_PER_LINK * n;
+    let joints = model.robot.joints();
+    let mut given = model.robot.parameters();
+    given.extend(joints.iter().map(|j| j.damping));
+    given.extend(joints.iter().map(|j| j.friction));
+    let mut out = Vec::new();
+    let changes = found.changes(|i| !other(i));
+    for (column, (&before, (change, std))) in given.iter().zip(changes).enumerate() {
+        let deviations = change.abs() / std.max(1e-300);
+        if !(deviations.is_finite() && deviations > CLEAR) {
+            continue;
+        }
+        let turns = |j: usize| joints[j].kind.is_rotation();
+        let (name, j, unit) = if column < inertial {
+            let (j, p) = (column / PARAMETERS_PER_LINK, column % PARAMETERS_PER_LINK);
+            let unit = ["kg", "kg·m", "kg·m²"][[0, 1, 1, 1, 2, 2, 2, 2, 2, 2][p]];
+            (PARAMETER_NAMES[p], j, unit)
+        } else if column < inertial + n {
+            let j = column - inertial;
+            let unit = if turns(j) { "N·m·s/rad" } else { "N·s/m" };
+            ("viscous", j, unit)
+        } else {
+            let j = column - inertial - n;
+            let unit = if turns(j) { "N·m" } else { "N" };
+            ("coulomb", j, unit)
+        };
+        out.push(Moved {
+            name: name.to_owned(),
+            joint: joints[j].name.clone(),
+            given: before,
+            value: before + change,
+            std,
+            unit,
+            deviations,
+        });
+    }
+    out.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
+    out.truncate(MOST);
+    out
+}

@@ -1,0 +1,252 @@
+//! Sizes of causes, how sure their names are, and what else they could be.
+
+use crate::catalogue::Candidate;
+use crate::effect::Effect;
+use crate::input::frames::Frames;
+use crate::schema::Parameter;
+use crate::search::find::Findings;
+use crate::search::select::Tried;
+use crate::search::simplest::AS_GOOD;
+use crate::simulator::NominalModel;
+use crate::traces::contact::Contact;
+use physics::robot::PARAMETERS_PER_LINK;
+
+/// Gain below which two names are one answer: in nats, and relative to the better one.
+const AMBIGUOUS: (f64, f64) = (6.0, 0.08);
+
+/// Coefficients as the report's quantities, shape parameters after them.
+pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Parameter> {
+    let accepted = &found.accepted[cause];
+    let candidate = found.candidate(cause);
+    let mut out: Vec<Parameter> = candidate
+        .quantities
+        .iter()
+        .zip(accepted.variables.clone())
+        .map(|(q, i)| Parameter {
+            name: q.name.to_owned(),
+            joint: q.joint.map(|j| names[j].clone()),
+            value: q.offset + q.factor * found.tight.1[i],
+            std: Some((q.factor * found.std[i]).abs()),
+            unit: q.unit.to_owned(),
+        })
+        .collect();
+    let joint = candidate
+        .joints
+        .first()
+        .filter(|_| candidate.joints.len() == 1)
+        .map(|&j| names[j].clone());
+    let grid = |&(name, value, unit): &(&'static str, f64, &'static str)| Parameter {
+        name: name.to_owned(),
+        joint: joint.clone(),
+        value: if value.is_finite() { value } else { 0.0 },
+        std: None,
+        unit: unit.to_owned(),
+    };
+    out.extend(candidate.shape.iter().map(grid));
+    derived(candidate.effect, &mut out);
+    out
+}
+
+/// Quantities that users ask for, from those that are linear.
+fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
+    let value = |p: &[Parameter], n: &str| p.iter().find(|p| p.name == n).map(|p| (p.value, p.std));
+    match effect {
+        Effect::Payload => {
+            let Some((mass, _)) = value(parameters, "mass") else {
+                return;
+            };
+            for p in parameters.iter_mut() {
+                let name = match p.name.as_str() {
+                    "first_moment_x" => "com_x",
+                    "first_moment_y" => "com_y",
+                    "first_moment_z" => "com_z",
+                    _ => continue,
+                };
+                p.name = name.to_owned();
+                p.value /= mass;
+                p.std = p.std.map(|s| s / mass.abs());
+                p.unit = "m".to_owned();
+            }
+        }
+        Effect::BaseTilt => {
+            let (Some((tilt, std)), Some((angle, _))) =
+                (value(parameters, "tilt"), value(parameters, "direction"))
+            else {
+                return;
+            };
+            let (sin, cos) = angle.sin_cos();
+            *parameters = [("tilt_x", cos), ("tilt_y", sin)]
+                .map(|(name, part)| Parameter {
+                    name: name.to_owned(),
+                    value: tilt * part,
+                    std: std.map(|s| s * part.abs()),
+                    ..parameters[0].clone()
+                })
+                .to_vec();
+        }
+        Effect::JointElasticity => {
+            for p in parameters
+                .iter_mut()
+                .filter(|p| p.name == "compliance" && p.value > 0.0)
+            {
+                p.name = "stiffness".to_owned();
+                p.std = p.std.map(|s| s / (p.value * p.value));
+                p.value = 1.0 / p.value;
+                p.unit = "N·m/rad".to_owned();
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Changed parameters of the named joints that moved by more than twice their deviation.
+pub fn moved(
+    model: &NominalModel,
+    found: &Findings,
+    effect: Effect,
+    joints: &[usize],
+    names: &[String],
+) -> Vec<Parameter> {
+    let n = model.robot.dof();
+    let mut out = Vec::new();
+    let changes = found.changes(|_| true);
+    let total = |parameter: usize| changes[parameter];
+    let parameter = |name: String, j: usize, value, std, unit: &str| Parameter {
+        name,
+        joint: Some(names[j].clone()),
+        value,
+        std: Some(std).filter(|s: &f64| s.is_finite()),
+        unit: unit.to_owned(),
+    };
+    if effect == Effect::FrictionParameters {
+        for &j in joints {
+            let joint = &model.robot.joints()[j];
+            let (dv, sv) = total(PARAMETERS_PER_LINK * n + j);
+            let (dc, sc) = total((PARAMETERS_PER_LINK + 1) * n + j);
+            out.push(parameter(
+                "viscous".into(),
+                j,
+                joint.damping + dv,
+                sv,
+                "N·m·s/rad",
+            ));
+            out.push(parameter(
+                "coulomb".into(),
+                j,
+                joint.friction + dc,
+                sc,
+                "N·m",
+            ));
+            out.extend(slow(found, j, names));
+        }
+    } else {
+        let given = model.robot.parameters();
+        let labels = model.robot.parameter_names();
+        for (c, (p, label)) in given.iter().zip(labels).enumerate() {
+            let (change, std) = total(c);
+            if change.abs() > 2.0 * std && change.abs() > 0.05 * p.abs() {
+                let unit = ["kg", "kg·m", "kg·m²"]
+                    [[0, 1, 1, 1, 2, 2, 2, 2, 2, 2][c % PARAMETERS_PER_LINK]];
+                out.push(parameter(
+                    label,
+                    c / PARAMETERS_PER_LINK,
+                    p + change,
+                    std,
+                    unit,
+                ));
+            }
+        }
+    }
+    out
+}
+
+/// The part of a joint's Coulomb friction that builds up over a wider velocity than the model's, and that velocity.
+fn slow(found: &Findings, joint: usize, names: &[String]) -> Vec<Parameter> {
+    let own = (0..found.accepted.len()).find(|&c| {
+        let candidate = found.candidate(c);
+        candidate.effect == Effect::FrictionParameters
+            && candidate.joints == [joint]
+            && !candidate.shape.is_empty()
+    });
+    let mut all = own.map_or_else(Vec::new, |c| parameters(found, c, names));
+    all.retain(|p| p.name.starts_with("slow_"));
+    all
+}
+
+/// Force of the strongest push, its link and time: of the held-out recording, or of the fitted one where there is none.
+pub fn pushed(
+    model: &NominalModel,
+    frames: &Frames,
+    data: Option<&Contact>,
+    heldout: Option<&Contact>,
+) -> Vec<Parameter> {
+    let both = [(heldout, &frames.heldout), (data, &frames.data)];
+    let Some((contact, frame)) = both.into_iter().find_map(|(c, f)| Some((c?, f))) else {
+        return Vec::new();
+    };
+    let strongest = contact
+        .bursts
+        .iter()
+        .max_by(|a, b| a.height.total_cmp(&b.height));
+    let Some(burst) = strongest else {
+        return Vec::new();
+    };
+    let time = &frame.samples().time;
+    let joint = Some(model.robot.joints()[burst.last_joint].name.clone());
+    let new = |name: &str, value: f64, unit: &str| Parameter {
+        name: name.to_owned(),
+        joint: joint.clone(),
+        value,
+        std: None,
+        unit: unit.to_owned(),
+    };
+    let mut out = vec![
+        new("start", time[burst.samples.start], "s"),
+        new("end", time[burst.samples.end - 1], "s"),
+        new("bursts", contact.bursts.len() as f64, "1"),
+    ];
+    let force = contact.force(&model.robot, frame);
+    out.extend(force.map(|f| new("force", f, "N")));
+    out
+}
+
+/// Gain of the name over the best other name, nats.
+pub fn lead(found: &Findings, tried: &[Tried], own: usize) -> f64 {
+    let effect = found.candidates[own].effect;
+    let best = |f: &dyn Fn(&Candidate) -> bool| {
+        tried
+            .iter()
+            .find(|t| f(&found.candidates[t.candidate]))
+            .map_or(0.0, |t| t.gain.max(0.0))
+    };
+    best(&|c| c.effect == effect) - best(&|c| c.effect != effect)
+}
+
+/// Effects that explain nearly as much in its place.
+pub fn ambiguous(found: &Findings, tried: &[Tried], own: usize) -> Vec<Effect> {
+    let effect = found.candidates[own].effect;
+    let gain = tried
+        .iter()
+        .find(|t| t.candidate == own)
+        .map_or(0.0, |t| t.gain);
+    let near = gain - AMBIGUOUS.0.max(AMBIGUOUS.1 * gain);
+    let mut out: Vec<Effect> = Vec::new();
+    // A free refit that leaves less is a rival, however many parameters it takes.
+    let accepted = found.accepted.iter().find(|a| a.candidate == own);
+    if accepted
+        .and_then(|a| a.over_refit)
+        .is_some_and(|r| r > AS_GOOD)
+    {
+        out.push(Effect::LinkParameters);
+    }
+    for t in tried
+        .iter()
+        .filter(|t| t.gain > near && t.gain > 0.5 * gain)
+    {
+        let e = found.candidates[t.candidate].effect;
+        if e != effect && !out.contains(&e) {
+            out.push(e);
+        }
+    }
+    out
+}

@@ -1,0 +1,209 @@
+//! What a diagnosis comes to.
+//!
+//! Judged joint by joint on what the last step leaves out of fold of the fitted recording, pushes aside: in motion and at
+//! rest against the floor, and away from reversals by structure. Held-out torque decides nothing here but how much of it
+//! pushes have cut.
+
+use crate::motion::floor::floor;
+use crate::motion::frame::Frame;
+use crate::motion::standing::{Judged, State};
+use crate::schema::{Unexplained, Verdict};
+use crate::traces::unknown::Left;
+use datasets::Recording;
+
+/// Structure left on some joint, relative to its torque, from which it counts as clear.
+pub(crate) const CLEAR: f64 = 0.03;
+/// Part of the whole gap that it must be.
+const CLEAR_SHARE: f64 = 0.06;
+/// Structured error that is clear whatever its share.
+const PLAIN: f64 = 0.09;
+/// Error over the floor up to which a joint is at the floor.
+const AT_FLOOR: f64 = 1.5;
+/// Fewest samples that are judged.
+const FEWEST: usize = 50;
+/// Least motion of some joint that says anything, s.
+const LEAST_MOTION: f64 = 2.0;
+/// Part of the held-out recording that pushes may cut before it explains in part at best.
+const MOST_CUT: f64 = 0.2;
+
+/// What the verdict is made of.
+pub(crate) struct Evidence<'a> {
+    /// Joints without a usable torque channel.
+    pub dead: &'a [bool],
+    /// Whether there is motion to judge by.
+    pub moves: bool,
+    /// Sum over joints of the squared NRMSE as given, on the fitted recording.
+    pub given: f64,
+    /// What has structure, by joint.
+    pub left: &'a [Option<Left>],
+    /// What is left, by joint.
+    pub rest: &'a [Unexplained],
+    /// Whether anything is listed, and whether a push is.
+    pub causes: bool,
+    /// The same of pushes.
+    pub pushed: bool,
+    /// Part of the held-out samples that pushes cut.
+    pub cut: f64,
+}
+
+/// Joints whose torque channel says nothing: nearly every sample has one value.
+pub(crate) fn dead(frame: &Frame) -> Vec<bool> {
+    const SAME: f64 = 0.99;
+    let one = |column: ndarray::ArrayView1<f64>| {
+        let mut values: Vec<f64> = column.to_vec();
+        values.sort_by(f64::total_cmp);
+        let runs = values.chunk_by(|a, b| a == b).map(<[f64]>::len);
+        runs.max().unwrap_or(0) as f64 >= SAME * values.len() as f64
+    };
+    frame.tau.columns().into_iter().map(one).collect()
+}
+
+/// Whether some joint with a torque channel moves long enough to be judged.
+pub(crate) fn moves(frame: &Frame, states: &ndarray::Array2<State>, dead: &[bool]) -> bool {
+    let least = LEAST_MOTION * frame.report().rate_hz;
+    let seconds = |j: usize| {
+        states
+            .column(j)
+            .iter()
+            .filter(|s| **s == State::Moving)
+            .count()
+    };
+    (0..frame.dof()).any(|j| !dead[j] && seconds(j) as f64 >= least)
+}
+
+/// What is left on every joint, `skipped` samples aside.
+pub(crate) fn remainder(
+    recording: &Recording,
+    frame: &Frame,
+    judged: &Judged,
+    skipped: &[bool],
+    left: &[Option<Left>],
+    names: &[String],
+    dead: &[bool],
+) -> Vec<Unexplained> {
+    let floors = floor(recording, frame, &judged.state);
+    let rms = |j: usize, state: State| {
+        let rows = judged.state.column(j);
+        let gap = judged.gap.column(j);
+        let squares: Vec<f64> = (0..rows.len())
+            .filter(|&i| rows[i] == state && !skipped[i])
+            .map(|i| gap[i] * gap[i])
+            .collect();
+        let n = squares.len();
+        (n >= FEWEST && !dead[j]).then(|| (squares.iter().sum::<f64>() / n as f64).sqrt())
+    };
+    (0..names.len())
+        .map(|j| {
+            let left = left[j].filter(|_| !dead[j]);
+            Unexplained {
+                joint: names[j].clone(),
+                nrmse: left.map(|l| l.structured()),
+                learnable: left.map(|l| l.learnable),
+                moving: rms(j, State::Moving),
+                standing: rms(j, State::Standing),
+                floor: floors[j].filter(|_| !dead[j]),
+            }
+        })
+        .collect()
+}
+
+/// How many times the floor is left on a joint, in motion or at rest, whichever is more; none where nothing was judged.
+/// Infinite where something is left and no floor is known.
+fn over(rest: &Unexplained) -> Option<f64> {
+    let most = rest
+        .moving
+        .into_iter()
+        .chain(rest.standing)
+        .reduce(f64::max)?;
+    Some(most / rest.floor.unwrap_or(0.0))
+}
+
+/// The verdict, and why where nothing can be told.
+pub(crate) fn verdict(e: &Evidence) -> (Verdict, Option<String>) {
+    let tell = |why: &str| (Verdict::CannotTell, Some(why.to_owned()));
+    if e.dead.iter().all(|d| *d) {
+        return tell("no joint has a usable torque channel");
+    }
+    if !e.moves && !e.pushed {
+        return tell(
+            "there is hardly any motion, and nothing pushes the robot; record motion of every joint",
+        );
+    }
+    let clear = e.left.iter().zip(e.dead).any(|(left, dead)| {
+        let s = left.filter(|_| !dead).map_or(0.0, |l| l.structured());
+        s > PLAIN || s > CLEAR && s * s > CLEAR_SHARE * e.given
+    });
+    if clear {
+        return (Verdict::UnknownEffect, None);
+    }
+    let worst = e
+        .rest
+        .iter()
+        .filter_map(|r| Some((r, over(r)?)))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let floor = worst.is_some_and(|w| w.1 <= AT_FLOOR);
+    match (e.causes, floor) {
+        (false, true) => (Verdict::NoGap, None),
+        (true, true) if e.cut <= MOST_CUT => (Verdict::Explained, None),
+        (true, _) => (Verdict::PartlyExplained, None),
+        (false, false) => {
+            let rest = worst.map_or("nothing could be judged".to_owned(), |(r, _)| {
+                let number = |x: Option<f64>| x.map_or("unknown".to_owned(), |x| format!("{x:.3}"));
+                format!(
+                    "on {} an error of {} in motion and {} at rest is left where the torque's noise is {} (N·m or N), without a \
+                     pattern and without a cause",
+                    r.joint,
+                    number(r.moving),
+                    number(r.standing),
+                    number(r.floor)
+                )
+            });
+            (Verdict::CannotTell, Some(rest))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(moving: f64, standing: Option<f64>, causes: bool, cut: f64) -> (Verdict, Option<String>) {
+        let rest = Unexplained {
+            joint: "j".to_owned(),
+            nrmse: Some(0.02),
+            learnable: Some(0.0),
+            moving: Some(moving),
+            standing,
+            floor: Some(1.0),
+        };
+        let left = Left {
+            error: 0.02,
+            lasting: 1.0,
+            learnable: 0.0,
+            rows: 1000,
+        };
+        verdict(&Evidence {
+            dead: &[false],
+            moves: true,
+            given: 0.01,
+            left: &[Some(left)],
+            rest: &[rest],
+            causes,
+            pushed: false,
+            cut,
+        })
+    }
+
+    #[test]
+    fn the_floor_decides_where_nothing_has_structure() {
+        let name = |v: (Verdict, Option<String>)| v.0;
+        assert_eq!(name(of(1.4, None, false, 0.0)), Verdict::NoGap);
+        assert_eq!(name(of(1.4, Some(0.9), true, 0.1)), Verdict::Explained);
+        assert_eq!(name(of(1.4, None, true, 0.3)), Verdict::PartlyExplained);
+        assert_eq!(name(of(1.6, None, true, 0.0)), Verdict::PartlyExplained);
+        // The score looks at rests as well.
+        let (rest, why) = of(1.2, Some(9.0), false, 0.0);
+        assert_eq!(rest, Verdict::CannotTell);
+        assert!(why.is_some_and(|w| w.contains("9.000 at rest")));
+    }
+}

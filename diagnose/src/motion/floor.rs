@@ -1,0 +1,97 @@
+//! The level below which nothing can be explained, joint by joint, from the fitted recording.
+//!
+//! Where motions are repeated, the spread of their torque. Elsewhere the torque's noise above the band of the motion: the
+//! density just above the band stands for the band itself, where motion hides the noise.
+
+use crate::motion::frame::Frame;
+use crate::motion::standing::State;
+use datasets::{Recording, repeats};
+use ndarray::Array2;
+use signal::quantile::median;
+use signal::spectrum::welch;
+use std::ops::Range;
+
+/// Length of a stretch whose spectrum is taken, s, and periods of the band's edge that it holds at least.
+const STRETCH: f64 = 0.25;
+const PERIODS: f64 = 8.0;
+/// Upper end of the part above the band that stands for the band, relative to the band's edge.
+const EDGE: f64 = 1.6;
+/// Edge of the band where no low-pass sets one, and the highest edge that leaves room above it, relative to the rate.
+const HIGHEST: f64 = 0.4;
+/// Fewest stretches that say what is usual.
+const FEWEST: usize = 8;
+
+/// Least root mean squared error of any model, N·m, by joint; none where the recording does not say.
+pub fn floor(recording: &Recording, frame: &Frame, states: &Array2<State>) -> Vec<Option<f64>> {
+    let spread = repeats::repeatability(recording, &frame.samples().qd, frame.repeats());
+    let repeated = |j: usize| {
+        let s = spread.as_ref()?;
+        s.moving[j].or(Some(s.all[j])).filter(|x| *x > 0.0)
+    };
+    (0..frame.dof())
+        .map(|j| repeated(j).or_else(|| noise(frame, states, j)))
+        .collect()
+}
+
+/// Noise of a joint's torque, N·m: its usual level over stretches without a reversal.
+fn noise(frame: &Frame, states: &Array2<State>, joint: usize) -> Option<f64> {
+    let rate = frame.report().rate_hz;
+    let highest = HIGHEST * rate;
+    let edge = frame.report().cutoff_hz.unwrap_or(highest).min(highest);
+    let length = (STRETCH.max(PERIODS / edge) * rate).round() as usize;
+    let tau = frame.tau.column(joint).to_vec();
+    let level = |rows: Range<usize>| -> Option<f64> {
+        let s = welch(&tau[rows], rate, length);
+        let mean = |from: f64, to: f64| {
+            let inside = s.frequency.iter().zip(&s.density);
+            let (sum, n) = inside
+                .filter(|(f, _)| **f > from && **f <= to)
+                .fold((0.0, 0usize), |(s, n), (_, d)| (s + d, n + 1));
+            (n > 0).then(|| sum / n as f64)
+        };
+        let (above, next) = (mean(edge, 0.5 * rate)?, mean(edge, EDGE * edge)?);
+        Some((next.max(above) * edge + above * (0.5 * rate - edge)).max(0.0))
+    };
+    let stretches = frame.samples().segments.iter().flat_map(|s| {
+        (0..s.len() / length).map(move |k| s.start + k * length..s.start + (k + 1) * length)
+    });
+    let (quiet, turning): (Vec<_>, Vec<_>) = stretches.partition(|r| {
+        let first = states[[r.start, joint]];
+        first != State::Passing && r.clone().all(|i| states[[i, joint]] == first)
+    });
+    let used = if quiet.len() >= FEWEST {
+        quiet
+    } else {
+        quiet.into_iter().chain(turning).collect()
+    };
+    let levels: Vec<f64> = used.into_iter().filter_map(level).collect();
+    median(levels).map(f64::sqrt).filter(|x| *x > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::standing::states;
+
+    /// White noise of 0.2 N·m on 10 N·m of slow torque that jumps at every reversal.
+    #[test]
+    fn white_noise_is_found_under_a_moving_robot() {
+        let mut state = 1u32;
+        let mut uniform = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1u32 << 24) - 0.5
+        };
+        let n = 10_000;
+        let time: Vec<f64> = (0..n).map(|i| 0.004 * f64::from(i)).collect();
+        let q = Array2::from_shape_fn((n as usize, 1), |(i, _)| (2.0 * time[i]).sin());
+        let tau = Array2::from_shape_fn((n as usize, 1), |(i, _)| {
+            let noise: f64 = (0..12).map(|_| uniform()).sum();
+            10.0 * (2.0 * time[i]).sin() + 3.0 * (2.0 * time[i]).cos().signum() + 0.2 * noise
+        });
+        let recording = Recording::new("r", time, q, Some(tau.clone()));
+        let frame =
+            Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(20.0)).unwrap();
+        let found = floor(&recording, &frame, &states(&frame))[0].unwrap();
+        assert!((found - 0.2).abs() < 0.03, "{found}");
+    }
+}

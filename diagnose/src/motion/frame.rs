@@ -1,0 +1,277 @@
+//! A recording on the clocks that the analysis uses: the fine grid of its motion, the recorded
+//! stamps, and the thinned rows that are fitted.
+
+use crate::motion::scene::Scale;
+use datasets::prepare::{PrepareError, PrepareReport};
+use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
+use ndarray::{Array1, Array2, ArrayView1};
+use signal::Motion;
+use signal::filter::filtfilt;
+use signal::sos::{Section, butterworth};
+use std::ops::Range;
+
+/// Rate of the rows that are fitted, Hz: no effect but ripple lives above a third of it, and ripple
+/// is searched on the recorded samples.
+const ANALYSIS_RATE: f64 = 62.5;
+/// Cut-off of the low-pass before thinning, relative to the rate of the rows.
+const ANALYSIS_CUTOFF: f64 = 0.4;
+/// A reversal: the joint is slower than this, rad/s (m/s).
+pub const REVERSAL_SPEED: f64 = 0.01;
+/// Time on either side of a reversal that the low-pass smears it over, s.
+const REVERSAL_TIME: f64 = 0.03;
+/// Speed below which rows weigh less, rad/s (m/s): where the sign of a filtered velocity is a guess. Narrow, because
+/// friction with memory shows next to it.
+const CROSSING_SPEED: f64 = 0.004;
+/// Weight of such rows.
+const CROSSING_WEIGHT: f64 = 0.15;
+/// Weight of rows at standstill in a slow recording.
+const STANDSTILL_WEIGHT: f64 = 0.1;
+
+/// A prepared recording with torque.
+pub struct Frame {
+    prepared: Prepared,
+    /// Recorded torque at the recorded stamps, shape (samples, joints).
+    pub tau: Array2<f64>,
+    /// Rows that are fitted, by trajectory.
+    pub rows: Vec<Range<usize>>,
+    labels: Vec<String>,
+    repeats: Vec<(usize, usize)>,
+    lowpass: Option<Vec<Section>>,
+    stride: usize,
+}
+
+impl Frame {
+    /// Prepares a recording and its torque.
+    ///
+    /// # Errors
+    /// As [`prepare()`].
+    pub fn new(
+        recording: &Recording,
+        tau: Array2<f64>,
+        options: &PrepareOptions,
+    ) -> Result<Self, PrepareError> {
+        let prepared = prepare(recording, options)?;
+        let rate = prepared.report.rate_hz;
+        let stride = ((rate / ANALYSIS_RATE).round() as usize).max(1);
+        // A recording that was low-passed before it was stored is fitted as it is.
+        let lowpass = (stride > 1)
+            .then(|| butterworth(4, ANALYSIS_CUTOFF * rate / stride as f64, rate).ok())
+            .flatten();
+        let mut rows = Vec::new();
+        let mut start = 0;
+        for s in &prepared.at_samples.segments {
+            let n = s.len().div_ceil(stride);
+            rows.push(start..start + n);
+            start += n;
+        }
+        Ok(Self {
+            prepared,
+            tau,
+            rows,
+            labels: recording
+                .trajectories
+                .iter()
+                .map(|t| t.label.clone())
+                .collect(),
+            repeats: repeats::find(recording),
+            lowpass,
+            stride,
+        })
+    }
+
+    /// The recording as it was prepared.
+    pub fn prepared(&self) -> &Prepared {
+        &self.prepared
+    }
+
+    /// Trajectories that execute one motion, each with the next one like it.
+    pub fn repeats(&self) -> &[(usize, usize)] {
+        &self.repeats
+    }
+
+    /// Label of a trajectory, by index.
+    pub fn label(&self, trajectory: usize) -> &str {
+        self.labels.get(trajectory).map_or("", String::as_str)
+    }
+
+    /// Recorded samples that some fitted rows of one trajectory stand for.
+    pub fn samples_of(&self, rows: Range<usize>) -> Range<usize> {
+        let own = self.rows.iter().zip(&self.samples().segments);
+        for (trajectory, samples) in own {
+            if rows.start >= trajectory.start && rows.end <= trajectory.end {
+                let at = |row: usize| samples.start + (row - trajectory.start) * self.stride;
+                let end = if rows.end == trajectory.end {
+                    samples.end
+                } else {
+                    at(rows.end)
+                };
+                return at(rows.start)..end;
+            }
+        }
+        0..0
+    }
+
+    /// Motion on the fine grid.
+    pub fn motion(&self) -> &Motion {
+        &self.prepared.fine
+    }
+
+    /// Motion at the recorded stamps.
+    pub fn samples(&self) -> &Motion {
+        &self.prepared.at_samples
+    }
+
+    /// What preparation did.
+    pub fn report(&self) -> &PrepareReport {
+        &self.prepared.report
+    }
+
+    /// Number of rows that are fitted.
+    pub fn len(&self) -> usize {
+        self.rows.last().map_or(0, |r| r.end)
+    }
+
+    /// True when there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.tau.ncols()
+    }
+
+    /// Rows per second.
+    pub fn row_rate(&self) -> f64 {
+        self.report().rate_hz / self.stride as f64
+    }
+
+    /// A torque at the recorded samples on the rows that are fitted: low-passed within each
+    /// trajectory, then thinned out.
+    pub fn thin(&self, samples: &[f64]) -> Array1<f64> {
+        let Some(lowpass) = &self.lowpass else {
+            return Array1::from(samples.to_vec());
+        };
+        let mut out = Vec::with_capacity(self.len());
+        for s in &self.samples().segments {
+            out.extend(
+                filtfilt(lowpass, &samples[s.clone()])
+                    .into_iter()
+                    .step_by(self.stride),
+            );
+        }
+        Array1::from(out)
+    }
+
+    /// Values at the recorded samples on the rows that are fitted, without filtering.
+    pub fn pick<T>(&self, at: impl Fn(usize) -> T) -> Vec<T> {
+        self.samples()
+            .segments
+            .iter()
+            .flat_map(|s| s.clone().step_by(self.stride))
+            .map(at)
+            .collect()
+    }
+
+    /// A column at the fine rate as the recorded torque would show it.
+    pub fn to_samples(&self, fine: &Array1<f64>) -> Vec<f64> {
+        self.prepared.to_samples(&fine.to_vec())
+    }
+
+    /// A column at the fine rate on the rows that are fitted.
+    pub fn reduce(&self, fine: &Array1<f64>) -> Array1<f64> {
+        self.thin(&self.to_samples(fine))
+    }
+
+    /// A table at the fine rate on the recorded samples.
+    pub fn table_to_samples(&self, fine: &Array2<f64>) -> Array2<f64> {
+        let mut out = Array2::zeros(self.tau.dim());
+        for (j, column) in fine.columns().into_iter().enumerate() {
+            out.column_mut(j)
+                .assign(&Array1::from(self.to_samples(&column.to_owned())));
+        }
+        out
+    }
+
+    /// A table at the recorded samples on the rows that are fitted.
+    pub fn table_thin(&self, samples: &Array2<f64>) -> Array2<f64> {
+        let mut out = Array2::zeros((self.len(), samples.ncols()));
+        for (j, column) in samples.columns().into_iter().enumerate() {
+            out.column_mut(j).assign(&self.thin(&column.to_vec()));
+        }
+        out
+    }
+
+    /// Whether a row of a joint lies at a reversal; shape (rows, joints).
+    pub fn reversals(&self) -> Array2<bool> {
+        self.slow(
+            REVERSAL_SPEED,
+            (REVERSAL_TIME * self.row_rate()).ceil() as usize,
+        )
+    }
+
+    /// Rows slower than `speed`, crossings of zero velocity, and `reach` rows on either side.
+    fn slow(&self, speed: f64, reach: usize) -> Array2<bool> {
+        let mut out = Array2::from_elem((self.len(), self.dof()), false);
+        for j in 0..self.dof() {
+            let column = self.samples().qd.column(j);
+            let qd = self.pick(|i| column[i]);
+            for range in &self.rows {
+                for i in range.clone() {
+                    let crossed = i + 1 < range.end && qd[i] * qd[i + 1] < 0.0;
+                    if qd[i].abs() < speed || crossed {
+                        let (a, b) = (
+                            i.saturating_sub(reach).max(range.start),
+                            (i + reach + 1).min(range.end),
+                        );
+                        (a..b).for_each(|k| out[[k, j]] = true);
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Weights of the rows, shape (rows, joints).
+    pub fn weights(&self) -> Array2<f64> {
+        // A slow recording shows every reversal whole, but what a standing joint holds depends on how it came there: that
+        // error must not hide what is wrong in motion.
+        let (speed, weight) = match &self.lowpass {
+            None => (REVERSAL_SPEED, STANDSTILL_WEIGHT),
+            Some(_) => (CROSSING_SPEED, CROSSING_WEIGHT),
+        };
+        self.slow(speed, 0).mapv(|r| if r { weight } else { 1.0 })
+    }
+
+    /// Sizes for grids of shape parameters; `others` are recordings of the same session, `softness` is the velocity
+    /// below which each joint's sign is softened.
+    pub fn scale(&self, others: &[&Frame], softness: Vec<f64>) -> Scale {
+        let m = self.samples();
+        let rms = |x: ArrayView1<f64>| (x.dot(&x) / x.len().max(1) as f64).sqrt().max(1e-9);
+        let spread = |x: ArrayView1<f64>| x.std(0.0).max(1e-9);
+        let bounds = |x: &mut dyn Iterator<Item = f64>| {
+            x.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                (a.min(x), b.max(x))
+            })
+        };
+        let frames = || std::iter::once(self).chain(others.iter().copied());
+        let fine = &self.motion().time;
+        Scale {
+            softness,
+            speed: m.qd.columns().into_iter().map(rms).collect(),
+            range: m
+                .q
+                .columns()
+                .into_iter()
+                .map(|q| bounds(&mut q.iter().copied()))
+                .collect(),
+            torque: self.tau.columns().into_iter().map(spread).collect(),
+            session: bounds(&mut frames().flat_map(|f| f.samples().time.iter().copied())),
+            step: if fine.len() > 1 {
+                fine[1] - fine[0]
+            } else {
+                0.01
+            },
+        }
+    }
+}

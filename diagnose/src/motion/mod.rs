@@ -1,0 +1,6 @@
+//! Motion of one recording: its clocks, what columns see of it, where it stands.
+
+pub(crate) mod floor;
+pub(crate) mod frame;
+pub(crate) mod scene;
+pub(crate) mod standing;

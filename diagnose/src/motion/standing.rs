@@ -1,0 +1,270 @@
+//! How joints move at each sample, and what of a residual at rest is a gap.
+//!
+//! A joint at rest holds anything up to its Coulomb torque: what is constant within one rest and below that torque is
+//! friction, not a gap. What changes within the rest, or exceeds it, is one. A reversal in passing is exempt: there not
+//! even the true plant's model reaches the noise.
+
+use crate::motion::frame::{Frame, REVERSAL_SPEED};
+use ndarray::Array2;
+use signal::quantile::median;
+use std::ops::Range;
+
+/// Shortest rest, s.
+const SHORTEST: f64 = 0.5;
+/// A joint stays where it is when it travels less than at this speed, rad/s (m/s), over this time, s.
+const STAYS: (f64, f64) = (0.002, 0.25);
+/// Part of a rest in which the joint stays: one that creeps through a slow reversal does not stand.
+const STAYING: f64 = 0.5;
+/// A push may move a joint at rest: for so long, s, and so far, rad (m), the rest goes on.
+const BUDGES: (f64, f64) = (0.3, 0.01);
+/// Part of a rest, at either end, where the joint still comes to rest or leaves it, s.
+const EDGE: f64 = 0.1;
+/// Part of the Coulomb torque within which friction at rest is constant, and times the usual step between samples.
+const CONSTANT: (f64, f64) = (0.15, 3.0);
+/// Part of a rest that is constant; less is a slow reversal while friction could hold all of it.
+const PLATEAU: f64 = 0.5;
+/// Torque over the Coulomb torque that friction holds before a joint breaks away.
+const BREAKAWAY: f64 = 1.2;
+/// Part of a rest within the Coulomb torque from which that part says what friction holds.
+const HELD: f64 = 0.2;
+
+/// How a joint moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Faster than a reversal.
+    Moving,
+    /// Slower, but not for long.
+    Passing,
+    /// At rest for more than half a second.
+    Standing,
+}
+
+/// The Coulomb friction in a prediction.
+pub struct Coulomb {
+    /// Size, N·m, by joint.
+    pub torque: Vec<f64>,
+    /// Softened sign of the velocity at the recorded samples, shape (samples, joints).
+    pub sign: Array2<f64>,
+}
+
+/// A residual by how the joints move. Tables of shape (samples, joints).
+pub struct Judged {
+    /// How each joint moves at each sample.
+    pub state: Array2<State>,
+    /// The residual; of a joint at rest, what friction at rest does not hold.
+    pub gap: Array2<f64>,
+    /// The residual; of a joint at rest, its departure from what it holds most of the time.
+    pub departure: Array2<f64>,
+}
+
+/// How each joint moves at the recorded samples.
+pub fn states(frame: &Frame) -> Array2<State> {
+    let motion = frame.samples();
+    let mut state = Array2::from_elem(motion.qd.dim(), State::Moving);
+    for j in 0..frame.dof() {
+        for rest in rests(frame, j) {
+            let span = motion.time[rest.end - 1] - motion.time[rest.start];
+            let stands = span > SHORTEST && stays(frame, j, &rest) >= STAYING;
+            for i in rest.clone() {
+                let (before, after) = (
+                    motion.time[i] - motion.time[rest.start],
+                    motion.time[rest.end - 1] - motion.time[i],
+                );
+                let inside = stands && before.min(after) >= EDGE;
+                let slow = motion.qd[[i, j]].abs() < REVERSAL_SPEED;
+                state[[i, j]] = match (inside, slow) {
+                    (true, _) => State::Standing,
+                    (false, true) => State::Passing,
+                    (false, false) => State::Moving,
+                };
+            }
+        }
+    }
+    state
+}
+
+/// Part of the samples around which a joint stays where it is.
+fn stays(frame: &Frame, joint: usize, rest: &Range<usize>) -> f64 {
+    let (speed, time) = STAYS;
+    let q = frame.samples().q.column(joint);
+    let half = ((0.5 * time * frame.report().rate_hz).round() as usize).max(1);
+    let travel = |i: usize| {
+        let (a, b) = (
+            i.saturating_sub(half).max(rest.start),
+            (i + half).min(rest.end - 1),
+        );
+        (q[b] - q[a]).abs()
+    };
+    let still = rest.clone().filter(|&i| travel(i) < speed * time).count();
+    still as f64 / rest.len() as f64
+}
+
+/// Samples in a row in which a joint is slower than a reversal, or budges only.
+fn rests(frame: &Frame, joint: usize) -> Vec<Range<usize>> {
+    let motion = frame.samples();
+    let mut out: Vec<Range<usize>> = Vec::new();
+    for segment in &motion.segments {
+        let mut open: Option<usize> = None;
+        for i in segment.clone() {
+            let slow = motion.qd[[i, joint]].abs() < REVERSAL_SPEED;
+            match (slow, open) {
+                (true, None) => open = Some(i),
+                (false, Some(start)) => {
+                    out.push(start..i);
+                    open = None;
+                }
+                _ => {}
+            }
+        }
+        out.extend(open.map(|start| start..segment.end));
+        out.dedup_by(|next, last| {
+            let goes_on = last.start >= segment.start
+                && motion.time[next.start] - motion.time[last.end - 1] < BUDGES.0
+                && (motion.q[[next.start, joint]] - motion.q[[last.end - 1, joint]]).abs()
+                    < BUDGES.1;
+            if goes_on {
+                last.end = next.end;
+            }
+            goes_on
+        });
+    }
+    out
+}
+
+/// Judges a residual at the recorded samples, shape (samples, joints), whose prediction holds `coulomb`.
+pub fn judge(frame: &Frame, residual: &Array2<f64>, coulomb: &Coulomb) -> Judged {
+    let mut state = states(frame);
+    let (mut gap, mut departure) = (residual.clone(), residual.clone());
+    for j in 0..frame.dof() {
+        let most = coulomb.torque[j].abs();
+        let mut start = 0;
+        while start < state.nrows() {
+            if state[[start, j]] != State::Standing {
+                start += 1;
+                continue;
+            }
+            let end = (start..state.nrows())
+                .find(|&i| state[[i, j]] != State::Standing)
+                .unwrap_or(state.nrows());
+            // The sign of a velocity that is noise is no prediction.
+            let held: Vec<f64> = (start..end)
+                .map(|i| residual[[i, j]] + coulomb.torque[j] * coulomb.sign[[i, j]])
+                .collect();
+            let usual = usual(&held, most);
+            for (i, x) in (start..end).zip(&held) {
+                // What counts as constant is no change.
+                let change = x - usual;
+                let constant = change.clamp(-CONSTANT.0 * most, CONSTANT.0 * most);
+                gap[[i, j]] = x - usual.clamp(-most, most) - constant;
+                departure[[i, j]] = change;
+            }
+            let stands = plateau(&held, usual, most);
+            for i in (start..end).filter(|i| !stands.contains(&(i - start))) {
+                state[[i, j]] = State::Passing;
+            }
+            start = end;
+        }
+    }
+    Judged {
+        state,
+        gap,
+        departure,
+    }
+}
+
+/// What a joint holds most of the time of a rest: within `most`, the Coulomb torque, if it is there long enough.
+fn usual(held: &[f64], most: f64) -> f64 {
+    let within: Vec<f64> = held.iter().copied().filter(|x| x.abs() <= most).collect();
+    let long = within.len() as f64 >= HELD * held.len() as f64;
+    median(if long { within } else { held.to_vec() }).unwrap_or(0.0)
+}
+
+/// The part of a rest that is judged. A joint that came to rest gives way, and one that is about to move is loaded, until it
+/// holds what it holds, or breaks away: as long as friction can hold that, it belongs to the motion before or after.
+fn plateau(held: &[f64], usual: f64, most: f64) -> Range<usize> {
+    let steps = held.windows(2).map(|x| (x[1] - x[0]).abs()).collect();
+    let band = CONSTANT.0 * most + CONSTANT.1 * median(steps).unwrap_or(0.0);
+    let constant = |x: &f64| (x - usual).abs() <= band;
+    let possible = |x: &[f64]| x.iter().all(|x| x.abs() <= BREAKAWAY * most + band);
+    let flat = held.iter().filter(|x| constant(x)).count();
+    if (flat as f64) < PLATEAU * held.len() as f64 && possible(held) {
+        return 0..0;
+    }
+    let first = held.iter().position(constant).unwrap_or(0);
+    let last = held
+        .iter()
+        .rposition(constant)
+        .map_or(held.len(), |l| l + 1);
+    let start = if possible(&held[..first]) { first } else { 0 };
+    let end = if possible(&held[last..]) {
+        last
+    } else {
+        held.len()
+    };
+    start..end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use datasets::Recording;
+
+    /// A joint that turns for 4 s, then rests for 4 s.
+    fn frame() -> Frame {
+        let time: Vec<f64> = (0..800).map(|i| 0.01 * f64::from(i)).collect();
+        let q = Array2::from_shape_fn((800, 1), |(i, _)| {
+            let t = time[i].min(4.0);
+            1.0 - (std::f64::consts::TAU * t / 4.0).cos()
+        });
+        let tau = Array2::from_shape_fn((800, 1), |(i, _)| (0.3 * time[i]).sin());
+        let recording = Recording::new("r", time, q, Some(tau.clone()));
+        Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(8.0)).unwrap()
+    }
+
+    #[test]
+    fn friction_at_rest_is_no_gap_and_a_push_is() {
+        let frame = frame();
+        let coulomb = Coulomb {
+            torque: vec![2.0],
+            sign: Array2::zeros((800, 1)),
+        };
+        let states = states(&frame);
+        assert_eq!(states[[100, 0]], State::Moving);
+        assert_eq!(states[[600, 0]], State::Standing);
+        let mut residual = Array2::from_elem((800, 1), 1.5);
+        let held = judge(&frame, &residual, &coulomb).gap;
+        assert_eq!((held[[100, 0]], held[[600, 0]]), (1.5, 0.0));
+        // A push of 10 N·m in part of the rest, and a rest that friction cannot hold.
+        (600..650).for_each(|i| residual[[i, 0]] += 10.0);
+        let pushed = judge(&frame, &residual, &coulomb).gap;
+        assert!(
+            (pushed[[620, 0]] - 9.7).abs() < 1e-9,
+            "all but 15 % of 2 N·m"
+        );
+        assert_eq!(pushed[[700, 0]], 0.0);
+        let heavy = Array2::from_elem((800, 1), 5.0);
+        assert_eq!(judge(&frame, &heavy, &coulomb).gap[[700, 0]], 3.0);
+    }
+
+    /// A joint that is loaded until it breaks away, and one that turns round slowly, do not stand; one that is pushed does.
+    #[test]
+    fn what_friction_does_before_a_motion_is_no_rest() {
+        let ramp = |from: usize| -> Vec<f64> {
+            (0..100)
+                .map(|i| {
+                    if i < from {
+                        0.0
+                    } else {
+                        2.0 * (i - from) as f64 / (100 - from) as f64
+                    }
+                })
+                .collect()
+        };
+        let late = plateau(&ramp(70), 0.0, 2.0);
+        assert!(late.start == 0 && (70..80).contains(&late.end), "{late:?}");
+        assert_eq!(plateau(&ramp(0), 1.0, 2.0), 0..0);
+        let mut pushed = vec![0.0; 100];
+        (80..100).for_each(|i| pushed[i] = 9.0);
+        assert_eq!(plateau(&pushed, 0.0, 2.0), 0..100);
+    }
+}

@@ -1,0 +1,180 @@
+//! Causes with their evidence, and what to set.
+
+use crate::advice::patch::Patch;
+use crate::outcome::Outcome;
+use crate::report::words::{name, told};
+use crate::schema::{Cause, Diagnosis, Parameter};
+use report::figure::{Bars, Ink};
+use report::{Cell, Column, Section, Table};
+
+/// Candidates listed beside the causes.
+const TRIED: usize = 12;
+
+/// The causes.
+pub(super) fn section(outcome: &Outcome) -> Section {
+    let d = &outcome.diagnosis;
+    if d.causes.is_empty() {
+        let none = "None is listed: no effect of the catalogue explains anything beyond noise and small changes of parameters.";
+        return Section::new("Causes").paragraph(none).details(tried(d));
+    }
+    let title = |c: &Cause| {
+        let on = if c.joints.len() == d.joints.len() {
+            "all joints".to_owned()
+        } else {
+            c.joints.join(", ")
+        };
+        let driver = c
+            .driver
+            .as_ref()
+            .map_or(String::new(), |x| format!(" ← {x}"));
+        format!("{} · {on}{driver}", name(c.effect))
+    };
+    let shares = Bars::new(
+        "Share of the gap by cause",
+        "share",
+        d.causes.iter().map(title),
+    )
+    .series(
+        "share of what all causes remove",
+        Ink::Series(0),
+        &d.causes
+            .iter()
+            .map(|c| Some(c.share_of_gap))
+            .collect::<Vec<_>>(),
+    );
+    let closed = Bars::new(
+        "Part of its joints' error that each cause removes",
+        "part closed",
+        d.causes.iter().map(title),
+    )
+    .series_with_intervals(
+        "with 90 % interval",
+        Ink::Predicted,
+        &d.causes
+            .iter()
+            .map(|c| {
+                let point = [c.gap_closed, c.gap_closed];
+                (c.gap_closed, c.gap_closed_interval.unwrap_or(point))
+            })
+            .collect::<Vec<_>>(),
+    );
+    let head = [
+        Column::text("cause"),
+        Column::text("joints"),
+        Column::number("lead over other names / nats"),
+        Column::text("shown by the held-out recording"),
+        Column::text("could also be"),
+        Column::text("in the simulator"),
+    ];
+    let table = d.causes.iter().fold(Table::new(head), |t, c| {
+        let rivals: Vec<String> = c.ambiguous_with.iter().map(|e| name(*e)).collect();
+        t.row([
+            Cell::text(name(c.effect)),
+            Cell::text(c.joints.join(", ")),
+            Cell::optional(c.lead, 0),
+            Cell::text(if c.confirmed { "yes" } else { "no" }),
+            if rivals.is_empty() {
+                Cell::missing()
+            } else {
+                Cell::text(rivals.join(", "))
+            },
+            Cell::text(told(c)),
+        ])
+    });
+    let mut section = Section::new("Causes")
+        .figure(shares.draw(
+            "Shapley shares of squared NRMSE: where causes overlap, each gets its fair part.",
+        ))
+        .figure(closed.draw(
+            "The other causes being in place; intervals by bootstrap over stretches of time.",
+        ))
+        .table(table)
+        .heading("Sizes");
+    let sizes = d.causes.iter().filter(|c| !c.parameters.is_empty());
+    for cause in sizes {
+        section = section.details(Section::new(title(cause)).table(parameters(&cause.parameters)));
+    }
+    section.details(tried(d))
+}
+
+fn parameters(list: &[Parameter]) -> Table {
+    let head = [
+        Column::text("parameter"),
+        Column::text("joint"),
+        Column::number("value"),
+        Column::text("unit"),
+    ];
+    list.iter().fold(Table::new(head), |t, p| {
+        t.row([
+            Cell::text(p.name.replace('_', " ")),
+            p.joint.as_ref().map_or_else(Cell::missing, Cell::text),
+            Cell::with_std(p.value, p.std.unwrap_or(0.0)),
+            Cell::text(&p.unit),
+        ])
+    })
+}
+
+/// What else was tried, the causes being in place or left out in turn.
+fn tried(d: &Diagnosis) -> Section {
+    let head = [
+        Column::text("effect"),
+        Column::text("joints"),
+        Column::number("part closed on trajectories left out"),
+    ];
+    let table = d
+        .candidates
+        .iter()
+        .take(TRIED)
+        .fold(Table::new(head), |t, c| {
+            t.row([
+                Cell::text(name(c.effect)),
+                Cell::text(c.joints.join(", ")),
+                Cell::number(c.gap_closed, 3),
+            ])
+        });
+    Section::new("Evidence: what was tried in their place").table(table)
+}
+
+/// What to set in the simulators that people use.
+pub(super) fn simulators(d: &Diagnosis, patch: &Patch) -> Section {
+    let head = [
+        Column::text("joint"),
+        Column::text("set"),
+        Column::number("given"),
+        Column::number("to"),
+        Column::text("unit"),
+        Column::text("MuJoCo joint"),
+        Column::text("Isaac"),
+        Column::text("Gazebo (SDF)"),
+    ];
+    let table = patch
+        .settings
+        .iter()
+        .filter(|s| s.given != 0.0 || s.value != 0.0)
+        .fold(Table::new(head), |t, s| {
+            t.row([
+                Cell::text(&s.joint),
+                Cell::text(s.what),
+                Cell::significant(s.given, 4),
+                Cell::significant(s.value, 4),
+                Cell::text(s.unit),
+                Cell::text(s.mujoco),
+                Cell::text(s.isaac),
+                if s.gazebo.is_empty() {
+                    Cell::missing()
+                } else {
+                    Cell::text(s.gazebo)
+                },
+            ])
+        });
+    let mut section = Section::new("What to set in the simulator");
+    if d.causes.is_empty() {
+        section =
+            section.paragraph("Nothing has to change; the values below fit the recording best.");
+    }
+    section
+        .list(d.causes.iter().map(|c| format!("{}: {}.", name(c.effect), told(c))))
+        .table(table.caption("Friction and rotor inertia with all causes in place"))
+        .details(Section::new("MuJoCo: elements to merge by name").code(&patch.mjcf))
+        .paragraph("--patch writes these values: a URDF, the MuJoCo elements, a table, and a drive file for rotor inertias.")
+}

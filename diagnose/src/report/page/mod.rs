@@ -1,0 +1,214 @@
+//! The report as one self-contained HTML page.
+
+mod causes;
+mod data;
+mod maps;
+
+use crate::advice::patch::Patch;
+use crate::outcome::Outcome;
+use crate::report::words::{closes, lines, name, worst_findings};
+use crate::schema::{Diagnosis, Verdict};
+use report::figure::{Bars, Ink, Waterfall};
+use report::{Cell, Column, KeyFigure, Page, Section, Table, Tone};
+
+/// Renders the page. `inputs` names robot and recordings; `patch` is what the causes change in the model.
+pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> String {
+    let d = &outcome.diagnosis;
+    let mut page = Page::new("Where the simulator and the robot part")
+        .subtitle("Torque of a simulator's model against a recording of the real robot; every figure is measured on the held-out recording.")
+        .key_figure(KeyFigure::new("verdict", d.verdict.name().replace('_', " ")).tone(tone(d)));
+    let nrmse = |at: Option<usize>| {
+        let mean = at.and_then(|n| d.ladder[n].all.mean_nrmse);
+        mean.map_or("–".to_owned(), |m| format!("{m:.3}"))
+    };
+    let last = d
+        .ladder
+        .iter()
+        .rposition(|s| s.step != "learned" && s.step != "repeatability");
+    page = page
+        .key_figure(KeyFigure::new("error as given", nrmse(Some(0))).note("mean NRMSE"))
+        .key_figure(KeyFigure::new("error explained", nrmse(last)).note("mean NRMSE"));
+    if let Some(first) = d.causes.iter().find(|c| c.confirmed) {
+        page = page.key_figure(
+            KeyFigure::new("biggest cause", name(first.effect))
+                .note(format!("on {}", first.joints.join(", "))),
+        );
+    }
+    page.section(words(d))
+        .section(ladder(outcome))
+        .section(causes::section(outcome))
+        .section(causes::simulators(d, patch))
+        .section(motion(d))
+        .section(maps::places(d))
+        .section(maps::maps(outcome))
+        .section(data::left(d))
+        .section(data::recordings(d))
+        .section(data::provenance(inputs))
+        .footer(format!(
+            "Made by residyn {} (schema {}).",
+            env!("CARGO_PKG_VERSION"),
+            d.schema
+        ))
+        .render()
+}
+
+fn tone(d: &Diagnosis) -> Tone {
+    match d.verdict {
+        Verdict::NoGap | Verdict::Explained => Tone::Good,
+        Verdict::PartlyExplained | Verdict::CannotTell => Tone::Warning,
+        Verdict::UnknownEffect => Tone::Bad,
+    }
+}
+
+/// The verdict and what follows from it, as the terminal says it.
+fn words(d: &Diagnosis) -> Section {
+    let findings = worst_findings(d);
+    // Lines that belong together in the terminal are one item here.
+    let mut said: Vec<String> = Vec::new();
+    for line in lines(d).iter().filter(|l| !findings.contains(l)) {
+        match said.last_mut() {
+            Some(last) if line.starts_with(' ') => {
+                *last = format!("{}; {}", last.trim_end_matches('.'), line.trim());
+            }
+            _ => said.push(line.clone()),
+        }
+    }
+    let verdict = said.first().map_or("", |v| v.trim_end_matches('.'));
+    let most = d.causes.iter().find(|c| c.confirmed);
+    let most = most.filter(|c| c.gap_closed > 0.05);
+    let most = most.map_or(String::new(), |c| {
+        format!("The biggest cause, {}, {}.", name(c.effect), closes(c))
+    });
+    let mut section = Section::new("In words").callout(tone(d), verdict, most);
+    for finding in &findings {
+        section = section.callout(Tone::Bad, "Look at the recording first", finding.clone());
+    }
+    section.list(said.iter().skip(1).cloned()).paragraph(
+        "NRMSE: root mean squared torque error over the standard deviation of the measured torque, joint by joint; the mean is \
+         over joints.",
+    )
+}
+
+fn ladder(outcome: &Outcome) -> Section {
+    let d = &outcome.diagnosis;
+    let labels = labels(outcome);
+    let steps = || labels.iter().zip(&d.ladder);
+    let mut waterfall = Waterfall::new("Mean NRMSE on the held-out recording", "mean NRMSE");
+    for (label, step) in steps() {
+        let Some(mean) = step.all.mean_nrmse else {
+            continue;
+        };
+        waterfall = if step.step == "repeatability" {
+            waterfall.floor("repeatability", mean)
+        } else {
+            waterfall.step(label, mean)
+        };
+    }
+    let table = |moving: bool| {
+        let mut columns = vec![Column::text("step")];
+        columns.extend(d.joints.iter().map(Column::number));
+        columns.push(Column::number("mean"));
+        steps().fold(Table::new(columns), |t, (label, step)| {
+            let figures = if moving { &step.moving } else { &step.all };
+            let mut cells = vec![Cell::text(label)];
+            cells.extend(figures.nrmse.iter().map(|v| Cell::optional(*v, 4)));
+            cells.push(Cell::optional(figures.mean_nrmse, 4));
+            t.row(cells)
+        })
+    };
+    Section::new("How far the gap shrinks")
+        .figure(waterfall.draw("Each step adds one thing to the model before it. First the model's own parameters are fitted again, then come effects that it lacks."))
+        .table(table(false).caption("NRMSE by joint, all samples"))
+        .details(
+            Section::new("In motion alone")
+                .table(table(true).caption("NRMSE by joint, samples with |q̇| > 0.01 rad/s (m/s)")),
+        )
+        .details(moved(d))
+}
+
+/// Parameters of the given structure that moved.
+fn moved(d: &Diagnosis) -> Section {
+    let head = [
+        Column::text("parameter"),
+        Column::text("joint"),
+        Column::number("given"),
+        Column::number("fitted"),
+        Column::text("unit"),
+        Column::number("deviations"),
+    ];
+    let table = d.moved_parameters.iter().fold(Table::new(head), |t, m| {
+        t.row([
+            Cell::text(&m.name),
+            Cell::text(&m.joint),
+            Cell::significant(m.given, 4),
+            Cell::with_std(m.value, m.std),
+            Cell::text(m.unit),
+            Cell::number(m.deviations, 0),
+        ])
+    });
+    Section::new("Parameters that moved")
+        .paragraph("With the causes in place, near the given values where the data cannot say.")
+        .table(table)
+}
+
+/// Names of the ladder's steps, with the joints of causes.
+fn labels(outcome: &Outcome) -> Vec<String> {
+    let d = &outcome.diagnosis;
+    let found = &outcome.findings;
+    let mut structure = (0..found.accepted.len())
+        .map(|c| found.candidate(c))
+        .filter(|c| !c.effect.is_parameter());
+    let label = |step: &str| match step {
+        "as_given" => "as given".to_owned(),
+        "reidentified" => "parameters fitted again".to_owned(),
+        "learned" => "learned on top".to_owned(),
+        "repeatability" => "repeatability".to_owned(),
+        effect => structure
+            .next()
+            .filter(|c| c.effect.name() == effect)
+            .map_or(effect.replace('_', " "), |c| {
+                let joint = match c.joints[..] {
+                    [j] => format!(" · {}", d.joints[j]),
+                    _ => String::new(),
+                };
+                format!("{}{joint}", name(c.effect))
+            }),
+    };
+    d.ladder
+        .iter()
+        .map(|s| s.step.as_str())
+        .map(label)
+        .collect()
+}
+
+fn motion(d: &Diagnosis) -> Section {
+    let section = Section::new("What it means in motion");
+    let Some(s) = &d.simulation else {
+        return section.paragraph("Not simulated.");
+    };
+    let degrees = |x: &[f64]| -> Vec<Option<f64>> { x.iter().map(|v| Some(1e3 * v)).collect() };
+    let tracking = Bars::new(
+        "Tracking error with the model's torque as feed-forward",
+        "root mean square error / mrad (mm)",
+        &d.joints,
+    )
+    .series("as given", Ink::Muted, &degrees(&s.closed_loop.before))
+    .series("explained", Ink::Predicted, &degrees(&s.closed_loop.after));
+    let table = Table::new([
+        Column::text("model"),
+        Column::number("follows the real robot for / s"),
+    ])
+    .row([Cell::text("as given"), Cell::number(s.free.before_s, 2)])
+    .row([Cell::text("explained"), Cell::number(s.free.after_s, 2)]);
+    section
+        .figure(tracking.draw(format!(
+            "{:.0} s of the held-out motion, tracked by a simulated robot that has all of the real one's torque, under position \
+             feedback of {:.0} Hz.",
+            s.seconds, s.closed_loop.bandwidth_hz
+        )))
+        .table(table.caption(format!(
+            "Simulated under the recorded torque from the recorded state on, until a joint is 0.035 rad (0.01 m) away: median of \
+             {} runs of at most {:.0} s.",
+            s.free.starts, s.free.longest_s
+        )))
+}

@@ -1,0 +1,155 @@
+//! One cause in words: what it is, how much it closes, what to set.
+
+use crate::effect::Effect;
+use crate::schema::value::value;
+use crate::schema::{Cause, Parameter};
+
+/// Cause, joint and size.
+pub fn sentence(cause: &Cause) -> String {
+    let of = |p: &Parameter| match &p.joint {
+        Some(joint) if cause.joints.len() > 1 => format!(", {} on {joint}", value(p)),
+        _ => format!(", {}", value(p)),
+    };
+    let size = cause.parameters.first().map_or(String::new(), of);
+    format!("{} on {}{size}", plain(cause.effect), place(cause))
+}
+
+/// Where a cause acts.
+pub(super) fn place(cause: &Cause) -> String {
+    let driver = cause
+        .driver
+        .as_ref()
+        .map_or(String::new(), |d| format!(" driven by {d}"));
+    format!("{}{driver}", cause.joints.join(", "))
+}
+
+/// How much of the gap it closes.
+pub fn closes(cause: &Cause) -> String {
+    let interval = cause
+        .gap_closed_interval
+        .map_or(String::new(), |[low, high]| {
+            format!(" ({:.0}–{:.0} %)", 100.0 * low, 100.0 * high)
+        });
+    format!(
+        "closes {:.0} % of the gap of {} on held-out data{interval}",
+        100.0 * cause.gap_closed,
+        cause.joints.join(", ")
+    )
+}
+
+/// The effect's name as a heading.
+pub fn name(effect: Effect) -> String {
+    effect.name().replace('_', " ")
+}
+
+/// The effect's name in plain words.
+pub fn plain(effect: Effect) -> &'static str {
+    match effect {
+        Effect::LinkParameters => "inertial parameters of links",
+        Effect::FrictionParameters => "friction coefficients",
+        Effect::Payload => "a payload on the last link",
+        Effect::RotorInertia => "rotor inertia",
+        Effect::BaseTilt => "a tilted base",
+        Effect::Counterbalance => "a counterbalance",
+        Effect::AsymmetricFriction => "friction that differs by direction",
+        Effect::StribeckFriction => "Stribeck friction",
+        Effect::NonlinearViscousFriction => "nonlinear viscous friction",
+        Effect::LoadDependentFriction => "load-dependent friction",
+        Effect::PreslidingHysteresis => "presliding hysteresis",
+        Effect::FrictionDrift => "friction that drifts over the session",
+        Effect::TorqueRipple => "torque ripple",
+        Effect::JointElasticity => "elasticity of the transmission",
+        Effect::Backlash => "backlash",
+        Effect::JointCoupling => "coupling to another joint",
+        Effect::TorqueGain => "a wrong torque scale",
+        Effect::TorqueOffset => "a torque offset",
+        Effect::TimeDelay => "a time shift between torque and motion",
+        Effect::Saturation => "a saturated torque signal",
+        Effect::EncoderOffset => "a wrong joint zero",
+        Effect::ExternalContact => "contact",
+    }
+}
+
+/// What to set in a simulator, in one line.
+pub fn told(cause: &Cause) -> String {
+    let lines = advice(cause);
+    let all: Vec<&str> = lines.iter().map(|l| l.trim()).collect();
+    all.join("; ").replacen(":;", ":", 1)
+}
+
+/// What to set in a simulator; values of several joints follow joint by joint.
+pub fn advice(cause: &Cause) -> Vec<String> {
+    let mut joints: Vec<&str> = Vec::new();
+    for name in cause.parameters.iter().filter_map(|p| p.joint.as_deref()) {
+        if !joints.contains(&name) {
+            joints.push(name);
+        }
+    }
+    if joints.len() < 2 {
+        let size: Vec<String> = cause.parameters.iter().take(4).map(value).collect();
+        return vec![remedy(cause.effect, &size.join(", "))];
+    }
+    let own = |name: &str| {
+        let own = cause
+            .parameters
+            .iter()
+            .filter(|p| p.joint.as_deref() == Some(name));
+        format!(
+            "  {name}: {}",
+            own.map(value).collect::<Vec<_>>().join(", ")
+        )
+    };
+    let head = format!("{}:", remedy(cause.effect, "joint by joint"));
+    std::iter::once(head)
+        .chain(joints.into_iter().map(own))
+        .collect()
+}
+
+/// What to set in a simulator, with the sizes in words.
+fn remedy(effect: Effect, size: &str) -> String {
+    match effect {
+        Effect::LinkParameters => format!("set the links' inertials ({size}); --patch writes them"),
+        Effect::FrictionParameters => {
+            format!("set joint damping and friction loss ({size}); --patch writes them")
+        }
+        Effect::Payload => format!("attach a body to the last link ({size}); --patch writes it"),
+        Effect::RotorInertia => format!("set the joint's armature ({size})"),
+        Effect::BaseTilt => format!("turn gravity in the base frame ({size})"),
+        Effect::Counterbalance => format!("add a passive torque of the joint's position ({size})"),
+        Effect::TimeDelay => {
+            format!("shift the torque in the recording, or delay the actuator ({size})")
+        }
+        Effect::TorqueGain => format!("correct the torque constant or gear ratio ({size})"),
+        Effect::TorqueOffset => format!("take the bias off the torque ({size})"),
+        Effect::EncoderOffset => format!("correct the joint's zero ({size})"),
+        Effect::Saturation => format!("leave out cut samples, or limit the actuator ({size})"),
+        Effect::JointElasticity => {
+            format!("split the joint into motor and link with a spring ({size})")
+        }
+        Effect::Backlash => format!("add a joint with this range between motor and link ({size})"),
+        Effect::ExternalContact => {
+            format!("nothing: leave this part of the recording out ({size})")
+        }
+        _ => format!("no standard parameter: add the torque by a plug-in ({size})"),
+    }
+}
+
+/// The motion that would separate the cause from its rivals.
+pub(super) fn experiment(cause: &Cause) -> &'static str {
+    let with = |e| cause.ambiguous_with.contains(&e) || cause.effect == e;
+    if with(Effect::TorqueOffset) && with(Effect::AsymmetricFriction) {
+        "Record rests that are reached from both directions."
+    } else if with(Effect::BaseTilt) && with(Effect::EncoderOffset) {
+        "Put a level on the base: where the first axis lies flat, no motion tells a tilt from its joint's zero."
+    } else if with(Effect::Payload) || with(Effect::LinkParameters) {
+        "Record the same motions with and without a known mass on the last link."
+    } else if with(Effect::FrictionDrift) {
+        "Repeat one motion cold and warm."
+    } else if with(Effect::LoadDependentFriction) || with(Effect::TorqueGain) {
+        "Repeat the same speeds in poses with different load, up and down."
+    } else if with(Effect::StribeckFriction) || with(Effect::NonlinearViscousFriction) {
+        "Record constant speeds from the slowest to the fastest."
+    } else {
+        "Record slow reversals of single joints, and fast ones."
+    }
+}

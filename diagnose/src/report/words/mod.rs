@@ -1,0 +1,251 @@
+//! The report in words, for the terminal and the page.
+
+mod cause;
+
+pub use cause::{advice, closes, name, plain, sentence, told};
+
+use crate::effect::Effect;
+use crate::schema::Bounds;
+use crate::schema::Resonance;
+use crate::schema::value::value;
+use crate::schema::{Cause, Diagnosis, NextExperiment, Simulation, Step, Verdict};
+use cause::{experiment, place};
+use datasets::check::Severity;
+
+/// The diagnosis as lines of text, the most important first.
+pub fn lines(d: &Diagnosis) -> Vec<String> {
+    let mut out = vec![verdict(d)];
+    out.extend(worst_findings(d));
+    out.extend(d.resonances.iter().map(resonance));
+    let (confirmed, rest): (Vec<&Cause>, Vec<&Cause>) = d.causes.iter().partition(|c| c.confirmed);
+    match confirmed.split_first() {
+        Some((first, others)) => {
+            out.push(format!("Biggest cause: {}.", sentence(first)));
+            out.push(format!("  {}", closes(first)));
+            let advice = advice(first);
+            out.push(format!("  In the simulator: {}", advice[0]));
+            out.extend(advice[1..].iter().map(|l| format!("  {l}")));
+            out.extend(also("Also", others));
+        }
+        None if rest.is_empty() => out.push("No cause to report.".to_owned()),
+        None => out.push("No cause shows on the held-out recording.".to_owned()),
+    }
+    out.extend(also(
+        "Found in the data, not confirmed by the held-out recording",
+        &rest,
+    ));
+    out.extend(d.bounds.as_ref().map(bounds));
+    out.extend(remainder(d));
+    out.extend(d.simulation.as_ref().map(|s| motion(s, &d.joints)));
+    out.extend(ambiguities(d));
+    out.extend(d.next_experiment.as_ref().map(experiment_designed));
+    out.extend(unknowable(d));
+    out
+}
+
+/// What bounds hold, and what that costs.
+pub fn bounds(b: &Bounds) -> String {
+    const NAMED: usize = 3;
+    let held = match b.held.len() {
+        0 => "coefficients that would be negative within their deviation".to_owned(),
+        n if n <= NAMED + 1 => b.held.join(", "),
+        n => format!("{} and {} more", b.held[..NAMED].join(", "), n - NAMED),
+    };
+    format!(
+        "Held to what is possible: {held}; that costs {:.4} of mean NRMSE on the fitted recording.",
+        b.cost.max(0.0)
+    )
+}
+
+/// A resonance: before friction or a delay is blamed, something swings.
+pub fn resonance(r: &Resonance) -> String {
+    let when = match (r.in_motion, r.at_rest) {
+        (true, true) => "in motion, and rings at rest",
+        (false, true) => "rings at rest",
+        _ => "in motion",
+    };
+    format!(
+        "Resonance: {:.2} Hz ({:.2} Hz wide), {when}, on {}: what swings there is neither friction nor a delay.",
+        r.frequency,
+        r.width,
+        r.joints.join(", ")
+    )
+}
+
+/// Further causes, those of one effect in one line.
+fn also(head: &str, causes: &[&Cause]) -> Vec<String> {
+    let mut groups: Vec<Vec<&Cause>> = Vec::new();
+    for &cause in causes {
+        match groups.iter_mut().find(|g| g[0].effect == cause.effect) {
+            Some(group) => group.push(cause),
+            None => groups.push(vec![cause]),
+        }
+    }
+    let one = |cause: &&Cause| {
+        let size = cause.parameters.first().map(|p| format!("{}, ", value(p)));
+        format!(
+            "{} ({}closes {:.0} %)",
+            place(cause),
+            size.unwrap_or_default(),
+            100.0 * cause.gap_closed
+        )
+    };
+    let line = |group: Vec<&Cause>| match group.as_slice() {
+        [cause] => format!("{head}: {}; {}.", sentence(cause), closes(cause)),
+        several => {
+            let list: Vec<String> = several.iter().map(one).collect();
+            format!(
+                "{head}: {} on {}.",
+                plain(several[0].effect),
+                list.join(", ")
+            )
+        }
+    };
+    groups.into_iter().map(line).collect()
+}
+
+/// What the recordings cannot tell apart, causes with the same rivals together.
+fn ambiguities(d: &Diagnosis) -> Vec<String> {
+    let mut groups: Vec<Vec<&Cause>> = Vec::new();
+    for cause in d.causes.iter().filter(|c| !c.ambiguous_with.is_empty()) {
+        let same = |c: &Cause| c.effect == cause.effect && c.ambiguous_with == cause.ambiguous_with;
+        match groups.iter_mut().find(|g| same(g[0])) {
+            Some(group) => group.push(cause),
+            None => groups.push(vec![cause]),
+        }
+    }
+    let next = match d.next_experiment {
+        None => " --next FILE.csv writes the best motion for it.",
+        Some(_) => "",
+    };
+    let line = |group: Vec<&Cause>| {
+        let joints: Vec<String> = group.iter().map(|c| c.joints.join(", ")).collect();
+        let rivals: Vec<&str> = group[0].ambiguous_with.iter().map(|e| plain(*e)).collect();
+        format!(
+            "Cannot be told apart here: {} on {} and {}. {}{next}",
+            plain(group[0].effect),
+            joints.join(", "),
+            rivals.join(" or "),
+            experiment(group[0]),
+        )
+    };
+    groups.into_iter().map(line).collect()
+}
+
+/// What is wrong with the recordings, the worst alone: no cause can be trusted before it is put right.
+pub fn worst_findings(d: &Diagnosis) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    for report in &d.recordings {
+        for finding in report
+            .findings
+            .iter()
+            .filter(|f| f.severity == Severity::Severe)
+        {
+            out.push(format!("In {}: {}.", report.source, finding.message));
+        }
+    }
+    out
+}
+
+/// What the recording cannot show, effects of one reason together.
+pub fn unknowable(d: &Diagnosis) -> Vec<String> {
+    let mut out: Vec<(String, Vec<&str>)> = Vec::new();
+    for n in &d.not_identifiable {
+        let effect = n.effect.map_or("anything at all", plain);
+        match out.iter_mut().find(|(reason, _)| *reason == n.reason) {
+            Some((_, effects)) => effects.push(effect),
+            None => out.push((n.reason.clone(), vec![effect])),
+        }
+    }
+    let say = |(reason, effects): (String, Vec<&str>)| {
+        let list = if effects.len() == Effect::ALL.len() {
+            "any effect".to_owned()
+        } else {
+            effects.join(", ")
+        };
+        format!("Cannot be known: {list}: {reason}.")
+    };
+    out.into_iter().map(say).collect()
+}
+
+/// What is left at a step of the ladder.
+fn remainder(d: &Diagnosis) -> Option<String> {
+    let mean = |name: &str| {
+        d.ladder
+            .iter()
+            .find(|s| s.step == name)
+            .and_then(|s| s.all.mean_nrmse)
+    };
+    let learned =
+        mean("learned").map(|l| format!("a learned compensator would bring it to {l:.3}"));
+    let floor = mean("repeatability")
+        .map(|f| format!("repeated motions differ by {f:.3} among themselves"));
+    let parts: Vec<String> = learned.into_iter().chain(floor).collect();
+    (!parts.is_empty()).then(|| format!("Of the mean NRMSE, {}.", parts.join("; ")))
+}
+
+/// What the designed motion is good for.
+fn experiment_designed(n: &NextExperiment) -> String {
+    let [own, rival] = n.effects.map(plain);
+    format!(
+        "Run the motion of {:.0} s that --next wrote and add it to --data: it tells {own} from {rival} with a likelihood ratio \
+         of e^{:.0}, where the recorded data reach e^{:.1} at most.",
+        n.seconds, n.evidence_expected, n.evidence_recorded
+    )
+}
+
+/// What the gap means in motion.
+pub fn motion(s: &Simulation, joints: &[String]) -> String {
+    let (before, after) = (&s.closed_loop.before, &s.closed_loop.after);
+    let worst = (0..before.len()).max_by(|&a, &b| before[a].total_cmp(&before[b]));
+    let tracking = worst.map_or(String::new(), |j| {
+        format!(
+            "; with the model's torque as feed-forward, {} is off its path by {:.2e} as given, {:.2e} as explained (rad or m, \
+             position feedback of {:.0} Hz)",
+            joints[j], before[j], after[j], s.closed_loop.bandwidth_hz
+        )
+    });
+    format!(
+        "In motion: under the recorded torque the simulated robot follows the real one for {:.2} s as given, {:.2} s as \
+         explained (median of {} runs of at most {:.0} s){tracking}.",
+        s.free.before_s, s.free.after_s, s.free.starts, s.free.longest_s
+    )
+}
+
+fn verdict(d: &Diagnosis) -> String {
+    let nrmse = |step: Option<&Step>| {
+        let mean = step.and_then(|s| s.all.mean_nrmse);
+        mean.map_or("unknown".to_owned(), |m| format!("{m:.3}"))
+    };
+    let last = d
+        .ladder
+        .iter()
+        .rfind(|s| s.step != "learned" && s.step != "repeatability");
+    let figures = format!(
+        "mean NRMSE on held-out data {} as given, {} explained",
+        nrmse(d.ladder.first()),
+        nrmse(last)
+    );
+    let says = match d.verdict {
+        Verdict::NoGap => {
+            "Nothing is missing: what separates model and recording is noise and small parameter changes"
+        }
+        Verdict::Explained => "The gap is explained",
+        Verdict::PartlyExplained => "The gap is explained in part",
+        Verdict::UnknownEffect => {
+            let worst = d
+                .unexplained
+                .iter()
+                .max_by(|a, b| a.nrmse.unwrap_or(0.0).total_cmp(&b.nrmse.unwrap_or(0.0)));
+            let place = worst.map_or("", |w| w.joint.as_str());
+            return format!(
+                "Something is there that the catalogue does not know, on {place} ({figures})."
+            );
+        }
+        Verdict::CannotTell => {
+            let reason = d.reason.as_deref().unwrap_or_default();
+            return format!("This recording does not say: {reason} ({figures}).");
+        }
+    };
+    format!("{says} ({figures}).")
+}

@@ -1,0 +1,176 @@
+//! From candidates and a recording to sums of products.
+
+use crate::algebra::gram::{Grams, JointGram, Layout};
+use crate::catalogue::{Candidate, Column, ColumnTorque, base_columns};
+use crate::motion::frame::Frame;
+use crate::motion::scene::Scene;
+use ndarray::{Array1, Array2};
+use physics::dynamics::{Workspace, regressor};
+use physics::robot::PARAMETERS_PER_LINK;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Columns that are in memory at the fine rate together.
+const BATCH: usize = 32;
+
+/// The columns of base and candidates, without repeats.
+pub struct Dictionary {
+    columns: Vec<Column>,
+    /// Columns of each candidate.
+    pub members: Vec<Vec<usize>>,
+}
+
+impl Dictionary {
+    /// Numbers the columns: the base first, then the candidates' own.
+    pub fn new(dof: usize, candidates: &[Candidate]) -> Self {
+        let mut columns = base_columns(dof);
+        let base = columns.len();
+        let mut members = Vec::with_capacity(candidates.len());
+        for candidate in candidates {
+            let mut ids = Vec::with_capacity(candidate.columns.len());
+            for column in &candidate.columns {
+                ids.push(match &column.torque {
+                    ColumnTorque::Base(id) => *id,
+                    ColumnTorque::Made(make) => {
+                        let known = columns[base..].iter().position(
+                            |c| matches!(&c.torque, ColumnTorque::Made(other) if Arc::ptr_eq(make, other)),
+                        );
+                        known.map_or_else(
+                            || {
+                                columns.push(column.clone());
+                                columns.len() - 1
+                            },
+                            |k| base + k,
+                        )
+                    }
+                });
+            }
+            members.push(ids);
+        }
+        Self { columns, members }
+    }
+
+    /// Number of columns.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// True when there is no column.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// Columns named by `ids` at the fine rate: (column, joint, values).
+    pub fn evaluate(&self, scene: &Scene, ids: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
+        let inertial = PARAMETERS_PER_LINK * scene.dof();
+        let wanted: Vec<usize> = ids.iter().copied().filter(|&c| c < inertial).collect();
+        let mut out = inertial_columns(scene, &wanted);
+        let made: Vec<Vec<(usize, usize, Array1<f64>)>> = ids
+            .par_iter()
+            .filter(|&&c| c >= inertial)
+            .map(|&c| match &self.columns[c].torque {
+                ColumnTorque::Base(b) => {
+                    let (kind, joint) =
+                        ((b - inertial) / scene.dof(), (b - inertial) % scene.dof());
+                    let table = if kind == 0 {
+                        &scene.motion.qd
+                    } else {
+                        &scene.sign
+                    };
+                    vec![(c, joint, table.column(joint).to_owned())]
+                }
+                ColumnTorque::Made(make) => {
+                    let joints = self.columns[c].joints.iter();
+                    joints
+                        .zip(make(scene))
+                        .map(|(&j, values)| (c, j, values))
+                        .collect()
+                }
+            })
+            .collect();
+        out.extend(made.into_iter().flatten());
+        out
+    }
+
+    /// Products of all columns and the gap `y` (rows, joints), by fold of whole trajectories.
+    pub fn grams(
+        &self,
+        scene: &Scene,
+        frame: &Frame,
+        y: &Array2<f64>,
+        weight: &Array2<f64>,
+        folds: &[Vec<Range<usize>>],
+    ) -> Grams {
+        let dof = scene.dof();
+        let joints: Vec<Vec<usize>> = self.columns.iter().map(|c| c.joints.clone()).collect();
+        let layout = Layout::new(dof, &joints);
+        let mut tables: Vec<Array2<f64>> = layout
+            .active
+            .iter()
+            .map(|a| Array2::zeros((frame.len(), a.len())))
+            .collect();
+        let ids: Vec<usize> = (0..self.len()).collect();
+        for batch in ids.chunks(BATCH) {
+            let reduced: Vec<(usize, usize, Array1<f64>)> = self
+                .evaluate(scene, batch)
+                .into_par_iter()
+                .map(|(c, j, fine)| (c, j, frame.reduce(&fine)))
+                .collect();
+            for (c, j, values) in reduced {
+                let p = layout
+                    .position(j, c)
+                    .expect("a column touches the joints that it names");
+                tables[j].column_mut(p).assign(&values);
+            }
+        }
+        let cells: Vec<(usize, usize)> = (0..folds.len())
+            .flat_map(|f| (0..dof).map(move |j| (f, j)))
+            .collect();
+        let grams: Vec<JointGram> = cells
+            .into_par_iter()
+            .map(|(f, j)| {
+                let rows: Vec<usize> = folds[f].iter().cloned().flatten().collect();
+                let axis = ndarray::Axis(0);
+                let pick = |t: &Array2<f64>| t.column(j).select(axis, &rows);
+                JointGram::new(
+                    tables[j].select(axis, &rows).view(),
+                    pick(y).view(),
+                    pick(weight).view(),
+                )
+            })
+            .collect();
+        Grams::new(
+            layout,
+            grams.chunks(dof).map(<[JointGram]>::to_vec).collect(),
+        )
+    }
+}
+
+/// Columns of inertial parameters, joints below their link.
+fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
+    let (dof, n) = (scene.dof(), scene.len());
+    let mut out: Vec<(usize, usize, Array1<f64>)> = wanted
+        .iter()
+        .flat_map(|&c| (0..=c / PARAMETERS_PER_LINK).map(move |j| (c, j, Array1::zeros(n))))
+        .collect();
+    let mut workspace = Workspace::new(scene.robot);
+    let width = PARAMETERS_PER_LINK * dof;
+    let mut y = vec![0.0; dof * width];
+    let m = scene.motion;
+    for i in 0..n {
+        let row = |t: &Array2<f64>| t.row(i).to_vec();
+        regressor(
+            scene.robot,
+            &mut workspace,
+            &row(&m.q),
+            &row(&m.qd),
+            &row(&m.qdd),
+            &mut y,
+        );
+        for (c, j, values) in &mut out {
+            values[i] = y[*j * width + *c];
+        }
+    }
+    out
+}

@@ -1,0 +1,274 @@
+//! The diagnosis, step by step: recording → gap → first fit → catalogue → causes.
+
+use crate::algebra::fit::Variable;
+use crate::algebra::folds::folds;
+use crate::algebra::gram::Grams;
+use crate::catalogue::{self, Candidate, backlash, saturation, torque_ripple};
+use crate::error::DiagnoseError;
+use crate::input::frames::Frames;
+use crate::motion::frame::Frame;
+use crate::motion::scene::{Scale, Scene};
+use crate::search::dictionary::Dictionary;
+use crate::search::objective::Objective;
+use crate::search::select::Tried;
+use crate::search::simplest::{Answer, Simplest};
+use crate::settings::{FREEDOMS, Settings};
+use crate::simulator::NominalModel;
+use crate::traces::impacts;
+use crate::traces::order::Orders;
+use datasets::check::plateau;
+use ndarray::{Array1, Array2, Axis};
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use rayon::prelude::*;
+
+/// Most causes that are named.
+const MOST_CAUSES: usize = 24;
+/// An accepted cause among the candidates.
+#[derive(Clone, Debug)]
+pub struct Accepted {
+    /// Index of its candidate.
+    pub candidate: usize,
+    /// Its variables in the fit.
+    pub variables: std::ops::Range<usize>,
+    /// Everything tried in its place, best first.
+    pub tried: Vec<Tried>,
+    /// Squared error that it leaves over what the free refit in its place does, on folds left out; None where parameters
+    /// cannot take it over.
+    pub over_refit: Option<f64>,
+}
+
+/// What the search came to.
+pub struct Findings {
+    /// The model with the first fit's parameters: what derived columns are built on.
+    pub present: Robot,
+    /// The catalogue with the lines found in this recording.
+    pub candidates: Vec<Candidate>,
+    /// Its columns.
+    pub dictionary: Dictionary,
+    /// Products over the fitted recording.
+    pub grams: Grams,
+    /// Number of base variables, first in every fit.
+    pub base: usize,
+    /// Causes in the order of acceptance.
+    pub accepted: Vec<Accepted>,
+    /// Variables and coefficients, the base near the given values.
+    pub tight: (Vec<Variable>, Array1<f64>),
+    /// Posterior standard deviations of the same.
+    pub std: Array1<f64>,
+    /// The best of what was not accepted.
+    pub rest: Vec<Tried>,
+    /// How far parameters may leave the given values when they are identified again, in tolerances.
+    pub freedom: f64,
+    /// Settings of the search.
+    pub settings: Settings,
+}
+
+/// Torque of the gap on a frame's recorded samples: measured − given.
+pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
+    &frame.tau - &model.predicted(frame, scale)
+}
+
+/// Chosen columns of a recording at its recorded samples: (column, joint, torque per unit).
+pub struct Columns(Vec<(usize, usize, Array1<f64>)>);
+
+impl Columns {
+    /// Evaluates columns on a frame. `scene` must show its motion.
+    pub fn new(
+        dictionary: &Dictionary,
+        scene: &Scene,
+        frame: &Frame,
+        variables: &[Variable],
+    ) -> Self {
+        let mut ids: Vec<usize> = variables.iter().map(|v| v.column).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        let fine = dictionary.evaluate(scene, &ids);
+        Self(
+            fine.into_par_iter()
+                .map(|(c, j, x)| (c, j, Array1::from(frame.to_samples(&x))))
+                .collect(),
+        )
+    }
+
+    /// Torque of the given coefficients, shape (samples, joints).
+    pub fn torque(
+        &self,
+        shape: (usize, usize),
+        variables: &[Variable],
+        beta: &Array1<f64>,
+    ) -> Array2<f64> {
+        let mut out = Array2::zeros(shape);
+        self.add(&mut out, 0..shape.0, variables, beta);
+        out
+    }
+
+    /// Adds the torque of the given coefficients on some samples to `out`, shape (samples, joints).
+    pub fn add(
+        &self,
+        out: &mut Array2<f64>,
+        samples: std::ops::Range<usize>,
+        variables: &[Variable],
+        beta: &Array1<f64>,
+    ) {
+        let mut by_column = std::collections::HashMap::new();
+        for (v, b) in variables.iter().zip(beta) {
+            *by_column.entry(v.column).or_insert(0.0) += b;
+        }
+        let mut out = out.slice_axis_mut(Axis(0), samples.clone().into());
+        for (c, j, x) in &self.0 {
+            if let Some(&b) = by_column.get(c) {
+                out.column_mut(*j)
+                    .scaled_add(b, &x.slice_axis(Axis(0), samples.clone().into()));
+            }
+        }
+    }
+}
+
+/// Finds the causes.
+///
+/// # Errors
+/// None beyond those of the model's own numbers.
+pub fn find(
+    model: &NominalModel,
+    frames: &Frames,
+    weight: &Array2<f64>,
+    settings: Settings,
+) -> Result<Findings, DiagnoseError> {
+    let (data, scale) = (&frames.data, &frames.scale);
+    let gap = gap(model, data, scale);
+    let y = data.table_thin(&gap);
+    let folds = folds(&data.rows);
+    let given = Scene::new(&model.robot, data.motion(), scale);
+    let (present, residual) = first_fit(model, frames, &given, &gap, &y, weight, &settings)?;
+    let scene = Scene::new(&present, data.motion(), scale).with_tangents();
+    let mut candidates = catalogue::catalogue(&scene);
+    for j in 0..data.dof() {
+        let orders = Orders::new(
+            residual.column(j),
+            data.samples().q.column(j),
+            scale.speed[j],
+            data.report().rate_hz,
+        )
+        .map_or_else(Vec::new, |o| o.lines(torque_ripple::LINES));
+        candidates.extend(torque_ripple::candidates(j, &orders));
+        let flat = plateau(&data.tau.column(j).to_vec());
+        candidates.extend(flat.map(|(limit, _)| saturation::flat_top(j, limit)));
+    }
+    let load = data.table_to_samples(&scene.rigid);
+    if let Some(blows) = impacts::clearest(data, &residual, &load) {
+        candidates.extend(backlash::struck(&scene, blows.joint));
+    }
+    candidates.retain(|c| Some(c.effect) != settings.withheld);
+    let dictionary = Dictionary::new(data.dof(), &candidates);
+    let grams = dictionary.grams(&scene, data, &y, weight, &folds);
+    let objective = Objective::new(&grams, scale, &settings);
+    let simplest = Simplest {
+        objective: &objective,
+        candidates: &candidates,
+        members: &dictionary.members,
+        model,
+        most: MOST_CAUSES,
+    };
+    let Answer {
+        selection,
+        steps,
+        rest,
+        base,
+        over_refit,
+    } = simplest.answer();
+    let mut start = base.len();
+    let accepted = selection
+        .accepted
+        .iter()
+        .zip(steps)
+        .zip(over_refit)
+        .map(|((&candidate, tried), over_refit)| {
+            let variables = start..start + dictionary.members[candidate].len();
+            start = variables.end;
+            Accepted {
+                candidate,
+                variables,
+                tried,
+                over_refit,
+            }
+        })
+        .collect();
+    let tight = (
+        selection.fit.variables.clone(),
+        selection.fit.beta().clone(),
+    );
+    let std = selection.fit.std();
+    Ok(Findings {
+        present,
+        candidates,
+        dictionary,
+        grams,
+        base: base.len(),
+        accepted,
+        tight,
+        std,
+        rest,
+        freedom: FREEDOMS[0],
+        settings,
+    })
+}
+
+/// Parameters alone, near the given ones: the model that derived columns are built on, and what it
+/// leaves at the recorded samples.
+fn first_fit(
+    model: &NominalModel,
+    frames: &Frames,
+    given: &Scene,
+    gap: &Array2<f64>,
+    y: &Array2<f64>,
+    weight: &Array2<f64>,
+    settings: &Settings,
+) -> Result<(Robot, Array2<f64>), DiagnoseError> {
+    let data = &frames.data;
+    let dictionary = Dictionary::new(data.dof(), &[]);
+    let grams = dictionary.grams(given, data, y, weight, &folds(&data.rows));
+    let objective = Objective::new(&grams, &frames.scale, settings);
+    let base = objective.base(model, 1.0);
+    let fit = objective.fit(base.clone());
+    let columns = Columns::new(&dictionary, given, data, &base);
+    let residual = gap - &columns.torque(gap.dim(), &base, fit.beta());
+    Ok((model.moved(&fit.beta().to_vec())?, residual))
+}
+
+impl Findings {
+    /// How the variables of the fit near the given parameters change the model's parameters (10 N inertial, N viscous, N
+    /// Coulomb): variable, parameter, change per unit.
+    pub fn parameter_map(&self) -> Vec<(usize, usize, f64)> {
+        let variables = self.tight.0.iter().enumerate();
+        let mut map: Vec<(usize, usize, f64)> = variables
+            .filter(|(_, v)| v.column < self.base)
+            .map(|(i, v)| (i, v.column, 1.0))
+            .collect();
+        for accepted in &self.accepted {
+            let candidate = &self.candidates[accepted.candidate];
+            let first = PARAMETERS_PER_LINK * candidate.joints[0];
+            let sizes = candidate.change.into_iter().flatten().enumerate();
+            let sizes = sizes.filter(|(_, size)| *size != 0.0);
+            map.extend(sizes.map(|(p, size)| (accepted.variables.start, first + p, size)));
+        }
+        map
+    }
+
+    /// Change of each parameter of the model (10 N inertial, N viscous, N Coulomb) by the variables kept, and its deviation:
+    /// of several coefficients of one parameter the narrowest says how well it is known. Infinite where none moves it.
+    pub fn changes(&self, keep: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {
+        let mut out = vec![(0.0, f64::INFINITY); self.base];
+        let beta = &self.tight.1;
+        for (i, parameter, size) in self.parameter_map().into_iter().filter(|m| keep(m.0)) {
+            let (sum, least) = &mut out[parameter];
+            *sum += beta[i] * size;
+            *least = least.min(self.std[i] * size.abs());
+        }
+        out
+    }
+
+    /// The candidate behind an accepted cause.
+    pub fn candidate(&self, cause: usize) -> &Candidate {
+        &self.candidates[self.accepted[cause].candidate]
+    }
+}

@@ -1,0 +1,7 @@
+//! The search for causes: from the catalogue to those that explain.
+
+pub(crate) mod dictionary;
+pub(crate) mod find;
+pub(crate) mod objective;
+pub(crate) mod select;
+pub(crate) mod simplest;

@@ -1,0 +1,164 @@
+//! What makes one set of causes better than another.
+//!
+//! J = ½ Σ_j n_j log(MSE_j + floor_j²) + ½ Σ λ β² + cost · coefficients, in nats, smaller is better. MSE_j is the
+//! leave-one-fold-out mean squared error of joint j; n_j counts independent samples, not rows; the second term
+//! is what the given parameters must be bent for the explanation to hold, so that an explanation by few
+//! parameters beats the same torque explained by bending many.
+
+use crate::algebra::fit::{Fit, Trial, Variable};
+use crate::algebra::gram::Grams;
+use crate::motion::scene::Scale;
+use crate::settings::Settings;
+use crate::simulator::{NominalModel, link_sizes};
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+
+/// Torque that friction which the model lacks may make, relative to the joint's, one deviation.
+const MISSING: f64 = 3.0;
+/// The same of a change of friction that nobody would report, however small the coefficient is.
+const UNREPORTED: f64 = 0.003;
+
+/// The criterion for one set of products.
+pub struct Objective<'a> {
+    /// Products of the dictionary.
+    pub grams: &'a Grams,
+    /// Settings.
+    pub settings: &'a Settings,
+    torque: Vec<f64>,
+}
+
+impl<'a> Objective<'a> {
+    /// For products of recordings of the given size.
+    pub fn new(grams: &'a Grams, scale: &Scale, settings: &'a Settings) -> Self {
+        Self {
+            grams,
+            settings,
+            torque: scale.torque.clone(),
+        }
+    }
+
+    /// Mean squared error of each joint with the floor added, (N·m)².
+    pub fn variance(&self, error: &[f64]) -> Vec<f64> {
+        let floor = self.settings.floor;
+        error
+            .iter()
+            .zip(&self.grams.total)
+            .zip(&self.torque)
+            .map(|((e, g), t)| e.max(0.0) / g.samples.max(1.0) + (floor * t).powi(2))
+            .collect()
+    }
+
+    /// Mean squared error of each joint with the floor added, relative to its squared torque.
+    pub fn relative_variance(&self, error: &[f64]) -> Vec<f64> {
+        let each = self.variance(error).into_iter().zip(&self.torque);
+        each.map(|(v, t)| v / (t * t)).collect()
+    }
+
+    /// Root mean squared error of each joint relative to its torque.
+    pub fn relative(&self, error: &[f64]) -> Vec<f64> {
+        let each = error.iter().zip(&self.grams.total).zip(&self.torque);
+        each.map(|((e, g), t)| (e.max(0.0) / g.samples.max(1.0)).sqrt() / t)
+            .collect()
+    }
+
+    /// The same of the gap itself.
+    pub fn given(&self) -> Vec<f64> {
+        self.relative(&self.grams.total.iter().map(|g| g.yy).collect::<Vec<_>>())
+    }
+
+    fn independent(&self, joint: usize) -> f64 {
+        self.grams.total[joint].samples / self.settings.correlated_rows
+    }
+
+    /// J of squared errors, penalty and number of added coefficients.
+    pub fn value(&self, error: &[f64], penalty: f64, coefficients: usize) -> f64 {
+        let misfit: f64 = self
+            .variance(error)
+            .iter()
+            .enumerate()
+            .map(|(j, v)| 0.5 * self.independent(j) * v.ln())
+            .sum();
+        misfit + 0.5 * penalty + self.settings.cost * coefficients as f64
+    }
+
+    /// J of a fit with `coefficients` beyond the base.
+    pub fn of_fit(&self, fit: &Fit, coefficients: usize) -> f64 {
+        self.value(&fit.error(), fit.penalty(), coefficients)
+    }
+
+    /// J of a trial that adds to a fit.
+    pub fn of_trial(&self, trial: &Trial, coefficients: usize) -> f64 {
+        self.value(&trial.error, trial.penalty, coefficients)
+    }
+
+    /// Weights of the joints for a given squared error.
+    pub fn weights(&self, error: &[f64]) -> Vec<f64> {
+        self.variance(error)
+            .iter()
+            .map(|v| 1.0 / (self.settings.correlated_rows * v))
+            .collect()
+    }
+
+    /// Fits variables, the joints' weights found in three passes.
+    pub fn fit(&self, variables: Vec<Variable>) -> Fit<'a> {
+        let empty: Vec<f64> = self.grams.total.iter().map(|g| g.yy).collect();
+        let mut fit = Fit::new(self.grams, variables.clone(), self.weights(&empty));
+        for _ in 0..3 {
+            let weights = self.weights(&fit.error());
+            fit = Fit::new(self.grams, variables.clone(), weights);
+        }
+        fit
+    }
+
+    /// A candidate's coefficient: its torque may reach three times the joint's, one deviation.
+    pub fn wide(&self, column: usize) -> Variable {
+        let size = self.grams.column_rms(column, &self.torque);
+        Variable {
+            column,
+            precision: (size / 3.0).powi(2).max(1e-12),
+        }
+    }
+
+    /// Freedom of a link's parameters when they are suspected: half their size.
+    pub fn freed_link(&self, robot: &Robot, link: usize) -> Vec<Variable> {
+        let first = PARAMETERS_PER_LINK * link;
+        let sizes = link_sizes(&robot.joints()[link]);
+        let variable = |(p, size): (usize, f64)| Variable {
+            column: first + p,
+            precision: (0.5 * size).powi(-2),
+        };
+        sizes.into_iter().enumerate().map(variable).collect()
+    }
+
+    /// The base columns with the given parameters' tolerances, `freedom` times as wide, as priors. A coefficient of friction
+    /// that the model has at zero is missing, joint by joint, and free: nobody claimed that it is zero. One that was
+    /// identified as zero is.
+    pub fn base(&self, model: &NominalModel, freedom: f64) -> Vec<Variable> {
+        let s = self.settings;
+        let joints = model.sizes().joints();
+        let mut deviations: Vec<f64> = joints
+            .iter()
+            .flat_map(|j| link_sizes(j).map(|x| freedom * s.inertial_tolerance * x))
+            .collect();
+        let damping = joints.iter().map(|j| j.damping);
+        let coulomb = joints.iter().map(|j| j.friction);
+        for given in damping.chain(coulomb) {
+            let size = self
+                .grams
+                .column_rms(deviations.len(), &self.torque)
+                .max(1e-9);
+            deviations.push(if given == 0.0 && !model.is_identified() {
+                MISSING / size
+            } else {
+                freedom * (s.friction_tolerance * given).max(UNREPORTED / size)
+            });
+        }
+        deviations
+            .iter()
+            .enumerate()
+            .map(|(column, d)| Variable {
+                column,
+                precision: 1.0 / (d * d),
+            })
+            .collect()
+    }
+}

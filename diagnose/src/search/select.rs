@@ -1,0 +1,395 @@
+//! Forward selection of causes with a backward check.
+
+use crate::algebra::fit::{Fit, Trial, Variable};
+use crate::catalogue::{Bound, Candidate};
+use crate::effect::Effect;
+use crate::search::objective::Objective;
+use physics::robot::Robot;
+use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
+
+/// Largest change of a suspected link's parameter, in squares of its prior deviation (half its size): beyond that the
+/// link is not the cause, it stands in for something else.
+const MOST_CHANGE: f64 = 9.0;
+
+/// Deviation of the density of a suspected link, relative.
+const DENSITY: f64 = 0.5;
+
+/// Candidates that are tried on folds left out where one is exchanged for a better one.
+const CONTENDERS: usize = 40;
+
+/// Mass and first moments, the first parameters of a body.
+const MOMENTS: usize = 4;
+/// Those of a body on the last link that a recording shows.
+const SHOWN: usize = 2;
+
+/// A candidate tried on top of a fit.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Fall of J, nats.
+    pub gain: f64,
+    /// Leave-one-fold-out squared error by joint.
+    pub error: Vec<f64>,
+    /// Σ λ β² of the whole fit.
+    pub penalty: f64,
+    /// Coefficients.
+    pub gamma: Vec<f64>,
+}
+
+/// Causes found.
+pub struct Selection<'a> {
+    /// Accepted candidates in the order of acceptance.
+    pub accepted: Vec<usize>,
+    /// Fit with all of them.
+    pub fit: Fit<'a>,
+}
+
+/// The search over one dictionary.
+pub struct Search<'a> {
+    /// The criterion.
+    pub objective: &'a Objective<'a>,
+    /// The catalogue.
+    pub candidates: &'a [Candidate],
+    /// Columns of each candidate.
+    pub members: &'a [Vec<usize>],
+    /// The model as given.
+    pub robot: &'a Robot,
+    /// The base with its priors.
+    pub base: Vec<Variable>,
+    /// Candidates that may not be accepted.
+    pub barred: HashSet<usize>,
+}
+
+impl<'a> Search<'a> {
+    /// Coefficients of a candidate with wide priors.
+    pub fn variables(&self, candidate: usize) -> Vec<Variable> {
+        let c = &self.candidates[candidate];
+        let wide = self.members[candidate]
+            .iter()
+            .map(|&c| self.objective.wide(c));
+        match c.effect {
+            Effect::LinkParameters if c.change.is_some() && c.shape.is_empty() => vec![Variable {
+                column: self.members[candidate][0],
+                precision: DENSITY.powi(-2),
+            }],
+            Effect::LinkParameters if c.change.is_none() => {
+                let mut freed = self.objective.freed_link(self.robot, c.joints[0]);
+                freed.retain(|v| self.members[candidate].contains(&v.column));
+                freed
+            }
+            Effect::Payload => wide
+                .zip(self.objective.freed_link(self.robot, c.joints[0]))
+                .enumerate()
+                .map(|(p, (wide, freed))| if p < MOMENTS { wide } else { freed })
+                .collect(),
+            _ => wide.collect(),
+        }
+    }
+
+    /// Fit of the base and the given candidates.
+    pub fn fit(&self, accepted: &[usize]) -> Fit<'a> {
+        let mut variables = self.base.clone();
+        variables.extend(accepted.iter().flat_map(|&c| self.variables(c)));
+        self.objective.fit(variables)
+    }
+
+    /// Coefficients that a candidate is charged for. Of a body on the last link a recording shows little more than two
+    /// moments, those about the last axis; the rest is tied to the given values and the link's size. A wrong last link is
+    /// the same columns at the same price.
+    fn price(&self, candidate: usize) -> usize {
+        let c = &self.candidates[candidate];
+        let all = self.members[candidate].len();
+        match c.effect {
+            Effect::Payload => SHOWN,
+            Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => SHOWN.min(all),
+            _ => all,
+        }
+    }
+
+    /// Causes beyond parameters.
+    fn named(&self, accepted: &[usize]) -> usize {
+        accepted
+            .iter()
+            .filter(|&&c| !self.candidates[c].effect.is_parameter())
+            .count()
+    }
+
+    /// Every admissible candidate tried on top of a fit, best first.
+    pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<Tried> {
+        let all: Vec<usize> = (0..self.candidates.len()).collect();
+        self.judged(fit, accepted, &all, |f, v| f.trial(v))
+    }
+
+    /// The best candidates on top of a fit, of those that look best on the fitted rows, and `own` in any case.
+    fn contenders(&self, fit: &Fit, accepted: &[usize], own: usize) -> Vec<Tried> {
+        let all: Vec<usize> = (0..self.candidates.len()).collect();
+        let seen = self.judged(fit, accepted, &all, |f, v| f.glance(v));
+        let best = seen.iter().map(|t| t.candidate).filter(|c| *c != own);
+        let few: Vec<usize> = best.take(CONTENDERS).chain([own]).collect();
+        self.judged(fit, accepted, &few, |f, v| f.trial(v))
+    }
+
+    /// Those of some candidates that are admissible, tried on top of a fit, best first.
+    fn judged(
+        &self,
+        fit: &Fit,
+        accepted: &[usize],
+        some: &[usize],
+        trial: impl Fn(&Fit, &[Variable]) -> Trial + Sync,
+    ) -> Vec<Tried> {
+        let before = self.objective.of_fit(fit, 0);
+        // Each effect is as likely as any other, and so is each of its places.
+        let places = self.places();
+        let mut all: Vec<Tried> = some
+            .par_iter()
+            .copied()
+            .filter(|c| !self.barred.contains(c))
+            .filter(|c| !accepted.iter().any(|a| self.excludes(*a, *c)))
+            .filter_map(|c| {
+                let variables = self.variables(c);
+                let trial = trial(fit, &variables);
+                let candidate = &self.candidates[c];
+                let link = candidate.effect == Effect::LinkParameters && candidate.shape.is_empty();
+                let within = trial
+                    .gamma
+                    .iter()
+                    .zip(&self.candidates[c].bounds)
+                    .all(|(g, b)| allowed(*g, *b))
+                    && (!link
+                        || trial
+                            .gamma
+                            .iter()
+                            .zip(&variables)
+                            .all(|(g, v)| g * g * v.precision < MOST_CHANGE));
+                let gain = before - self.objective.of_trial(&trial, self.price(c))
+                    + self.candidates[c].evidence
+                    - places[&self.candidates[c].effect].ln();
+                within.then_some(Tried {
+                    candidate: c,
+                    gain,
+                    error: trial.error,
+                    penalty: trial.penalty,
+                    gamma: trial.gamma,
+                })
+            })
+            .collect();
+        all.sort_by(|a, b| {
+            b.gain
+                .total_cmp(&a.gain)
+                .then(a.candidate.cmp(&b.candidate))
+        });
+        all
+    }
+
+    /// Number of places where the catalogue looks for each effect.
+    fn places(&self) -> HashMap<Effect, f64> {
+        let of = |c: &'a Candidate| (c.effect, &c.joints, c.driver);
+        let places: HashSet<_> = self.candidates.iter().map(of).collect();
+        let mut counts = HashMap::new();
+        for (effect, _, _) in places {
+            *counts.entry(effect).or_insert(0.0) += 1.0;
+        }
+        counts
+    }
+
+    /// Whether one accepted candidate rules another out: the same effect at the same place.
+    fn excludes(&self, accepted: usize, other: usize) -> bool {
+        let (a, b) = (&self.candidates[accepted], &self.candidates[other]);
+        a.effect == b.effect && a.joints == b.joints && a.driver == b.driver
+    }
+
+    /// Adds the best candidate until none is worth it, exchanging earlier choices for better ones on the way, then
+    /// drops what the rest has made superfluous.
+    pub fn run(&self, most: usize) -> Selection<'a> {
+        let mut accepted: Vec<usize> = Vec::new();
+        let mut gains: Vec<f64> = Vec::new();
+        let mut fit = self.fit(&accepted);
+        loop {
+            let tried = self.tried(&fit, &accepted);
+            let best = tried
+                .iter()
+                .find(|t| {
+                    self.worth(&fit, t)
+                        && (self.plain(&fit, t)
+                            || t.gain > self.relative_price(&accepted, &gains, t.candidate))
+                })
+                .map(|t| (t.candidate, t.gain));
+            match best {
+                Some((candidate, gain)) if self.named(&accepted) < most => {
+                    accepted.push(candidate);
+                    gains.push(gain);
+                    self.exchange(&mut accepted);
+                    fit = self.fit(&accepted);
+                }
+                _ => break,
+            }
+        }
+        self.drop_superfluous(&mut accepted);
+        let fit = self.fit(&accepted);
+        Selection { accepted, fit }
+    }
+
+    /// What some causes were chosen among: for each everything tried in its place, the others standing, and everything
+    /// tried beside all of them, best first.
+    pub fn alternatives(&self, selection: &Selection) -> (Vec<Vec<Tried>>, Vec<Tried>) {
+        let accepted = &selection.accepted;
+        let instead = |i: usize| {
+            let others = without(accepted, i);
+            self.tried(&self.fit(&others), &others)
+        };
+        let steps = (0..accepted.len()).map(instead).collect();
+        (steps, self.tried(&selection.fit, accepted))
+    }
+
+    /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
+    /// visible on some joint and in the whole gap.
+    fn worth(&self, fit: &Fit, tried: &Tried) -> bool {
+        let s = self.objective.settings;
+        let c = &self.candidates[tried.candidate];
+        // What else speaks for a candidate helps it against other names; it has to pay by itself.
+        let gain = tried.gain - c.evidence;
+        if gain < s.enough {
+            return false;
+        }
+        let before = self.objective.relative(&fit.error());
+        let after = self.objective.relative(&tried.error);
+        let removed: Vec<f64> = before
+            .iter()
+            .zip(&after)
+            .map(|(b, a)| b * b - a * a)
+            .collect();
+        let visible = removed.iter().any(|r| *r > s.visible * s.visible);
+        let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
+        let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
+        let memory = c.effect == Effect::PreslidingHysteresis;
+        let part = fraction(&before, &after, &c.joints);
+        let sure = c.effect.is_dynamic() && gain > 20.0 * s.enough;
+        if part < least_fraction(c) && !sure {
+            return false;
+        }
+        // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
+        let clear = match c.effect {
+            Effect::PreslidingHysteresis if is_narrow(c) && part < PLAINLY => 3.0 * s.enough,
+            Effect::PreslidingHysteresis => 2.0 * s.enough,
+            Effect::LoadDependentFriction => s.enough,
+            effect if effect.is_absorbable() => s.enough,
+            _ => 1.4 * s.enough,
+        };
+        (misfit && !memory) || gain > clear
+    }
+
+    /// Whether a trial removes so much of its own joints' error that it can be nobody's leftover.
+    fn plain(&self, fit: &Fit, tried: &Tried) -> bool {
+        let before = self.objective.relative(&fit.error());
+        let after = self.objective.relative(&tried.error);
+        let joints = &self.candidates[tried.candidate].joints;
+        let (part, gain) = self.objective.settings.plain;
+        fraction(&before, &after, joints) > part && tried.gain > gain
+    }
+
+    /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form
+    /// leaves behind looks like a small effect, most of all like its own effect next door.
+    fn relative_price(&self, accepted: &[usize], gains: &[f64], candidate: usize) -> f64 {
+        let s = self.objective.settings;
+        let new = &self.candidates[candidate];
+        let price = |(&a, &gain): (&usize, &f64)| {
+            let earlier = &self.candidates[a];
+            if earlier.effect.is_parameter() {
+                0.0
+            } else if earlier.effect == new.effect {
+                s.leftover_same * gain
+            } else if earlier.shares_rows(new) {
+                s.leftover * gain
+            } else {
+                0.0
+            }
+        };
+        accepted.iter().zip(gains).map(price).fold(0.0, f64::max)
+    }
+
+    /// One round over all but the newest choice: each is replaced by what explains more in its place.
+    fn exchange(&self, accepted: &mut [usize]) {
+        for i in 0..accepted.len().saturating_sub(1) {
+            let others = without(accepted, i);
+            let tried = self.contenders(&self.fit(&others), &others, accepted[i]);
+            let own = tried
+                .iter()
+                .find(|t| t.candidate == accepted[i])
+                .map_or(f64::NEG_INFINITY, |t| t.gain);
+            if let Some(best) = tried
+                .first()
+                .filter(|t| t.gain > own + self.objective.settings.cost)
+            {
+                accepted[i] = best.candidate;
+            }
+        }
+    }
+
+    fn drop_superfluous(&self, accepted: &mut Vec<usize>) {
+        let mut i = 0;
+        while i < accepted.len() {
+            let others = without(accepted, i);
+            let fit = self.fit(&others);
+            let tried = self.judged(&fit, &others, &[accepted[i]], |f, v| f.trial(v));
+            if tried.first().is_some_and(|t| self.worth(&fit, t)) {
+                i += 1;
+            } else {
+                accepted.remove(i);
+            }
+        }
+    }
+}
+
+/// Part of the joints' squared relative error that a trial removes.
+fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
+    let squares = |e: &[f64]| joints.iter().map(|&j| e[j] * e[j]).sum::<f64>();
+    1.0 - squares(after) / squares(before).max(1e-300)
+}
+
+/// Part of the error that shows plainly.
+const PLAINLY: f64 = 0.35;
+
+/// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
+/// spare them a bend instead. What the sign of a filtered velocity gets wrong at reversals looks like memory over
+/// less than a milliradian, or like friction that falls at once, which therefore have to show plainly.
+fn least_fraction(candidate: &Candidate) -> f64 {
+    const SLOW: f64 = 0.012;
+    match candidate.effect {
+        Effect::StribeckFriction if candidate.shape.first().is_some_and(|s| s.1 < SLOW) => PLAINLY,
+        Effect::PreslidingHysteresis if is_narrow(candidate) => 0.22,
+        // Blows and springs are late as well, and vibration of whatever kind is a spring's, for a part of their error.
+        effect if effect.is_dynamic() => PLAINLY,
+        Effect::PreslidingHysteresis
+        | Effect::StribeckFriction
+        | Effect::JointCoupling
+        | Effect::Backlash
+        | Effect::TorqueRipple => 0.06,
+        _ => f64::NEG_INFINITY,
+    }
+}
+
+/// Whether memory reaches no further than what a wrong sign at reversals imitates.
+fn is_narrow(candidate: &Candidate) -> bool {
+    const NARROW: f64 = 1.2e-3;
+    candidate.shape.first().is_some_and(|s| s.1 < NARROW)
+}
+
+/// All but one.
+pub(crate) fn without(accepted: &[usize], i: usize) -> Vec<usize> {
+    accepted
+        .iter()
+        .enumerate()
+        .filter(|&(k, _)| k != i)
+        .map(|(_, &c)| c)
+        .collect()
+}
+
+fn allowed(gamma: f64, bound: Bound) -> bool {
+    match bound {
+        Bound::Free => gamma.is_finite(),
+        Bound::Positive => gamma > 0.0,
+        Bound::Between(low, high) => gamma > low && gamma < high,
+    }
+}

@@ -1,0 +1,263 @@
+//! One number against many: whether few parameters, together with changes of the given ones inside their tolerance,
+//! explain what a free refit of all of them explains.
+//!
+//! Both are compared on trajectories left out, by squared error on the joints whose torque the cause changes. What leaves
+//! more than [`RIVALLED`] times the refit's stands in for a model that is wrong elsewhere: it is barred and the search
+//! runs again, the tolerances widened where nothing else brings the error down.
+
+use crate::algebra::fit::{Fit, Variable};
+use crate::catalogue::Candidate;
+use crate::effect::Effect;
+use crate::search::objective::Objective;
+use crate::search::select::{Search, Selection, Tried, without};
+use crate::settings::FREEDOMS;
+use crate::simulator::NominalModel;
+use physics::robot::PARAMETERS_PER_LINK;
+use std::collections::HashSet;
+
+/// Squared error over the free refit's up to which few parameters are the answer alone.
+pub const AS_GOOD: f64 = 1.3;
+/// The same up to which they are named first.
+pub const RIVALLED: f64 = 2.0;
+/// Factors on the given tolerances under which few parameters may still be the answer: a description is rarely right to
+/// a few percent.
+const TOLERANT: [f64; 2] = [1.0, 4.0];
+/// Factors under which what no few parameters explain is left to the parameters.
+const WIDER: [f64; 4] = [1.0, 4.0, 16.0, 100.0];
+/// Searches with one more cause barred, at most, at each width.
+const ROUNDS: usize = 6;
+/// Part of the largest change that makes a joint one of the cause's.
+const TOUCHED: f64 = 0.35;
+
+/// What the search came to, and how it stands against the free refit.
+pub struct Answer<'a> {
+    /// The causes.
+    pub selection: Selection<'a>,
+    /// For each cause everything tried in its place, the others standing, best first.
+    pub steps: Vec<Vec<Tried>>,
+    /// What was tried beside all of them, best first.
+    pub rest: Vec<Tried>,
+    /// Base variables with the priors of the answer.
+    pub base: Vec<Variable>,
+    /// Squared error of each accepted cause over that of the free refit in its place; None for what parameters cannot
+    /// take over, and for parameters.
+    pub over_refit: Vec<Option<f64>>,
+}
+
+/// The comparison over one catalogue.
+pub struct Simplest<'a> {
+    /// The criterion.
+    pub objective: &'a Objective<'a>,
+    /// The catalogue.
+    pub candidates: &'a [Candidate],
+    /// Columns of each candidate.
+    pub members: &'a [Vec<usize>],
+    /// The model as given.
+    pub model: &'a NominalModel,
+    /// Most causes that are named.
+    pub most: usize,
+}
+
+/// A search that has run.
+struct Run<'a> {
+    search: Search<'a>,
+    selection: Selection<'a>,
+    over_refit: Vec<Option<f64>>,
+    /// No joint is left that a free refit brings down by far.
+    enough: bool,
+}
+
+impl<'a> Simplest<'a> {
+    /// The simplest causes that stand.
+    pub fn answer(&self) -> Answer<'a> {
+        for freedom in TOLERANT {
+            let tried = self.fewer(freedom);
+            if tried.stands() {
+                return tried.answer();
+            }
+        }
+        let mut last = None;
+        for freedom in WIDER {
+            let mut barred = HashSet::new();
+            for _ in 0..ROUNDS {
+                let tried = self.run(freedom, barred.clone());
+                if tried.stands() {
+                    return tried.answer();
+                }
+                // Where no single one is beaten, all of them leave too much together.
+                let mut instead = tried.beaten();
+                if instead.is_empty() {
+                    instead = tried.single();
+                }
+                barred.extend(self.alike(&instead));
+                last = Some(tried);
+                if instead.is_empty() {
+                    break;
+                }
+            }
+        }
+        last.unwrap_or_else(|| self.run(1.0, HashSet::new()))
+            .answer()
+    }
+
+    /// The search without a link's full set of parameters, where it needs fewer coefficients than the search with them and
+    /// stands against the refit; else the search with them.
+    fn fewer(&self, freedom: f64) -> Run<'a> {
+        let full = self.run(freedom, HashSet::new());
+        let many = |c: usize| self.is_many(c);
+        if !full.selection.accepted.iter().any(|&c| many(c)) {
+            return full;
+        }
+        let barred = (0..self.candidates.len()).filter(|&c| many(c)).collect();
+        let few = self.run(freedom, barred);
+        let price = |t: &Run| -> usize {
+            let of = t.selection.accepted.iter();
+            of.map(|&c| self.members[c].len()).sum()
+        };
+        let new = |c: &usize| {
+            let effect = self.candidates[*c].effect;
+            effect.is_absorbable() && !full.selection.accepted.contains(c)
+        };
+        let named = few.selection.accepted.iter().any(new);
+        let low = || {
+            let [few, full] = [&few, &full].map(|t| self.relative(&t.selection.fit));
+            few.iter()
+                .zip(&full)
+                .all(|(few, full)| few <= &(RIVALLED * full))
+        };
+        if named && few.stands() && price(&few) < price(&full) && low() {
+            few
+        } else {
+            full
+        }
+    }
+
+    /// Whether a candidate is a link's full set of parameters.
+    fn is_many(&self, candidate: usize) -> bool {
+        self.candidates[candidate].effect == Effect::LinkParameters
+            && self.members[candidate].len() == PARAMETERS_PER_LINK
+    }
+
+    /// Candidates with the effect and the joints of some.
+    fn alike(&self, some: &[usize]) -> Vec<usize> {
+        let same = |c: &usize| {
+            some.iter().any(|&s| {
+                let (a, b) = (&self.candidates[s], &self.candidates[*c]);
+                a.effect == b.effect && a.joints == b.joints
+            })
+        };
+        (0..self.candidates.len()).filter(same).collect()
+    }
+
+    fn run(&self, freedom: f64, barred: HashSet<usize>) -> Run<'a> {
+        let search = Search {
+            objective: self.objective,
+            candidates: self.candidates,
+            members: self.members,
+            robot: self.model.sizes(),
+            base: self.objective.base(self.model, freedom),
+            barred,
+        };
+        let selection = search.run(self.most);
+        let accepted = &selection.accepted;
+        let own = self.relative(&selection.fit);
+        let over_refit = (0..accepted.len())
+            .map(|i| self.over_refit(&search, accepted, i, &own))
+            .collect();
+        let structure: Vec<usize> = accepted
+            .iter()
+            .copied()
+            .filter(|&c| !self.candidates[c].effect.is_parameter())
+            .collect();
+        let free = self.refit(&search, &structure, &(0..own.len()).collect::<Vec<_>>());
+        let enough = self.as_low(&own, &free);
+        Run {
+            search,
+            selection,
+            over_refit,
+            enough,
+        }
+    }
+
+    /// Whether no joint is left by far above what something else leaves there.
+    fn as_low(&self, own: &[f64], other: &[f64]) -> bool {
+        let visible = self.objective.settings.visible;
+        let mut each = own.iter().zip(other);
+        each.all(|(own, other)| own <= &(RIVALLED * other) || own.sqrt() - other.sqrt() < visible)
+    }
+
+    /// Squared error of a fit by joint on folds left out, the floor added, relative to the torque.
+    fn relative(&self, fit: &Fit) -> Vec<f64> {
+        self.objective.relative_variance(&fit.error())
+    }
+
+    /// The same of the free refit with some causes in place, at the freedom that is best on some joints.
+    fn refit(&self, search: &Search, causes: &[usize], joints: &[usize]) -> Vec<f64> {
+        let sum = |e: &[f64]| joints.iter().map(|&j| e[j]).sum::<f64>();
+        let of = |freedom: f64| {
+            let mut variables = self.objective.base(self.model, freedom);
+            variables.extend(causes.iter().flat_map(|&c| search.variables(c)));
+            self.relative(&self.objective.fit(variables))
+        };
+        let [first, narrower @ ..] = FREEDOMS;
+        narrower.into_iter().map(of).fold(of(first), |best, next| {
+            if sum(&next) < sum(&best) { next } else { best }
+        })
+    }
+
+    /// Squared error with an absorbable cause in place over that of the free refit instead of it.
+    fn over_refit(
+        &self,
+        search: &Search,
+        accepted: &[usize],
+        cause: usize,
+        own: &[f64],
+    ) -> Option<f64> {
+        let candidate = &self.candidates[accepted[cause]];
+        if !candidate.effect.is_absorbable() || candidate.effect.is_parameter() {
+            return None;
+        }
+        let others = without(accepted, cause);
+        let lacking = self.relative(&search.fit(&others));
+        let fall: Vec<f64> = lacking.iter().zip(own).map(|(l, o)| l - o).collect();
+        let most = fall.iter().copied().fold(0.0, f64::max);
+        let joints: Vec<usize> = (0..fall.len())
+            .filter(|&j| fall[j] > 0.0 && fall[j] >= TOUCHED * most)
+            .collect();
+        let free = self.refit(search, &others, &joints);
+        let sum = |e: &[f64]| joints.iter().map(|&j| e[j]).sum::<f64>();
+        (!joints.is_empty()).then(|| sum(own) / sum(&free))
+    }
+}
+
+impl<'a> Run<'a> {
+    /// Accepted candidates that leave too much.
+    fn beaten(&self) -> Vec<usize> {
+        let each = self.selection.accepted.iter().zip(&self.over_refit);
+        each.filter(|(_, r)| r.is_some_and(|r| r > RIVALLED))
+            .map(|(&c, _)| c)
+            .collect()
+    }
+
+    /// Accepted candidates that parameters can take over.
+    fn single(&self) -> Vec<usize> {
+        let each = self.selection.accepted.iter().zip(&self.over_refit);
+        each.filter(|(_, r)| r.is_some()).map(|(&c, _)| c).collect()
+    }
+
+    /// Whether nothing leaves too much.
+    fn stands(&self) -> bool {
+        self.enough && self.beaten().is_empty()
+    }
+
+    fn answer(self) -> Answer<'a> {
+        let (steps, rest) = self.search.alternatives(&self.selection);
+        Answer {
+            selection: self.selection,
+            steps,
+            rest,
+            base: self.search.base,
+            over_refit: self.over_refit,
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! The physics of a model directory as the model that a gap is measured from.
+
+use crate::motion::frame::Frame;
+use feedforward::clock::Memory;
+use model::directory::ModelFile;
+use model::predict::predict;
+use model::session::{Session, spans};
+use ndarray::Array2;
+use physics::effects::{Sliding, Term};
+use physics::robot::Robot;
+use physics::torque_model::{TorqueModel, TorqueModelError};
+
+/// Difference of start times within which two trajectories are the same one, s.
+const SAME_START: f64 = 1e-6;
+
+/// An identified torque model with what it remembers of its training.
+#[derive(Clone, Debug)]
+pub(super) struct Identified {
+    model: TorqueModel,
+    clock: Vec<[f64; 2]>,
+    memory: Vec<Memory>,
+    /// The nominal robot with the identified friction.
+    pub(super) sizes: Robot,
+}
+
+impl Identified {
+    /// The robot that stands for the model where columns are built, and the model itself. The robot has the identified
+    /// inertial parameters, friction, rotor inertias and counterbalance.
+    pub(super) fn new(file: &ModelFile) -> Result<(Robot, Self), TorqueModelError> {
+        let model = file.physics.model()?;
+        let value = |wanted: &Term| -> Vec<f64> {
+            model
+                .terms()
+                .iter()
+                .map(|list| {
+                    list.iter()
+                        .filter(|w| w.term == *wanted)
+                        .map(|w| w.value)
+                        .sum()
+                })
+                .collect()
+        };
+        let friction = |kind| -> Vec<f64> {
+            let values = value(&Term::Sliding(kind));
+            values.into_iter().map(|v: f64| v.max(0.0)).collect()
+        };
+        let (viscous, coulomb) = (friction(Sliding::Viscous), friction(Sliding::Coulomb));
+        let mut robot = model
+            .robot()
+            .clone()
+            .with_friction(&viscous, &coulomb)?
+            .with_rotor_inertia(&value(&Term::RotorInertia))?;
+        for weighted in model.terms().iter().flatten() {
+            if let Term::Counterbalance(c) = weighted.term {
+                robot = robot.with_counterbalance(c)?;
+            }
+        }
+        let sizes = file.physics.nominal()?.with_friction(&viscous, &coulomb)?;
+        let identified = Self {
+            model,
+            clock: file.clock.clone(),
+            memory: file.memory.clone(),
+            sizes,
+        };
+        Ok((robot, identified))
+    }
+
+    /// Torque at the recorded samples, shape (samples, joints).
+    pub(super) fn predicted(&self, frame: &Frame) -> Array2<f64> {
+        // A recording that the model was trained on is its clock; any other may continue it.
+        let known = |start: f64| self.clock.iter().any(|k| (k[0] - start).abs() < SAME_START);
+        let own = spans(frame.motion()).iter().all(|s| known(s[0]));
+        let (clock, memory): (&[_], &[_]) = if own {
+            (&[], &[])
+        } else {
+            (&self.clock, &self.memory)
+        };
+        let session = Session::new(vec![frame.prepared().clone()], clock);
+        predict(&self.model, &session, memory).swap_remove(0)
+    }
+}

@@ -1,0 +1,114 @@
+//! The simulator's model: what a gap is measured from.
+
+mod identified;
+pub(crate) mod possible;
+
+use crate::error::DiagnoseError;
+use crate::motion::frame::Frame;
+use crate::motion::scene::{Scale, Scene};
+use datasets::PrepareOptions;
+use identified::Identified;
+use model::directory::ModelFile;
+use ndarray::Array2;
+use physics::robot::{Joint, PARAMETERS_PER_LINK, Robot, RobotError};
+
+/// What the simulator computes torque with: a robot with its friction, or an identified model.
+#[derive(Clone, Debug)]
+pub struct NominalModel {
+    /// Inertials, damping, friction, rotor inertia, counterbalance.
+    pub robot: Robot,
+    identified: Option<Identified>,
+    preparation: Option<PrepareOptions>,
+}
+
+impl NominalModel {
+    /// A robot exactly as the simulator has it.
+    pub fn new(robot: Robot) -> Self {
+        Self {
+            robot,
+            identified: None,
+            preparation: None,
+        }
+    }
+
+    /// The physics of a model directory.
+    ///
+    /// # Errors
+    /// A stored model whose parts do not fit together.
+    pub fn identified(file: &ModelFile) -> Result<Self, DiagnoseError> {
+        let (robot, identified) = Identified::new(file)?;
+        Ok(Self {
+            robot,
+            identified: Some(identified),
+            preparation: Some(file.preprocessing.options(None)),
+        })
+    }
+
+    /// The robot whose masses and lengths say how large a change of a parameter is. Identified parameters are
+    /// combinations and may be zero or negative where the nominal ones are not.
+    pub fn sizes(&self) -> &Robot {
+        self.identified.as_ref().map_or(&self.robot, |i| &i.sizes)
+    }
+
+    /// How recordings were prepared that the parameters were identified on; none where nothing was.
+    pub fn preparation(&self) -> Option<&PrepareOptions> {
+        self.preparation.as_ref()
+    }
+
+    /// Whether the parameters were identified on a recording, so that one at zero is no missing one.
+    pub fn is_identified(&self) -> bool {
+        self.identified.is_some()
+    }
+
+    /// Torque that the simulator predicts at the recorded samples, shape (samples, joints): inverse dynamics +
+    /// damping·q̇ + friction·sign(q̇), with rotor inertia and counterbalance where the model has them; or the
+    /// identified model's torque, memory included.
+    pub fn predicted(&self, frame: &Frame, scale: &Scale) -> Array2<f64> {
+        match &self.identified {
+            Some(identified) => identified.predicted(frame),
+            None => {
+                frame.table_to_samples(&Scene::new(&self.robot, frame.motion(), scale).predicted())
+            }
+        }
+    }
+
+    /// The same structure with parameters moved by `change` (10 N inertial, N viscous, N Coulomb). Coefficients of friction
+    /// stay at zero or above: a direction of friction that feeds energy is a fit's artefact.
+    ///
+    /// # Errors
+    /// Wrong number of values.
+    pub fn moved(&self, change: &[f64]) -> Result<Robot, RobotError> {
+        let n = self.robot.dof();
+        let (inertial, friction) = change.split_at(PARAMETERS_PER_LINK * n);
+        let parameters: Vec<f64> = self
+            .robot
+            .parameters()
+            .iter()
+            .zip(inertial)
+            .map(|(p, d)| p + d)
+            .collect();
+        let joints = self.robot.joints();
+        let damping: Vec<f64> = joints
+            .iter()
+            .zip(friction)
+            .map(|(j, d)| (j.damping + d).max(0.0))
+            .collect();
+        let coulomb: Vec<f64> = joints
+            .iter()
+            .zip(&friction[n..])
+            .map(|(j, d)| (j.friction + d).max(0.0))
+            .collect();
+        self.robot
+            .with_parameters(&parameters)?
+            .with_friction(&damping, &coulomb)
+    }
+}
+
+/// Size of each inertial parameter of a link: its mass, times its radius of gyration about the joint, times that again.
+pub(crate) fn link_sizes(joint: &Joint) -> [f64; PARAMETERS_PER_LINK] {
+    let body = &joint.link.inertia;
+    let spread = body.about_com().trace() / 2.0 / body.mass.max(1e-9);
+    let radius = (body.com().norm_squared() + spread).sqrt().max(1e-3);
+    let (m, h, i) = (body.mass, body.mass * radius, body.mass * radius * radius);
+    [m, h, h, h, i, i, i, i, i, i]
+}

@@ -1,0 +1,344 @@
+//! `external_contact`: a force from outside during part of the recording.
+//!
+//! It does not repeat, so nothing fitted on one trajectory predicts it on another: it is found as bursts of what
+//! the other causes leave, in either recording, each by itself. A force on link k loads joints 1…k, not those beyond:
+//! the last loaded joint names the link. Of a joint at rest, what departs from what it holds most of the time counts.
+//! Pushed samples are fitted and scored nowhere.
+//! Confounders: any rare event that repeats with the motion, which a learner then predicts; a fault of one joint's
+//! torque channel or transmission that comes and goes, which loads no other joint; vibration, which swings about zero.
+
+mod repeated;
+mod windows;
+
+use crate::motion::frame::Frame;
+use crate::motion::standing::Judged;
+use crate::schema::Push;
+use ndarray::{Array2, ArrayView1, ArrayViewMut1};
+use physics::dynamics::{Workspace, point_jacobian};
+use physics::robot::Robot;
+use repeated::repeats;
+use std::ops::Range;
+use windows::{WINDOW, adjacent, windows};
+
+/// Height of a burst over the usual window mean of its joint.
+const HEIGHT: f64 = 8.0;
+/// Gap between windows of one burst, s.
+const GAP: f64 = 0.4;
+/// Longest push, s: what presses longer is a load.
+const LONGEST: f64 = 20.0;
+/// Fewest windows of a burst in motion, where shorter ones may be reversals.
+const FEWEST: usize = 3;
+/// Height of a burst over that of the highest one, below which it is none.
+const LEAST_HEIGHT: f64 = 0.05;
+/// Most of the time that bursts may take.
+const MOST_TIME: f64 = 0.4;
+/// Least part of the squared window means that lies in bursts.
+const LEAST_SHARE: f64 = 0.5;
+/// Window mean below which a joint counts as unloaded, relative to its torque.
+const QUIET: f64 = 0.004;
+
+/// Half width of the running means that follow a burst, s, and their number.
+const SMOOTH: f64 = 0.012;
+const PASSES: usize = 2;
+/// Part of the load, relative to the joints' torques, from which one joint is loaded alone: no force from outside.
+const ALONE: f64 = 0.97;
+/// Part of the bursts' squared torque that has to be steady. Whoever touches the robot pushes it; what swings about zero
+/// inside every burst is the vibration of a joint or of the ground.
+const STEADY: f64 = 0.18;
+
+/// One burst.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Burst {
+    /// Recorded samples.
+    pub samples: Range<usize>,
+    /// Last joint that it loads.
+    pub last_joint: usize,
+    /// Largest torque over its usual level.
+    pub height: f64,
+}
+
+/// Bursts of a recording and the torque that they stand for.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Bursts in the order of the samples.
+    pub bursts: Vec<Burst>,
+    /// Torque, shape (samples, joints); zero outside bursts.
+    pub torque: Array2<f64>,
+    /// Sum over joints of the torque's mean square over the variance of the measured torque.
+    pub size: f64,
+    /// Whether some push came while a joint stood.
+    pub at_rest: bool,
+}
+
+/// Looks for pushes in what is left at the recorded samples; of joints in motion only where `moving` says that the motion
+/// explains no such thing. None where nothing stands out, or too much does.
+pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
+    let dof = frame.dof();
+    let windows = windows(frame, left, moving);
+    let n = windows.samples.len();
+    if n < 20 {
+        return None;
+    }
+    let levels: Vec<[f64; 2]> = (0..dof)
+        .map(|j| {
+            let least = QUIET * frame.tau.column(j).std(0.0);
+            [false, true].map(|standing| windows.usual(j, standing, least))
+        })
+        .collect();
+    let usual: Vec<f64> = levels.iter().map(|l| l[0].max(l[1])).collect();
+    let relative = |w: usize, j: usize| {
+        let usual = levels[j][usize::from(windows.standing[[w, j]])];
+        windows.mean[[w, j]].map_or(0.0, |m| m.abs() / usual)
+    };
+    let highest = |w: usize| (0..dof).map(|j| relative(w, j)).fold(0.0, f64::max);
+    let reach = ((GAP / WINDOW).round() as usize).max(1);
+    let mut bursts: Vec<Range<usize>> = Vec::new();
+    for w in (0..n).filter(|&w| highest(w) > HEIGHT) {
+        match bursts.last_mut() {
+            Some(b) if w - (b.end - 1) <= reach && adjacent(&windows.samples, b.end - 1, w) => {
+                b.end = w + 1
+            }
+            _ => bursts.push(w..w + 1),
+        }
+    }
+    let at_rest = |b: &Range<usize>| {
+        let loaded = |w: usize, j: usize| relative(w, j) > HEIGHT;
+        b.clone()
+            .any(|w| (0..dof).any(|j| loaded(w, j) && windows.standing[[w, j]]))
+    };
+    // A rest that is pushed was quiet before and is again afterwards; how a joint comes to rest is no push.
+    let quiet = |w: usize| (0..dof).any(|j| windows.standing[[w, j]]) && highest(w) <= HEIGHT;
+    let between = |b: &Range<usize>| {
+        b.start > 0
+            && adjacent(&windows.samples, b.start - 1, b.start)
+            && quiet(b.start - 1)
+            && b.end < n
+            && adjacent(&windows.samples, b.end - 1, b.end)
+            && quiet(b.end)
+    };
+    bursts.retain(|b| {
+        if at_rest(b) {
+            between(b)
+        } else {
+            b.len() >= FEWEST
+        }
+    });
+    let height = |b: &Range<usize>| b.clone().map(highest).fold(0.0, f64::max);
+    let most = bursts.iter().map(height).fold(0.0, f64::max);
+    bursts.retain(|b| height(b) >= LEAST_HEIGHT * most);
+    for b in &mut bursts {
+        let start = b.start.saturating_sub(1);
+        if adjacent(&windows.samples, start, b.start) {
+            b.start = start;
+        }
+        if b.end < n && adjacent(&windows.samples, b.end - 1, b.end) {
+            b.end += 1;
+        }
+    }
+    let samples = |b: &Range<usize>| windows.samples[b.start].start..windows.samples[b.end - 1].end;
+    let time = &frame.samples().time;
+    let last = windows.samples[n - 1].end;
+    // What has not ended, or presses on and on, is a load.
+    bursts.retain(|b| {
+        let s = samples(b);
+        s.end < last && time[s.end - 1] - time[s.start] <= LONGEST
+    });
+    // What comes again with the motion is the robot's own.
+    bursts.retain(|b| !repeats(frame, &left.departure, &samples(b), &usual));
+    let rests = bursts.iter().any(at_rest);
+    let inside: usize = bursts.iter().map(Range::len).sum();
+    let energy = |w: usize| (0..dof).map(|j| relative(w, j).powi(2)).sum::<f64>();
+    let all: f64 = (0..n).map(energy).sum();
+    let share = bursts.iter().cloned().flatten().map(energy).sum::<f64>() / all;
+    if bursts.is_empty() || inside as f64 > MOST_TIME * n as f64 || share < LEAST_SHARE {
+        return None;
+    }
+    let rate = frame.report().rate_hz;
+    let mut torque = Array2::zeros(left.departure.dim());
+    let bursts: Vec<Burst> = bursts
+        .into_iter()
+        .map(|b| {
+            let peak = |j: usize| b.clone().map(|w| relative(w, j)).fold(0.0, f64::max);
+            let highest = (0..dof).map(peak).fold(0.0, f64::max);
+            let last = (0..dof)
+                .rev()
+                .find(|&j| peak(j) > (0.15 * highest).max(4.0))
+                .unwrap_or(0);
+            let samples = samples(&b);
+            for j in 0..=last {
+                follow(
+                    left.departure.column(j),
+                    samples.clone(),
+                    rate,
+                    torque.column_mut(j),
+                );
+            }
+            Burst {
+                samples,
+                last_joint: last,
+                height: highest,
+            }
+        })
+        .collect();
+    let load: Vec<f64> = (0..dof)
+        .map(|j| {
+            let square = torque.column(j).dot(&torque.column(j)) / torque.nrows() as f64;
+            square / frame.tau.column(j).var(0.0).max(1e-12)
+        })
+        .collect();
+    let size: f64 = load.iter().sum();
+    if dof > 1 && load.iter().any(|l| *l > ALONE * size) {
+        return None;
+    }
+    if steadiness(&torque, &bursts, &usual) < STEADY {
+        return None;
+    }
+    Some(Contact {
+        bursts,
+        torque,
+        size,
+        at_rest: rests,
+    })
+}
+
+/// Part of the bursts' squared torque, relative to the joints' usual level, that their means make.
+fn steadiness(torque: &Array2<f64>, bursts: &[Burst], usual: &[f64]) -> f64 {
+    let (mut mean, mut all) = (0.0, 0.0);
+    for burst in bursts {
+        for (j, level) in usual.iter().enumerate().take(burst.last_joint + 1) {
+            let (sum, square) = burst
+                .samples
+                .clone()
+                .map(|i| torque[[i, j]] / level)
+                .fold((0.0, 0.0), |(s, q), x| (s + x, q + x * x));
+            mean += sum * sum / burst.samples.len() as f64;
+            all += square;
+        }
+    }
+    mean / all
+}
+
+/// The residual of a joint inside a burst, smoothed by running means, which shorten towards its ends.
+fn follow(
+    residual: ArrayView1<f64>,
+    samples: Range<usize>,
+    rate: f64,
+    mut torque: ArrayViewMut1<f64>,
+) {
+    let half = ((SMOOTH * rate).round() as usize).max(1);
+    let mut x: Vec<f64> = samples.clone().map(|i| residual[i]).collect();
+    for _ in 0..PASSES {
+        let mut sums = vec![0.0];
+        for v in &x {
+            sums.push(sums[sums.len() - 1] + v);
+        }
+        let n = x.len();
+        for (i, v) in x.iter_mut().enumerate() {
+            let h = half.min(i).min(n - 1 - i);
+            *v = (sums[i + h + 1] - sums[i - h]) / (2 * h + 1) as f64;
+        }
+    }
+    for (i, v) in samples.zip(x) {
+        torque[i] = v;
+    }
+}
+
+impl Contact {
+    /// Which recorded samples lie in a push, or within `margin` samples of one.
+    pub fn pushed(&self, samples: usize, margin: usize) -> Vec<bool> {
+        let near =
+            |i: usize, b: &Burst| i + margin >= b.samples.start && i < b.samples.end + margin;
+        (0..samples)
+            .map(|i| self.bursts.iter().any(|b| near(i, b)))
+            .collect()
+    }
+
+    /// Joints that it loads.
+    pub fn loaded(&self) -> Vec<usize> {
+        let last = self.bursts.iter().map(|b| b.last_joint).max();
+        (0..=last.unwrap_or(0)).collect()
+    }
+
+    /// The pushes as the report has them; `recording` is `data` or `heldout`.
+    pub fn pushes(&self, recording: &'static str, robot: &Robot, frame: &Frame) -> Vec<Push> {
+        let motion = frame.samples();
+        let one = |b: &Burst| {
+            let segment = motion
+                .segments
+                .iter()
+                .position(|s| s.contains(&b.samples.start));
+            let rows = b.samples.len() as f64;
+            let mean =
+                |j: usize| b.samples.clone().map(|i| self.torque[[i, j]]).sum::<f64>() / rows;
+            Push {
+                recording,
+                trajectory: segment.map_or(String::new(), |s| frame.label(s).to_owned()),
+                start: motion.time[b.samples.start],
+                end: motion.time[b.samples.end - 1],
+                link: robot.joints()[b.last_joint].link.name.clone(),
+                torque: (0..robot.dof()).map(mean).collect(),
+            }
+        };
+        self.bursts.iter().map(one).collect()
+    }
+
+    /// Largest force at the origin of the frame after the loaded link, N, by least squares over J_vᵀ f, for the
+    /// strongest burst.
+    pub fn force(&self, robot: &Robot, frame: &Frame) -> Option<f64> {
+        let burst = self
+            .bursts
+            .iter()
+            .max_by(|a, b| a.height.total_cmp(&b.height))?;
+        let n = robot.dof();
+        let point = robot
+            .joints()
+            .get(burst.last_joint + 1)
+            .map_or(nalgebra::Vector3::zeros(), |j| j.translation);
+        let mut workspace = Workspace::new(robot);
+        let mut jacobian = vec![0.0; 6 * n];
+        let mut most = 0.0f64;
+        for i in burst.samples.clone().step_by(8) {
+            let q = frame.samples().q.row(i).to_vec();
+            point_jacobian(
+                robot,
+                &mut workspace,
+                &q,
+                burst.last_joint,
+                &point,
+                &mut jacobian,
+            );
+            let j = nalgebra::DMatrix::from_row_slice(6, n, &jacobian)
+                .rows(0, 3)
+                .transpose();
+            let tau = nalgebra::DVector::from_iterator(n, self.torque.row(i).iter().copied());
+            let jtj = j.transpose() * &j + nalgebra::DMatrix::identity(3, 3) * 1e-4;
+            let f = jtj.lu().solve(&(j.transpose() * tau))?;
+            most = most.max(f.norm());
+        }
+        Some(most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_push_is_steady_and_a_vibration_is_not() {
+        let n = 400;
+        let burst = Burst {
+            samples: 100..300,
+            last_joint: 1,
+            height: 50.0,
+        };
+        let of = |f: &dyn Fn(f64) -> f64| {
+            let torque = Array2::from_shape_fn((n, 2), |(i, j)| {
+                (1.0 + j as f64) * f((i as f64 - 100.0) / 200.0)
+            });
+            steadiness(&torque, std::slice::from_ref(&burst), &[0.1, 0.3])
+        };
+        let push = of(&|x| (std::f64::consts::PI * x).sin());
+        let swing = of(&|x| (std::f64::consts::TAU * 6.0 * x).sin() * (1.0 - x));
+        assert!(push > 0.7 && swing < 0.05, "{push} {swing}");
+    }
+}

@@ -1,0 +1,72 @@
+//! Windows of a residual: what is left on each joint on average, in motion and at rest.
+
+use crate::motion::frame::Frame;
+use crate::motion::standing::{Judged, State};
+use ndarray::Array2;
+use std::ops::Range;
+
+/// Length of a window, s.
+pub(super) const WINDOW: f64 = 0.12;
+
+/// Windows of all trajectories: mean of what is left, per joint; none where the joint turns round or stops.
+pub(super) struct Windows {
+    pub samples: Vec<Range<usize>>,
+    pub mean: Array2<Option<f64>>,
+    pub standing: Array2<bool>,
+}
+
+impl Windows {
+    /// Usual size of the means of a joint that moves, or stands; at least `least`.
+    pub fn usual(&self, joint: usize, standing: bool, least: f64) -> f64 {
+        let of = |w: usize| self.mean[[w, joint]].filter(|_| self.standing[[w, joint]] == standing);
+        let mut size: Vec<f64> = (0..self.samples.len())
+            .filter_map(|w| Some(of(w)?.abs()))
+            .collect();
+        size.sort_by(f64::total_cmp);
+        let middle = size.get(size.len() / 2).copied().unwrap_or(0.0);
+        (1.4826 * middle).max(least).max(1e-9)
+    }
+}
+
+/// Whether two windows follow each other without a break between trajectories.
+pub(super) fn adjacent(samples: &[Range<usize>], a: usize, b: usize) -> bool {
+    a <= b && (a..b).all(|w| samples[w].end == samples[w + 1].start)
+}
+
+pub(super) fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
+    let length = ((WINDOW * frame.report().rate_hz).round() as usize).max(2);
+    let samples: Vec<Range<usize>> = frame
+        .samples()
+        .segments
+        .iter()
+        .flat_map(|s| {
+            (0..s.len() / length).map(move |w| s.start + w * length..s.start + (w + 1) * length)
+        })
+        .collect();
+    let all =
+        |w: usize, j: usize, state: State| samples[w].clone().all(|i| left.state[[i, j]] == state);
+    let shape = (samples.len(), frame.dof());
+    let standing = Array2::from_shape_fn(shape, |(w, j)| all(w, j, State::Standing));
+    // What happens while a joint turns round is friction's.
+    let qd = &frame.samples().qd;
+    let mean = Array2::from_shape_fn(shape, |(w, j)| {
+        let turns = || {
+            samples[w]
+                .clone()
+                .any(|i| qd[[i, j]] * qd[[samples[w].start, j]] <= 0.0)
+        };
+        let seen = standing[[w, j]] || moving && all(w, j, State::Moving) && !turns();
+        seen.then(|| {
+            samples[w]
+                .clone()
+                .map(|i| left.departure[[i, j]])
+                .sum::<f64>()
+                / length as f64
+        })
+    });
+    Windows {
+        samples,
+        mean,
+        standing,
+    }
+}

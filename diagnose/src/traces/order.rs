@@ -1,0 +1,216 @@
+//! What repeats with a joint's position: the periodogram of a residual over position. Orders need not be whole.
+
+use crate::algebra::cholesky::Cholesky;
+use ndarray::{Array1, Array2, ArrayView1};
+use std::f64::consts::{PI, TAU};
+
+/// Fewest cycles over the recorded range.
+const FEWEST_CYCLES: f64 = 2.5;
+/// Most cycles over the recorded range.
+const MOST_CYCLES: f64 = 320.0;
+/// Part of the sampling rate below which a line has to lie at the joint's usual speed.
+const RATE_SHARE: f64 = 0.33;
+
+/// A residual summed over bins of position, slow torques of position taken out.
+pub struct Orders {
+    sum: Vec<f64>,
+    count: Vec<f64>,
+    low: f64,
+    range: f64,
+    /// Least and most order, 1/rad (1/m).
+    pub span: [f64; 2],
+}
+
+/// Sine and cosine of one order, and the squared error that they remove.
+struct Line {
+    sine: f64,
+    cosine: f64,
+    gain: f64,
+}
+
+impl Orders {
+    /// Of `residual` over position `q`, both at the recorded samples; `rate` in Hz, `speed` the joint's root mean square
+    /// velocity. None where the range or the rate is too small for any order.
+    pub fn new(
+        residual: ArrayView1<'_, f64>,
+        q: ArrayView1<'_, f64>,
+        speed: f64,
+        rate: f64,
+    ) -> Option<Self> {
+        let (low, high) = q
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
+                (a.min(x), b.max(x))
+            });
+        let range = high - low;
+        if range < 1e-4 {
+            return None;
+        }
+        let least = FEWEST_CYCLES * TAU / range;
+        let most = (MOST_CYCLES * TAU / range).min(RATE_SHARE * TAU * rate / speed);
+        if most <= least {
+            return None;
+        }
+        // Eight bins per period of the highest order.
+        let bins = ((range * most / TAU * 8.0).ceil() as usize).max(16);
+        let (mut sum, mut count) = (vec![0.0; bins], vec![0.0; bins]);
+        for (&x, &r) in q.iter().zip(residual) {
+            let b = (((x - low) / range * bins as f64) as usize).min(bins - 1);
+            sum[b] += r;
+            count[b] += 1.0;
+        }
+        remove_trend(&mut sum, &count);
+        Some(Self {
+            sum,
+            count,
+            low,
+            range,
+            span: [least, most],
+        })
+    }
+
+    /// Distance between neighbouring orders of the periodogram: a quarter of what the range resolves.
+    fn step(&self) -> f64 {
+        0.5 * PI / self.range
+    }
+
+    /// Orders that differ by less are one line over the recorded range.
+    pub fn resolution(&self) -> f64 {
+        TAU / self.range
+    }
+
+    fn place(&self, bin: usize) -> f64 {
+        self.low + (bin as f64 + 0.5) * self.range / self.sum.len() as f64
+    }
+
+    /// Orders of the periodogram with the squared error, summed over samples, that a sine of each removes.
+    pub fn periodogram(&self) -> Vec<(f64, f64)> {
+        let [least, most] = self.span;
+        let n = ((most - least) / self.step()) as usize;
+        (0..n)
+            .map(|i| least + i as f64 * self.step())
+            .map(|k| (k, self.line(k).gain))
+            .collect()
+    }
+
+    /// The strongest order with the squared error that it removes.
+    pub fn strongest(&self) -> Option<(f64, f64)> {
+        let all = self.periodogram().into_iter();
+        all.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The strongest orders, at most `most` of them, fitted together.
+    pub fn lines(mut self, most: usize) -> Vec<f64> {
+        let mut found: Vec<(f64, Line)> = Vec::new();
+        for _ in 0..most {
+            let Some((best, _)) = self.strongest() else {
+                break;
+            };
+            found.push(self.taken(best));
+            // Uneven coverage makes the lines lean on each other: each is fitted again without the rest.
+            for l in (0..found.len()).chain(0..found.len()) {
+                let (k, line) = &found[l];
+                self.add(*k, line, 1.0);
+                found[l] = self.taken(found[l].0);
+            }
+        }
+        found.into_iter().map(|(k, _)| k).collect()
+    }
+
+    /// Takes the line nearest to an order out.
+    fn taken(&mut self, order: f64) -> (f64, Line) {
+        let k = self.refined(order);
+        let line = self.line(k);
+        self.add(k, &line, -1.0);
+        (k, line)
+    }
+
+    fn refined(&self, mut k: f64) -> f64 {
+        let gain = |k: f64| self.line(k).gain;
+        for width in [self.step() / 2.0, self.step() / 8.0, self.step() / 32.0] {
+            let around = (-3..=3).map(|i| k + width * f64::from(i) / 2.0);
+            k = around
+                .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
+                .unwrap_or(k);
+        }
+        k
+    }
+
+    fn add(&mut self, k: f64, line: &Line, sign: f64) {
+        for b in 0..self.sum.len() {
+            let (s, c) = (k * self.place(b)).sin_cos();
+            self.sum[b] += sign * self.count[b] * (line.sine * s + line.cosine * c);
+        }
+    }
+
+    /// Least-squares sine and cosine of one order.
+    fn line(&self, k: f64) -> Line {
+        let (mut ss, mut sc, mut cc, mut sy, mut cy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (b, (&y, &n)) in self.sum.iter().zip(&self.count).enumerate() {
+            let (s, c) = (k * self.place(b)).sin_cos();
+            ss += n * s * s;
+            sc += n * s * c;
+            cc += n * c * c;
+            sy += s * y;
+            cy += c * y;
+        }
+        let det = ss * cc - sc * sc;
+        if det <= 1e-9 * ss * cc {
+            return Line {
+                sine: 0.0,
+                cosine: 0.0,
+                gain: 0.0,
+            };
+        }
+        let (sine, cosine) = ((cc * sy - sc * cy) / det, (ss * cy - sc * sy) / det);
+        Line {
+            sine,
+            cosine,
+            gain: sine * sy + cosine * cy,
+        }
+    }
+}
+
+/// Takes a polynomial of degree four over the range out of the sums: slow torques of position leak into low orders.
+fn remove_trend(sum: &mut [f64], count: &[f64]) {
+    const TERMS: usize = 5;
+    let powers = |b: usize| {
+        let x = 2.0 * (b as f64 + 0.5) / count.len() as f64 - 1.0;
+        std::array::from_fn::<f64, TERMS, _>(|k| x.powi(k as i32))
+    };
+    let mut a = Array2::<f64>::eye(TERMS) * 1e-9;
+    let mut y = Array1::<f64>::zeros(TERMS);
+    for (b, (s, n)) in sum.iter().zip(count).enumerate() {
+        let p = powers(b);
+        for i in 0..TERMS {
+            y[i] += p[i] * s;
+            for k in 0..TERMS {
+                a[[i, k]] += n * p[i] * p[k];
+            }
+        }
+    }
+    let c = Cholesky::new(&a).solve(y.view());
+    for (b, (s, n)) in sum.iter_mut().zip(count).enumerate() {
+        *s -= n * powers(b).iter().zip(&c).map(|(p, c)| p * c).sum::<f64>();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_incommensurate_orders() {
+        let q: Array1<f64> = (0..20_000)
+            .map(|i| 1.3 * (f64::from(i) * 7e-4).sin())
+            .collect();
+        let r = q.mapv(|x| 0.8 * (20.7 * x + 0.3).sin() + 0.3 * (74.39 * x).cos() + 0.5 * x);
+        let found = Orders::new(r.view(), q.view(), 0.5, 250.0)
+            .unwrap()
+            .lines(3);
+        assert!(
+            (found[0] - 20.7).abs() < 0.1 && found.iter().any(|k| (k - 74.39).abs() < 0.1),
+            "{found:?}"
+        );
+    }
+}

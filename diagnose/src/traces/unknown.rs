@@ -1,0 +1,234 @@
+//! Whether what is left has structure that the catalogue does not explain.
+//!
+//! Judged away from reversals, where not even the true plant's model reaches the noise. Two signs of structure
+//! on each joint: error that lasts longer than the low-pass remembers, and error that a flexible learner
+//! (ridge regression on products of motions of all joints) predicts on trajectories left out.
+
+use crate::algebra::cholesky::Cholesky;
+use crate::algebra::folds::folds;
+use crate::motion::frame::Frame;
+use crate::motion::scene::soft_sign;
+use ndarray::{Array1, Array2, Axis};
+use rayon::prelude::*;
+
+/// Lags at which filtered noise has forgotten itself, s. Several, because what oscillates vanishes at some.
+const LAGS: [f64; 6] = [0.08, 0.1, 0.125, 0.16, 0.2, 0.26];
+/// Ridge of the learner relative to the number of rows.
+const RIDGE: f64 = 3e-3;
+
+/// Fewest rows away from reversals that a joint is judged by.
+const FEWEST: usize = 50;
+
+/// What is left on a joint, relative to the deviation of its torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Left {
+    /// Root mean squared error away from reversals.
+    pub error: f64,
+    /// Part of its square that lasts 80 ms or longer.
+    pub lasting: f64,
+    /// Part of its square that the learner predicts on folds left out.
+    pub learnable: f64,
+    /// Rows away from reversals.
+    pub rows: usize,
+}
+
+impl Left {
+    /// Error with structure, relative to the torque.
+    pub fn structured(&self) -> f64 {
+        self.error * self.lasting.max(self.learnable).max(0.0).sqrt()
+    }
+}
+
+/// Examines a residual at the recorded samples, shape (samples, joints), away from reversals and from `skipped` rows. None
+/// where a joint has too few other rows.
+pub fn examine(frame: &Frame, residual: &Array2<f64>, skipped: &[bool]) -> Vec<Option<Left>> {
+    let r = frame.table_thin(residual);
+    let mut reversal = frame.reversals();
+    for (mut row, _) in reversal
+        .rows_mut()
+        .into_iter()
+        .zip(skipped)
+        .filter(|r| *r.1)
+    {
+        row.fill(true);
+    }
+    let inputs = Inputs::new(frame);
+    (0..frame.dof())
+        .into_par_iter()
+        .map(|j| one(frame, j, &r.column(j).to_owned(), &reversal, &inputs))
+        .collect()
+}
+
+fn one(
+    frame: &Frame,
+    joint: usize,
+    r: &Array1<f64>,
+    reversal: &Array2<bool>,
+    inputs: &Inputs,
+) -> Option<Left> {
+    let deviation = frame.tau.column(joint).std(0.0).max(1e-12);
+    let kept: Vec<usize> = (0..r.len()).filter(|&i| !reversal[[i, joint]]).collect();
+    if kept.len() < FEWEST {
+        return None;
+    }
+    let square = kept.iter().map(|&i| r[i] * r[i]).sum::<f64>() / kept.len() as f64;
+    let correlation = |lag: f64| {
+        let lag = (lag * frame.row_rate()).round().max(1.0) as usize;
+        let pairs = frame
+            .rows
+            .iter()
+            .flat_map(|t| t.start..t.end.saturating_sub(lag));
+        let (sum, n) = pairs
+            .filter(|&i| !reversal[[i, joint]] && !reversal[[i + lag, joint]])
+            .fold((0.0, 0usize), |(s, n), i| (s + r[i] * r[i + lag], n + 1));
+        (sum / n.max(1) as f64 / square).abs()
+    };
+    let lasting = LAGS
+        .into_iter()
+        .map(correlation)
+        .fold(0.0, f64::max)
+        .min(1.0);
+    Some(Left {
+        error: square.sqrt() / deviation,
+        lasting,
+        learnable: learnable(frame, joint, r, &kept, inputs),
+        rows: kept.len(),
+    })
+}
+
+/// Motions on the rows, scaled to unit deviation.
+struct Inputs {
+    q: Array2<f64>,
+    qd: Array2<f64>,
+    sign: Array2<f64>,
+    qdd: Array2<f64>,
+}
+
+impl Inputs {
+    fn new(frame: &Frame) -> Self {
+        let m = frame.samples();
+        let rows = |t: &Array2<f64>| {
+            let mut out = Array2::zeros((frame.len(), t.ncols()));
+            for (j, c) in t.columns().into_iter().enumerate() {
+                out.column_mut(j)
+                    .assign(&Array1::from(frame.pick(|i| c[i])));
+            }
+            out
+        };
+        let scaled = |mut t: Array2<f64>| {
+            for mut c in t.columns_mut() {
+                let s = c.std(0.0).max(1e-9);
+                c.mapv_inplace(|x| x / s);
+            }
+            t
+        };
+        let qd = rows(&m.qd);
+        Self {
+            q: rows(&m.q),
+            sign: qd.mapv(soft_sign),
+            qd: scaled(qd),
+            qdd: scaled(rows(&m.qdd)),
+        }
+    }
+
+    /// Features of a joint: its own curves, and products with every other joint's motion.
+    fn features(&self, joint: usize, kept: &[usize]) -> Array2<f64> {
+        let n = self.q.ncols();
+        let mut rows = Vec::new();
+        for &i in kept {
+            let (q, v, s, a) = (
+                self.q[[i, joint]],
+                self.qd[[i, joint]],
+                self.sign[[i, joint]],
+                self.qdd[[i, joint]],
+            );
+            rows.extend([
+                1.0,
+                v,
+                s,
+                a,
+                v.abs(),
+                v * v * s,
+                v * v * v,
+                s * (-3.0 * v.abs()).exp(),
+                s * (-12.0 * v.abs()).exp(),
+            ]);
+            for k in 1..=4 {
+                let (sin, cos) = (f64::from(k) * q).sin_cos();
+                rows.extend([sin, cos, s * sin, s * cos, v * sin, v * cos]);
+            }
+            for k in (0..n).filter(|&k| k != joint) {
+                let (p, w, t, b) = (
+                    self.q[[i, k]],
+                    self.qd[[i, k]],
+                    self.sign[[i, k]],
+                    self.qdd[[i, k]],
+                );
+                let (sin, cos) = p.sin_cos();
+                rows.extend([
+                    w,
+                    t,
+                    b,
+                    v * w,
+                    s * w.abs(),
+                    v * w.abs(),
+                    s * t,
+                    w * w,
+                    s * w * w,
+                    v.abs() * t,
+                    s * b,
+                    v * b,
+                ]);
+                rows.extend([sin, cos, s * sin, s * cos, v * sin, v * cos]);
+            }
+        }
+        let width = rows.len() / kept.len();
+        Array2::from_shape_vec((kept.len(), width), rows).expect("every row has the same features")
+    }
+}
+
+/// Part of the squared error that ridge regression predicts on folds left out; below zero where it predicts worse than
+/// nothing.
+fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], inputs: &Inputs) -> f64 {
+    let mut x = inputs.features(joint, kept);
+    for mut c in x.columns_mut() {
+        let scale = (c.dot(&c) / kept.len() as f64).sqrt().max(1e-9);
+        c.mapv_inplace(|v| v / scale);
+    }
+    let y: Array1<f64> = kept.iter().map(|&i| r[i]).collect();
+    let parts: Vec<(Vec<usize>, Array2<f64>, Array1<f64>)> = folds(&frame.rows)
+        .iter()
+        .map(|fold| {
+            let rows: Vec<usize> = (0..kept.len())
+                .filter(|&k| fold.iter().any(|t| t.contains(&kept[k])))
+                .collect();
+            let xf = x.select(Axis(0), &rows);
+            let yf = y.select(Axis(0), &rows);
+            (rows, xf.t().dot(&xf), xf.t().dot(&yf))
+        })
+        .collect();
+    let (mut left, mut all) = (0.0, 0.0);
+    for (f, (rows, _, _)) in parts.iter().enumerate() {
+        let mut a = Array2::<f64>::zeros((x.ncols(), x.ncols()));
+        let mut b = Array1::<f64>::zeros(x.ncols());
+        for (_, xx, xy) in parts
+            .iter()
+            .enumerate()
+            .filter(|(g, _)| *g != f)
+            .map(|(_, p)| p)
+        {
+            a += xx;
+            b += xy;
+        }
+        for i in 0..x.ncols() {
+            a[[i, i]] += RIDGE * kept.len() as f64;
+        }
+        let beta = Cholesky::new(&a).solve(b.view());
+        for &k in rows {
+            let e = y[k] - x.row(k).dot(&beta);
+            left += e * e;
+            all += y[k] * y[k];
+        }
+    }
+    if all > 0.0 { 1.0 - left / all } else { 0.0 }
+}

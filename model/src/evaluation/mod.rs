@@ -1,0 +1,281 @@
+//! `eval`: scores and predictions of a model directory on a recording.
+
+mod error;
+mod variants;
+
+pub use error::EvaluateError;
+
+use crate::baseline::published::Published;
+use crate::directory::ModelFile;
+use crate::page::Subject;
+use crate::predict::parameter_deviation;
+use crate::preparation::cutoff;
+use crate::preparation::setup::{self, Setup, SetupError};
+use crate::preparation::units::refuse_degrees;
+use crate::residual::{self};
+use crate::session::Session;
+use datasets::metrics::{MOVING, Row};
+use datasets::prepare::{PrepareReport, prepare};
+use datasets::repeats::{self, Repeatability};
+use datasets::{Part, Recording, Trajectory};
+use ndarray::Array2;
+use physics::torque_model::TorqueModelError;
+use serde::Serialize;
+use std::path::Path;
+use variants::Loaded;
+
+/// Settings of [`evaluate`].
+#[derive(Clone, Debug, Default)]
+pub struct EvaluateOptions {
+    /// Cut-off of the motion's low-pass instead of the model's own, Hz.
+    pub cutoff_hz: Option<f64>,
+}
+
+/// Contents of `eval --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EvalReport {
+    /// `eval/1`.
+    pub schema: &'static str,
+    /// Joint names.
+    pub joints: Vec<String>,
+    /// Number of samples.
+    pub samples: usize,
+    /// Scores.
+    pub rows: Vec<Row>,
+    /// Spread of repeated motions, where the recording has some: the floor in motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeatability: Option<Repeatability>,
+    /// What the figures depend on, in words.
+    pub notes: Vec<String>,
+}
+
+/// A recording with everything that was computed for it.
+pub struct Evaluation {
+    /// Scores and notes.
+    pub report: EvalReport,
+    /// The recording.
+    pub recording: Recording,
+    /// Its motion at the recorded samples.
+    pub session: Session,
+    /// Torque of the whole model, shape (samples, joints).
+    pub torque: Array2<f64>,
+    /// Torque of the physics alone.
+    pub physics: Array2<f64>,
+    /// Standard deviation of `torque`.
+    pub deviation: Array2<f64>,
+}
+
+/// Options for reading recordings of a stored model's robot.
+///
+/// # Errors
+/// A drive file that does not fit the robot.
+pub fn read_options(
+    file: &ModelFile,
+    drive: Option<&Path>,
+    part: Part,
+    torque_needed: bool,
+) -> Result<datasets::ReadOptions, SetupError> {
+    let robot = file.physics.nominal().map_err(|e| match e {
+        TorqueModelError::Robot(e) => SetupError::Robot(e),
+        // Only the URDF is parsed here.
+        e => unreachable!("{e}"),
+    })?;
+    let mut options = Setup::of(robot, drive)?.read_options(part, torque_needed)?;
+    let stored = file.preprocessing.torque_filter;
+    options.torque_filter = options
+        .torque_filter
+        .or(stored.map(|filter| setup::known(filter, file.preprocessing.rate_hz)));
+    Ok(options)
+}
+
+/// Scores a model on a recording; a recording without torque gets predictions and no rows.
+///
+/// # Errors
+/// See [`EvaluateError`].
+pub fn evaluate(
+    directory: &Path,
+    file: &ModelFile,
+    recording: Recording,
+    options: &EvaluateOptions,
+) -> Result<Evaluation, EvaluateError> {
+    if recording.dof() != file.joints.len() {
+        return Err(EvaluateError::Joints {
+            found: recording.dof(),
+            file: recording.source,
+            expected: file.joints.len(),
+            robot: file.physics.robot.clone(),
+        });
+    }
+    refuse_degrees(&file.physics.nominal()?, &recording)?;
+    let wanted = file.preprocessing.options(options.cutoff_hz);
+    let prepare_options = cutoff::for_recording(&wanted, &recording);
+    let prepared =
+        prepare(&recording, &prepare_options).map_err(|source| EvaluateError::Prepare {
+            file: recording.source.clone(),
+            source,
+        })?;
+    let session = Session::new(vec![prepared], &file.clock);
+    let model = file.physics.model()?;
+    let compensator = residual::load(directory, file)?;
+    let loaded = Loaded {
+        file,
+        model: &model,
+        compensator: compensator.as_ref(),
+    };
+    let [physics, torque] = loaded.torque(&session)?;
+    let mut deviation =
+        parameter_deviation(&model, &session, &file.memory, &file.covariance_table());
+    let motion = &session.parts[0].at_samples;
+    for ((row, joint), sigma) in deviation.indexed_iter_mut() {
+        let regime = if motion.qd[[row, joint]].abs() > MOVING {
+            &file.residual_std.moving
+        } else {
+            &file.residual_std.standstill
+        };
+        *sigma = sigma.hypot(regime[joint]);
+    }
+    let mut rows = Vec::new();
+    if let Some(tau) = &recording.tau {
+        let linear =
+            file.linear_baseline
+                .predict(motion.q.view(), motion.qd.view(), motion.qdd.view())?;
+        rows.extend(Row::both_scopes(
+            "linear_baseline",
+            tau,
+            &linear,
+            &motion.qd,
+        )?);
+        rows.extend(Row::both_scopes("physics", tau, &physics, &motion.qd)?);
+        if file.compensator.is_some() {
+            rows.extend(Row::both_scopes(
+                "physics+compensator",
+                tau,
+                &torque,
+                &motion.qd,
+            )?);
+        }
+    }
+    let (more, of_variants) =
+        variants::rows(&loaded, &recording, &session.parts[0], &prepare_options)?;
+    rows.extend(more);
+    if let Some(forward) = &file.forward_baseline {
+        rows.extend(forward.rows(&recording, &motion.qd)?.into_iter().flatten());
+    }
+    let mut notes = notes(&session, 0, file);
+    notes.extend(of_variants);
+    let report = EvalReport {
+        schema: "eval/1",
+        joints: file.joints.clone(),
+        samples: recording.len(),
+        rows,
+        repeatability: repeats::repeatability(&recording, &motion.qd, &repeats::find(&recording)),
+        notes,
+    };
+    Ok(Evaluation {
+        report,
+        recording,
+        session,
+        torque,
+        physics,
+        deviation,
+    })
+}
+
+impl Evaluation {
+    /// Writes predicted torque and its standard deviation as CSV: `trajectory,time,tau1…,tau1_std…`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_prediction(&self, path: &Path) -> Result<(), report::WriteError> {
+        use std::fmt::Write;
+        let joints = self.torque.ncols();
+        let mut text = String::from("trajectory,time");
+        for suffix in ["", "_std"] {
+            for joint in 1..=joints {
+                let _ = write!(text, ",tau{joint}{suffix}");
+            }
+        }
+        text.push('\n');
+        for Trajectory { label, range } in &self.recording.trajectories {
+            let label = if label.contains([',', '"', '\n', '\r']) {
+                format!("\"{}\"", label.replace('"', "\"\""))
+            } else {
+                label.clone()
+            };
+            for row in range.clone() {
+                let _ = write!(text, "{label},{}", self.recording.time[row]);
+                for value in self.torque.row(row).iter().chain(self.deviation.row(row)) {
+                    let _ = write!(text, ",{value}");
+                }
+                text.push('\n');
+            }
+        }
+        report::write_atomic(path, &text)
+    }
+
+    /// What its page shows.
+    pub fn subject<'a>(&'a self, published: &'a [&'static Published]) -> Subject<'a> {
+        Subject {
+            recording: &self.recording,
+            motion: &self.session.parts[0].at_samples,
+            torque: &self.torque,
+            rows: &self.report.rows,
+            notes: &self.report.notes,
+            published,
+        }
+    }
+}
+
+/// Where a cut-off comes from.
+fn cutoff_words(report: &PrepareReport, file: &ModelFile) -> String {
+    let own = &file.preprocessing;
+    match (own.cutoff_hz, report.cutoff_hz) {
+        (Some(model), Some(hz)) if hz < model => {
+            format!("the highest that this rate carries instead of the model's {model:.3} Hz")
+        }
+        (model, hz) if model != hz => "as given".to_owned(),
+        _ if own.cutoff_given => "as given for the model".to_owned(),
+        _ if own.cutoff.is_some() => "chosen by the torque's error on rows left out".to_owned(),
+        _ => "chosen from the data".to_owned(),
+    }
+}
+
+/// What the figures of one recording of the session depend on, in words.
+pub fn notes(session: &Session, part: usize, file: &ModelFile) -> Vec<String> {
+    let report = &session.parts[part].report;
+    let mut notes = Vec::new();
+    match report.cutoff_hz {
+        Some(hz) => notes.push(format!(
+            "Motion: zero-phase low-pass at {hz:.3} Hz, {}; not causal.",
+            cutoff_words(report, file)
+        )),
+        None => notes.push("Motion: splines through the recorded positions; not causal.".into()),
+    }
+    if let Some(f) = report.torque_filter {
+        notes.push(format!(
+            "The recorded torque has been low-passed (zero-phase Chebyshev, order {}, {:.3} Hz{}): the same filter was applied to every prediction before scoring.",
+            f.order,
+            f.cutoff_hz,
+            if f.recognised {
+                "; recognised from the empty stop band of the training torque, declare it in a drive file if you know better"
+            } else {
+                ""
+            }
+        ));
+    }
+    if !session.clock_known[part] {
+        notes.push("The recording does not continue the clock of the training recordings: friction memory starts neutral and warm-up takes its mean.".into());
+    }
+    notes.push(match &file.forward_baseline {
+        Some(f) => format!(
+            "forward_baseline: a linear state space of {} states simulates positions from the recorded torque, at {:.4} samples per second, from the mean position at the start of each trajectory; its figures are about positions, RMSE in rad (m). Faster recordings are thinned to that rate; one that does not thin to it has no such row.",
+            f.model.system.order(),
+            f.rate_hz
+        ),
+        None => "No forward_baseline: the training recordings are too short for it.".into(),
+    });
+    if file.preprocessing.moving_only {
+        notes.push("The model was fitted on moving samples alone (--moving-only).".into());
+    }
+    notes
+}

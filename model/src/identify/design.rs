@@ -1,0 +1,293 @@
+//! The least-squares system of one joint: base parameters and terms against measured torque.
+
+use crate::identify::target::Target;
+use crate::session::Session;
+use datasets::metrics::MOVING;
+use ndarray::Array2;
+use physics::dynamics::{Workspace, regressor};
+use physics::effects::Term;
+use physics::identify::base::BaseParameters;
+use physics::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Base columns of every joint and recording: `[joint][recording]`, shape (samples, base parameters).
+pub type RigidColumns = Vec<Vec<Array2<f64>>>;
+
+/// Base columns of some of the recordings at their samples, as the recorded torque would
+/// show them: see [`datasets::Prepared::to_samples`]. Only every `every`-th sample is right.
+pub fn rigid_columns(
+    robot: &Robot,
+    base: &BaseParameters,
+    session: &Session,
+    recordings: Range<usize>,
+    every: usize,
+) -> RigidColumns {
+    let n = robot.dof();
+    let width = PARAMETERS_PER_LINK * n;
+    let mut workspace = Workspace::new(robot);
+    let mut y = vec![0.0; n * width];
+    let mut columns: RigidColumns = vec![Vec::new(); n];
+    for part in &session.parts[recordings] {
+        let motion = &part.fine;
+        // One fine column per joint and base parameter, column-major.
+        let mut fine = vec![vec![0.0; motion.len()]; n * base.len()];
+        let rows = motion.q.rows().into_iter();
+        let rows = rows.zip(motion.qd.rows()).zip(motion.qdd.rows());
+        let needed = part.rows_for(every);
+        for (row, ((q, qd), qdd)) in rows.enumerate().filter(|(row, _)| needed[*row]) {
+            let (Some(q), Some(qd), Some(qdd)) = (q.to_slice(), qd.to_slice(), qdd.to_slice())
+            else {
+                unreachable!("tables are in standard layout");
+            };
+            regressor(robot, &mut workspace, q, qd, qdd, &mut y);
+            for joint in 0..n {
+                for (k, &column) in base.independent().iter().enumerate() {
+                    fine[joint * base.len() + k][row] = y[joint * width + column];
+                }
+            }
+        }
+        let sampled: Vec<Vec<f64>> = fine
+            .par_iter()
+            .map(|column| part.to_samples(column))
+            .collect();
+        for (list, block) in columns.iter_mut().zip(sampled.chunks(base.len())) {
+            list.push(Array2::from_shape_fn(
+                (part.at_samples.len(), base.len()),
+                |(r, c)| block[c][r],
+            ));
+        }
+    }
+    columns
+}
+
+/// Everything that the rows of all joints are made of.
+pub struct Data<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Its base parameters.
+    pub base: &'a BaseParameters,
+    /// Their columns.
+    pub rigid: &'a RigidColumns,
+    /// The recordings.
+    pub session: &'a Session,
+    /// Their torque.
+    pub target: &'a Target<'a>,
+    /// Whether only moving samples count.
+    pub moving_only: bool,
+    /// Every how many samples one is a row; 1: all.
+    pub every: usize,
+}
+
+impl Data<'_> {
+    /// The systems of all joints, with `blocks` or without.
+    ///
+    /// # Errors
+    /// Columns that are not finite.
+    pub fn systems(
+        &self,
+        terms: &[Vec<Term>],
+        load: &[Array2<f64>],
+        blocks: bool,
+    ) -> Result<Vec<JointSystem>, LeastSquaresError> {
+        (0..terms.len())
+            .into_par_iter()
+            .map(|joint| JointSystem::new(self, joint, &terms[joint], load, blocks))
+            .collect()
+    }
+
+    /// Number of samples of all recordings.
+    pub fn samples(&self) -> usize {
+        self.target.tau.iter().map(|t| t.nrows()).sum()
+    }
+
+    /// Whether the row of one joint at one sample counts.
+    pub fn counts(&self, part: usize, row: usize, joint: usize) -> bool {
+        row.is_multiple_of(self.every)
+            && (!self.moving_only
+                || self.session.parts[part].at_samples.qd[[row, joint]].abs() > MOVING)
+    }
+}
+
+/// Blocks of samples that deviations are taken from, at most.
+const BLOCKS: usize = 256;
+/// Samples in a block, at least.
+const SHORTEST_BLOCK: usize = 8;
+
+/// Normal equations of one joint, cell by cell of the folds and block by block, over its own columns.
+pub struct JointSystem {
+    /// Base parameters that act on this joint: indices into all base parameters.
+    acting: Vec<usize>,
+    terms: usize,
+    cells: Vec<Triangle>,
+    /// Samples that follow each other, the same ones for every joint.
+    blocks: Vec<Gram>,
+}
+
+impl JointSystem {
+    /// Builds the columns and folds them; nothing of sample size is kept. `blocks`: keep those for
+    /// [`block_covariance`](physics::identify::least_squares::block_covariance).
+    ///
+    /// # Errors
+    /// Columns that are not finite.
+    pub fn new(
+        data: &Data,
+        joint: usize,
+        terms: &[Term],
+        load: &[Array2<f64>],
+        blocks: bool,
+    ) -> Result<Self, LeastSquaresError> {
+        let rigid = &data.rigid[joint];
+        let acting = acting(rigid);
+        let term_columns = data.session.columns(joint, terms, load, &[]);
+        let width = acting.len() + terms.len();
+        let mut cells: Vec<Accumulator> = (0..data.target.folds.cells.len())
+            .map(|_| Accumulator::new(width))
+            .collect();
+        let size = data.samples().div_ceil(BLOCKS).max(SHORTEST_BLOCK);
+        let mut finished = Vec::new();
+        let mut block = Accumulator::new(width);
+        let mut a = vec![0.0; width];
+        let mut seen = 0;
+        for (part, tau) in data.target.tau.iter().enumerate() {
+            for (rows, cell) in &data.target.folds.rows[part] {
+                for row in rows.clone() {
+                    if blocks && seen == size {
+                        let full = std::mem::replace(&mut block, Accumulator::new(width));
+                        finished.push(Gram::from(&full.finish()?));
+                        seen = 0;
+                    }
+                    seen += 1;
+                    if !data.counts(part, row, joint) {
+                        continue;
+                    }
+                    for (a, &column) in a.iter_mut().zip(&acting) {
+                        *a = rigid[part][[row, column]];
+                    }
+                    for (a, value) in a[acting.len()..]
+                        .iter_mut()
+                        .zip(term_columns[part].row(row))
+                    {
+                        *a = *value;
+                    }
+                    cells[*cell].push(&a, tau[[row, joint]], 1.0)?;
+                    if blocks {
+                        block.push(&a, tau[[row, joint]], 1.0)?;
+                    }
+                }
+            }
+        }
+        if blocks {
+            finished.push(Gram::from(&block.finish()?));
+        }
+        let cells = cells
+            .into_iter()
+            .map(Accumulator::finish)
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            acting,
+            terms: terms.len(),
+            cells,
+            blocks: finished,
+        })
+    }
+
+    /// Number of base parameters that act on this joint.
+    pub fn rigid(&self) -> usize {
+        self.acting.len()
+    }
+
+    /// Number of columns: base parameters, then terms.
+    pub fn columns(&self) -> usize {
+        self.acting.len() + self.terms
+    }
+
+    /// Number of cells of the folds.
+    pub fn cells(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Number of samples.
+    pub fn rows(&self) -> usize {
+        self.cells.iter().map(Triangle::rows).sum()
+    }
+
+    /// Normal equations of each cell of the folds.
+    pub fn grams(&self) -> Vec<Gram> {
+        self.cells.iter().map(Gram::from).collect()
+    }
+
+    /// Where this joint's columns stand among all parameters when its terms begin at `offset`.
+    pub fn map(&self, offset: usize) -> Vec<usize> {
+        self.acting
+            .iter()
+            .copied()
+            .chain(offset..offset + self.terms)
+            .collect()
+    }
+
+    /// Root mean square of the measured torque.
+    pub fn target_deviation(&self) -> f64 {
+        let sum: f64 = self.cells.iter().map(Triangle::target_sum_of_squares).sum();
+        (sum / self.rows() as f64).sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// Root mean square of the residual of parameters in this joint's own order.
+    ///
+    /// # Errors
+    /// A parameter vector of another length.
+    pub fn deviation(&self, parameters: &[f64]) -> Result<f64, LeastSquaresError> {
+        let mut sum = 0.0;
+        for cell in &self.cells {
+            sum += cell.residual_sum_of_squares(parameters)?;
+        }
+        Ok((sum / self.rows() as f64).sqrt().max(f64::MIN_POSITIVE))
+    }
+}
+
+/// One cell of the folds of all joints as one triangle over `total` parameters, each joint scaled by 1/sigma.
+pub fn joined(
+    joints: &[(&JointSystem, Vec<usize>)],
+    sigma: &[f64],
+    cell: usize,
+    total: usize,
+) -> Result<Triangle, LeastSquaresError> {
+    let mut whole = Triangle::empty(total);
+    for ((system, map), sigma) in joints.iter().zip(sigma) {
+        whole.merge(&system.cells[cell].scaled(1.0 / sigma).embed(map, total)?)?;
+    }
+    Ok(whole)
+}
+
+/// The blocks of all joints over `total` parameters, each joint scaled by 1/sigma.
+pub fn joined_blocks(
+    joints: &[(&JointSystem, Vec<usize>)],
+    sigma: &[f64],
+    total: usize,
+) -> Result<Vec<Gram>, LeastSquaresError> {
+    let count = joints.first().map_or(0, |(system, _)| system.blocks.len());
+    (0..count)
+        .into_par_iter()
+        .map(|block| {
+            let mut whole = Gram::from(&Triangle::empty(total));
+            for ((system, map), sigma) in joints.iter().zip(sigma) {
+                let own = system.blocks[block].scaled(1.0 / sigma);
+                whole = whole.plus(&own.embed(map, total)?)?;
+            }
+            Ok(whole)
+        })
+        .collect()
+}
+
+/// Columns that are not zero throughout: a joint does not feel the links before it.
+fn acting(tables: &[Array2<f64>]) -> Vec<usize> {
+    let count = tables.first().map_or(0, Array2::ncols);
+    (0..count)
+        .filter(|&c| {
+            tables
+                .iter()
+                .any(|t| t.column(c).iter().any(|v| v.abs() > 1e-9))
+        })
+        .collect()
+}

@@ -1,0 +1,47 @@
+//! Why a model could not be fitted.
+
+use physics::identify::feasible::FeasibilityError;
+use physics::identify::iterative::IterativeError;
+use physics::identify::least_squares::LeastSquaresError;
+
+/// Why identification failed.
+#[derive(Debug, thiserror::Error)]
+pub enum IdentifyError {
+    /// A recording has no torque.
+    #[error("{0} has no torque: nothing can be identified from it")]
+    NoTorque(String),
+    /// The recordings have another number of joints than the robot.
+    #[error("the recordings have {found} joints, the robot has {expected}")]
+    Joints {
+        /// Joints of the recordings.
+        found: usize,
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// No sample is left to fit.
+    #[error("no joint moves in these recordings: nothing can be identified")]
+    NothingMoves,
+    /// The least-squares problem could not be solved.
+    #[error(transparent)]
+    LeastSquares(#[from] LeastSquaresError),
+    /// The parts of the model do not fit together.
+    #[error(transparent)]
+    Model(#[from] physics::torque_model::TorqueModelError),
+    /// The parameters do not fit the robot.
+    #[error(transparent)]
+    Robot(#[from] physics::robot::RobotError),
+    /// The iterative estimator.
+    #[error(transparent)]
+    Iterative(#[from] IterativeError),
+    /// No possible links could be found.
+    #[error(transparent)]
+    Feasibility(#[from] FeasibilityError),
+    /// The prior belongs to another robot.
+    #[error("the model of {prior} given as prior has other base parameters than {robot}")]
+    Prior {
+        /// Robot of the prior.
+        prior: String,
+        /// Robot to identify.
+        robot: String,
+    },
+}

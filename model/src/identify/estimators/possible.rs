@@ -1,0 +1,96 @@
+//! Links that must be possible bodies, with friction terms beside them.
+
+use super::offsets;
+use crate::identify::error::IdentifyError;
+use faer::Mat;
+use physics::effects::{Sliding, Term};
+use physics::identify::base::BaseParameters;
+use physics::identify::feasible::{Constraints, Feasibility, Feasible, Nominal};
+use physics::identify::least_squares::Triangle;
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+
+/// Times a term may exceed what alone would explain the whole torque.
+const GENEROUS: f64 = 10.0;
+
+/// The condition for base parameters and terms. Rotor inertia may not be negative, nor may viscous and Coulomb friction
+/// where no other term shares a joint's friction with them; `triangle` gives terms their scale.
+pub(super) fn condition(
+    robot: &Robot,
+    base: &BaseParameters,
+    terms: &[Vec<Term>],
+    triangle: &Triangle,
+) -> Result<Feasibility, IdentifyError> {
+    let rigid = PARAMETERS_PER_LINK * robot.dof();
+    let (firsts, total) = offsets(base.len(), terms);
+    let extra = total - base.len();
+    let grouping = Mat::from_fn(total, rigid + extra, |i, j| {
+        if i < base.len() {
+            if j < rigid {
+                base.grouping()[(i, j)]
+            } else {
+                0.0
+            }
+        } else {
+            f64::from(u8::from(j == rigid + i - base.len()))
+        }
+    });
+    let target = triangle.target_sum_of_squares().sqrt();
+    let extras: Vec<(f64, f64)> = (base.len()..total)
+        .map(|c| {
+            let norm = triangle.r().col(c).norm_l2();
+            (
+                0.0,
+                if norm > 0.0 {
+                    GENEROUS * target / norm
+                } else {
+                    1.0
+                },
+            )
+        })
+        .collect();
+    let mut nonnegative = Vec::new();
+    for (list, first) in terms.iter().zip(firsts) {
+        let plain = is_plain(list);
+        for (k, term) in list.iter().enumerate() {
+            if *term == Term::RotorInertia || plain && matches!(term, Term::Sliding(_)) {
+                nonnegative.push(rigid + first + k - base.len());
+            }
+        }
+    }
+    Ok(Feasibility::new(
+        grouping.as_ref(),
+        Constraints::new(robot.dof(), nonnegative),
+        Nominal::of_robot(robot, &extras),
+    )?)
+}
+
+/// The estimate from the same rows of links that are possible bodies.
+///
+/// # Errors
+/// A system that cannot be solved.
+pub fn constrained(
+    robot: &Robot,
+    base: &BaseParameters,
+    terms: &[Vec<Term>],
+    triangle: &Triangle,
+    sigma2: f64,
+) -> Result<Feasible, IdentifyError> {
+    Ok(condition(robot, base, terms, triangle)?.fit(triangle, sigma2)?)
+}
+
+/// Whether a joint's friction is viscous (or a power of speed), Coulomb and offset alone.
+pub(super) fn is_plain(terms: &[Term]) -> bool {
+    terms.iter().all(|t| {
+        matches!(
+            t,
+            Term::Offset
+                | Term::RotorInertia
+                | Term::Sliding(
+                    Sliding::Viscous
+                        | Sliding::Coulomb
+                        | Sliding::SoftCoulomb { .. }
+                        | Sliding::Power { .. }
+                )
+        )
+    })
+}

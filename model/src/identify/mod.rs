@@ -1,0 +1,13 @@
+//! From prepared recordings to a physical model: which rows, which terms, which estimator.
+
+pub mod basic;
+pub mod design;
+pub mod diagnostics;
+pub mod dictionary;
+pub mod error;
+pub mod estimators;
+pub mod identification;
+pub mod out_of_fold;
+pub mod selection;
+pub mod shrinkage;
+pub mod target;

@@ -1,0 +1,199 @@
+//! The check of a recording with the robot at hand: the torque's channel, and which parameters the motion tells apart.
+
+use crate::preparation::channel;
+use datasets::check::{CheckOptions, CheckReport, Finding, Kind, Severity, check, moves};
+use datasets::prepare::{PrepareError, PrepareOptions, Prepared, prepare};
+use datasets::{Problem, Recording};
+use ndarray::Array2;
+use physics::dynamics::{Workspace, regressor};
+use physics::identify::base::{BaseParameters, Extra};
+use physics::identify::least_squares::{
+    Accumulator, LeastSquaresError, SolveOptions, SubRegressors, Triangle, solve,
+};
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+
+/// Samples looked at, at most.
+const SAMPLES: usize = 5000;
+/// A column of which the others leave less than this part to itself is poorly told from them.
+const OWN_SHARE: f64 = 0.01;
+/// Kinds of columns beside the rigid ones.
+const EXTRAS: [Extra; 4] = [
+    Extra::RotorInertia,
+    Extra::Viscous,
+    Extra::Coulomb,
+    Extra::Offset,
+];
+
+/// Why a recording could not be checked.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckError {
+    /// It cannot be prepared.
+    #[error("{file}: {source}")]
+    Prepare {
+        /// The recording.
+        file: String,
+        /// Why.
+        source: PrepareError,
+    },
+    /// It holds nothing to check.
+    #[error("{file}: {problem}")]
+    Check {
+        /// The recording.
+        file: String,
+        /// Why.
+        problem: Problem,
+    },
+    /// Its regressor could not be taken apart.
+    #[error("{file}: {source}")]
+    LeastSquares {
+        /// The recording.
+        file: String,
+        /// Why.
+        source: LeastSquaresError,
+    },
+}
+
+/// Checks a recording of `robot`: everything of [`datasets::check`], and what needs a model.
+///
+/// # Errors
+/// See [`CheckError`].
+pub fn check_recording(
+    robot: &Robot,
+    recording: &Recording,
+    options: &PrepareOptions,
+) -> Result<CheckReport, CheckError> {
+    let file = || recording.source.clone();
+    let prepared = prepare(recording, options).map_err(|source| CheckError::Prepare {
+        file: file(),
+        source,
+    })?;
+    let settings = CheckOptions {
+        joints: robot.joint_names(),
+        position_limits: robot
+            .joints()
+            .iter()
+            .map(|j| [j.limits.lower, j.limits.upper])
+            .collect(),
+    };
+    let mut report =
+        check(recording, &prepared, &settings).map_err(|problem| CheckError::Check {
+            file: file(),
+            problem,
+        })?;
+    if recording.dof() == robot.dof() {
+        let poor =
+            told_apart(robot, recording, &prepared).map_err(|source| CheckError::LeastSquares {
+                file: file(),
+                source,
+            })?;
+        let channel = channel::estimate(robot, recording, &prepared);
+        report.add(channel.findings(&settings.joints).into_iter().chain(poor));
+        report.channel = Some(channel);
+    }
+    Ok(report)
+}
+
+/// Samples looked at: evenly thinned.
+fn thinned(recording: &Recording) -> impl Iterator<Item = usize> + use<> {
+    (0..recording.len()).step_by(recording.len().div_ceil(SAMPLES).max(1))
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0usize), |(s, n), v| (s + v * v, n + 1));
+    (sum / count.max(1) as f64).sqrt()
+}
+
+/// The finding of parameters of rigid body and basic friction that the motion does not tell apart.
+fn told_apart(
+    robot: &Robot,
+    recording: &Recording,
+    prepared: &Prepared,
+) -> Result<Option<Finding>, LeastSquaresError> {
+    let n = robot.dof();
+    let base = BaseParameters::of_robot(robot, &EXTRAS);
+    let motion = &prepared.at_samples;
+    let tau = recording.tau.as_ref();
+    let weight: Vec<f64> = (0..n)
+        .map(|j| {
+            let size = tau.map_or(1.0, |t| rms(t.column(j).iter().copied()));
+            if size > 0.0 { 1.0 / size } else { 0.0 }
+        })
+        .collect();
+    // What derivation makes of a joint at rest is noise, whose sign would look like motion.
+    let moves: Vec<bool> = (0..n).map(|j| moves(recording, j)).collect();
+    let mut rows = Accumulator::new(base.len());
+    let mut workspace = Workspace::new(robot);
+    let rigid = PARAMETERS_PER_LINK * n;
+    let mut y = vec![0.0; n * rigid];
+    let mut line = vec![0.0; base.len()];
+    for k in thinned(recording) {
+        let row = |table: &Array2<f64>| table.row(k).to_vec();
+        let (q, mut qd, mut qdd) = (row(&motion.q), row(&motion.qd), row(&motion.qdd));
+        for j in (0..n).filter(|&j| !moves[j]) {
+            (qd[j], qdd[j]) = (0.0, 0.0);
+        }
+        regressor(robot, &mut workspace, &q, &qd, &qdd, &mut y);
+        for joint in 0..n {
+            for (value, &column) in line.iter_mut().zip(base.independent()) {
+                *value = if column < rigid {
+                    y[joint * rigid + column]
+                } else if (column - rigid) % n == joint {
+                    EXTRAS[(column - rigid) / n].value(qd[joint], qdd[joint])
+                } else {
+                    0.0
+                };
+            }
+            rows.push(&line, 0.0, weight[joint])?;
+        }
+    }
+    let whole = rows.finish()?;
+    if whole.rows() == 0 {
+        return Ok(None);
+    }
+    conditioning(&base, &whole)
+}
+
+/// The finding of columns that the motion does not tell from others.
+fn conditioning(
+    base: &BaseParameters,
+    triangle: &Triangle,
+) -> Result<Option<Finding>, LeastSquaresError> {
+    let options = SolveOptions {
+        sigma2: Some(1.0),
+        ..SolveOptions::default()
+    };
+    let fit = solve(triangle, &options)?;
+    let (mut poor, mut worst) = (Vec::new(), 1.0_f64);
+    for (j, name) in base.base_names().into_iter().enumerate() {
+        let norm = triangle.r().col(j).norm_l2();
+        // The covariance of columns of unit norm has the variance inflation on its diagonal.
+        let share = if norm > 0.0 {
+            1.0 / (fit.std[j] * norm)
+        } else {
+            0.0
+        };
+        if share < OWN_SHARE {
+            poor.push(name);
+            worst = worst.min(share);
+        }
+    }
+    if poor.is_empty() {
+        return Ok(None);
+    }
+    let condition = SubRegressors::scaled(triangle)?;
+    let list = poor.join(", ");
+    Ok(Some(Finding {
+        kind: Kind::PoorConditioning,
+        severity: Severity::Warning,
+        joint: None,
+        row: None,
+        value: condition,
+        message: format!(
+            "poor conditioning ({condition:.0} with columns of unit norm): the motion hardly tells {list} from other \
+             parameters (in the worst case {:.2} % of the column is its own); move more joints at once, further and \
+             faster, or use --prior",
+            100.0 * worst
+        ),
+        parameters: poor,
+    }))
+}

@@ -1,0 +1,70 @@
+//! Friction of whatever shape, linear in its parameters.
+//!
+//! What a cut-off is worth shows only where the rest of the model is right: under a sign that is too soft for a joint
+//! the errors of all cut-offs are alike. So the sign is a sum of soft ones, friction may grow with the square of the
+//! speed and build up over a displacement after a reversal; nothing is chosen, and parameters that little motion leaves
+//! to chance are held by a weak prior.
+
+use crate::identify::basic;
+use crate::identify::design::JointSystem;
+use ndarray::{Array1, Array2};
+use physics::effects::{Sliding, Stop, Term};
+use physics::identify::least_squares::{Gram, LeastSquaresError, Triangle};
+use physics::robot::Robot;
+
+/// Speeds over which a sign turns round, rad/s or m/s.
+const SOFTNESSES: [f64; 3] = [0.004, 0.02, 0.1];
+/// Displacements over which friction builds up, rad or m: 0.05° and 0.5°.
+const WIDTHS: [f64; 2] = [8.7e-4, 8.7e-3];
+/// Time over which residuals are alike, s: rows within it count as one observation.
+const CORRELATED: f64 = 0.2;
+
+/// Terms of each joint.
+pub(super) fn terms(robot: &Robot) -> Vec<Vec<Term>> {
+    let all = basic::terms(robot).into_iter();
+    all.map(|list| {
+        let others = list
+            .into_iter()
+            .filter(|t| *t != Term::Sliding(Sliding::Coulomb));
+        others.chain(shapes()).collect()
+    })
+    .collect()
+}
+
+fn shapes() -> impl Iterator<Item = Term> {
+    let soft = SOFTNESSES.map(|velocity| Term::Sliding(Sliding::SoftCoulomb { velocity }));
+    let grows = Term::Sliding(Sliding::Power { exponent: 2.0 });
+    let builds_up = WIDTHS.map(|width| Term::Stop(Stop { width }));
+    soft.into_iter().chain([grows]).chain(builds_up)
+}
+
+/// Rows of deviation one over `total` parameters that hold each shape's torque to the size of the joint's torque.
+/// `offsets`: index of the first parameter of each joint's terms; `rate_hz` that of the rows.
+pub(super) fn prior(
+    systems: &[JointSystem],
+    offsets: &[usize],
+    total: usize,
+    rate_hz: f64,
+) -> Result<Gram, LeastSquaresError> {
+    let weight = (CORRELATED * rate_hz).max(1.0).sqrt();
+    let mut places = Vec::new();
+    for (system, &offset) in systems.iter().zip(offsets) {
+        let mut sum = Gram::from(&Triangle::empty(system.columns()));
+        for cell in system.grams() {
+            sum = sum.plus(&cell)?;
+        }
+        let terms = system.columns() - system.rigid();
+        for term in terms - shapes().count()..terms {
+            let size = sum.rms(system.rigid() + term)? / system.target_deviation();
+            if size.is_finite() {
+                places.push((offset + term, weight * size));
+            }
+        }
+    }
+    let mut rows = Array2::zeros((places.len(), total));
+    for (row, (column, size)) in places.into_iter().enumerate() {
+        rows[[row, column]] = size;
+    }
+    let none = Array1::zeros(rows.nrows());
+    Ok(Gram::from(&Triangle::of(rows.view(), none.view())?))
+}

@@ -1,0 +1,273 @@
+//! From the command line's robot and drive file to a robot and the way its recordings are read.
+
+use crate::preparation::torque_band;
+use crate::preparation::units::{Degrees, refuse_degrees};
+use datasets::{
+    Affine, ColumnMap, DeclaredFilter, Group, Part, ReadError, ReadOptions, Recording,
+    TorqueFilter, read,
+};
+use nalgebra::Vector3;
+use physics::robot::{
+    Builtin, Robot, RobotError,
+    drive::{Conversion, Drive},
+    to_urdf,
+};
+use std::path::{Path, PathBuf};
+
+/// A robot with everything that reading its recordings needs.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The robot, drive data included.
+    pub robot: Robot,
+    /// Drive file, if one was given.
+    pub drive: Option<Drive>,
+    /// The robot as a URDF: the user's own text where there is one.
+    pub urdf: String,
+    /// Low-pass of the recorded torque that the training recordings have shown.
+    recognised: Option<DeclaredFilter>,
+}
+
+/// Recordings up to this many times as fast as those that a filter is known of are taken to have been through
+/// it as well.
+const AS_FAST: f64 = 1.25;
+
+/// A robot or a recording that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// The robot or its drive file.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// A recording.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A recording in another unit.
+    #[error(transparent)]
+    Degrees(#[from] Degrees),
+}
+
+/// Reads gravity in the base frame, m/s², from `X,Y,Z`.
+///
+/// # Errors
+/// Not three finite numbers.
+pub fn gravity(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .filter_map(|part| part.trim().parse().ok())
+        .filter(|value: &f64| value.is_finite())
+        .collect();
+    match (<[f64; 3]>::try_from(parts), text.matches(',').count()) {
+        (Ok(gravity), 2) => Ok(gravity),
+        _ => Err("expected three numbers in m/s², for example 0,0,-9.81".into()),
+    }
+}
+
+impl Setup {
+    /// Loads a robot by the name of a built-in or the path of a URDF.
+    ///
+    /// # Errors
+    /// No such robot, or a description or drive file that cannot be used.
+    pub fn new(
+        robot: &str,
+        drive: Option<&Path>,
+        gravity: Option<[f64; 3]>,
+    ) -> Result<Self, SetupError> {
+        let mut loaded = Robot::load(robot)?;
+        if let Some(g) = gravity {
+            loaded = loaded.with_gravity(Vector3::from(g));
+        }
+        let text = match loaded.which_builtin() {
+            Some(_) => None,
+            None => Some(
+                std::fs::read_to_string(robot).map_err(|source| RobotError::Read {
+                    path: robot.into(),
+                    source,
+                })?,
+            ),
+        };
+        let mut setup = Self::of(loaded, drive)?;
+        if let Some(text) = text {
+            setup.urdf = text;
+        }
+        Ok(setup)
+    }
+
+    /// For a robot that is loaded already.
+    ///
+    /// # Errors
+    /// A drive file that cannot be used.
+    pub fn of(robot: Robot, drive: Option<&Path>) -> Result<Self, SetupError> {
+        let drive = drive
+            .map(|path| Drive::from_file(path, &robot))
+            .transpose()?;
+        let robot = match &drive {
+            Some(drive) => drive.apply(robot)?,
+            None => robot,
+        };
+        Ok(Self {
+            urdf: to_urdf(&robot),
+            robot,
+            drive,
+            recognised: None,
+        })
+    }
+
+    /// Options for reading this robot's recordings.
+    ///
+    /// # Errors
+    /// A drive file that cannot convert torque.
+    pub fn read_options(&self, part: Part, torque_needed: bool) -> Result<ReadOptions, SetupError> {
+        let mut options = if self.robot.which_builtin() == Some(Builtin::Kr300) {
+            ReadOptions::kr300(part)
+        } else {
+            ReadOptions {
+                part,
+                ..ReadOptions::for_robot(self.robot.dof())
+            }
+        };
+        options.torque_needed = torque_needed;
+        options.torque_filter = options.torque_filter.or(self.recognised);
+        if let Some(drive) = &self.drive {
+            options.columns = column_map(drive, &self.robot)?;
+            if let Some(f) = drive.torque_filter {
+                let filter = TorqueFilter {
+                    order: f.order,
+                    cutoff_hz: f.cutoff_hz,
+                    ripple_db: f.ripple_db,
+                    recognised: false,
+                };
+                options.torque_filter = Some(filter.always());
+            }
+        }
+        Ok(options)
+    }
+
+    /// Reads a recording of this robot.
+    ///
+    /// # Errors
+    /// It cannot be used, or its positions are in a unit that the drive file does not say.
+    pub fn read_one(
+        &self,
+        path: &Path,
+        part: Part,
+        torque_needed: bool,
+    ) -> Result<Recording, SetupError> {
+        let recording = read(path, &self.read_options(part, torque_needed)?)?;
+        refuse_degrees(&self.robot, &recording)?;
+        Ok(recording)
+    }
+
+    /// Reads recordings of this robot.
+    ///
+    /// # Errors
+    /// The first recording that cannot be used.
+    pub fn read(
+        &self,
+        paths: &[PathBuf],
+        part: Part,
+        torque_needed: bool,
+    ) -> Result<Vec<Recording>, SetupError> {
+        paths
+            .iter()
+            .map(|path| self.read_one(path, part, torque_needed))
+            .collect()
+    }
+
+    /// Reads the training recordings. Where neither they nor the drive file nor the built-in robot declare a
+    /// low-pass of the torque, one that their torque shows is taken over, for these recordings and for those of
+    /// their rate that are read later.
+    ///
+    /// # Errors
+    /// The first recording that cannot be used.
+    pub fn read_training(&mut self, paths: &[PathBuf]) -> Result<Vec<Recording>, SetupError> {
+        let mut data = self.read(paths, Part::Train, true)?;
+        if self
+            .read_options(Part::Train, true)?
+            .torque_filter
+            .is_none()
+            && let Some(filter) = torque_band::recognise(&self.robot, &data)
+        {
+            let fastest = data
+                .iter()
+                .map(|r| 1.0 / r.median_step())
+                .fold(0.0, f64::max);
+            self.recognised = Some(known(filter, fastest));
+            data.iter_mut().for_each(|r| r.torque_filter = Some(filter));
+        }
+        Ok(data)
+    }
+}
+
+/// A filter that recordings of `rate_hz` are known to have been through.
+pub fn known(filter: TorqueFilter, rate_hz: f64) -> DeclaredFilter {
+    DeclaredFilter {
+        up_to_hz: filter.decimated().up_to_hz.max(AS_FAST * rate_hz),
+        filter,
+    }
+}
+
+fn column_map(drive: &Drive, robot: &Robot) -> Result<ColumnMap, SetupError> {
+    let affine = |list: Vec<Conversion>| -> Vec<Affine> {
+        list.into_iter()
+            .map(|c| Affine {
+                scale: c.scale,
+                offset: c.offset,
+            })
+            .collect()
+    };
+    let position = affine(drive.position_conversion(robot));
+    let rate = affine(drive.rate_conversion(robot));
+    let torque = affine(drive.torque_conversion(robot)?);
+    let units = [
+        (Group::Q, &position),
+        (Group::Ql, &position),
+        (Group::QRef, &position),
+        (Group::Qd, &rate),
+        (Group::Qdd, &rate),
+        (Group::QdRef, &rate),
+        (Group::Tau, &torque),
+    ];
+    Ok(ColumnMap {
+        names: drive.columns.clone(),
+        units: units
+            .into_iter()
+            .map(|(group, list)| (group, list.clone()))
+            .collect(),
+        time_scale: Some(drive.time_scale()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use physics::robot::urdf_with;
+
+    #[test]
+    fn a_name_in_a_urdf_makes_no_built_in_robot() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("arm.urdf");
+        let text = to_urdf(&Robot::builtin("foxbot_a05").unwrap())
+            .replace("robot name=\"foxbot_a05\"", "robot name=\"kr300\"");
+        std::fs::write(&path, &text).unwrap();
+        let setup = Setup::new(path.to_str().unwrap(), None, None).unwrap();
+        assert_eq!(setup.robot.name(), "kr300");
+        let options = setup.read_options(Part::Train, true).unwrap();
+        assert!(!options.kr300 && options.torque_filter.is_none());
+        // The text that a patch goes into is the user's, to the byte.
+        assert_eq!(setup.urdf, text);
+        assert!(urdf_with(&setup.urdf, &setup.robot).is_ok());
+        let options = Setup::new("kr300", None, None)
+            .unwrap()
+            .read_options(Part::Train, true)
+            .unwrap();
+        assert!(options.kr300 && options.torque_filter.is_some());
+    }
+
+    #[test]
+    fn gravity_from_text() {
+        assert_eq!(gravity("0,0,-9.81"), Ok([0.0, 0.0, -9.81]));
+        assert_eq!(gravity("-1, 0.5, 0"), Ok([-1.0, 0.5, 0.0]));
+        for wrong in ["0,0", "0,0,0,0", "0,0,x", "0,0,inf", "1,,2,3", ""] {
+            assert!(gravity(wrong).is_err(), "{wrong}");
+        }
+    }
+}
