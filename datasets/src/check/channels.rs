@@ -1,7 +1,7 @@
 //! Position, velocity and torque of one joint.
 
+use super::finding::{CheckOptions, Finding, JointFigures, Kind, Severity};
 use super::velocity::VelocityChannel;
-use super::{CheckOptions, Finding, JointFigures, Kind, Severity};
 use crate::Recording;
 use crate::metrics::MOVING;
 use signal::Motion;

@@ -1,6 +1,6 @@
 //! Time stamps.
 
-use super::{Finding, Kind, Severity};
+use super::finding::{Finding, Kind, Severity};
 use crate::Recording;
 
 /// A step longer than this many medians is a jump.

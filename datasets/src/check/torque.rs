@@ -1,6 +1,6 @@
 //! What of a torque channel is worth a sentence.
 
-use super::{Finding, Kind, Severity};
+use super::finding::{Finding, Kind, Severity};
 use crate::channel::{JointChannel, SHORT_DELAY, TorqueChannel};
 
 /// Scales that a described robot and a nominal torque constant leave open: nothing is said of an interval that reaches

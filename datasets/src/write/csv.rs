@@ -1,6 +1,7 @@
 //! CSV with a header.
 
-use super::{WriteProblem, header, tables};
+use super::columns::{header, tables};
+use super::problem::WriteProblem;
 use crate::Recording;
 use std::io::Write;
 

@@ -1,11 +1,14 @@
 //! Writers of CSV and Parquet. A file is written under a temporary name beside its place and then
 //! renamed, so that nothing half-written is left behind.
 
+mod columns;
 mod csv;
 mod parquet;
+mod problem;
 
-use crate::{Group, Recording};
-use ndarray::Array2;
+pub use problem::WriteProblem;
+
+use crate::Recording;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -18,20 +21,6 @@ pub struct WriteError {
     pub file: PathBuf,
     /// What went wrong.
     pub problem: WriteProblem,
-}
-
-/// What went wrong while writing.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteProblem {
-    /// The ending is not that of a format that can be written.
-    #[error("cannot be written as `{0}`; use .csv or .parquet")]
-    UnknownFormat(String),
-    /// The disk.
-    #[error("cannot be written ({0})")]
-    Io(#[from] std::io::Error),
-    /// The encoder.
-    #[error("cannot be encoded ({0})")]
-    Encoder(String),
 }
 
 /// Writes a recording; the ending of the name (.csv or .parquet) decides on the format.
@@ -77,33 +66,4 @@ fn atomically(
     drop(out);
     temporary.persist(path).map_err(|e| e.error)?;
     Ok(())
-}
-
-/// The tables of a recording in the order in which they are written.
-fn tables(recording: &Recording) -> Vec<(Group, &Array2<f64>)> {
-    let of = |group| match group {
-        Group::Q => Some(&recording.q),
-        Group::Ql => recording.ql.as_ref(),
-        Group::Qd => recording.qd.as_ref(),
-        Group::Qdd => recording.qdd.as_ref(),
-        Group::Tau => recording.tau.as_ref(),
-        Group::QRef => recording.q_ref.as_ref(),
-        Group::QdRef => recording.qd_ref.as_ref(),
-        Group::Temp => recording.temp.as_ref(),
-    };
-    Group::ALL
-        .into_iter()
-        .filter_map(|g| Some((g, of(g)?)))
-        .collect()
-}
-
-/// Names of the columns, trajectory and time first.
-fn header(recording: &Recording) -> Vec<String> {
-    let joints = tables(recording).into_iter().flat_map(|(group, table)| {
-        (1..=table.ncols()).map(move |j| format!("{}{j}", group.name()))
-    });
-    ["trajectory".to_owned(), "time".to_owned()]
-        .into_iter()
-        .chain(joints)
-        .collect()
 }

@@ -1,6 +1,7 @@
 //! Parquet, zstd-compressed; text labels, 64-bit numbers.
 
-use super::{WriteProblem, header, tables};
+use super::columns::{header, tables};
+use super::problem::WriteProblem;
 use crate::Recording;
 use crate::read::TORQUE_FILTER_KEY;
 use parquet::basic::{Compression, ConvertedType, Repetition, Type as PhysicalType, ZstdLevel};

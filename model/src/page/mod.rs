@@ -2,32 +2,15 @@
 
 mod identification;
 mod residuals;
+mod subject;
 
-use crate::baseline::published::Published;
+pub use subject::Subject;
+
 use crate::directory::ModelFile;
 use crate::tables;
-use datasets::Recording;
-use datasets::metrics::{Row, Scope};
-use ndarray::Array2;
+use datasets::metrics::Scope;
 use report::figure::{Ink, Panel, Plot};
 use report::{KeyFigure, Page, Section, Tone};
-use signal::Motion;
-
-/// A recording with what a model says about it.
-pub struct Subject<'a> {
-    /// The recording.
-    pub recording: &'a Recording,
-    /// Its motion at the recorded samples.
-    pub motion: &'a Motion,
-    /// Torque of the whole model, shape (samples, joints).
-    pub torque: &'a Array2<f64>,
-    /// Scores.
-    pub rows: &'a [Row],
-    /// What the figures depend on, in words.
-    pub notes: &'a [String],
-    /// Published results to stand beside the scores.
-    pub published: &'a [&'static Published],
-}
 
 /// The page: scores, measured against predicted torque, residuals, parameters, provenance.
 pub fn page(file: &ModelFile, subject: &Subject) -> Page {

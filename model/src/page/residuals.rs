@@ -1,6 +1,6 @@
 //! Is what the model leaves behind noise? Numbers and four plots per joint.
 
-use super::Subject;
+use super::subject::Subject;
 use crate::directory::ModelFile;
 use crate::identify::diagnostics;
 use crate::tables;

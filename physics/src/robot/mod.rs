@@ -9,21 +9,19 @@ mod counterbalance;
 pub mod dh;
 pub mod drive;
 mod error;
+mod format;
 mod inertia;
 mod joint;
-mod urdf;
-mod urdf_write;
 
 pub use builtin::Builtin;
 pub(crate) use chain::{Chain, ChainJoint};
 pub use counterbalance::Counterbalance;
 pub use error::RobotError;
+pub use format::{to_urdf, urdf_with};
 pub use inertia::{Inertia, PARAMETER_NAMES, PARAMETERS_PER_LINK};
 pub use joint::{Joint, JointKind, Limits, Link};
-pub use urdf_write::{to_urdf, urdf_with};
 
 use nalgebra::Vector3;
-use std::path::Path;
 
 /// Standard gravity in the base frame, m/s².
 pub const STANDARD_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
@@ -68,24 +66,6 @@ impl Robot {
         })
     }
 
-    /// A built-in robot by name, or else a URDF by path.
-    ///
-    /// # Errors
-    /// Neither exists, or the URDF is refused.
-    pub fn load(name_or_path: &str) -> Result<Self, RobotError> {
-        if let Some(robot) = Self::builtin(name_or_path) {
-            return Ok(robot);
-        }
-        let path = Path::new(name_or_path);
-        if !path.exists() && path.extension().is_none() {
-            return Err(RobotError::UnknownRobot {
-                name: name_or_path.to_owned(),
-                builtins: Builtin::ALL.map(Builtin::name).join(", "),
-            });
-        }
-        Self::from_urdf_file(path)
-    }
-
     /// A built-in robot by name: see [`Builtin`].
     pub fn builtin(name: &str) -> Option<Self> {
         Builtin::named(name).map(Builtin::robot)
@@ -100,31 +80,6 @@ impl Robot {
     pub fn known_as(mut self, builtin: Option<Builtin>) -> Self {
         self.builtin = builtin;
         self
-    }
-
-    /// Reads a URDF file. See [`Robot::from_urdf_str`].
-    ///
-    /// # Errors
-    /// The file cannot be read, or is refused.
-    pub fn from_urdf_file(path: impl AsRef<Path>) -> Result<Self, RobotError> {
-        let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| RobotError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::from_urdf_str(&text).map_err(|source| RobotError::InFile {
-            path: path.to_owned(),
-            source: Box::new(source),
-        })
-    }
-
-    /// Reads a URDF. Fixed joints are merged with the inertia that they carry; the moving joints
-    /// (revolute, continuous, prismatic) must form one serial chain.
-    ///
-    /// # Errors
-    /// Not a URDF, not one serial chain, or an inertia that no mechanism can have.
-    pub fn from_urdf_str(text: &str) -> Result<Self, RobotError> {
-        urdf::read(text)
     }
 
     /// Name of the robot.

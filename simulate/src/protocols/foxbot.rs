@@ -1,7 +1,7 @@
 //! Foxbot A05, as in "An Iterative Approach for Accurate Dynamic Model Identification of Industrial Robots" (2020).
 
+use super::recorded::{Protocol, Simulated};
 use super::runs::{JointEffects, Machine, Plan, arm};
-use super::{Protocol, Simulated};
 use crate::SimulateError;
 use crate::measure::Errors;
 use crate::mechanism::{Drag, DragKind, Mechanism};

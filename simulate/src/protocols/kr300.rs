@@ -1,7 +1,7 @@
 //! KR300, as in the benchmark of Weigand, Götz, Ulmen and Ruskowski (2022).
 
+use super::recorded::{Protocol, Simulated};
 use super::runs::{JointEffects, Machine, Plan, arm};
-use super::{Protocol, Simulated};
 use crate::SimulateError;
 use crate::measure::Errors;
 use crate::mechanism::{GasStrut, Mechanism, Pins};

@@ -1,7 +1,7 @@
 //! UR5, as in "Deep Learning Aided Dynamic Parameter Identification of 6-DOF Robot Manipulators" (2020).
 
+use super::recorded::{Protocol, Simulated};
 use super::runs::{JointEffects, Machine, Plan, arm};
-use super::{Protocol, Simulated};
 use crate::SimulateError;
 use crate::arm::Arm;
 use crate::measure::Errors;

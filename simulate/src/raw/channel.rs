@@ -173,7 +173,7 @@ impl Channel {
     pub fn noted(&self, trace: &Trace, rng: &mut ChaCha8Rng) -> Noted {
         let n = trace.dof;
         let mut filtered = vec![0.0; trace.tau.len()];
-        let tick = 1.0 / super::TRACE_HZ;
+        let tick = 1.0 / super::clock::TRACE_HZ;
         for w in trace.bounds().windows(2) {
             for j in 0..n {
                 let own: Vec<f64> = (w[0]..w[1]).map(|k| trace.tau[k * n + j]).collect();

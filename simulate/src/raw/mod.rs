@@ -7,12 +7,14 @@
 //! motion or several, divides it into a part to fit and a part to test, and says what an estimator should find.
 
 mod channel;
+mod clock;
 mod plant;
 mod sensors;
 mod truth;
 mod write;
 
 pub use channel::Lag;
+pub use clock::TRACE_HZ;
 pub use truth::{RawTruth, Setting, best_shift};
 pub use write::write;
 
@@ -26,8 +28,6 @@ use rand_chacha::ChaCha8Rng;
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 
-/// Rate of the simulated trace, Hz: that of the drive's current control.
-pub const TRACE_HZ: f64 = 1000.0;
 /// Time before each recorded trajectory, in which filters settle, s.
 const RUN_IN: f64 = 0.5;
 /// Part of a single motion, or of several, that is for fitting.

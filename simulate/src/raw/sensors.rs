@@ -75,7 +75,7 @@ impl Sensors {
         rng: &mut ChaCha8Rng,
     ) -> Recording {
         let n = trace.dof;
-        let tick = 1.0 / super::TRACE_HZ;
+        let tick = 1.0 / super::clock::TRACE_HZ;
         let (mut time, mut q, mut qd, mut tau) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut trajectories = Vec::new();
         for (index, part) in parts.iter().enumerate() {
@@ -109,7 +109,7 @@ impl Sensors {
 
     /// Times of the samples of a stretch, in ticks of the trace: jittered, some lost.
     fn ticks(&self, part: &Range<usize>, rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let step = super::TRACE_HZ / self.rate_hz;
+        let step = super::clock::TRACE_HZ / self.rate_hz;
         let (start, end) = (part.start as f64 + step, part.end as f64 - 1.0 - step);
         let mut kept = Vec::new();
         let mut missing = 0usize;
@@ -134,7 +134,7 @@ impl Sensors {
 /// Position and velocity of joint `j` a part `w` of a tick after row `k`, by the cubic through both rows' states.
 fn hermite(trace: &Trace, j: usize, k: usize, w: f64) -> [f64; 2] {
     let n = trace.dof;
-    let h = 1.0 / super::TRACE_HZ;
+    let h = 1.0 / super::clock::TRACE_HZ;
     let at = |row: usize| (trace.q[row * n + j], h * trace.qd[row * n + j]);
     let ((a, va), (b, vb)) = (at(k), at((k + 1).min(trace.len() - 1)));
     let (c, d) = (3.0 * (b - a) - 2.0 * va - vb, 2.0 * (a - b) + va + vb);

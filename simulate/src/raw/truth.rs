@@ -61,7 +61,7 @@ pub(super) fn of(
     setting: Setting,
 ) -> RawTruth {
     let n = trace.dof;
-    let tick = 1.0 / super::TRACE_HZ;
+    let tick = 1.0 / super::clock::TRACE_HZ;
     let column = |table: &[f64], j: usize| -> Vec<f64> {
         table.iter().skip(j).step_by(n).copied().collect()
     };

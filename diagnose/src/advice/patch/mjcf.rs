@@ -1,6 +1,6 @@
 //! The patched robot as MuJoCo's XML has it: elements to be merged into a model by their names.
 
-use super::{Patched, number};
+use super::patched::{Patched, number};
 use crate::effect::Effect;
 use std::fmt::Write;
 

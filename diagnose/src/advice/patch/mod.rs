@@ -2,6 +2,7 @@
 //! for rotor inertias, a snippet for MuJoCo, and a table of values for everything else.
 
 mod mjcf;
+mod patched;
 mod urdf;
 mod values;
 
@@ -10,11 +11,11 @@ use crate::error::DiagnoseError;
 use crate::outcome::Outcome;
 use crate::schema::Cause;
 use crate::schema::value::value;
-use crate::search::find::Findings;
-use crate::simulator::{NominalModel, possible};
-use nalgebra::{Rotation3, Vector3};
-use physics::robot::{Robot, RobotError};
+use crate::simulator::NominalModel;
+use nalgebra::Vector3;
 
+pub use patched::robot;
+use patched::{Patched, joint, number, place};
 pub use values::Setting;
 
 /// Files of a patch.
@@ -29,15 +30,6 @@ pub struct Patch {
     pub values: String,
     /// What every joint is to be set to.
     pub settings: Vec<Setting>,
-}
-
-/// What is written of a robot.
-struct Patched<'a> {
-    /// Possible inertials, friction, rotor inertia, joint zeros.
-    robot: Robot,
-    /// Rotation vector by which the base is tilted, rad.
-    tilt: Vector3<f64>,
-    causes: &'a [Cause],
 }
 
 /// Writes the accepted causes into the model; `urdf` is its description.
@@ -71,59 +63,6 @@ pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patc
         values: values::table(&patched, &settings),
         settings,
     })
-}
-
-/// The model with every fitted change of parameters that it has a place for, payload and rotor inertia included, as a robot
-/// whose links are possible bodies.
-///
-/// # Errors
-/// The fitted parameters make no robot.
-pub fn robot(
-    model: &NominalModel,
-    found: &Findings,
-    causes: &[Cause],
-) -> Result<Robot, RobotError> {
-    let change: Vec<f64> = found.changes(|_| true).iter().map(|c| c.0).collect();
-    let mut inertia = model.robot.rotor_inertia();
-    for cause in causes.iter().filter(|c| c.effect == Effect::RotorInertia) {
-        if let Some(j) = joint(model, cause) {
-            inertia[j] += number(cause, "inertia");
-        }
-    }
-    possible::robot(model.sizes(), &model.moved(&change)?)?.with_rotor_inertia(&inertia)
-}
-
-/// A parameter of a cause; zero where it has none of this name.
-fn number(cause: &Cause, name: &str) -> f64 {
-    let found = cause.parameters.iter().find(|p| p.name == name);
-    found.map_or(0.0, |p| p.value)
-}
-
-/// Index of a cause's first joint.
-fn joint(model: &NominalModel, cause: &Cause) -> Option<usize> {
-    let own = cause.joints.first()?;
-    model.robot.joints().iter().position(|j| j.name == *own)
-}
-
-impl Patched<'_> {
-    /// Gravity as the tilted base sees it, m/s².
-    fn gravity(&self) -> Vector3<f64> {
-        Rotation3::new(-self.tilt) * self.robot.gravity()
-    }
-}
-
-/// Where a cause is written.
-fn place(effect: Effect) -> Option<&'static str> {
-    match effect {
-        Effect::LinkParameters
-        | Effect::FrictionParameters
-        | Effect::Payload
-        | Effect::BaseTilt
-        | Effect::EncoderOffset => Some("URDF"),
-        Effect::RotorInertia => Some("drive file, MJCF"),
-        Effect::TimeDelay | Effect::JointElasticity | Effect::Backlash => Some("MJCF"),
-        _ => None,
-    }
 }
 
 /// One line on what the patch holds.

@@ -1,7 +1,7 @@
 //! Changes of a URDF's text that its inertials and friction coefficients do not hold: how the base stands, and where
 //! joints are zero.
 
-use super::Patched;
+use super::patched::Patched;
 use crate::error::DiagnoseError;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use physics::robot::{Robot, RobotError, urdf_with};

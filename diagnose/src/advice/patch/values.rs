@@ -1,6 +1,6 @@
 //! Values for simulators without a file format of their own here, and the drive file.
 
-use super::{Patched, place};
+use super::patched::{Patched, place};
 use physics::robot::{JointKind, Robot};
 use std::fmt::Write;
 

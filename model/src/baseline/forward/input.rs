@@ -4,7 +4,7 @@
 //! in the entries of B and D: y(k) = Σ_sj B_sj · C x_sj(k) + D u(k), where x_sj answers to input j acting on
 //! state s alone. The residual is the simulation error itself, not the error one step ahead.
 
-use super::StateSpace;
+use super::state_space::StateSpace;
 use super::subspace::Dynamics;
 use crate::baseline::BaselineError;
 use faer::linalg::matmul::matmul;

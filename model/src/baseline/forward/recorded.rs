@@ -1,6 +1,7 @@
 //! The forward baseline on recordings of any rate.
 
-use super::{ForwardSettings, LinearForward};
+use super::LinearForward;
+use super::settings::ForwardSettings;
 use crate::baseline::BaselineError;
 use datasets::Recording;
 use datasets::metrics::{Row, ShapeError};

@@ -7,7 +7,7 @@
 //! covariance of Y_f without U_f (their section 4.3.3), span Γ = [C; CA; CA²; …], from which C is read off
 //! and A follows by shift invariance.
 
-use super::ForwardSettings;
+use super::settings::ForwardSettings;
 use crate::baseline::BaselineError;
 use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, MatRef, Scale};

@@ -1,7 +1,8 @@
 //! Ordinary and weighted least squares from normal equations.
 
+use super::options::{Estimator, EstimatorOptions, Lmi};
 use super::possible::condition;
-use super::{Estimator, EstimatorOptions, EstimatorReport, Lmi, Solution, made_possible, offsets};
+use super::solution::{EstimatorReport, Solution, made_possible, offsets};
 use crate::identify::design::{Data, JointSystem, joined, joined_blocks};
 use crate::identify::error::IdentifyError;
 use ndarray::Array2;

@@ -1,6 +1,6 @@
 //! Links that must be possible bodies, with friction terms beside them.
 
-use super::offsets;
+use super::solution::offsets;
 use crate::identify::error::IdentifyError;
 use faer::Mat;
 use physics::effects::{Sliding, Term};

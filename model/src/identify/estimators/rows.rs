@@ -1,7 +1,8 @@
 //! Reweighted and iterative least squares, on rows in memory.
 
+use super::options::{Estimator, EstimatorOptions, Lmi};
 use super::possible::{condition, is_plain};
-use super::{Estimator, EstimatorOptions, EstimatorReport, Lmi, Solution, made_possible, offsets};
+use super::solution::{EstimatorReport, Solution, made_possible, offsets};
 use crate::identify::design::Data;
 use crate::identify::error::IdentifyError;
 use faer::Mat;

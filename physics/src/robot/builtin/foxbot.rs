@@ -1,7 +1,7 @@
 //! Foxbot A05, the robot of Han, Wu, Liu and Xiong (2020).
 
 use super::super::dh::{Convention, Row};
-use super::{Axis, assemble};
+use super::assembly::{Axis, assemble};
 use crate::robot::{Inertia, Limits, Robot};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;

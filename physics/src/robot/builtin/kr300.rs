@@ -1,7 +1,7 @@
 //! KUKA KR300 R2500 ultra SE.
 
 use super::super::dh::{Convention, Row};
-use super::{Axis, assemble, symmetric};
+use super::assembly::{Axis, assemble, symmetric};
 use crate::robot::{Counterbalance, Inertia, Limits, Robot};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -1,7 +1,7 @@
 //! Writing a URDF: from scratch, or new numbers into an existing text.
 
-use super::urdf::UNLIMITED;
-use super::{Inertia, Joint, JointKind, Robot, RobotError};
+use super::read::UNLIMITED;
+use crate::robot::{Inertia, Joint, JointKind, Robot, RobotError};
 use nalgebra::Matrix3;
 use roxmltree::{Document, Node};
 use std::collections::HashSet;

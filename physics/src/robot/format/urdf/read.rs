@@ -1,6 +1,6 @@
 //! Reading a URDF.
 
-use super::{Inertia, Joint, JointKind, Limits, Link, Robot, RobotError};
+use crate::robot::{Inertia, Joint, JointKind, Limits, Link, Robot, RobotError};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::collections::HashMap;
 use urdf_rs::JointType;
@@ -9,7 +9,7 @@ use urdf_rs::JointType;
 const SHORTEST_AXIS: f64 = 1e-6;
 
 /// Reads the robot of a URDF text.
-pub(super) fn read(text: &str) -> Result<Robot, RobotError> {
+pub(in crate::robot) fn read(text: &str) -> Result<Robot, RobotError> {
     let urdf = urdf_rs::read_from_string(text).map_err(|e| RobotError::Syntax {
         reason: e.to_string(),
     })?;

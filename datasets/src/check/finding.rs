@@ -1,0 +1,101 @@
+//! What a check is told, and what it finds.
+
+use crate::channel::Estimate95;
+use serde::Serialize;
+
+/// What is known about the robot, to judge a recording by. Everything is optional.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CheckOptions {
+    /// Names of the joints, base first; `joint 1` … where there are none.
+    pub joints: Vec<String>,
+    /// Lower and upper joint limits in rad (m), base first; infinite where there are none.
+    pub position_limits: Vec<[f64; 2]>,
+}
+
+/// How bad a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// Some results will be poor.
+    Warning,
+    /// Results for this joint, or all, cannot be trusted.
+    Severe,
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// The joint never moves.
+    NeverMoves,
+    /// The joint moves too slowly to tell viscous from Coulomb friction.
+    TooSlow,
+    /// The torque is cut at a plateau: the motion asks for more than the drive gives.
+    TorquePlateau,
+    /// Fewer than three cycles.
+    TooShort,
+    /// The joint covers too little of its range.
+    RegionTooSmall,
+    /// The torque is not of the size that the robot's model expects.
+    TorqueScale,
+    /// A channel is constant, or stands still while the joint moves.
+    DeadChannel,
+    /// Positions leave the joint limits as if their unit or zero were wrong.
+    PositionScale,
+    /// The recorded velocity is not the derivative of the position.
+    VelocityMismatch,
+    /// A value jumps away and back within one sample.
+    CorruptRow,
+    /// Time jumps inside a trajectory.
+    ClockJump,
+    /// The stamps jitter.
+    Jitter,
+    /// Torque and motion are shifted in time.
+    TorqueShift,
+    /// The motion does not tell some parameters from others.
+    PoorConditioning,
+}
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// What.
+    pub kind: Kind,
+    /// How bad.
+    pub severity: Severity,
+    /// Joint, by index; `None` for the whole recording.
+    pub joint: Option<usize>,
+    /// Data row from 1, where there is one.
+    pub row: Option<usize>,
+    /// The number behind it, in the unit that `message` names.
+    pub value: f64,
+    /// Names of the parameters that suffer, where it is about parameters.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<String>,
+    /// What is wrong and what to do, as a sentence.
+    pub message: String,
+}
+
+/// Figures of one joint.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointFigures {
+    /// Name.
+    pub name: String,
+    /// Smallest and largest position in rad (m).
+    pub range: [f64; 2],
+    /// Largest speed in rad/s (m/s).
+    pub top_speed: f64,
+    /// Cycles: half the number of reversals.
+    pub cycles: f64,
+    /// Part of the samples with |q̇| > 0.01.
+    pub share_moving: f64,
+    /// RMS torque in N·m (N).
+    pub torque_rms: Option<f64>,
+    /// Largest torque in N·m (N).
+    pub torque_max: Option<f64>,
+    /// Recorded velocity behind the derivative of the position, s, where velocity was recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_delay: Option<Estimate95>,
+}

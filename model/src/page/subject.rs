@@ -1,0 +1,23 @@
+//! What a page is about.
+
+use crate::baseline::published::Published;
+use datasets::Recording;
+use datasets::metrics::Row;
+use ndarray::Array2;
+use signal::Motion;
+
+/// A recording with what a model says about it.
+pub struct Subject<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Its motion at the recorded samples.
+    pub motion: &'a Motion,
+    /// Torque of the whole model, shape (samples, joints).
+    pub torque: &'a Array2<f64>,
+    /// Scores.
+    pub rows: &'a [Row],
+    /// What the figures depend on, in words.
+    pub notes: &'a [String],
+    /// Published results to stand beside the scores.
+    pub published: &'a [&'static Published],
+}
