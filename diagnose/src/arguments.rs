@@ -27,6 +27,9 @@ pub enum Proof {
         /// Seed of the draw.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// Cases of this kind alone: an effect's name, none, outside or two.
+        #[arg(long)]
+        only: Option<String>,
         /// Also take each case's effect out of the catalogue, and say what is named instead.
         #[arg(long)]
         leave_one_out: bool,

@@ -18,6 +18,7 @@ use crate::measure::locate::locate;
 use crate::measure::moved::moved;
 use crate::measure::resonance::{resonances, standing_out};
 use crate::measure::verdict::{CLEAR, Evidence, dead, moves, remainder, verdict};
+use crate::motion::floor::floor;
 use crate::motion::scene::{Scene, rigid_torque};
 use crate::motion::standing::{Coulomb, Judged, judge, states};
 use crate::schema::{Cause, Diagnosis, NotIdentifiable, Place, Simulation, Tested};
@@ -125,15 +126,8 @@ pub fn diagnose(
     };
     let explanation = explain(model, &frames, &found.findings, &said);
     let names = model.robot.joint_names();
-    let rest = remainder(
-        data,
-        &frames.data,
-        &found.judged,
-        &skipped,
-        &found.left,
-        &names,
-        &dead,
-    );
+    let floors = floor(&model.robot, data, &frames.data, &found.judged.state);
+    let rest = remainder(&floors, &found.judged, &skipped, &found.left, &names, &dead);
     let (verdict, reason) = verdict(&Evidence {
         dead: &dead,
         moves,

@@ -25,6 +25,8 @@ pub enum Effect {
     NonlinearViscousFriction,
     /// Friction that grows with the transmitted torque.
     LoadDependentFriction,
+    /// Friction scaled periodically by the joint's position.
+    PositionDependentFriction,
     /// Friction with memory around reversals.
     PreslidingHysteresis,
     /// Friction that changes over the recording.
@@ -53,7 +55,7 @@ pub enum Effect {
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Effect; 22] = [
+    pub const ALL: [Effect; 23] = [
         Effect::LinkParameters,
         Effect::FrictionParameters,
         Effect::Payload,
@@ -64,6 +66,7 @@ impl Effect {
         Effect::StribeckFriction,
         Effect::NonlinearViscousFriction,
         Effect::LoadDependentFriction,
+        Effect::PositionDependentFriction,
         Effect::PreslidingHysteresis,
         Effect::FrictionDrift,
         Effect::TorqueRipple,
@@ -91,6 +94,7 @@ impl Effect {
             Effect::StribeckFriction => "stribeck_friction",
             Effect::NonlinearViscousFriction => "nonlinear_viscous_friction",
             Effect::LoadDependentFriction => "load_dependent_friction",
+            Effect::PositionDependentFriction => "position_dependent_friction",
             Effect::PreslidingHysteresis => "presliding_hysteresis",
             Effect::FrictionDrift => "friction_drift",
             Effect::TorqueRipple => "torque_ripple",

@@ -144,11 +144,14 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
     let Proof::Prove {
         cases,
         seed,
+        only,
         leave_one_out,
         out,
     } = proof;
     let bar = ProgressBar::new(*cases);
-    let scores = prove::prove(*cases, *seed, out.as_deref(), || bar.inc(1))?;
+    let scores = prove::prove(*cases, *seed, only.as_deref(), out.as_deref(), || {
+        bar.inc(1)
+    })?;
     bar.finish_and_clear();
     report::say!("{}", prove::table(&scores).to_text());
     if *leave_one_out {

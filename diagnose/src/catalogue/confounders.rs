@@ -10,8 +10,9 @@ impl Effect {
         use Effect::{
             AsymmetricFriction, Backlash, BaseTilt, Counterbalance, EncoderOffset, FrictionDrift,
             FrictionParameters, JointCoupling, JointElasticity, LinkParameters,
-            LoadDependentFriction, NonlinearViscousFriction, Payload, PreslidingHysteresis,
-            RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueOffset, TorqueRipple,
+            LoadDependentFriction, NonlinearViscousFriction, Payload, PositionDependentFriction,
+            PreslidingHysteresis, RotorInertia, StribeckFriction, TimeDelay, TorqueGain,
+            TorqueOffset, TorqueRipple,
         };
         match self {
             LinkParameters => &[Payload, RotorInertia, TorqueGain],
@@ -27,7 +28,13 @@ impl Effect {
                 PreslidingHysteresis,
             ],
             NonlinearViscousFriction => &[FrictionParameters, StribeckFriction],
-            LoadDependentFriction => &[FrictionParameters, TorqueGain, StribeckFriction],
+            LoadDependentFriction => &[
+                FrictionParameters,
+                TorqueGain,
+                StribeckFriction,
+                PositionDependentFriction,
+            ],
+            PositionDependentFriction => &[FrictionParameters, LoadDependentFriction, TorqueRipple],
             PreslidingHysteresis => &[
                 FrictionParameters,
                 StribeckFriction,

@@ -14,6 +14,7 @@ mod joint_elasticity;
 mod load_dependent_friction;
 mod nonlinear_viscous_friction;
 mod parameters;
+pub mod position_dependent_friction;
 mod presliding_hysteresis;
 pub mod saturation;
 mod stribeck_friction;

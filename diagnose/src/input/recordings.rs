@@ -78,6 +78,7 @@ pub fn not_identifiable(
             let effects = [
                 Effect::AsymmetricFriction,
                 Effect::StribeckFriction,
+                Effect::PositionDependentFriction,
                 Effect::PreslidingHysteresis,
                 Effect::Backlash,
             ];
@@ -100,6 +101,7 @@ pub fn not_identifiable(
                 Effect::Counterbalance,
                 Effect::EncoderOffset,
                 Effect::TorqueRipple,
+                Effect::PositionDependentFriction,
             ];
             let reason = format!(
                 "{name} covers {:.2} rad; record more of its range",
@@ -114,6 +116,7 @@ pub fn not_identifiable(
             Effect::FrictionDrift,
             Effect::LinkParameters,
             Effect::TorqueRipple,
+            Effect::PositionDependentFriction,
         ];
         let reason = format!(
             "{seconds:.0} s of motion are too short to tell it from other effects; record a minute or more"

@@ -105,6 +105,7 @@ impl Effect {
                 | Effect::StribeckFriction
                 | Effect::NonlinearViscousFriction
                 | Effect::LoadDependentFriction
+                | Effect::PositionDependentFriction
                 | Effect::PreslidingHysteresis
                 | Effect::FrictionDrift
         )

@@ -4,12 +4,10 @@
 //! rest against the floor, and away from reversals by structure. Held-out torque decides nothing here but how much of it
 //! pushes have cut.
 
-use crate::motion::floor::floor;
 use crate::motion::frame::Frame;
 use crate::motion::standing::{Judged, State};
 use crate::schema::{Unexplained, Verdict};
 use crate::traces::unknown::Left;
-use datasets::Recording;
 
 /// Structure left on some joint, relative to its torque, from which it counts as clear.
 pub(crate) const CLEAR: f64 = 0.03;
@@ -71,17 +69,15 @@ pub(crate) fn moves(frame: &Frame, states: &ndarray::Array2<State>, dead: &[bool
     (0..frame.dof()).any(|j| !dead[j] && seconds(j) as f64 >= least)
 }
 
-/// What is left on every joint, `skipped` samples aside.
+/// What is left on every joint, `skipped` samples aside; `floors` is the least that any model leaves.
 pub(crate) fn remainder(
-    recording: &Recording,
-    frame: &Frame,
+    floors: &[Option<f64>],
     judged: &Judged,
     skipped: &[bool],
     left: &[Option<Left>],
     names: &[String],
     dead: &[bool],
 ) -> Vec<Unexplained> {
-    let floors = floor(recording, frame, &judged.state);
     let rms = |j: usize, state: State| {
         let rows = judged.state.column(j);
         let gap = judged.gap.column(j);

@@ -1,14 +1,20 @@
 //! The level below which nothing can be explained, joint by joint, from the fitted recording.
 //!
 //! Where motions are repeated, the spread of their torque. Elsewhere the torque's noise above the band of the motion: the
-//! density just above the band stands for the band itself, where motion hides the noise.
+//! density just above the band stands for the band itself, where motion hides the noise. Beside it the noise of q̈, which
+//! derivatives of the position carry into every prediction: white noise of density S gives ∫(2πf)⁴ S df up to the
+//! band's edge, and the mass matrix makes torque of it.
 
 use crate::motion::frame::Frame;
 use crate::motion::standing::State;
+use datasets::prepare::Source;
 use datasets::{Recording, repeats};
 use ndarray::Array2;
+use physics::dynamics::{Workspace, mass_matrix};
+use physics::robot::Robot;
 use signal::quantile::median;
 use signal::spectrum::welch;
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Length of a stretch whose spectrum is taken, s, and periods of the band's edge that it holds at least.
@@ -21,15 +27,73 @@ const HIGHEST: f64 = 0.4;
 /// Fewest stretches that say what is usual.
 const FEWEST: usize = 8;
 
-/// Least root mean squared error of any model, N·m, by joint; none where the recording does not say.
-pub fn floor(recording: &Recording, frame: &Frame, states: &Array2<State>) -> Vec<Option<f64>> {
+/// Least root mean squared error of any model of `robot`, N·m, by joint; none where the recording does not say.
+pub fn floor(
+    robot: &Robot,
+    recording: &Recording,
+    frame: &Frame,
+    states: &Array2<State>,
+) -> Vec<Option<f64>> {
     let spread = repeats::repeatability(recording, &frame.samples().qd, frame.repeats());
     let repeated = |j: usize| {
         let s = spread.as_ref()?;
         s.moving[j].or(Some(s.all[j])).filter(|x| *x > 0.0)
     };
+    let motion = motion_noise(robot, recording, frame);
     (0..frame.dof())
-        .map(|j| repeated(j).or_else(|| noise(frame, states, j)))
+        .map(|j| {
+            let alone = || Some(noise(frame, states, j)?.hypot(motion[j]));
+            repeated(j).or_else(alone)
+        })
+        .collect()
+}
+
+/// Torque that the noise of q̈ makes in any prediction, N·m, by joint; zero where accelerations are not those of the
+/// position alone.
+fn motion_noise(robot: &Robot, recording: &Recording, frame: &Frame) -> Vec<f64> {
+    let n = frame.dof();
+    let report = frame.report();
+    let rate = report.rate_hz;
+    let Some(edge) = report.cutoff_hz else {
+        return vec![0.0; n];
+    };
+    let variance = |j: usize| -> f64 {
+        let alone = |s: &Source| matches!(s, Source::Derived | Source::Replaced);
+        if !alone(&report.velocity[j]) || !alone(&report.acceleration) {
+            return 0.0;
+        }
+        // Fourth differences hold no motion; of white noise they have seventy times the variance.
+        let length = (STRETCH * rate).round().max(8.0) as usize;
+        let q = recording.q.column(j).to_vec();
+        let squared = |rows: Range<usize>| -> f64 {
+            let fourth = q[rows]
+                .windows(5)
+                .map(|w| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]);
+            fourth.map(|d| d * d).sum::<f64>() / (length - 4) as f64 / 70.0
+        };
+        let stretches = recording.trajectories.iter().flat_map(|t| {
+            let r = t.range.clone();
+            (0..r.len() / length).map(move |k| r.start + k * length..r.start + (k + 1) * length)
+        });
+        let white = 2.0 / rate * median(stretches.map(squared).collect()).unwrap_or(0.0);
+        white * TAU.powi(4) * edge.powi(5) / 5.0
+    };
+    let variances: Vec<f64> = (0..n).map(variance).collect();
+    let middle: Vec<f64> = recording
+        .q
+        .columns()
+        .into_iter()
+        .map(|c| median(c.to_vec()).unwrap_or(0.0))
+        .collect();
+    let mut mass = vec![0.0; n * n];
+    mass_matrix(robot, &mut Workspace::new(robot), &middle, &mut mass);
+    let rotors = robot.rotor_inertia();
+    (0..n)
+        .map(|j| {
+            let of = |k: usize| mass[n * j + k] + if j == k { rotors[j] } else { 0.0 };
+            let sum: f64 = (0..n).map(|k| of(k).powi(2) * variances[k]).sum();
+            sum.sqrt()
+        })
         .collect()
 }
 
@@ -73,6 +137,40 @@ mod tests {
     use super::*;
     use crate::motion::standing::states;
 
+    /// A joint with 2 kg·m² about its axis.
+    fn pendulum() -> Robot {
+        Robot::from_urdf_str(
+            r#"<robot name="p"><link name="base"/><link name="arm"><inertial><mass value="1"/>
+            <inertia ixx="2" ixy="0" ixz="0" iyy="2" iyz="0" izz="2"/></inertial></link>
+            <joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint></robot>"#,
+        )
+        .unwrap()
+    }
+
+    /// Encoder counts of 1e-4 rad: what their noise does to q̈ is measured on the prepared motion.
+    #[test]
+    fn the_noise_of_the_acceleration_belongs_to_the_floor() {
+        let time: Vec<f64> = (0..10_000).map(|i| 0.004 * f64::from(i)).collect();
+        let count = 1e-4;
+        let q = Array2::from_shape_fn((time.len(), 1), |(i, _)| {
+            ((2.0 * time[i]).sin() / count).round() * count
+        });
+        let tau = Array2::from_shape_fn((time.len(), 1), |(i, _)| -8.0 * (2.0 * time[i]).sin());
+        let recording = Recording::new("r", time.clone(), q, Some(tau.clone()));
+        let options = datasets::PrepareOptions::low_passed(30.0);
+        let frame = Frame::new(&recording, tau, &options).unwrap();
+        let samples = frame.samples();
+        let qdd = samples.qdd.column(0);
+        let squares = qdd.iter().zip(&samples.time);
+        let squares = squares.map(|(a, t)| (a + 4.0 * (2.0 * t).sin()).powi(2));
+        let measured = 2.0 * (squares.sum::<f64>() / samples.len() as f64).sqrt();
+        let found = floor(&pendulum(), &recording, &frame, &states(&frame))[0].unwrap();
+        assert!(
+            (found / measured - 1.0).abs() < 0.3,
+            "{found}, measured {measured}"
+        );
+    }
+
     /// White noise of 0.2 N·m on 10 N·m of slow torque that jumps at every reversal.
     #[test]
     fn white_noise_is_found_under_a_moving_robot() {
@@ -91,7 +189,7 @@ mod tests {
         let recording = Recording::new("r", time, q, Some(tau.clone()));
         let frame =
             Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(20.0)).unwrap();
-        let found = floor(&recording, &frame, &states(&frame))[0].unwrap();
+        let found = floor(&pendulum(), &recording, &frame, &states(&frame))[0].unwrap();
         assert!((found - 0.2).abs() < 0.03, "{found}");
     }
 }

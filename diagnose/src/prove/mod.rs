@@ -14,7 +14,7 @@ use report::{Cell, Column, Table};
 use serde::Serialize;
 use serde_json::Value;
 use signal::quantile::median;
-use simulate::cases::{Case, EFFECTS, Kind, draw, generate, write};
+use simulate::cases::{Case, CaseSpec, EFFECTS, Kind, draw, generate, write};
 use std::path::Path;
 
 pub use score::{Score, judge, mean};
@@ -35,6 +35,14 @@ pub enum ProveError {
         /// Why.
         error: Box<crate::error::DiagnoseError>,
     },
+    /// No such kind of case.
+    #[error("no cases are of the kind {name}; there are {kinds}")]
+    Kind {
+        /// Asked for.
+        name: String,
+        /// Those that exist.
+        kinds: String,
+    },
     /// A report cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
@@ -48,16 +56,30 @@ pub enum ProveError {
     },
 }
 
-/// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it.
+/// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it. `only` is a
+/// kind of case, by name, to which the run is limited: as many of that kind, as a longer run of the same seed has them.
 ///
 /// # Errors
-/// The first case that fails.
+/// The first case that fails, or a kind that does not exist.
 pub fn prove(
     cases: u64,
     seed: u64,
+    only: Option<&str>,
     out: Option<&Path>,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Score>, ProveError> {
+    let kinds = EFFECTS.iter().copied().chain(["none", "outside", "two"]);
+    if let Some(name) = only.filter(|name| !kinds.clone().any(|k| k == *name)) {
+        return Err(ProveError::Kind {
+            name: name.to_owned(),
+            kinds: kinds.collect::<Vec<_>>().join(", "),
+        });
+    }
+    let specs: Vec<CaseSpec> = (0..)
+        .map(|index| draw(index, seed))
+        .filter(|spec| only.is_none_or(|name| spec.kind.name() == name))
+        .take(cases as usize)
+        .collect();
     let reports = out.map(|o| o.join("reports"));
     if let Some(folder) = &reports {
         std::fs::create_dir_all(folder).map_err(|error| ProveError::Folder {
@@ -65,10 +87,10 @@ pub fn prove(
             error,
         })?;
     }
-    (0..cases)
+    specs
         .into_par_iter()
-        .map(|index| {
-            let case = generate(&draw(index, seed), seed)?;
+        .map(|spec| {
+            let case = generate(&spec, seed)?;
             let found = report_of(&case, &Options::default())?;
             if let (Some(out), Some(folder)) = (out, &reports) {
                 write(&case, out)?;

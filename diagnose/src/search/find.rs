@@ -3,7 +3,9 @@
 use crate::algebra::fit::Variable;
 use crate::algebra::folds::folds;
 use crate::algebra::gram::Grams;
-use crate::catalogue::{self, Candidate, backlash, saturation, torque_ripple};
+use crate::catalogue::{
+    self, Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
+};
 use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
@@ -17,7 +19,7 @@ use crate::simulator::NominalModel;
 use crate::traces::impacts;
 use crate::traces::order::Orders;
 use datasets::check::plateau;
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Array2, ArrayView1, Axis};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 
@@ -143,14 +145,17 @@ pub fn find(
     let scene = Scene::new(&present, data.motion(), scale).with_tangents();
     let mut candidates = catalogue::catalogue(&scene);
     for j in 0..data.dof() {
-        let orders = Orders::new(
-            residual.column(j),
-            data.samples().q.column(j),
-            scale.speed[j],
-            data.report().rate_hz,
-        )
-        .map_or_else(Vec::new, |o| o.lines(torque_ripple::LINES));
+        let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));
+        let lines = |residual: ArrayView1<f64>, most| {
+            Orders::new(residual, q, scale.speed[j], data.report().rate_hz)
+                .map_or_else(Vec::new, |o| o.lines(most))
+        };
+        let orders = lines(residual.column(j), torque_ripple::LINES);
         candidates.extend(torque_ripple::candidates(j, &orders));
+        // What resists the motion turns with it.
+        let resisting = &residual.column(j) * &qd.mapv(|v| (v / scale.softness[j]).tanh());
+        let orders = lines(resisting.view(), position_dependent_friction::LINES);
+        candidates.extend(position_dependent_friction::candidates(&scene, j, &orders));
         let flat = plateau(&data.tau.column(j).to_vec());
         candidates.extend(flat.map(|(limit, _)| saturation::flat_top(j, limit)));
     }

@@ -363,6 +363,7 @@ fn least_fraction(candidate: &Candidate) -> f64 {
         effect if effect.is_dynamic() => PLAINLY,
         Effect::PreslidingHysteresis
         | Effect::StribeckFriction
+        | Effect::PositionDependentFriction
         | Effect::JointCoupling
         | Effect::Backlash
         | Effect::TorqueRipple => 0.06,

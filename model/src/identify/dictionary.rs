@@ -21,8 +21,13 @@ pub fn basic() -> Vec<Term> {
 pub fn is_friction_shape(term: &Term) -> bool {
     matches!(
         term,
-        Term::Sliding(_) | Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_)
+        Term::Sliding(_) | Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_) | Term::Position(_)
     )
+}
+
+/// Whether a term is torque of the joint's position, which over a part of a turn is nearly an offset.
+pub fn is_torque_of_position(term: &Term) -> bool {
+    matches!(term, Term::Harmonic(_))
 }
 
 /// What warm-up terms need to know about the clock of the training recordings.

@@ -53,7 +53,8 @@ impl Default for IdentifyOptions {
     }
 }
 
-/// Times the joint's basic friction that a further friction shape may move.
+/// Times the joint's basic friction that a further friction shape may move, and times the joint's torque that torque of its
+/// position may.
 const LARGEST: f64 = 3.0;
 
 /// What identification found.
@@ -184,7 +185,8 @@ pub fn identify(
             let folds = FoldGrams::new(&system.grams(), &target.folds)?;
             let always: Vec<usize> = (0..system.rigid() + basic[joint].len()).collect();
             let rest: Vec<usize> = (always.len()..system.columns()).collect();
-            let bounds = bounds(&folds, &terms, system.rigid(), &always, options)?;
+            let torque = system.target_deviation();
+            let bounds = bounds(&folds, torque, &terms, system.rigid(), &always, options)?;
             let admissible = |columns: &[usize], parameters: &[f64]| {
                 let mut taken = columns.iter().zip(parameters).skip(always.len());
                 taken.all(|(&c, value)| value.abs() <= bounds[c - system.rigid()])
@@ -220,9 +222,11 @@ pub fn identify(
 }
 
 /// Largest size of the coefficient of each of a joint's terms: a friction shape moves at most [`LARGEST`] times the
-/// torque (RMS) that viscous and Coulomb friction of the basic fit move; others are free.
+/// torque (RMS) that viscous and Coulomb friction of the basic fit move, torque of position at most [`LARGEST`] times the
+/// deviation `torque` of the joint's; others are free.
 fn bounds(
     folds: &FoldGrams,
+    torque: f64,
     terms: &[Term],
     rigid: usize,
     always: &[usize],
@@ -242,9 +246,16 @@ fn bounds(
         .enumerate()
         .map(|(k, term)| {
             let rms = folds.rms(rigid + k)?;
-            let bounded = k + rigid >= always.len() && dictionary::is_friction_shape(term);
-            Ok(if bounded && rms > 0.0 {
-                LARGEST * friction / rms
+            let most = if dictionary::is_friction_shape(term) {
+                friction
+            } else if dictionary::is_torque_of_position(term) {
+                torque
+            } else {
+                f64::INFINITY
+            };
+            let bounded = k + rigid >= always.len() && rms > 0.0;
+            Ok(if bounded {
+                LARGEST * most / rms
             } else {
                 f64::INFINITY
             })

@@ -55,7 +55,10 @@ impl<'a> OutOfFold<'a> {
             let mut sum = empty();
             for ((cells, map), sigma) in cells.iter().zip(&maps).zip(&sigma) {
                 if cells[cell].rows() > 0 {
-                    sum = sum.plus(&cells[cell].scaled(1.0 / sigma).embed(map, total)?)?;
+                    // A channel without any error is dead: it tells of nothing.
+                    let dead = *sigma <= f64::MIN_POSITIVE;
+                    let weight = if dead { 0.0 } else { 1.0 / sigma };
+                    sum = sum.plus(&cells[cell].scaled(weight).embed(map, total)?)?;
                 }
             }
             Ok(sum)

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 /// Names of the effects that a case can withhold, as the contract has them.
-pub const EFFECTS: [&str; 22] = [
+pub const EFFECTS: [&str; 23] = [
     "link_parameters",
     "friction_parameters",
     "payload",
@@ -17,6 +17,7 @@ pub const EFFECTS: [&str; 22] = [
     "stribeck_friction",
     "nonlinear_viscous_friction",
     "load_dependent_friction",
+    "position_dependent_friction",
     "presliding_hysteresis",
     "friction_drift",
     "torque_ripple",

@@ -4,7 +4,7 @@ use super::outside::outside;
 use super::scene::{Scene, Shape};
 use super::withheld::Withheld;
 use crate::families::log_uniform;
-use crate::mechanism::{CouplingKind, DragKind, Grab, Pins, StribeckKind};
+use crate::mechanism::{CouplingKind, DragKind, Grab, Pins, Runout, StribeckKind};
 use crate::reference::Session;
 use nalgebra::Vector3;
 use rand::RngExt;
@@ -154,6 +154,28 @@ pub fn shape(name: &str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
         "load_dependent_friction" => {
             let j = heavy.unwrap_or(any);
             on(j, Withheld::Mesh { joint: j }, 0.05, 0.2, rng)
+        }
+        "position_dependent_friction" => {
+            // A part turns at least once over the range, with the joint or a stage of its gear.
+            let once = (0.5 * TAU / scene.arm.reach[any]).ceil();
+            let order = if rng.random_bool(0.5) && angular(any) {
+                once + f64::from(rng.random_range(0..4))
+            } else {
+                once * rng.random_range(1.0..9.0)
+            };
+            let law = if rng.random_bool(0.5) {
+                Runout::BentShaft(rng.random_range(0.4..0.95))
+            } else {
+                Runout::Eccentric
+            };
+            let effect = Withheld::Runout {
+                joint: any,
+                order,
+                phase: rng.random_range(0.0..TAU),
+                viscous: rng.random_range(0.0..0.5) / speed(any),
+                law,
+            };
+            on(any, effect, 0.05, 0.2, rng)
         }
         "presliding_hysteresis" => {
             let effect = Withheld::Bristle {

@@ -54,6 +54,7 @@ impl Withheld {
                 | Self::Stribeck { .. }
                 | Self::Drag { .. }
                 | Self::Mesh { .. }
+                | Self::Runout { .. }
                 | Self::Warm { .. }
                 | Self::Ripple { .. }
                 | Self::Coupling { .. }

@@ -2,7 +2,7 @@
 
 use super::oracle::Oracle;
 use super::withheld::Withheld;
-use crate::mechanism::{CouplingKind, DragKind, StribeckKind};
+use crate::mechanism::{CouplingKind, DragKind, Runout, StribeckKind};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -219,6 +219,21 @@ pub fn describe(effect: &Withheld, size: f64, dof: usize) -> Description {
             json!({"loss": size}),
             vec![],
         ),
+        Withheld::Runout {
+            joint,
+            order,
+            phase,
+            viscous,
+            law,
+        } => {
+            let mechanism = match law {
+                Runout::BentShaft(_) => "bent_shaft",
+                Runout::Eccentric => "eccentric_gear",
+            };
+            let values =
+                json!({"friction": size, "order": order, "phase": phase, "viscous": viscous});
+            (mechanism, Some(vec![*joint]), values, vec![])
+        }
         Withheld::Bristle {
             joint,
             elastic,

@@ -54,6 +54,14 @@ pub enum Withheld {
     },
     /// Size: lost share.
     Mesh { joint: usize },
+    /// Size: N·m at the tightest place.
+    Runout {
+        joint: usize,
+        order: f64,
+        phase: f64,
+        viscous: f64,
+        law: Runout,
+    },
     /// Size: deflection when sliding, rad.
     Bristle {
         joint: usize,
@@ -248,6 +256,23 @@ impl Withheld {
                     joint: axis(build, *joint),
                     loss: size,
                     v_eps: eps(build, *joint),
+                }));
+            }
+            Self::Runout {
+                joint,
+                order,
+                phase,
+                viscous,
+                law,
+            } => {
+                add = Some(Box::new(RunoutFriction {
+                    joint: axis(build, *joint),
+                    size,
+                    viscous: *viscous,
+                    order: *order,
+                    phase: *phase,
+                    v_eps: eps(build, *joint),
+                    kind: *law,
                 }));
             }
             Self::Bristle {

@@ -22,7 +22,9 @@ pub use foreign::{
     CableTug, CrossDrag, Dropouts, FloorHum, SloshingTank, SpringDamper, WanderingOffset,
     WornSector,
 };
-pub use friction::{AsymmetricFriction, Drag, DragKind, Stribeck, StribeckKind};
+pub use friction::{
+    AsymmetricFriction, Drag, DragKind, Runout, RunoutFriction, Stribeck, StribeckKind,
+};
 pub use gear::{GearMesh, GearPlay, GearSpring};
 pub use ripple::Ripple;
 pub use thermal::WarmingGrease;

@@ -55,6 +55,7 @@ pub fn plain(effect: Effect) -> &'static str {
         Effect::StribeckFriction => "Stribeck friction",
         Effect::NonlinearViscousFriction => "nonlinear viscous friction",
         Effect::LoadDependentFriction => "load-dependent friction",
+        Effect::PositionDependentFriction => "friction that changes with position",
         Effect::PreslidingHysteresis => "presliding hysteresis",
         Effect::FrictionDrift => "friction that drifts over the session",
         Effect::TorqueRipple => "torque ripple",
@@ -145,6 +146,8 @@ pub(super) fn experiment(cause: &Cause) -> &'static str {
         "Record the same motions with and without a known mass on the last link."
     } else if with(Effect::FrictionDrift) {
         "Repeat one motion cold and warm."
+    } else if with(Effect::PositionDependentFriction) {
+        "Record slow motion over the joint's whole range, to and fro, with and without load."
     } else if with(Effect::LoadDependentFriction) || with(Effect::TorqueGain) {
         "Repeat the same speeds in poses with different load, up and down."
     } else if with(Effect::StribeckFriction) || with(Effect::NonlinearViscousFriction) {

@@ -53,9 +53,14 @@ pub(super) fn prior(
         for cell in system.grams() {
             sum = sum.plus(&cell)?;
         }
+        let deviation = system.target_deviation();
+        // A dead channel tells of no shape.
+        if deviation <= f64::MIN_POSITIVE {
+            continue;
+        }
         let terms = system.columns() - system.rigid();
         for term in terms - shapes().count()..terms {
-            let size = sum.rms(system.rigid() + term)? / system.target_deviation();
+            let size = sum.rms(system.rigid() + term)? / deviation;
             if size.is_finite() {
                 places.push((offset + term, weight * size));
             }

@@ -1,0 +1,77 @@
+//! `position_dependent_friction`: friction scaled periodically by the joint's position, as a bent shaft, an eccentric gear
+//! or a seal that is not round make it: sin(k q) and cos(k q) times the sign of the velocity, or times sign and velocity. Orders
+//! are whole turns of the joint, and lines of what is left over position once it is turned with the motion (motor and
+//! gear stages turn at ratios that need not be whole). Confounders: Coulomb friction (over less than half a period),
+//! load-dependent friction (gravity's load is periodic in position), torque ripple (which does not turn with the motion).
+
+use super::candidate::{Bound, Candidate, Column, Quantity};
+use crate::effect::Effect;
+use crate::motion::scene::Scene;
+use std::f64::consts::TAU;
+
+/// Most lines of one joint that are tried.
+pub const LINES: usize = 2;
+
+/// Whole orders that are tried.
+const WHOLE: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+/// Fewest cycles over the recorded range: over less the friction is about constant.
+const FEWEST_CYCLES: f64 = 0.4;
+/// Orders that differ by fewer cycles over the range are one.
+const SAME: f64 = 0.25;
+
+/// Candidates of a joint at whole orders and at `lines`, 1/rad (1/m).
+pub fn candidates(scene: &Scene, joint: usize, lines: &[f64]) -> Vec<Candidate> {
+    let (low, high) = scene.scale.range[joint];
+    let cycles = |order: f64| order * (high - low) / TAU;
+    let whole = WHOLE.into_iter().filter(|&k| {
+        scene.robot.joints()[joint].kind.is_rotation()
+            && cycles(k) > FEWEST_CYCLES
+            && lines.iter().all(|l| cycles((l - k).abs()) > SAME)
+    });
+    let orders = whole.chain(lines.iter().copied());
+    orders.flat_map(|order| at(joint, order)).collect()
+}
+
+/// Candidates at one order: Coulomb friction that changes, and Coulomb with viscous friction.
+fn at(joint: usize, order: f64) -> [Candidate; 2] {
+    let column = |phase: fn(f64) -> f64, viscous: bool| {
+        Column::own(joint, move |s: &Scene| {
+            let friction = if viscous {
+                s.motion.qd.column(joint)
+            } else {
+                s.sign.column(joint)
+            };
+            s.motion.q.column(joint).mapv(|q| phase(order * q)) * friction
+        })
+    };
+    let coulomb = |name| Quantity::plain(name, "N·m", Some(joint));
+    let viscous = |name| Quantity::plain(name, "N·m·s/rad", Some(joint));
+    let alone = Candidate::single(
+        Effect::PositionDependentFriction,
+        joint,
+        coulomb("coulomb_sine"),
+        Bound::Free,
+        column(f64::sin, false),
+    )
+    .and(
+        coulomb("coulomb_cosine"),
+        Bound::Free,
+        column(f64::cos, false),
+    )
+    .with_shape("order", order, "1/rad");
+    let mut both = Candidate::single(
+        Effect::PositionDependentFriction,
+        joint,
+        coulomb("coulomb_sine"),
+        Bound::Free,
+        column(f64::sin, false),
+    );
+    for (quantity, column) in [
+        (coulomb("coulomb_cosine"), column(f64::cos, false)),
+        (viscous("viscous_sine"), column(f64::sin, true)),
+        (viscous("viscous_cosine"), column(f64::cos, true)),
+    ] {
+        both = both.and(quantity, Bound::Free, column);
+    }
+    [alone, both.with_shape("order", order, "1/rad")]
+}
