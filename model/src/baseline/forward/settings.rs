@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Settings of [`LinearForward::fit`].
+/// Settings of [`super::LinearForward::fit`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ForwardSettings {
     /// Number of states; the paper's choice is two per joint: 12.
