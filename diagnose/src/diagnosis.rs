@@ -3,7 +3,7 @@
 pub use crate::outcome::Outcome;
 
 use crate::advice::patch;
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
 use crate::input::recordings::{checked, not_identifiable, notes};

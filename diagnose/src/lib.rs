@@ -25,7 +25,6 @@ mod advice;
 mod algebra;
 mod catalogue;
 mod diagnosis;
-mod effect;
 mod error;
 mod input;
 mod ladder;
@@ -42,8 +41,9 @@ mod traces;
 
 pub use crate::report::{page, words};
 pub use advice::{next_motion, patch};
+pub use catalogue::effect::Effect;
+pub use catalogue::info::{Info, Need};
 pub use diagnosis::{Options, diagnose};
-pub use effect::Effect;
 pub use error::DiagnoseError;
 pub use input::budget;
 pub use input::given::Given;

@@ -1,6 +1,6 @@
 //! Thresholds of the search.
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 
 /// How far parameters may leave the given values when they are identified again, in tolerances: of these, what predicts
 /// best where the fit did not see. The freest comes first, and stays where another is not better by `BETTER`.

@@ -58,8 +58,9 @@ fn rubs(found: &Outcome, speed: f64, authors: &[f64], within: f64) {
             "{}: {value} of {known}",
             joint.joint
         );
-        let named =
-            |c: &diagnose::schema::Cause| c.effect.is_friction() && c.joints.contains(&joint.joint);
+        let named = |c: &diagnose::schema::Cause| {
+            c.effect.info().friction && c.joints.contains(&joint.joint)
+        };
         assert!(
             joint.given[at.unwrap()] > 0.0 || d.causes.iter().any(named),
             "{}",

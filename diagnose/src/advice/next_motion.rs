@@ -11,7 +11,7 @@
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::Variable;
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
@@ -87,10 +87,7 @@ pub fn design(
         ],
     };
     let recorded = Products::recorded(&trial, found);
-    let vibrates = effects.iter().any(|e| {
-        use Effect::{Backlash, JointElasticity, TorqueRipple};
-        matches!(e, Backlash | JointElasticity | TorqueRipple)
-    });
+    let vibrates = effects.iter().any(|e| e.info().vibrates);
     let rate = RATE[usize::from(vibrates)];
     let view = View {
         found,

@@ -3,8 +3,19 @@
 //! separates it.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "asymmetric_friction",
+    plain: "friction that differs by direction",
+    confounders: &[Effect::TorqueOffset, Effect::FrictionParameters],
+    friction: true,
+    needs: &[Need::Reversals],
+    ..Info::NEW
+};
 
 /// Speed below which a joint stands, rad/s (m/s), and the part of the time up to which it may.
 const STANDING: (f64, f64) = (0.01, 0.2);

@@ -3,9 +3,27 @@
 //! Confounders: elasticity (no gap), presliding hysteresis (reversal of velocity, not of torque).
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::effect::Effect;
+use super::info::{Info, Need};
 use super::transmission::Transmission;
-use crate::effect::Effect;
 use crate::motion::scene::Scene;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "backlash",
+    plain: "backlash",
+    confounders: &[
+        Effect::JointElasticity,
+        Effect::PreslidingHysteresis,
+        Effect::TimeDelay,
+    ],
+    vibrates: true,
+    least_fraction: 0.06,
+    place: Some("MJCF"),
+    needs: &[Need::Reversals],
+    remedy: "add a joint with this range between motor and link ({})",
+    ..Info::NEW
+};
 
 /// Half plays, rad (m for prismatic joints, where they are a tenth).
 const HALF_PLAYS: [f64; 6] = [2e-4, 6e-4, 1.3e-3, 2.6e-3, 5e-3, 9e-3];

@@ -2,10 +2,27 @@
 //! Confounders: first moments of the links, encoder offset of the first joints, offsets.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::Info;
 use crate::motion::scene::Scene;
 use nalgebra::{Rotation3, Vector3};
 use ndarray::Array2;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "base_tilt",
+    plain: "a tilted base",
+    confounders: &[
+        Effect::LinkParameters,
+        Effect::EncoderOffset,
+        Effect::Counterbalance,
+        Effect::TorqueOffset,
+    ],
+    absorbable: true,
+    place: Some("URDF"),
+    remedy: "turn gravity in the base frame ({})",
+    ..Info::NEW
+};
 
 /// Angle over which the torque is differenced, rad.
 const STEP: f64 = 1e-3;

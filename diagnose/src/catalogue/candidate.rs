@@ -1,6 +1,6 @@
 //! A hypothesis of the catalogue and its columns.
 
-use crate::effect::Effect;
+use super::effect::Effect;
 use crate::motion::scene::Scene;
 use ndarray::Array1;
 use physics::robot::PARAMETERS_PER_LINK;

@@ -3,8 +3,25 @@
 //! Confounders: gravity of the links beyond (its sines and cosines), torque offset (degree 0 alone).
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "counterbalance",
+    plain: "a counterbalance",
+    confounders: &[
+        Effect::LinkParameters,
+        Effect::EncoderOffset,
+        Effect::BaseTilt,
+        Effect::TorqueRipple,
+    ],
+    absorbable: true,
+    needs: &[Need::Range],
+    remedy: "add a passive torque of the joint's position ({})",
+    ..Info::NEW
+};
 
 const NAMES: [&str; 5] = ["degree_0", "degree_1", "degree_2", "degree_3", "degree_4"];
 

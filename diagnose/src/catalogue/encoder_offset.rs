@@ -4,8 +4,26 @@
 //! Confounders: first moments, base tilt (first joints).
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::{Scene, rigid_torque};
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "encoder_offset",
+    plain: "a wrong joint zero",
+    confounders: &[
+        Effect::LinkParameters,
+        Effect::BaseTilt,
+        Effect::Counterbalance,
+        Effect::TorqueOffset,
+    ],
+    absorbable: true,
+    place: Some("URDF"),
+    needs: &[Need::Range],
+    remedy: "correct the joint's zero ({})",
+    ..Info::NEW
+};
 
 /// Zero up to which the derivative holds, rad: cos falls by less than one percent.
 const LINEAR: f64 = 0.14;

@@ -2,8 +2,19 @@
 //! passed, times viscous, Coulomb or both columns. Confounders: one-off errors of friction parameters.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "friction_drift",
+    plain: "friction that drifts over the session",
+    confounders: &[Effect::FrictionParameters, Effect::NonlinearViscousFriction],
+    friction: true,
+    needs: &[Need::Minute],
+    ..Info::NEW
+};
 
 /// Time constants relative to the session; infinity stands for a straight line.
 const CONSTANTS: [f64; 4] = [0.1, 0.3, 1.0, f64::INFINITY];

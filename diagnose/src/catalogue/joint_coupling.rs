@@ -3,8 +3,18 @@
 //! (all base parameters), kinematic errors.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::Info;
 use crate::motion::scene::{Scene, soft_sign};
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "joint_coupling",
+    plain: "coupling to another joint",
+    confounders: &[Effect::FrictionParameters, Effect::LinkParameters],
+    least_fraction: 0.06,
+    ..Info::NEW
+};
 
 /// Ratios of driver to driven motion in a shared transmission.
 const RATIOS: [f64; 10] = [-4.0, -2.0, -1.0, -0.5, -0.25, 0.25, 0.5, 1.0, 2.0, 4.0];

@@ -5,10 +5,24 @@
 //! Confounders: backlash (odd in T but flat), delay (first derivative), rotor and link inertia.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::effect::Effect;
+use super::info::{Info, Need};
 use super::transmission::Transmission;
-use crate::effect::Effect;
 use crate::motion::scene::Scene;
 use ndarray::Array2;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "joint_elasticity",
+    plain: "elasticity of the transmission",
+    confounders: &[Effect::Backlash, Effect::TimeDelay, Effect::RotorInertia],
+    dynamic: true,
+    vibrates: true,
+    place: Some("MJCF"),
+    needs: &[Need::Rate],
+    remedy: "split the joint into motor and link with a spring ({})",
+    ..Info::NEW
+};
 
 /// Frequencies of the joint's own oscillation against the rigid arm, Hz.
 const FREQUENCIES: [f64; 4] = [4.5, 7.5, 12.0, 20.0];

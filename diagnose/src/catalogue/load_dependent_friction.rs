@@ -2,7 +2,22 @@
 //! (Bittencourt and Gunnarsson, 2012). Confounders: Coulomb friction under constant load, torque gain.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::Info;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "load_dependent_friction",
+    plain: "load-dependent friction",
+    confounders: &[
+        Effect::FrictionParameters,
+        Effect::TorqueGain,
+        Effect::StribeckFriction,
+        Effect::PositionDependentFriction,
+    ],
+    friction: true,
+    ..Info::NEW
+};
 
 const EXPONENTS: [f64; 3] = [0.7, 1.0, 1.6];
 

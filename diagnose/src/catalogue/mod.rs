@@ -5,10 +5,12 @@ mod asymmetric_friction;
 pub mod backlash;
 mod base_tilt;
 mod candidate;
-pub(crate) mod confounders;
 mod counterbalance;
+pub(crate) mod effect;
 mod encoder_offset;
+mod external_contact;
 mod friction_drift;
+pub(crate) mod info;
 mod joint_coupling;
 mod joint_elasticity;
 mod load_dependent_friction;
@@ -24,9 +26,54 @@ pub mod torque_ripple;
 mod transmission;
 
 use crate::motion::scene::Scene;
+use effect::Effect;
+use info::Info;
+use serde::{Serialize, Serializer};
 
 pub use candidate::{Bound, Candidate, Column, ColumnTorque};
 pub use parameters::base_columns;
+
+impl Effect {
+    /// What is known of it beside its columns.
+    pub fn info(self) -> &'static Info {
+        match self {
+            Effect::LinkParameters => &parameters::LINKS,
+            Effect::FrictionParameters => &parameters::FRICTION,
+            Effect::Payload => &parameters::PAYLOAD,
+            Effect::RotorInertia => &parameters::ROTOR,
+            Effect::BaseTilt => &base_tilt::INFO,
+            Effect::Counterbalance => &counterbalance::INFO,
+            Effect::AsymmetricFriction => &asymmetric_friction::INFO,
+            Effect::StribeckFriction => &stribeck_friction::INFO,
+            Effect::NonlinearViscousFriction => &nonlinear_viscous_friction::INFO,
+            Effect::LoadDependentFriction => &load_dependent_friction::INFO,
+            Effect::PositionDependentFriction => &position_dependent_friction::INFO,
+            Effect::PreslidingHysteresis => &presliding_hysteresis::INFO,
+            Effect::FrictionDrift => &friction_drift::INFO,
+            Effect::TorqueRipple => &torque_ripple::INFO,
+            Effect::JointElasticity => &joint_elasticity::INFO,
+            Effect::Backlash => &backlash::INFO,
+            Effect::JointCoupling => &joint_coupling::INFO,
+            Effect::TorqueGain => &torque_channel::GAIN,
+            Effect::TorqueOffset => &torque_channel::OFFSET,
+            Effect::TimeDelay => &time_delay::INFO,
+            Effect::Saturation => &saturation::INFO,
+            Effect::EncoderOffset => &encoder_offset::INFO,
+            Effect::ExternalContact => &external_contact::INFO,
+        }
+    }
+
+    /// Name in the report.
+    pub fn name(self) -> &'static str {
+        self.info().name
+    }
+}
+
+impl Serialize for Effect {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
 
 /// Everything that needs no look at the residual.
 pub fn catalogue(scene: &Scene) -> Vec<Candidate> {

@@ -2,8 +2,19 @@
 //! sign(q̇)·|q̇|^p. Confounders: Coulomb and viscous friction (a straight line), Stribeck friction.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "nonlinear_viscous_friction",
+    plain: "nonlinear viscous friction",
+    confounders: &[Effect::FrictionParameters, Effect::StribeckFriction],
+    friction: true,
+    needs: &[Need::Speed],
+    ..Info::NEW
+};
 
 /// Knees relative to the joint's root mean square velocity.
 const KNEES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];

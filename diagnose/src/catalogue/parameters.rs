@@ -6,13 +6,67 @@
 //! with a wide prior, so that a change beyond a few percent is paid for once, not per sample.
 
 use super::candidate::{Bound, Candidate, Column, ColumnTorque, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::Scene;
 use crate::simulator::link_sizes;
 use nalgebra::{Rotation3, Vector3};
 use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
+
+/// What is known of it beside its columns.
+pub(super) const ROTOR: Info = Info {
+    name: "rotor_inertia",
+    plain: "rotor inertia",
+    confounders: &[
+        Effect::LinkParameters,
+        Effect::TorqueGain,
+        Effect::JointElasticity,
+    ],
+    absorbable: true,
+    place: Some("drive file, MJCF"),
+    needs: &[Need::Speed],
+    remedy: "set the joint's armature ({})",
+    ..Info::NEW
+};
+
+/// What is known of it beside its columns.
+pub(super) const PAYLOAD: Info = Info {
+    name: "payload",
+    plain: "a payload on the last link",
+    confounders: &[Effect::LinkParameters],
+    absorbable: true,
+    place: Some("URDF"),
+    remedy: "attach a body to the last link ({}); --patch writes it",
+    ..Info::NEW
+};
+
+/// What is known of it beside its columns.
+pub(super) const FRICTION: Info = Info {
+    name: "friction_parameters",
+    plain: "friction coefficients",
+    confounders: &[Effect::NonlinearViscousFriction, Effect::StribeckFriction],
+    parameter: true,
+    friction: true,
+    absorbable: true,
+    place: Some("URDF"),
+    remedy: "set joint damping and friction loss ({}); --patch writes them",
+    ..Info::NEW
+};
+
+/// What is known of it beside its columns.
+pub(super) const LINKS: Info = Info {
+    name: "link_parameters",
+    plain: "inertial parameters of links",
+    confounders: &[Effect::Payload, Effect::RotorInertia, Effect::TorqueGain],
+    parameter: true,
+    absorbable: true,
+    place: Some("URDF"),
+    needs: &[Need::Minute],
+    remedy: "set the links' inertials ({}); --patch writes them",
+    ..Info::NEW
+};
 
 /// Velocity over which a part of a joint's Coulomb friction may build up, in widths of its softened sign: how a real
 /// contact comes to rest is nobody's law, and a wrong one looks like Stribeck or degressive friction.

@@ -5,9 +5,25 @@
 //! load-dependent friction (gravity's load is periodic in position), torque ripple (which does not turn with the motion).
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::Scene;
 use std::f64::consts::TAU;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "position_dependent_friction",
+    plain: "friction that changes with position",
+    confounders: &[
+        Effect::FrictionParameters,
+        Effect::LoadDependentFriction,
+        Effect::TorqueRipple,
+    ],
+    friction: true,
+    least_fraction: 0.06,
+    needs: &[Need::Reversals, Need::Range, Need::Minute],
+    ..Info::NEW
+};
 
 /// Most lines of one joint that are tried.
 pub const LINES: usize = 2;

@@ -5,10 +5,27 @@
 //! jump of that friction (state minus sign). Confounders: Stribeck friction, backlash, a delay.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::Scene;
 use ndarray::Array1;
 use physics::effects::{Dahl, Stop};
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "presliding_hysteresis",
+    plain: "presliding hysteresis",
+    confounders: &[
+        Effect::FrictionParameters,
+        Effect::StribeckFriction,
+        Effect::Backlash,
+        Effect::JointElasticity,
+    ],
+    friction: true,
+    least_fraction: 0.06,
+    needs: &[Need::Reversals],
+    ..Info::NEW
+};
 
 /// Widths relative to the recorded range of the joint.
 const WIDTHS: [f64; 7] = [3e-4, 1e-3, 3e-3, 8e-3, 0.02, 0.05, 0.12];

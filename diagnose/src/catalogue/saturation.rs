@@ -2,8 +2,18 @@
 //! the predicted torque. Confounder: none where the histogram has a flat top; a limit near the peak is invisible.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::Info;
 use crate::motion::scene::Scene;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "saturation",
+    plain: "a saturated torque signal",
+    confounders: &[Effect::TorqueGain, Effect::NonlinearViscousFriction],
+    remedy: "leave out cut samples, or limit the actuator ({})",
+    ..Info::NEW
+};
 
 /// Limits relative to the largest predicted torque.
 const LIMITS: [f64; 10] = [0.3, 0.38, 0.46, 0.54, 0.62, 0.68, 0.74, 0.8, 0.86, 0.92];

@@ -3,8 +3,24 @@
 //! (the same curve with the other sign: hence the bound).
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
 use crate::motion::scene::{SOFT_SIGN, Scene};
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "stribeck_friction",
+    plain: "Stribeck friction",
+    confounders: &[
+        Effect::FrictionParameters,
+        Effect::NonlinearViscousFriction,
+        Effect::PreslidingHysteresis,
+    ],
+    friction: true,
+    least_fraction: 0.06,
+    needs: &[Need::Reversals],
+    ..Info::NEW
+};
 
 /// Stribeck velocities relative to the joint's root mean square velocity. What is narrower than the softened sign is
 /// not told from it.

@@ -3,9 +3,21 @@
 //! only), elasticity (second derivative), viscous friction of the acceleration.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::Info;
 use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2};
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "time_delay",
+    plain: "a time shift between torque and motion",
+    confounders: &[Effect::JointElasticity, Effect::Backlash],
+    dynamic: true,
+    place: Some("MJCF"),
+    remedy: "shift the torque in the recording, or delay the actuator ({})",
+    ..Info::NEW
+};
 
 /// Delays in sampling intervals; the coefficient corrects what lies between.
 const DELAYS: [f64; 12] = [

@@ -6,10 +6,35 @@
 //! direction, and gravity of links that hardly turn.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::effect::Effect;
+use super::info::Info;
 use super::saturation;
-use crate::effect::Effect;
 use crate::motion::scene::Scene;
 use ndarray::Array1;
+
+/// What is known of it beside its columns.
+pub(super) const OFFSET: Info = Info {
+    name: "torque_offset",
+    plain: "a torque offset",
+    confounders: &[Effect::AsymmetricFriction, Effect::Counterbalance],
+    remedy: "take the bias off the torque ({})",
+    ..Info::NEW
+};
+
+/// What is known of it beside its columns.
+pub(super) const GAIN: Info = Info {
+    name: "torque_gain",
+    plain: "a wrong torque scale",
+    confounders: &[
+        Effect::LinkParameters,
+        Effect::FrictionParameters,
+        Effect::Payload,
+        Effect::LoadDependentFriction,
+    ],
+    absorbable: true,
+    remedy: "correct the torque constant or gear ratio ({})",
+    ..Info::NEW
+};
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let gain = Candidate::single(

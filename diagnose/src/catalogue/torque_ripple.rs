@@ -4,7 +4,19 @@
 //! Confounders: none at high orders; below a few cycles per range, gravity and counterbalance.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
-use crate::effect::Effect;
+use super::effect::Effect;
+use super::info::{Info, Need};
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "torque_ripple",
+    plain: "torque ripple",
+    confounders: &[Effect::Counterbalance, Effect::EncoderOffset],
+    vibrates: true,
+    least_fraction: 0.06,
+    needs: &[Need::Range, Need::Minute, Need::Rate],
+    ..Info::NEW
+};
 
 /// Most lines of one joint.
 pub const LINES: usize = 3;

@@ -1,6 +1,7 @@
 //! The recordings before any physics: what is wrong with them, what they cannot show, and what was done to them.
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
+use crate::catalogue::info::Need;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
 use crate::schema::NotIdentifiable;
@@ -75,13 +76,7 @@ pub fn not_identifiable(
             continue;
         };
         if figures.cycles < CYCLES {
-            let effects = [
-                Effect::AsymmetricFriction,
-                Effect::StribeckFriction,
-                Effect::PositionDependentFriction,
-                Effect::PreslidingHysteresis,
-                Effect::Backlash,
-            ];
+            let effects = needing(Need::Reversals);
             let reason = format!(
                 "{name} turns round {:.0} times; record six reversals or more",
                 2.0 * figures.cycles
@@ -89,7 +84,7 @@ pub fn not_identifiable(
             add(&effects, own.clone(), reason);
         }
         if figures.top_speed < SLOW {
-            let effects = [Effect::NonlinearViscousFriction, Effect::RotorInertia];
+            let effects = needing(Need::Speed);
             let reason = format!(
                 "{name} moves at {:.3} rad/s at most; record faster motion",
                 figures.top_speed
@@ -97,12 +92,7 @@ pub fn not_identifiable(
             add(&effects, own.clone(), reason);
         }
         if high - low < NARROW {
-            let effects = [
-                Effect::Counterbalance,
-                Effect::EncoderOffset,
-                Effect::TorqueRipple,
-                Effect::PositionDependentFriction,
-            ];
+            let effects = needing(Need::Range);
             let reason = format!(
                 "{name} covers {:.2} rad; record more of its range",
                 high - low
@@ -112,12 +102,7 @@ pub fn not_identifiable(
     }
     let seconds = frames.data.len() as f64 / frames.data.row_rate();
     if seconds < SHORT {
-        let effects = [
-            Effect::FrictionDrift,
-            Effect::LinkParameters,
-            Effect::TorqueRipple,
-            Effect::PositionDependentFriction,
-        ];
+        let effects = needing(Need::Minute);
         let reason = format!(
             "{seconds:.0} s of motion are too short to tell it from other effects; record a minute or more"
         );
@@ -125,7 +110,7 @@ pub fn not_identifiable(
     }
     let rate = frames.data.report().rate_hz;
     if rate < COARSE {
-        let effects = [Effect::JointElasticity, Effect::TorqueRipple];
+        let effects = needing(Need::Rate);
         let reason = format!(
             "at {rate:.0} Hz nothing above {:.0} Hz is recorded: no resonance and no ripple of the motor's order",
             0.5 * rate
@@ -133,6 +118,12 @@ pub fn not_identifiable(
         add(&effects, names.to_vec(), reason);
     }
     out
+}
+
+/// Effects that need something of a recording.
+fn needing(need: Need) -> Vec<Effect> {
+    let all = Effect::ALL.into_iter();
+    all.filter(|e| e.info().needs.contains(&need)).collect()
 }
 
 /// Where velocity and acceleration come from, in words.

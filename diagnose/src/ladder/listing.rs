@@ -4,7 +4,7 @@
 //! fall of the error is drawn again from blocks of time. A cause whose interval holds zero is taken back, the weakest
 //! first, since two that share a torque may each be spared while the other stands.
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::out_of_fold::{OutOfFold, gain};
 use crate::ladder::rungs::Free;
@@ -108,7 +108,7 @@ fn left_out(
         let own = found.accepted[c].variables.clone();
         let torque = unseen.torque(&tight, |i| own.contains(&i));
         let joints = touched(found, c, &torque, &held, frames);
-        let (_, interval) = if found.candidate(c).effect.is_absorbable() {
+        let (_, interval) = if found.candidate(c).effect.info().absorbable {
             gain(&unseen.losses(&(&held + &torque)), &held_after, &joints)
         } else {
             let others: Vec<usize> = structure.iter().copied().filter(|&o| o != c).collect();

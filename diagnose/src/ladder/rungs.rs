@@ -1,7 +1,7 @@
 //! Fits of what was found: the steps of the ladder, and the fit near the given parameters.
 
 use crate::algebra::fit::{Fit, Variable};
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::motion::scene::Scale;
 use crate::search::find::Findings;
 use crate::search::objective::Objective;
@@ -29,7 +29,7 @@ impl Findings {
     /// Accepted causes of kind `structure`, by index among the accepted.
     pub fn structure(&self) -> Vec<usize> {
         (0..self.accepted.len())
-            .filter(|&c| !self.candidate(c).effect.is_parameter())
+            .filter(|&c| !self.candidate(c).effect.info().parameter)
             .collect()
     }
 

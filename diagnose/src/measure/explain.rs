@@ -5,7 +5,7 @@
 //! enumeration: φ_k = 2 r·c_k − c_k·Σ_l c_l. What a push leaves out of the score counts as its torque.
 
 use crate::algebra::fit::Fit;
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::listing::Listing;
 use crate::ladder::out_of_fold::BLOCK;
@@ -133,7 +133,7 @@ pub fn explain(
         .fold(Array2::zeros(shape), |sum, p| sum + &p.torque);
     let tight_residual = &gap_held - &all;
     let listed = |p: &Part| {
-        !p.effect.is_parameter() || said.listing.parameters.iter().any(|l| l.0 == p.effect)
+        !p.effect.info().parameter || said.listing.parameters.iter().any(|l| l.0 == p.effect)
     };
     let shares = shapley(&gap_held, &parts, &deviation, &listed);
     let block = (BLOCK * held.report().rate_hz) as usize;
@@ -143,7 +143,7 @@ pub fn explain(
         let joints = joints(part, said, here.as_ref());
         let (with, without) = match part.accepted {
             _ if contact => (kept(&residual), residual.clone()),
-            Some(_) if part.effect.is_absorbable() => {
+            Some(_) if part.effect.info().absorbable => {
                 (tight_residual.clone(), &tight_residual + &part.torque)
             }
             Some(c) => {
@@ -173,7 +173,7 @@ pub fn explain(
         };
         causes.push(Cause {
             effect: part.effect,
-            kind: if part.effect.is_parameter() {
+            kind: if part.effect.info().parameter {
                 "parameter"
             } else {
                 "structure"
@@ -227,7 +227,7 @@ fn joints(part: &Part, said: &Said, here: Option<&Contact>) -> Vec<usize> {
                 .find(|(c, _)| *c == cause)
                 .map_or_else(Vec::new, |l| l.1.clone())
         }
-        None if part.effect.is_parameter() => {
+        None if part.effect.info().parameter => {
             let mut listed = said.listing.parameters.iter();
             listed
                 .find(|(e, _)| *e == part.effect)
@@ -284,7 +284,7 @@ fn parts(
     ];
     for (c, accepted) in found.accepted.iter().enumerate() {
         let effect = found.candidate(c).effect;
-        if !effect.is_parameter() {
+        if !effect.info().parameter {
             parts.push(Part {
                 effect,
                 accepted: Some(c),

@@ -1,6 +1,5 @@
 //! Friction as one number: all that resists a joint's motion at a speed, whatever the causes call it.
 
-use crate::effect::Effect;
 use crate::input::frames::Frames;
 use crate::motion::scene::Scene;
 use crate::schema::Friction;
@@ -24,7 +23,7 @@ pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<
     let rubs = |i: usize| {
         let n = PARAMETERS_PER_LINK * model.robot.dof();
         let of = |c: usize| {
-            found.accepted[c].variables.contains(&i) && found.candidate(c).effect.is_friction()
+            found.accepted[c].variables.contains(&i) && found.candidate(c).effect.info().friction
         };
         (n..found.base).contains(&i) || (0..found.accepted.len()).any(of)
     };
@@ -93,23 +92,6 @@ fn line_at(points: &[(f64, f64)], x: f64) -> f64 {
         0.0
     };
     my + slope * (x - mx)
-}
-
-impl Effect {
-    /// Whether it resists the motion of its own joint.
-    pub fn is_friction(self) -> bool {
-        matches!(
-            self,
-            Effect::FrictionParameters
-                | Effect::AsymmetricFriction
-                | Effect::StribeckFriction
-                | Effect::NonlinearViscousFriction
-                | Effect::LoadDependentFriction
-                | Effect::PositionDependentFriction
-                | Effect::PreslidingHysteresis
-                | Effect::FrictionDrift
-        )
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Which parameters of the given structure moved, and by how many deviations, the causes being in place.
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::schema::Moved;
 use crate::search::find::Findings;
 use crate::simulator::NominalModel;
@@ -19,7 +19,7 @@ pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
         causes.any(|c| {
             let effect = found.candidate(c).effect;
             found.accepted[c].variables.contains(&i)
-                && (!effect.is_parameter() || effect == Effect::Payload)
+                && (!effect.info().parameter || effect == Effect::Payload)
         })
     };
     let inertial = PARAMETERS_PER_LINK * n;

@@ -1,7 +1,7 @@
 //! Sizes of causes, how sure their names are, and what else they could be.
 
 use crate::catalogue::Candidate;
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::schema::Parameter;
 use crate::search::find::Findings;

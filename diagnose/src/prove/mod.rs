@@ -4,8 +4,8 @@ mod score;
 mod sizes;
 mod withheld;
 
+use crate::catalogue::effect::Effect;
 use crate::diagnosis::{Options, diagnose};
-use crate::effect::Effect;
 use crate::settings::Settings;
 use crate::simulator::NominalModel;
 use physics::robot::Robot;
@@ -115,7 +115,7 @@ pub fn leave_one_out(
 ) -> Result<Vec<LeftOut>, ProveError> {
     let of = |index: u64| -> Result<Option<LeftOut>, ProveError> {
         let spec = draw(index, seed);
-        let Some(effect) = single(spec.kind).filter(|e| !e.is_parameter()) else {
+        let Some(effect) = single(spec.kind).filter(|e| !e.info().parameter) else {
             done();
             return Ok(None);
         };

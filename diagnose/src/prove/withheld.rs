@@ -1,7 +1,7 @@
 //! Leave-one-out: the candidate of a case's effect is taken out of the catalogue. The answer must then be that something
 //! unknown is there, or a confounder that the catalogue states; a confident wrong name is the failure.
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use report::{Cell, Column, Table};
 use serde_json::Value;
 
@@ -36,7 +36,7 @@ pub struct LeftOut {
 pub fn judge(effect: Effect, truth: &Value, report: &Value) -> LeftOut {
     let causes = report["causes"].as_array().map_or(&[][..], Vec::as_slice);
     let first = causes.iter().find(|c| c["kind"] == "structure");
-    let stated = effect.confounders().iter().map(|e| e.name());
+    let stated = effect.info().confounders.iter().map(|e| e.name());
     let fair: Vec<&str> = stated.chain(indistinguishable(truth)).collect();
     let named = |c: &Value| c["effect"].as_str().is_some_and(|e| fair.contains(&e));
     let rivals = |c: &Value| {

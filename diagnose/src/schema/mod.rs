@@ -2,7 +2,7 @@
 
 pub(crate) mod value;
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use datasets::check::CheckReport;
 use datasets::metrics::Scores;
 use serde::Serialize;

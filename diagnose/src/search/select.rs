@@ -1,8 +1,8 @@
 //! Forward selection of causes with a backward check.
 
 use crate::algebra::fit::{Fit, Trial, Variable};
+use crate::catalogue::effect::Effect;
 use crate::catalogue::{Bound, Candidate};
-use crate::effect::Effect;
 use crate::search::objective::Objective;
 use physics::robot::Robot;
 use rayon::prelude::*;
@@ -112,7 +112,7 @@ impl<'a> Search<'a> {
     fn named(&self, accepted: &[usize]) -> usize {
         accepted
             .iter()
-            .filter(|&&c| !self.candidates[c].effect.is_parameter())
+            .filter(|&&c| !self.candidates[c].effect.info().parameter)
             .count()
     }
 
@@ -265,7 +265,7 @@ impl<'a> Search<'a> {
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
         let memory = c.effect == Effect::PreslidingHysteresis;
         let part = fraction(&before, &after, &c.joints);
-        let sure = c.effect.is_dynamic() && gain > 20.0 * s.enough;
+        let sure = c.effect.info().dynamic && gain > 20.0 * s.enough;
         if part < least_fraction(c) && !sure {
             return false;
         }
@@ -274,7 +274,7 @@ impl<'a> Search<'a> {
             Effect::PreslidingHysteresis if is_narrow(c) && part < PLAINLY => 3.0 * s.enough,
             Effect::PreslidingHysteresis => 2.0 * s.enough,
             Effect::LoadDependentFriction => s.enough,
-            effect if effect.is_absorbable() => s.enough,
+            effect if effect.info().absorbable => s.enough,
             _ => 1.4 * s.enough,
         };
         (misfit && !memory) || gain > clear
@@ -296,7 +296,7 @@ impl<'a> Search<'a> {
         let new = &self.candidates[candidate];
         let price = |(&a, &gain): (&usize, &f64)| {
             let earlier = &self.candidates[a];
-            if earlier.effect.is_parameter() {
+            if earlier.effect.info().parameter {
                 0.0
             } else if earlier.effect == new.effect {
                 s.leftover_same * gain
@@ -360,14 +360,8 @@ fn least_fraction(candidate: &Candidate) -> f64 {
         Effect::StribeckFriction if candidate.shape.first().is_some_and(|s| s.1 < SLOW) => PLAINLY,
         Effect::PreslidingHysteresis if is_narrow(candidate) => 0.22,
         // Blows and springs are late as well, and vibration of whatever kind is a spring's, for a part of their error.
-        effect if effect.is_dynamic() => PLAINLY,
-        Effect::PreslidingHysteresis
-        | Effect::StribeckFriction
-        | Effect::PositionDependentFriction
-        | Effect::JointCoupling
-        | Effect::Backlash
-        | Effect::TorqueRipple => 0.06,
-        _ => f64::NEG_INFINITY,
+        effect if effect.info().dynamic => PLAINLY,
+        effect => effect.info().least_fraction,
     }
 }
 

@@ -7,7 +7,7 @@
 
 use crate::algebra::fit::{Fit, Variable};
 use crate::catalogue::Candidate;
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::search::objective::Objective;
 use crate::search::select::{Search, Selection, Tried, without};
 use crate::settings::FREEDOMS;
@@ -116,7 +116,7 @@ impl<'a> Simplest<'a> {
         };
         let new = |c: &usize| {
             let effect = self.candidates[*c].effect;
-            effect.is_absorbable() && !full.selection.accepted.contains(c)
+            effect.info().absorbable && !full.selection.accepted.contains(c)
         };
         let named = few.selection.accepted.iter().any(new);
         let low = || {
@@ -167,7 +167,7 @@ impl<'a> Simplest<'a> {
         let structure: Vec<usize> = accepted
             .iter()
             .copied()
-            .filter(|&c| !self.candidates[c].effect.is_parameter())
+            .filter(|&c| !self.candidates[c].effect.info().parameter)
             .collect();
         let free = self.refit(&search, &structure, &(0..own.len()).collect::<Vec<_>>());
         let enough = self.as_low(&own, &free);
@@ -214,7 +214,7 @@ impl<'a> Simplest<'a> {
         own: &[f64],
     ) -> Option<f64> {
         let candidate = &self.candidates[accepted[cause]];
-        if !candidate.effect.is_absorbable() || candidate.effect.is_parameter() {
+        if !candidate.effect.info().absorbable || candidate.effect.info().parameter {
             return None;
         }
         let others = without(accepted, cause);

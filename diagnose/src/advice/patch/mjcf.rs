@@ -1,7 +1,7 @@
 //! The patched robot as MuJoCo's XML has it: elements to be merged into a model by their names.
 
 use super::patched::{Patched, number};
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use std::fmt::Write;
 
 /// A well-formed document with `<option>`, every joint and body of the robot, and what else has a place.

@@ -6,7 +6,7 @@ mod patched;
 mod urdf;
 mod values;
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::outcome::Outcome;
 use crate::schema::Cause;
@@ -15,7 +15,7 @@ use crate::simulator::NominalModel;
 use nalgebra::Vector3;
 
 pub use patched::robot;
-use patched::{Patched, joint, number, place};
+use patched::{Patched, joint, number};
 pub use values::Setting;
 
 /// Files of a patch.
@@ -67,7 +67,7 @@ pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patc
 
 /// One line on what the patch holds.
 pub fn summary(causes: &[Cause]) -> String {
-    let inside = |c: &&Cause| place(c.effect) == Some("URDF");
+    let inside = |c: &&Cause| c.effect.info().place == Some("URDF");
     let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(inside);
     let list = |c: &[&Cause]| {
         let one = |c: &&Cause| {

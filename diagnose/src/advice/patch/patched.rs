@@ -1,6 +1,6 @@
 //! The robot that is written.
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::schema::Cause;
 use crate::search::find::Findings;
 use crate::simulator::{NominalModel, possible};
@@ -52,19 +52,5 @@ impl Patched<'_> {
     /// Gravity as the tilted base sees it, m/s².
     pub(super) fn gravity(&self) -> Vector3<f64> {
         Rotation3::new(-self.tilt) * self.robot.gravity()
-    }
-}
-
-/// Where a cause is written.
-pub(super) fn place(effect: Effect) -> Option<&'static str> {
-    match effect {
-        Effect::LinkParameters
-        | Effect::FrictionParameters
-        | Effect::Payload
-        | Effect::BaseTilt
-        | Effect::EncoderOffset => Some("URDF"),
-        Effect::RotorInertia => Some("drive file, MJCF"),
-        Effect::TimeDelay | Effect::JointElasticity | Effect::Backlash => Some("MJCF"),
-        _ => None,
     }
 }

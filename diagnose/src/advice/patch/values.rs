@@ -1,6 +1,6 @@
 //! Values for simulators without a file format of their own here, and the drive file.
 
-use super::patched::{Patched, place};
+use super::patched::Patched;
 use physics::robot::{JointKind, Robot};
 use std::fmt::Write;
 
@@ -77,7 +77,7 @@ pub(super) fn table(patched: &Patched, settings: &[Setting]) -> String {
     let mut out = String::from("effect\tjoints\tparameter\tvalue\tstd\tunit\twritten to\n");
     for cause in patched.causes {
         let effect = cause.effect.name();
-        let written = place(cause.effect).unwrap_or("this table");
+        let written = cause.effect.info().place.unwrap_or("this table");
         for p in &cause.parameters {
             let joints = p.joint.clone().unwrap_or_else(|| cause.joints.join(","));
             let std = p.std.map_or(String::new(), |s| s.to_string());

@@ -4,7 +4,7 @@
 //! more than the highest of as many bins of noise would once in `CHANCE` recordings (a sum of K windows of noise is
 //! gamma distributed). In motion a peak that the predicted torque has as well is the motion's own line.
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::rungs::Free;
 use crate::motion::frame::Frame;

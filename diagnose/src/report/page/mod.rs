@@ -157,7 +157,7 @@ fn labels(outcome: &Outcome) -> Vec<String> {
     let found = &outcome.findings;
     let mut structure = (0..found.accepted.len())
         .map(|c| found.candidate(c))
-        .filter(|c| !c.effect.is_parameter());
+        .filter(|c| !c.effect.info().parameter);
     let label = |step: &str| match step {
         "as_given" => "as given".to_owned(),
         "reidentified" => "parameters fitted again".to_owned(),

@@ -1,6 +1,6 @@
 //! One cause in words: what it is, how much it closes, what to set.
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::schema::value::value;
 use crate::schema::{Cause, Parameter};
 
@@ -44,31 +44,7 @@ pub fn name(effect: Effect) -> String {
 
 /// The effect's name in plain words.
 pub fn plain(effect: Effect) -> &'static str {
-    match effect {
-        Effect::LinkParameters => "inertial parameters of links",
-        Effect::FrictionParameters => "friction coefficients",
-        Effect::Payload => "a payload on the last link",
-        Effect::RotorInertia => "rotor inertia",
-        Effect::BaseTilt => "a tilted base",
-        Effect::Counterbalance => "a counterbalance",
-        Effect::AsymmetricFriction => "friction that differs by direction",
-        Effect::StribeckFriction => "Stribeck friction",
-        Effect::NonlinearViscousFriction => "nonlinear viscous friction",
-        Effect::LoadDependentFriction => "load-dependent friction",
-        Effect::PositionDependentFriction => "friction that changes with position",
-        Effect::PreslidingHysteresis => "presliding hysteresis",
-        Effect::FrictionDrift => "friction that drifts over the session",
-        Effect::TorqueRipple => "torque ripple",
-        Effect::JointElasticity => "elasticity of the transmission",
-        Effect::Backlash => "backlash",
-        Effect::JointCoupling => "coupling to another joint",
-        Effect::TorqueGain => "a wrong torque scale",
-        Effect::TorqueOffset => "a torque offset",
-        Effect::TimeDelay => "a time shift between torque and motion",
-        Effect::Saturation => "a saturated torque signal",
-        Effect::EncoderOffset => "a wrong joint zero",
-        Effect::ExternalContact => "contact",
-    }
+    effect.info().plain
 }
 
 /// What to set in a simulator, in one line.
@@ -108,31 +84,7 @@ pub fn advice(cause: &Cause) -> Vec<String> {
 
 /// What to set in a simulator, with the sizes in words.
 fn remedy(effect: Effect, size: &str) -> String {
-    match effect {
-        Effect::LinkParameters => format!("set the links' inertials ({size}); --patch writes them"),
-        Effect::FrictionParameters => {
-            format!("set joint damping and friction loss ({size}); --patch writes them")
-        }
-        Effect::Payload => format!("attach a body to the last link ({size}); --patch writes it"),
-        Effect::RotorInertia => format!("set the joint's armature ({size})"),
-        Effect::BaseTilt => format!("turn gravity in the base frame ({size})"),
-        Effect::Counterbalance => format!("add a passive torque of the joint's position ({size})"),
-        Effect::TimeDelay => {
-            format!("shift the torque in the recording, or delay the actuator ({size})")
-        }
-        Effect::TorqueGain => format!("correct the torque constant or gear ratio ({size})"),
-        Effect::TorqueOffset => format!("take the bias off the torque ({size})"),
-        Effect::EncoderOffset => format!("correct the joint's zero ({size})"),
-        Effect::Saturation => format!("leave out cut samples, or limit the actuator ({size})"),
-        Effect::JointElasticity => {
-            format!("split the joint into motor and link with a spring ({size})")
-        }
-        Effect::Backlash => format!("add a joint with this range between motor and link ({size})"),
-        Effect::ExternalContact => {
-            format!("nothing: leave this part of the recording out ({size})")
-        }
-        _ => format!("no standard parameter: add the torque by a plug-in ({size})"),
-    }
+    effect.info().remedy.replace("{}", size)
 }
 
 /// The motion that would separate the cause from its rivals.

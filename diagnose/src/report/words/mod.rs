@@ -4,7 +4,7 @@ mod cause;
 
 pub use cause::{advice, closes, name, plain, sentence, told};
 
-use crate::effect::Effect;
+use crate::catalogue::effect::Effect;
 use crate::schema::Bounds;
 use crate::schema::Resonance;
 use crate::schema::value::value;

@@ -1,0 +1,12 @@
+//! `external_contact`: pushes. They have no columns: [`crate::traces::contact`] finds them in either recording.
+
+use super::info::Info;
+
+/// What is known of it beside its columns.
+pub(super) const INFO: Info = Info {
+    name: "external_contact",
+    plain: "contact",
+    confounders: &[],
+    remedy: "nothing: leave this part of the recording out ({})",
+    ..Info::NEW
+};

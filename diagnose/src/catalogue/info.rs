@@ -1,0 +1,67 @@
+//! What is known of an effect beside its columns.
+
+use super::effect::Effect;
+
+/// What a recording has to have for an effect to be told from others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// The joint turns round often enough.
+    Reversals,
+    /// The joint moves fast enough.
+    Speed,
+    /// The joint covers enough of its range.
+    Range,
+    /// A minute of motion.
+    Minute,
+    /// A sampling rate that shows vibration.
+    Rate,
+}
+
+/// An effect's name, words and rules.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// Name in the report.
+    pub name: &'static str,
+    /// Name in plain words.
+    pub plain: &'static str,
+    /// What to set in a simulator; `{}` stands for the sizes.
+    pub remedy: &'static str,
+    /// Effects whose torque looks like this one's on a usual recording: a fair second answer where its own candidate is
+    /// not in the catalogue. Parameters of links and of friction are confounders of whatever they can absorb.
+    pub confounders: &'static [Effect],
+    /// What a recording has to have.
+    pub needs: &'static [Need],
+    /// File of a patch that it is written to; none: the table of values alone.
+    pub place: Option<&'static str>,
+    /// Whether it is a change of parameters that the model's structure has already.
+    pub parameter: bool,
+    /// Whether it resists the motion of its own joint.
+    pub friction: bool,
+    /// Whether it makes the whole prediction late or oscillate, of which other effects give some as well.
+    pub dynamic: bool,
+    /// Whether it shows at frequencies beyond those of the motion.
+    pub vibrates: bool,
+    /// Whether free inertial and friction parameters can take most of it over, so that its worth counts from the model as
+    /// given.
+    pub absorbable: bool,
+    /// Part of its joints' squared error that it has to remove to be named.
+    pub least_fraction: f64,
+}
+
+impl Info {
+    /// Nothing is known yet.
+    pub const NEW: Self = Self {
+        name: "",
+        plain: "",
+        remedy: "no standard parameter: add the torque by a plug-in ({})",
+        confounders: &[],
+        needs: &[],
+        place: None,
+        parameter: false,
+        friction: false,
+        dynamic: false,
+        vibrates: false,
+        absorbable: false,
+        least_fraction: f64::NEG_INFINITY,
+    };
+}
