@@ -68,7 +68,8 @@ fn every_kind_can_be_made_and_keeps_its_promises() {
         let spec = draw(i, 21);
         specs.entry(spec.kind.name()).or_insert(spec);
     }
-    assert_eq!(specs.len(), 25);
+    // One of each effect, none, two and outside.
+    assert_eq!(specs.len(), simulate::cases::EFFECTS.len() + 3);
     specs
         .into_values()
         .collect::<Vec<_>>()
