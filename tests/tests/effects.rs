@@ -15,6 +15,16 @@ fn every_effect_is_listed_once() {
 }
 
 #[test]
+fn every_effect_has_its_words() {
+    for effect in Effect::ALL {
+        let info = effect.info();
+        assert!(!info.name.is_empty() && !info.plain.is_empty(), "{info:?}");
+        assert!(info.remedy.contains("{}"), "{info:?}");
+        assert!(!info.confounders.contains(&effect), "{info:?}");
+    }
+}
+
+#[test]
 fn the_simulator_withholds_every_effect() {
     let drawn: BTreeSet<&str> = EFFECTS.into_iter().collect();
     assert_eq!(drawn, catalogue());

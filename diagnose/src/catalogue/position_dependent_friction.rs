@@ -62,32 +62,21 @@ fn at(joint: usize, order: f64) -> [Candidate; 2] {
     };
     let coulomb = |name| Quantity::plain(name, "N·m", Some(joint));
     let viscous = |name| Quantity::plain(name, "N·m·s/rad", Some(joint));
-    let alone = Candidate::single(
-        Effect::PositionDependentFriction,
-        joint,
-        coulomb("coulomb_sine"),
-        Bound::Free,
-        column(f64::sin, false),
-    )
-    .and(
-        coulomb("coulomb_cosine"),
-        Bound::Free,
-        column(f64::cos, false),
-    )
-    .with_shape("order", order, "1/rad");
-    let mut both = Candidate::single(
-        Effect::PositionDependentFriction,
-        joint,
-        coulomb("coulomb_sine"),
-        Bound::Free,
-        column(f64::sin, false),
-    );
-    for (quantity, column) in [
-        (coulomb("coulomb_cosine"), column(f64::cos, false)),
-        (viscous("viscous_sine"), column(f64::sin, true)),
-        (viscous("viscous_cosine"), column(f64::cos, true)),
-    ] {
-        both = both.and(quantity, Bound::Free, column);
-    }
-    [alone, both.with_shape("order", order, "1/rad")]
+    // Clones are the same column, which is computed once.
+    let (sine, cosine) = (column(f64::sin, false), column(f64::cos, false));
+    let alone = || {
+        let first = coulomb("coulomb_sine");
+        let effect = Effect::PositionDependentFriction;
+        Candidate::single(effect, joint, first, Bound::Free, sine.clone())
+            .and(coulomb("coulomb_cosine"), Bound::Free, cosine.clone())
+            .with_shape("order", order, "1/rad")
+    };
+    let both = alone()
+        .and(viscous("viscous_sine"), Bound::Free, column(f64::sin, true))
+        .and(
+            viscous("viscous_cosine"),
+            Bound::Free,
+            column(f64::cos, true),
+        );
+    [alone(), both]
 }

@@ -2,8 +2,8 @@
 //!
 //! Where motions are repeated, the spread of their torque. Elsewhere the torque's noise above the band of the motion: the
 //! density just above the band stands for the band itself, where motion hides the noise. Beside it the noise of q̈, which
-//! derivatives of the position carry into every prediction: white noise of density S gives ∫(2πf)⁴ S df up to the
-//! band's edge, and the mass matrix makes torque of it.
+//! derivatives of the position carry into every prediction: position noise of the density N that preparation found gives
+//! ∫(2πf)⁴ N df up to the band's edge, and the mass matrix makes torque of it.
 
 use crate::motion::frame::Frame;
 use crate::motion::standing::State;
@@ -39,7 +39,7 @@ pub fn floor(
         let s = spread.as_ref()?;
         s.moving[j].or(Some(s.all[j])).filter(|x| *x > 0.0)
     };
-    let motion = motion_noise(robot, recording, frame);
+    let motion = motion_noise(robot, frame);
     (0..frame.dof())
         .map(|j| {
             let alone = || Some(noise(frame, states, j)?.hypot(motion[j]));
@@ -50,41 +50,19 @@ pub fn floor(
 
 /// Torque that the noise of q̈ makes in any prediction, N·m, by joint; zero where accelerations are not those of the
 /// position alone.
-fn motion_noise(robot: &Robot, recording: &Recording, frame: &Frame) -> Vec<f64> {
+fn motion_noise(robot: &Robot, frame: &Frame) -> Vec<f64> {
     let n = frame.dof();
     let report = frame.report();
-    let rate = report.rate_hz;
-    let Some(edge) = report.cutoff_hz else {
-        return vec![0.0; n];
+    let alone = |s: &Source| matches!(s, Source::Derived | Source::Replaced);
+    let variance = |j: usize| -> Option<f64> {
+        let edge = report.cutoff_hz?;
+        let noise = report.noise.get(j)?.position_density;
+        let derived = alone(&report.velocity[j]) && alone(&report.acceleration);
+        derived.then(|| noise * TAU.powi(4) * edge.powi(5) / 5.0)
     };
-    let variance = |j: usize| -> f64 {
-        let alone = |s: &Source| matches!(s, Source::Derived | Source::Replaced);
-        if !alone(&report.velocity[j]) || !alone(&report.acceleration) {
-            return 0.0;
-        }
-        // Fourth differences hold no motion; of white noise they have seventy times the variance.
-        let length = (STRETCH * rate).round().max(8.0) as usize;
-        let q = recording.q.column(j).to_vec();
-        let squared = |rows: Range<usize>| -> f64 {
-            let fourth = q[rows]
-                .windows(5)
-                .map(|w| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]);
-            fourth.map(|d| d * d).sum::<f64>() / (length - 4) as f64 / 70.0
-        };
-        let stretches = recording.trajectories.iter().flat_map(|t| {
-            let r = t.range.clone();
-            (0..r.len() / length).map(move |k| r.start + k * length..r.start + (k + 1) * length)
-        });
-        let white = 2.0 / rate * median(stretches.map(squared).collect()).unwrap_or(0.0);
-        white * TAU.powi(4) * edge.powi(5) / 5.0
-    };
-    let variances: Vec<f64> = (0..n).map(variance).collect();
-    let middle: Vec<f64> = recording
-        .q
-        .columns()
-        .into_iter()
-        .map(|c| median(c.to_vec()).unwrap_or(0.0))
-        .collect();
+    let variances: Vec<f64> = (0..n).map(|j| variance(j).unwrap_or(0.0)).collect();
+    let poses = frame.samples().q.columns().into_iter();
+    let middle: Vec<f64> = poses.map(|c| median(c.to_vec()).unwrap_or(0.0)).collect();
     let mut mass = vec![0.0; n * n];
     mass_matrix(robot, &mut Workspace::new(robot), &middle, &mut mass);
     let rotors = robot.rotor_inertia();

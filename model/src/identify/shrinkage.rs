@@ -18,7 +18,7 @@ const PARTS: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
 /// Part by which the mean squared error relative to the torque has to fall for the prior to be used.
 const LEAST_GAIN: f64 = 0.01;
 /// Time over which residuals are alike, s: rows within it count as one observation.
-const CORRELATED: f64 = 0.2;
+pub(crate) const CORRELATED: f64 = 0.2;
 /// Least size of a link relative to the mean one: a massless flange may turn out to be a tool.
 const SMALLEST: f64 = 0.1;
 

@@ -7,6 +7,7 @@
 
 use crate::identify::basic;
 use crate::identify::design::JointSystem;
+use crate::identify::shrinkage::CORRELATED;
 use ndarray::{Array1, Array2};
 use physics::effects::{Sliding, Stop, Term};
 use physics::identify::least_squares::{Gram, LeastSquaresError, Triangle};
@@ -16,8 +17,6 @@ use physics::robot::Robot;
 const SOFTNESSES: [f64; 3] = [0.004, 0.02, 0.1];
 /// Displacements over which friction builds up, rad or m: 0.05° and 0.5°.
 const WIDTHS: [f64; 2] = [8.7e-4, 8.7e-3];
-/// Time over which residuals are alike, s: rows within it count as one observation.
-const CORRELATED: f64 = 0.2;
 
 /// Terms of each joint.
 pub(super) fn terms(robot: &Robot) -> Vec<Vec<Term>> {
