@@ -88,6 +88,10 @@ pub struct Arguments {
     /// rotor inertias, a drive file.
     #[arg(long)]
     pub patch: Option<PathBuf>,
+    /// Write the accepted causes as a model directory: for eval, a control loop, and --model. With --learn the compensator,
+    /// too.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 fn cutoff(text: &str) -> Result<f64, String> {

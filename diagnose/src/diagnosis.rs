@@ -84,7 +84,7 @@ pub fn diagnose(
             &listing.residual,
             &frames.data.pick(|i| skipped[i]),
         );
-        let scene = Scene::new(&findings.present, frames.data.motion(), &frames.scale);
+        let scene = Scene::new(&findings.present, frames.passage(), &frames.scale);
         let coulomb = Coulomb {
             torque: listing.coulomb.clone(),
             sign: frames.data.table_to_samples(&scene.sign),
@@ -153,10 +153,13 @@ pub fn diagnose(
     }
     let recordings = checked(model, &frames, [data, heldout]);
     let mut ladder = explanation.ladder.clone();
-    if options.learn
-        && let Some(torque) = learned(&frames, &quiet, &findings.present)?
-    {
-        let rest = &explanation.residual - &torque;
+    let learned = if options.learn {
+        learned(&frames, &quiet, &findings.present)?
+    } else {
+        None
+    };
+    if let Some(learned) = &learned {
+        let rest = &explanation.residual - &learned.torque;
         let scored = &explanation.scored;
         ladder.push(scored.step("learned", &rest, &frames.heldout));
     }
@@ -221,6 +224,7 @@ pub fn diagnose(
         findings,
         frames,
         explanation,
+        learned,
         left,
     })
 }

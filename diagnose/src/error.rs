@@ -1,7 +1,9 @@
 //! Why a diagnosis cannot be made.
 
 use datasets::ReadError;
+use datasets::metrics::ShapeError;
 use datasets::prepare::PrepareError;
+use model::baseline::BaselineError;
 use model::directory::DirectoryError;
 use model::preparation::cutoff::CutoffError;
 use model::preparation::setup::SetupError;
@@ -58,6 +60,12 @@ pub enum DiagnoseError {
     /// No motion could be designed.
     #[error("no experiment can be designed: {0}")]
     Experiment(#[from] physics::excitation::ExcitationError),
+    /// The linear baseline of a model directory.
+    #[error(transparent)]
+    Baseline(#[from] BaselineError),
+    /// Tables of different shapes.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
@@ -84,6 +92,13 @@ impl From<CutoffError> for DiagnoseError {
 impl DiagnoseError {
     /// Whether the input is at fault (exit status 2) rather than the machine (1).
     pub fn is_input(&self) -> bool {
-        !matches!(self, DiagnoseError::Write(_) | DiagnoseError::Learn(_))
+        match self {
+            DiagnoseError::Write(_) | DiagnoseError::Learn(_) => false,
+            DiagnoseError::Directory(e) => !matches!(
+                **e,
+                DirectoryError::Write(_) | DirectoryError::Folder { .. }
+            ),
+            _ => true,
+        }
     }
 }

@@ -40,7 +40,7 @@ mod simulator;
 mod traces;
 
 pub use crate::report::{page, words};
-pub use advice::{next_motion, patch};
+pub use advice::{directory, next_motion, patch};
 pub use catalogue::effect::Effect;
 pub use catalogue::info::{Info, Need};
 pub use diagnosis::{Options, diagnose};

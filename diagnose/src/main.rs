@@ -6,6 +6,7 @@ mod arguments;
 
 use arguments::{Arguments, Command, Proof};
 use clap::Parser;
+use diagnose::directory::{self, Directory};
 use diagnose::{
     DiagnoseError, Given, Options, Outcome, budget, diagnose, next_motion, page, patch, prove,
     words,
@@ -74,7 +75,19 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     for line in words::lines(&outcome.diagnosis) {
         report::say!("{line}");
     }
-    let mut files = files(arguments, &given, &outcome)?;
+    let patch = if arguments.html.is_some() || arguments.patch.is_some() || arguments.out.is_some()
+    {
+        Some(patch::patch(&given.model, &outcome, &given.urdf)?)
+    } else {
+        None
+    };
+    let directory = arguments.out.as_ref().map(|_| {
+        let cutoff_given = arguments.cutoff_hz.is_some();
+        directory::directory(&given.model, &data, &heldout, &outcome, cutoff_given)
+    });
+    let directory = directory.transpose()?;
+    let urdf = patch.as_ref().map(|p| p.urdf.clone());
+    let mut files = files(arguments, patch, &outcome);
     match (&arguments.next, &next) {
         (Some(path), Some(next)) => files.push((path.clone(), next.csv())),
         (Some(_), None) => {
@@ -85,6 +98,12 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     for (path, text) in &files {
         report::write_atomic(path, text)?;
     }
+    if let (Some(path), Some(directory)) = (&arguments.out, &directory) {
+        let weights = directory.compensator.as_deref();
+        let (file, metrics) = (&directory.file, &directory.metrics);
+        file.write(path, metrics, weights, urdf.as_deref())?;
+        say_directory(path, directory);
+    }
     if arguments.patch.is_some() {
         report::say!(
             "Patched model: {}",
@@ -94,18 +113,32 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     Ok(())
 }
 
+/// What the model directory holds and what it does not.
+fn say_directory(path: &Path, directory: &Directory) {
+    /// Departure from the ladder's step that is rounding, relative.
+    const ROUNDING: f64 = 1e-6;
+    let left_out = if directory.left_out.is_empty() {
+        String::new()
+    } else {
+        let list = directory.left_out.join(", ");
+        format!("; left out, as no torque model carries it: {list}")
+    };
+    report::say!("Model directory: {}{left_out}", path.display());
+    if directory.departure > ROUNDING {
+        report::say!(
+            "  its torque differs from the ladder's last structural step by up to {:.2} % of a joint's torque",
+            100.0 * directory.departure
+        );
+    }
+}
+
 /// Everything that is to be written, before anything is: a failure leaves no file behind.
 fn files(
     arguments: &Arguments,
-    given: &Given,
+    patch: Option<patch::Patch>,
     outcome: &Outcome,
-) -> Result<Vec<(PathBuf, String)>, DiagnoseError> {
+) -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
-    let patch = if arguments.html.is_some() || arguments.patch.is_some() {
-        Some(patch::patch(&given.model, outcome, &given.urdf)?)
-    } else {
-        None
-    };
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&outcome.diagnosis).expect("numbers and strings");
         files.push((path.clone(), text));
@@ -137,7 +170,7 @@ fn files(
         files.push((path.with_extension("mjcf.xml"), patch.mjcf));
         files.push((path.with_extension("values.tsv"), patch.values));
     }
-    Ok(files)
+    files
 }
 
 fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {

@@ -2,6 +2,7 @@
 
 use crate::input::frames::Frames;
 use crate::measure::explain::Explanation;
+use crate::measure::learned::Learned;
 use crate::schema::Diagnosis;
 use crate::search::find::Findings;
 use crate::traces::unknown::Left;
@@ -16,6 +17,8 @@ pub struct Outcome {
     pub frames: Frames,
     /// The measured explanation.
     pub explanation: Explanation,
+    /// The compensator on what the causes leave, where one was asked for.
+    pub learned: Option<Learned>,
     /// What has structure of what is left, per joint, on the fitted recording.
     pub left: Vec<Option<Left>>,
 }

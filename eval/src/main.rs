@@ -73,12 +73,12 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let evaluation = evaluate(&arguments.model, &file, recording, &options)?;
     // Pages first: nothing is printed of a run whose files cannot be written.
     if let Some(path) = &arguments.json {
-        report::write_atomic(path, &json(&evaluation.report))?;
+        report::write_atomic(path, json(&evaluation.report))?;
     }
     if let Some(path) = &arguments.html {
         let published = published(&file);
         let subject = evaluation.subject(&published);
-        report::write_atomic(path, &page::page(&file, &subject).render())?;
+        report::write_atomic(path, page::page(&file, &subject).render())?;
     }
     if let Some(path) = &arguments.predict {
         evaluation.write_prediction(path)?;

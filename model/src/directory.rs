@@ -4,7 +4,9 @@ use crate::baseline::{ForwardBaseline, LinearInverse};
 use crate::identify::diagnostics::Diagnostics;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimators::Known;
+use crate::metrics::Metrics;
 use crate::preparation::cutoff::CutoffChoice;
+use crate::torque_channel::TorqueChannel;
 use datasets::TorqueFilter;
 use datasets::channel::Estimate95;
 use datasets::prepare::{Derivatives, PrepareOptions};
@@ -111,6 +113,10 @@ pub struct Preprocessing {
     /// control loop does not have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque_delay: Option<Estimate95>,
+    /// What a diagnosis found of the torque channel and of joint zeros; none where it found nothing. Scores include it, the
+    /// control loop does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<TorqueChannel>,
     /// Whether only moving samples were fitted.
     pub moving_only: bool,
 }
@@ -173,6 +179,14 @@ pub enum DirectoryError {
         path: PathBuf,
         /// Why.
         source: TorqueModelError,
+    },
+    /// The directory cannot be made, or an old file in it not be removed.
+    #[error("{path}: {source}")]
+    Folder {
+        /// The directory.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
     },
     /// A file cannot be written.
     #[error(transparent)]
@@ -257,7 +271,8 @@ impl ModelFile {
             || file.memory.len() != file.clock.len()
             || file.joints != file.physics.joints
             || file.residual_std.moving.len() != file.joints.len()
-            || file.residual_std.standstill.len() != file.joints.len();
+            || file.residual_std.standstill.len() != file.joints.len()
+            || (file.preprocessing.channel.as_ref()).is_some_and(|c| !c.fits(file.joints.len()));
         if wrong {
             return Err(DirectoryError::Format {
                 path,
@@ -274,8 +289,38 @@ impl ModelFile {
     pub fn save(&self, directory: &Path) -> Result<(), DirectoryError> {
         Ok(report::write_atomic(
             &directory.join("model.json"),
-            &json(self),
+            json(self),
         )?)
+    }
+
+    /// Writes a whole model directory, which is made where there is none: `model.json` last, so that a directory with one is
+    /// whole. `weights` is `compensator.safetensors`, `urdf` the identified robot.
+    ///
+    /// # Errors
+    /// The directory or a file cannot be written.
+    pub fn write(
+        &self,
+        directory: &Path,
+        metrics: &Metrics,
+        weights: Option<&[u8]>,
+        urdf: Option<&str>,
+    ) -> Result<(), DirectoryError> {
+        let failed = |source| DirectoryError::Folder {
+            path: directory.to_owned(),
+            source,
+        };
+        std::fs::create_dir_all(directory).map_err(failed)?;
+        let path = directory.join("compensator.safetensors");
+        match weights {
+            Some(bytes) => report::write_atomic(&path, bytes)?,
+            None if path.exists() => std::fs::remove_file(&path).map_err(failed)?,
+            None => {}
+        }
+        report::write_atomic(&directory.join("metrics.json"), json(metrics))?;
+        if let Some(urdf) = urdf {
+            report::write_atomic(&directory.join("identified.urdf"), urdf)?;
+        }
+        self.save(directory)
     }
 
     /// The covariance as a table.

@@ -4,11 +4,13 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod assemble;
 pub mod baseline;
 pub mod directory;
 pub mod evaluation;
 pub mod failure;
 pub mod identify;
+pub mod metrics;
 pub mod page;
 pub mod physics_fit;
 pub mod predict;
@@ -16,4 +18,5 @@ pub mod preparation;
 pub mod residual;
 pub mod session;
 pub mod tables;
+pub mod torque_channel;
 pub mod urdf;

@@ -1,9 +1,8 @@
 //! `train --physics-only`: recordings to an identified model with its scores.
 
-use crate::baseline::{BaselineError, ForwardBaseline, inverse::LinearInverse};
-use crate::directory::{
-    BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
-};
+use crate::assemble::{Estimated, Parts};
+use crate::baseline::BaselineError;
+use crate::directory::{ModelFile, Preprocessing};
 use crate::identify::diagnostics::{self, Conditioning, Diagnostics};
 use crate::identify::error::IdentifyError;
 use crate::identify::identification::{Identified, IdentifyOptions, identify};
@@ -12,19 +11,16 @@ use crate::predict::predict;
 use crate::preparation::choice;
 use crate::preparation::cutoff::{self, CutoffError};
 use crate::session::Session;
-use datasets::metrics::{MOVING, Row, ShapeError};
+use datasets::metrics::{Row, ShapeError};
 use datasets::prepare::Source as Derivative;
 use datasets::prepare::{Derivatives, PrepareError, PrepareOptions, prepare};
 use datasets::{Folds, Recording};
-use feedforward::clock::Memory;
 use ndarray::Array2;
 use physics::effects::Term;
 use physics::identify::base::BaseParameters;
 use physics::identify::feasible::Feasible;
 use physics::robot::Robot;
-use physics::torque_model::{TorqueModel, TorqueModelRecord, WeightedTerm};
-use sha2::{Digest, Sha256};
-use std::path::Path;
+use physics::torque_model::{TorqueModelRecord, WeightedTerm};
 
 /// Settings of [`fit_physics`].
 #[derive(Clone, Debug, Default)]
@@ -158,45 +154,37 @@ pub fn fit_physics(
         &session,
         &physics,
     )?;
-    let file = ModelFile {
-        schema: SCHEMA.into(),
-        residyn: env!("CARGO_PKG_VERSION").into(),
-        joints: robot.joint_names(),
-        base_parameters: base_parameters(robot, &base, &identified),
-        covariance: identified
-            .estimate
-            .covariance
-            .rows()
-            .into_iter()
-            .map(|r| r.to_vec())
-            .collect(),
-        residual_std: residual_std(data, &session, &physics),
-        preprocessing: Preprocessing {
-            rate_hz: first.rate_hz,
-            fine_hz: first.fine_hz,
-            cutoff_hz: first.cutoff_hz,
-            cutoff_given: options.prepare.cutoff_hz.is_some(),
-            cutoff,
-            position_alone: options_chosen.derivatives == Derivatives::FromPosition,
-            recorded_velocity: first.velocity.iter().all(|v| *v == Derivative::Recorded),
-            torque_filter: first.torque_filter,
-            torque_delay,
-            moving_only: options.identify.moving_only,
-        },
-        linear_baseline: baseline(data, &session)?,
-        // Recordings too short for it have none.
-        forward_baseline: ForwardBaseline::fit(data).ok(),
-        diagnostics: Some(diagnosed),
-        clock: session.clock(data.len()),
-        memory: memory(&model, &session, data.len()),
-        provenance: Provenance {
-            recordings: data.iter().map(source).collect(),
-            seed: options.seed,
-            folds: identified.folds,
-        },
-        physics: record,
-        compensator: None,
+    let preprocessing = Preprocessing {
+        rate_hz: first.rate_hz,
+        fine_hz: first.fine_hz,
+        cutoff_hz: first.cutoff_hz,
+        cutoff_given: options.prepare.cutoff_hz.is_some(),
+        cutoff,
+        position_alone: options_chosen.derivatives == Derivatives::FromPosition,
+        recorded_velocity: first.velocity.iter().all(|v| *v == Derivative::Recorded),
+        torque_filter: first.torque_filter,
+        torque_delay,
+        channel: None,
+        moving_only: options.identify.moving_only,
     };
+    let estimate = &identified.estimate;
+    let file = Parts {
+        robot,
+        data,
+        session: &session,
+        physics: &physics,
+        record,
+        base: Estimated {
+            values: &estimate.parameters[..base.len()],
+            std: &estimate.std[..base.len()],
+        },
+        covariance: &estimate.covariance,
+        preprocessing,
+        diagnostics: Some(diagnosed),
+        seed: options.seed,
+        folds: identified.folds,
+    }
+    .assemble(&model)?;
     Ok(Fit {
         file,
         session,
@@ -241,26 +229,6 @@ impl Fit {
         }
         Ok(rows)
     }
-}
-
-/// What the physical terms remember at the end of each training trajectory on the clock.
-fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<Memory> {
-    let load = session.load(model.load_robot());
-    let mut memory = vec![
-        Memory {
-            physics: Vec::new(),
-            inputs: Vec::new()
-        };
-        session.clock(recordings).len()
-    ];
-    for (joint, list) in model.terms().iter().enumerate() {
-        let terms: Vec<Term> = list.iter().map(|w| w.term.clone()).collect();
-        let states = session.end_states(joint, &terms, &load, recordings);
-        for (memory, state) in memory.iter_mut().zip(states) {
-            memory.physics.push(state);
-        }
-    }
-    memory
 }
 
 fn diagnose(
@@ -336,99 +304,4 @@ fn record(robot: &Robot, identified: &Identified) -> TorqueModelRecord {
         identified.base.standard_from(&identified.load_base),
         terms,
     )
-}
-
-fn base_parameters(
-    robot: &Robot,
-    base: &BaseParameters,
-    identified: &Identified,
-) -> Vec<BaseParameter> {
-    let nominal = base.base_from(&robot.parameters());
-    let names = base.base_names();
-    base.formulae()
-        .into_iter()
-        .enumerate()
-        .map(|(i, formula)| BaseParameter {
-            unit: match base.independent()[i] % 10 {
-                0 => "kg",
-                1..=3 => "kg·m",
-                _ => "kg·m²",
-            }
-            .into(),
-            name: names[i].clone(),
-            formula,
-            value: identified.estimate.parameters[i],
-            std: identified.estimate.std[i],
-            relative_std: identified.estimate.relative_std[i],
-            nominal: nominal[i],
-        })
-        .collect()
-}
-
-fn baseline(data: &[Recording], session: &Session) -> Result<LinearInverse, BaselineError> {
-    let stack = |table: &dyn Fn(usize) -> Array2<f64>| {
-        let tables: Vec<Array2<f64>> = (0..data.len()).map(table).collect();
-        let views: Vec<_> = tables.iter().map(|t| t.view()).collect();
-        ndarray::concatenate(ndarray::Axis(0), &views).unwrap_or_default()
-    };
-    let motion = |i: usize| &session.parts[i].at_samples;
-    LinearInverse::fit(
-        stack(&|i| motion(i).q.clone()).view(),
-        stack(&|i| motion(i).qd.clone()).view(),
-        stack(&|i| motion(i).qdd.clone()).view(),
-        stack(&|i| data[i].tau.clone().unwrap_or_default()).view(),
-    )
-}
-
-fn residual_std(data: &[Recording], session: &Session, physics: &[Array2<f64>]) -> ResidualStd {
-    let joints = physics[0].ncols();
-    let deviation = |joint: usize, moving: bool| {
-        let (mut sum, mut count) = (0.0, 0usize);
-        for (part, recording) in data.iter().enumerate() {
-            let Some(tau) = &recording.tau else { continue };
-            let qd = session.parts[part].at_samples.qd.column(joint);
-            for ((t, p), v) in tau
-                .column(joint)
-                .iter()
-                .zip(physics[part].column(joint))
-                .zip(qd)
-            {
-                if (v.abs() > MOVING) == moving {
-                    sum += (t - p).powi(2);
-                    count += 1;
-                }
-            }
-        }
-        if count == 0 {
-            0.0
-        } else {
-            (sum / count as f64).sqrt()
-        }
-    };
-    ResidualStd {
-        moving: (0..joints).map(|j| deviation(j, true)).collect(),
-        standstill: (0..joints).map(|j| deviation(j, false)).collect(),
-    }
-}
-
-fn source(recording: &Recording) -> Source {
-    let path = Path::new(&recording.source);
-    let sha256 = std::fs::read(path).map_or_else(
-        |_| String::new(),
-        |bytes| {
-            Sha256::digest(&bytes)
-                .iter()
-                .map(|b| format!("{b:02x}"))
-                .collect()
-        },
-    );
-    Source {
-        name: path.file_name().map_or_else(
-            || recording.source.clone(),
-            |n| n.to_string_lossy().into_owned(),
-        ),
-        sha256,
-        samples: recording.len(),
-        trajectories: recording.trajectories.len(),
-    }
 }

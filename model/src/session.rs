@@ -52,54 +52,8 @@ impl Session {
     /// `known` holds the spans of time of trajectories recorded earlier on the clock that the model
     /// knows (empty: the first recording defines it).
     pub fn new(parts: Vec<Prepared>, known: &[[f64; 2]]) -> Self {
-        let mut taken: Vec<[f64; 2]> = known.to_vec();
-        let mut clock_known = Vec::with_capacity(parts.len());
-        for part in &parts {
-            let spans = spans(&part.fine);
-            let fits = runs_on(&spans) && (taken.is_empty() || continues(&taken, &spans));
-            clock_known.push(fits);
-            if fits {
-                taken.extend(spans);
-            }
-        }
-        let mut steps: Vec<Step> = Vec::new();
-        for (part, prepared) in parts.iter().enumerate() {
-            for rows in &prepared.fine.segments {
-                steps.push(Step {
-                    part,
-                    rows: rows.clone(),
-                    start: Start::RunsOn,
-                });
-            }
-        }
-        // The common clock first, in order of time; then each recording with a clock of its own.
-        steps.sort_by(|a, b| {
-            let key = |s: &Step| {
-                (
-                    !clock_known[s.part],
-                    if clock_known[s.part] { 0 } else { s.part },
-                )
-            };
-            let time = |s: &Step| parts[s.part].fine.time[s.rows.start];
-            key(a).cmp(&key(b)).then(time(a).total_cmp(&time(b)))
-        });
-        let mut last: Option<(usize, f64)> = None;
-        for step in &mut steps {
-            let time = &parts[step.part].fine.time;
-            let start = time[step.rows.start];
-            let before = last.filter(|&(part, end)| {
-                let same_clock = part == step.part || (clock_known[part] && clock_known[step.part]);
-                same_clock && last_before(&[[end; 2]], start).is_some()
-            });
-            let stored = last_before(known, start).filter(|_| clock_known[step.part]);
-            step.start = match (before, stored) {
-                (Some((_, end)), Some(k)) if known[k][1] > end => Start::Known(k),
-                (Some(_), _) => Start::RunsOn,
-                (None, Some(k)) => Start::Known(k),
-                (None, None) => Start::Neutral,
-            };
-            last = Some((step.part, time[step.rows.end - 1]));
-        }
+        let motions: Vec<&Motion> = parts.iter().map(|p| &p.fine).collect();
+        let (steps, clock_known) = order(&motions, known);
         Self {
             parts,
             steps,
@@ -264,6 +218,60 @@ impl Session {
             }
         }
     }
+}
+
+/// Trajectories of several recordings in the order in which memory runs through them, and which recordings are on the
+/// clock that warm-up terms know. `known` as in [`Session::new`].
+pub fn order(motions: &[&Motion], known: &[[f64; 2]]) -> (Vec<Step>, Vec<bool>) {
+    let mut taken: Vec<[f64; 2]> = known.to_vec();
+    let mut clock_known = Vec::with_capacity(motions.len());
+    for motion in motions {
+        let spans = spans(motion);
+        let fits = runs_on(&spans) && (taken.is_empty() || continues(&taken, &spans));
+        clock_known.push(fits);
+        if fits {
+            taken.extend(spans);
+        }
+    }
+    let mut steps: Vec<Step> = Vec::new();
+    for (part, motion) in motions.iter().enumerate() {
+        for rows in &motion.segments {
+            steps.push(Step {
+                part,
+                rows: rows.clone(),
+                start: Start::RunsOn,
+            });
+        }
+    }
+    // The common clock first, in order of time; then each recording with a clock of its own.
+    steps.sort_by(|a, b| {
+        let key = |s: &Step| {
+            (
+                !clock_known[s.part],
+                if clock_known[s.part] { 0 } else { s.part },
+            )
+        };
+        let time = |s: &Step| motions[s.part].time[s.rows.start];
+        key(a).cmp(&key(b)).then(time(a).total_cmp(&time(b)))
+    });
+    let mut last: Option<(usize, f64)> = None;
+    for step in &mut steps {
+        let time = &motions[step.part].time;
+        let start = time[step.rows.start];
+        let before = last.filter(|&(part, end)| {
+            let same_clock = part == step.part || (clock_known[part] && clock_known[step.part]);
+            same_clock && last_before(&[[end; 2]], start).is_some()
+        });
+        let stored = last_before(known, start).filter(|_| clock_known[step.part]);
+        step.start = match (before, stored) {
+            (Some((_, end)), Some(k)) if known[k][1] > end => Start::Known(k),
+            (Some(_), _) => Start::RunsOn,
+            (None, Some(k)) => Start::Known(k),
+            (None, None) => Start::Neutral,
+        };
+        last = Some((step.part, time[step.rows.end - 1]));
+    }
+    (steps, clock_known)
 }
 
 /// Rigid-body torque over a motion, shape (samples, joints).

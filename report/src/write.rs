@@ -18,7 +18,7 @@ pub struct WriteError {
 /// # Errors
 /// [`WriteError`] when the directory does not exist, is full or may not be written; a file that was there
 /// before is then untouched.
-pub fn write_atomic(path: &Path, text: &str) -> Result<(), WriteError> {
+pub fn write_atomic(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), WriteError> {
     let directory = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -32,7 +32,7 @@ pub fn write_atomic(path: &Path, text: &str) -> Result<(), WriteError> {
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
         let mut file = builder.prefix(".report-").tempfile_in(directory)?;
-        file.write_all(text.as_bytes())?;
+        file.write_all(contents.as_ref())?;
         file.as_file().sync_all()?;
         file.persist(path)?;
         Ok(())

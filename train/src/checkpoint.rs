@@ -92,7 +92,7 @@ pub fn open(arguments: &Arguments, input: &Input) -> Result<PathBuf, Failure> {
         remove(&folder);
         std::fs::create_dir_all(&folder)
             .map_err(|e| Failure::other(format!("{}: {e}", folder.display())))?;
-        report::write_atomic(&description_file(arguments), &description(arguments, input))?;
+        report::write_atomic(&description_file(arguments), description(arguments, input))?;
     }
     Ok(folder)
 }

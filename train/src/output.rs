@@ -5,45 +5,15 @@ use crate::input::Input;
 use datasets::Recording;
 use datasets::metrics::Row;
 use model::baseline::published::{Part, Published, beside};
-use model::directory::{BaseParameter, json};
 use model::failure::Failure;
-use model::identify::diagnostics::Diagnostics;
+use model::metrics::{Member, Metrics};
 use model::page::Subject;
 use model::physics_fit::Fit;
 use model::residual::{Learned, member_torques};
-use serde::Serialize;
 use std::cmp::Reverse;
 
 /// Name of the report page in the model directory.
 pub const PAGE: &str = "report.html";
-
-/// Contents of `metrics.json`.
-#[derive(Serialize)]
-pub struct Metrics {
-    schema: &'static str,
-    joints: Vec<String>,
-    /// Scores of the training recordings.
-    pub train: Vec<Row>,
-    /// Scores of the held-out one.
-    pub heldout: Option<Vec<Row>>,
-    /// Identified parameters.
-    base_parameters: Vec<BaseParameter>,
-    /// How well they stand.
-    diagnostics: Option<Diagnostics>,
-    /// Each member of the ensembles alone on the held-out recording.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub members: Vec<Member>,
-}
-
-/// Mean NRMSE of one seed.
-#[derive(Serialize)]
-pub struct Member {
-    member: usize,
-    /// Over all samples.
-    pub mean_nrmse: Option<f64>,
-    /// In motion.
-    pub mean_nrmse_moving: Option<f64>,
-}
 
 /// Rows of one recording of the session.
 pub fn rows(
@@ -92,7 +62,7 @@ pub fn metrics(
         .map(|recording| rows(fit, learned, data.len(), recording))
         .transpose()?;
     Ok(Metrics {
-        schema: "metrics/1",
+        schema: model::metrics::SCHEMA,
         joints: fit.file.joints.clone(),
         train,
         heldout,
@@ -136,23 +106,10 @@ pub fn write(
     metrics: &Metrics,
     fit: &Fit,
 ) -> Result<(), Failure> {
-    let out = &arguments.out;
-    let failed = |e: std::io::Error| Failure::other(format!("{}: {e}", out.display()));
-    std::fs::create_dir_all(out).map_err(failed)?;
-    let weights = out.join("compensator.safetensors");
-    match learned {
-        Some(learned) => learned
-            .compensator
-            .save(&weights)
-            .map_err(|e| Failure::other(e.to_string()))?,
-        None if weights.exists() => std::fs::remove_file(&weights).map_err(failed)?,
-        None => {}
-    }
-    report::write_atomic(&out.join("metrics.json"), &json(metrics))?;
-    if let Some(urdf) = model::urdf::identified(fit) {
-        report::write_atomic(&out.join("identified.urdf"), &urdf)?;
-    }
-    fit.file.save(out)?;
+    let weights = learned.map(|l| l.bytes.as_slice());
+    let urdf = model::urdf::identified(fit);
+    let file = &fit.file;
+    file.write(&arguments.out, metrics, weights, urdf.as_deref())?;
     Ok(())
 }
 
@@ -197,7 +154,7 @@ pub fn page(
             published: &published,
         },
     );
-    report::write_atomic(&arguments.out.join(PAGE), &page.render())?;
+    report::write_atomic(&arguments.out.join(PAGE), page.render())?;
     Ok(())
 }
 

@@ -1,10 +1,11 @@
 //! What `train` prints: a first screen for a person, and with `--verbose` everything.
 
 use crate::arguments::Arguments;
-use crate::output::{Member, Metrics, PAGE, published};
+use crate::output::{PAGE, published};
 use datasets::check::{CheckReport, Finding, Severity};
 use datasets::metrics::{Row, Scope};
 use model::directory::json;
+use model::metrics::{Member, Metrics};
 use model::physics_fit::Fit;
 use model::tables;
 use report::{say, say_text};

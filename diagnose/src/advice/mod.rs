@@ -1,4 +1,5 @@
 //! What to do: the corrected model, and the motion that would tell more.
 
+pub mod directory;
 pub mod next_motion;
 pub mod patch;

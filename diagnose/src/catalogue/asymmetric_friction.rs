@@ -6,6 +6,7 @@ use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+use physics::effects::{Sliding, Term};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -23,8 +24,12 @@ const STANDING: (f64, f64) = (0.01, 0.2);
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let viscous = || Quantity::plain("viscous_difference", "N·m·s/rad", Some(joint));
     let coulomb = || Quantity::plain("coulomb_difference", "N·m", Some(joint));
-    let speed = Column::own(joint, move |s| s.motion.qd.column(joint).mapv(f64::abs));
-    let moving = Column::own(joint, move |s| s.sign.column(joint).mapv(|x| x * x));
+    let speed = Column::term(joint, Term::Sliding(Sliding::AsymmetricViscous));
+    let velocity = scene.scale.softness[joint];
+    let moving = Column::term(
+        joint,
+        Term::Sliding(Sliding::AsymmetricCoulomb { velocity }),
+    );
     let new = |q, c| Candidate::single(Effect::AsymmetricFriction, joint, q, Bound::Free, c);
     let qd = scene.motion.qd.column(joint);
     let standing = qd.iter().filter(|v| v.abs() < STANDING.0).count();

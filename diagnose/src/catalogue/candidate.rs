@@ -3,6 +3,7 @@
 use super::effect::Effect;
 use crate::motion::scene::Scene;
 use ndarray::Array1;
+use physics::effects::Term;
 use physics::robot::PARAMETERS_PER_LINK;
 use std::sync::Arc;
 
@@ -23,7 +24,9 @@ pub type Maker = dyn Fn(&Scene) -> Vec<Array1<f64>> + Send + Sync;
 pub enum ColumnTorque {
     /// Column `usize` of the base: inertial parameters, then viscous, then Coulomb friction.
     Base(usize),
-    /// From the scene.
+    /// Terms of the torque model, each with its factor: what a control loop can compute, too.
+    Terms(Vec<(f64, Term)>),
+    /// From the scene: what no control loop can compute, or what belongs to the rigid body or the torque channel.
     Made(Arc<Maker>),
 }
 
@@ -150,6 +153,17 @@ impl Candidate {
 }
 
 impl Column {
+    /// Whether both are the same column.
+    pub fn is(&self, other: &Self) -> bool {
+        self.joints == other.joints
+            && match (&self.torque, &other.torque) {
+                (ColumnTorque::Base(a), ColumnTorque::Base(b)) => a == b,
+                (ColumnTorque::Terms(a), ColumnTorque::Terms(b)) => a == b,
+                (ColumnTorque::Made(a), ColumnTorque::Made(b)) => Arc::ptr_eq(a, b),
+                _ => false,
+            }
+    }
+
     /// A column on the rows of one joint.
     pub(super) fn own(
         joint: usize,
@@ -158,6 +172,19 @@ impl Column {
         Self {
             joints: vec![joint],
             torque: ColumnTorque::Made(Arc::new(move |s| vec![make(s)])),
+        }
+    }
+
+    /// A term of the torque model on one joint.
+    pub(super) fn term(joint: usize, term: Term) -> Self {
+        Self::terms(joint, vec![(1.0, term)])
+    }
+
+    /// Terms of the torque model on one joint, each with its factor.
+    pub(super) fn terms(joint: usize, terms: Vec<(f64, Term)>) -> Self {
+        Self {
+            joints: vec![joint],
+            torque: ColumnTorque::Terms(terms),
         }
     }
 

@@ -6,6 +6,7 @@ use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+use physics::effects::{Polynomial, Term};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -28,13 +29,13 @@ const NAMES: [&str; 5] = ["degree_0", "degree_1", "degree_2", "degree_3", "degre
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let (low, high) = scene.scale.range[joint];
     let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0).max(1e-6));
-    let column = move |degree: usize| {
-        Column::own(joint, move |s| {
-            s.motion
-                .q
-                .column(joint)
-                .mapv(|q| legendre(degree, (q - middle) / half))
-        })
+    let column = |degree| {
+        let shape = Polynomial {
+            degree,
+            middle,
+            half,
+        };
+        Column::term(joint, Term::Polynomial(shape))
     };
     let columns: Vec<Column> = (0..NAMES.len()).map(column).collect();
     [1, 2, 4]
@@ -54,29 +55,4 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             evidence: 0.0,
         })
         .collect()
-}
-
-/// Legendre polynomial by Bonnet's recursion.
-fn legendre(degree: usize, x: f64) -> f64 {
-    let (mut last, mut p) = (1.0, x);
-    if degree == 0 {
-        return 1.0;
-    }
-    for n in 1..degree {
-        let n = n as f64;
-        (last, p) = (p, ((2.0 * n + 1.0) * x * p - n * last) / (n + 1.0));
-    }
-    p
-}
-
-#[cfg(test)]
-mod tests {
-    use super::legendre;
-
-    #[test]
-    fn legendre_by_hand() {
-        // P₂(½) = (3/4 − 1)/2, P₄(½) = (35/16 − 30/4 + 3)/8.
-        assert!((legendre(2, 0.5) + 0.125).abs() < 1e-15);
-        assert!((legendre(4, 0.5) + 0.289_062_5).abs() < 1e-15);
-    }
 }

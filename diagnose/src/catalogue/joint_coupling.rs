@@ -5,7 +5,8 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::Info;
-use crate::motion::scene::{Scene, soft_sign};
+use crate::motion::scene::{SOFT_SIGN, Scene};
+use physics::effects::{Coupling, Sliding, Term};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -31,19 +32,22 @@ pub(super) fn candidates(scene: &Scene, driven: usize) -> Vec<Candidate> {
         };
         let (low, high) = scene.scale.range[driver];
         let middle = (low + high) / 2.0;
-        let qd = Column::own(driven, move |s| s.motion.qd.column(driver).to_owned());
-        let sign = Column::own(driven, move |s| s.sign.column(driver).to_owned());
-        let qdd = Column::own(driven, move |s| s.motion.qdd.column(driver).to_owned());
-        let q = Column::own(driven, move |s| &s.motion.q.column(driver) - middle);
+        let column = |coupling| Column::term(driven, Term::Coupling(coupling));
+        let friction = |shape| column(Coupling::Friction { driver, shape });
+        let qd = friction(Sliding::Viscous);
+        let sign = friction(scene.coulomb(driver));
+        let qdd = column(Coupling::Inertia { driver });
+        let q = column(Coupling::Spring { driver, middle });
         all.push(new("viscous", "N·m·s/rad", qd));
         all.push(new("coulomb", "N·m", sign));
         all.push(new("inertia", "kg·m²", qdd));
         all.push(new("stiffness", "N·m/rad", q));
         for ratio in RATIOS {
             // Friction of what both motions turn together.
-            let relative = Column::own(driven, move |s| {
-                (&s.motion.qd.column(driven) + &(&s.motion.qd.column(driver) * ratio))
-                    .mapv(soft_sign)
+            let relative = column(Coupling::Relative {
+                driver,
+                ratio,
+                velocity: SOFT_SIGN,
             });
             all.push(new("coulomb", "N·m", relative).with_shape("ratio", ratio, "1"));
         }

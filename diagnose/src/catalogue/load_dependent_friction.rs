@@ -4,6 +4,8 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::Info;
+use crate::motion::scene::Scene;
+use physics::effects::{FrictionShape, LoadFriction, Term};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -21,18 +23,17 @@ pub(super) const INFO: Info = Info {
 
 const EXPONENTS: [f64; 3] = [0.7, 1.0, 1.6];
 
-pub(super) fn candidates(joint: usize) -> Vec<Candidate> {
+pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     EXPONENTS
         .into_iter()
         .map(|p| {
-            let column = Column::own(joint, move |s| {
-                let mut out = s.sign.column(joint).to_owned();
-                let size = s.scale.torque[joint];
-                out.zip_mut_with(&s.rigid.column(joint), |x, t| {
-                    *x *= size * (t.abs() / size).powf(p)
-                });
-                out
-            });
+            // Of the unit of a torque whatever the exponent.
+            let size = scene.scale.torque[joint];
+            let load = LoadFriction {
+                friction: FrictionShape::Sliding(scene.coulomb(joint)),
+                exponent: p,
+            };
+            let column = Column::terms(joint, vec![(size.powf(1.0 - p), Term::Load(load))]);
             let load = Quantity::plain("load_coefficient", "1", Some(joint));
             Candidate::single(
                 Effect::LoadDependentFriction,

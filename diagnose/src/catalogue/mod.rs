@@ -88,9 +88,9 @@ pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
         all.extend(asymmetric_friction::candidates(scene, joint));
         all.extend(stribeck_friction::candidates(scene, joint));
         all.extend(nonlinear_viscous_friction::candidates(scene, joint));
-        all.extend(load_dependent_friction::candidates(joint));
+        all.extend(load_dependent_friction::candidates(scene, joint));
         all.extend(presliding_hysteresis::candidates(scene, joint));
-        all.extend(friction_drift::candidates(joint));
+        all.extend(friction_drift::candidates(scene, joint));
         all.extend(joint_coupling::candidates(scene, joint));
         all.extend(joint_elasticity::candidates(scene, joint));
         all.extend(backlash::candidates(scene, joint));

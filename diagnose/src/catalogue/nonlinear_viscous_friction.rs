@@ -5,6 +5,7 @@ use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+use physics::effects::{Sliding, Term};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -22,42 +23,39 @@ const EXPONENTS: [f64; 5] = [0.35, 0.65, 1.5, 2.0, 3.0];
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let speed = scene.scale.speed[joint];
-    let new = |bound, name, value, unit, f: Box<dyn Fn(f64) -> f64 + Send + Sync>| {
-        let column = Column::own(joint, move |s| s.motion.qd.column(joint).mapv(&f));
+    let new = |bound, name, value, unit, terms| {
         let amplitude = Quantity::plain("amplitude", "N·m", Some(joint));
         Candidate::single(
             Effect::NonlinearViscousFriction,
             joint,
             amplitude,
             bound,
-            column,
+            Column::terms(joint, terms),
         )
         .with_shape(name, value, unit)
     };
     let knees = KNEES.into_iter().map(|k| {
-        let knee = k * speed;
+        let velocity = k * speed;
+        let term = Term::Sliding(Sliding::Degressive { velocity });
         new(
             Bound::Positive,
             "velocity",
-            knee,
+            velocity,
             "rad/s",
-            Box::new(move |v| (v / knee).tanh()),
+            vec![(1.0, term)],
         )
     });
-    let powers = EXPONENTS.into_iter().map(|p| {
+    let powers = EXPONENTS.into_iter().map(|exponent| {
         // Below one the curve is degressive only with a positive amplitude; above one either sign is.
-        let bound = if p < 1.0 {
+        let bound = if exponent < 1.0 {
             Bound::Positive
         } else {
             Bound::Free
         };
-        new(
-            bound,
-            "exponent",
-            p,
-            "1",
-            Box::new(move |v| v.signum() * (v.abs() / speed).powf(p)),
-        )
+        // Of size one at the usual speed.
+        let term = Term::Sliding(Sliding::Power { exponent });
+        let terms = vec![(speed.powf(-exponent), term)];
+        new(bound, "exponent", exponent, "1", terms)
     });
     knees.chain(powers).collect()
 }

@@ -11,6 +11,7 @@ use super::info::{Info, Need};
 use crate::motion::scene::Scene;
 use crate::simulator::link_sizes;
 use nalgebra::{Rotation3, Vector3};
+use physics::effects::{Sliding, Term};
 use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -137,7 +138,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     for j in 0..dof {
         all.extend(friction(scene, j));
         let inertia = Quantity::plain("inertia", "kg·m²", Some(j));
-        let column = Column::own(j, move |s| s.motion.qdd.column(j).to_owned());
+        let column = Column::term(j, Term::RotorInertia);
         all.push(Candidate::single(
             Effect::RotorInertia,
             j,
@@ -247,10 +248,9 @@ fn friction(scene: &Scene, j: usize) -> [Candidate; 3] {
     let slope = base(dof, PARAMETERS_PER_LINK * dof + j);
     let level = base(dof, (PARAMETERS_PER_LINK + 1) * dof + j);
     let velocity = BUILD_UP * scene.scale.softness[j];
-    let slower = Column::own(j, move |s| {
-        let late = s.motion.qd.column(j).mapv(|v| (v / velocity).tanh());
-        late - s.sign.column(j)
-    });
+    let late = Term::Sliding(Sliding::SoftCoulomb { velocity });
+    let early = Term::Sliding(scene.coulomb(j));
+    let slower = Column::terms(j, vec![(1.0, late), (-1.0, early)]);
     let shaped = |c: Candidate| c.with_shape("slow_velocity", velocity, "rad/s");
     let plain =
         || new(viscous(), Bound::Free, slope.clone()).and(coulomb(), Bound::Free, level.clone());

@@ -8,6 +8,7 @@ use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+use physics::effects::{FrictionShape, Harmonic, Phase, PositionFriction, Sliding, Term};
 use std::f64::consts::TAU;
 
 /// What is known of it beside its columns.
@@ -45,38 +46,40 @@ pub fn candidates(scene: &Scene, joint: usize, lines: &[f64]) -> Vec<Candidate> 
             && lines.iter().all(|l| cycles((l - k).abs()) > SAME)
     });
     let orders = whole.chain(lines.iter().copied());
-    orders.flat_map(|order| at(joint, order)).collect()
+    orders.flat_map(|order| at(scene, joint, order)).collect()
 }
 
 /// Candidates at one order: Coulomb friction that changes, and Coulomb with viscous friction.
-fn at(joint: usize, order: f64) -> [Candidate; 2] {
-    let column = |phase: fn(f64) -> f64, viscous: bool| {
-        Column::own(joint, move |s: &Scene| {
-            let friction = if viscous {
-                s.motion.qd.column(joint)
-            } else {
-                s.sign.column(joint)
-            };
-            s.motion.q.column(joint).mapv(|q| phase(order * q)) * friction
-        })
+fn at(scene: &Scene, joint: usize, order: f64) -> [Candidate; 2] {
+    let column = |phase, friction| {
+        let term = PositionFriction {
+            harmonic: Harmonic { order, phase },
+            friction: FrictionShape::Sliding(friction),
+        };
+        Column::term(joint, Term::Position(term))
     };
+    let sign = scene.coulomb(joint);
     let coulomb = |name| Quantity::plain(name, "N·m", Some(joint));
     let viscous = |name| Quantity::plain(name, "N·m·s/rad", Some(joint));
-    // Clones are the same column, which is computed once.
-    let (sine, cosine) = (column(f64::sin, false), column(f64::cos, false));
     let alone = || {
         let first = coulomb("coulomb_sine");
         let effect = Effect::PositionDependentFriction;
-        Candidate::single(effect, joint, first, Bound::Free, sine.clone())
-            .and(coulomb("coulomb_cosine"), Bound::Free, cosine.clone())
+        let (sine, cosine) = (column(Phase::Sin, sign), column(Phase::Cos, sign));
+        Candidate::single(effect, joint, first, Bound::Free, sine)
+            .and(coulomb("coulomb_cosine"), Bound::Free, cosine)
             .with_shape("order", order, "1/rad")
     };
+    let speed = Sliding::Viscous;
     let both = alone()
-        .and(viscous("viscous_sine"), Bound::Free, column(f64::sin, true))
+        .and(
+            viscous("viscous_sine"),
+            Bound::Free,
+            column(Phase::Sin, speed),
+        )
         .and(
             viscous("viscous_cosine"),
             Bound::Free,
-            column(f64::cos, true),
+            column(Phase::Cos, speed),
         );
     [alone(), both]
 }

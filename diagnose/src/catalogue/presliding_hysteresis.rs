@@ -8,8 +8,7 @@ use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
 use crate::motion::scene::Scene;
-use ndarray::Array1;
-use physics::effects::{Dahl, Stop};
+use physics::effects::{Dahl, Stop, Term};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -54,34 +53,19 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                 stiffness: 1.0 / width,
             },
         );
-        let element = Column::own(joint, move |s| {
-            state(s, joint, |z, dq| stop.next(z, dq)) - s.sign.column(joint)
-        });
-        all.push(single(
-            width,
-            Column::own(joint, move |s| state(s, joint, |z, dq| stop.next(z, dq))),
-        ));
-        all.push(single(
-            width,
-            Column::own(joint, move |s| state(s, joint, |z, dq| dahl.next(z, dq))),
-        ));
-        all.push(single(width, element.clone()));
-        all.push(single(
-            width,
-            Column::own(joint, move |s| {
-                state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)
-            }),
-        ));
+        let coulomb = || Term::Sliding(scene.coulomb(joint));
+        let whole = |term: Term| Column::term(joint, term);
+        // In place of the joint's Coulomb friction.
+        let instead = |term: Term| Column::terms(joint, vec![(1.0, term), (-1.0, coulomb())]);
+        all.push(single(width, whole(Term::Stop(stop))));
+        all.push(single(width, whole(Term::Dahl(dahl))));
+        all.push(single(width, instead(Term::Stop(stop))));
+        all.push(single(width, instead(Term::Dahl(dahl))));
         // Micro-damping: the rate of the state, as bristles have it.
-        let damped = Column::own(joint, move |s| {
-            state(s, joint, |z, dq| dahl.next(z, dq)) - s.sign.column(joint)
-        });
-        let rate = Column::own(joint, move |s| {
-            s.derivative(&state(s, joint, |z, dq| dahl.next(z, dq)))
-        });
         let damping = Quantity::plain("micro_damping", "N·m·s", Some(joint));
-        all.push(single(width, damped).and(damping, Bound::Free, rate));
-        elements.push((width, element));
+        let damped = single(width, instead(Term::Dahl(dahl)));
+        all.push(damped.and(damping, Bound::Free, whole(Term::DahlRate(dahl))));
+        elements.push((width, instead(Term::Stop(stop))));
     }
     // A distribution of widths: three neighbouring elements at once.
     for three in elements.windows(3) {
@@ -95,18 +79,4 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         all.push(c);
     }
     all
-}
-
-/// State of an operator over all trajectories in order of time; it jumps with the position from the end of
-/// one to the start of the next, as the joint itself did.
-fn state(scene: &Scene, joint: usize, next: impl Fn(f64, f64) -> f64) -> Array1<f64> {
-    let q = scene.motion.q.column(joint);
-    let mut out = Array1::zeros(q.len());
-    let (mut z, mut last) = (0.0, None);
-    for i in scene.order.iter().cloned().flatten() {
-        z = next(z, last.map_or(0.0, |l: f64| q[i] - l));
-        last = Some(q[i]);
-        out[i] = z;
-    }
-    out
 }

@@ -6,6 +6,7 @@ use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
 use crate::motion::scene::{SOFT_SIGN, Scene};
+use physics::effects::{Sliding, Term};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -39,14 +40,14 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             if velocity < NARROWEST * scene.scale.softness[joint].max(SOFT_SIGN) {
                 continue;
             }
-            let column = Column::own(joint, move |s| {
-                let qd = s.motion.qd.column(joint);
-                let mut out = s.sign.column(joint).to_owned();
-                out.zip_mut_with(&qd, |x, v| {
-                    *x *= (-(v.abs() / velocity).powf(exponent)).exp()
-                });
-                out
-            });
+            let column = Column::term(
+                joint,
+                Term::Sliding(Sliding::SoftStribeck {
+                    velocity,
+                    exponent,
+                    softness: scene.scale.softness[joint],
+                }),
+            );
             let stribeck = Quantity::plain("stribeck", "N·m", Some(joint));
             all.push(
                 Candidate::single(

@@ -10,7 +10,7 @@ use super::effect::Effect;
 use super::info::Info;
 use super::saturation;
 use crate::motion::scene::Scene;
-use ndarray::Array1;
+use physics::effects::Term;
 
 /// What is known of it beside its columns.
 pub(super) const OFFSET: Info = Info {
@@ -57,7 +57,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         joint,
         Quantity::plain("offset", "N·m", Some(joint)),
         Bound::Free,
-        Column::own(joint, |s| Array1::ones(s.len())),
+        Column::term(joint, Term::Offset),
     );
     [gain, offset]
         .into_iter()

@@ -6,6 +6,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
+use physics::effects::{Harmonic, Phase, Term};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -29,19 +30,7 @@ const NAMES: [(&str, &str); LINES] = [
 
 /// Candidates of a joint with one, two and three lines.
 pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
-    let columns: Vec<(Column, Column)> = orders
-        .iter()
-        .map(|&k| {
-            (
-                Column::own(joint, move |s| {
-                    s.motion.q.column(joint).mapv(|q| (k * q).sin())
-                }),
-                Column::own(joint, move |s| {
-                    s.motion.q.column(joint).mapv(|q| (k * q).cos())
-                }),
-            )
-        })
-        .collect();
+    let column = |order, phase| Column::term(joint, Term::Harmonic(Harmonic { order, phase }));
     (1..=orders.len().min(LINES))
         .map(|n| {
             let mut c = Candidate {
@@ -55,8 +44,9 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
                 change: None,
                 evidence: 0.0,
             };
-            for ((sin, cos), (s, k)) in columns[..n].iter().zip(NAMES) {
-                c.columns.extend([sin.clone(), cos.clone()]);
+            for (&order, (s, k)) in orders[..n].iter().zip(NAMES) {
+                c.columns
+                    .extend([column(order, Phase::Sin), column(order, Phase::Cos)]);
                 c.quantities.push(Quantity::plain(s, "N·m", Some(joint)));
                 c.quantities.push(Quantity::plain(k, "N·m", Some(joint)));
             }

@@ -3,10 +3,11 @@
 use super::reversal::softness;
 use crate::error::DiagnoseError;
 use crate::motion::frame::Frame;
+use crate::motion::passage::Passage;
 use crate::motion::scene::Scale;
 use crate::simulator::NominalModel;
 use datasets::{PrepareOptions, Recording};
-use model::preparation::cutoff;
+use model::preparation::cutoff::{self, CutoffChoice};
 
 /// Trajectories that the softness of signs is chosen on, evenly spread.
 const TRAJECTORIES: usize = 4;
@@ -19,6 +20,10 @@ pub struct Frames {
     pub heldout: Frame,
     /// Sizes of the fitted recording.
     pub scale: Scale,
+    /// How both were prepared.
+    pub options: PrepareOptions,
+    /// How the cut-off was chosen; none where it was given or a model's.
+    pub cutoff: Option<CutoffChoice>,
 }
 
 impl Frames {
@@ -33,17 +38,20 @@ impl Frames {
         heldout: &Recording,
         cutoff_hz: Option<f64>,
     ) -> Result<Self, DiagnoseError> {
-        let mut options = match model.preparation() {
-            Some(own) => PrepareOptions {
-                cutoff_hz: cutoff_hz.or(own.cutoff_hz),
-                ..*own
-            },
+        let (mut options, chosen) = match model.preparation() {
+            Some(own) => {
+                let options = PrepareOptions {
+                    cutoff_hz: cutoff_hz.or(own.cutoff_hz),
+                    ..*own
+                };
+                (options, None)
+            }
             None => {
                 let given = PrepareOptions {
                     cutoff_hz,
                     ..PrepareOptions::default()
                 };
-                cutoff::choose(&model.robot, std::slice::from_ref(data), &given)?.0
+                cutoff::choose(&model.robot, std::slice::from_ref(data), &given)?
             }
         };
         let few = data.trajectories.len().min(TRAJECTORIES);
@@ -59,7 +67,19 @@ impl Frames {
             data,
             heldout,
             scale,
+            options,
+            cutoff: chosen,
         })
+    }
+
+    /// Motion of the fitted recording, memory running on through both where they share a clock.
+    pub fn passage(&self) -> Passage<'_> {
+        Passage::of(vec![self.data.motion(), self.heldout.motion()], 0)
+    }
+
+    /// The same of the held-out one.
+    pub fn heldout_passage(&self) -> Passage<'_> {
+        Passage::of(vec![self.data.motion(), self.heldout.motion()], 1)
     }
 }
 

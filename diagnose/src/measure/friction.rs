@@ -18,7 +18,7 @@ const LEAST: f64 = 0.1;
 /// Friction of every joint, from the fit near the given parameters on the fitted recording.
 pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<Friction> {
     let frame = &frames.data;
-    let scene = Scene::new(&found.present, frame.motion(), &frames.scale).with_tangents();
+    let scene = Scene::new(&found.present, frames.passage(), &frames.scale).with_tangents();
     let (variables, beta) = &found.tight;
     let rubs = |i: usize| {
         let n = PARAMETERS_PER_LINK * model.robot.dof();

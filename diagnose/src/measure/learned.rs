@@ -9,11 +9,15 @@ use crate::input::frames::Frames;
 use compensator::training::{
     Control, Job, Loss, Samples, Schedule, Split, Training, UnitConfig, train,
 };
+use feedforward::inputs::{CompensatorRecord, Input};
 use feedforward::network::Compensator;
-use model::residual::{Pace, Preset, ResidualError, input_table, inputs, predict_from};
+use model::directory::ModelFile;
+use model::residual::{Pace, Preset, ResidualError, input_table, inputs, predict_from, remember};
 use model::session::Session;
 use ndarray::{Array1, Array2, Axis};
 use physics::robot::Robot;
+use physics::torque_model::TorqueModel;
+use sha2::{Digest, Sha256};
 use std::ops::Range;
 
 /// Fastest rate of the samples within a window, Hz; faster recordings are several interleaved ones.
@@ -29,7 +33,41 @@ const SHORTEST: usize = 50;
 /// Part of the pieces that decides whether a unit helps.
 const JUDGES: f64 = 0.25;
 
-/// Torque of the learned part on the held-out recording, shape (samples, joints). `left` is what the causes leave of
+/// A trained compensator.
+pub struct Learned {
+    compensator: Compensator,
+    inputs: Vec<Input>,
+    period: f64,
+    /// What it adds on the held-out recording, N·m, shape (samples, joints).
+    pub torque: Array2<f64>,
+}
+
+impl Learned {
+    /// Enters it into a model's file, whose session is the fitted recording and the held-out one; returns the weights.
+    ///
+    /// # Errors
+    /// Weights that cannot be written down.
+    pub fn store(
+        &self,
+        file: &mut ModelFile,
+        session: &Session,
+        model: &TorqueModel,
+    ) -> Result<Vec<u8>, DiagnoseError> {
+        let bytes = self.compensator.to_bytes().map_err(ResidualError::from)?;
+        let digest = Sha256::digest(&bytes);
+        file.compensator = Some(CompensatorRecord {
+            inputs: self.inputs.clone(),
+            period: self.period,
+            sha256: digest.iter().map(|b| format!("{b:02x}")).collect(),
+            validation: Vec::new(),
+        });
+        let load = session.load(model.load_robot());
+        remember(&mut file.memory, session, &self.inputs, &load, 1);
+        Ok(bytes)
+    }
+}
+
+/// The compensator on what the causes leave. `left` is what the causes leave of
 /// the fitted one; `robot` says which load the transmissions carry. None where the held-out recording is too slow for
 /// the windows.
 ///
@@ -39,7 +77,7 @@ pub fn learned(
     frames: &Frames,
     left: &Array2<f64>,
     robot: &Robot,
-) -> Result<Option<Array2<f64>>, DiagnoseError> {
+) -> Result<Option<Learned>, DiagnoseError> {
     let parts = vec![
         frames.data.prepared().clone(),
         frames.heldout.prepared().clone(),
@@ -94,12 +132,13 @@ pub fn learned(
         units: trained.into_iter().map(|t| t.unit).collect(),
     };
     let segments = &session.parts[1].at_samples.segments;
-    Ok(Some(predict_from(
-        &compensator,
-        &tables[1],
-        segments,
-        scored,
-    )?))
+    let torque = predict_from(&compensator, &tables[1], segments, scored)?;
+    Ok(Some(Learned {
+        compensator,
+        inputs: list,
+        period,
+        torque,
+    }))
 }
 
 /// Trajectories, or where there are few of them stretches of time.

@@ -2,5 +2,6 @@
 
 pub(crate) mod floor;
 pub(crate) mod frame;
+pub(crate) mod passage;
 pub(crate) mod scene;
 pub(crate) mod standing;

@@ -1,9 +1,11 @@
 //! What the columns of the dictionary see of one recording: motion at the fine rate and the torques that
 //! the present model predicts on it. Measured torque is no part of it.
 
+use crate::motion::passage::Passage;
 use nalgebra::Vector3;
 use ndarray::{Array1, Array2, Axis};
 use physics::dynamics::{Workspace, inverse_dynamics, inverse_dynamics_with_gravity};
+use physics::effects::{FrictionShape, Harmonic, PositionFriction, Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use signal::Motion;
@@ -59,13 +61,14 @@ pub struct Scene<'a> {
     pub drive: Array2<f64>,
     /// Partial derivatives of the rigid torque, by joint that moves.
     pub tangents: Vec<Tangent>,
-    /// Order of the samples in session time, where one clock runs through all trajectories.
-    pub order: Vec<std::ops::Range<usize>>,
+    passage: Passage<'a>,
 }
 
 impl<'a> Scene<'a> {
     /// Evaluates the model on a motion.
-    pub fn new(robot: &'a Robot, motion: &'a Motion, scale: &'a Scale) -> Self {
+    pub fn new(robot: &'a Robot, passage: impl Into<Passage<'a>>, scale: &'a Scale) -> Self {
+        let passage = passage.into();
+        let motion = passage.motion();
         let mut sign = motion.qd.clone();
         for (mut column, &soft) in sign.columns_mut().into_iter().zip(&scale.softness) {
             column.mapv_inplace(|v| (v / soft).tanh());
@@ -83,8 +86,6 @@ impl<'a> Scene<'a> {
             let mut out = drive.column_mut(c.joint);
             out += &torque;
         }
-        let mut order = motion.segments.clone();
-        order.sort_by(|a, b| motion.time[a.start].total_cmp(&motion.time[b.start]));
         Self {
             robot,
             motion,
@@ -93,7 +94,7 @@ impl<'a> Scene<'a> {
             rigid,
             drive,
             tangents: Vec::new(),
-            order,
+            passage,
         }
     }
 
@@ -139,15 +140,66 @@ impl<'a> Scene<'a> {
         &self.rigid + &self.drive
     }
 
-    /// Share of the session that has passed, 0 at its start, 1 at its end; not bounded to [0, 1].
-    pub fn progress(&self) -> Array1<f64> {
-        let (start, end) = self.scale.session;
-        let span = (end - start).max(1e-9);
-        self.motion
-            .time
-            .iter()
-            .map(|t| (t - start) / span)
-            .collect()
+    /// Sum of terms of the torque model on one joint, each with its factor. What depends on the present sample alone is
+    /// evaluated column by column; the rest is stepped, memory running on from what came before.
+    pub fn terms(&self, joint: usize, terms: &[(f64, Term)]) -> Array1<f64> {
+        let mut out = Array1::zeros(self.len());
+        let mut stepped = Vec::new();
+        for (factor, term) in terms {
+            match self.at_once(joint, term) {
+                Some(column) => out.scaled_add(*factor, &column),
+                None => stepped.push((*factor, term.clone())),
+            }
+        }
+        if !stepped.is_empty() {
+            let load = |motion: &Motion| {
+                if std::ptr::eq(motion, self.motion) {
+                    self.rigid.clone()
+                } else {
+                    rigid_torque(self.robot, &motion.q, &motion.qd, &motion.qdd)
+                }
+            };
+            out += &self.passage.terms(joint, &stepped, load);
+        }
+        out
+    }
+
+    /// A term that depends on the joint's present position and velocity alone.
+    fn at_once(&self, joint: usize, term: &Term) -> Option<Array1<f64>> {
+        let (q, qd) = (self.motion.q.column(joint), self.motion.qd.column(joint));
+        let sliding = |shape: &Sliding| match *shape {
+            // Every friction of the joint needs its sign.
+            Sliding::SoftCoulomb { velocity } if velocity == self.scale.softness[joint] => {
+                self.sign.column(joint).to_owned()
+            }
+            shape => qd.mapv(|v| shape.at(v)),
+        };
+        let harmonic = |shape: &Harmonic| q.mapv(|q| shape.at(q));
+        Some(match term {
+            Term::Offset => Array1::ones(self.len()),
+            Term::RotorInertia => self.motion.qdd.column(joint).to_owned(),
+            Term::Sliding(shape) => sliding(shape),
+            Term::Harmonic(shape) => harmonic(shape),
+            Term::Polynomial(shape) => q.mapv(|q| shape.at(q)),
+            Term::Position(PositionFriction {
+                harmonic: shape,
+                friction: FrictionShape::Sliding(friction),
+            }) => harmonic(shape) * sliding(friction),
+            _ => return None,
+        })
+    }
+
+    /// Mean of a factor of the session's clock over the samples: what it counts as where the clock is unknown.
+    pub fn mean_over_session(&self, factor: impl Fn(f64) -> f64) -> f64 {
+        let time = &self.motion.time;
+        time.iter().map(|&t| factor(t)).sum::<f64>() / time.len().max(1) as f64
+    }
+
+    /// Coulomb friction with the joint's softened sign.
+    pub fn coulomb(&self, joint: usize) -> Sliding {
+        Sliding::SoftCoulomb {
+            velocity: self.scale.softness[joint],
+        }
     }
 
     /// First-order change of the rigid torque when one joint's link departs from its motor by `dq`.

@@ -9,7 +9,6 @@ use physics::dynamics::{Workspace, regressor};
 use physics::robot::PARAMETERS_PER_LINK;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// Columns that are in memory at the fine rate together.
 const BATCH: usize = 32;
@@ -30,25 +29,24 @@ impl Dictionary {
         for candidate in candidates {
             let mut ids = Vec::with_capacity(candidate.columns.len());
             for column in &candidate.columns {
-                ids.push(match &column.torque {
-                    ColumnTorque::Base(id) => *id,
-                    ColumnTorque::Made(make) => {
-                        let known = columns[base..].iter().position(
-                            |c| matches!(&c.torque, ColumnTorque::Made(other) if Arc::ptr_eq(make, other)),
-                        );
-                        known.map_or_else(
-                            || {
-                                columns.push(column.clone());
-                                columns.len() - 1
-                            },
-                            |k| base + k,
-                        )
-                    }
-                });
+                if let ColumnTorque::Base(id) = column.torque {
+                    ids.push(id);
+                    continue;
+                }
+                let known = columns[base..].iter().position(|c| c.is(column));
+                ids.push(base + known.unwrap_or(columns.len() - base));
+                if known.is_none() {
+                    columns.push(column.clone());
+                }
             }
             members.push(ids);
         }
         Self { columns, members }
+    }
+
+    /// A column by its number.
+    pub fn column(&self, id: usize) -> &Column {
+        &self.columns[id]
     }
 
     /// Number of columns.
@@ -79,6 +77,10 @@ impl Dictionary {
                         &scene.sign
                     };
                     vec![(c, joint, table.column(joint).to_owned())]
+                }
+                ColumnTorque::Terms(terms) => {
+                    let joint = self.columns[c].joints[0];
+                    vec![(c, joint, scene.terms(joint, terms))]
                 }
                 ColumnTorque::Made(make) => {
                     let joints = self.columns[c].joints.iter();

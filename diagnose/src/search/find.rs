@@ -140,9 +140,9 @@ pub fn find(
     let gap = gap(model, data, scale);
     let y = data.table_thin(&gap);
     let folds = folds(&data.rows);
-    let given = Scene::new(&model.robot, data.motion(), scale);
+    let given = Scene::new(&model.robot, frames.passage(), scale);
     let (present, residual) = first_fit(model, frames, &given, &gap, &y, weight, &settings)?;
-    let scene = Scene::new(&present, data.motion(), scale).with_tangents();
+    let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
     let mut candidates = catalogue::catalogue(&scene);
     for j in 0..data.dof() {
         let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));

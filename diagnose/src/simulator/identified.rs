@@ -1,17 +1,30 @@
 //! The physics of a model directory as the model that a gap is measured from.
 
 use crate::motion::frame::Frame;
+use datasets::channel::Estimate95;
 use feedforward::clock::Memory;
 use model::directory::ModelFile;
 use model::predict::predict;
 use model::session::{Session, spans};
+use model::torque_channel::TorqueChannel;
 use ndarray::Array2;
 use physics::effects::{Sliding, Term};
 use physics::robot::Robot;
-use physics::torque_model::{TorqueModel, TorqueModelError};
+use physics::torque_model::{TorqueModel, TorqueModelError, TorqueModelRecord};
 
 /// Difference of start times within which two trajectories are the same one, s.
 const SAME_START: f64 = 1e-6;
+
+/// What of a model file another one starts from.
+#[derive(Clone, Debug)]
+pub(crate) struct IdentifiedFile {
+    /// The torque model.
+    pub(crate) physics: TorqueModelRecord,
+    /// What the recorded torque went through.
+    pub(crate) channel: Option<TorqueChannel>,
+    /// How much later it was recorded than the motion.
+    pub(crate) torque_delay: Option<Estimate95>,
+}
 
 /// An identified torque model with what it remembers of its training.
 #[derive(Clone, Debug)]
@@ -19,6 +32,7 @@ pub(super) struct Identified {
     model: TorqueModel,
     clock: Vec<[f64; 2]>,
     memory: Vec<Memory>,
+    pub(super) file: IdentifiedFile,
     /// The nominal robot with the identified friction.
     pub(super) sizes: Robot,
 }
@@ -60,6 +74,11 @@ impl Identified {
             model,
             clock: file.clock.clone(),
             memory: file.memory.clone(),
+            file: IdentifiedFile {
+                physics: file.physics.clone(),
+                channel: file.preprocessing.channel.clone(),
+                torque_delay: file.preprocessing.torque_delay,
+            },
             sizes,
         };
         Ok((robot, identified))
@@ -75,7 +94,16 @@ impl Identified {
         } else {
             (&self.clock, &self.memory)
         };
-        let session = Session::new(vec![frame.prepared().clone()], clock);
-        predict(&self.model, &session, memory).swap_remove(0)
+        let channel = self.file.channel.as_ref();
+        let mut prepared = frame.prepared().clone();
+        if let Some(channel) = channel {
+            channel.turn(&mut prepared.fine);
+        }
+        let session = Session::new(vec![prepared], clock);
+        let mut torque = predict(&self.model, &session, memory).swap_remove(0);
+        if let Some(channel) = channel {
+            channel.note(&mut torque);
+        }
+        torque
     }
 }

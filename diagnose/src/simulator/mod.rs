@@ -7,7 +7,7 @@ use crate::error::DiagnoseError;
 use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
 use datasets::PrepareOptions;
-use identified::Identified;
+use identified::{Identified, IdentifiedFile};
 use model::directory::ModelFile;
 use ndarray::Array2;
 use physics::robot::{Joint, PARAMETERS_PER_LINK, Robot, RobotError};
@@ -53,6 +53,11 @@ impl NominalModel {
     /// How recordings were prepared that the parameters were identified on; none where nothing was.
     pub fn preparation(&self) -> Option<&PrepareOptions> {
         self.preparation.as_ref()
+    }
+
+    /// The model file that the model comes from, where it does.
+    pub(crate) fn file(&self) -> Option<&IdentifiedFile> {
+        self.identified.as_ref().map(|i| &i.file)
     }
 
     /// Whether the parameters were identified on a recording, so that one at zero is no missing one.

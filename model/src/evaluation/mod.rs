@@ -109,11 +109,15 @@ pub fn evaluate(
     refuse_degrees(&file.physics.nominal()?, &recording)?;
     let wanted = file.preprocessing.options(options.cutoff_hz);
     let prepare_options = cutoff::for_recording(&wanted, &recording);
-    let prepared =
+    let mut prepared =
         prepare(&recording, &prepare_options).map_err(|source| EvaluateError::Prepare {
             file: recording.source.clone(),
             source,
         })?;
+    let channel = file.preprocessing.channel.as_ref();
+    if let Some(channel) = channel {
+        channel.turn(&mut prepared.fine);
+    }
     let session = Session::new(vec![prepared], &file.clock);
     let model = file.physics.model()?;
     let compensator = residual::load(directory, file)?;
@@ -132,7 +136,8 @@ pub fn evaluate(
         } else {
             &file.residual_std.standstill
         };
-        *sigma = sigma.hypot(regime[joint]);
+        let gain = channel.map_or(1.0, |c| c.gain[joint]);
+        *sigma = (gain * *sigma).hypot(regime[joint]);
     }
     let mut rows = Vec::new();
     if let Some(tau) = &recording.tau {
@@ -265,6 +270,9 @@ pub fn notes(session: &Session, part: usize, file: &ModelFile) -> Vec<String> {
     }
     if !session.clock_known[part] {
         notes.push("The recording does not continue the clock of the training recordings: friction memory starts neutral and warm-up takes its mean.".into());
+    }
+    if file.preprocessing.channel.is_some() {
+        notes.push("Scale, bias and limit of the recorded torque and joint zeros that the diagnosis found are applied to every prediction (model.json, preprocessing.channel); the control loop does without.".into());
     }
     notes.push(match &file.forward_baseline {
         Some(f) => format!(

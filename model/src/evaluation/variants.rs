@@ -26,7 +26,10 @@ impl Loaded<'_> {
     /// Torque of the physics alone and of the whole model, shape (samples, joints), for the only
     /// recording of `session`.
     pub fn torque(&self, session: &Session) -> Result<[Array2<f64>; 2], EvaluateError> {
-        let physics = predict(self.model, session, &self.file.memory).swap_remove(0);
+        let mut physics = predict(self.model, session, &self.file.memory).swap_remove(0);
+        if let Some(channel) = &self.file.preprocessing.channel {
+            channel.note(&mut physics);
+        }
         let torque = match self.compensator {
             Some(c) => &physics + &residual::predict(c, self.file, self.model, session, 0)?,
             None => physics.clone(),
@@ -64,7 +67,10 @@ pub(super) fn rows(
             "one causal pass of a second-order low-pass at {hz:.3} Hz, then "
         ))
     ));
-    for (name, moved) in variants {
+    for (name, mut moved) in variants {
+        if let Some(channel) = &loaded.file.preprocessing.channel {
+            channel.turn(&mut moved.fine);
+        }
         let session = Session::new(vec![moved], &loaded.file.clock);
         let [physics, torque] = loaded.torque(&session)?;
         let qd = &prepared.at_samples.qd;

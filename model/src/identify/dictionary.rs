@@ -77,7 +77,7 @@ pub fn candidates(revolute: bool, clock: SessionClock) -> Vec<Term> {
         FrictionShape::Dahl(Dahl { stiffness: 1e3 }),
         FrictionShape::Dahl(Dahl { stiffness: 1e4 }),
     ];
-    terms.extend(shapes.map(|friction| Term::Load(LoadFriction { friction })));
+    terms.extend(shapes.map(|friction| Term::Load(LoadFriction::linear(friction))));
     if revolute {
         for order in [1.0, 2.0, 3.0] {
             for phase in [Phase::Sin, Phase::Cos] {

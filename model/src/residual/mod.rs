@@ -5,7 +5,7 @@ mod members;
 mod pace;
 mod train;
 
-pub use inputs::{Preset, input_table, inputs};
+pub use inputs::{Preset, input_table, inputs, remember};
 pub use members::member_torques;
 pub use pace::Pace;
 pub use train::{Learned, ResidualOptions, train_residual};

@@ -104,16 +104,27 @@ fn value(term: &Term, z: &mut f64, joint: usize, dq: f64, s: &Sample) -> f64 {
             *z = dahl.next(*z, dq);
             *z
         }
+        Term::DahlRate(dahl) => {
+            let before = *z;
+            *z = dahl.next(*z, dq);
+            if s.dt > 0.0 {
+                (*z - before) / s.dt
+            } else {
+                0.0
+            }
+        }
         Term::LaggedSign(lag) => {
             *z = lag.next(*z, s.qd[joint], s.dt);
             *z
         }
-        Term::Load(load) => s.load[joint].abs() * load.friction.step(z, s.qd[joint], dq),
+        Term::Load(load) => load.factor(s.load[joint]) * load.friction.step(z, s.qd[joint], dq),
         Term::Position(p) => p.harmonic.at(s.q[joint]) * p.friction.step(z, s.qd[joint], dq),
+        Term::Polynomial(p) => p.at(s.q[joint]),
         Term::Harmonic(h) => h.at(s.q[joint]),
-        Term::Coupling(c) => c.at(s.qd, s.qdd),
+        Term::Coupling(c) => c.at(joint, s.q, s.qd, s.qdd),
         Term::Counterbalance(c) => c.torque(s.q[joint]),
         Term::WarmUp(w) => w.factor(s.clock) * value(&w.term, z, joint, dq, s),
+        Term::Drift(d) => d.factor(s.clock) * value(&d.term, z, joint, dq, s),
     }
 }
 

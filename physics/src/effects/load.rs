@@ -3,17 +3,56 @@
 use super::{FrictionShape, Sliding};
 use serde::{Deserialize, Serialize};
 
-/// |load| times a friction shape, load being the joint's rigid-body torque in N·m.
+/// |load|^exponent times a friction shape, load being the joint's rigid-body torque in N·m.
 ///
 /// Bittencourt and Gunnarsson (2012), equation 6: Coulomb friction linear in |load|.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoadFriction {
     /// What |load| multiplies.
     pub friction: FrictionShape,
+    /// One is linear.
+    #[serde(default = "linear", skip_serializing_if = "is_linear")]
+    pub exponent: f64,
+}
+
+fn linear() -> f64 {
+    1.0
+}
+
+fn is_linear(exponent: &f64) -> bool {
+    *exponent == 1.0
 }
 
 impl LoadFriction {
+    /// Friction linear in the load.
+    pub fn linear(friction: FrictionShape) -> Self {
+        Self {
+            friction,
+            exponent: 1.0,
+        }
+    }
+
+    /// What a load in N·m multiplies the friction by.
+    pub(super) fn factor(&self, load: f64) -> f64 {
+        if self.exponent == 1.0 {
+            load.abs()
+        } else {
+            load.abs().powf(self.exponent)
+        }
+    }
+
+    pub(super) fn label(&self) -> String {
+        if self.exponent == 1.0 {
+            format!("load*{}", self.friction.label())
+        } else {
+            format!("load^{}*{}", self.exponent, self.friction.label())
+        }
+    }
+
     pub(super) fn unit(&self) -> &'static str {
+        if self.exponent != 1.0 {
+            return "(N·m)^(1−p)";
+        }
         match self.friction {
             FrictionShape::Sliding(Sliding::Viscous | Sliding::AsymmetricViscous) => "s/rad",
             _ => "1",

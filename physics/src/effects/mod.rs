@@ -8,9 +8,11 @@
 
 mod bank;
 mod coupling;
+mod drift;
 mod harmonic;
 mod hysteresis;
 mod load;
+mod polynomial;
 mod position;
 mod relaxation;
 mod shape;
@@ -20,9 +22,11 @@ mod warmup;
 pub use crate::robot::Counterbalance;
 pub use bank::{BankState, Sample, TermBank, columns};
 pub use coupling::Coupling;
+pub use drift::Drift;
 pub use harmonic::{Harmonic, Phase};
 pub use hysteresis::{Dahl, Stop};
 pub use load::LoadFriction;
+pub use polynomial::Polynomial;
 pub use position::PositionFriction;
 pub use relaxation::LaggedSign;
 pub use shape::FrictionShape;
@@ -45,12 +49,16 @@ pub enum Term {
     Stop(Stop),
     /// Dahl's friction state.
     Dahl(Dahl),
+    /// Its rate: damping of the bristles in presliding. Parameter in N·m·s.
+    DahlRate(Dahl),
     /// Direction of motion through a first-order lag.
     LaggedSign(LaggedSign),
     /// Friction that grows with the transmitted torque.
     Load(LoadFriction),
     /// Friction that changes with the joint's position.
     Position(PositionFriction),
+    /// Torque that changes slowly over the joint's position.
+    Polynomial(Polynomial),
     /// Torque periodic in the joint's position.
     Harmonic(Harmonic),
     /// Torque caused by the motion of another joint.
@@ -59,6 +67,8 @@ pub enum Term {
     Counterbalance(Counterbalance),
     /// Another term whose coefficient fades as the robot warms up.
     WarmUp(WarmUp),
+    /// Another term whose coefficient changes evenly over the session.
+    Drift(Drift),
 }
 
 impl Term {
@@ -68,13 +78,15 @@ impl Term {
             Term::Offset => "torque_offset",
             Term::RotorInertia => "rotor_inertia",
             Term::Sliding(s) => s.effect(),
-            Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_) => "presliding_hysteresis",
+            Term::Stop(_) | Term::Dahl(_) | Term::DahlRate(_) | Term::LaggedSign(_) => {
+                "presliding_hysteresis"
+            }
             Term::Load(_) => "load_dependent_friction",
             Term::Position(_) => "position_dependent_friction",
             Term::Harmonic(_) => "torque_ripple",
             Term::Coupling(_) => "joint_coupling",
-            Term::Counterbalance(_) => "counterbalance",
-            Term::WarmUp(_) => "friction_drift",
+            Term::Counterbalance(_) | Term::Polynomial(_) => "counterbalance",
+            Term::WarmUp(_) | Term::Drift(_) => "friction_drift",
         }
     }
 
@@ -83,7 +95,20 @@ impl Term {
         match self {
             Term::Coupling(c) => Some(c.driver()),
             Term::WarmUp(w) => w.term.driver(),
+            Term::Drift(d) => d.term.driver(),
             _ => None,
+        }
+    }
+
+    /// Whether the column depends on motion before the present sample.
+    pub fn remembers(&self) -> bool {
+        match self {
+            Term::Stop(_) | Term::Dahl(_) | Term::DahlRate(_) | Term::LaggedSign(_) => true,
+            Term::Load(l) => l.friction.remembers(),
+            Term::Position(p) => p.friction.remembers(),
+            Term::WarmUp(w) => w.term.remembers(),
+            Term::Drift(d) => d.term.remembers(),
+            _ => false,
         }
     }
 
@@ -96,12 +121,15 @@ impl Term {
             Term::Stop(s) => format!("stop({:.3e})", s.width),
             Term::Dahl(d) => format!("dahl({:.3e})", d.stiffness),
             Term::LaggedSign(l) => format!("lagged_sign({:.3} s)", l.time_constant),
-            Term::Load(l) => format!("load*{}", l.friction.label()),
+            Term::DahlRate(d) => format!("rate of dahl({:.3e})", d.stiffness),
+            Term::Load(l) => l.label(),
             Term::Position(p) => format!("{}*{}", p.harmonic.label(), p.friction.label()),
+            Term::Polynomial(p) => format!("legendre({})", p.degree),
             Term::Harmonic(h) => h.label(),
             Term::Coupling(c) => c.label(),
             Term::Counterbalance(_) => "counterbalance".into(),
             Term::WarmUp(w) => format!("warm_up({:.0} s)*{}", w.time_constant, w.term.label()),
+            Term::Drift(d) => format!("drift*{}", d.term.label()),
         }
     }
 
@@ -115,6 +143,8 @@ impl Term {
             Term::Coupling(c) => c.unit(),
             Term::Counterbalance(_) => "1",
             Term::WarmUp(w) => w.term.unit(),
+            Term::Drift(d) => d.term.unit(),
+            Term::DahlRate(_) => "N·m·s",
             _ => "N·m",
         }
     }

@@ -25,6 +25,10 @@ impl FrictionShape {
         }
     }
 
+    pub(super) fn remembers(&self) -> bool {
+        matches!(self, FrictionShape::Dahl(_))
+    }
+
     pub(super) fn label(&self) -> String {
         match self {
             FrictionShape::Sliding(s) => s.label(),

@@ -22,6 +22,21 @@ pub enum Sliding {
         /// Velocity at which the extra friction has fallen to 1/e.
         velocity: f64,
     },
+    /// tanh(q̇/softness)·exp(−(|q̇|/velocity)^exponent): Stribeck friction of any steepness, its sign softened as that of
+    /// [`Sliding::SoftCoulomb`] (Bo and Pavelescu 1982).
+    SoftStribeck {
+        /// Velocity at which the extra friction has fallen to 1/e.
+        velocity: f64,
+        /// One is Tustin's form, two is Gauss's.
+        exponent: f64,
+        /// Velocity over which the sign turns round.
+        softness: f64,
+    },
+    /// tanh²(q̇/velocity): the difference of Coulomb friction between the two directions.
+    AsymmetricCoulomb {
+        /// Velocity over which the sign turns round.
+        velocity: f64,
+    },
     /// tanh(q̇/velocity): viscous friction that saturates.
     Degressive {
         /// Velocity of the knee.
@@ -42,6 +57,12 @@ impl Sliding {
             Sliding::Coulomb => sign(qd),
             Sliding::AsymmetricViscous => qd.abs(),
             Sliding::Stribeck { velocity } => sign(qd) * (-qd.abs() / velocity).exp(),
+            Sliding::SoftStribeck {
+                velocity,
+                exponent,
+                softness,
+            } => (qd / softness).tanh() * (-(qd.abs() / velocity).powf(exponent)).exp(),
+            Sliding::AsymmetricCoulomb { velocity } => (qd / velocity).tanh().powi(2),
             Sliding::SoftCoulomb { velocity } | Sliding::Degressive { velocity } => {
                 (qd / velocity).tanh()
             }
@@ -59,8 +80,8 @@ impl Sliding {
             Sliding::Viscous | Sliding::Coulomb | Sliding::SoftCoulomb { .. } => {
                 "friction_parameters"
             }
-            Sliding::AsymmetricViscous => "asymmetric_friction",
-            Sliding::Stribeck { .. } => "stribeck_friction",
+            Sliding::AsymmetricViscous | Sliding::AsymmetricCoulomb { .. } => "asymmetric_friction",
+            Sliding::Stribeck { .. } | Sliding::SoftStribeck { .. } => "stribeck_friction",
             Sliding::Degressive { .. } | Sliding::Power { .. } => "nonlinear_viscous_friction",
         }
     }
@@ -72,6 +93,10 @@ impl Sliding {
             Sliding::SoftCoulomb { velocity } => format!("coulomb({velocity:.3})"),
             Sliding::AsymmetricViscous => "asymmetric_viscous".into(),
             Sliding::Stribeck { velocity } => format!("stribeck({velocity:.3})"),
+            Sliding::SoftStribeck {
+                velocity, exponent, ..
+            } => format!("stribeck({velocity:.3}, {exponent})"),
+            Sliding::AsymmetricCoulomb { velocity } => format!("asymmetric_coulomb({velocity:.3})"),
             Sliding::Degressive { velocity } => format!("degressive({velocity:.3})"),
             Sliding::Power { exponent } => format!("power({exponent:.3})"),
         }
@@ -102,6 +127,21 @@ mod tests {
         let s = Sliding::Stribeck { velocity: 0.01 };
         assert!((s.at(-0.02) + 0.135_335_283_236_612_7).abs() < 1e-15);
         assert_eq!(s.at(0.0), 0.0);
+        // Far beyond the softness the sign is whole: exp(−(0.02/0.01)²) = e⁻⁴.
+        let s = Sliding::SoftStribeck {
+            velocity: 0.01,
+            exponent: 2.0,
+            softness: 1e-4,
+        };
+        assert!((s.at(-0.02) + 0.018_315_638_888_734_18).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_difference_of_directions_is_even() {
+        let s = Sliding::AsymmetricCoulomb { velocity: 0.1 };
+        // tanh²(1) = 0.761594…²
+        assert!((s.at(0.1) - 0.580_025_656_830_904).abs() < 1e-12);
+        assert_eq!(s.at(0.1), s.at(-0.1));
     }
 
     proptest! {

@@ -150,7 +150,7 @@ pub fn run(study: &Study, cancel: &AtomicBool) -> Result<(), Failure> {
         table_8,
     };
     if let Some(path) = &study.json {
-        report::write_atomic(path, &model::directory::json(&report))?;
+        report::write_atomic(path, model::directory::json(&report))?;
     }
     if !study.quiet {
         tables::print(&report);

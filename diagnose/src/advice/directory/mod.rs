@@ -1,0 +1,220 @@
+//! The accepted causes as a torque model: a directory that `eval`, a control loop and `diagnose --model` take, so that one
+//! diagnosis corrects the simulator (the patch) and the controller (this).
+//!
+//! What the last structural step of the ladder predicts is a sum of columns. Inertial parameters go into the rigid body,
+//! columns that are terms of the torque model become its terms, properties of the recording go into the preprocessing.
+//! Two things are not linear in their parameters, a tilted base and a torque scale: they are carried as what they are, and
+//! how far the directory's prediction then is from the step is measured and said.
+
+mod combination;
+mod recorded;
+
+use crate::error::DiagnoseError;
+use crate::ladder::rungs::Free;
+use crate::outcome::Outcome;
+use crate::simulator::NominalModel;
+use combination::Combination;
+use datasets::metrics::Row;
+use datasets::prepare::{Derivatives, Source};
+use datasets::{Prepared, Recording, prepare};
+use model::assemble::{Estimated, Parts};
+use model::directory::{ModelFile, Preprocessing};
+use model::metrics::{Metrics, SCHEMA};
+use model::predict::predict;
+use model::preparation::cutoff;
+use model::session::Session;
+use ndarray::{Array1, Array2};
+use physics::identify::base::BaseParameters;
+use physics::torque_model::TorqueModelRecord;
+use recorded::Recorded;
+
+/// A model directory in memory.
+pub struct Directory {
+    /// `model.json`.
+    pub file: ModelFile,
+    /// `metrics.json`.
+    pub metrics: Metrics,
+    /// `compensator.safetensors`, where one was trained.
+    pub compensator: Option<Vec<u8>>,
+    /// Causes that a torque model cannot carry.
+    pub left_out: Vec<String>,
+    /// Root mean square of what its prediction on the held-out recording differs from the ladder's last structural step by,
+    /// relative to the torque, on the joint where that is most.
+    pub departure: f64,
+}
+
+/// The torque model of the last structural step.
+///
+/// # Errors
+/// Parameters that make no model, or recordings that no baseline can be fitted to.
+pub fn directory(
+    given: &NominalModel,
+    data: &Recording,
+    heldout: &Recording,
+    outcome: &Outcome,
+    cutoff_given: bool,
+) -> Result<Directory, DiagnoseError> {
+    let (found, frames) = (&outcome.findings, &outcome.frames);
+    let structure = found.structure();
+    let fit = found.refit(given, &frames.scale, &structure, Free::All);
+    let recorded = Recorded::new(given, outcome, &fit);
+    let mut sum = Combination::of(given, &frames.scale, &recorded.channel.zero);
+    for (variable, v) in fit.variables.iter().enumerate() {
+        if !recorded.holds(v.column) {
+            sum.add_column(found.dictionary.column(v.column), variable);
+        }
+    }
+    let (rigid, terms) = sum.values(fit.beta(), &fit.covariance());
+    let robot = given
+        .robot
+        .clone()
+        .with_gravity(recorded.gravity(&given.robot));
+    let record = match given.file() {
+        Some(file) => TorqueModelRecord {
+            gravity: robot.gravity().into(),
+            rigid,
+            terms,
+            ..file.physics.clone()
+        },
+        None => TorqueModelRecord::new(&robot, rigid, found.present.parameters(), terms),
+    };
+    let model = record.model()?;
+    let preprocessing = preprocessing(outcome, &recorded, cutoff_given);
+    let parts = [data, heldout].map(|r| prepared(r, &preprocessing));
+    let session = Session::new(parts.into_iter().collect::<Result<_, _>>()?, &[]);
+    let mut physics = predict(&model, &session, &[]);
+    physics.iter_mut().for_each(|p| recorded.channel.note(p));
+    let base = BaseParameters::of_robot(&robot, &[]);
+    let covariance = sum.covariance(&base, &fit.covariance());
+    let values = base.base_from(&record.rigid);
+    let std: Vec<f64> = covariance
+        .diag()
+        .iter()
+        .map(|v| v.max(0.0).sqrt())
+        .collect();
+    let mut file = Parts {
+        robot: &robot,
+        data: std::slice::from_ref(data),
+        session: &session,
+        physics: &physics,
+        record,
+        base: Estimated {
+            values: &values,
+            std: &std[..base.len()],
+        },
+        covariance: &covariance,
+        preprocessing,
+        diagnostics: None,
+        seed: 0,
+        folds: found.grams.folds.len(),
+    }
+    .assemble(&model)?;
+    let compensator = match &outcome.learned {
+        Some(learned) => Some(learned.store(&mut file, &session, &model)?),
+        None => None,
+    };
+    let metrics = metrics(&file, &session, &physics, outcome, [data, heldout])?;
+    Ok(Directory {
+        departure: departure(outcome, &physics[1]),
+        left_out: recorded.left_out,
+        metrics,
+        compensator,
+        file,
+    })
+}
+
+/// How recordings are prepared for the model: as those of the diagnosis were.
+fn preprocessing(outcome: &Outcome, recorded: &Recorded, cutoff_given: bool) -> Preprocessing {
+    let (frames, report) = (&outcome.frames, outcome.frames.data.report());
+    Preprocessing {
+        rate_hz: report.rate_hz,
+        fine_hz: report.fine_hz,
+        cutoff_hz: report.cutoff_hz,
+        cutoff_given,
+        cutoff: frames.cutoff.clone(),
+        position_alone: frames.options.derivatives == Derivatives::FromPosition,
+        recorded_velocity: report.velocity.iter().all(|v| *v == Source::Recorded),
+        torque_filter: report.torque_filter,
+        torque_delay: recorded.delay,
+        channel: recorded.named(),
+        moving_only: false,
+    }
+}
+
+/// A recording as the model's preprocessing has it.
+fn prepared(recording: &Recording, own: &Preprocessing) -> Result<Prepared, DiagnoseError> {
+    let options = cutoff::for_recording(&own.options(None), recording);
+    let mut prepared = prepare(recording, &options).map_err(|error| DiagnoseError::Prepare {
+        source_name: recording.source.clone(),
+        error,
+    })?;
+    if let Some(channel) = &own.channel {
+        channel.turn(&mut prepared.fine);
+    }
+    Ok(prepared)
+}
+
+/// Scores of the physics and the linear baseline on both recordings.
+fn metrics(
+    file: &ModelFile,
+    session: &Session,
+    physics: &[Array2<f64>],
+    outcome: &Outcome,
+    recordings: [&Recording; 2],
+) -> Result<Metrics, DiagnoseError> {
+    let mut rows: Vec<Vec<Row>> = Vec::new();
+    for (part, recording) in recordings.into_iter().enumerate() {
+        let motion = &session.parts[part].at_samples;
+        let (q, qd, qdd) = (motion.q.view(), motion.qd.view(), motion.qdd.view());
+        let linear = file.linear_baseline.predict(q, qd, qdd)?;
+        let mut own = Vec::new();
+        if let Some(tau) = &recording.tau {
+            own.extend(Row::both_scopes(
+                "linear_baseline",
+                tau,
+                &linear,
+                &motion.qd,
+            )?);
+            own.extend(Row::both_scopes(
+                "physics",
+                tau,
+                &physics[part],
+                &motion.qd,
+            )?);
+            if let Some(learned) = outcome.learned.as_ref().filter(|_| part == 1) {
+                let whole = &physics[part] + &learned.torque;
+                own.extend(Row::both_scopes(
+                    "physics+compensator",
+                    tau,
+                    &whole,
+                    &motion.qd,
+                )?);
+            }
+        }
+        rows.push(own);
+    }
+    let heldout = rows.pop();
+    Ok(Metrics {
+        schema: SCHEMA,
+        joints: file.joints.clone(),
+        train: rows.pop().unwrap_or_default(),
+        heldout,
+        base_parameters: file.base_parameters.clone(),
+        diagnostics: None,
+        members: Vec::new(),
+    })
+}
+
+/// Largest relative difference, by joint, of the held-out prediction from that of the ladder's last structural step.
+fn departure(outcome: &Outcome, physics: &Array2<f64>) -> f64 {
+    let (tau, left) = (&outcome.frames.heldout.tau, &outcome.explanation.residual);
+    let rms = |x: &Array1<f64>| (x.dot(x) / x.len().max(1) as f64).sqrt();
+    let joints = (0..tau.ncols()).filter(|&j| left.column(j).iter().any(|x| *x != 0.0));
+    joints
+        .map(|j| {
+            let step = &tau.column(j) - &left.column(j);
+            let own = physics.column(j).to_owned();
+            rms(&(&own - &step)) / rms(&step).max(f64::MIN_POSITIVE)
+        })
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,108 @@
+//! A recording's motion among those of its session, in the order in which memory runs through them.
+
+use model::session::{Start, Step, order};
+use ndarray::{Array1, Array2};
+use physics::effects::{Sample, Term, TermBank};
+use signal::Motion;
+
+/// One motion, and what came before it on the same clock.
+#[derive(Clone, Debug)]
+pub struct Passage<'a> {
+    motions: Vec<&'a Motion>,
+    part: usize,
+    steps: Vec<Step>,
+    clock_known: Vec<bool>,
+}
+
+impl<'a> From<&'a Motion> for Passage<'a> {
+    /// A motion of which nothing before is known.
+    fn from(motion: &'a Motion) -> Self {
+        Self::of(vec![motion], 0)
+    }
+}
+
+impl<'a> Passage<'a> {
+    /// Motion `part` of several of one session; the first defines the clock.
+    pub fn of(motions: Vec<&'a Motion>, part: usize) -> Self {
+        let (mut steps, clock_known) = order(&motions, &[]);
+        // What comes later, or stands on another clock, leaves nothing behind.
+        let last = steps.iter().rposition(|s| s.part == part);
+        steps.truncate(last.map_or(0, |l| l + 1));
+        steps.retain(|s| s.part == part || (clock_known[part] && clock_known[s.part]));
+        Self {
+            motions,
+            part,
+            steps,
+            clock_known,
+        }
+    }
+
+    /// The motion.
+    pub fn motion(&self) -> &'a Motion {
+        self.motions[self.part]
+    }
+
+    /// Whether its time stamps are on the session's clock.
+    pub fn clock_known(&self) -> bool {
+        self.clock_known[self.part]
+    }
+
+    /// Sum of terms of one joint over the motion, each with its factor. `load` is the torque that the joints' transmissions
+    /// carry on each motion, shape (samples, joints).
+    pub fn terms(
+        &self,
+        joint: usize,
+        terms: &[(f64, Term)],
+        load: impl Fn(&Motion) -> Array2<f64>,
+    ) -> Array1<f64> {
+        let mut bank = TermBank::new(joint, terms.iter().map(|t| t.1.clone()).collect());
+        let mut values = vec![0.0; terms.len()];
+        let mut out = Array1::zeros(self.motion().len());
+        let remembers = terms.iter().any(|t| t.1.remembers());
+        let wanted = |part: usize| part == self.part || remembers;
+        let loads: Vec<Option<Array2<f64>>> = (0..self.motions.len())
+            .map(|p| wanted(p).then(|| load(self.motions[p])))
+            .collect();
+        let mut before = f64::NAN;
+        for step in self.steps.iter().filter(|s| wanted(s.part)) {
+            let (motion, Some(load)) = (self.motions[step.part], &loads[step.part]) else {
+                continue;
+            };
+            if step.start == Start::Neutral {
+                bank.reset();
+            }
+            for row in step.rows.clone() {
+                let time = motion.time[row];
+                let fresh = row == step.rows.start && step.start == Start::Neutral;
+                let dt = if fresh { 0.0 } else { time - before };
+                before = time;
+                let (q, qd, qdd, load) = (
+                    motion.q.row(row),
+                    motion.qd.row(row),
+                    motion.qdd.row(row),
+                    load.row(row),
+                );
+                let (Some(q), Some(qd), Some(qdd), Some(load)) =
+                    (q.to_slice(), qd.to_slice(), qdd.to_slice(), load.to_slice())
+                else {
+                    unreachable!("tables are in standard layout");
+                };
+                let clock = self.clock_known[step.part].then_some(time);
+                let sample = Sample {
+                    clock,
+                    dt,
+                    q,
+                    qd,
+                    qdd,
+                    load,
+                };
+                bank.step(&sample, &mut values);
+                if step.part == self.part {
+                    let each = values.iter().zip(terms);
+                    out[row] = each.map(|(v, (factor, _))| factor * v).sum();
+                }
+            }
+        }
+        out
+    }
+}

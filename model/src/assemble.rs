@@ -1,0 +1,207 @@
+//! A model file from its parts.
+
+use crate::baseline::{BaselineError, ForwardBaseline, inverse::LinearInverse};
+use crate::directory::{
+    BaseParameter, ModelFile, Preprocessing, Provenance, ResidualStd, SCHEMA, Source,
+};
+use crate::identify::diagnostics::Diagnostics;
+use crate::session::Session;
+use datasets::Recording;
+use datasets::metrics::MOVING;
+use feedforward::clock::Memory;
+use ndarray::Array2;
+use physics::effects::Term;
+use physics::identify::base::BaseParameters;
+use physics::robot::Robot;
+use physics::torque_model::{TorqueModel, TorqueModelRecord};
+use sha2::{Digest, Sha256};
+use std::path::Path;
+
+/// Base parameters as they were estimated.
+pub struct Estimated<'a> {
+    /// Values, in the order of the robot's base parameters.
+    pub values: &'a [f64],
+    /// Their standard deviations.
+    pub std: &'a [f64],
+}
+
+/// What a model file is made of.
+pub struct Parts<'a> {
+    /// The nominal robot.
+    pub robot: &'a Robot,
+    /// The recordings that were fitted.
+    pub data: &'a [Recording],
+    /// These, and perhaps more, in the order in which memory runs through them.
+    pub session: &'a Session,
+    /// Torque that the model predicts for each of them at the recorded samples, shape (samples, joints).
+    pub physics: &'a [Array2<f64>],
+    /// The model.
+    pub record: TorqueModelRecord,
+    /// Its base parameters.
+    pub base: Estimated<'a>,
+    /// Covariance of base parameters, then each joint's fitted terms.
+    pub covariance: &'a Array2<f64>,
+    /// How recordings are prepared.
+    pub preprocessing: Preprocessing,
+    /// How well the identification stands.
+    pub diagnostics: Option<Diagnostics>,
+    /// Seed, for provenance.
+    pub seed: u64,
+    /// Folds of the cross-validation.
+    pub folds: usize,
+}
+
+impl Parts<'_> {
+    /// The file, with baselines fitted on the same recordings and what `model`, made of the record, remembers of them.
+    ///
+    /// # Errors
+    /// The linear baseline cannot be fitted.
+    pub fn assemble(self, model: &TorqueModel) -> Result<ModelFile, BaselineError> {
+        let (data, session) = (self.data, self.session);
+        Ok(ModelFile {
+            schema: SCHEMA.into(),
+            residyn: env!("CARGO_PKG_VERSION").into(),
+            joints: self.robot.joint_names(),
+            base_parameters: base_parameters(self.robot, &self.base),
+            covariance: self
+                .covariance
+                .rows()
+                .into_iter()
+                .map(|r| r.to_vec())
+                .collect(),
+            residual_std: residual_std(data, session, self.physics),
+            preprocessing: self.preprocessing,
+            linear_baseline: baseline(data, session)?,
+            // Recordings too short for it have none.
+            forward_baseline: ForwardBaseline::fit(data).ok(),
+            diagnostics: self.diagnostics,
+            clock: session.clock(data.len()),
+            memory: memory(model, session, data.len()),
+            provenance: Provenance {
+                recordings: data.iter().map(source).collect(),
+                seed: self.seed,
+                folds: self.folds,
+            },
+            physics: self.record,
+            compensator: None,
+        })
+    }
+}
+
+/// What the physical terms remember at the end of each training trajectory on the clock.
+fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<Memory> {
+    let load = session.load(model.load_robot());
+    let mut memory = vec![
+        Memory {
+            physics: Vec::new(),
+            inputs: Vec::new()
+        };
+        session.clock(recordings).len()
+    ];
+    for (joint, list) in model.terms().iter().enumerate() {
+        let terms: Vec<Term> = list.iter().map(|w| w.term.clone()).collect();
+        let states = session.end_states(joint, &terms, &load, recordings);
+        for (memory, state) in memory.iter_mut().zip(states) {
+            memory.physics.push(state);
+        }
+    }
+    memory
+}
+
+fn base_parameters(robot: &Robot, estimated: &Estimated) -> Vec<BaseParameter> {
+    let base = BaseParameters::of_robot(robot, &[]);
+    let nominal = base.base_from(&robot.parameters());
+    let names = base.base_names();
+    let relative = |i: usize| {
+        let (value, std) = (estimated.values[i], estimated.std[i]);
+        (value != 0.0).then(|| std / value.abs())
+    };
+    base.formulae()
+        .into_iter()
+        .enumerate()
+        .map(|(i, formula)| BaseParameter {
+            unit: match base.independent()[i] % 10 {
+                0 => "kg",
+                1..=3 => "kg·m",
+                _ => "kg·m²",
+            }
+            .into(),
+            name: names[i].clone(),
+            formula,
+            value: estimated.values[i],
+            std: estimated.std[i],
+            relative_std: relative(i),
+            nominal: nominal[i],
+        })
+        .collect()
+}
+
+/// The benchmark paper's linear baseline.
+fn baseline(data: &[Recording], session: &Session) -> Result<LinearInverse, BaselineError> {
+    let stack = |table: &dyn Fn(usize) -> Array2<f64>| {
+        let tables: Vec<Array2<f64>> = (0..data.len()).map(table).collect();
+        let views: Vec<_> = tables.iter().map(|t| t.view()).collect();
+        ndarray::concatenate(ndarray::Axis(0), &views).unwrap_or_default()
+    };
+    let motion = |i: usize| &session.parts[i].at_samples;
+    LinearInverse::fit(
+        stack(&|i| motion(i).q.clone()).view(),
+        stack(&|i| motion(i).qd.clone()).view(),
+        stack(&|i| motion(i).qdd.clone()).view(),
+        stack(&|i| data[i].tau.clone().unwrap_or_default()).view(),
+    )
+}
+
+/// Deviation of what the model leaves.
+fn residual_std(data: &[Recording], session: &Session, physics: &[Array2<f64>]) -> ResidualStd {
+    let joints = physics[0].ncols();
+    let deviation = |joint: usize, moving: bool| {
+        let (mut sum, mut count) = (0.0, 0usize);
+        for (part, recording) in data.iter().enumerate() {
+            let Some(tau) = &recording.tau else { continue };
+            let qd = session.parts[part].at_samples.qd.column(joint);
+            for ((t, p), v) in tau
+                .column(joint)
+                .iter()
+                .zip(physics[part].column(joint))
+                .zip(qd)
+            {
+                if (v.abs() > MOVING) == moving {
+                    sum += (t - p).powi(2);
+                    count += 1;
+                }
+            }
+        }
+        if count == 0 {
+            0.0
+        } else {
+            (sum / count as f64).sqrt()
+        }
+    };
+    ResidualStd {
+        moving: (0..joints).map(|j| deviation(j, true)).collect(),
+        standstill: (0..joints).map(|j| deviation(j, false)).collect(),
+    }
+}
+
+fn source(recording: &Recording) -> Source {
+    let path = Path::new(&recording.source);
+    let sha256 = std::fs::read(path).map_or_else(
+        |_| String::new(),
+        |bytes| {
+            Sha256::digest(&bytes)
+                .iter()
+                .map(|b| format!("{b:02x}"))
+                .collect()
+        },
+    );
+    Source {
+        name: path.file_name().map_or_else(
+            || recording.source.clone(),
+            |n| n.to_string_lossy().into_owned(),
+        ),
+        sha256,
+        samples: recording.len(),
+        trajectories: recording.trajectories.len(),
+    }
+}
