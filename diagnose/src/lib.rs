@@ -6,7 +6,7 @@
 //!
 //! | room | what stands there |
 //! |---|---|
-//! | `settings` | what decides: every threshold, by room |
+//! | `settings` | every number that decides, by room |
 //! | `algebra` | sums of products, their factors, penalised fits |
 //! | `motion` | one recording's motion: clocks, what columns see of it, where it stands |
 //! | `simulator` | the model that the gap is measured from |

@@ -241,6 +241,16 @@ mod tests {
         );
     }
 
+    #[test]
+    fn how_long_a_rest_is_judged_is_a_setting() {
+        let frame = frame();
+        let longer = MotionSettings {
+            rest: 5.0,
+            ..MotionSettings::default()
+        };
+        assert_eq!(states(&frame, &longer)[[600, 0]], State::Passing);
+    }
+
     /// A joint that is loaded until it breaks away, and one that turns round slowly, do not stand; one that is pushed does.
     #[test]
     fn what_friction_does_before_a_motion_is_no_rest() {

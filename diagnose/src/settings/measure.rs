@@ -16,9 +16,9 @@ settings! {
     VerdictSettings {
         /// Structure left on some joint, relative to its torque, from which it counts as clear.
         clear: f64 = 0.03, tuned;
-        /// Part of the whole squared gap that it must be.
+        /// Part of the whole squared gap that such structure must be.
         clear_share: f64 = 0.06, tuned;
-        /// Structure that is clear whatever its part.
+        /// Structure left on some joint, relative to its torque, that is clear whatever part of the gap it is.
         plain: f64 = 0.09, tuned;
         /// Error over the floor up to which a joint is at the floor.
         at_floor: f64 = 1.5, contract;

@@ -14,7 +14,7 @@ settings! {
         crossing_weight: f64 = 0.15, tuned;
         /// Weight of rows at standstill in a recording that is too slow for a low-pass.
         standstill_weight: f64 = 0.1, tuned;
-        /// Shortest rest that is judged, s.
+        /// Time from which a joint that is slower stands and is judged at rest, s.
         rest: f64 = 0.5, contract;
         /// Speed on average below which a joint stays where it is, rad/s (m/s).
         stays_speed: f64 = 0.002, tuned;

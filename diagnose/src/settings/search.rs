@@ -5,7 +5,7 @@ settings! {
     SearchSettings {
         /// Deviation of the given inertial parameters that is nothing to report, relative.
         inertial_tolerance: f64 = 0.025, tuned;
-        /// The same for friction coefficients.
+        /// Deviation of given friction coefficients that is nothing to report, relative.
         friction_tolerance: f64 = 0.12, tuned;
         /// Torque of a change of friction that nobody would report however small the coefficient is, over the joint's.
         unreported: f64 = 0.003, tuned;
@@ -43,7 +43,7 @@ settings! {
         enough_dynamic: f64 = 20.0, tuned;
         /// Part of an earlier cause's gain that a further cause must exceed.
         leftover: f64 = 0.12, tuned;
-        /// The same for the same effect on another joint.
+        /// Part of its gain that the same effect on another joint must exceed.
         leftover_same: f64 = 0.35, tuned;
         /// Part of its joints' squared error from which a cause stands for itself, whatever earlier ones gained.
         plain_part: f64 = 0.1, tuned;
@@ -65,7 +65,7 @@ settings! {
         narrow_part: f64 = 0.22, tuned;
         /// Squared error over the free refit's up to which few parameters are the answer alone.
         as_good: f64 = 1.3, contract;
-        /// The same up to which they are named first.
+        /// Squared error over the free refit's up to which few parameters are named first, the refit beside them.
         rivalled: f64 = 2.0, contract;
         /// Part of the largest change that makes a joint one of the cause's in that comparison.
         touched: f64 = 0.35, tuned;
