@@ -210,7 +210,7 @@ mod tests {
             Verdict::PartlyExplained
         );
         let clear = VerdictSettings {
-            clear: 0.01,
+            plain: 0.01,
             ..VerdictSettings::default()
         };
         assert_eq!(
