@@ -10,14 +10,14 @@ use crate::input::recordings::{checked, not_identifiable, notes};
 use crate::ladder::listing::{Listing, list};
 use crate::ladder::scores::{Scored, repeatability};
 use crate::measure::bounds::hold;
-use crate::measure::explain::{CONTACT_SIZE, Explanation, Said, explain};
+use crate::measure::explain::{Explanation, Said, explain};
 use crate::measure::follow;
 use crate::measure::friction::friction;
 use crate::measure::learned::learned;
 use crate::measure::locate::locate;
 use crate::measure::moved::moved;
 use crate::measure::resonance::{resonances, standing_out};
-use crate::measure::verdict::{CLEAR, Evidence, dead, moves, remainder, verdict};
+use crate::measure::verdict::{Evidence, dead, moves, remainder, verdict};
 use crate::motion::floor::floor;
 use crate::motion::scene::{Scene, rigid_torque};
 use crate::motion::standing::{Coulomb, Judged, judge, states};
@@ -31,16 +31,13 @@ use datasets::Recording;
 use ndarray::Array2;
 use physics::robot::Robot;
 
-/// Part of the error that a learner may predict for the rest to count as contact in motion.
-const CONTACT_LEARNABLE: f64 = 0.35;
-/// Time around a push that is not fitted either, s.
-const CONTACT_MARGIN: f64 = 0.1;
-
 /// What a diagnosis is to do.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// How gaps are weighed.
     pub settings: Settings,
+    /// Effect that is left out of the catalogue, for the proof.
+    pub withheld: Option<Effect>,
     /// Cut-off of the motion's low-pass, Hz; chosen from the fitted recording where none is given.
     pub cutoff_hz: Option<f64>,
     /// Train a compensator on what the causes leave.
@@ -68,28 +65,31 @@ pub fn diagnose(
     options: &Options,
 ) -> Result<Outcome, DiagnoseError> {
     let settings = &options.settings;
-    let frames = Frames::new(model, data, heldout, options.cutoff_hz)?;
-    let dead = dead(&frames.data);
-    let moves = moves(&frames.data, &states(&frames.data), &dead);
-    let mut weight = frames.data.weights();
+    let (pushes, judging) = (&settings.traces.contact, &settings.measure.verdict);
+    let frames = Frames::new(model, data, heldout, options.cutoff_hz, &settings.input)?;
+    let dead = dead(&frames.data, judging);
+    let states = states(&frames.data, &settings.motion);
+    let moves = moves(&frames.data, &states, &dead, judging);
+    let mut weight = frames.data.weights(&settings.motion);
     for (mut column, _) in weight.columns_mut().into_iter().zip(&dead).filter(|d| *d.1) {
         column.fill(0.0);
     }
     let search = |weight: &Array2<f64>, skipped: &[bool]| -> Result<Search, DiagnoseError> {
-        let mut findings = find(model, &frames, weight, settings.clone())?;
+        let mut findings = find(model, &frames, weight, settings.clone(), options.withheld)?;
         let scored = Scored::new(&dead, skipped.iter().map(|s| !s).collect());
         let listing = list(model, &frames, &mut findings, weight, &scored, moves);
         let left = examine(
             &frames.data,
             &listing.residual,
             &frames.data.pick(|i| skipped[i]),
+            settings,
         );
         let scene = Scene::new(&findings.present, frames.passage(), &frames.scale);
         let coulomb = Coulomb {
             torque: listing.coulomb.clone(),
             sign: frames.data.table_to_samples(&scene.sign),
         };
-        let judged = judge(&frames.data, &listing.residual, &coulomb);
+        let judged = judge(&frames.data, &listing.residual, &coulomb, &settings.motion);
         Ok(Search {
             findings,
             listing,
@@ -102,15 +102,15 @@ pub fn diagnose(
     // What a learner predicts from motion repeats, and is no contact.
     let repeats = |left: &[Option<Left>]| {
         let mut left = left.iter().flatten();
-        left.any(|l| l.structured() > CLEAR && l.learnable > CONTACT_LEARNABLE)
+        left.any(|l| l.structured() > judging.clear && l.learnable > pushes.learnable)
     };
-    let look = (settings.withheld != Some(Effect::ExternalContact)).then(|| !repeats(&found.left));
+    let look = (options.withheld != Some(Effect::ExternalContact)).then(|| !repeats(&found.left));
     let contact = look.and_then(|moving| {
-        detect(&frames.data, &found.judged, moving)
-            .filter(|c| c.at_rest || c.size > CONTACT_SIZE * found.listing.given)
+        detect(&frames.data, &found.judged, moving, pushes)
+            .filter(|c| c.at_rest || c.size > pushes.size * found.listing.given)
     });
     if let Some(contact) = &contact {
-        let margin = (CONTACT_MARGIN * frames.data.report().rate_hz) as usize;
+        let margin = (pushes.margin * frames.data.report().rate_hz) as usize;
         skipped = contact.pushed(skipped.len(), margin);
         let rows = weight.rows_mut().into_iter();
         let near = rows.zip(frames.data.pick(|i| skipped[i]));
@@ -126,9 +126,11 @@ pub fn diagnose(
     };
     let explanation = explain(model, &frames, &found.findings, &said);
     let names = model.robot.joint_names();
-    let floors = floor(&model.robot, data, &frames.data, &found.judged.state);
-    let rest = remainder(&floors, &found.judged, &skipped, &found.left, &names, &dead);
-    let (verdict, reason) = verdict(&Evidence {
+    let state = &found.judged.state;
+    let floors = floor(&model.robot, data, &frames.data, state, &settings.motion);
+    let (judged, left) = (&found.judged, &found.left);
+    let rest = remainder(&floors, judged, &skipped, left, &names, &dead, judging);
+    let evidence = Evidence {
         dead: &dead,
         moves,
         given: found.listing.given,
@@ -140,7 +142,8 @@ pub fn diagnose(
             .iter()
             .any(|c| c.effect == Effect::ExternalContact),
         cut: explanation.cut,
-    });
+    };
+    let (verdict, reason) = verdict(&evidence, judging);
     let Search {
         findings,
         listing,
@@ -154,7 +157,7 @@ pub fn diagnose(
     let recordings = checked(model, &frames, [data, heldout]);
     let mut ladder = explanation.ladder.clone();
     let learned = if options.learn {
-        learned(&frames, &quiet, &findings.present)?
+        learned(&frames, &quiet, &findings.present, &settings.measure.said)?
     } else {
         None
     };
@@ -171,7 +174,7 @@ pub fn diagnose(
     };
     let samples = frames.heldout.samples();
     let load = rigid_torque(&model.robot, &samples.q, &samples.qd, &samples.qdd);
-    let mut unknowable = not_identifiable(&frames, recordings.first(), &names);
+    let mut unknowable = not_identifiable(&frames, recordings.first(), &names, &settings.input);
     unknowable.extend(
         names
             .iter()
@@ -199,6 +202,7 @@ pub fn diagnose(
                 samples,
                 &names,
                 frames.heldout.report().rate_hz,
+                settings,
             ),
             &model.robot,
         ),
@@ -207,6 +211,7 @@ pub fn diagnose(
             &frames.data,
             &standing_out(model, &frames, &findings),
             &names,
+            &settings.measure.resonance,
         ),
         friction: friction(model, &frames, &findings),
         moved_parameters: moved(model, &findings),
@@ -217,7 +222,7 @@ pub fn diagnose(
         simulation,
         next_experiment: None,
         unexplained: rest,
-        notes: notes(&frames),
+        notes: notes(&frames, &settings.input),
     };
     Ok(Outcome {
         diagnosis,
@@ -294,7 +299,7 @@ fn linear(unit: &str) -> Option<&'static str> {
 
 /// The best candidate of each effect and place beyond the accepted causes.
 fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
-    const MOST: usize = 40;
+    let most = findings.settings.measure.said.candidates;
     let mut seen: Vec<(Effect, Vec<usize>, Option<usize>)> = Vec::new();
     let mut out = Vec::new();
     for t in findings
@@ -305,7 +310,7 @@ fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
     {
         let c = &findings.candidates[t.candidate];
         let key = (c.effect, c.joints.clone(), c.driver);
-        if seen.contains(&key) || out.len() >= MOST {
+        if seen.contains(&key) || out.len() >= most {
             continue;
         }
         seen.push(key);

@@ -6,6 +6,7 @@
 //!
 //! | room | what stands there |
 //! |---|---|
+//! | `settings` | every number that decides, by room |
 //! | `algebra` | sums of products, their factors, penalised fits |
 //! | `motion` | one recording's motion: clocks, what columns see of it, where it stands |
 //! | `simulator` | the model that the gap is measured from |
@@ -35,7 +36,7 @@ pub mod prove;
 mod report;
 pub mod schema;
 mod search;
-mod settings;
+pub mod settings;
 mod simulator;
 mod traces;
 

@@ -20,6 +20,7 @@ use crate::schema::NextExperiment;
 use crate::search::dictionary::Dictionary;
 use crate::search::find::Findings;
 use crate::search::objective::Objective;
+use crate::settings::AdviceSettings;
 use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2};
 use physics::excitation::{Fourier, MotionLimits, SearchOptions, optimise};
@@ -33,12 +34,6 @@ const PERIODS: usize = 2;
 const RATE: [f64; 2] = [62.5, 250.0];
 /// Samples per second in the file.
 const FILE_RATE: f64 = 100.0;
-/// Distance kept from the ends of a joint's range, relative to it.
-const MARGIN: f64 = 0.05;
-/// Part of the speed limit that is used.
-const SPEED: f64 = 0.9;
-/// Fastest motion and acceleration relative to the recorded ones, where the robot's description has no limit.
-const FASTER: f64 = 1.2;
 /// Search: random starts and sweeps of improvement.
 const SEARCH: (usize, usize) = (6, 2);
 
@@ -64,7 +59,7 @@ pub fn design(
     };
     let frame = &outcome.frames.data;
     let scale = &outcome.frames.scale;
-    let objective = Objective::new(&found.grams, scale, &found.settings);
+    let objective = Objective::new(&found.grams, scale, &found.settings.search);
     let own = &found.accepted[accepted];
     let rival = &own.tried[rival];
     let theirs: Vec<Variable> = found.dictionary.members[rival.candidate]
@@ -106,9 +101,11 @@ pub fn design(
         sweeps: SEARCH.1,
         ..SearchOptions::default()
     };
-    let chosen = optimise(&limits(model, frame), &options, |trajectory| {
-        Ok(-trial.evidence(&recorded.plus(&view.products(&trial, trajectory))))
-    })?;
+    let chosen = optimise(
+        &limits(model, frame, &found.settings.advice),
+        &options,
+        |trajectory| Ok(-trial.evidence(&recorded.plus(&view.products(&trial, trajectory)))),
+    )?;
     let names = model.robot.joint_names();
     let joints = &found.candidates[own.candidate].joints;
     Ok(Some(Experiment {
@@ -287,7 +284,7 @@ fn sampled(trajectory: &Fourier, rate: f64, periods: usize, start: f64) -> Motio
 }
 
 /// The robot's own limits, kept at a distance; the recorded motion's where it has none.
-fn limits(model: &NominalModel, frame: &Frame) -> Vec<MotionLimits> {
+fn limits(model: &NominalModel, frame: &Frame, settings: &AdviceSettings) -> Vec<MotionLimits> {
     let motion = frame.samples();
     let most = |t: &Array2<f64>, j: usize| t.column(j).iter().fold(0.0f64, |m, x| m.max(x.abs()));
     let joints = model.robot.joints().iter().enumerate();
@@ -295,7 +292,7 @@ fn limits(model: &NominalModel, frame: &Frame) -> Vec<MotionLimits> {
         .map(|(j, joint)| {
             let l = &joint.limits;
             let [low, high] = if l.lower.is_finite() && l.upper.is_finite() && l.upper > l.lower {
-                let margin = MARGIN * (l.upper - l.lower);
+                let margin = settings.margin * (l.upper - l.lower);
                 [l.lower + margin, l.upper - margin]
             } else {
                 let column = motion.q.column(j);
@@ -305,16 +302,16 @@ fn limits(model: &NominalModel, frame: &Frame) -> Vec<MotionLimits> {
                     bound(f64::max, f64::NEG_INFINITY),
                 ]
             };
-            let fastest = FASTER * most(&motion.qd, j);
+            let fastest = settings.faster * most(&motion.qd, j);
             MotionLimits {
                 lower: low,
                 upper: high,
                 velocity: if l.velocity.is_finite() && l.velocity > 0.0 {
-                    SPEED * l.velocity
+                    settings.speed * l.velocity
                 } else {
                     fastest
                 },
-                acceleration: FASTER * most(&motion.qdd, j),
+                acceleration: settings.faster * most(&motion.qdd, j),
             }
         })
         .collect()

@@ -5,6 +5,7 @@ use crate::error::DiagnoseError;
 use crate::motion::frame::Frame;
 use crate::motion::passage::Passage;
 use crate::motion::scene::Scale;
+use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use datasets::{PrepareOptions, Recording};
 use model::preparation::cutoff::{self, CutoffChoice};
@@ -37,6 +38,7 @@ impl Frames {
         data: &Recording,
         heldout: &Recording,
         cutoff_hz: Option<f64>,
+        settings: &InputSettings,
     ) -> Result<Self, DiagnoseError> {
         let (mut options, chosen) = match model.preparation() {
             Some(own) => {
@@ -62,7 +64,7 @@ impl Frames {
         // Where nothing else chose, the fitted recording's own noise does for both.
         options.cutoff_hz = options.cutoff_hz.or(data.report().cutoff_hz);
         let heldout = fresh(heldout, &cutoff::for_recording(&options, heldout))?;
-        let scale = data.scale(&[&heldout], softness(model, &data, &spread));
+        let scale = data.scale(&[&heldout], softness(model, &data, &spread, settings));
         Ok(Self {
             data,
             heldout,

@@ -5,24 +5,12 @@ use crate::catalogue::info::Need;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
 use crate::schema::NotIdentifiable;
+use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use datasets::Recording;
 use datasets::check::{CheckOptions, CheckReport, check};
 use datasets::prepare::{PrepareReport, Source};
 use model::preparation::channel;
-
-/// Range of a joint that never moves, rad (m).
-const STILL: f64 = 1e-3;
-/// Motion below which effects that act over a session are hidden by the others, s.
-const SHORT: f64 = 30.0;
-/// Fewest cycles of a joint that show what happens at reversals.
-const CYCLES: f64 = 3.0;
-/// Speed below which viscous friction of any form is hidden by Coulomb friction, rad/s (m/s).
-const SLOW: f64 = 0.05;
-/// Range below which torques of the position look alike, rad (m).
-const NARROW: f64 = 0.2;
-/// Rate below which what vibrates is not recorded, Hz.
-const COARSE: f64 = 40.0;
 
 /// Checks both recordings, the fitted one, then the held-out one: what `train` checks, but for what its own fit needs.
 pub fn checked(
@@ -56,6 +44,7 @@ pub fn not_identifiable(
     frames: &Frames,
     report: Option<&CheckReport>,
     names: &[String],
+    settings: &InputSettings,
 ) -> Vec<NotIdentifiable> {
     let mut out = Vec::new();
     let mut add = |effects: &[Effect], joints: Vec<String>, reason: String| {
@@ -68,14 +57,14 @@ pub fn not_identifiable(
     for (j, (low, high)) in frames.scale.range.iter().enumerate() {
         let own = vec![names[j].clone()];
         let name = &names[j];
-        if high - low < STILL {
+        if high - low < settings.still {
             add(&Effect::ALL, own, format!("{name} never moves"));
             continue;
         }
         let Some(figures) = report.and_then(|r| r.joints.get(j)) else {
             continue;
         };
-        if figures.cycles < CYCLES {
+        if figures.cycles < settings.cycles {
             let effects = needing(Need::Reversals);
             let reason = format!(
                 "{name} turns round {:.0} times; record six reversals or more",
@@ -83,7 +72,7 @@ pub fn not_identifiable(
             );
             add(&effects, own.clone(), reason);
         }
-        if figures.top_speed < SLOW {
+        if figures.top_speed < settings.slow {
             let effects = needing(Need::Speed);
             let reason = format!(
                 "{name} moves at {:.3} rad/s at most; record faster motion",
@@ -91,7 +80,7 @@ pub fn not_identifiable(
             );
             add(&effects, own.clone(), reason);
         }
-        if high - low < NARROW {
+        if high - low < settings.narrow {
             let effects = needing(Need::Range);
             let reason = format!(
                 "{name} covers {:.2} rad; record more of its range",
@@ -101,7 +90,7 @@ pub fn not_identifiable(
         }
     }
     let seconds = frames.data.len() as f64 / frames.data.row_rate();
-    if seconds < SHORT {
+    if seconds < settings.short {
         let effects = needing(Need::Minute);
         let reason = format!(
             "{seconds:.0} s of motion are too short to tell it from other effects; record a minute or more"
@@ -109,7 +98,7 @@ pub fn not_identifiable(
         add(&effects, names.to_vec(), reason);
     }
     let rate = frames.data.report().rate_hz;
-    if rate < COARSE {
+    if rate < settings.coarse {
         let effects = needing(Need::Rate);
         let reason = format!(
             "at {rate:.0} Hz nothing above {:.0} Hz is recorded: no resonance and no ripple of the motor's order",
@@ -148,7 +137,7 @@ fn derivatives(report: &PrepareReport) -> String {
 }
 
 /// What was done to the recordings.
-pub fn notes(frames: &Frames) -> Vec<String> {
+pub fn notes(frames: &Frames, settings: &InputSettings) -> Vec<String> {
     let mut out = Vec::new();
     for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {
         let r = frame.report();
@@ -167,7 +156,7 @@ pub fn notes(frames: &Frames) -> Vec<String> {
         frames.data.report().rate_hz,
         frames.heldout.report().rate_hz,
     );
-    if (a / b - 1.0).abs() > 0.02 {
+    if (a / b - 1.0).abs() > settings.rates {
         out.push(format!(
             "the recordings have different rates ({a:.0} and {b:.0} Hz): the held-out motion is resampled to the grid \
              on which effects are built, and scored at its own samples"

@@ -6,17 +6,22 @@
 use crate::algebra::cholesky::Cholesky;
 use crate::motion::frame::Frame;
 use crate::motion::scene::{SOFT_SIGN, rigid_torque};
+use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 
 /// Velocities tried below which the sign of a motion is softened, rad/s (m/s); the contract allows up to 0.005.
 const SOFTNESSES: [f64; 6] = [0.0004, 0.0007, 0.0012, 0.002, 0.0032, 0.005];
-/// Part of the error that a softness must save over [`SOFT_SIGN`] to be taken.
-const WORTH: f64 = 0.02;
 
 /// Velocity below which each joint's sign is softened, rad/s (m/s): the one that leaves least error beyond a scaled model,
-/// viscous and Coulomb friction, own inertia and gravity of the joint, on some of the trajectories.
-pub fn softness(model: &NominalModel, frame: &Frame, trajectories: &[usize]) -> Vec<f64> {
+/// viscous and Coulomb friction, own inertia and gravity of the joint, on some of the trajectories; [`SOFT_SIGN`] where none
+/// saves enough over it.
+pub fn softness(
+    model: &NominalModel,
+    frame: &Frame,
+    trajectories: &[usize],
+    settings: &InputSettings,
+) -> Vec<f64> {
     let m = frame.motion();
     let rigid = frame.table_to_samples(&rigid_torque(&model.robot, &m.q, &m.qd, &m.qdd));
     let at = frame.samples();
@@ -48,7 +53,7 @@ pub fn softness(model: &NominalModel, frame: &Frame, trajectories: &[usize]) -> 
                 .into_iter()
                 .map(|s| (s, error(s)))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
-                .filter(|(_, e)| *e < (1.0 - WORTH) * usual)
+                .filter(|(_, e)| *e < (1.0 - settings.softness) * usual)
                 .map_or(SOFT_SIGN, |b| b.0)
         })
         .collect()

@@ -14,11 +14,6 @@ use crate::simulator::NominalModel;
 use datasets::metrics::{Scope, deviations};
 use ndarray::Array2;
 
-/// Fall of a joint's NRMSE by re-identification from which a change of parameters is listed.
-const LISTED: f64 = 0.03;
-/// Part of the largest change, relative to the joints' torques, from which an effect of the whole arm touches a joint.
-const NOTICED: f64 = 0.35;
-
 /// What the fitted recording says of the causes that stand.
 pub struct Listing {
     /// For each accepted cause of kind `structure`: its index among the accepted, and its joints.
@@ -147,8 +142,9 @@ fn touched(
         })
         .collect();
     let most = fall.iter().copied().fold(0.0, f64::max);
+    let noticed = found.settings.ladder.noticed;
     (0..fall.len())
-        .filter(|&j| fall[j] > 0.0 && fall[j] >= NOTICED * most)
+        .filter(|&j| fall[j] > 0.0 && fall[j] >= noticed * most)
         .collect()
 }
 
@@ -187,15 +183,16 @@ fn parameters(
     let alone = falls(&of(&[], Free::Nothing), &of(&[], Free::All));
     let explained = |j: usize| structure.iter().any(|(_, joints)| joints.contains(&j));
     let dof = links.len();
+    let least = found.settings.ladder.listed;
     let mut listed = [Vec::new(), Vec::new()];
     for j in 0..dof {
-        let worth = |fall: &[f64]| fall[j] >= LISTED;
+        let worth = |fall: &[f64]| fall[j] >= least;
         let needed = worth(&both) || worth(&alone) && !explained(j);
         let most = links[j].max(friction[j]);
-        if worth(&links) || needed && most < LISTED && links[j] >= friction[j] {
+        if worth(&links) || needed && most < least && links[j] >= friction[j] {
             listed[0].push(j);
         }
-        if worth(&friction) || needed && most < LISTED && links[j] < friction[j] {
+        if worth(&friction) || needed && most < least && links[j] < friction[j] {
             listed[1].push(j);
         }
     }

@@ -9,11 +9,6 @@ use crate::search::find::{Columns, Findings};
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Trajectories from which the bootstrap draws whole ones; of fewer it draws stretches.
-const TRAJECTORIES: usize = 10;
-/// Length of such a stretch, s.
-pub const BLOCK: f64 = 1.5;
-
 /// The fitted recording, every sample predicted by the fit that left its fold out.
 pub struct OutOfFold<'a> {
     frame: &'a Frame,
@@ -42,8 +37,9 @@ impl<'a> OutOfFold<'a> {
             .iter()
             .map(|f| f.iter().map(samples).collect())
             .collect();
-        let length = ((BLOCK * frame.row_rate()) as usize).max(1);
-        let blocks = if frame.rows.len() >= TRAJECTORIES {
+        let settings = &found.settings.ladder;
+        let length = ((settings.stretch * frame.row_rate()) as usize).max(1);
+        let blocks = if frame.rows.len() >= settings.trajectories {
             frame.rows.clone()
         } else {
             let stretches = frame.rows.iter().flat_map(|t| {

@@ -5,12 +5,8 @@ use crate::catalogue::effect::Effect;
 use crate::motion::scene::Scale;
 use crate::search::find::Findings;
 use crate::search::objective::Objective;
-use crate::settings::FREEDOMS;
 use crate::simulator::NominalModel;
 use physics::robot::PARAMETERS_PER_LINK;
-
-/// Part of the squared error out of fold that less freedom must spare.
-const BETTER: f64 = 0.02;
 
 /// Parameters of the given structure that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +38,7 @@ impl Findings {
         causes: &[usize],
         free: Free,
     ) -> Fit<'_> {
-        let objective = Objective::new(&self.grams, scale, &self.settings);
+        let objective = Objective::new(&self.grams, scale, &self.settings.search);
         let inertial = PARAMETERS_PER_LINK * model.robot.dof();
         let (links, friction) = (
             matches!(free, Free::All | Free::Links),
@@ -62,13 +58,17 @@ impl Findings {
     /// Chooses how far parameters may leave the given values when they are identified again.
     pub fn choose_freedom(&mut self, model: &NominalModel, scale: &Scale) {
         let structure = self.structure();
-        let mut best = (f64::INFINITY, FREEDOMS[0]);
-        for freedom in FREEDOMS {
+        let (freedoms, gain) = (
+            self.settings.search.freedoms,
+            self.settings.search.freedom_gain,
+        );
+        let mut best = (f64::INFINITY, freedoms[0]);
+        for freedom in freedoms {
             self.freedom = freedom;
             let fit = self.refit(model, scale, &structure, Free::All);
-            let objective = Objective::new(&self.grams, scale, &self.settings);
+            let objective = Objective::new(&self.grams, scale, &self.settings.search);
             let error: f64 = objective.relative(&fit.error()).iter().map(|e| e * e).sum();
-            if error < (1.0 - BETTER) * best.0 {
+            if error < (1.0 - gain) * best.0 {
                 best = (error, freedom);
             }
         }
@@ -77,7 +77,7 @@ impl Findings {
 
     /// The fit near the given parameters, with all that was accepted.
     pub fn tight_fit(&self, scale: &Scale) -> Fit<'_> {
-        Objective::new(&self.grams, scale, &self.settings).fit(self.tight.0.clone())
+        Objective::new(&self.grams, scale, &self.settings.search).fit(self.tight.0.clone())
     }
 
     /// Takes an accepted cause back, by index among the accepted: it becomes the first of what was not accepted.
@@ -94,7 +94,7 @@ impl Findings {
             later.variables = later.variables.start - n..later.variables.end - n;
         }
         let (beta, std) = {
-            let objective = Objective::new(&self.grams, scale, &self.settings);
+            let objective = Objective::new(&self.grams, scale, &self.settings.search);
             let fit = objective.fit(variables.clone());
             (fit.beta().clone(), fit.std())
         };

@@ -18,8 +18,6 @@ use physics::robot::PARAMETERS_PER_LINK;
 const ROUNDING: f64 = 1e-9;
 /// Deviation of the nominal model over a parameter's size: the posterior decides, not this.
 const FREE: f64 = 1e3;
-/// A parameter is held by a bound where it would be beyond by this part of its deviation.
-const BEYOND: f64 = 0.05;
 
 /// Moves the fit near the given parameters to possible ones. None where it is possible, and for an identified model, whose
 /// parameters are combinations.
@@ -132,9 +130,10 @@ pub fn hold(model: &NominalModel, found: &mut Findings, scale: &Scale) -> Option
             "Coulomb"
         }
     };
+    let beyond = found.settings.measure.said.beyond;
     let clearly = negative
         .into_iter()
-        .filter(|&p| fitted[p] < -BEYOND * deviation[p]);
+        .filter(|&p| fitted[p] < -beyond * deviation[p]);
     let links = wrong_links.into_iter().map(|at| {
         let link = &joints[at / PARAMETERS_PER_LINK].link.name;
         format!("inertials of {link}")

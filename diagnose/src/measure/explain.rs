@@ -8,7 +8,6 @@ use crate::algebra::fit::Fit;
 use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::listing::Listing;
-use crate::ladder::out_of_fold::BLOCK;
 use crate::ladder::rungs::Free;
 use crate::ladder::scores::{Scored, total};
 use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
@@ -21,9 +20,6 @@ use crate::traces::contact::{Contact, detect};
 use datasets::metrics::deviations;
 use ndarray::{Array1, Array2};
 use physics::robot::PARAMETERS_PER_LINK;
-
-/// Least part of the gap that contact in motion makes.
-pub const CONTACT_SIZE: f64 = 0.1;
 
 /// One cause's torque on the held-out recording.
 struct Part {
@@ -67,7 +63,7 @@ pub fn explain(
     found: &Findings,
     said: &Said,
 ) -> Explanation {
-    let held = &frames.heldout;
+    let (held, settings) = (&frames.heldout, &found.settings);
     let names = model.robot.joint_names();
     let whole = Scored::new(said.dead, vec![true; held.tau.nrows()]);
     let judged = |table: Array2<f64>| whole.judged(table);
@@ -105,8 +101,9 @@ pub fn explain(
             sign: held.table_to_samples(&scene.sign),
         };
         let given = total(&ladder[0].all);
-        detect(held, &judge(held, &residual, &coulomb), moving)
-            .filter(|c| c.at_rest || c.size > CONTACT_SIZE * given)
+        let judged = judge(held, &residual, &coulomb, &settings.motion);
+        detect(held, &judged, moving, &settings.traces.contact)
+            .filter(|c| c.at_rest || c.size > settings.traces.contact.size * given)
     });
     let cut = here
         .as_ref()
@@ -136,7 +133,7 @@ pub fn explain(
         !p.effect.info().parameter || said.listing.parameters.iter().any(|l| l.0 == p.effect)
     };
     let shares = shapley(&gap_held, &parts, &deviation, &listed);
-    let block = (BLOCK * held.report().rate_hz) as usize;
+    let block = (settings.ladder.stretch * held.report().rate_hz) as usize;
     let mut causes = Vec::new();
     for (part, share) in parts.iter().zip(&shares).filter(|(p, _)| listed(p)) {
         let contact = part.effect == Effect::ExternalContact;

@@ -12,8 +12,6 @@ use physics::robot::PARAMETERS_PER_LINK;
 const SPEEDS: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0];
 /// Samples of a speed: those within this factor of it.
 const BAND: f64 = 1.25;
-/// Fewest of them in each direction, s.
-const LEAST: f64 = 0.1;
 
 /// Friction of every joint, from the fit near the given parameters on the fitted recording.
 pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<Friction> {
@@ -40,7 +38,7 @@ pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<
         own.scaled_add(joint.damping, &qd.column(j));
         own.scaled_add(joint.friction, &sign.column(j));
     }
-    let least = (LEAST * frame.report().rate_hz).ceil() as usize;
+    let least = (found.settings.measure.said.friction * frame.report().rate_hz).ceil() as usize;
     joints
         .iter()
         .enumerate()

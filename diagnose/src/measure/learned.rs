@@ -6,6 +6,7 @@
 
 use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
+use crate::settings::SaidSettings;
 use compensator::training::{
     Control, Job, Loss, Samples, Schedule, Split, Training, UnitConfig, train,
 };
@@ -77,6 +78,7 @@ pub fn learned(
     frames: &Frames,
     left: &Array2<f64>,
     robot: &Robot,
+    settings: &SaidSettings,
 ) -> Result<Option<Learned>, DiagnoseError> {
     let parts = vec![
         frames.data.prepared().clone(),
@@ -116,7 +118,7 @@ pub fn learned(
                 columns: seen[joint].clone(),
                 samples: Samples::new(table.view(), target.view(), None, &sequences)?,
                 split: split.clone(),
-                config: config(rows.len()),
+                config: config(rows.len(), settings),
                 seed: joint as u64,
             })
         })
@@ -155,7 +157,7 @@ fn pieces(segments: &[Range<usize>]) -> Vec<Range<usize>> {
         .collect()
 }
 
-fn config(samples: usize) -> UnitConfig {
+fn config(samples: usize, settings: &SaidSettings) -> UnitConfig {
     UnitConfig {
         training: Training {
             epochs: EPOCHS,
@@ -172,8 +174,7 @@ fn config(samples: usize) -> UnitConfig {
             patience: EPOCHS,
             ..Training::default()
         },
-        // Few pieces judge: what helps a little there may not help elsewhere.
-        least_gain: 0.05,
+        least_gain: settings.learned,
         ..UnitConfig::default()
     }
 }

@@ -1,20 +1,15 @@
 //! Where the gap lies: shares of the squared held-out error by joint and region.
 
 use crate::schema::Place;
+use crate::settings::Settings;
 use crate::traces::order::Orders;
 use datasets::metrics::deviations;
 use ndarray::{Array1, Array2};
 use signal::Motion;
 use signal::spectrum::welch;
 
-/// Most regions reported.
-const MOST: usize = 16;
 /// Bins of a coordinate.
 const BINS: usize = 8;
-/// Least share of the gap that is reported.
-const LEAST: f64 = 0.01;
-/// Stretches that the bootstrap draws, s.
-const BLOCK: f64 = 1.5;
 /// Window of the spectrum, s.
 const WINDOW: f64 = 4.0;
 /// Upper ends of the bands, Hz; the last reaches half the sampling rate.
@@ -38,7 +33,9 @@ pub fn locate(
     motion: &Motion,
     names: &[String],
     rate_hz: f64,
+    settings: &Settings,
 ) -> Vec<Place> {
+    let (least, most) = (settings.measure.said.region, settings.measure.said.regions);
     let deviation = deviations(tau.view(), motion.qd.view());
     let weight: Vec<f64> = deviation
         .iter()
@@ -75,10 +72,10 @@ pub fn locate(
         bands.extend(frequency(gap, motion, j, rate_hz, share.sum(), names));
         bands.extend(order(gap, motion, j, rate_hz, share.sum(), names));
     }
-    regions.retain(|r| r.place.share_of_gap > LEAST && r.place.share_of_time > 0.0);
+    regions.retain(|r| r.place.share_of_gap > least && r.place.share_of_time > 0.0);
     regions.sort_by(|a, b| b.place.share_of_gap.total_cmp(&a.place.share_of_gap));
-    regions.truncate(MOST);
-    let block = ((BLOCK * rate_hz) as usize).max(1);
+    regions.truncate(most);
+    let block = ((settings.ladder.stretch * rate_hz) as usize).max(1);
     let mut places: Vec<Place> = regions
         .into_iter()
         .map(|r| Place {
@@ -86,9 +83,9 @@ pub fn locate(
             ..r.place
         })
         .collect();
-    places.extend(bands.into_iter().filter(|p| p.share_of_gap > LEAST));
+    places.extend(bands.into_iter().filter(|p| p.share_of_gap > least));
     places.sort_by(|a, b| b.share_of_gap.total_cmp(&a.share_of_gap));
-    places.truncate(MOST);
+    places.truncate(most);
     places
 }
 
@@ -301,7 +298,9 @@ mod tests {
         let wave = |t: f64| (std::f64::consts::TAU * 3.0 * t).sin();
         let gap = table(&|t| if speed(t) > 0.5 { wave(t) } else { 0.0 });
         let tau = table(&|t| 5.0 * (1.7 * t).sin());
-        let places = locate(&gap, &tau, &tau, &motion, &["j".to_owned()], 100.0);
+        let names = ["j".to_owned()];
+        let settings = Settings::default();
+        let places = locate(&gap, &tau, &tau, &motion, &names, 100.0, &settings);
         let of = |c: &str| places.iter().find(|p| p.coordinate == c).unwrap();
         let velocity = of("velocity");
         assert!(

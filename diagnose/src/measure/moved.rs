@@ -6,14 +6,10 @@ use crate::search::find::Findings;
 use crate::simulator::NominalModel;
 use physics::robot::{PARAMETER_NAMES, PARAMETERS_PER_LINK};
 
-/// Deviations from which a parameter has moved.
-const CLEAR: f64 = 3.0;
-/// Most parameters listed.
-const MOST: usize = 24;
-
 /// Parameters that moved clearly, most deviations first. A payload is no move of the last link.
 pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
     let n = model.robot.dof();
+    let said = &found.settings.measure.said;
     let other = |i: usize| {
         let mut causes = 0..found.accepted.len();
         causes.any(|c| {
@@ -31,7 +27,7 @@ pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
     let changes = found.changes(|i| !other(i));
     for (column, (&before, (change, std))) in given.iter().zip(changes).enumerate() {
         let deviations = change.abs() / std.max(1e-300);
-        if !(deviations.is_finite() && deviations > CLEAR) {
+        if !(deviations.is_finite() && deviations > said.moved) {
             continue;
         }
         let turns = |j: usize| joints[j].kind.is_rotation();
@@ -59,6 +55,6 @@ pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
         });
     }
     out.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
-    out.truncate(MOST);
+    out.truncate(said.most_moved);
     out
 }

@@ -6,13 +6,9 @@ use crate::input::frames::Frames;
 use crate::schema::Parameter;
 use crate::search::find::Findings;
 use crate::search::select::Tried;
-use crate::search::simplest::AS_GOOD;
 use crate::simulator::NominalModel;
 use crate::traces::contact::Contact;
 use physics::robot::PARAMETERS_PER_LINK;
-
-/// Gain below which two names are one answer: in nats, and relative to the better one.
-const AMBIGUOUS: (f64, f64) = (6.0, 0.08);
 
 /// Coefficients as the report's quantities, shape parameters after them.
 pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Parameter> {
@@ -99,7 +95,7 @@ fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
     }
 }
 
-/// Changed parameters of the named joints that moved by more than twice their deviation.
+/// Changed parameters of the named joints that moved clearly.
 pub fn moved(
     model: &NominalModel,
     found: &Findings,
@@ -142,9 +138,10 @@ pub fn moved(
     } else {
         let given = model.robot.parameters();
         let labels = model.robot.parameter_names();
+        let said = &found.settings.measure.said;
         for (c, (p, label)) in given.iter().zip(labels).enumerate() {
             let (change, std) = total(c);
-            if change.abs() > 2.0 * std && change.abs() > 0.05 * p.abs() {
+            if change.abs() > said.changed * std && change.abs() > said.changed_part * p.abs() {
                 let unit = ["kg", "kg·m", "kg·m²"]
                     [[0, 1, 1, 1, 2, 2, 2, 2, 2, 2][c % PARAMETERS_PER_LINK]];
                 out.push(parameter(
@@ -229,19 +226,20 @@ pub fn ambiguous(found: &Findings, tried: &[Tried], own: usize) -> Vec<Effect> {
         .iter()
         .find(|t| t.candidate == own)
         .map_or(0.0, |t| t.gain);
-    let near = gain - AMBIGUOUS.0.max(AMBIGUOUS.1 * gain);
+    let said = &found.settings.measure.said;
+    let near = gain - said.ambiguous.max(said.ambiguous_part * gain);
     let mut out: Vec<Effect> = Vec::new();
     // A free refit that leaves less is a rival, however many parameters it takes.
     let accepted = found.accepted.iter().find(|a| a.candidate == own);
     if accepted
         .and_then(|a| a.over_refit)
-        .is_some_and(|r| r > AS_GOOD)
+        .is_some_and(|r| r > found.settings.search.as_good)
     {
         out.push(Effect::LinkParameters);
     }
     for t in tried
         .iter()
-        .filter(|t| t.gain > near && t.gain > 0.5 * gain)
+        .filter(|t| t.gain > near && t.gain > said.rival * gain)
     {
         let e = found.candidates[t.candidate].effect;
         if e != effect && !out.contains(&e) {

@@ -7,22 +7,8 @@
 use crate::motion::frame::Frame;
 use crate::motion::standing::{Judged, State};
 use crate::schema::{Unexplained, Verdict};
+use crate::settings::VerdictSettings;
 use crate::traces::unknown::Left;
-
-/// Structure left on some joint, relative to its torque, from which it counts as clear.
-pub(crate) const CLEAR: f64 = 0.03;
-/// Part of the whole gap that it must be.
-const CLEAR_SHARE: f64 = 0.06;
-/// Structured error that is clear whatever its share.
-const PLAIN: f64 = 0.09;
-/// Error over the floor up to which a joint is at the floor.
-const AT_FLOOR: f64 = 1.5;
-/// Fewest samples that are judged.
-const FEWEST: usize = 50;
-/// Least motion of some joint that says anything, s.
-const LEAST_MOTION: f64 = 2.0;
-/// Part of the held-out recording that pushes may cut before it explains in part at best.
-const MOST_CUT: f64 = 0.2;
 
 /// What the verdict is made of.
 pub(crate) struct Evidence<'a> {
@@ -45,20 +31,24 @@ pub(crate) struct Evidence<'a> {
 }
 
 /// Joints whose torque channel says nothing: nearly every sample has one value.
-pub(crate) fn dead(frame: &Frame) -> Vec<bool> {
-    const SAME: f64 = 0.99;
+pub(crate) fn dead(frame: &Frame, settings: &VerdictSettings) -> Vec<bool> {
     let one = |column: ndarray::ArrayView1<f64>| {
         let mut values: Vec<f64> = column.to_vec();
         values.sort_by(f64::total_cmp);
         let runs = values.chunk_by(|a, b| a == b).map(<[f64]>::len);
-        runs.max().unwrap_or(0) as f64 >= SAME * values.len() as f64
+        runs.max().unwrap_or(0) as f64 >= settings.same * values.len() as f64
     };
     frame.tau.columns().into_iter().map(one).collect()
 }
 
 /// Whether some joint with a torque channel moves long enough to be judged.
-pub(crate) fn moves(frame: &Frame, states: &ndarray::Array2<State>, dead: &[bool]) -> bool {
-    let least = LEAST_MOTION * frame.report().rate_hz;
+pub(crate) fn moves(
+    frame: &Frame,
+    states: &ndarray::Array2<State>,
+    dead: &[bool],
+    settings: &VerdictSettings,
+) -> bool {
+    let least = settings.least_motion * frame.report().rate_hz;
     let seconds = |j: usize| {
         states
             .column(j)
@@ -77,6 +67,7 @@ pub(crate) fn remainder(
     left: &[Option<Left>],
     names: &[String],
     dead: &[bool],
+    settings: &VerdictSettings,
 ) -> Vec<Unexplained> {
     let rms = |j: usize, state: State| {
         let rows = judged.state.column(j);
@@ -86,7 +77,8 @@ pub(crate) fn remainder(
             .map(|i| gap[i] * gap[i])
             .collect();
         let n = squares.len();
-        (n >= FEWEST && !dead[j]).then(|| (squares.iter().sum::<f64>() / n as f64).sqrt())
+        (n >= settings.fewest_samples && !dead[j])
+            .then(|| (squares.iter().sum::<f64>() / n as f64).sqrt())
     };
     (0..names.len())
         .map(|j| {
@@ -115,7 +107,7 @@ fn over(rest: &Unexplained) -> Option<f64> {
 }
 
 /// The verdict, and why where nothing can be told.
-pub(crate) fn verdict(e: &Evidence) -> (Verdict, Option<String>) {
+pub(crate) fn verdict(e: &Evidence, settings: &VerdictSettings) -> (Verdict, Option<String>) {
     let tell = |why: &str| (Verdict::CannotTell, Some(why.to_owned()));
     if e.dead.iter().all(|d| *d) {
         return tell("no joint has a usable torque channel");
@@ -127,7 +119,7 @@ pub(crate) fn verdict(e: &Evidence) -> (Verdict, Option<String>) {
     }
     let clear = e.left.iter().zip(e.dead).any(|(left, dead)| {
         let s = left.filter(|_| !dead).map_or(0.0, |l| l.structured());
-        s > PLAIN || s > CLEAR && s * s > CLEAR_SHARE * e.given
+        s > settings.plain || s > settings.clear && s * s > settings.clear_share * e.given
     });
     if clear {
         return (Verdict::UnknownEffect, None);
@@ -137,10 +129,10 @@ pub(crate) fn verdict(e: &Evidence) -> (Verdict, Option<String>) {
         .iter()
         .filter_map(|r| Some((r, over(r)?)))
         .max_by(|a, b| a.1.total_cmp(&b.1));
-    let floor = worst.is_some_and(|w| w.1 <= AT_FLOOR);
+    let floor = worst.is_some_and(|w| w.1 <= settings.at_floor);
     match (e.causes, floor) {
         (false, true) => (Verdict::NoGap, None),
-        (true, true) if e.cut <= MOST_CUT => (Verdict::Explained, None),
+        (true, true) if e.cut <= settings.most_cut => (Verdict::Explained, None),
         (true, _) => (Verdict::PartlyExplained, None),
         (false, false) => {
             let rest = worst.map_or("nothing could be judged".to_owned(), |(r, _)| {
@@ -164,6 +156,16 @@ mod tests {
     use super::*;
 
     fn of(moving: f64, standing: Option<f64>, causes: bool, cut: f64) -> (Verdict, Option<String>) {
+        with(moving, standing, causes, cut, &VerdictSettings::default())
+    }
+
+    fn with(
+        moving: f64,
+        standing: Option<f64>,
+        causes: bool,
+        cut: f64,
+        settings: &VerdictSettings,
+    ) -> (Verdict, Option<String>) {
         let rest = Unexplained {
             joint: "j".to_owned(),
             nrmse: Some(0.02),
@@ -178,7 +180,7 @@ mod tests {
             learnable: 0.0,
             rows: 1000,
         };
-        verdict(&Evidence {
+        let evidence = Evidence {
             dead: &[false],
             moves: true,
             given: 0.01,
@@ -187,7 +189,8 @@ mod tests {
             causes,
             pushed: false,
             cut,
-        })
+        };
+        verdict(&evidence, settings)
     }
 
     #[test]
@@ -197,6 +200,23 @@ mod tests {
         assert_eq!(name(of(1.4, Some(0.9), true, 0.1)), Verdict::Explained);
         assert_eq!(name(of(1.4, None, true, 0.3)), Verdict::PartlyExplained);
         assert_eq!(name(of(1.6, None, true, 0.0)), Verdict::PartlyExplained);
+        // Each of both numbers decides.
+        let strict = VerdictSettings {
+            at_floor: 1.3,
+            ..VerdictSettings::default()
+        };
+        assert_eq!(
+            name(with(1.4, None, true, 0.0, &strict)),
+            Verdict::PartlyExplained
+        );
+        let clear = VerdictSettings {
+            plain: 0.01,
+            ..VerdictSettings::default()
+        };
+        assert_eq!(
+            name(with(1.4, None, true, 0.0, &clear)),
+            Verdict::UnknownEffect
+        );
         // The score looks at rests as well.
         let (rest, why) = of(1.2, Some(9.0), false, 0.0);
         assert_eq!(rest, Verdict::CannotTell);

@@ -7,6 +7,7 @@
 
 use crate::motion::frame::Frame;
 use crate::motion::standing::State;
+use crate::settings::MotionSettings;
 use datasets::prepare::Source;
 use datasets::{Recording, repeats};
 use ndarray::Array2;
@@ -24,8 +25,6 @@ const PERIODS: f64 = 8.0;
 const EDGE: f64 = 1.6;
 /// Edge of the band where no low-pass sets one, and the highest edge that leaves room above it, relative to the rate.
 const HIGHEST: f64 = 0.4;
-/// Fewest stretches that say what is usual.
-const FEWEST: usize = 8;
 
 /// Least root mean squared error of any model of `robot`, N·m, by joint; none where the recording does not say.
 pub fn floor(
@@ -33,6 +32,7 @@ pub fn floor(
     recording: &Recording,
     frame: &Frame,
     states: &Array2<State>,
+    settings: &MotionSettings,
 ) -> Vec<Option<f64>> {
     let spread = repeats::repeatability(recording, &frame.samples().qd, frame.repeats());
     let repeated = |j: usize| {
@@ -42,7 +42,7 @@ pub fn floor(
     let motion = motion_noise(robot, frame);
     (0..frame.dof())
         .map(|j| {
-            let alone = || Some(noise(frame, states, j)?.hypot(motion[j]));
+            let alone = || Some(noise(frame, states, j, settings)?.hypot(motion[j]));
             repeated(j).or_else(alone)
         })
         .collect()
@@ -76,7 +76,12 @@ fn motion_noise(robot: &Robot, frame: &Frame) -> Vec<f64> {
 }
 
 /// Noise of a joint's torque, N·m: its usual level over stretches without a reversal.
-fn noise(frame: &Frame, states: &Array2<State>, joint: usize) -> Option<f64> {
+fn noise(
+    frame: &Frame,
+    states: &Array2<State>,
+    joint: usize,
+    settings: &MotionSettings,
+) -> Option<f64> {
     let rate = frame.report().rate_hz;
     let highest = HIGHEST * rate;
     let edge = frame.report().cutoff_hz.unwrap_or(highest).min(highest);
@@ -101,7 +106,7 @@ fn noise(frame: &Frame, states: &Array2<State>, joint: usize) -> Option<f64> {
         let first = states[[r.start, joint]];
         first != State::Passing && r.clone().all(|i| states[[i, joint]] == first)
     });
-    let used = if quiet.len() >= FEWEST {
+    let used = if quiet.len() >= settings.noise_stretches {
         quiet
     } else {
         quiet.into_iter().chain(turning).collect()
@@ -114,6 +119,12 @@ fn noise(frame: &Frame, states: &Array2<State>, joint: usize) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::motion::standing::states;
+
+    fn found(recording: &Recording, frame: &Frame) -> f64 {
+        let settings = MotionSettings::default();
+        let states = states(frame, &settings);
+        floor(&pendulum(), recording, frame, &states, &settings)[0].unwrap()
+    }
 
     /// A joint with 2 kg·m² about its axis.
     fn pendulum() -> Robot {
@@ -142,7 +153,7 @@ mod tests {
         let squares = qdd.iter().zip(&samples.time);
         let squares = squares.map(|(a, t)| (a + 4.0 * (2.0 * t).sin()).powi(2));
         let measured = 2.0 * (squares.sum::<f64>() / samples.len() as f64).sqrt();
-        let found = floor(&pendulum(), &recording, &frame, &states(&frame))[0].unwrap();
+        let found = found(&recording, &frame);
         assert!(
             (found / measured - 1.0).abs() < 0.3,
             "{found}, measured {measured}"
@@ -167,7 +178,7 @@ mod tests {
         let recording = Recording::new("r", time, q, Some(tau.clone()));
         let frame =
             Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(20.0)).unwrap();
-        let found = floor(&pendulum(), &recording, &frame, &states(&frame))[0].unwrap();
+        let found = found(&recording, &frame);
         assert!((found - 0.2).abs() < 0.03, "{found}");
     }
 }

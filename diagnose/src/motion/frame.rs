@@ -2,6 +2,7 @@
 //! stamps, and the thinned rows that are fitted.
 
 use crate::motion::scene::Scale;
+use crate::settings::MotionSettings;
 use datasets::prepare::{PrepareError, PrepareReport};
 use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
 use ndarray::{Array1, Array2, ArrayView1};
@@ -15,17 +16,6 @@ use std::ops::Range;
 const ANALYSIS_RATE: f64 = 62.5;
 /// Cut-off of the low-pass before thinning, relative to the rate of the rows.
 const ANALYSIS_CUTOFF: f64 = 0.4;
-/// A reversal: the joint is slower than this, rad/s (m/s).
-pub const REVERSAL_SPEED: f64 = 0.01;
-/// Time on either side of a reversal that the low-pass smears it over, s.
-const REVERSAL_TIME: f64 = 0.03;
-/// Speed below which rows weigh less, rad/s (m/s): where the sign of a filtered velocity is a guess. Narrow, because
-/// friction with memory shows next to it.
-const CROSSING_SPEED: f64 = 0.004;
-/// Weight of such rows.
-const CROSSING_WEIGHT: f64 = 0.15;
-/// Weight of rows at standstill in a slow recording.
-const STANDSTILL_WEIGHT: f64 = 0.1;
 
 /// A prepared recording with torque.
 pub struct Frame {
@@ -203,10 +193,10 @@ impl Frame {
     }
 
     /// Whether a row of a joint lies at a reversal; shape (rows, joints).
-    pub fn reversals(&self) -> Array2<bool> {
+    pub fn reversals(&self, settings: &MotionSettings) -> Array2<bool> {
         self.slow(
-            REVERSAL_SPEED,
-            (REVERSAL_TIME * self.row_rate()).ceil() as usize,
+            settings.reversal_speed,
+            (settings.reversal_time * self.row_rate()).ceil() as usize,
         )
     }
 
@@ -233,12 +223,12 @@ impl Frame {
     }
 
     /// Weights of the rows, shape (rows, joints).
-    pub fn weights(&self) -> Array2<f64> {
+    pub fn weights(&self, settings: &MotionSettings) -> Array2<f64> {
         // A slow recording shows every reversal whole, but what a standing joint holds depends on how it came there: that
         // error must not hide what is wrong in motion.
         let (speed, weight) = match &self.lowpass {
-            None => (REVERSAL_SPEED, STANDSTILL_WEIGHT),
-            Some(_) => (CROSSING_SPEED, CROSSING_WEIGHT),
+            None => (settings.reversal_speed, settings.standstill_weight),
+            Some(_) => (settings.crossing_speed, settings.crossing_weight),
         };
         self.slow(speed, 0).mapv(|r| if r { weight } else { 1.0 })
     }

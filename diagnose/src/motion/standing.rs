@@ -4,29 +4,11 @@
 //! friction, not a gap. What changes within the rest, or exceeds it, is one. A reversal in passing is exempt: there not
 //! even the true plant's model reaches the noise.
 
-use crate::motion::frame::{Frame, REVERSAL_SPEED};
+use crate::motion::frame::Frame;
+use crate::settings::MotionSettings;
 use ndarray::Array2;
 use signal::quantile::median;
 use std::ops::Range;
-
-/// Shortest rest, s.
-const SHORTEST: f64 = 0.5;
-/// A joint stays where it is when it travels less than at this speed, rad/s (m/s), over this time, s.
-const STAYS: (f64, f64) = (0.002, 0.25);
-/// Part of a rest in which the joint stays: one that creeps through a slow reversal does not stand.
-const STAYING: f64 = 0.5;
-/// A push may move a joint at rest: for so long, s, and so far, rad (m), the rest goes on.
-const BUDGES: (f64, f64) = (0.3, 0.01);
-/// Part of a rest, at either end, where the joint still comes to rest or leaves it, s.
-const EDGE: f64 = 0.1;
-/// Part of the Coulomb torque within which friction at rest is constant, and times the usual step between samples.
-const CONSTANT: (f64, f64) = (0.15, 3.0);
-/// Part of a rest that is constant; less is a slow reversal while friction could hold all of it.
-const PLATEAU: f64 = 0.5;
-/// Torque over the Coulomb torque that friction holds before a joint breaks away.
-const BREAKAWAY: f64 = 1.2;
-/// Part of a rest within the Coulomb torque from which that part says what friction holds.
-const HELD: f64 = 0.2;
 
 /// How a joint moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,20 +40,21 @@ pub struct Judged {
 }
 
 /// How each joint moves at the recorded samples.
-pub fn states(frame: &Frame) -> Array2<State> {
+pub fn states(frame: &Frame, settings: &MotionSettings) -> Array2<State> {
     let motion = frame.samples();
     let mut state = Array2::from_elem(motion.qd.dim(), State::Moving);
     for j in 0..frame.dof() {
-        for rest in rests(frame, j) {
+        for rest in rests(frame, j, settings) {
             let span = motion.time[rest.end - 1] - motion.time[rest.start];
-            let stands = span > SHORTEST && stays(frame, j, &rest) >= STAYING;
+            let stands =
+                span > settings.rest && stays(frame, j, &rest, settings) >= settings.staying;
             for i in rest.clone() {
                 let (before, after) = (
                     motion.time[i] - motion.time[rest.start],
                     motion.time[rest.end - 1] - motion.time[i],
                 );
-                let inside = stands && before.min(after) >= EDGE;
-                let slow = motion.qd[[i, j]].abs() < REVERSAL_SPEED;
+                let inside = stands && before.min(after) >= settings.rest_edge;
+                let slow = motion.qd[[i, j]].abs() < settings.reversal_speed;
                 state[[i, j]] = match (inside, slow) {
                     (true, _) => State::Standing,
                     (false, true) => State::Passing,
@@ -84,8 +67,8 @@ pub fn states(frame: &Frame) -> Array2<State> {
 }
 
 /// Part of the samples around which a joint stays where it is.
-fn stays(frame: &Frame, joint: usize, rest: &Range<usize>) -> f64 {
-    let (speed, time) = STAYS;
+fn stays(frame: &Frame, joint: usize, rest: &Range<usize>, settings: &MotionSettings) -> f64 {
+    let (speed, time) = (settings.stays_speed, settings.stays_time);
     let q = frame.samples().q.column(joint);
     let half = ((0.5 * time * frame.report().rate_hz).round() as usize).max(1);
     let travel = |i: usize| {
@@ -100,13 +83,13 @@ fn stays(frame: &Frame, joint: usize, rest: &Range<usize>) -> f64 {
 }
 
 /// Samples in a row in which a joint is slower than a reversal, or budges only.
-fn rests(frame: &Frame, joint: usize) -> Vec<Range<usize>> {
+fn rests(frame: &Frame, joint: usize, settings: &MotionSettings) -> Vec<Range<usize>> {
     let motion = frame.samples();
     let mut out: Vec<Range<usize>> = Vec::new();
     for segment in &motion.segments {
         let mut open: Option<usize> = None;
         for i in segment.clone() {
-            let slow = motion.qd[[i, joint]].abs() < REVERSAL_SPEED;
+            let slow = motion.qd[[i, joint]].abs() < settings.reversal_speed;
             match (slow, open) {
                 (true, None) => open = Some(i),
                 (false, Some(start)) => {
@@ -119,9 +102,9 @@ fn rests(frame: &Frame, joint: usize) -> Vec<Range<usize>> {
         out.extend(open.map(|start| start..segment.end));
         out.dedup_by(|next, last| {
             let goes_on = last.start >= segment.start
-                && motion.time[next.start] - motion.time[last.end - 1] < BUDGES.0
+                && motion.time[next.start] - motion.time[last.end - 1] < settings.budges_time
                 && (motion.q[[next.start, joint]] - motion.q[[last.end - 1, joint]]).abs()
-                    < BUDGES.1;
+                    < settings.budges_way;
             if goes_on {
                 last.end = next.end;
             }
@@ -132,8 +115,13 @@ fn rests(frame: &Frame, joint: usize) -> Vec<Range<usize>> {
 }
 
 /// Judges a residual at the recorded samples, shape (samples, joints), whose prediction holds `coulomb`.
-pub fn judge(frame: &Frame, residual: &Array2<f64>, coulomb: &Coulomb) -> Judged {
-    let mut state = states(frame);
+pub fn judge(
+    frame: &Frame,
+    residual: &Array2<f64>,
+    coulomb: &Coulomb,
+    settings: &MotionSettings,
+) -> Judged {
+    let mut state = states(frame, settings);
     let (mut gap, mut departure) = (residual.clone(), residual.clone());
     for j in 0..frame.dof() {
         let most = coulomb.torque[j].abs();
@@ -150,15 +138,15 @@ pub fn judge(frame: &Frame, residual: &Array2<f64>, coulomb: &Coulomb) -> Judged
             let held: Vec<f64> = (start..end)
                 .map(|i| residual[[i, j]] + coulomb.torque[j] * coulomb.sign[[i, j]])
                 .collect();
-            let usual = usual(&held, most);
+            let usual = usual(&held, most, settings);
             for (i, x) in (start..end).zip(&held) {
                 // What counts as constant is no change.
                 let change = x - usual;
-                let constant = change.clamp(-CONSTANT.0 * most, CONSTANT.0 * most);
+                let constant = change.clamp(-settings.constant * most, settings.constant * most);
                 gap[[i, j]] = x - usual.clamp(-most, most) - constant;
                 departure[[i, j]] = change;
             }
-            let stands = plateau(&held, usual, most);
+            let stands = plateau(&held, usual, most, settings);
             for i in (start..end).filter(|i| !stands.contains(&(i - start))) {
                 state[[i, j]] = State::Passing;
             }
@@ -173,21 +161,24 @@ pub fn judge(frame: &Frame, residual: &Array2<f64>, coulomb: &Coulomb) -> Judged
 }
 
 /// What a joint holds most of the time of a rest: within `most`, the Coulomb torque, if it is there long enough.
-fn usual(held: &[f64], most: f64) -> f64 {
+fn usual(held: &[f64], most: f64, settings: &MotionSettings) -> f64 {
     let within: Vec<f64> = held.iter().copied().filter(|x| x.abs() <= most).collect();
-    let long = within.len() as f64 >= HELD * held.len() as f64;
+    let long = within.len() as f64 >= settings.held * held.len() as f64;
     median(if long { within } else { held.to_vec() }).unwrap_or(0.0)
 }
 
 /// The part of a rest that is judged. A joint that came to rest gives way, and one that is about to move is loaded, until it
 /// holds what it holds, or breaks away: as long as friction can hold that, it belongs to the motion before or after.
-fn plateau(held: &[f64], usual: f64, most: f64) -> Range<usize> {
+fn plateau(held: &[f64], usual: f64, most: f64, settings: &MotionSettings) -> Range<usize> {
     let steps = held.windows(2).map(|x| (x[1] - x[0]).abs()).collect();
-    let band = CONSTANT.0 * most + CONSTANT.1 * median(steps).unwrap_or(0.0);
+    let band = settings.constant * most + settings.constant_steps * median(steps).unwrap_or(0.0);
     let constant = |x: &f64| (x - usual).abs() <= band;
-    let possible = |x: &[f64]| x.iter().all(|x| x.abs() <= BREAKAWAY * most + band);
+    let possible = |x: &[f64]| {
+        x.iter()
+            .all(|x| x.abs() <= settings.breakaway * most + band)
+    };
     let flat = held.iter().filter(|x| constant(x)).count();
-    if (flat as f64) < PLATEAU * held.len() as f64 && possible(held) {
+    if (flat as f64) < settings.plateau * held.len() as f64 && possible(held) {
         return 0..0;
     }
     let first = held.iter().position(constant).unwrap_or(0);
@@ -228,22 +219,36 @@ mod tests {
             torque: vec![2.0],
             sign: Array2::zeros((800, 1)),
         };
-        let states = states(&frame);
+        let settings = MotionSettings::default();
+        let states = states(&frame, &settings);
         assert_eq!(states[[100, 0]], State::Moving);
         assert_eq!(states[[600, 0]], State::Standing);
         let mut residual = Array2::from_elem((800, 1), 1.5);
-        let held = judge(&frame, &residual, &coulomb).gap;
+        let held = judge(&frame, &residual, &coulomb, &settings).gap;
         assert_eq!((held[[100, 0]], held[[600, 0]]), (1.5, 0.0));
         // A push of 10 N·m in part of the rest, and a rest that friction cannot hold.
         (600..650).for_each(|i| residual[[i, 0]] += 10.0);
-        let pushed = judge(&frame, &residual, &coulomb).gap;
+        let pushed = judge(&frame, &residual, &coulomb, &settings).gap;
         assert!(
             (pushed[[620, 0]] - 9.7).abs() < 1e-9,
             "all but 15 % of 2 N·m"
         );
         assert_eq!(pushed[[700, 0]], 0.0);
         let heavy = Array2::from_elem((800, 1), 5.0);
-        assert_eq!(judge(&frame, &heavy, &coulomb).gap[[700, 0]], 3.0);
+        assert_eq!(
+            judge(&frame, &heavy, &coulomb, &settings).gap[[700, 0]],
+            3.0
+        );
+    }
+
+    #[test]
+    fn how_long_a_rest_is_judged_is_a_setting() {
+        let frame = frame();
+        let longer = MotionSettings {
+            rest: 5.0,
+            ..MotionSettings::default()
+        };
+        assert_eq!(states(&frame, &longer)[[600, 0]], State::Passing);
     }
 
     /// A joint that is loaded until it breaks away, and one that turns round slowly, do not stand; one that is pushed does.
@@ -260,11 +265,12 @@ mod tests {
                 })
                 .collect()
         };
-        let late = plateau(&ramp(70), 0.0, 2.0);
+        let plateau = |held: &[f64], usual| plateau(held, usual, 2.0, &MotionSettings::default());
+        let late = plateau(&ramp(70), 0.0);
         assert!(late.start == 0 && (70..80).contains(&late.end), "{late:?}");
-        assert_eq!(plateau(&ramp(0), 1.0, 2.0), 0..0);
+        assert_eq!(plateau(&ramp(0), 1.0), 0..0);
         let mut pushed = vec![0.0; 100];
         (80..100).for_each(|i| pushed[i] = 9.0);
-        assert_eq!(plateau(&pushed, 0.0, 2.0), 0..100);
+        assert_eq!(plateau(&pushed, 0.0), 0..100);
     }
 }

@@ -6,7 +6,6 @@ mod withheld;
 
 use crate::catalogue::effect::Effect;
 use crate::diagnosis::{Options, diagnose};
-use crate::settings::Settings;
 use crate::simulator::NominalModel;
 use physics::robot::Robot;
 use rayon::prelude::*;
@@ -121,10 +120,7 @@ pub fn leave_one_out(
         };
         let case = generate(&spec, seed)?;
         let options = Options {
-            settings: Settings {
-                withheld: Some(effect),
-                ..Settings::default()
-            },
+            withheld: Some(effect),
             ..Options::default()
         };
         let found = report_of(&case, &options)?;

@@ -3,6 +3,7 @@
 use crate::algebra::fit::Variable;
 use crate::algebra::folds::folds;
 use crate::algebra::gram::Grams;
+use crate::catalogue::effect::Effect;
 use crate::catalogue::{
     self, Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
 };
@@ -14,7 +15,7 @@ use crate::search::dictionary::Dictionary;
 use crate::search::objective::Objective;
 use crate::search::select::Tried;
 use crate::search::simplest::{Answer, Simplest};
-use crate::settings::{FREEDOMS, Settings};
+use crate::settings::Settings;
 use crate::simulator::NominalModel;
 use crate::traces::impacts;
 use crate::traces::order::Orders;
@@ -23,8 +24,6 @@ use ndarray::{Array1, Array2, ArrayView1, Axis};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 
-/// Most causes that are named.
-const MOST_CAUSES: usize = 24;
 /// An accepted cause among the candidates.
 #[derive(Clone, Debug)]
 pub struct Accepted {
@@ -61,7 +60,7 @@ pub struct Findings {
     pub rest: Vec<Tried>,
     /// How far parameters may leave the given values when they are identified again, in tolerances.
     pub freedom: f64,
-    /// Settings of the search.
+    /// How gaps are weighed.
     pub settings: Settings,
 }
 
@@ -126,7 +125,7 @@ impl Columns {
     }
 }
 
-/// Finds the causes.
+/// Finds the causes; `withheld` is left out of the catalogue.
 ///
 /// # Errors
 /// None beyond those of the model's own numbers.
@@ -135,6 +134,7 @@ pub fn find(
     frames: &Frames,
     weight: &Array2<f64>,
     settings: Settings,
+    withheld: Option<Effect>,
 ) -> Result<Findings, DiagnoseError> {
     let (data, scale) = (&frames.data, &frames.scale);
     let gap = gap(model, data, scale);
@@ -160,19 +160,18 @@ pub fn find(
         candidates.extend(flat.map(|(limit, _)| saturation::flat_top(j, limit)));
     }
     let load = data.table_to_samples(&scene.rigid);
-    if let Some(blows) = impacts::clearest(data, &residual, &load) {
+    if let Some(blows) = impacts::clearest(data, &residual, &load, &settings.traces.blows) {
         candidates.extend(backlash::struck(&scene, blows.joint));
     }
-    candidates.retain(|c| Some(c.effect) != settings.withheld);
+    candidates.retain(|c| Some(c.effect) != withheld);
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let grams = dictionary.grams(&scene, data, &y, weight, &folds);
-    let objective = Objective::new(&grams, scale, &settings);
+    let objective = Objective::new(&grams, scale, &settings.search);
     let simplest = Simplest {
         objective: &objective,
         candidates: &candidates,
         members: &dictionary.members,
         model,
-        most: MOST_CAUSES,
     };
     let Answer {
         selection,
@@ -213,7 +212,7 @@ pub fn find(
         tight,
         std,
         rest,
-        freedom: FREEDOMS[0],
+        freedom: settings.search.freedoms[0],
         settings,
     })
 }
@@ -232,7 +231,7 @@ fn first_fit(
     let data = &frames.data;
     let dictionary = Dictionary::new(data.dof(), &[]);
     let grams = dictionary.grams(given, data, y, weight, &folds(&data.rows));
-    let objective = Objective::new(&grams, &frames.scale, settings);
+    let objective = Objective::new(&grams, &frames.scale, &settings.search);
     let base = objective.base(model, 1.0);
     let fit = objective.fit(base.clone());
     let columns = Columns::new(&dictionary, given, data, &base);

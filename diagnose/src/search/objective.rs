@@ -8,27 +8,22 @@
 use crate::algebra::fit::{Fit, Trial, Variable};
 use crate::algebra::gram::Grams;
 use crate::motion::scene::Scale;
-use crate::settings::Settings;
+use crate::settings::SearchSettings;
 use crate::simulator::{NominalModel, link_sizes};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
-
-/// Torque that friction which the model lacks may make, relative to the joint's, one deviation.
-const MISSING: f64 = 3.0;
-/// The same of a change of friction that nobody would report, however small the coefficient is.
-const UNREPORTED: f64 = 0.003;
 
 /// The criterion for one set of products.
 pub struct Objective<'a> {
     /// Products of the dictionary.
     pub grams: &'a Grams,
     /// Settings.
-    pub settings: &'a Settings,
+    pub settings: &'a SearchSettings,
     torque: Vec<f64>,
 }
 
 impl<'a> Objective<'a> {
     /// For products of recordings of the given size.
-    pub fn new(grams: &'a Grams, scale: &Scale, settings: &'a Settings) -> Self {
+    pub fn new(grams: &'a Grams, scale: &Scale, settings: &'a SearchSettings) -> Self {
         Self {
             grams,
             settings,
@@ -109,22 +104,22 @@ impl<'a> Objective<'a> {
         fit
     }
 
-    /// A candidate's coefficient: its torque may reach three times the joint's, one deviation.
+    /// A candidate's coefficient: its torque may reach a multiple of the joint's, one deviation.
     pub fn wide(&self, column: usize) -> Variable {
         let size = self.grams.column_rms(column, &self.torque);
         Variable {
             column,
-            precision: (size / 3.0).powi(2).max(1e-12),
+            precision: (size / self.settings.wide).powi(2).max(1e-12),
         }
     }
 
-    /// Freedom of a link's parameters when they are suspected: half their size.
+    /// Freedom of a link's parameters when they are suspected.
     pub fn freed_link(&self, robot: &Robot, link: usize) -> Vec<Variable> {
         let first = PARAMETERS_PER_LINK * link;
         let sizes = link_sizes(&robot.joints()[link]);
         let variable = |(p, size): (usize, f64)| Variable {
             column: first + p,
-            precision: (0.5 * size).powi(-2),
+            precision: (self.settings.freed * size).powi(-2),
         };
         sizes.into_iter().enumerate().map(variable).collect()
     }
@@ -147,9 +142,9 @@ impl<'a> Objective<'a> {
                 .column_rms(deviations.len(), &self.torque)
                 .max(1e-9);
             deviations.push(if given == 0.0 && !model.is_identified() {
-                MISSING / size
+                s.missing / size
             } else {
-                freedom * (s.friction_tolerance * given).max(UNREPORTED / size)
+                freedom * (s.friction_tolerance * given).max(s.unreported / size)
             });
         }
         deviations

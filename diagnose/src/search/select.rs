@@ -4,24 +4,16 @@ use crate::algebra::fit::{Fit, Trial, Variable};
 use crate::catalogue::effect::Effect;
 use crate::catalogue::{Bound, Candidate};
 use crate::search::objective::Objective;
+use crate::settings::SearchSettings;
 use physics::robot::Robot;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
-
-/// Largest change of a suspected link's parameter, in squares of its prior deviation (half its size): beyond that the
-/// link is not the cause, it stands in for something else.
-const MOST_CHANGE: f64 = 9.0;
-
-/// Deviation of the density of a suspected link, relative.
-const DENSITY: f64 = 0.5;
 
 /// Candidates that are tried on folds left out where one is exchanged for a better one.
 const CONTENDERS: usize = 40;
 
 /// Mass and first moments, the first parameters of a body.
 const MOMENTS: usize = 4;
-/// Those of a body on the last link that a recording shows.
-const SHOWN: usize = 2;
 
 /// A candidate tried on top of a fit.
 #[derive(Clone, Debug)]
@@ -72,7 +64,7 @@ impl<'a> Search<'a> {
         match c.effect {
             Effect::LinkParameters if c.change.is_some() && c.shape.is_empty() => vec![Variable {
                 column: self.members[candidate][0],
-                precision: DENSITY.powi(-2),
+                precision: self.objective.settings.density.powi(-2),
             }],
             Effect::LinkParameters if c.change.is_none() => {
                 let mut freed = self.objective.freed_link(self.robot, c.joints[0]);
@@ -101,9 +93,10 @@ impl<'a> Search<'a> {
     fn price(&self, candidate: usize) -> usize {
         let c = &self.candidates[candidate];
         let all = self.members[candidate].len();
+        let shown = self.objective.settings.last_link_price;
         match c.effect {
-            Effect::Payload => SHOWN,
-            Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => SHOWN.min(all),
+            Effect::Payload => shown,
+            Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => shown.min(all),
             _ => all,
         }
     }
@@ -140,6 +133,7 @@ impl<'a> Search<'a> {
         trial: impl Fn(&Fit, &[Variable]) -> Trial + Sync,
     ) -> Vec<Tried> {
         let before = self.objective.of_fit(fit, 0);
+        let most_change = self.objective.settings.most_change;
         // Each effect is as likely as any other, and so is each of its places.
         let places = self.places();
         let mut all: Vec<Tried> = some
@@ -162,7 +156,7 @@ impl<'a> Search<'a> {
                             .gamma
                             .iter()
                             .zip(&variables)
-                            .all(|(g, v)| g * g * v.precision < MOST_CHANGE));
+                            .all(|(g, v)| g * g * v.precision < most_change));
                 let gain = before - self.objective.of_trial(&trial, self.price(c))
                     + self.candidates[c].evidence
                     - places[&self.candidates[c].effect].ln();
@@ -202,7 +196,8 @@ impl<'a> Search<'a> {
 
     /// Adds the best candidate until none is worth it, exchanging earlier choices for better ones on the way, then
     /// drops what the rest has made superfluous.
-    pub fn run(&self, most: usize) -> Selection<'a> {
+    pub fn run(&self) -> Selection<'a> {
+        let most = self.objective.settings.most_causes;
         let mut accepted: Vec<usize> = Vec::new();
         let mut gains: Vec<f64> = Vec::new();
         let mut fit = self.fit(&accepted);
@@ -265,17 +260,19 @@ impl<'a> Search<'a> {
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
         let memory = c.effect == Effect::PreslidingHysteresis;
         let part = fraction(&before, &after, &c.joints);
-        let sure = c.effect.info().dynamic && gain > 20.0 * s.enough;
-        if part < least_fraction(c) && !sure {
+        let sure = c.effect.info().dynamic && gain > s.enough_dynamic * s.enough;
+        if part < least_fraction(c, s) && !sure {
             return false;
         }
         // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
         let clear = match c.effect {
-            Effect::PreslidingHysteresis if is_narrow(c) && part < PLAINLY => 3.0 * s.enough,
-            Effect::PreslidingHysteresis => 2.0 * s.enough,
+            Effect::PreslidingHysteresis if is_narrow(c, s) && part < s.plainly => {
+                s.enough_narrow * s.enough
+            }
+            Effect::PreslidingHysteresis => s.enough_memory * s.enough,
             Effect::LoadDependentFriction => s.enough,
             effect if effect.info().absorbable => s.enough,
-            _ => 1.4 * s.enough,
+            _ => s.enough_unseen * s.enough,
         };
         (misfit && !memory) || gain > clear
     }
@@ -285,8 +282,8 @@ impl<'a> Search<'a> {
         let before = self.objective.relative(&fit.error());
         let after = self.objective.relative(&tried.error);
         let joints = &self.candidates[tried.candidate].joints;
-        let (part, gain) = self.objective.settings.plain;
-        fraction(&before, &after, joints) > part && tried.gain > gain
+        let s = self.objective.settings;
+        fraction(&before, &after, joints) > s.plain_part && tried.gain > s.plain_gain
     }
 
     /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form
@@ -348,27 +345,27 @@ fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
     1.0 - squares(after) / squares(before).max(1e-300)
 }
 
-/// Part of the error that shows plainly.
-const PLAINLY: f64 = 0.35;
-
 /// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
 /// spare them a bend instead. What the sign of a filtered velocity gets wrong at reversals looks like memory over
 /// less than a milliradian, or like friction that falls at once, which therefore have to show plainly.
-fn least_fraction(candidate: &Candidate) -> f64 {
-    const SLOW: f64 = 0.012;
+fn least_fraction(candidate: &Candidate, settings: &SearchSettings) -> f64 {
+    let abrupt = || {
+        let shape = candidate.shape.first();
+        shape.is_some_and(|s| s.1 < settings.abrupt)
+    };
     match candidate.effect {
-        Effect::StribeckFriction if candidate.shape.first().is_some_and(|s| s.1 < SLOW) => PLAINLY,
-        Effect::PreslidingHysteresis if is_narrow(candidate) => 0.22,
+        Effect::StribeckFriction if abrupt() => settings.plainly,
+        Effect::PreslidingHysteresis if is_narrow(candidate, settings) => settings.narrow_part,
         // Blows and springs are late as well, and vibration of whatever kind is a spring's, for a part of their error.
-        effect if effect.info().dynamic => PLAINLY,
+        effect if effect.info().dynamic => settings.plainly,
         effect => effect.info().least_fraction,
     }
 }
 
 /// Whether memory reaches no further than what a wrong sign at reversals imitates.
-fn is_narrow(candidate: &Candidate) -> bool {
-    const NARROW: f64 = 1.2e-3;
-    candidate.shape.first().is_some_and(|s| s.1 < NARROW)
+fn is_narrow(candidate: &Candidate, settings: &SearchSettings) -> bool {
+    let shape = candidate.shape.first();
+    shape.is_some_and(|s| s.1 < settings.narrow)
 }
 
 /// All but one.

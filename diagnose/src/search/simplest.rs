@@ -2,7 +2,7 @@
 //! explain what a free refit of all of them explains.
 //!
 //! Both are compared on trajectories left out, by squared error on the joints whose torque the cause changes. What leaves
-//! more than [`RIVALLED`] times the refit's stands in for a model that is wrong elsewhere: it is barred and the search
+//! more than `rivalled` times the refit's stands in for a model that is wrong elsewhere: it is barred and the search
 //! runs again, the tolerances widened where nothing else brings the error down.
 
 use crate::algebra::fit::{Fit, Variable};
@@ -10,24 +10,12 @@ use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
 use crate::search::objective::Objective;
 use crate::search::select::{Search, Selection, Tried, without};
-use crate::settings::FREEDOMS;
 use crate::simulator::NominalModel;
 use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
 
-/// Squared error over the free refit's up to which few parameters are the answer alone.
-pub const AS_GOOD: f64 = 1.3;
-/// The same up to which they are named first.
-pub const RIVALLED: f64 = 2.0;
-/// Factors on the given tolerances under which few parameters may still be the answer: a description is rarely right to
-/// a few percent.
-const TOLERANT: [f64; 2] = [1.0, 4.0];
-/// Factors under which what no few parameters explain is left to the parameters.
-const WIDER: [f64; 4] = [1.0, 4.0, 16.0, 100.0];
 /// Searches with one more cause barred, at most, at each width.
 const ROUNDS: usize = 6;
-/// Part of the largest change that makes a joint one of the cause's.
-const TOUCHED: f64 = 0.35;
 
 /// What the search came to, and how it stands against the free refit.
 pub struct Answer<'a> {
@@ -54,8 +42,6 @@ pub struct Simplest<'a> {
     pub members: &'a [Vec<usize>],
     /// The model as given.
     pub model: &'a NominalModel,
-    /// Most causes that are named.
-    pub most: usize,
 }
 
 /// A search that has run.
@@ -63,6 +49,8 @@ struct Run<'a> {
     search: Search<'a>,
     selection: Selection<'a>,
     over_refit: Vec<Option<f64>>,
+    /// Squared error over the free refit's from which a cause is beaten.
+    rivalled: f64,
     /// No joint is left that a free refit brings down by far.
     enough: bool,
 }
@@ -70,14 +58,15 @@ struct Run<'a> {
 impl<'a> Simplest<'a> {
     /// The simplest causes that stand.
     pub fn answer(&self) -> Answer<'a> {
-        for freedom in TOLERANT {
+        let settings = self.objective.settings;
+        for freedom in settings.tolerant {
             let tried = self.fewer(freedom);
             if tried.stands() {
                 return tried.answer();
             }
         }
         let mut last = None;
-        for freedom in WIDER {
+        for freedom in settings.wider {
             let mut barred = HashSet::new();
             for _ in 0..ROUNDS {
                 let tried = self.run(freedom, barred.clone());
@@ -119,11 +108,12 @@ impl<'a> Simplest<'a> {
             effect.info().absorbable && !full.selection.accepted.contains(c)
         };
         let named = few.selection.accepted.iter().any(new);
+        let rivalled = self.objective.settings.rivalled;
         let low = || {
             let [few, full] = [&few, &full].map(|t| self.relative(&t.selection.fit));
             few.iter()
                 .zip(&full)
-                .all(|(few, full)| few <= &(RIVALLED * full))
+                .all(|(few, full)| few <= &(rivalled * full))
         };
         if named && few.stands() && price(&few) < price(&full) && low() {
             few
@@ -158,7 +148,7 @@ impl<'a> Simplest<'a> {
             base: self.objective.base(self.model, freedom),
             barred,
         };
-        let selection = search.run(self.most);
+        let selection = search.run();
         let accepted = &selection.accepted;
         let own = self.relative(&selection.fit);
         let over_refit = (0..accepted.len())
@@ -175,15 +165,18 @@ impl<'a> Simplest<'a> {
             search,
             selection,
             over_refit,
+            rivalled: self.objective.settings.rivalled,
             enough,
         }
     }
 
     /// Whether no joint is left by far above what something else leaves there.
     fn as_low(&self, own: &[f64], other: &[f64]) -> bool {
-        let visible = self.objective.settings.visible;
+        let s = self.objective.settings;
         let mut each = own.iter().zip(other);
-        each.all(|(own, other)| own <= &(RIVALLED * other) || own.sqrt() - other.sqrt() < visible)
+        each.all(|(own, other)| {
+            own <= &(s.rivalled * other) || own.sqrt() - other.sqrt() < s.visible
+        })
     }
 
     /// Squared error of a fit by joint on folds left out, the floor added, relative to the torque.
@@ -199,7 +192,7 @@ impl<'a> Simplest<'a> {
             variables.extend(causes.iter().flat_map(|&c| search.variables(c)));
             self.relative(&self.objective.fit(variables))
         };
-        let [first, narrower @ ..] = FREEDOMS;
+        let [first, narrower @ ..] = self.objective.settings.freedoms;
         narrower.into_iter().map(of).fold(of(first), |best, next| {
             if sum(&next) < sum(&best) { next } else { best }
         })
@@ -221,8 +214,9 @@ impl<'a> Simplest<'a> {
         let lacking = self.relative(&search.fit(&others));
         let fall: Vec<f64> = lacking.iter().zip(own).map(|(l, o)| l - o).collect();
         let most = fall.iter().copied().fold(0.0, f64::max);
+        let touched = self.objective.settings.touched;
         let joints: Vec<usize> = (0..fall.len())
-            .filter(|&j| fall[j] > 0.0 && fall[j] >= TOUCHED * most)
+            .filter(|&j| fall[j] > 0.0 && fall[j] >= touched * most)
             .collect();
         let free = self.refit(search, &others, &joints);
         let sum = |e: &[f64]| joints.iter().map(|&j| e[j]).sum::<f64>();
@@ -234,7 +228,7 @@ impl<'a> Run<'a> {
     /// Accepted candidates that leave too much.
     fn beaten(&self) -> Vec<usize> {
         let each = self.selection.accepted.iter().zip(&self.over_refit);
-        each.filter(|(_, r)| r.is_some_and(|r| r > RIVALLED))
+        each.filter(|(_, r)| r.is_some_and(|r| r > self.rivalled))
             .map(|(&c, _)| c)
             .collect()
     }

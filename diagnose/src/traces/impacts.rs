@@ -8,6 +8,7 @@
 //! as it does after it; delay, whose error is smooth.
 
 use crate::motion::frame::Frame;
+use crate::settings::BlowSettings;
 use ndarray::{Array1, Array2};
 use signal::filter::filtfilt;
 use signal::sos::{Section, butterworth};
@@ -25,12 +26,6 @@ const OWN: (f64, f64) = (0.04, 0.08);
 const OTHER: (f64, f64) = (0.024, 0.048);
 /// Ends of trajectories that are left out, s.
 const EDGE: f64 = 0.1;
-/// Fewest changes of sign that can be seen.
-const FEWEST: usize = 6;
-/// Power of the vibration over that elsewhere from which it is blows.
-const RATIO: f64 = 6.0;
-/// Least size of the blows over the joint's torque, root mean square while they last.
-const LEAST: f64 = 0.01;
 
 /// Vibration of one joint after its torque changed sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +40,13 @@ pub struct Impacts {
 
 /// The joint whose blows are clearest, if any joint's are. `residual` and `load`, the torque that its link needs, at
 /// the recorded samples; shape (samples, joints).
-pub fn clearest(frame: &Frame, residual: &Array2<f64>, load: &Array2<f64>) -> Option<Impacts> {
+pub fn clearest(
+    frame: &Frame,
+    residual: &Array2<f64>,
+    load: &Array2<f64>,
+    settings: &BlowSettings,
+) -> Option<Impacts> {
+    let fewest = settings.fewest;
     let rate = frame.report().rate_hz;
     let high = BAND.1.min(0.35 * rate);
     if high < 2.0 * BAND.0 {
@@ -78,8 +79,8 @@ pub fn clearest(frame: &Frame, residual: &Array2<f64>, load: &Array2<f64>) -> Op
             usable
         };
         // Where other joints turn round all the time, their reversals must be borne with.
-        let (ratio, size) = contrast(&vibration, &usable(true), &own, rate)
-            .or_else(|| contrast(&vibration, &usable(false), &own, rate))?;
+        let (ratio, size) = contrast(&vibration, &usable(true), &own, rate, fewest)
+            .or_else(|| contrast(&vibration, &usable(false), &own, rate, fewest))?;
         Some(Impacts {
             joint: j,
             ratio,
@@ -87,16 +88,18 @@ pub fn clearest(frame: &Frame, residual: &Array2<f64>, load: &Array2<f64>) -> Op
         })
     });
     found
-        .filter(|i| i.ratio > RATIO && i.size > LEAST)
+        .filter(|i| i.ratio > settings.ratio && i.size > settings.least)
         .max_by(|a, b| a.ratio.total_cmp(&b.ratio))
 }
 
-/// Ratio of the power after the changes to that before them or elsewhere, and the root of the former's excess.
+/// Ratio of the power after the changes to that before them or elsewhere, and the root of the former's excess; none where
+/// fewer than `fewest` changes are seen.
 fn contrast(
     vibration: &Array1<f64>,
     usable: &[bool],
     at: &[usize],
     rate: f64,
+    fewest: usize,
 ) -> Option<(f64, f64)> {
     let n = usable.len();
     let (mut after, mut before) = (vec![false; n], vec![false; n]);
@@ -106,7 +109,7 @@ fn contrast(
     let seen = at
         .iter()
         .filter(|&&i| usable[i..(i + reach).min(n)].iter().filter(|u| **u).count() > reach / 3);
-    if seen.count() < FEWEST {
+    if seen.count() < fewest {
         return None;
     }
     let power = |of: &dyn Fn(usize) -> bool| {
@@ -172,14 +175,14 @@ mod tests {
                 (0.1 + ringing(since.unwrap_or(1000))) * phase.sin()
             })
             .collect();
-        contrast(&vibration, &vec![true; 5000], &at, rate)
+        contrast(&vibration, &vec![true; 5000], &at, rate, 6)
             .unwrap()
             .0
     }
 
     #[test]
     fn ringing_after_changes_is_told_from_vibration_throughout() {
-        assert!(seen(|since| (-(since as f64) / 8.0).exp()) > RATIO);
+        assert!(seen(|since| (-(since as f64) / 8.0).exp()) > BlowSettings::default().ratio);
         assert!(seen(|_| 0.5) < 1.5);
     }
 }

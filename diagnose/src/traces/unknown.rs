@@ -8,6 +8,7 @@ use crate::algebra::cholesky::Cholesky;
 use crate::algebra::folds::folds;
 use crate::motion::frame::Frame;
 use crate::motion::scene::soft_sign;
+use crate::settings::Settings;
 use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
 
@@ -15,9 +16,6 @@ use rayon::prelude::*;
 const LAGS: [f64; 6] = [0.08, 0.1, 0.125, 0.16, 0.2, 0.26];
 /// Ridge of the learner relative to the number of rows.
 const RIDGE: f64 = 3e-3;
-
-/// Fewest rows away from reversals that a joint is judged by.
-const FEWEST: usize = 50;
 
 /// What is left on a joint, relative to the deviation of its torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,9 +39,14 @@ impl Left {
 
 /// Examines a residual at the recorded samples, shape (samples, joints), away from reversals and from `skipped` rows. None
 /// where a joint has too few other rows.
-pub fn examine(frame: &Frame, residual: &Array2<f64>, skipped: &[bool]) -> Vec<Option<Left>> {
+pub fn examine(
+    frame: &Frame,
+    residual: &Array2<f64>,
+    skipped: &[bool],
+    settings: &Settings,
+) -> Vec<Option<Left>> {
     let r = frame.table_thin(residual);
-    let mut reversal = frame.reversals();
+    let mut reversal = frame.reversals(&settings.motion);
     for (mut row, _) in reversal
         .rows_mut()
         .into_iter()
@@ -53,9 +56,14 @@ pub fn examine(frame: &Frame, residual: &Array2<f64>, skipped: &[bool]) -> Vec<O
         row.fill(true);
     }
     let inputs = Inputs::new(frame);
+    let fewest = settings.traces.structure.fewest_rows;
     (0..frame.dof())
         .into_par_iter()
-        .map(|j| one(frame, j, &r.column(j).to_owned(), &reversal, &inputs))
+        .map(|j| {
+            let kept: Vec<usize> = (0..r.nrows()).filter(|&i| !reversal[[i, j]]).collect();
+            let own = r.column(j).to_owned();
+            (kept.len() >= fewest).then(|| one(frame, j, &own, &reversal, &kept, &inputs))
+        })
         .collect()
 }
 
@@ -64,13 +72,10 @@ fn one(
     joint: usize,
     r: &Array1<f64>,
     reversal: &Array2<bool>,
+    kept: &[usize],
     inputs: &Inputs,
-) -> Option<Left> {
+) -> Left {
     let deviation = frame.tau.column(joint).std(0.0).max(1e-12);
-    let kept: Vec<usize> = (0..r.len()).filter(|&i| !reversal[[i, joint]]).collect();
-    if kept.len() < FEWEST {
-        return None;
-    }
     let square = kept.iter().map(|&i| r[i] * r[i]).sum::<f64>() / kept.len() as f64;
     let correlation = |lag: f64| {
         let lag = (lag * frame.row_rate()).round().max(1.0) as usize;
@@ -88,12 +93,12 @@ fn one(
         .map(correlation)
         .fold(0.0, f64::max)
         .min(1.0);
-    Some(Left {
+    Left {
         error: square.sqrt() / deviation,
         lasting,
-        learnable: learnable(frame, joint, r, &kept, inputs),
+        learnable: learnable(frame, joint, r, kept, inputs),
         rows: kept.len(),
-    })
+    }
 }
 
 /// Motions on the rows, scaled to unit deviation.

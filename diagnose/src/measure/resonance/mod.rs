@@ -1,7 +1,7 @@
 //! Resonance: a narrow peak in the spectrum of what the model leaves, while the arm moves or ringing while it stands.
 //!
 //! The spectrum is Welch's over windows of the recorded samples; a peak stands out of the median of its surroundings by
-//! more than the highest of as many bins of noise would once in `CHANCE` recordings (a sum of K windows of noise is
+//! more than the highest of as many bins of noise would once in `chance` recordings (a sum of K windows of noise is
 //! gamma distributed). In motion a peak that the predicted torque has as well is the motion's own line.
 
 use crate::catalogue::effect::Effect;
@@ -11,6 +11,7 @@ use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
 use crate::schema::Resonance;
 use crate::search::find::{Columns, Findings, gap};
+use crate::settings::ResonanceSettings;
 use crate::simulator::NominalModel;
 use ndarray::{Array2, ArrayView1};
 use signal::quantile::median;
@@ -18,8 +19,6 @@ use signal::resample::{linear, uniform_grid};
 use signal::spectrum::{Spectrum, welch};
 use std::ops::Range;
 
-/// Speed below which every joint of a standing arm stays, rad/s (m/s).
-const STANDING: f64 = 0.01;
 /// Shortest and longest window, s.
 const WINDOW: (f64, f64) = (1.5, 8.0);
 /// Windows in the longest motion, one beside the other.
@@ -30,16 +29,6 @@ const SEARCHED: (f64, f64) = (4.0, 40.0);
 const RATE_SHARE: f64 = 0.4;
 /// Surroundings of a frequency: up to this factor of it.
 const AROUND: f64 = 1.6;
-/// Recordings of noise among which one has such a peak.
-const CHANCE: f64 = 1e4;
-/// Density over its surroundings from which a peak is worth saying.
-const STANDS_OUT: f64 = 10.0;
-/// Part of the residual's peak that the predicted torque's may reach for the peak not to be the motion's.
-const MOTION: f64 = 0.3;
-/// Width of a peak over its frequency from which it is a hump, and nothing that swings.
-const NARROW: f64 = 0.5;
-/// Frequencies of two joints that differ by less, relative to them, are one.
-const SAME: f64 = 0.04;
 
 /// A peak of one joint.
 struct Peak {
@@ -65,9 +54,15 @@ pub fn standing_out(model: &NominalModel, frames: &Frames, found: &Findings) -> 
 }
 
 /// Resonances of `residual` (what a model leaves at the recorded samples, shape (samples, joints)), the slowest first.
-pub fn resonances(frame: &Frame, residual: &Array2<f64>, names: &[String]) -> Vec<Resonance> {
+pub fn resonances(
+    frame: &Frame,
+    residual: &Array2<f64>,
+    names: &[String],
+    settings: &ResonanceSettings,
+) -> Vec<Resonance> {
+    let s = settings;
     let motion = frame.samples();
-    let still = |i: usize| motion.qd.row(i).iter().all(|v| v.abs() < STANDING);
+    let still = |i: usize| motion.qd.row(i).iter().all(|v| v.abs() < s.standing);
     let rests: Vec<Range<usize>> = motion
         .segments
         .iter()
@@ -86,22 +81,22 @@ pub fn resonances(frame: &Frame, residual: &Array2<f64>, names: &[String]) -> Ve
                 false => mean_of(&windows(&predicted)),
                 true => None,
             };
-            let chance = gamma_quantile(left.len(), CHANCE * own.len() as f64);
+            let chance = gamma_quantile(left.len(), s.chance * own.len() as f64);
             let most = own.len().saturating_sub(1);
-            for k in (1..most).filter(|&k| own[k] > STANDS_OUT.max(chance)) {
+            for k in (1..most).filter(|&k| own[k] > s.stands_out.max(chance)) {
                 let near = |x: &[f64]| x[k - 1..=k + 1].iter().copied().fold(0.0, f64::max);
                 let highest = own[k] >= own[k - 1] && own[k] > own[k + 1];
-                let motions = lines.as_ref().is_some_and(|l| near(l) > MOTION * own[k]);
-                // What shows in few windows is an event, not what swings whenever it is struck.
-                let lasting = each.iter().filter(|w| near(w) > 0.5 * STANDS_OUT).count();
-                if highest && !motions && 2 * lasting > each.len() {
+                let motions = lines.as_ref().is_some_and(|l| near(l) > s.motion * own[k]);
+                let showing = each.iter().filter(|w| near(w) > s.window * s.stands_out);
+                let lasting = showing.count() as f64 > s.lasting * each.len() as f64;
+                if highest && !motions && lasting {
                     let found = peak(&mean, &own, k, j, at_rest);
-                    peaks.extend(Some(found).filter(|p| p.width < NARROW * p.frequency));
+                    peaks.extend(Some(found).filter(|p| p.width < s.narrow * p.frequency));
                 }
             }
         }
     }
-    together(peaks, names)
+    together(peaks, names, s.same)
 }
 
 /// Longest runs of samples that satisfy a condition.
@@ -268,13 +263,13 @@ fn peak(spectrum: &Spectrum, own: &[f64], k: usize, joint: usize, at_rest: bool)
     }
 }
 
-/// Peaks of one frequency as one resonance.
-fn together(mut peaks: Vec<Peak>, names: &[String]) -> Vec<Resonance> {
+/// Peaks of one frequency, up to a relative difference `same`, as one resonance.
+fn together(mut peaks: Vec<Peak>, names: &[String], same: f64) -> Vec<Resonance> {
     peaks.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
     let mut groups: Vec<Vec<Peak>> = Vec::new();
     for p in peaks {
         match groups.last_mut() {
-            Some(g) if p.frequency - g[0].frequency <= SAME * p.frequency + 0.5 * g[0].width => {
+            Some(g) if p.frequency - g[0].frequency <= same * p.frequency + 0.5 * g[0].width => {
                 g.push(p);
             }
             _ => groups.push(vec![p]),

@@ -3,6 +3,7 @@
 use super::{gamma_quantile, resonances};
 use crate::motion::frame::Frame;
 use crate::schema::Resonance;
+use crate::settings::ResonanceSettings;
 use datasets::Recording;
 use ndarray::Array2;
 
@@ -40,7 +41,13 @@ fn frame(torque: impl Fn(f64, bool) -> f64) -> Frame {
 }
 
 fn found(frame: &Frame) -> Vec<Resonance> {
-    resonances(frame, &frame.tau.clone(), &["a".to_owned(), "b".to_owned()])
+    let names = ["a".to_owned(), "b".to_owned()];
+    resonances(
+        frame,
+        &frame.tau.clone(),
+        &names,
+        &ResonanceSettings::default(),
+    )
 }
 
 #[test]

@@ -13,6 +13,7 @@ mod windows;
 use crate::motion::frame::Frame;
 use crate::motion::standing::Judged;
 use crate::schema::Push;
+use crate::settings::ContactSettings;
 use ndarray::{Array2, ArrayView1, ArrayViewMut1};
 use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
@@ -20,31 +21,9 @@ use repeated::repeats;
 use std::ops::Range;
 use windows::{WINDOW, adjacent, windows};
 
-/// Height of a burst over the usual window mean of its joint.
-const HEIGHT: f64 = 8.0;
-/// Gap between windows of one burst, s.
-const GAP: f64 = 0.4;
-/// Longest push, s: what presses longer is a load.
-const LONGEST: f64 = 20.0;
-/// Fewest windows of a burst in motion, where shorter ones may be reversals.
-const FEWEST: usize = 3;
-/// Height of a burst over that of the highest one, below which it is none.
-const LEAST_HEIGHT: f64 = 0.05;
-/// Most of the time that bursts may take.
-const MOST_TIME: f64 = 0.4;
-/// Least part of the squared window means that lies in bursts.
-const LEAST_SHARE: f64 = 0.5;
-/// Window mean below which a joint counts as unloaded, relative to its torque.
-const QUIET: f64 = 0.004;
-
 /// Half width of the running means that follow a burst, s, and their number.
 const SMOOTH: f64 = 0.012;
 const PASSES: usize = 2;
-/// Part of the load, relative to the joints' torques, from which one joint is loaded alone: no force from outside.
-const ALONE: f64 = 0.97;
-/// Part of the bursts' squared torque that has to be steady. Whoever touches the robot pushes it; what swings about zero
-/// inside every burst is the vibration of a joint or of the ground.
-const STEADY: f64 = 0.18;
 
 /// One burst.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,16 +51,21 @@ pub struct Contact {
 
 /// Looks for pushes in what is left at the recorded samples; of joints in motion only where `moving` says that the motion
 /// explains no such thing. None where nothing stands out, or too much does.
-pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
+pub fn detect(
+    frame: &Frame,
+    left: &Judged,
+    moving: bool,
+    settings: &ContactSettings,
+) -> Option<Contact> {
     let dof = frame.dof();
     let windows = windows(frame, left, moving);
     let n = windows.samples.len();
-    if n < 20 {
+    if n < settings.fewest_windows {
         return None;
     }
     let levels: Vec<[f64; 2]> = (0..dof)
         .map(|j| {
-            let least = QUIET * frame.tau.column(j).std(0.0);
+            let least = settings.quiet * frame.tau.column(j).std(0.0);
             [false, true].map(|standing| windows.usual(j, standing, least))
         })
         .collect();
@@ -91,9 +75,9 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
         windows.mean[[w, j]].map_or(0.0, |m| m.abs() / usual)
     };
     let highest = |w: usize| (0..dof).map(|j| relative(w, j)).fold(0.0, f64::max);
-    let reach = ((GAP / WINDOW).round() as usize).max(1);
+    let reach = ((settings.gap / WINDOW).round() as usize).max(1);
     let mut bursts: Vec<Range<usize>> = Vec::new();
-    for w in (0..n).filter(|&w| highest(w) > HEIGHT) {
+    for w in (0..n).filter(|&w| highest(w) > settings.height) {
         match bursts.last_mut() {
             Some(b) if w - (b.end - 1) <= reach && adjacent(&windows.samples, b.end - 1, w) => {
                 b.end = w + 1
@@ -102,12 +86,13 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
         }
     }
     let at_rest = |b: &Range<usize>| {
-        let loaded = |w: usize, j: usize| relative(w, j) > HEIGHT;
+        let loaded = |w: usize, j: usize| relative(w, j) > settings.height;
         b.clone()
             .any(|w| (0..dof).any(|j| loaded(w, j) && windows.standing[[w, j]]))
     };
     // A rest that is pushed was quiet before and is again afterwards; how a joint comes to rest is no push.
-    let quiet = |w: usize| (0..dof).any(|j| windows.standing[[w, j]]) && highest(w) <= HEIGHT;
+    let quiet =
+        |w: usize| (0..dof).any(|j| windows.standing[[w, j]]) && highest(w) <= settings.height;
     let between = |b: &Range<usize>| {
         b.start > 0
             && adjacent(&windows.samples, b.start - 1, b.start)
@@ -120,12 +105,12 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
         if at_rest(b) {
             between(b)
         } else {
-            b.len() >= FEWEST
+            b.len() >= settings.fewest
         }
     });
     let height = |b: &Range<usize>| b.clone().map(highest).fold(0.0, f64::max);
     let most = bursts.iter().map(height).fold(0.0, f64::max);
-    bursts.retain(|b| height(b) >= LEAST_HEIGHT * most);
+    bursts.retain(|b| height(b) >= settings.least_height * most);
     for b in &mut bursts {
         let start = b.start.saturating_sub(1);
         if adjacent(&windows.samples, start, b.start) {
@@ -141,16 +126,17 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
     // What has not ended, or presses on and on, is a load.
     bursts.retain(|b| {
         let s = samples(b);
-        s.end < last && time[s.end - 1] - time[s.start] <= LONGEST
+        s.end < last && time[s.end - 1] - time[s.start] <= settings.longest
     });
     // What comes again with the motion is the robot's own.
-    bursts.retain(|b| !repeats(frame, &left.departure, &samples(b), &usual));
+    bursts.retain(|b| !repeats(frame, &left.departure, &samples(b), &usual, settings.again));
     let rests = bursts.iter().any(at_rest);
     let inside: usize = bursts.iter().map(Range::len).sum();
     let energy = |w: usize| (0..dof).map(|j| relative(w, j).powi(2)).sum::<f64>();
     let all: f64 = (0..n).map(energy).sum();
     let share = bursts.iter().cloned().flatten().map(energy).sum::<f64>() / all;
-    if bursts.is_empty() || inside as f64 > MOST_TIME * n as f64 || share < LEAST_SHARE {
+    let long = inside as f64 > settings.most_time * n as f64;
+    if bursts.is_empty() || long || share < settings.least_share {
         return None;
     }
     let rate = frame.report().rate_hz;
@@ -162,7 +148,7 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
             let highest = (0..dof).map(peak).fold(0.0, f64::max);
             let last = (0..dof)
                 .rev()
-                .find(|&j| peak(j) > (0.15 * highest).max(4.0))
+                .find(|&j| peak(j) > (settings.loaded * highest).max(settings.loaded_height))
                 .unwrap_or(0);
             let samples = samples(&b);
             for j in 0..=last {
@@ -187,10 +173,10 @@ pub fn detect(frame: &Frame, left: &Judged, moving: bool) -> Option<Contact> {
         })
         .collect();
     let size: f64 = load.iter().sum();
-    if dof > 1 && load.iter().any(|l| *l > ALONE * size) {
+    if dof > 1 && load.iter().any(|l| *l > settings.alone * size) {
         return None;
     }
-    if steadiness(&torque, &bursts, &usual) < STEADY {
+    if steadiness(&torque, &bursts, &usual) < settings.steady {
         return None;
     }
     Some(Contact {

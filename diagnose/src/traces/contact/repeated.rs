@@ -4,16 +4,14 @@ use crate::motion::frame::Frame;
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Part of a burst that another execution of its motion has to show at the same time.
-const AGAIN: f64 = 0.3;
-
-/// Whether some other execution of the motion in which a burst (`samples`) lies shows it, too. `departure` at the recorded
+/// Whether some other execution of the motion in which a burst (`samples`) lies shows a part `again` of it, too. `departure` at the recorded
 /// samples, shape (samples, joints); `usual` is the usual level of each joint.
 pub(super) fn repeats(
     frame: &Frame,
     departure: &Array2<f64>,
     samples: &Range<usize>,
     usual: &[f64],
+    again: f64,
 ) -> bool {
     let motion = frame.samples();
     let Some(own) = motion
@@ -44,7 +42,7 @@ pub(super) fn repeats(
         };
         let there = mean(&(at..(at + samples.len()).min(segment.end)));
         let product: f64 = burst.iter().zip(&there).map(|(a, b)| a * b).sum();
-        product > AGAIN * size
+        product > again * size
     })
 }
 
@@ -96,7 +94,7 @@ mod tests {
             (i..i + 40).for_each(|k| departure[[k, 0]] = 5.0);
         }
         (820..860).for_each(|k| departure[[k, 0]] = 5.0);
-        assert!(repeats(&frame, &departure, &(400..440), &[1.0]));
-        assert!(!repeats(&frame, &departure, &(820..860), &[1.0]));
+        assert!(repeats(&frame, &departure, &(400..440), &[1.0], 0.3));
+        assert!(!repeats(&frame, &departure, &(820..860), &[1.0], 0.3));
     }
 }

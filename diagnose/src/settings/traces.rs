@@ -1,0 +1,73 @@
+//! What is seen in a residual itself.
+
+/// Traces in a residual.
+#[derive(Clone, Debug, Default)]
+pub struct TraceSettings {
+    /// Pushes.
+    pub contact: ContactSettings,
+    /// Blows of a transmission with play.
+    pub blows: BlowSettings,
+    /// Structure that the catalogue does not explain.
+    pub structure: StructureSettings,
+}
+
+settings! {
+    /// When bursts of a residual are pushes.
+    ContactSettings {
+        /// Height of a burst over the usual window mean of its joint.
+        height: f64 = 8.0, tuned;
+        /// Height over that of the highest burst below which it is none.
+        least_height: f64 = 0.05, tuned;
+        /// Gap between windows of one burst, s.
+        gap: f64 = 0.4, tuned;
+        /// Longest push, s: what presses longer is a load.
+        longest: f64 = 20.0, contract;
+        /// Fewest windows of a burst in motion, where shorter ones may be reversals.
+        fewest: usize = 3, tuned;
+        /// Fewest windows of a recording in which bursts are looked for.
+        fewest_windows: usize = 20, tuned;
+        /// Most of the time that bursts may take.
+        most_time: f64 = 0.4, tuned;
+        /// Least part of the squared window means that lies in bursts.
+        least_share: f64 = 0.5, tuned;
+        /// Window mean below which a joint counts as unloaded, relative to its torque.
+        quiet: f64 = 0.004, tuned;
+        /// Height of a loaded joint over that of the highest one.
+        loaded: f64 = 0.15, tuned;
+        /// Height from which a joint is loaded at all.
+        loaded_height: f64 = 4.0, tuned;
+        /// Part of the load, relative to the joints' torques, from which one joint is loaded alone: no force from outside.
+        alone: f64 = 0.97, tuned;
+        /// Part of the bursts' squared torque that has to be steady. Whoever touches the robot pushes it; what swings about
+        /// zero inside every burst is the vibration of a joint or of the ground.
+        steady: f64 = 0.18, tuned;
+        /// Part of a burst that another execution of its motion has to show for it to be the robot's own.
+        again: f64 = 0.3, tuned;
+        /// Part of the error that a learner may predict for the rest to count as contact in motion.
+        learnable: f64 = 0.35, tuned;
+        /// Least part of the whole gap that contact in motion makes.
+        size: f64 = 0.1, tuned;
+        /// Time around a push that is not fitted either, s.
+        margin: f64 = 0.1, tuned;
+    }
+}
+
+settings! {
+    /// When vibration is the blows of a transmission with play.
+    BlowSettings {
+        /// Fewest changes of the torque's sign that can be seen.
+        fewest: usize = 6, tuned;
+        /// Power of the vibration after them over that elsewhere.
+        ratio: f64 = 6.0, tuned;
+        /// Size of the blows over the joint's torque, root mean square while they last.
+        least: f64 = 0.01, tuned;
+    }
+}
+
+settings! {
+    /// When a joint is examined for structure.
+    StructureSettings {
+        /// Fewest rows away from reversals.
+        fewest_rows: usize = 50, tuned;
+    }
+}
