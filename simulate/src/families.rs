@@ -5,6 +5,7 @@
 //! about the difference between two models.
 
 use crate::arm::Arm;
+use crate::random::log_uniform;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use physics::dynamics::{Workspace, mass_matrix};
 use physics::robot::{Inertia, Joint, JointKind, Limits, Link};
@@ -196,11 +197,6 @@ pub fn relative(rng: &mut ChaCha8Rng) -> Arm {
         }
     }
     arm
-}
-
-/// A number between `low` and `high`, uniform in its logarithm.
-pub(crate) fn log_uniform(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
-    (rng.random_range(low.ln()..high.ln())).exp()
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Running the robot of a case, and telling the effect's torque from the rest.
 
-use super::build::{Build, noted};
 use super::oracle::frictions;
-use super::withheld::Withheld;
 use crate::arm::Arm;
+use crate::build::{Build, noted};
 use crate::control::{Controller, Sensing};
+use crate::effects::{Place, Withheld};
 use crate::measure::Errors;
 use crate::reference::{Command, Session};
 use crate::run::{Clock, Trace, run};
@@ -21,10 +21,10 @@ const CONTROL: f64 = 1e-3;
 
 /// An effect with its size and the joint on which it was set.
 pub struct Chosen {
-    /// Its name.
+    /// Its name in the answers.
     pub name: &'static str,
     /// Its shape.
-    pub effect: Withheld,
+    pub effect: Box<dyn Withheld>,
     /// Its size.
     pub size: f64,
     /// Joint on which the size was set.
@@ -55,7 +55,7 @@ pub fn simulate(
     let mut finest = STEP;
     for w in withheld {
         w.effect.apply(w.size, &mut build)?;
-        let Some(step) = step_for(&w.effect, w.size, plain) else {
+        let Some(step) = step_for(w.effect.as_ref(), w.size, plain) else {
             return Ok(None);
         };
         finest = finest.min(step);
@@ -100,12 +100,12 @@ pub fn simulate(
 }
 
 /// Integration step for an effect's stiffest part, or none where that is too stiff or too soft.
-fn step_for(effect: &Withheld, size: f64, arm: &Arm) -> Option<f64> {
-    let (stiffness, disc) = match effect {
-        Withheld::Elastic { joint, .. } => (1.0 / size, arm.disc[*joint]),
-        Withheld::Play { joint, stiffness } => (*stiffness, arm.disc[*joint]),
-        _ => return Some(STEP),
+fn step_for(effect: &dyn Withheld, size: f64, arm: &Arm) -> Option<f64> {
+    let yielding = effect.yielding().map(|part| (part, part.place()));
+    let Some((part, Place::Gear(joint))) = yielding else {
+        return Some(STEP);
     };
+    let (stiffness, disc) = (part.stiffness(size), arm.disc[joint]);
     // Rotor against a link that does not move, and against one as light as itself.
     let fast = (2.0 * stiffness / disc).sqrt();
     if (stiffness / disc).sqrt() < TAU * 5.0 {

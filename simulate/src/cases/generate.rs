@@ -1,16 +1,16 @@
 //! Making a case.
 
 use super::experiment::{Chosen, RATE, Run, effect_torques, simulate};
-use super::kind::{CaseSpec, EFFECTS, Kind};
+use super::kind::{CaseSpec, Kind};
 use super::oracle::{low_passed, oracle, rms, unabsorbed};
 use super::rehearsal::Rehearsal;
-use super::scene::{Scene, Shape};
-use super::shapes::shape;
-use super::truth::{PlantTruth, Truth, TruthEffect, describe, name};
+use super::truth::{PlantTruth, Truth, TruthEffect};
 use crate::SimulateError;
 use crate::arm::{Arm, altered};
-use crate::families::{log_uniform, relative};
+use crate::effects::{EFFECTS, Effect, Scene, Shape, joint_name};
+use crate::families::relative;
 use crate::measure::{Errors, record};
+use crate::random::log_uniform;
 use crate::reference::{Moves, Multisine, Pace, Segment, Session};
 use datasets::Recording;
 use nalgebra::Vector3;
@@ -87,10 +87,10 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     let scene = Scene {
         arm: &plain,
         session: &session,
-        rehearsal: &rehearsal,
+        demand: &rehearsal.demand,
         inertia: &inertia,
     };
-    let Some(mut withheld) = effects(kind, &scene, rng)? else {
+    let Some(mut withheld) = effects(kind, &scene, &rehearsal, rng)? else {
         return Ok(None);
     };
     let errors = Errors {
@@ -158,35 +158,34 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
 fn effects(
     kind: Kind,
     scene: &Scene,
+    rehearsal: &Rehearsal,
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Vec<Chosen>>, RobotError> {
-    let names = match kind {
+    let mut any = || Effect::listed(rng.random_range(0..EFFECTS.len()));
+    let drawn = match kind {
         Kind::None => vec![],
-        Kind::Single(e) => vec![EFFECTS[e]],
-        Kind::Outside => vec!["outside"],
-        Kind::Two => vec![
-            EFFECTS[rng.random_range(0..EFFECTS.len())],
-            EFFECTS[rng.random_range(0..EFFECTS.len())],
-        ],
+        Kind::Single(e) => vec![Effect::listed(e)],
+        Kind::Outside => vec![Effect::OUTSIDE],
+        Kind::Two => vec![any(), any()],
     };
     let mut chosen: Vec<Chosen> = Vec::new();
-    for name in names {
+    for one in drawn {
         let Some(Shape {
             effect,
             joint,
             share,
-        }) = shape(name, scene, rng)
+        }) = one.draw(scene, rng)
         else {
             return Ok(None);
         };
-        let Some((size, at)) = scene.rehearsal.size_for(&effect, joint, share)? else {
+        let Some((size, at)) = rehearsal.size_for(effect.as_ref(), joint, share)? else {
             return Ok(None);
         };
-        if chosen.iter().any(|c| c.at == at || c.name == name) {
+        if chosen.iter().any(|c| c.at == at || c.name == one.name) {
             return Ok(None);
         }
         chosen.push(Chosen {
-            name,
+            name: one.name,
             effect,
             size,
             at,
@@ -310,15 +309,14 @@ fn finish(
     let effects = withheld.iter().enumerate().map(|(i, w)| {
         let own = if withheld.len() > 1 { i + 1 } else { 0 };
         let strength = column_rms(&parts[own], n);
-        let description = describe(&w.effect, w.size, n);
+        let description = w.effect.describe(w.size, n);
         let touched = || {
             (0..n)
                 .filter(|&j| strength[j] > 0.02 * torque_rms[j])
                 .collect()
         };
-        let unknown = w.name == "outside";
         TruthEffect {
-            effect: if unknown { "unknown" } else { w.name }.to_owned(),
+            effect: w.name.to_owned(),
             mechanism: description.mechanism.to_owned(),
             scope: if description.joints.is_some() {
                 "joint"
@@ -330,9 +328,9 @@ fn finish(
                 .joints
                 .unwrap_or_else(touched)
                 .into_iter()
-                .map(name)
+                .map(joint_name)
                 .collect(),
-            reference_joint: name(w.at),
+            reference_joint: joint_name(w.at),
             level: w.size,
             parameters: description.parameters,
             share: strength[w.at] / torque_rms[w.at],

@@ -1,36 +1,10 @@
 //! Which effect a case withholds.
 
+use crate::effects::EFFECTS;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
-
-/// Names of the effects that a case can withhold, as the contract has them.
-pub const EFFECTS: [&str; 23] = [
-    "link_parameters",
-    "friction_parameters",
-    "payload",
-    "rotor_inertia",
-    "base_tilt",
-    "counterbalance",
-    "asymmetric_friction",
-    "stribeck_friction",
-    "nonlinear_viscous_friction",
-    "load_dependent_friction",
-    "position_dependent_friction",
-    "presliding_hysteresis",
-    "friction_drift",
-    "torque_ripple",
-    "joint_elasticity",
-    "backlash",
-    "joint_coupling",
-    "torque_gain",
-    "torque_offset",
-    "time_delay",
-    "saturation",
-    "encoder_offset",
-    "external_contact",
-];
 
 /// What separates a case's recording from its model, beside small errors of the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -5,22 +5,17 @@
 //! reads (`cases/ID/`) and the one that it must not (`truth/ID.json`). The same index and seed give the same
 //! case on any number of threads.
 
-pub(crate) mod build;
 mod experiment;
 mod generate;
 mod kind;
 mod oracle;
-mod outside;
 mod rehearsal;
-mod scene;
-mod shapes;
-mod sizes;
 mod truth;
-pub(crate) mod withheld;
 mod write;
 
+pub use crate::effects::EFFECTS;
 pub use generate::{Case, generate};
-pub use kind::{CaseSpec, EFFECTS, Kind, ROUND, draw};
+pub use kind::{CaseSpec, Kind, ROUND, draw};
 #[cfg(test)]
 pub(crate) use oracle::left_by_parameters;
 pub use oracle::{Nrmse, Oracle};

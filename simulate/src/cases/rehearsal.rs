@@ -1,8 +1,9 @@
 //! The motion as commanded, on which the size of an effect is set before anything is simulated.
 
-use super::build::Build;
-use super::withheld::Withheld;
+use super::oracle::rms;
 use crate::arm::Arm;
+use crate::build::Build;
+use crate::effects::{Demand, Place, Withheld};
 use crate::mechanism::Instant;
 use crate::reference::{Command, Session};
 use physics::dynamics::{Workspace, inverse_dynamics};
@@ -22,16 +23,8 @@ pub struct Rehearsal {
     inside: Vec<bool>,
     /// Rigid-body torque.
     rigid: Vec<Vec<f64>>,
-    /// Root mean square of the whole torque per joint, N·m.
-    pub torque: Vec<f64>,
-    /// The same of gravity's torque.
-    pub gravity: Vec<f64>,
-    /// Greatest torque, N·m.
-    pub greatest: Vec<f64>,
-    /// Root mean square velocity, rad/s.
-    pub velocity: Vec<f64>,
-    /// Mean power of friction, W.
-    pub power: Vec<f64>,
+    /// What it asks of each joint.
+    pub demand: Demand,
 }
 
 impl Rehearsal {
@@ -52,12 +45,15 @@ impl Rehearsal {
             rows: Vec::with_capacity(count),
             inside: Vec::with_capacity(count),
             rigid: Vec::with_capacity(count),
-            torque: zero.clone(),
-            gravity: zero.clone(),
-            greatest: zero.clone(),
-            velocity: zero.clone(),
-            power: zero.clone(),
+            demand: Demand {
+                torque: zero.clone(),
+                gravity: zero.clone(),
+                greatest: zero.clone(),
+                velocity: zero.clone(),
+                power: zero.clone(),
+            },
         };
+        let demand = &mut new.demand;
         let mut weight = vec![0.0; n];
         let mut used = 0.0;
         for k in 0..count {
@@ -74,11 +70,11 @@ impl Rehearsal {
                 for j in 0..n {
                     let friction = build.friction[j].torque(c.qd[j]);
                     let whole = tau[j] + friction;
-                    new.torque[j] += whole * whole;
-                    new.gravity[j] += weight[j] * weight[j];
-                    new.greatest[j] = new.greatest[j].max(whole.abs());
-                    new.velocity[j] += c.qd[j] * c.qd[j];
-                    new.power[j] += friction * c.qd[j];
+                    demand.torque[j] += whole * whole;
+                    demand.gravity[j] += weight[j] * weight[j];
+                    demand.greatest[j] = demand.greatest[j].max(whole.abs());
+                    demand.velocity[j] += c.qd[j] * c.qd[j];
+                    demand.power[j] += friction * c.qd[j];
                 }
             }
             new.rows.push(c);
@@ -86,10 +82,14 @@ impl Rehearsal {
             new.inside.push(inside);
         }
         for j in 0..n {
-            for x in [&mut new.torque, &mut new.gravity, &mut new.velocity] {
+            for x in [
+                &mut demand.torque,
+                &mut demand.gravity,
+                &mut demand.velocity,
+            ] {
                 x[j] = (x[j] / used).sqrt();
             }
-            new.power[j] /= used;
+            demand.power[j] /= used;
         }
         Ok(new)
     }
@@ -98,25 +98,25 @@ impl Rehearsal {
     ///
     /// # Errors
     /// The effect makes the plant an impossible robot.
-    pub fn effect(&self, effect: &Withheld, size: f64) -> Result<Vec<f64>, RobotError> {
+    pub fn effect(&self, effect: &dyn Withheld, size: f64) -> Result<Vec<f64>, RobotError> {
         let mut build = Build::plain(&self.arm);
         effect.apply(size, &mut build)?;
-        match effect {
-            Withheld::Elastic { joint, .. } => {
-                let wind_up = |k: usize| -size * self.rigid[k][*joint];
-                self.displaced(&self.arm.robot()?, *joint, wind_up, false)
+        let Some(part) = effect.yielding() else {
+            return self.without_dynamics(&mut build);
+        };
+        match part.place() {
+            Place::Gear(joint) => {
+                let usual = self.demand.torque[joint];
+                let by = |k: usize| part.deflection(size, self.rigid[k][joint], usual);
+                self.displaced(&self.arm.robot()?, joint, by, false)
             }
-            Withheld::Play { joint, .. } => {
-                let scale = 0.03 * self.torque[*joint];
-                let side = |k: usize| -size * (self.rigid[k][*joint] / scale).tanh();
-                self.displaced(&self.arm.robot()?, *joint, side, false)
-            }
-            Withheld::Mount { .. } => {
+            Place::Mount => {
                 let robot = build.arm.robot()?;
                 let moment = self.mount_moment(&robot);
-                self.displaced(&robot, 0, |k| -size * moment[k], true)
+                let usual = rms(moment.iter().copied());
+                let by = |k: usize| part.deflection(size, moment[k], usual);
+                self.displaced(&robot, 0, by, true)
             }
-            _ => self.without_dynamics(&mut build),
         }
     }
 
@@ -144,7 +144,7 @@ impl Rehearsal {
         displacement: impl Fn(usize) -> f64,
         extra: bool,
     ) -> Result<Vec<f64>, RobotError> {
-        let n = self.torque.len();
+        let n = self.demand.torque.len();
         let first = usize::from(extra);
         let mut workspace = Workspace::new(robot);
         let mut tau = vec![0.0; n + first];
@@ -176,7 +176,7 @@ impl Rehearsal {
 
     /// Torque of bodies, friction, mechanisms and measurement on the commanded motion itself.
     fn without_dynamics(&self, build: &mut Build) -> Result<Vec<f64>, RobotError> {
-        let n = self.torque.len();
+        let n = self.demand.torque.len();
         let robot = build.arm.robot()?;
         let plain = Build::plain(&self.arm);
         let altered = build.arm.joints != self.arm.joints;
@@ -229,7 +229,7 @@ impl Rehearsal {
     /// The effect makes the plant an impossible robot.
     pub fn size_for(
         &self,
-        effect: &Withheld,
+        effect: &dyn Withheld,
         joint: Option<usize>,
         share: f64,
     ) -> Result<Option<(f64, usize)>, RobotError> {
@@ -238,7 +238,7 @@ impl Rehearsal {
         for _ in 0..7 {
             let rms = self.effect(effect, size)?;
             let at = joint.unwrap_or_else(|| largest(&rms));
-            let found = rms[at] / self.torque[at];
+            let found = rms[at] / self.demand.torque[at];
             if found.is_nan() || found < 1e-9 {
                 return Ok(None);
             }

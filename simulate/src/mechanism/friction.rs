@@ -1,5 +1,5 @@
-//! Friction at the gear's surfaces beyond viscous + Coulomb: boundary lubrication, asymmetry, fluids that are
-//! not Newtonian.
+//! Friction at the gear's surfaces beyond viscous + Coulomb: boundary lubrication, fluids that are not
+//! Newtonian.
 
 use super::{Instant, Mechanism, soft_sign};
 
@@ -56,30 +56,6 @@ impl Mechanism for Stribeck {
     }
 }
 
-/// Friction that is higher forwards than backwards by the same amounts, as in a worm gear with a preloaded
-/// thrust bearing: the mean over both directions is unchanged.
-#[derive(Debug, Clone)]
-pub struct AsymmetricFriction {
-    /// Plant joint.
-    pub joint: usize,
-    /// Half the difference of Coulomb friction, N·m; negative: higher backwards.
-    pub coulomb: f64,
-    /// Half the difference of viscous friction, N·m·s/rad.
-    pub viscous: f64,
-    /// Softening of the sign, rad/s.
-    pub v_eps: f64,
-}
-
-impl Mechanism for AsymmetricFriction {
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn resist(&self, _now: &Instant, v: f64) -> f64 {
-        self.coulomb * soft_sign(v.abs(), self.v_eps) + self.viscous * v.abs()
-    }
-}
-
 /// Fluid friction that is not proportional to speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DragKind {
@@ -124,48 +100,5 @@ impl Mechanism for Drag {
                 DragKind::Power(alpha) => x.abs().powf(alpha) * v.signum(),
                 DragKind::Carreau => x * ((1.0 + y * y).powf(-0.35) - 1.0),
             }
-    }
-}
-
-/// What makes the contact pressure of a rubbing pair change over a turn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Runout {
-    /// A bent shaft: its weight e (relative to the preload) turns with it, N = √(1 + e² + 2 e cos φ).
-    BentShaft(f64),
-    /// An eccentric gear: teeth press where the pitch circles overlap, max(0, cos φ)^1.5 (a line contact's stiffness grows).
-    Eccentric,
-}
-
-/// Friction of a pair whose pressure changes over a turn, besides that of its mean.
-#[derive(Debug, Clone)]
-pub struct RunoutFriction {
-    /// Plant joint.
-    pub joint: usize,
-    /// Friction at the tightest place over that of the mean pressure, N·m.
-    pub size: f64,
-    /// The viscous part at 1 rad/s over the dry one, s/rad.
-    pub viscous: f64,
-    /// Turns of the part per turn of the joint.
-    pub order: f64,
-    /// Where it is tightest, rad.
-    pub phase: f64,
-    /// Softening of the sign, rad/s.
-    pub v_eps: f64,
-    /// Law.
-    pub kind: Runout,
-}
-
-impl Mechanism for RunoutFriction {
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn resist(&self, now: &Instant, v: f64) -> f64 {
-        let cos = (self.order * now.q[self.joint] - self.phase).cos();
-        let pressure = match self.kind {
-            Runout::BentShaft(e) => (1.0 + e * e + 2.0 * e * cos).sqrt() - 1.0,
-            Runout::Eccentric => cos.max(0.0).powf(1.5),
-        };
-        self.size * pressure * (soft_sign(v, self.v_eps) + self.viscous * v)
     }
 }

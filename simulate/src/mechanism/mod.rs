@@ -1,14 +1,12 @@
 //! What real transmissions, motors and surroundings do beyond a rigid body with viscous and Coulomb
 //! friction: each mechanism as the machine part that causes it, with its own state.
 //!
+//! Here stand the trait and those that raw recordings and protocols need too; the others stand with their effect.
 //! Nothing here knows how a diagnosis describes an effect; the forms are chosen to differ from such
 //! descriptions.
 
 mod balance;
 mod bristle;
-mod contact;
-mod coupling;
-mod foreign;
 mod friction;
 mod gear;
 mod ripple;
@@ -16,16 +14,8 @@ mod thermal;
 
 pub use balance::{CoilSpring, GasStrut, Pins};
 pub use bristle::Bristle;
-pub use contact::{Grab, ToolContact};
-pub use coupling::{Coupling, CouplingKind};
-pub use foreign::{
-    CableTug, CrossDrag, Dropouts, FloorHum, SloshingTank, SpringDamper, WanderingOffset,
-    WornSector,
-};
-pub use friction::{
-    AsymmetricFriction, Drag, DragKind, Runout, RunoutFriction, Stribeck, StribeckKind,
-};
-pub use gear::{GearMesh, GearPlay, GearSpring};
+pub use friction::{Drag, DragKind, Stribeck, StribeckKind};
+pub use gear::GearMesh;
 pub use ripple::Ripple;
 pub use thermal::WarmingGrease;
 

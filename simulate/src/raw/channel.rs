@@ -1,6 +1,6 @@
 //! The torque channel: what stands between the torque that the motor gives and the number that is logged.
 
-use crate::families::log_uniform;
+use crate::random::log_uniform;
 use crate::run::Trace;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -1,11 +1,14 @@
 //! The robot that is recorded, and its motion.
 
 use crate::arm::{Arm, altered};
-use crate::cases::build::Build;
-use crate::cases::withheld::Withheld;
+use crate::build::Build;
 use crate::control::{Controller, Sensing};
-use crate::families::{log_uniform, relative};
+use crate::effects::{
+    Asymmetry, CoggingWaves, FluidFriction, LoadFriction, Presliding, StartingFriction, Withheld,
+};
+use crate::families::relative;
 use crate::mechanism::{DragKind, StribeckKind};
+use crate::random::log_uniform;
 use crate::reference::{Command, Moves, Multisine, Pace, Segment, Session};
 use crate::run::{Clock, Trace, run as run_loop};
 use nalgebra::Vector3;
@@ -29,7 +32,7 @@ pub struct Drawn {
     /// Largest relative error of a described mass or inertia.
     pub inertial_error: f64,
     /// What it has beyond viscous and Coulomb friction, with sizes.
-    mechanisms: Vec<(Withheld, f64)>,
+    mechanisms: Vec<(Box<dyn Withheld>, f64)>,
 }
 
 /// A random robot with a little of everything.
@@ -64,30 +67,30 @@ pub fn draw(rng: &mut ChaCha8Rng) -> Drawn {
 }
 
 /// What its gears do beside viscous and Coulomb friction, joint by joint.
-fn mechanisms(arm: &Arm, rng: &mut ChaCha8Rng) -> Vec<(Withheld, f64)> {
-    let mut all = Vec::new();
+fn mechanisms(arm: &Arm, rng: &mut ChaCha8Rng) -> Vec<(Box<dyn Withheld>, f64)> {
+    let mut all: Vec<(Box<dyn Withheld>, f64)> = Vec::new();
     for (joint, j) in arm.joints.iter().enumerate() {
         let (coulomb, top) = (j.friction, j.limits.velocity);
         let reach = arm.reach[joint] / 1.4;
         if rng.random_bool(0.35) {
-            let effect = Withheld::Bristle {
+            let effect = Presliding {
                 joint,
                 elastic: rng.random_range(0.2..0.7),
                 more: 0.0,
                 damping: 0.0,
             };
-            all.push((effect, log_uniform(rng, 3e-4, 5e-3) * reach));
+            all.push((Box::new(effect), log_uniform(rng, 3e-4, 5e-3) * reach));
         }
         if rng.random_bool(0.3) {
-            let effect = Withheld::Stribeck {
+            let effect = StartingFriction {
                 joint,
                 v_s: log_uniform(rng, 0.01, 0.08) * top,
                 law: StribeckKind::Lorentz,
             };
-            all.push((effect, coulomb * rng.random_range(0.1..0.5)));
+            all.push((Box::new(effect), coulomb * rng.random_range(0.1..0.5)));
         }
         if rng.random_bool(0.4) {
-            let effect = Withheld::Drag {
+            let effect = FluidFriction {
                 joint,
                 v_0: rng.random_range(0.1..0.4) * top,
                 v_top: top,
@@ -97,24 +100,30 @@ fn mechanisms(arm: &Arm, rng: &mut ChaCha8Rng) -> Vec<(Withheld, f64)> {
                     DragKind::Churning
                 },
             };
-            all.push((effect, j.damping * top * rng.random_range(0.1..0.5)));
+            all.push((
+                Box::new(effect),
+                j.damping * top * rng.random_range(0.1..0.5),
+            ));
         }
         if rng.random_bool(0.25) {
-            all.push((Withheld::Mesh { joint }, rng.random_range(0.02..0.08)));
+            all.push((
+                Box::new(LoadFriction { joint }),
+                rng.random_range(0.02..0.08),
+            ));
         }
         if rng.random_bool(0.3) {
-            let effect = Withheld::Asymmetric {
+            let effect = Asymmetry {
                 joint,
                 coulomb: 1.0,
                 viscous: 0.0,
             };
-            all.push((effect, coulomb * rng.random_range(-0.15..0.15)));
+            all.push((Box::new(effect), coulomb * rng.random_range(-0.15..0.15)));
         }
         if rng.random_bool(0.25) {
             let order = rng.random_range(4.0..60.0f64) / reach;
             let waves = vec![[order, 1.0, rng.random_range(0.0..TAU)]];
-            let effect = Withheld::Ripple { joint, waves };
-            all.push((effect, coulomb * rng.random_range(0.03..0.15)));
+            let effect = CoggingWaves { joint, waves };
+            all.push((Box::new(effect), coulomb * rng.random_range(0.03..0.15)));
         }
     }
     all

@@ -1,7 +1,7 @@
 //! Stamps, encoders and velocity as a controller logs them.
 
 use crate::arm::Arm;
-use crate::families::log_uniform;
+use crate::random::log_uniform;
 use crate::run::Trace;
 use datasets::{Recording, Trajectory};
 use ndarray::Array2;

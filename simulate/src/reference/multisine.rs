@@ -3,7 +3,7 @@
 use super::Command;
 use super::moves::smooth_step;
 use crate::arm::Arm;
-use crate::families::log_uniform;
+use crate::random::log_uniform;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! The plant of a case in the making.
+//! A plant in the making.
 
 use crate::arm::Arm;
 use crate::mechanism::Mechanism;
@@ -83,6 +83,16 @@ impl Build {
             measurement: Measurement::faithful(n),
             arm: arm.clone(),
         }
+    }
+
+    /// Adds a mechanism.
+    pub fn add(&mut self, mechanism: impl Mechanism + 'static) {
+        self.mechanisms.push(Box::new(mechanism));
+    }
+
+    /// Speed below which the friction of motor `j` is softened, rad/s.
+    pub fn v_eps(&self, j: usize) -> f64 {
+        self.friction[self.axes[j]].v_eps
     }
 
     /// Puts an elastic joint behind motor `j`; returns the new joint's index.
