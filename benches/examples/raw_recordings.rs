@@ -2,7 +2,7 @@
 //! cut-off cost against the best one in hindsight?
 //!
 //! `cargo run --release -p benches --example raw_recordings -- --cases 100 --seed S` simulates recordings (see
-//! `simulate::raw`), estimates the channel of the part to fit on, and prints how often intervals of 95 % hold the truth, with
+//! `trials::raw`), estimates the channel of the part to fit on, and prints how often intervals of 95 % hold the truth, with
 //! the interval of Clopper and Pearson. With `--cutoffs` it also fits the physics of `train --physics-only` with its own
 //! choice and with every cut-off of a list, and compares the errors on the part to test on. A run that was cut off goes on
 //! with `--first K`: recordings do not depend on each other.
@@ -16,9 +16,9 @@ use model::preparation::channel::estimate;
 use model::preparation::cutoff::HIGHEST_PART;
 use physics::robot::Robot;
 use rayon::prelude::*;
-use simulate::raw::{RawCase, generate};
 use statrs::distribution::{Beta, ContinuousCDF};
 use std::process::ExitCode;
+use trials::raw::{RawCase, generate};
 
 /// Intervals of the torque channel and choice of the cut-off on simulated raw recordings.
 #[derive(Parser)]

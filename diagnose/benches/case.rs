@@ -6,8 +6,8 @@ use diagnose::NominalModel;
 use diagnose::{Options, diagnose};
 use ndarray::{Axis, concatenate};
 use physics::robot::Robot;
-use simulate::cases::{Case, draw, generate};
 use std::hint::black_box;
+use trials::cases::{Case, draw, generate};
 
 /// The recording `times` times in a row, on one clock.
 fn repeated(recording: &Recording, times: usize) -> Recording {

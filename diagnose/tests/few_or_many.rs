@@ -8,9 +8,9 @@ use diagnose::schema::Cause;
 use diagnose::{Options, Outcome, diagnose};
 use nalgebra::{Rotation3, Vector3};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
-use simulate::cases::{Case, CaseSpec, Kind, generate};
 use std::io::Write;
 use std::path::PathBuf;
+use trials::cases::{Case, CaseSpec, Kind, generate};
 
 fn clean(index: u64, seed: u64) -> Case {
     let kind = Kind::None;

@@ -5,7 +5,7 @@ use diagnose::patch::patch;
 use diagnose::{Options, Outcome, diagnose};
 use physics::robot::Robot;
 use physics::robot::drive::Drive;
-use simulate::cases::{CaseSpec, EFFECTS, Kind, generate};
+use trials::cases::{CaseSpec, EFFECTS, Kind, generate};
 
 fn causes(outcome: &Outcome) -> Vec<&'static str> {
     let list = &outcome.diagnosis.causes;

@@ -2,8 +2,8 @@
 
 use diagnose::Effect;
 use model::identify::dictionary::{SessionClock, basic, candidates};
-use simulate::cases::EFFECTS;
 use std::collections::BTreeSet;
+use trials::cases::EFFECTS;
 
 fn catalogue() -> BTreeSet<&'static str> {
     Effect::ALL.iter().map(|e| e.name()).collect()

@@ -3,7 +3,7 @@
 //!
 //! The robots are simulated in closed loop with encoder counts and torque noise. What is compared is what the
 //! torque can reveal: base parameters, and friction where the plant has no other effects than the model. (The
-//! UR5 protocol of `simulate` adds effects that the paper's model lacks, so no truth is comparable there.)
+//! UR5 protocol of `trials` adds effects that the paper's model lacks, so no truth is comparable there.)
 
 use datasets::Recording;
 use datasets::prepare::{PrepareOptions, prepare};
@@ -16,17 +16,17 @@ use physics::identify::iterative::{
     Identification, IterativeOptions, Physical, PowerLaw, Problem, identify,
 };
 use physics::robot::Robot;
+use plant::arm::Arm;
+use plant::control::{Controller, Sensing};
+use plant::reference::{Command, Multisine, Pace, Segment, Session};
+use plant::run::{Clock, run};
+use plant::{Friction, Plant};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
-use simulate::arm::Arm;
-use simulate::control::{Controller, Sensing};
-use simulate::plant::{Friction, Plant};
-use simulate::protocols::Protocol;
-use simulate::reference::{Command, Multisine, Pace, Segment, Session};
-use simulate::run::{Clock, run};
 use std::f64::consts::TAU;
+use trials::protocols::Protocol;
 
 const EXTRAS: [Extra; 4] = [
     Extra::RotorInertia,

@@ -5,7 +5,7 @@ use datasets::{Part, Recording};
 use model::failure::Failure;
 use model::preparation::setup::Setup;
 use physics::robot::Builtin;
-use simulate::protocols::{Protocol, cached};
+use trials::protocols::{Protocol, cached};
 
 /// Robot and recordings.
 pub struct Input {

@@ -17,9 +17,9 @@ use crate::schema::{ClosedLoop, Free, Simulation};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, mass_matrix};
 use physics::robot::Robot;
+use plant::{Friction, Plant};
 use rayon::prelude::*;
 use signal::quantile::median;
-use simulate::plant::{Friction, Plant};
 use std::f64::consts::TAU;
 use std::ops::Range;
 

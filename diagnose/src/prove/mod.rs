@@ -13,8 +13,8 @@ use report::{Cell, Column, Table};
 use serde::Serialize;
 use serde_json::Value;
 use signal::quantile::median;
-use simulate::cases::{Case, CaseSpec, EFFECTS, Kind, draw, generate, write};
 use std::path::Path;
+use trials::cases::{Case, CaseSpec, EFFECTS, Kind, draw, generate, write};
 
 pub use score::{Score, judge, mean};
 pub use sizes::detected_from;
@@ -25,7 +25,7 @@ pub use withheld::{Answer, LeftOut, table as withheld_table};
 pub enum ProveError {
     /// A case cannot be made or written.
     #[error(transparent)]
-    Simulate(#[from] simulate::SimulateError),
+    Simulate(#[from] trials::SimulateError),
     /// A case cannot be diagnosed.
     #[error("case {case}: {error}")]
     Diagnose {

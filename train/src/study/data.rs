@@ -13,8 +13,8 @@ use model::residual::ResidualError;
 use model::session::Session;
 use ndarray::{Array2, Axis, concatenate};
 use physics::robot::Robot;
-use simulate::protocols::{Protocol, Simulated, cached};
 use std::ops::Range;
+use trials::protocols::{Protocol, Simulated, cached};
 
 /// One recording: inputs and residual torque.
 pub struct Run {

@@ -1,0 +1,65 @@
+//! What real transmissions, motors and surroundings do beyond a rigid body with viscous and Coulomb
+//! friction: each mechanism as the machine part that causes it, with its own state.
+//!
+//! Here stand the trait and the mechanisms that several kinds of recording need; one that only a sealed case withholds
+//! stands with its effect in `trials`.
+//! Nothing here knows how a diagnosis describes an effect; the forms are chosen to differ from such
+//! descriptions.
+
+mod balance;
+mod bristle;
+mod friction;
+mod gear;
+mod ripple;
+mod thermal;
+
+pub use balance::{CoilSpring, GasStrut, Pins};
+pub use bristle::Bristle;
+pub use friction::{Drag, DragKind, Stribeck, StribeckKind};
+pub use gear::GearMesh;
+pub use ripple::Ripple;
+pub use thermal::WarmingGrease;
+
+/// State of the plant during one integration step.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant<'a> {
+    /// Middle of the step, s on the session's clock.
+    pub t: f64,
+    /// Length of the step, s.
+    pub dt: f64,
+    /// Positions at the middle of the step.
+    pub q: &'a [f64],
+    /// Velocities at its middle, extrapolated.
+    pub v: &'a [f64],
+    /// Accelerations of the step before.
+    pub a: &'a [f64],
+    /// Torque that each motor passed on to the links in the step before (its own less friction), N·m.
+    pub load: &'a [f64],
+}
+
+/// A mechanism acting on the plant's joints (plant indices, which count joints that a transmission adds).
+pub trait Mechanism: Send {
+    /// Adds generalised forces that do not resist the velocity of this very step, N·m; positive drives the
+    /// joint forwards.
+    fn push(&mut self, _now: &Instant, _force: &mut [f64]) {}
+
+    /// The joint whose velocity it resists, if any.
+    fn joint(&self) -> Option<usize> {
+        None
+    }
+
+    /// Resisting torque of [`Mechanism::joint`] if the step ended at velocity `v`, N·m; opposes forward motion
+    /// when positive.
+    fn resist(&self, _now: &Instant, _v: f64) -> f64 {
+        0.0
+    }
+
+    /// Takes the states over the step, which ended at the velocities `v`.
+    fn advance(&mut self, _now: &Instant, _v: &[f64]) {}
+}
+
+/// Sign of `v`, softened below `eps`: v/√(v² + ε²), which comes to rest more slowly than the hyperbolic tangent of
+/// identification and diagnosis.
+pub fn soft_sign(v: f64, eps: f64) -> f64 {
+    v / v.hypot(eps)
+}

@@ -1,0 +1,172 @@
+//! The closed loop: reference, controller, plant, and what a perfect observer would note.
+
+use crate::control::Controller;
+use crate::integrate::Plant;
+use crate::reference::{Command, Session};
+
+/// Times of the loop.
+#[derive(Debug, Clone, Copy)]
+pub struct Clock {
+    /// Integration step, s.
+    pub step: f64,
+    /// Steps per control period.
+    pub control: usize,
+    /// Steps per sample.
+    pub sample: usize,
+}
+
+/// Motion and torque without any sensor's error, at the samples of the trajectories. Tables are row after row,
+/// N values each.
+#[derive(Debug, Clone, Default)]
+pub struct Trace {
+    /// Joints in a row.
+    pub dof: usize,
+    /// Session time of each sample, s.
+    pub time: Vec<f64>,
+    /// Samples of each trajectory.
+    pub lengths: Vec<usize>,
+    /// Motor-side position.
+    pub q: Vec<f64>,
+    /// Motor-side velocity.
+    pub qd: Vec<f64>,
+    /// Motor-side acceleration.
+    pub qdd: Vec<f64>,
+    /// Motor torque.
+    pub tau: Vec<f64>,
+    /// Torque by which each mechanism in turn changed the motor's, N values each.
+    pub exerted: Vec<f64>,
+    /// Commanded position.
+    pub q_ref: Vec<f64>,
+}
+
+impl Trace {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// True when nothing was sampled.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// First row of each trajectory, and the end.
+    pub fn bounds(&self) -> Vec<usize> {
+        let mut bounds = vec![0];
+        for n in &self.lengths {
+            bounds.push(bounds[bounds.len() - 1] + n);
+        }
+        bounds
+    }
+}
+
+/// Runs the session. `axes` are the plant's joints that have motors and encoders; `delay` (s) is how much later
+/// torque is noted than motion.
+///
+/// The torque is held over a control period; what is noted is the mean of the periods before and after a sample,
+/// as position, velocity and acceleration are those at the sample.
+pub fn run(
+    session: &Session,
+    controller: &mut Controller,
+    plant: &mut Plant,
+    axes: &[usize],
+    clock: Clock,
+    delay: f64,
+) -> Trace {
+    let n = axes.len();
+    let (start, end) = session.span();
+    let steps = ((end - start) / clock.step).round() as usize;
+    let lengths: Vec<usize> = session
+        .lengths
+        .iter()
+        .map(|l| (l / (clock.step * clock.sample as f64)).round() as usize)
+        .collect();
+    let samples: usize = lengths.iter().sum();
+    let mechanisms = plant.exerted.len() / plant.dof();
+    let mut trace = Trace {
+        dof: n,
+        time: Vec::with_capacity(samples),
+        q: Vec::with_capacity(samples * n),
+        qd: Vec::with_capacity(samples * n),
+        qdd: Vec::with_capacity(samples * n),
+        q_ref: Vec::with_capacity(samples * n),
+        exerted: Vec::with_capacity(samples * n * mechanisms),
+        lengths,
+        ..Trace::default()
+    };
+    // First step of each sample, ascending.
+    let mut due = session
+        .starts
+        .iter()
+        .zip(&trace.lengths)
+        .flat_map(|(s, &count)| {
+            let first = ((s - start) / clock.step).round() as usize;
+            (0..count).map(move |k| first + k * clock.sample)
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .peekable();
+    let mut command = Command::new(n);
+    let mut torque = vec![0.0; n];
+    let mut u = vec![0.0; plant.dof()];
+    let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+    // Torques of all control periods, for the delay.
+    let mut held: Vec<f64> = Vec::with_capacity((steps / clock.control + 2) * n);
+    let (mut before, mut exerted_before) = (vec![0.0; n], vec![0.0; plant.exerted.len()]);
+    for k in 0..=steps {
+        let t = start + k as f64 * clock.step;
+        if k % clock.control == 0 {
+            session.sample(t, &mut command);
+            for (j, &axis) in axes.iter().enumerate() {
+                q[j] = plant.q[axis];
+                v[j] = plant.v[axis];
+            }
+            controller.torque(&command, &q, &v, &mut torque);
+            for (j, &axis) in axes.iter().enumerate() {
+                u[axis] = torque[j];
+            }
+            held.extend_from_slice(&torque);
+        }
+        let sampled = due.next_if_eq(&k).is_some();
+        if sampled {
+            trace.time.push(t);
+            session.sample(t, &mut command);
+            trace.q_ref.extend_from_slice(&command.q);
+            for (j, &axis) in axes.iter().enumerate() {
+                trace.q.push(plant.q[axis]);
+                trace.qd.push(plant.v[axis]);
+                before[j] = plant.a[axis];
+            }
+            exerted_before.copy_from_slice(&plant.exerted);
+        }
+        plant.step(t, clock.step, &u);
+        if sampled {
+            trace.qdd.extend(
+                axes.iter()
+                    .zip(&before)
+                    .map(|(&axis, b)| 0.5 * (b + plant.a[axis])),
+            );
+            for m in 0..mechanisms {
+                let row = m * plant.dof();
+                let mean =
+                    |&axis: &usize| -0.5 * (exerted_before[row + axis] + plant.exerted[row + axis]);
+                trace.exerted.extend(axes.iter().map(mean));
+            }
+        }
+    }
+    let period = clock.step * clock.control as f64;
+    let periods = held.len() / n;
+    for &t in &trace.time {
+        // held[k] spans [k, k+1] periods, so that its time is k + 1/2.
+        let x = ((t - delay - start) / period - 0.5).clamp(0.0, (periods - 1) as f64 - 1e-9);
+        let (k, w) = (x as usize, x.fract());
+        let (a, b) = (
+            &held[k * n..][..n],
+            &held[(k + 1).min(periods - 1) * n..][..n],
+        );
+        trace
+            .tau
+            .extend(a.iter().zip(b).map(|(a, b)| a + (b - a) * w));
+    }
+    trace
+}

@@ -1,0 +1,24 @@
+//! Sealed diagnosis cases: a simulator's model, recordings of a slightly different robot with one withheld effect,
+//! and the answer.
+//!
+//! [`draw`] says which kind a case is, [`generate`] makes it, [`write()`] puts it into the files that a diagnosis
+//! reads (`cases/ID/`) and the one that it must not (`truth/ID.json`). The same index and seed give the same
+//! case on any number of threads.
+
+mod experiment;
+mod generate;
+mod kind;
+mod oracle;
+mod rehearsal;
+mod truth;
+mod write;
+
+pub use crate::effects::EFFECTS;
+pub use generate::{Case, generate};
+pub use kind::{CaseSpec, Kind, ROUND, draw};
+#[cfg(test)]
+pub(crate) use oracle::left_by_parameters;
+pub use oracle::{Nrmse, Oracle};
+pub use truth::{PlantTruth, Truth, TruthEffect};
+pub use write::{write, write_all};
+pub(crate) use write::{write_sealed, write_whole};

@@ -1,0 +1,118 @@
+//! What a sealed case can withhold: one file per effect, with how its shape is drawn, what it adds to a plant, how it is
+//! described and, where nothing else needs it, the mechanism itself.
+//!
+//! Nothing here knows how a diagnosis describes an effect; the mechanisms are chosen to differ from such descriptions.
+
+mod asymmetric_friction;
+mod backlash;
+mod base_tilt;
+mod counterbalance;
+mod encoder_offset;
+mod external_contact;
+mod friction_drift;
+mod friction_parameters;
+mod joint_coupling;
+mod joint_elasticity;
+mod link_parameters;
+mod load_dependent_friction;
+mod nonlinear_viscous_friction;
+mod outside;
+mod payload;
+mod position_dependent_friction;
+mod presliding_hysteresis;
+mod rotor_inertia;
+mod saturation;
+mod scene;
+mod stribeck_friction;
+mod time_delay;
+mod torque_gain;
+mod torque_offset;
+mod torque_ripple;
+mod withheld;
+
+pub use asymmetric_friction::Asymmetry;
+pub use load_dependent_friction::LoadFriction;
+pub use nonlinear_viscous_friction::FluidFriction;
+pub use presliding_hysteresis::Presliding;
+pub use scene::{Demand, Scene, Shape};
+pub use stribeck_friction::StartingFriction;
+pub use torque_ripple::CoggingWaves;
+pub use withheld::{Place, Withheld, joint_name};
+
+use rand_chacha::ChaCha8Rng;
+use scene::Pick;
+
+/// Draws a shape, or none if this arm has no joint for the effect.
+type Draw = fn(&Scene, &Pick, &mut ChaCha8Rng) -> Option<Shape>;
+
+/// The effects of the catalogue, with their names as the contract has them. Their order is part of what a seed means.
+const CATALOGUE: &[(&str, Draw)] = &[
+    ("link_parameters", link_parameters::draw),
+    ("friction_parameters", friction_parameters::draw),
+    ("payload", payload::draw),
+    ("rotor_inertia", rotor_inertia::draw),
+    ("base_tilt", base_tilt::draw),
+    ("counterbalance", counterbalance::draw),
+    ("asymmetric_friction", asymmetric_friction::draw),
+    ("stribeck_friction", stribeck_friction::draw),
+    (
+        "nonlinear_viscous_friction",
+        nonlinear_viscous_friction::draw,
+    ),
+    ("load_dependent_friction", load_dependent_friction::draw),
+    (
+        "position_dependent_friction",
+        position_dependent_friction::draw,
+    ),
+    ("presliding_hysteresis", presliding_hysteresis::draw),
+    ("friction_drift", friction_drift::draw),
+    ("torque_ripple", torque_ripple::draw),
+    ("joint_elasticity", joint_elasticity::draw),
+    ("backlash", backlash::draw),
+    ("joint_coupling", joint_coupling::draw),
+    ("torque_gain", torque_gain::draw),
+    ("torque_offset", torque_offset::draw),
+    ("time_delay", time_delay::draw),
+    ("saturation", saturation::draw),
+    ("encoder_offset", encoder_offset::draw),
+    ("external_contact", external_contact::draw),
+];
+
+/// Names of the effects that a case can withhold.
+pub const EFFECTS: [&str; CATALOGUE.len()] = {
+    let mut names = [""; CATALOGUE.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = CATALOGUE[i].0;
+        i += 1;
+    }
+    names
+};
+
+/// Something that can be drawn: an effect of the catalogue, or any one outside it.
+#[derive(Clone, Copy)]
+pub struct Effect {
+    /// Name in the answers; `unknown` outside the catalogue.
+    pub name: &'static str,
+    draw: Draw,
+}
+
+impl Effect {
+    /// A mechanism that the catalogue does not list.
+    pub const OUTSIDE: Self = Self {
+        name: "unknown",
+        draw: outside::draw,
+    };
+
+    /// The effect at this place of [`EFFECTS`].
+    pub fn listed(index: usize) -> Self {
+        let (name, draw) = CATALOGUE[index];
+        Self { name, draw }
+    }
+
+    /// A random shape, or none if this arm has no joint for the effect.
+    pub fn draw(&self, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
+        let pick = Pick::draw(scene, rng);
+        (self.draw)(scene, &pick, rng)
+    }
+}

@@ -1,0 +1,38 @@
+//! Mechanisms that the catalogue does not list: a diagnosis has to say that it does not know them.
+
+mod cable_tug;
+mod cross_drag;
+mod dropouts;
+mod flexible_mount;
+mod floor_hum;
+mod place;
+mod sloshing_tank;
+mod wandering;
+mod worn_sector;
+
+use super::scene::{Pick, Scene, Shape};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// Draws a shape on the first of two joints, or on both.
+type Draw = fn(&Scene, [usize; 2], &mut ChaCha8Rng) -> Shape;
+
+/// All of them, equally likely.
+const MECHANISMS: [Draw; 8] = [
+    cross_drag::draw,
+    cable_tug::draw,
+    flexible_mount::draw,
+    dropouts::draw,
+    floor_hum::draw,
+    sloshing_tank::draw,
+    wandering::draw,
+    worn_sector::draw,
+];
+
+/// Any one of them.
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+    let n = scene.arm.dof();
+    let other = (pick.any + rng.random_range(1..n)) % n;
+    let draw = MECHANISMS[rng.random_range(0..MECHANISMS.len())];
+    Some(draw(scene, [pick.any, other], rng))
+}

@@ -1,0 +1,14 @@
+//! Where a mechanism outside the catalogue acts, and how much.
+
+use crate::effects::scene::Scene;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
+
+/// Share of the joint's torque.
+pub const SHARES: Range<f64> = 0.1..0.35;
+
+/// A place of joint `j` away from the ends of its region, rad.
+pub fn inside(scene: &Scene, j: usize, rng: &mut ChaCha8Rng) -> f64 {
+    scene.arm.centre[j] + scene.arm.reach[j] * rng.random_range(-0.4..0.4)
+}

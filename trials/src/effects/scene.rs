@@ -1,0 +1,120 @@
+//! What an effect is drawn for, and what was drawn.
+
+use super::withheld::Withheld;
+use plant::arm::Arm;
+use plant::random::log_uniform;
+use plant::reference::Session;
+use rand::RngExt;
+use rand::seq::IndexedRandom;
+use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
+
+/// What a shape is drawn for.
+pub struct Scene<'a> {
+    /// The plain plant.
+    pub arm: &'a Arm,
+    /// Its motion.
+    pub session: &'a Session,
+    /// What its motion as commanded asks of each joint.
+    pub demand: &'a Demand,
+    /// Diagonal of its mass matrix in mid-region, kg·m².
+    pub inertia: &'a [f64],
+}
+
+impl Scene<'_> {
+    /// Whether joint `j` turns; others slide.
+    pub fn turns(&self, j: usize) -> bool {
+        self.arm.joints[j].kind.is_rotation()
+    }
+
+    /// Lengths of angle over those of a turning joint: a sliding joint's positions are smaller.
+    pub fn reach(&self, j: usize) -> f64 {
+        self.arm.reach[j] / 1.4
+    }
+}
+
+/// What a motion asks of each joint of the plain plant.
+pub struct Demand {
+    /// Root mean square of the whole torque, N·m.
+    pub torque: Vec<f64>,
+    /// The same of gravity's torque.
+    pub gravity: Vec<f64>,
+    /// Greatest torque, N·m.
+    pub greatest: Vec<f64>,
+    /// Root mean square velocity, rad/s.
+    pub velocity: Vec<f64>,
+    /// Mean power of friction, W.
+    pub power: Vec<f64>,
+}
+
+/// What is drawn for every effect alike, before its own shape, whether it uses it or not: so no effect's draws depend on
+/// another's.
+pub struct Pick {
+    /// Any joint.
+    pub any: usize,
+    /// One of those that gravity loads.
+    pub heavy: Option<usize>,
+    /// One of those whose rotor is told from its link.
+    pub geared: Option<usize>,
+    /// 1 or −1.
+    pub sign: f64,
+}
+
+impl Pick {
+    /// Draws joints and sign.
+    pub fn draw(scene: &Scene, rng: &mut ChaCha8Rng) -> Self {
+        let (n, demand) = (scene.arm.dof(), scene.demand);
+        let loaded: Vec<usize> = (0..n)
+            .filter(|&j| demand.gravity[j] > 0.3 * demand.torque[j])
+            .collect();
+        let any = rng.random_range(0..n);
+        let heavy = loaded.choose(rng).copied();
+        let geared: Vec<usize> = (0..n).filter(|&j| scene.arm.disc[j] > 0.0).collect();
+        let geared = geared.choose(rng).copied();
+        let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        Self {
+            any,
+            heavy,
+            geared,
+            sign,
+        }
+    }
+}
+
+/// A shape and where and how large it is to be.
+pub struct Shape {
+    /// The effect.
+    pub effect: Box<dyn Withheld>,
+    /// Joint on which its size is set; none: where it is largest.
+    pub joint: Option<usize>,
+    /// Share of that joint's torque.
+    pub share: f64,
+}
+
+impl Shape {
+    /// An effect whose share of the torque of joint `j` is drawn from `shares`.
+    pub fn on(
+        j: usize,
+        effect: impl Withheld + 'static,
+        shares: Range<f64>,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        Self {
+            joint: Some(j),
+            ..Self::anywhere(effect, shares, rng)
+        }
+    }
+
+    /// An effect whose share is that of the joint where it is largest.
+    pub fn anywhere(
+        effect: impl Withheld + 'static,
+        shares: Range<f64>,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        Self {
+            effect: Box::new(effect),
+            joint: None,
+            share: log_uniform(rng, shares.start, shares.end),
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! What every withheld effect can say and do.
+
+use physics::robot::RobotError;
+use plant::build::Build;
+use serde_json::Value;
+use std::fmt::Debug;
+
+/// The drawn shape of an effect. Its size is set afterwards and has the unit that the effect's file states; joints count
+/// from 0.
+pub trait Withheld: Debug + Send + Sync {
+    /// Adds the effect in this size to a plant.
+    ///
+    /// # Errors
+    /// The altered bodies make no possible robot.
+    fn apply(&self, size: f64, build: &mut Build) -> Result<(), RobotError>;
+
+    /// Describes it in this size on an arm with `dof` joints.
+    fn describe(&self, size: f64, dof: usize) -> Description;
+
+    /// Largest size that is still plausible.
+    fn largest(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// A small size to start the search from.
+    fn smallest(&self) -> f64 {
+        0.1
+    }
+
+    /// Whether its torque is that of one mechanism alone, which the simulation notes by itself.
+    fn is_self_contained(&self) -> bool {
+        false
+    }
+
+    /// The part that gives way, if it lets one.
+    fn yielding(&self) -> Option<&dyn Yielding> {
+        None
+    }
+
+    /// Whether it acts through the plant's own vibration: then its torque is noted below 20 Hz only, as above that it
+    /// is the difference of two large torques.
+    fn vibrates(&self) -> bool {
+        self.yielding().is_some()
+    }
+}
+
+/// A part of the robot that gives way under torque.
+pub trait Yielding {
+    /// Which one.
+    fn place(&self) -> Place;
+
+    /// Its stiffness where it is stiffest, N·m/rad.
+    fn stiffness(&self, size: f64) -> f64;
+
+    /// How far it gives way (rad) under a torque (N·m) that has the root mean square `usual`, were it at rest.
+    fn deflection(&self, size: f64, torque: f64, usual: f64) -> f64;
+}
+
+/// Where a robot gives way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Between this joint's rotor and its link.
+    Gear(usize),
+    /// Below the whole arm, on a hinge that then is the plant's first joint.
+    Mount,
+}
+
+/// What is said of an effect beside its figures.
+pub struct Description {
+    /// Mechanism.
+    pub mechanism: &'static str,
+    /// Joints that the effect belongs to; none: the whole arm.
+    pub joints: Option<Vec<usize>>,
+    /// Parameters.
+    pub parameters: Value,
+    /// Effects that no recording can tell from it.
+    pub indistinguishable: Vec<&'static str>,
+}
+
+impl Description {
+    /// Of an effect that belongs to these joints.
+    pub fn of_joints(joints: &[usize], mechanism: &'static str, parameters: Value) -> Self {
+        Self {
+            joints: Some(joints.to_vec()),
+            ..Self::of_arm(mechanism, parameters)
+        }
+    }
+
+    /// Of an effect that belongs to the whole arm.
+    pub fn of_arm(mechanism: &'static str, parameters: Value) -> Self {
+        Self {
+            mechanism,
+            joints: None,
+            parameters,
+            indistinguishable: Vec::new(),
+        }
+    }
+
+    /// Notes that no recording can tell the effect from `other`, if that `holds`.
+    pub fn same_as(mut self, other: &'static str, holds: bool) -> Self {
+        self.indistinguishable.extend(holds.then_some(other));
+        self
+    }
+}
+
+/// Name of a joint from its index.
+pub fn joint_name(joint: usize) -> String {
+    format!("joint{}", joint + 1)
+}

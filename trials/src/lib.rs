@@ -1,0 +1,16 @@
+//! Recordings of the simulated robot on which proofs and tests stand.
+//!
+//! - [`cases`]: sealed diagnosis cases with one withheld effect and their answers.
+//! - `effects`: what a sealed case can withhold, one file per effect.
+//! - [`protocols`]: recordings as the source papers made theirs.
+//! - [`raw`]: recordings as a controller logs them, with what is true of their torque channel.
+#![forbid(unsafe_code)]
+
+pub mod cases;
+mod effects;
+mod error;
+pub mod protocols;
+pub mod raw;
+
+pub use error::SimulateError;
+pub use protocols::{Protocol, Simulated, cached};

@@ -1,0 +1,140 @@
+//! `simulate`: recordings of simulated robots.
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use trials::{Protocol, SimulateError, cases, raw};
+
+/// Recordings of simulated robots, with effects that a rigid-body model lacks.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    what: What,
+    /// Threads (0: all).
+    #[arg(long, global = true, default_value_t = 0)]
+    threads: usize,
+    /// No progress bar.
+    #[arg(long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Sealed cases for `diagnose`: robot.urdf, train.parquet and test.parquet for each, and truth/ID.json.
+    Cases {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// Number of cases.
+        #[arg(long, default_value_t = cases::ROUND)]
+        cases: u64,
+        /// Seed of the run.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// Raw recordings as a controller logs them: robot.urdf, train.csv and test.csv for each, and truth/ID.json with delay,
+    /// scale and offset of the torque.
+    Raw {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// Number of recordings.
+        #[arg(long, default_value_t = 100)]
+        cases: u64,
+        /// Seed of the run.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// UR5: Fourier excitations at 100 Hz, 154,440 samples of point-to-point moves at 60 Hz, a verification run.
+    Ur5(Recordings),
+    /// KR300: 36 trajectories of 60.6 s run twice, 10 Hz behind a 2 Hz low-pass.
+    Kr300(Recordings),
+    /// Foxbot A05: Fourier series with friction by a power of speed.
+    #[command(name = "foxbot_a05")]
+    FoxbotA05(Recordings),
+}
+
+#[derive(clap::Args)]
+struct Recordings {
+    /// Folder for NAME-PART.parquet and NAME-truth.json.
+    #[arg(long)]
+    out: PathBuf,
+    /// Format: parquet or csv.
+    #[arg(long, default_value = "parquet", value_parser = ["parquet", "csv"])]
+    format: String,
+    /// Seed.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads)
+        .build();
+    let result = match pool {
+        Ok(pool) => pool.install(|| run(&arguments)),
+        Err(error) => {
+            report::warn!("simulate: cannot start threads: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            report::warn!("simulate: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), SimulateError> {
+    match &arguments.what {
+        What::Cases { out, cases, seed } => {
+            let bar = bar(*cases, arguments.quiet);
+            cases::write_all(*cases, *seed, out, |id, _| {
+                bar.set_message(id.to_owned());
+                bar.inc(1);
+            })?;
+            bar.finish_with_message(format!("written to {}", out.display()));
+            Ok(())
+        }
+        What::Raw { out, cases, seed } => {
+            let bar = bar(*cases, arguments.quiet);
+            for index in 0..*cases {
+                let case = raw::generate(*seed, index)?;
+                raw::write(&case, out)?;
+                bar.set_message(case.id);
+                bar.inc(1);
+            }
+            bar.finish_with_message(format!("written to {}", out.display()));
+            Ok(())
+        }
+        What::Ur5(to) => record(Protocol::Ur5, to, arguments.quiet),
+        What::Kr300(to) => record(Protocol::Kr300, to, arguments.quiet),
+        What::FoxbotA05(to) => record(Protocol::FoxbotA05, to, arguments.quiet),
+    }
+}
+
+fn record(protocol: Protocol, to: &Recordings, quiet: bool) -> Result<(), SimulateError> {
+    let bar = bar(100, quiet);
+    bar.set_message(protocol.name());
+    let made = protocol.simulate(to.seed, &|part| bar.set_position((100.0 * part) as u64))?;
+    bar.finish();
+    for file in made.write(&to.out, &to.format)? {
+        report::say!("{}", file.display());
+    }
+    Ok(())
+}
+
+fn bar(length: u64, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} (left {eta}) {msg}");
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,281 @@
+//! Runs of one robot, simulated side by side.
+
+use crate::SimulateError;
+use datasets::{Recording, Trajectory};
+use ndarray::{Axis, concatenate};
+use physics::robot::Robot;
+use plant::arm::Arm;
+use plant::control::{Controller, Sensing};
+use plant::measure::{Errors, record};
+use plant::mechanism::{
+    Bristle, Drag, DragKind, GearMesh, Mechanism, Ripple, Stribeck, StribeckKind, WarmingGrease,
+};
+use plant::reference::{Command, Session};
+use plant::run::{Clock, run};
+use plant::{Friction, Plant};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// One run: trajectories without a break of the clock.
+pub struct Plan {
+    /// What is run.
+    pub session: Session,
+    /// Its time on the clock of the part, s.
+    pub offset: f64,
+    /// Labels of its trajectories.
+    pub labels: Vec<String>,
+    /// Times of the loop.
+    pub clock: Clock,
+    /// Part of the recording that it belongs to.
+    pub part: usize,
+}
+
+/// What a joint does beyond viscous and Coulomb friction. Zero switches an effect off.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct JointEffects {
+    /// Ripple: amplitude of the first wave, N·m; a second has 40 % of it at 2.7 times the order.
+    pub ripple: f64,
+    /// Order of the first wave, rad⁻¹.
+    pub order: f64,
+    /// Extra friction of a starting joint, N·m (Lorentz).
+    pub stribeck: f64,
+    /// Speed at which half of it has gone, rad/s.
+    pub stribeck_speed: f64,
+    /// Drag of activated flow at 3 rad/s, N·m.
+    pub flow: f64,
+    /// Lost share of the transmitted torque.
+    pub loss: f64,
+    /// Deflection of the bristles that carry the Coulomb friction, rad.
+    pub deflection: f64,
+    /// Extra friction of the cold gear over the warm one.
+    pub cold: f64,
+}
+
+/// Simulated robot of a protocol.
+pub struct Machine {
+    /// The robot, friction included, as its controller knows it and as it is.
+    pub arm: Arm,
+    /// Effects per joint.
+    pub effects: Vec<JointEffects>,
+    /// Warming: time constant, s, and power at the steady state of each joint, W.
+    pub warm_up: (f64, Vec<f64>),
+    /// Further mechanisms.
+    pub more: fn() -> Vec<Box<dyn Mechanism>>,
+    /// Errors of the recorded channels.
+    pub errors: Errors,
+    /// Bandwidth of the controller, Hz.
+    pub bandwidth: f64,
+}
+
+/// An arm from a built-in robot with its region of motion and friction.
+pub fn arm(
+    family: &'static str,
+    robot: &Robot,
+    centre: [f64; 6],
+    reach: [f64; 6],
+    friction: [(f64, f64); 6],
+) -> Arm {
+    let mut joints = robot.joints().to_vec();
+    for (joint, (viscous, coulomb)) in joints.iter_mut().zip(friction) {
+        joint.damping = viscous;
+        joint.friction = coulomb;
+    }
+    Arm {
+        family,
+        centre: centre.to_vec(),
+        reach: reach.to_vec(),
+        v_eps: vec![0.002; joints.len()],
+        disc: vec![0.0; joints.len()],
+        joints,
+    }
+}
+
+impl Machine {
+    /// The plant at rest at `q`, `time` seconds into the session: the gears have been warming since.
+    fn plant(&self, q: &[f64], time: f64) -> Result<Plant, SimulateError> {
+        let mut mechanisms = (self.more)();
+        let mut friction = Vec::new();
+        let mut armature = Vec::new();
+        for (j, e) in self.effects.iter().enumerate() {
+            let joint = &self.arm.joints[j];
+            let v_eps = self.arm.v_eps[j];
+            armature.push(joint.rotor_inertia);
+            let mut own = Friction {
+                viscous: joint.damping,
+                coulomb: joint.friction,
+                v_eps,
+            };
+            if e.cold > 0.0 {
+                let (time_constant, power) = &self.warm_up;
+                mechanisms.push(Box::new(WarmingGrease {
+                    joint: j,
+                    cold: e.cold,
+                    fading: 2.0,
+                    time: *time_constant,
+                    power: power[j],
+                    viscous: own.viscous,
+                    coulomb: 0.3 * own.coulomb,
+                    v_eps,
+                    warmth: 1.0 - (-time.max(0.0) / time_constant).exp(),
+                }));
+            }
+            if e.deflection > 0.0 {
+                mechanisms.push(Box::new(Bristle {
+                    joint: j,
+                    coulomb: std::mem::take(&mut own.coulomb),
+                    deflection: e.deflection,
+                    elastic: 0.1,
+                    damping: 0.02 * joint.friction / e.deflection,
+                    z: 0.0,
+                }));
+            }
+            if e.loss > 0.0 {
+                mechanisms.push(Box::new(GearMesh {
+                    joint: j,
+                    loss: e.loss,
+                    v_eps,
+                }));
+            }
+            if e.stribeck > 0.0 {
+                mechanisms.push(Box::new(Stribeck {
+                    joint: j,
+                    size: e.stribeck,
+                    v_s: e.stribeck_speed,
+                    v_eps,
+                    kind: StribeckKind::Lorentz,
+                    film: 0.0,
+                }));
+            }
+            if e.flow > 0.0 {
+                mechanisms.push(Box::new(Drag {
+                    joint: j,
+                    size: e.flow,
+                    v_0: 0.12,
+                    v_top: 3.0,
+                    kind: DragKind::Eyring,
+                }));
+            }
+            if e.ripple > 0.0 {
+                let second = [2.7 * e.order, 0.4 * e.ripple, 2.0];
+                mechanisms.push(Box::new(Ripple {
+                    joint: j,
+                    waves: vec![[e.order, e.ripple, 0.7], second],
+                }));
+            }
+            friction.push(own);
+        }
+        Ok(Plant::new(
+            self.arm.robot()?,
+            armature,
+            friction,
+            mechanisms,
+            q.to_vec(),
+        ))
+    }
+
+    /// Simulates the plans; the recording of each part, in order of the plans.
+    pub fn record(
+        &self,
+        plans: &[Plan],
+        parts: usize,
+        seed: u64,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Vec<Recording>, SimulateError> {
+        let done = AtomicUsize::new(0);
+        let runs = plans
+            .par_iter()
+            .enumerate()
+            .map(|(i, plan)| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(i as u64 + 1);
+                let recording = self.run(plan, &mut rng)?;
+                let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
+                progress(finished as f64 / plans.len() as f64);
+                Ok(recording)
+            })
+            .collect::<Result<Vec<Recording>, SimulateError>>()?;
+        let of_part = |part: usize| {
+            let mine: Vec<&Recording> = plans
+                .iter()
+                .zip(&runs)
+                .filter(|(p, _)| p.part == part)
+                .map(|(_, r)| r)
+                .collect();
+            joined(&mine)
+        };
+        Ok((0..parts).filter_map(of_part).collect())
+    }
+
+    fn run(&self, plan: &Plan, rng: &mut ChaCha8Rng) -> Result<Recording, SimulateError> {
+        let mut start = Command::new(self.arm.dof());
+        plan.session.sample(plan.session.span().0, &mut start);
+        let sensing = Sensing {
+            count: self.errors.count.clone(),
+            velocity_noise: self.errors.velocity.iter().map(|v| 0.4 * v).collect(),
+            corner: 60.0,
+        };
+        let period = plan.clock.step * plan.clock.control as f64;
+        let control_rng = ChaCha8Rng::from_rng(rng);
+        let mut controller =
+            Controller::new(&self.arm, self.bandwidth, period, sensing, control_rng)?;
+        let mut plant = self.plant(&start.q, plan.offset)?;
+        let axes: Vec<usize> = (0..self.arm.dof()).collect();
+        let mut trace = run(
+            &plan.session,
+            &mut controller,
+            &mut plant,
+            &axes,
+            plan.clock,
+            0.0,
+        );
+        trace.time.iter_mut().for_each(|t| *t += plan.offset);
+        let (mut recording, _) = record(&trace, &trace.tau, &self.errors, rng);
+        for (trajectory, label) in recording.trajectories.iter_mut().zip(&plan.labels) {
+            trajectory.label.clone_from(label);
+        }
+        Ok(recording)
+    }
+
+    /// The robot's true parameters.
+    pub fn truth(&self) -> serde_json::Value {
+        serde_json::json!({
+            "robot": self.arm.family,
+            "joints": self.arm.joints.iter().map(|j| &j.name).collect::<Vec<_>>(),
+            "parameters": self.arm.joints.iter().map(|j| j.link.inertia.parameters()).collect::<Vec<_>>(),
+            "rotor_inertia": self.arm.joints.iter().map(|j| j.rotor_inertia).collect::<Vec<_>>(),
+            "viscous": self.arm.damping(),
+            "coulomb": self.arm.friction(),
+            "v_eps": self.arm.v_eps,
+            "effects": self.effects,
+            "warm_up_time": self.warm_up.0,
+            "torque_noise": self.errors.torque,
+        })
+    }
+}
+
+/// Runs one behind the other; none of no runs.
+fn joined(runs: &[&Recording]) -> Option<Recording> {
+    let first = *runs.first()?;
+    let mut whole = first.clone();
+    let tables = |get: fn(&Recording) -> Option<&ndarray::Array2<f64>>| {
+        let views: Option<Vec<_>> = runs.iter().map(|r| get(r).map(|t| t.view())).collect();
+        concatenate(Axis(0), &views?).ok()
+    };
+    whole.q = tables(|r| Some(&r.q))?;
+    whole.qd = tables(|r| r.qd.as_ref());
+    whole.tau = tables(|r| r.tau.as_ref());
+    for run in &runs[1..] {
+        let start = whole.time.len();
+        whole.time.extend_from_slice(&run.time);
+        whole
+            .trajectories
+            .extend(run.trajectories.iter().map(|t| Trajectory {
+                label: t.label.clone(),
+                range: t.range.start + start..t.range.end + start,
+            }));
+    }
+    Some(whole)
+}

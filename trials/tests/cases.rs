@@ -1,0 +1,141 @@
+//! Sealed cases as a diagnosis meets them.
+
+use physics::robot::Robot;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use trials::cases::{CaseSpec, Kind, draw, generate, write_all};
+
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(path) = open.pop() {
+        for entry in std::fs::read_dir(&path).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                found.insert(
+                    path.strip_prefix(folder).unwrap().to_owned(),
+                    std::fs::read(&path).unwrap(),
+                );
+            }
+        }
+    }
+    found
+}
+
+/// The answers but for the time that they took.
+fn without_seconds(bytes: &[u8]) -> String {
+    let text = String::from_utf8(bytes.to_vec()).unwrap();
+    text.lines()
+        .filter(|l| !l.contains("\"seconds\""))
+        .collect()
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let write = |threads: usize| {
+        let folder = tempfile::tempdir().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| write_all(4, 3, folder.path(), |_, _| {}))
+            .unwrap();
+        files(folder.path())
+    };
+    let (one, two) = (write(1), write(2));
+    assert_eq!(
+        one.keys().collect::<Vec<_>>(),
+        two.keys().collect::<Vec<_>>()
+    );
+    assert_eq!(one.len(), 16);
+    for (path, bytes) in &one {
+        if path.extension().is_some_and(|e| e == "json") {
+            assert_eq!(without_seconds(bytes), without_seconds(&two[path]));
+        } else {
+            assert!(*bytes == two[path], "{}", path.display());
+        }
+    }
+}
+
+#[test]
+fn every_kind_can_be_made_and_keeps_its_promises() {
+    // The first case of each kind in the round.
+    let mut specs: BTreeMap<&str, CaseSpec> = BTreeMap::new();
+    for i in 0..trials::cases::ROUND {
+        let spec = draw(i, 21);
+        specs.entry(spec.kind.name()).or_insert(spec);
+    }
+    // One of each effect, none, two and outside.
+    assert_eq!(specs.len(), trials::cases::EFFECTS.len() + 3);
+    specs
+        .into_values()
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .for_each(|spec| {
+            let case = generate(&spec, 21).unwrap();
+            let (truth, name) = (&case.truth, spec.kind.name());
+            let robot = Robot::from_urdf_str(&case.urdf).unwrap();
+            assert_eq!(robot.dof(), truth.joints);
+            assert_eq!((case.train.len(), case.test.len()), (30000, 15000));
+            assert_eq!(
+                (case.train.trajectories.len(), case.test.trajectories.len()),
+                (8, 4)
+            );
+            case.train.validate().unwrap();
+            case.test.validate().unwrap();
+            assert_eq!(
+                truth.effects.len(),
+                match spec.kind {
+                    Kind::None => 0,
+                    Kind::Two => 2,
+                    _ => 1,
+                }
+            );
+            for effect in &truth.effects {
+                assert!(effect.share >= 0.03, "{name}: {}", effect.share);
+                assert!(
+                    effect.share_after_reidentification <= effect.share * 1.2,
+                    "{name}"
+                );
+            }
+            // The true plant with the effect explains the recording; without it, worse.
+            let oracle = &truth.oracle.mean_nrmse;
+            let [given, without, with, floor] = [
+                oracle.as_given,
+                oracle.without_effect,
+                oracle.with_effect,
+                oracle.noise_floor,
+            ]
+            .map(|mean| mean.expect("the joints move"));
+            assert!(with < 0.11, "{name}: {with}");
+            if spec.kind != Kind::None {
+                assert!(without > with, "{name}: {oracle:?}");
+                assert!(given > 1.15 * with, "{name}: {oracle:?}");
+            }
+            assert!((0.004..0.03).contains(&floor), "{name}");
+            for (noise, torque) in truth.noise_rms.iter().zip(&truth.torque_rms) {
+                assert!(
+                    (0.0045..0.022).contains(&(noise / torque)),
+                    "{name}: {}",
+                    noise / torque
+                );
+            }
+        });
+}
+
+/// What the simulation notes is inverse dynamics of the true motion and friction, wherever joints slide: in a case
+/// without effect nothing else is left.
+#[test]
+fn without_effect_torque_is_that_of_the_plant() {
+    let spec = CaseSpec {
+        index: 5,
+        kind: Kind::None,
+    };
+    let truth = generate(&spec, 8).unwrap().truth;
+    for (left, torque) in truth.effect_rms.iter().zip(&truth.torque_rms) {
+        assert!(left / torque < 0.02, "{left} of {torque}");
+    }
+}
