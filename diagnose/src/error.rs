@@ -57,7 +57,7 @@ pub enum DiagnoseError {
     Learn(#[from] model::residual::ResidualError),
     /// No motion could be designed.
     #[error("no experiment can be designed: {0}")]
-    Experiment(#[from] physics::excitation::ExcitationError),
+    Experiment(#[from] identify::excitation::ExcitationError),
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),

@@ -21,8 +21,8 @@ use crate::search::dictionary::Dictionary;
 use crate::search::find::Findings;
 use crate::search::objective::Objective;
 use crate::simulator::NominalModel;
+use identify::excitation::{Fourier, MotionLimits, SearchOptions, optimise};
 use ndarray::{Array1, Array2};
-use physics::excitation::{Fourier, MotionLimits, SearchOptions, optimise};
 use signal::Motion;
 use std::fmt::Write;
 

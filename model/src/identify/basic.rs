@@ -6,10 +6,10 @@ use crate::identify::estimators;
 use crate::identify::out_of_fold::OutOfFold;
 use crate::identify::selection::{FoldGrams, ForwardOptions};
 use crate::identify::shrinkage::{self, GivenInertias};
+use ::identify::base::{BaseParameters, Extra};
+use ::identify::least_squares::LeastSquaresError;
 use ndarray::Array2;
 use physics::effects::{Sliding, Term};
-use physics::identify::base::{BaseParameters, Extra};
-use physics::identify::least_squares::LeastSquaresError;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 
