@@ -2,10 +2,10 @@
 
 use super::{LeastSquaresError, Triangle, check_size};
 use faer::{Mat, MatRef};
+use signal::cholesky;
 
-/// Normal equations of [A b]: N = AᵀA, h = Aᵀb, Σb². Half the digits of a [`Triangle`], but sums and
-/// differences are exact in form (whole minus group is leave-one-group-out) and a fit of k of the columns
-/// costs k³/3, which a forward selection over hundreds of candidates needs.
+/// Normal equations of [A b]: N = AᵀA, h = Aᵀb, Σb². Half the digits of a [`Triangle`], but sums are exact in form
+/// and a fit of k of the columns costs k³/3, which a forward selection over hundreds of candidates needs.
 #[derive(Debug, Clone)]
 pub struct Gram {
     /// (p + 1) × (p + 1), symmetric: [[N, h], [hᵀ, Σb²]].
@@ -168,28 +168,18 @@ impl Gram {
             })
             .collect();
         let ridge2 = ridge.max(1e-6).powi(2);
-        // Cholesky by rows, l[i][j] with j ≤ i in one flat buffer; forward substitution on the way.
         let mut l = vec![0.0; k * k];
-        let mut y = vec![0.0; k];
         for i in 0..k {
-            let (done, rest) = l.split_at_mut(i * k);
-            let row = &mut rest[..k];
-            for j in 0..i {
-                let entry = n[(subset[i], subset[j])] / (scale[i] * scale[j]);
-                row[j] = (entry - dot(&row[..j], &done[j * k..])) / done[j * k + j];
+            for j in 0..=i {
+                l[i * k + j] = n[(subset[i], subset[j])] / (scale[i] * scale[j]);
             }
-            let entry = n[(subset[i], subset[i])] / (scale[i] * scale[i]);
-            let pivot = entry + ridge2 - dot(&row[..i], &row[..i]);
-            if pivot.is_nan() || pivot <= 0.0 {
-                return Ok(None);
-            }
-            row[i] = pivot.sqrt();
-            y[i] = (n[(subset[i], p)] / scale[i] - dot(&row[..i], &y)) / row[i];
+            l[i * k + i] += ridge2;
         }
-        for i in (0..k).rev() {
-            let later: f64 = (i + 1..k).map(|j| l[j * k + i] * y[j]).sum();
-            y[i] = (y[i] - later) / l[i * k + i];
+        if cholesky::factor(&mut l, k).is_none() {
+            return Ok(None);
         }
+        let mut y: Vec<f64> = (0..k).map(|i| n[(subset[i], p)] / scale[i]).collect();
+        cholesky::solve(&l, &mut y);
         let parameters: Vec<f64> = std::iter::zip(y, scale).map(|(y, s)| y / s).collect();
         let residual_sum_of_squares = self.residual_sum_of_squares(subset, &parameters)?;
         Ok(Some(GramFit {
@@ -228,9 +218,4 @@ impl Gram {
             None => Ok(()),
         }
     }
-}
-
-/// Σ a·b over the length of the shorter.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    std::iter::zip(a, b).map(|(a, b)| a * b).sum()
 }
