@@ -9,7 +9,7 @@ use crate::motion::scene::{SOFT_SIGN, rigid_torque};
 use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 
-/// Velocities tried below which the sign of a motion is softened, rad/s (m/s); the contract allows up to 0.005.
+/// Velocities tried below which the sign of a motion is softened, rad/s (m/s); docs/formats.md allows up to 0.005.
 const SOFTNESSES: [f64; 6] = [0.0004, 0.0007, 0.0012, 0.002, 0.0032, 0.005];
 /// Part of the error that a softness must save over [`SOFT_SIGN`] to be taken.
 const WORTH: f64 = 0.02;
