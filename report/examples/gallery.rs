@@ -174,7 +174,6 @@ fn spectrum() -> report::Figure {
         "order / 1 per turn",
     )
     .half_width()
-    .marker(12.0, "12")
     .panel(
         Panel::new("amplitude / N·m")
             .log()

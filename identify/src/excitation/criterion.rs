@@ -75,38 +75,6 @@ impl Excitation<'_> {
     }
 }
 
-/// How well a trajectory separates two models (T-optimality, Atkinson and Fedorov, Biometrika 62(1), 1975): the sum of
-/// squares, in noise deviations, of the torque by which they differ that no parameters of the first can take up.
-///
-/// `model` fills the N × `columns` rows (row-major) of the first model's parameters in a state (q, q̇, q̈),
-/// `difference` the N torques by which the second differs. Its negative is a cost for [`super::optimise`].
-///
-/// # Errors
-/// A noise deviation that is missing or not positive; no samples; values that are not finite.
-pub fn separation(
-    trajectory: &Fourier,
-    samples: usize,
-    noise: &[f64],
-    columns: usize,
-    mut model: impl FnMut(&[f64], &[f64], &[f64], &mut [f64]),
-    mut difference: impl FnMut(&[f64], &[f64], &[f64], &mut [f64]),
-) -> Result<f64, ExcitationError> {
-    let n = trajectory.dof();
-    check_noise(noise, n)?;
-    let mut rows = Accumulator::new(columns);
-    let (mut block, mut torque) = (vec![0.0; n * columns], vec![0.0; n]);
-    for_each_sample(trajectory, samples, |q, qd, qdd| {
-        model(q, qd, qdd, &mut block);
-        difference(q, qd, qdd, &mut torque);
-        for joint in 0..n {
-            let row = &block[joint * columns..][..columns];
-            rows.push(row, torque[joint], 1.0 / noise[joint])?;
-        }
-        Ok(())
-    })?;
-    Ok(rows.finish()?.unexplained())
-}
-
 fn check_noise(noise: &[f64], n: usize) -> Result<(), ExcitationError> {
     if noise.len() == n && noise.iter().all(|s| s.is_finite() && *s > 0.0) {
         Ok(())

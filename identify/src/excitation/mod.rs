@@ -1,5 +1,4 @@
-//! Exciting trajectories: motions within the robot's limits from which parameters can be told well, or two models
-//! told apart.
+//! Exciting trajectories: motions within the robot's limits from which parameters can be told well.
 //!
 //! Periodic Fourier series (Swevers et al., IEEE Trans. Robotics and Automation 13(5), 1997; Han et al., IEEE T-RO
 //! 36(5), 2020, eqs 33 and 34), improved by coordinate search from several random starts. Deterministic: the same
@@ -12,7 +11,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-pub use criterion::{Criterion, Excitation, separation};
+pub use criterion::{Criterion, Excitation};
 pub use fourier::{Fourier, MotionLimits};
 pub use rows::BaseRows;
 pub use search::{Found, SearchOptions, optimise};

@@ -81,52 +81,6 @@ fn derivatives_are_those_of_the_position() {
 }
 
 #[test]
-fn separation_finds_where_two_friction_models_differ() {
-    // Viscous against viscous with a Stribeck bump below 0.2 rad/s: only slow motion tells them apart.
-    let limits = [MotionLimits {
-        lower: -1.0,
-        upper: 1.0,
-        velocity: 2.0,
-        acceleration: 10.0,
-    }];
-    let score = |trajectory: &Fourier| {
-        separation(
-            trajectory,
-            200,
-            &[0.1],
-            2,
-            |_, qd, _, rows| rows.copy_from_slice(&[qd[0], qd[0].signum()]),
-            |_, qd, _, torque| torque[0] = qd[0].signum() * (-(qd[0] / 0.2).powi(2)).exp(),
-        )
-    };
-    let options = SearchOptions {
-        sweeps: 3,
-        ..SearchOptions::default()
-    };
-    let found = optimise(&limits, &options, |t| score(t).map(|s| -s)).unwrap();
-    assert!(found.cost < found.start_cost);
-    // One fast sine is seldom that slow.
-    let fast = Fourier {
-        period: 2.5,
-        offset: vec![0.0],
-        sine: ndarray::arr2(&[[0.0]]),
-        cosine: ndarray::arr2(&[[0.79]]),
-    };
-    let (best, plain) = (-found.cost, score(&fast).unwrap());
-    assert!(best > 2.0 * plain, "{best} against {plain}");
-    // A difference that the first model's own parameters take up separates nothing.
-    let absorbed = separation(
-        &found.trajectory,
-        200,
-        &[0.1],
-        1,
-        |_, qd, _, rows| rows[0] = qd[0],
-        |_, qd, _, torque| torque[0] = 3.0 * qd[0],
-    );
-    assert!(absorbed.unwrap() < 1e-15);
-}
-
-#[test]
 fn bad_input_is_refused() {
     let flat = MotionLimits {
         lower: 1.0,

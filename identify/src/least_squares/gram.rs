@@ -131,22 +131,6 @@ impl Gram {
         })
     }
 
-    /// The sums over the rows of `self` without those of `part`, which must be among them.
-    ///
-    /// # Errors
-    /// Different numbers of columns; a part with more rows than the whole.
-    pub fn minus(&self, part: &Gram) -> Result<Gram, LeastSquaresError> {
-        check_size("the part", part.columns(), self.columns())?;
-        let rows = self
-            .rows
-            .checked_sub(part.rows)
-            .ok_or(LeastSquaresError::NoRows)?;
-        Ok(Gram {
-            products: &self.products - &part.products,
-            rows,
-        })
-    }
-
     /// Least squares on the columns of `subset`, with `ridge` relative to the norm of each column (1e-6 is the
     /// least that squared condition numbers leave room for; smaller values are raised to it). `None` where
     /// the columns are numerically dependent all the same.

@@ -17,9 +17,6 @@ use rayon::prelude::*;
 /// velocity asks for; noise, encoder counts and the low-pass soften it.
 const SOFTNESSES: [f64; 6] = [0.002, 0.005, 0.01, 0.02, 0.05, 0.1];
 
-/// Softness of a sign that nothing is known of, rad/s or m/s.
-pub const USUAL_SOFTNESS: f64 = 0.02;
-
 /// Basic terms of each joint, with a true sign. Rotor inertia belongs to them where the rigid body does not contain it.
 pub fn terms(robot: &Robot) -> Vec<Vec<Term>> {
     let with_rotors = BaseParameters::of_robot(robot, &[Extra::RotorInertia]);
