@@ -4,9 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use compensator::Error;
-use compensator::training::{
-    Control, Job, Samples, Split, Training, UnitConfig, cross_validate, folds,
-};
+use compensator::training::{Control, Job, Samples, Split, Training, UnitConfig};
 use compensator::training::{predict, train, train_ridge};
 use feedforward::network::{Architecture, Compensator, Memory, Recurrent, UnitStream};
 use ndarray::{Array1, Array2};
@@ -333,29 +331,6 @@ fn masked_samples_do_not_count() {
     let before = trained(&data);
     data.target.iter_mut().step_by(3).for_each(|y| *y += 100.0);
     assert_eq!(before, trained(&data));
-}
-
-#[test]
-fn cross_validation_predicts_every_sample_by_a_unit_that_never_saw_it() {
-    let data = hysteresis();
-    let mut config = recurrent(false, WINDOW);
-    config.training.epochs = 6;
-    let job = data.job(config);
-    let groups: Vec<usize> = (0..TRAJECTORIES).collect();
-    let folds = folds(&groups, 5, 3).unwrap();
-    let (trained, torque) = cross_validate(
-        &job,
-        &folds,
-        &Control {
-            threads: 2,
-            ..Control::default()
-        },
-    )
-    .unwrap();
-    assert_eq!(trained.len(), 5);
-    let left = data.rmse(&torque, &groups);
-    let nothing = data.rmse(&vec![0.0; torque.len()], &groups);
-    assert!(left < 0.6 * nothing, "{left} of {nothing}");
 }
 
 #[test]

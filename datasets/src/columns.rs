@@ -75,12 +75,12 @@ impl Affine {
     }
 }
 
-/// Names and units of a recording's columns, where they differ from the contract's.
+/// Names and units of a recording's columns, where they differ from those of docs/formats.md.
 ///
-/// A drive file gives it. Empty means the contract's own names and SI units.
+/// A drive file gives it. Empty means those names and SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnMap {
-    /// The file's name for a contract column: the key is `time`, `trajectory`, one column
+    /// The file's name for a column: the key is `time`, `trajectory`, one column
     /// (`tau3`) or a group (`tau`); the value of a group holds `{}` where the joint's number,
     /// from 1, stands (`motor_current_{}`).
     pub names: BTreeMap<String, String>,

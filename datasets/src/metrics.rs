@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn json_has_the_keys_of_the_contract() {
+    fn json_has_the_documented_keys() {
         let m = array![[1.0], [2.0]];
         let [row, _] = Row::both_scopes("physics", &m, &m, &m).unwrap();
         let json = serde_json::to_string(&row).unwrap();

@@ -59,7 +59,7 @@ pub enum DiagnoseError {
     Learn(#[from] model::residual::ResidualError),
     /// No motion could be designed.
     #[error("no experiment can be designed: {0}")]
-    Experiment(#[from] physics::excitation::ExcitationError),
+    Experiment(#[from] identify::excitation::ExcitationError),
     /// The linear baseline of a model directory.
     #[error(transparent)]
     Baseline(#[from] BaselineError),

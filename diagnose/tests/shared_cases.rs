@@ -1,4 +1,4 @@
-//! The shared example cases, where they are there: right answers, and reports as the contract has them.
+//! The shared example cases, where they are there: right answers, and reports as docs/formats.md has them.
 
 use datasets::{ReadOptions, read};
 use diagnose::NominalModel;

@@ -6,12 +6,12 @@ use crate::directory::{
 };
 use crate::identify::diagnostics::Diagnostics;
 use crate::session::Session;
+use ::identify::base::BaseParameters;
 use datasets::Recording;
 use datasets::metrics::MOVING;
 use feedforward::clock::Memory;
 use ndarray::Array2;
 use physics::effects::Term;
-use physics::identify::base::BaseParameters;
 use physics::robot::Robot;
 use physics::torque_model::{TorqueModel, TorqueModelRecord};
 use sha2::{Digest, Sha256};

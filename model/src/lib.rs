@@ -10,7 +10,6 @@ pub mod directory;
 pub mod evaluation;
 pub mod failure;
 pub mod identify;
-pub mod metrics;
 pub mod page;
 pub mod physics_fit;
 pub mod predict;

@@ -11,14 +11,14 @@ use crate::predict::predict;
 use crate::preparation::choice;
 use crate::preparation::cutoff::{self, CutoffError};
 use crate::session::Session;
+use ::identify::base::BaseParameters;
+use ::identify::feasible::Feasible;
 use datasets::metrics::{Row, ShapeError};
 use datasets::prepare::Source as Derivative;
 use datasets::prepare::{Derivatives, PrepareError, PrepareOptions, prepare};
 use datasets::{Folds, Recording};
 use ndarray::Array2;
 use physics::effects::Term;
-use physics::identify::base::BaseParameters;
-use physics::identify::feasible::Feasible;
 use physics::robot::Robot;
 use physics::torque_model::{TorqueModelRecord, WeightedTerm};
 

@@ -2,10 +2,10 @@
 
 use crate::identify::design::rigid_columns;
 use crate::session::{Session, Start};
+use ::identify::base::BaseParameters;
 use feedforward::clock::Memory;
 use ndarray::{Array2, Axis};
 use physics::effects::{BankState, Term};
-use physics::identify::base::BaseParameters;
 use physics::torque_model::TorqueModel;
 
 /// Torque at the recorded samples of every recording, shape (samples, joints).

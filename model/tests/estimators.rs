@@ -1,6 +1,7 @@
 //! The estimators on one simulated arm whose parameters are known, with outliers, coloured noise and friction by a
 //! power of speed.
 
+use ::identify::base::BaseParameters;
 use datasets::{PrepareOptions, Recording, Trajectory};
 use model::identify::estimators::{Estimator, EstimatorOptions, Known, Lmi};
 use model::identify::identification::IdentifyOptions;
@@ -8,7 +9,6 @@ use model::physics_fit::{Fit, FitOptions, fit_physics};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::effects::{Sliding, Term};
-use physics::identify::base::BaseParameters;
 use physics::robot::Robot;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,9 +1,9 @@
-//! Robot models, rigid-body dynamics, effects beyond the rigid body, and identification.
+//! Robot models, rigid-body dynamics and effects beyond the rigid body.
+//!
+//! How their parameters are found stands in the crate `identify`.
 #![forbid(unsafe_code)]
 
 pub mod dynamics;
 pub mod effects;
-pub mod excitation;
-pub mod identify;
 pub mod robot;
 pub mod torque_model;

@@ -3,6 +3,7 @@
 use crate::mechanism::{Instant, Mechanism, soft_sign};
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix};
 use physics::robot::Robot;
+use signal::cholesky;
 
 /// Viscous and Coulomb friction of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -181,7 +182,11 @@ impl Plant {
                 self.rest[j] =
                     self.force[j] - self.bias[j] - self.still[j] - self.chord[j] * self.v[j];
             }
-            solve(&mut self.factor, &mut self.rest, n);
+            match cholesky::factor(&mut self.factor, n) {
+                Some(()) => cholesky::solve(&self.factor, &mut self.rest),
+                // The mass is positive definite but for a state that is not finite, which it then stays.
+                None => self.rest.fill(f64::NAN),
+            }
             let mut settled = true;
             for j in 0..n {
                 let end = self.v[j] + dt * self.rest[j];
@@ -205,28 +210,6 @@ impl Plant {
         }
         self.v.copy_from_slice(&self.end);
         self.a.copy_from_slice(&self.rest);
-    }
-}
-
-/// Solves the symmetric positive definite system in place: `m` (row-major) becomes its Cholesky factor, `b` the
-/// solution.
-fn solve(m: &mut [f64], b: &mut [f64], n: usize) {
-    for i in 0..n {
-        for j in 0..=i {
-            let dot: f64 = (0..j).map(|k| m[i * n + k] * m[j * n + k]).sum();
-            let value = m[i * n + j] - dot;
-            m[i * n + j] = if i == j {
-                value.sqrt()
-            } else {
-                value / m[j * n + j]
-            };
-        }
-        let dot: f64 = (0..i).map(|k| m[i * n + k] * b[k]).sum();
-        b[i] = (b[i] - dot) / m[i * n + i];
-    }
-    for i in (0..n).rev() {
-        let dot: f64 = (i + 1..n).map(|k| m[k * n + i] * b[k]).sum();
-        b[i] = (b[i] - dot) / m[i * n + i];
     }
 }
 
@@ -305,13 +288,5 @@ mod tests {
         for (a, b) in p.q.iter().zip(&start) {
             assert!((a - b).abs() < 2e-3, "{a} {b}");
         }
-    }
-
-    #[test]
-    fn solve_by_hand() {
-        let mut m = [4.0, 2.0, 2.0, 3.0];
-        let mut b = [8.0, 8.0];
-        solve(&mut m, &mut b, 2);
-        assert!((b[0] - 1.0).abs() < 1e-15 && (b[1] - 2.0).abs() < 1e-15);
     }
 }

@@ -9,7 +9,7 @@ fn main() -> Result<(), report::WriteError> {
         .nth(1)
         .map_or_else(|| PathBuf::from("gallery.html"), PathBuf::from);
     let page = page();
-    write_atomic(&path, &page.render())?;
+    write_atomic(&path, page.render())?;
     print!("{}", scores().to_text());
     println!("{}", path.display());
     Ok(())
@@ -174,7 +174,6 @@ fn spectrum() -> report::Figure {
         "order / 1 per turn",
     )
     .half_width()
-    .marker(12.0, "12")
     .panel(
         Panel::new("amplitude / N·m")
             .log()

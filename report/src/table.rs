@@ -124,7 +124,6 @@ pub struct Table {
     pub(crate) caption: Option<String>,
     pub(crate) columns: Vec<Column>,
     pub(crate) rows: Vec<Vec<Cell>>,
-    pub(crate) best_in_row: Option<Best>,
     pub(crate) emphasised: Vec<usize>,
 }
 
@@ -164,22 +163,10 @@ impl Table {
         self
     }
 
-    /// Marks the best number of every row.
-    pub fn best_in_rows(mut self, best: Best) -> Self {
-        self.best_in_row = Some(best);
-        self
-    }
-
-    /// For each cell, whether it is the best of its row or column. Ties are all marked; a lone number
+    /// For each cell, whether it is the best of its column. Ties are all marked; a lone number
     /// is not.
     pub(crate) fn marks(&self) -> Vec<Vec<bool>> {
         let mut marks = vec![vec![false; self.columns.len()]; self.rows.len()];
-        if let Some(best) = self.best_in_row {
-            for (r, row) in self.rows.iter().enumerate() {
-                let cells = row.iter().enumerate().map(|(c, cell)| ((r, c), cell));
-                mark(&mut marks, best, cells);
-            }
-        }
         for (c, column) in self.columns.iter().enumerate() {
             if let Some(best) = column.best {
                 let rows = self.rows.iter().enumerate();
@@ -311,12 +298,6 @@ mod tests {
             [false, true, false],
         ];
         assert_eq!(table.marks(), expected);
-
-        let row = Table::new(["physics", "both"].map(Column::number))
-            .best_in_rows(Best::Lowest)
-            .row([Cell::number(0.1, 2), Cell::number(-0.1, 2)])
-            .row([Cell::number(0.1, 2), Cell::missing()]);
-        assert_eq!(row.marks(), [[false, true], [false, false]]);
     }
 
     #[test]

@@ -13,7 +13,6 @@ fn figures(name: &str, values: &[f64]) -> Vec<Figure> {
         .floor(name, 0.5);
     vec![
         Plot::new(name, name)
-            .marker(1.0, name)
             .panel(
                 Panel::new(name)
                     .line(name, Ink::Measured, values, values)

@@ -1,4 +1,4 @@
-//! Derivatives and integrals of sampled signals.
+//! Derivatives of sampled signals.
 
 /// Second-order differences on any grid; one-sided at the ends, as `numpy.gradient` with
 /// `edge_order = 1`. A signal of fewer than two samples has derivative zero.
@@ -18,18 +18,4 @@ pub fn differences(time: &[f64], values: &[f64]) -> Vec<f64> {
     }
     out.push(slope(n - 2));
     out
-}
-
-/// Running integral by the trapezoidal rule, zero at the first sample.
-pub fn cumulative_integral(time: &[f64], values: &[f64]) -> Vec<f64> {
-    let n = time.len().min(values.len());
-    let mut sum = 0.0;
-    (0..n)
-        .map(|i| {
-            if i > 0 {
-                sum += 0.5 * (values[i] + values[i - 1]) * (time[i] - time[i - 1]);
-            }
-            sum
-        })
-        .collect()
 }

@@ -1,5 +1,5 @@
 //! Sampled motion and the signal processing that recordings and models share:
-//! zero-phase filters, splines, resampling and spectra.
+//! zero-phase filters, splines, resampling, spectra and small linear systems.
 //!
 //! Everything is a plain function over `&[f64]`, one signal at a time; nothing here knows of
 //! joints but [`Motion`].
@@ -14,6 +14,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bootstrap;
+pub mod cholesky;
 pub mod correlation;
 pub mod delay;
 pub mod differences;

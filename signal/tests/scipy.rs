@@ -92,8 +92,6 @@ fn splines_equal_scipy() {
     }
     let gradient = differences::differences(&time, &values);
     assert_close(&gradient, &numbers(&s["gradient"]), 1e-12, "gradient");
-    let integral = differences::cumulative_integral(&time, &values);
-    assert_close(&integral, &numbers(&s["integral"]), 1e-13, "integral");
 }
 
 #[test]

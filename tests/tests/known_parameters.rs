@@ -7,14 +7,14 @@
 
 use datasets::Recording;
 use datasets::prepare::{PrepareOptions, prepare};
+use identify::base::{BaseParameters, Extra};
+use identify::feasible::{Constraints, Feasibility, Nominal};
+use identify::iterative::{
+    Identification, IterativeOptions, Physical, PowerLaw, Problem, identify,
+};
 use nalgebra::Matrix4;
 use ndarray::{Array1, Array2};
 use physics::dynamics::{Workspace, regressor};
-use physics::identify::base::{BaseParameters, Extra};
-use physics::identify::feasible::{Constraints, Feasibility, Nominal};
-use physics::identify::iterative::{
-    Identification, IterativeOptions, Physical, PowerLaw, Problem, identify,
-};
 use physics::robot::Robot;
 use plant::arm::Arm;
 use plant::control::{Controller, Sensing};

@@ -245,7 +245,7 @@ fn a_joint_that_never_moves() {
     }
 }
 
-/// A robot on a wall: gravity along the base's −x, written as the contract has it.
+/// A robot on a wall: gravity along the base's −x, written as docs/formats.md has it.
 #[test]
 fn gravity_of_the_base_frame() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,10 +1,10 @@
 //! Arguments that choose how parameters are estimated.
 
 use clap::{Args, ValueEnum};
+use identify::iterative::Weight;
 use model::directory::ModelFile;
 use model::failure::Failure;
 use model::identify::estimators::{Estimator, EstimatorOptions, Known, Lmi};
-use physics::identify::iterative::Weight;
 use physics::robot::Robot;
 use std::path::Path;
 

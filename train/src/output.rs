@@ -5,8 +5,8 @@ use crate::input::Input;
 use datasets::Recording;
 use datasets::metrics::Row;
 use model::baseline::published::{Part, Published, beside};
+use model::directory::metrics::{Member, Metrics};
 use model::failure::Failure;
-use model::metrics::{Member, Metrics};
 use model::page::Subject;
 use model::physics_fit::Fit;
 use model::residual::{Learned, member_torques};
@@ -62,7 +62,7 @@ pub fn metrics(
         .map(|recording| rows(fit, learned, data.len(), recording))
         .transpose()?;
     Ok(Metrics {
-        schema: model::metrics::SCHEMA,
+        schema: model::directory::metrics::SCHEMA,
         joints: fit.file.joints.clone(),
         train,
         heldout,

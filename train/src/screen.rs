@@ -5,7 +5,7 @@ use crate::output::{PAGE, published};
 use datasets::check::{CheckReport, Finding, Severity};
 use datasets::metrics::{Row, Scope};
 use model::directory::json;
-use model::metrics::{Member, Metrics};
+use model::directory::metrics::{Member, Metrics};
 use model::physics_fit::Fit;
 use model::tables;
 use report::{say, say_text};

@@ -4,8 +4,6 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::ensemble::{Control, Job, Trained, train};
-use super::predict::predict;
 use super::samples::Split;
 use crate::Error;
 
@@ -60,39 +58,6 @@ pub fn folds(groups: &[usize], k: usize, seed: u64) -> Result<Vec<Fold>, Error> 
         }
     };
     Ok((0..k).map(fold).collect())
-}
-
-/// Trains `job` on every fold and predicts each sample by the unit that never saw its trajectory.
-///
-/// The job's own split is ignored. Returns the units, and the held-out predictions (N·m) of all rows.
-///
-/// # Errors
-/// As [`train`].
-pub fn cross_validate(
-    job: &Job,
-    folds: &[Fold],
-    control: &Control,
-) -> Result<(Vec<Trained>, Vec<f32>), Error> {
-    let jobs: Vec<Job> = folds
-        .iter()
-        .map(|fold| Job {
-            split: fold.split.clone(),
-            ..job.clone()
-        })
-        .collect();
-    let trained = train(&jobs, control)?;
-    let mut torque = vec![0.0; job.samples.rows()];
-    for (fold, t) in folds.iter().zip(&trained) {
-        let predicted = predict(&t.unit, &job.samples, &fold.test)?;
-        for row in fold
-            .test
-            .iter()
-            .flat_map(|&t| job.samples.trajectories()[t].clone())
-        {
-            torque[row] = predicted[row];
-        }
-    }
-    Ok((trained, torque))
 }
 
 #[cfg(test)]

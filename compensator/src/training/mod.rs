@@ -15,7 +15,7 @@ mod trainer;
 
 pub use config::{Loss, Schedule, Training, UnitConfig};
 pub use ensemble::{Control, Job, Progress, Report, Trained, train};
-pub use folds::{Fold, cross_validate, folds};
+pub use folds::{Fold, folds};
 pub use predict::predict;
 pub use ridge::train_ridge;
 pub use samples::{Samples, Split};

@@ -22,8 +22,8 @@ use crate::search::find::Findings;
 use crate::search::objective::Objective;
 use crate::settings::AdviceSettings;
 use crate::simulator::NominalModel;
+use identify::excitation::{Fourier, MotionLimits, SearchOptions, optimise};
 use ndarray::{Array1, Array2};
-use physics::excitation::{Fourier, MotionLimits, SearchOptions, optimise};
 use signal::Motion;
 use std::fmt::Write;
 

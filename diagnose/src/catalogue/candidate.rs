@@ -44,7 +44,7 @@ pub enum Bound {
 /// Name, unit and conversion of a reported parameter.
 #[derive(Clone, Debug)]
 pub struct Quantity {
-    /// Name of the contract where it has one.
+    /// Name, that of docs/formats.md where it has one.
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,

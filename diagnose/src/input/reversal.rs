@@ -10,7 +10,7 @@ use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 
-/// Velocities tried below which the sign of a motion is softened, rad/s (m/s); the contract allows up to 0.005.
+/// Velocities tried below which the sign of a motion is softened, rad/s (m/s); docs/formats.md allows up to 0.005.
 const SOFTNESSES: [f64; 6] = [0.0004, 0.0007, 0.0012, 0.002, 0.0032, 0.005];
 
 /// Velocity below which each joint's sign is softened, rad/s (m/s): the one that leaves least error beyond a scaled model,

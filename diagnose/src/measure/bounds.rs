@@ -10,8 +10,8 @@ use crate::search::find::Findings;
 use crate::simulator::NominalModel;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use identify::feasible::{Constraints, Feasibility, Nominal};
 use ndarray::Array1;
-use physics::identify::feasible::{Constraints, Feasibility, Nominal};
 use physics::robot::PARAMETERS_PER_LINK;
 
 /// Eigenvalue of a pseudo-inertia over the largest, below zero, that is rounding.

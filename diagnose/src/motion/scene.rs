@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use signal::Motion;
 
 /// Velocity below which the sign of a motion is softened, rad/s (m/s), where the recording does not say better: well
-/// below what the contract allows, so that the reversal keeps its shape.
+/// below what docs/formats.md allows, so that the reversal keeps its shape.
 pub const SOFT_SIGN: f64 = 0.001;
 
 /// Change of a position (rad) or velocity (rad/s) over which the rigid torque is differenced.

@@ -1,4 +1,4 @@
-//! Scores of a report against a sealed answer, as the shared `score_cases.py` defines them.
+//! Scores of a report against a sealed answer.
 
 use super::sizes::size_error;
 use serde_json::Value;

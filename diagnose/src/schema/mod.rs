@@ -100,7 +100,7 @@ pub struct Step {
 pub struct Place {
     /// Joint.
     pub joint: String,
-    /// Coordinate of the contract.
+    /// Coordinate, by its name in docs/formats.md.
     pub coordinate: &'static str,
     /// From, to.
     pub range: [f64; 2],

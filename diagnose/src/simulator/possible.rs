@@ -1,7 +1,7 @@
 //! Links that are possible bodies and give the torques that were fitted.
 
-use physics::identify::base::BaseParameters;
-use physics::identify::feasible::{Constraints, Feasibility, Nominal};
+use identify::base::BaseParameters;
+use identify::feasible::{Constraints, Feasibility, Nominal};
 use physics::robot::{Robot, RobotError, to_urdf};
 
 /// `fitted` as it is where its links are possible bodies; else the possible robot with the same base parameters, hence

@@ -1,6 +1,7 @@
 //! Where the training inputs lay, and how the output fades outside.
 
 use serde::{Deserialize, Serialize};
+use signal::cholesky;
 
 /// Where the fade starts and ends, as a fraction: of a column's span beyond its range, and of the
 /// largest Mahalanobis distance seen in training beyond it.
@@ -123,9 +124,10 @@ impl Bounds {
         }
         let trace: f64 = (0..d).map(|j| scatter[j * d + j] / count).sum();
         let ridge = (1e-6 * trace / d as f64).max(1e-12);
-        let factor = cholesky(d, |j, k| {
-            scatter[j * d + k] / count + if j == k { ridge } else { 0.0 }
-        });
+        let mut factor: Vec<f64> = scatter.iter().map(|sum| sum / count).collect();
+        (0..d).for_each(|j| factor[j * d + j] += ridge);
+        // Rounding may eat a pivot that the diagonal term kept positive.
+        cholesky::factor_above(&mut factor, d, 1e-12);
         let mut bounds = Self {
             low,
             high,
@@ -252,24 +254,6 @@ impl Bounds {
         };
         (knee + bent).min(self.limit).copysign(torque)
     }
-}
-
-/// Lower Cholesky factor, row-major, of the symmetric positive definite matrix given by its lower part.
-fn cholesky(d: usize, a: impl Fn(usize, usize) -> f64) -> Vec<f64> {
-    let mut l = vec![0.0; d * d];
-    for j in 0..d {
-        for k in 0..=j {
-            let inner: f64 = (0..k).map(|i| l[j * d + i] * l[k * d + i]).sum();
-            let rest = a(j, k) - inner;
-            // Rounding may eat a pivot that the diagonal term kept positive.
-            l[j * d + k] = if j == k {
-                rest.max(1e-12).sqrt()
-            } else {
-                rest / l[k * d + k]
-            };
-        }
-    }
-    l
 }
 
 #[cfg(test)]

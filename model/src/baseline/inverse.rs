@@ -1,8 +1,8 @@
 //! The inverse baseline: τ = A [q; q̇; q̈] (equation 11) on normalised data (listing 3).
 
 use super::{BaselineError, Normalisation, check};
+use ::identify::least_squares::{Accumulator, SolveOptions, solve};
 use ndarray::{Array2, ArrayView2};
-use physics::identify::least_squares::{Accumulator, SolveOptions, solve};
 use serde::{Deserialize, Serialize};
 
 /// The constant matrix A ∈ ℝ^{N×3N} with the normalisation of its inputs and outputs.

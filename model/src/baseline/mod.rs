@@ -11,7 +11,7 @@ pub use forward::{FORWARD, ForwardBaseline, ForwardSettings, LinearForward};
 pub use inverse::LinearInverse;
 pub use normal::Normalisation;
 
-use physics::identify::least_squares::LeastSquaresError;
+use ::identify::least_squares::LeastSquaresError;
 
 /// Why a baseline could not be fitted or applied.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

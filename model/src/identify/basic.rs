@@ -6,19 +6,16 @@ use crate::identify::estimators;
 use crate::identify::out_of_fold::OutOfFold;
 use crate::identify::selection::{FoldGrams, ForwardOptions};
 use crate::identify::shrinkage::{self, GivenInertias};
+use ::identify::base::{BaseParameters, Extra};
+use ::identify::least_squares::LeastSquaresError;
 use ndarray::Array2;
 use physics::effects::{Sliding, Term};
-use physics::identify::base::{BaseParameters, Extra};
-use physics::identify::least_squares::LeastSquaresError;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 
 /// Speeds over which the sign of a velocity turns round that are tried, rad/s or m/s. A true sign is what a smooth
 /// velocity asks for; noise, encoder counts and the low-pass soften it.
 const SOFTNESSES: [f64; 6] = [0.002, 0.005, 0.01, 0.02, 0.05, 0.1];
-
-/// Softness of a sign that nothing is known of, rad/s or m/s.
-pub const USUAL_SOFTNESS: f64 = 0.02;
 
 /// Basic terms of each joint, with a true sign. Rotor inertia belongs to them where the rigid body does not contain it.
 pub fn terms(robot: &Robot) -> Vec<Vec<Term>> {

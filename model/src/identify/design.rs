@@ -2,12 +2,12 @@
 
 use crate::identify::target::Target;
 use crate::session::Session;
+use ::identify::base::BaseParameters;
+use ::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
 use datasets::metrics::MOVING;
 use ndarray::Array2;
 use physics::dynamics::{Workspace, regressor};
 use physics::effects::Term;
-use physics::identify::base::BaseParameters;
-use physics::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -127,7 +127,7 @@ pub struct JointSystem {
 
 impl JointSystem {
     /// Builds the columns and folds them; nothing of sample size is kept. `blocks`: keep those for
-    /// [`block_covariance`](physics::identify::least_squares::block_covariance).
+    /// [`block_covariance`](::identify::least_squares::block_covariance).
     ///
     /// # Errors
     /// Columns that are not finite.

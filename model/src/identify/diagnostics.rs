@@ -3,10 +3,10 @@
 use crate::identify::error::IdentifyError;
 use crate::identify::estimators::constrained;
 use crate::identify::identification::Identified;
+use ::identify::feasible::Feasible;
+use ::identify::least_squares::{LeastSquaresError, SubRegressors};
+use ::identify::residuals::{ResidualTests, residual_tests};
 use physics::effects::Term;
-use physics::identify::feasible::Feasible;
-use physics::identify::least_squares::{LeastSquaresError, SubRegressors};
-use physics::identify::residuals::{ResidualTests, residual_tests};
 use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,8 @@
 //! Why a model could not be fitted.
 
-use physics::identify::feasible::FeasibilityError;
-use physics::identify::iterative::IterativeError;
-use physics::identify::least_squares::LeastSquaresError;
+use ::identify::feasible::FeasibilityError;
+use ::identify::iterative::IterativeError;
+use ::identify::least_squares::LeastSquaresError;
 
 /// Why identification failed.
 #[derive(Debug, thiserror::Error)]

@@ -16,17 +16,17 @@ use crate::identify::estimators::{self, EstimatorOptions, EstimatorReport, Solut
 use crate::identify::selection::{self, FoldGrams, ForwardOptions, Selection};
 use crate::identify::shrinkage::GivenInertias;
 use crate::session::Session;
+use ::identify::base::BaseParameters;
+use ::identify::feasible::Feasible;
+use ::identify::least_squares::{Estimate, LeastSquaresError, Triangle};
 use datasets::check::STILL;
 use ndarray::Array2;
 use physics::effects::Term;
-use physics::identify::base::BaseParameters;
-use physics::identify::feasible::Feasible;
-use physics::identify::least_squares::{Estimate, LeastSquaresError, Triangle};
 use physics::robot::Robot;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Settings of [`identify`].
+/// Settings of [`identify()`].
 #[derive(Clone, Debug)]
 pub struct IdentifyOptions {
     /// Fit on moving samples alone: for each joint, those with |q̇| above [`datasets::metrics::MOVING`].

@@ -2,9 +2,9 @@
 
 use crate::identify::design::JointSystem;
 use crate::identify::selection::FoldGrams;
+use ::identify::least_squares::{Gram, LeastSquaresError, Triangle};
 use datasets::Folds;
 use ndarray::{Array2, Axis};
-use physics::identify::least_squares::{Gram, LeastSquaresError, Triangle};
 
 /// Ridge of the fits, relative to the columns' norms.
 const RIDGE: f64 = 3e-5;

@@ -1,7 +1,7 @@
 //! Forward selection of terms by cross-validation.
 
+use ::identify::least_squares::{Gram, LeastSquaresError};
 use datasets::Folds;
-use physics::identify::least_squares::{Gram, LeastSquaresError};
 
 /// Settings of [`forward`].
 #[derive(Clone, Copy, Debug)]

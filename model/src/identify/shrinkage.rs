@@ -6,11 +6,11 @@
 //! to 300 %) is chosen by the error on rows left out, so that a wrong description has no say.
 
 use crate::identify::out_of_fold::OutOfFold;
+use ::identify::base::BaseParameters;
+use ::identify::least_squares::{Gram, LeastSquaresError, Triangle};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use ndarray::{Array1, Array2};
-use physics::identify::base::BaseParameters;
-use physics::identify::least_squares::{Gram, LeastSquaresError, Triangle};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
 /// Relative deviations tried.

@@ -4,7 +4,7 @@ use super::subject::Subject;
 use crate::directory::ModelFile;
 use crate::identify::diagnostics;
 use crate::tables;
-use physics::identify::residuals::{autocorrelation, normal_scores};
+use ::identify::residuals::{autocorrelation, normal_scores};
 use report::Section;
 use report::figure::{Figure, Ink, Panel, Plot};
 

@@ -1,15 +1,15 @@
 //! The check of a recording with the robot at hand: the torque's channel, and which parameters the motion tells apart.
 
 use crate::preparation::channel;
+use ::identify::base::{BaseParameters, Extra};
+use ::identify::least_squares::{
+    Accumulator, LeastSquaresError, SolveOptions, SubRegressors, Triangle, solve,
+};
 use datasets::check::{CheckOptions, CheckReport, Finding, Kind, Severity, check, moves};
 use datasets::prepare::{PrepareError, PrepareOptions, Prepared, prepare};
 use datasets::{Problem, Recording};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, regressor};
-use physics::identify::base::{BaseParameters, Extra};
-use physics::identify::least_squares::{
-    Accumulator, LeastSquaresError, SolveOptions, SubRegressors, Triangle, solve,
-};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
 /// Samples looked at, at most.

@@ -3,11 +3,11 @@
 use crate::identify::design::rigid_columns;
 use crate::identify::dictionary;
 use crate::session::Session;
+use ::identify::base::BaseParameters;
+use ::identify::least_squares::{Accumulator, SolveOptions, solve};
 use datasets::prepare::{PrepareOptions, prepare};
 use datasets::{Recording, TorqueFilter, metrics, stop_band};
 use ndarray::Array2;
-use physics::identify::base::BaseParameters;
-use physics::identify::least_squares::{Accumulator, SolveOptions, solve};
 use physics::robot::Robot;
 use rayon::prelude::*;
 

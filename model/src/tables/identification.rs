@@ -4,7 +4,7 @@ use crate::directory::ModelFile;
 use crate::identify::diagnostics::{Conditioning, Diagnostics, POOR};
 use crate::identify::estimators::{Estimator, EstimatorReport, Lmi};
 use crate::preparation::cutoff::Tried;
-use physics::identify::residuals::ResidualTests;
+use ::identify::residuals::ResidualTests;
 use report::{Cell, Column, Table};
 
 /// Base parameters with deviations and formulae.

@@ -26,7 +26,6 @@ pub struct Plot {
     log_x: bool,
     width: f64,
     panels: Vec<Panel>,
-    markers: Vec<(f64, String)>,
 }
 
 /// One pair of axes of a [`Plot`].
@@ -195,7 +194,6 @@ impl Plot {
             log_x: false,
             width: 960.0,
             panels: Vec::new(),
-            markers: Vec::new(),
         }
     }
 
@@ -217,17 +215,11 @@ impl Plot {
         self
     }
 
-    /// A labelled vertical line, as for a resonance or an order of rotation.
-    pub fn marker(mut self, x: f64, label: impl Into<String>) -> Self {
-        self.markers.push((x, label.into()));
-        self
-    }
-
     /// Draws it.
     pub fn draw(&self, caption: impl Into<String>) -> Figure {
         let names = self.panels.iter().flat_map(|p| &p.layers);
         let legend = Legend::new(names.map(|l| (l.name.as_str(), l.ink)), self.width - 60.0);
-        let mut top = TITLE + legend.height + if self.markers.is_empty() { 4.0 } else { 18.0 };
+        let mut top = TITLE + legend.height + 4.0;
         let height = top + self.panels.iter().map(|p| p.height + 14.0).sum::<f64>() + 32.0;
 
         let scales: Vec<(Scale, Vec<(f64, String)>)> = self
@@ -259,12 +251,6 @@ impl Plot {
                 svg.line("z", (left, y.at(0.0)), (right, y.at(0.0)));
             }
             svg.upward_text("l", (11.0, (upper + lower) / 2.0), &panel.y_label);
-            for (at, label) in self.markers.iter().filter(|m| x.contains(m.0)) {
-                svg.line("m", (x.at(*at), upper), (x.at(*at), lower));
-                if index == 0 {
-                    svg.text("t", (x.at(*at), upper - 5.0), Anchor::Middle, label);
-                }
-            }
             for layer in &panel.layers {
                 layer.draw(&mut svg, &x, y, panel.log_y);
             }
@@ -372,7 +358,6 @@ mod tests {
         let nan = [f64::NAN, f64::INFINITY];
         let plot = Plot::new("t", "x")
             .log_x()
-            .marker(f64::NAN, "m")
             .panel(Panel::new("y").log().line("a", Ink::Muted, &nan, &nan))
             .panel(Panel::new("y").points("b", Ink::Series(9), &[], &[]))
             .panel(Panel::new("y").binned("c", Ink::Series(1), &[1.0], &[1.0], 0));

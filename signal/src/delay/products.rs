@@ -1,5 +1,7 @@
 //! Least squares from products of columns with the target last.
 
+use crate::cholesky;
+
 /// Adds the products of one row to the upper triangle.
 pub(super) fn add_row(sums: &mut [f64], row: &[f64], y: f64) {
     let p = row.len();
@@ -15,7 +17,7 @@ pub(super) fn add_row(sums: &mut [f64], row: &[f64], y: f64) {
 /// Ridge of columns of unit norm: holds what the rows do not show.
 const RIDGE: f64 = 1e-9;
 
-/// Cholesky factor Rᵀ (by rows) of the scaled normal equations of the first `p` columns, with the scales.
+/// Cholesky factor (lower, by rows) of the scaled normal equations of the first `p` columns, with the scales.
 fn factor(sums: &[f64], p: usize) -> (Vec<f64>, Vec<f64>) {
     let width = (sums.len() as f64).sqrt() as usize;
     let at = |i: usize, j: usize| sums[i.min(j) * width + i.max(j)];
@@ -25,15 +27,11 @@ fn factor(sums: &[f64], p: usize) -> (Vec<f64>, Vec<f64>) {
     let mut l = vec![0.0; p * p];
     for i in 0..p {
         for j in 0..=i {
-            let dot: f64 = (0..j).map(|k| l[i * p + k] * l[j * p + k]).sum();
-            let own = at(i, j) / (scale[i] * scale[j]);
-            l[i * p + j] = if i == j {
-                (own + RIDGE - dot).max(RIDGE).sqrt()
-            } else {
-                (own - dot) / l[j * p + j]
-            };
+            let ridge = if i == j { RIDGE } else { 0.0 };
+            l[i * p + j] = at(i, j) / (scale[i] * scale[j]) + ridge;
         }
     }
+    cholesky::factor_above(&mut l, p, RIDGE);
     (l, scale)
 }
 
@@ -42,14 +40,7 @@ pub(super) fn fitted(sums: &[f64], p: usize) -> (Vec<f64>, f64) {
     let (l, scale) = factor(sums, p);
     let width = p + 1;
     let mut x: Vec<f64> = (0..p).map(|i| sums[i * width + p] / scale[i]).collect();
-    for i in 0..p {
-        let done: f64 = (0..i).map(|k| l[i * p + k] * x[k]).sum();
-        x[i] = (x[i] - done) / l[i * p + i];
-    }
-    for i in (0..p).rev() {
-        let done: f64 = (i + 1..p).map(|k| l[k * p + i] * x[k]).sum();
-        x[i] = (x[i] - done) / l[i * p + i];
-    }
+    cholesky::solve(&l, &mut x);
     let x: Vec<f64> = x.iter().zip(&scale).map(|(x, s)| x / s).collect();
     let mut left = sums[p * width + p];
     for i in 0..p {

@@ -38,7 +38,7 @@ pub struct Oracle {
 
 /// Cut-offs tried, Hz.
 const CUTOFFS: [f64; 4] = [10.0, 15.0, 25.0, 40.0];
-/// Softening of the sign in the model as given, rad/s (the contract's).
+/// Softening of the sign in the model as given, rad/s: the most that docs/formats.md allows.
 const GIVEN_EPS: f64 = 0.005;
 
 impl<T> Nrmse<T> {

@@ -4,9 +4,9 @@
 use crate::catalogue::{Column, ColumnTorque};
 use crate::motion::scene::Scale;
 use crate::simulator::NominalModel;
+use identify::base::BaseParameters;
 use ndarray::{Array1, Array2};
 use physics::effects::{Coupling, Harmonic, Phase, Polynomial, PositionFriction, Sliding, Term};
-use physics::identify::base::BaseParameters;
 use physics::torque_model::WeightedTerm;
 
 /// One parameter: its given value and the coefficients that move it, each with its factor.

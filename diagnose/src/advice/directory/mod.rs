@@ -17,14 +17,14 @@ use combination::Combination;
 use datasets::metrics::Row;
 use datasets::prepare::{Derivatives, Source};
 use datasets::{Prepared, Recording, prepare};
+use identify::base::BaseParameters;
 use model::assemble::{Estimated, Parts};
+use model::directory::metrics::{Metrics, SCHEMA};
 use model::directory::{ModelFile, Preprocessing};
-use model::metrics::{Metrics, SCHEMA};
 use model::predict::predict;
 use model::preparation::cutoff;
 use model::session::Session;
 use ndarray::{Array1, Array2};
-use physics::identify::base::BaseParameters;
 use physics::torque_model::TorqueModelRecord;
 use recorded::Recorded;
 

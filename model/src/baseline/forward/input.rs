@@ -7,10 +7,10 @@
 use super::state_space::StateSpace;
 use super::subspace::Dynamics;
 use crate::baseline::BaselineError;
+use ::identify::least_squares::{Accumulator, SolveOptions, solve};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use ndarray::Array2;
-use physics::identify::least_squares::{Accumulator, SolveOptions, solve};
 use std::ops::Range;
 
 pub(super) fn fit(

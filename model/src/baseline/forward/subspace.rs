@@ -9,10 +9,10 @@
 
 use super::settings::ForwardSettings;
 use crate::baseline::BaselineError;
+use ::identify::least_squares::Accumulator;
 use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, MatRef, Scale};
 use ndarray::Array2;
-use physics::identify::least_squares::Accumulator;
 use std::ops::Range;
 
 /// Singular values below this part of the largest are rounding.

@@ -1,4 +1,4 @@
-//! The estimators of `physics::identify` on recordings.
+//! The estimators of `::identify` on recordings.
 //!
 //! Ordinary and weighted least squares need the normal equations alone, whatever the number of samples;
 //! reweighted and iterative ones keep the rows in memory.

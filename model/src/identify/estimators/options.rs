@@ -2,9 +2,9 @@
 
 use super::prior::Known;
 use crate::identify::shrinkage::GivenInertias;
+use ::identify::iterative::Weight;
+use ::identify::least_squares::{Prior, SolveOptions};
 use physics::effects::Term;
-use physics::identify::iterative::Weight;
-use physics::identify::least_squares::{Prior, SolveOptions};
 use serde::{Deserialize, Serialize};
 
 /// Which estimator.

@@ -5,9 +5,9 @@ use super::possible::condition;
 use super::solution::{EstimatorReport, Solution, made_possible, offsets};
 use crate::identify::design::{Data, JointSystem, joined, joined_blocks};
 use crate::identify::error::IdentifyError;
+use ::identify::least_squares::{Gram, Triangle, block_covariance, solve as least_squares};
 use ndarray::Array2;
 use physics::effects::Term;
-use physics::identify::least_squares::{Gram, Triangle, block_covariance, solve as least_squares};
 use rayon::prelude::*;
 
 /// Passes in which weights settle.

@@ -2,11 +2,11 @@
 
 use super::solution::offsets;
 use crate::identify::error::IdentifyError;
+use ::identify::base::BaseParameters;
+use ::identify::feasible::{Constraints, Feasibility, Feasible, Nominal};
+use ::identify::least_squares::Triangle;
 use faer::Mat;
 use physics::effects::{Sliding, Term};
-use physics::identify::base::BaseParameters;
-use physics::identify::feasible::{Constraints, Feasibility, Feasible, Nominal};
-use physics::identify::least_squares::Triangle;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
 /// Times a term may exceed what alone would explain the whole torque.

@@ -1,8 +1,8 @@
 //! What was known of the robot before the data.
 
 use crate::identify::error::IdentifyError;
+use ::identify::base::BaseParameters;
 use physics::effects::{Sliding, Term};
-use physics::identify::base::BaseParameters;
 use physics::robot::Robot;
 
 /// Parameters of an earlier model.

@@ -5,13 +5,13 @@ use super::possible::{condition, is_plain};
 use super::solution::{EstimatorReport, Solution, made_possible, offsets};
 use crate::identify::design::Data;
 use crate::identify::error::IdentifyError;
+use ::identify::iterative::{
+    Identification, IterativeOptions, Noise, Physical, PowerLaw, Problem, identify,
+};
+use ::identify::least_squares::block_covariance;
 use faer::Mat;
 use ndarray::Array2;
 use physics::effects::{Sliding, Term};
-use physics::identify::iterative::{
-    Identification, IterativeOptions, Noise, Physical, PowerLaw, Problem, identify,
-};
-use physics::identify::least_squares::block_covariance;
 
 /// Rows kept in memory, bytes, at most: longer recordings are thinned.
 const MEMORY: usize = 1 << 30;

@@ -2,9 +2,9 @@
 
 use super::options::{Estimator, Lmi};
 use crate::identify::error::IdentifyError;
+use ::identify::feasible::Feasible;
+use ::identify::least_squares::{Estimate, Triangle};
 use physics::effects::Term;
-use physics::identify::feasible::Feasible;
-use physics::identify::least_squares::{Estimate, Triangle};
 use serde::{Deserialize, Serialize};
 
 /// How an estimate was made, for `model.json`.

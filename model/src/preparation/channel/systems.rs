@@ -1,10 +1,10 @@
 //! What each joint's torque is compared with: rigid body and friction as columns on a uniform grid.
 
+use ::identify::base::{BaseParameters, Extra};
 use datasets::Recording;
 use datasets::check::moves;
 use datasets::prepare::Prepared;
 use physics::dynamics::{Workspace, inverse_dynamics, regressor};
-use physics::identify::base::{BaseParameters, Extra};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use signal::delay::System;
 use signal::{resample, smoother};

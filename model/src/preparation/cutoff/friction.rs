@@ -8,9 +8,9 @@
 use crate::identify::basic;
 use crate::identify::design::JointSystem;
 use crate::identify::shrinkage::CORRELATED;
+use ::identify::least_squares::{Gram, LeastSquaresError, Triangle};
 use ndarray::{Array1, Array2};
 use physics::effects::{Sliding, Stop, Term};
-use physics::identify::least_squares::{Gram, LeastSquaresError, Triangle};
 use physics::robot::Robot;
 
 /// Speeds over which a sign turns round, rad/s or m/s.

@@ -9,13 +9,13 @@ use crate::identify::estimators;
 use crate::identify::out_of_fold::OutOfFold;
 use crate::identify::target::Target;
 use crate::session::Session;
+use ::identify::base::BaseParameters;
+use ::identify::least_squares::LeastSquaresError;
 use datasets::check::moves;
 use datasets::prepare::{PrepareOptions, prepare};
 use datasets::{Folds, Recording};
 use ndarray::{Array2, Axis};
 use physics::effects::Term;
-use physics::identify::base::BaseParameters;
-use physics::identify::least_squares::LeastSquaresError;
 use physics::robot::Robot;
 
 /// Rows fitted, at most.
