@@ -125,7 +125,7 @@ fn round_trip(effect: &str, index: u64) {
 
 #[test]
 fn memory_is_carried() {
-    round_trip("presliding_hysteresis", 1);
+    round_trip("presliding_hysteresis", 6);
 }
 
 #[test]
@@ -170,10 +170,7 @@ fn a_scaled_channel_is_the_recordings_own() {
     );
     let scored = scored.expect("scores").physics;
     let mut loop_ = streamed(folder.path(), &case);
-    assert!(
-        apart(&loop_, &scored) > 0.01,
-        "the control loop has no gain"
-    );
+    assert!((channel.gain[joint] - 1.0).abs() > 0.01, "{channel:?}");
     channel.note(&mut loop_);
     assert!(apart(&loop_, &scored) < 1e-9);
 }

@@ -97,3 +97,53 @@ pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::scene::Scale;
+    use ndarray::Array2;
+    use physics::robot::Robot;
+    use signal::Motion;
+
+    /// What the search evaluates column by column is what the control loop steps through.
+    #[test]
+    fn causal_columns_are_the_control_loops() {
+        let robot = Robot::builtin("ur5").unwrap();
+        let (n, dof) = (160, robot.dof());
+        let table = |f: &dyn Fn(f64, f64) -> f64| {
+            Array2::from_shape_fn((n, dof), |(i, j)| f(0.05 * i as f64, 1.0 + 0.3 * j as f64))
+        };
+        let motion = Motion {
+            time: (0..n).map(|i| 0.05 * i as f64).collect(),
+            q: table(&|t, w| (w * t).sin()),
+            qd: table(&|t, w| w * (w * t).cos()),
+            qdd: table(&|t, w| -w * w * (w * t).sin()),
+            segments: vec![0..90, 90..n],
+        };
+        let scale = Scale {
+            softness: vec![0.01; dof],
+            speed: vec![1.0; dof],
+            range: vec![(-1.0, 1.0); dof],
+            torque: vec![3.0; dof],
+            session: (0.0, 8.0),
+            step: 0.05,
+        };
+        let scene = Scene::new(&robot, &motion, &scale).with_tangents();
+        let mut all = catalogue(&scene);
+        all.extend(torque_ripple::candidates(1, &[17.0]));
+        all.extend(position_dependent_friction::candidates(&scene, 1, &[17.0]));
+        let mut compared = 0;
+        for column in all.iter().flat_map(|c| &c.columns) {
+            if let ColumnTorque::Terms(terms) = &column.torque {
+                let joint = column.joints[0];
+                let (once, stepped) = (scene.terms(joint, terms), scene.stepped(joint, terms));
+                let largest = stepped.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                let apart = (once - stepped).iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                assert!(apart <= 1e-12 * largest, "{terms:?}: {apart} of {largest}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 100 * dof, "{compared}");
+    }
+}

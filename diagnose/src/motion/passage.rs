@@ -48,7 +48,7 @@ impl<'a> Passage<'a> {
     }
 
     /// Sum of terms of one joint over the motion, each with its factor. `load` is the torque that the joints' transmissions
-    /// carry on each motion, shape (samples, joints).
+    /// carry on each motion, shape (samples, joints); it is asked for where a term depends on it.
     pub fn terms(
         &self,
         joint: usize,
@@ -59,15 +59,18 @@ impl<'a> Passage<'a> {
         let mut values = vec![0.0; terms.len()];
         let mut out = Array1::zeros(self.motion().len());
         let remembers = terms.iter().any(|t| t.1.remembers());
+        let sees_load = terms.iter().any(|t| t.1.sees_load());
         let wanted = |part: usize| part == self.part || remembers;
         let loads: Vec<Option<Array2<f64>>> = (0..self.motions.len())
-            .map(|p| wanted(p).then(|| load(self.motions[p])))
+            .map(|p| (wanted(p) && sees_load).then(|| load(self.motions[p])))
             .collect();
         let mut before = f64::NAN;
         for step in self.steps.iter().filter(|s| wanted(s.part)) {
-            let (motion, Some(load)) = (self.motions[step.part], &loads[step.part]) else {
-                continue;
-            };
+            let motion = self.motions[step.part];
+            let load = loads[step.part].as_ref().and_then(|l| l.as_slice());
+            let table = |t: &'a Array2<f64>| t.as_slice().expect("tables are in standard layout");
+            let (q, qd, qdd) = (table(&motion.q), table(&motion.qd), table(&motion.qdd));
+            let dof = motion.dof();
             if step.start == Start::Neutral {
                 bank.reset();
             }
@@ -76,25 +79,15 @@ impl<'a> Passage<'a> {
                 let fresh = row == step.rows.start && step.start == Start::Neutral;
                 let dt = if fresh { 0.0 } else { time - before };
                 before = time;
-                let (q, qd, qdd, load) = (
-                    motion.q.row(row),
-                    motion.qd.row(row),
-                    motion.qdd.row(row),
-                    load.row(row),
-                );
-                let (Some(q), Some(qd), Some(qdd), Some(load)) =
-                    (q.to_slice(), qd.to_slice(), qdd.to_slice(), load.to_slice())
-                else {
-                    unreachable!("tables are in standard layout");
-                };
+                let of = row * dof..(row + 1) * dof;
                 let clock = self.clock_known[step.part].then_some(time);
                 let sample = Sample {
                     clock,
                     dt,
-                    q,
-                    qd,
-                    qdd,
-                    load,
+                    q: &q[of.clone()],
+                    qd: &qd[of.clone()],
+                    qdd: &qdd[of.clone()],
+                    load: load.map_or(&[], |l| &l[of]),
                 };
                 bank.step(&sample, &mut values);
                 if step.part == self.part {

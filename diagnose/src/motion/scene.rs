@@ -5,7 +5,7 @@ use crate::motion::passage::Passage;
 use nalgebra::Vector3;
 use ndarray::{Array1, Array2, Axis};
 use physics::dynamics::{Workspace, inverse_dynamics, inverse_dynamics_with_gravity};
-use physics::effects::{FrictionShape, Harmonic, PositionFriction, Sliding, Term};
+use physics::effects::{Coupling, FrictionShape, Harmonic, PositionFriction, Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use signal::Motion;
@@ -141,7 +141,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Sum of terms of the torque model on one joint, each with its factor. What depends on the present sample alone is
-    /// evaluated column by column; the rest is stepped, memory running on from what came before.
+    /// evaluated column by column, by the terms' own functions; the rest is stepped, memory running on from what came before.
     pub fn terms(&self, joint: usize, terms: &[(f64, Term)]) -> Array1<f64> {
         let mut out = Array1::zeros(self.len());
         let mut stepped = Vec::new();
@@ -152,39 +152,73 @@ impl<'a> Scene<'a> {
             }
         }
         if !stepped.is_empty() {
-            let load = |motion: &Motion| {
-                if std::ptr::eq(motion, self.motion) {
-                    self.rigid.clone()
-                } else {
-                    rigid_torque(self.robot, &motion.q, &motion.qd, &motion.qdd)
-                }
-            };
-            out += &self.passage.terms(joint, &stepped, load);
+            out += &self.stepped(joint, &stepped);
         }
         out
     }
 
-    /// A term that depends on the joint's present position and velocity alone.
-    fn at_once(&self, joint: usize, term: &Term) -> Option<Array1<f64>> {
-        let (q, qd) = (self.motion.q.column(joint), self.motion.qd.column(joint));
-        let sliding = |shape: &Sliding| match *shape {
-            // Every friction of the joint needs its sign.
-            Sliding::SoftCoulomb { velocity } if velocity == self.scale.softness[joint] => {
-                self.sign.column(joint).to_owned()
+    /// The same sample by sample, as a control loop does it.
+    pub fn stepped(&self, joint: usize, terms: &[(f64, Term)]) -> Array1<f64> {
+        let load = |motion: &Motion| {
+            if std::ptr::eq(motion, self.motion) {
+                self.rigid.clone()
+            } else {
+                rigid_torque(self.robot, &motion.q, &motion.qd, &motion.qdd)
             }
-            shape => qd.mapv(|v| shape.at(v)),
+        };
+        self.passage.terms(joint, terms, load)
+    }
+
+    /// A term that depends on the present sample alone.
+    fn at_once(&self, joint: usize, term: &Term) -> Option<Array1<f64>> {
+        let m = self.motion;
+        let q = m.q.column(joint);
+        let sliding = |of: usize, shape: &Sliding| match *shape {
+            // Every friction of a joint needs its sign.
+            Sliding::SoftCoulomb { velocity } if velocity == self.scale.softness[of] => {
+                self.sign.column(of).to_owned()
+            }
+            shape => m.qd.column(of).mapv(|v| shape.at(v)),
         };
         let harmonic = |shape: &Harmonic| q.mapv(|q| shape.at(q));
+        let time = || Array1::from(m.time.clone());
+        let known = self.passage.clock_known();
         Some(match term {
             Term::Offset => Array1::ones(self.len()),
-            Term::RotorInertia => self.motion.qdd.column(joint).to_owned(),
-            Term::Sliding(shape) => sliding(shape),
+            Term::RotorInertia => m.qdd.column(joint).to_owned(),
+            Term::Sliding(shape) => sliding(joint, shape),
             Term::Harmonic(shape) => harmonic(shape),
             Term::Polynomial(shape) => q.mapv(|q| shape.at(q)),
             Term::Position(PositionFriction {
                 harmonic: shape,
                 friction: FrictionShape::Sliding(friction),
-            }) => harmonic(shape) * sliding(friction),
+            }) => harmonic(shape) * sliding(joint, friction),
+            Term::Load(load) => match &load.friction {
+                FrictionShape::Sliding(friction) => {
+                    let carried = self.rigid.column(joint).mapv(|t| load.factor(t));
+                    carried * sliding(joint, friction)
+                }
+                FrictionShape::Dahl(_) => return None,
+            },
+            Term::Coupling(Coupling::Friction { driver, shape }) => sliding(*driver, shape),
+            Term::Coupling(coupling) => {
+                let rows = |t: &'a Array2<f64>| {
+                    let all = t.as_slice().expect("tables are in standard layout");
+                    all.chunks(m.dof())
+                };
+                let (q, qd, qdd) = (rows(&m.q), rows(&m.qd), rows(&m.qdd));
+                let each = q.zip(qd).zip(qdd);
+                each.map(|((q, qd), qdd)| coupling.at(joint, q, qd, qdd))
+                    .collect()
+            }
+            Term::WarmUp(w) => {
+                let factor = time().mapv(|t| w.factor(known.then_some(t)));
+                factor * self.at_once(joint, &w.term)?
+            }
+            Term::Drift(d) => {
+                let factor = time().mapv(|t| d.factor(known.then_some(t)));
+                factor * self.at_once(joint, &d.term)?
+            }
             _ => return None,
         })
     }

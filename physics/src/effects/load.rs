@@ -33,7 +33,7 @@ impl LoadFriction {
     }
 
     /// What a load in N·m multiplies the friction by.
-    pub(super) fn factor(&self, load: f64) -> f64 {
+    pub fn factor(&self, load: f64) -> f64 {
         if self.exponent == 1.0 {
             load.abs()
         } else {

@@ -112,6 +112,16 @@ impl Term {
         }
     }
 
+    /// Whether the column depends on the torque that the joint's transmission carries.
+    pub fn sees_load(&self) -> bool {
+        match self {
+            Term::Load(_) => true,
+            Term::WarmUp(w) => w.term.sees_load(),
+            Term::Drift(d) => d.term.sees_load(),
+            _ => false,
+        }
+    }
+
     /// Readable name with the shape parameters, such as `stop(0.0017 rad)`.
     pub fn label(&self) -> String {
         match self {
