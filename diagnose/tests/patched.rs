@@ -62,16 +62,19 @@ fn a_payload() {
 }
 
 #[test]
+#[ignore = "long: with --ignored, as CI does"]
 fn friction() {
     round_trip("friction_parameters", 1);
 }
 
 #[test]
+#[ignore = "long: with --ignored, as CI does"]
 fn a_tilted_base() {
     round_trip("base_tilt", 2);
 }
 
 #[test]
+#[ignore = "long: with --ignored, as CI does"]
 fn rotor_inertia() {
     round_trip("rotor_inertia", 4);
 }

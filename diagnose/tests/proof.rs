@@ -3,6 +3,7 @@
 use diagnose::prove::{Answer, leave_one_out, mean, prove, table};
 
 #[test]
+#[ignore = "long: with --ignored, as CI does"]
 fn a_few_sealed_cases() {
     let folder = tempfile::tempdir().unwrap();
     let scores = prove(6, 11, None, Some(folder.path()), || ()).unwrap();
@@ -26,6 +27,7 @@ fn a_few_sealed_cases() {
 }
 
 #[test]
+#[ignore = "long: with --ignored, as CI does"]
 fn a_withheld_candidate_gives_no_confident_wrong_name() {
     let answers = leave_one_out(6, 11, || ()).unwrap();
     assert!(!answers.is_empty());
@@ -36,6 +38,7 @@ fn a_withheld_candidate_gives_no_confident_wrong_name() {
 }
 
 #[test]
+#[ignore = "long: with --ignored, as CI does"]
 fn friction_that_changes_with_position_has_its_name() {
     let scores = prove(4, 21, Some("position_dependent_friction"), None, || ()).unwrap();
     println!("{}", table(&scores).to_text());
