@@ -134,8 +134,20 @@ mod tests {
         all.extend(torque_ripple::candidates(1, &[17.0]));
         all.extend(position_dependent_friction::candidates(&scene, 1, &[17.0]));
         let mut compared = 0;
-        for column in all.iter().flat_map(|c| &c.columns) {
+        let named = |c: &Candidate| -> Vec<(Effect, Column)> {
+            c.columns
+                .iter()
+                .map(|own| (c.effect, own.clone()))
+                .collect()
+        };
+        let columns: Vec<(Effect, Column)> = all.iter().flat_map(named).collect();
+        for (effect, column) in &columns {
             if let ColumnTorque::Terms(terms) = &column.torque {
+                let named = |t: &(f64, physics::effects::Term)| t.1.effect() == effect.name();
+                assert!(
+                    terms.iter().any(named),
+                    "{effect:?} by terms of others: {terms:?}"
+                );
                 let joint = column.joints[0];
                 let (once, stepped) = (scene.terms(joint, terms), scene.stepped(joint, terms));
                 let largest = stepped.iter().fold(0.0f64, |m, x| m.max(x.abs()));

@@ -32,18 +32,6 @@ pub fn terms(robot: &Robot) -> Vec<Vec<Term>> {
         .collect()
 }
 
-/// The same with every sign softened over `velocity`.
-pub fn softened(terms: &[Vec<Term>], velocity: f64) -> Vec<Vec<Term>> {
-    let soften = |term: &Term| match term {
-        Term::Sliding(Sliding::Coulomb) => Term::Sliding(Sliding::SoftCoulomb { velocity }),
-        other => other.clone(),
-    };
-    terms
-        .iter()
-        .map(|list| list.iter().map(soften).collect())
-        .collect()
-}
-
 /// Softens each joint's sign where that lowers the error on rows left out by more than chance.
 ///
 /// # Errors

@@ -19,10 +19,23 @@ pub fn basic() -> Vec<Term> {
 /// Whether a term is friction of a shape of its own, which may not be many times the joint's friction: curves that
 /// differ little cancel, and hundreds of N·m of one against hundreds of another are no physics.
 pub fn is_friction_shape(term: &Term) -> bool {
-    matches!(
-        term,
-        Term::Sliding(_) | Term::Stop(_) | Term::Dahl(_) | Term::LaggedSign(_) | Term::Position(_)
-    )
+    match term {
+        Term::Sliding(_)
+        | Term::Stop(_)
+        | Term::Dahl(_)
+        | Term::DahlRate(_)
+        | Term::LaggedSign(_)
+        | Term::Position(_) => true,
+        Term::Offset
+        | Term::RotorInertia
+        | Term::Load(_)
+        | Term::Harmonic(_)
+        | Term::Polynomial(_)
+        | Term::Coupling(_)
+        | Term::Counterbalance(_)
+        | Term::WarmUp(_)
+        | Term::Drift(_) => false,
+    }
 }
 
 /// Whether a term is torque of the joint's position, which over a part of a turn is nearly an offset.

@@ -108,7 +108,13 @@ impl Term {
             Term::Position(p) => p.friction.remembers(),
             Term::WarmUp(w) => w.term.remembers(),
             Term::Drift(d) => d.term.remembers(),
-            _ => false,
+            Term::Offset
+            | Term::RotorInertia
+            | Term::Sliding(_)
+            | Term::Harmonic(_)
+            | Term::Polynomial(_)
+            | Term::Coupling(_)
+            | Term::Counterbalance(_) => false,
         }
     }
 
@@ -118,7 +124,18 @@ impl Term {
             Term::Load(_) => true,
             Term::WarmUp(w) => w.term.sees_load(),
             Term::Drift(d) => d.term.sees_load(),
-            _ => false,
+            Term::Offset
+            | Term::RotorInertia
+            | Term::Sliding(_)
+            | Term::Stop(_)
+            | Term::Dahl(_)
+            | Term::DahlRate(_)
+            | Term::LaggedSign(_)
+            | Term::Position(_)
+            | Term::Harmonic(_)
+            | Term::Polynomial(_)
+            | Term::Coupling(_)
+            | Term::Counterbalance(_) => false,
         }
     }
 
