@@ -83,7 +83,11 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     };
     let directory = arguments.out.as_ref().map(|_| {
         let cutoff_given = arguments.cutoff_hz.is_some();
-        directory::directory(&given.model, &data, &heldout, &outcome, cutoff_given)
+        directory::directory(&given.model, &data, &heldout, &outcome, cutoff_given).map(|mut d| {
+            // The recordings were joined: provenance names each.
+            d.file.provenance.recordings = given.sources.clone();
+            d
+        })
     });
     let directory = directory.transpose()?;
     let urdf = patch.as_ref().map(|p| p.urdf.clone());

@@ -14,8 +14,6 @@ use ndarray::Array2;
 use physics::effects::Term;
 use physics::robot::Robot;
 use physics::torque_model::{TorqueModel, TorqueModelRecord};
-use sha2::{Digest, Sha256};
-use std::path::Path;
 
 /// Base parameters as they were estimated.
 pub struct Estimated<'a> {
@@ -78,7 +76,7 @@ impl Parts<'_> {
             clock: session.clock(data.len()),
             memory: memory(model, session, data.len()),
             provenance: Provenance {
-                recordings: data.iter().map(source).collect(),
+                recordings: data.iter().map(Source::of).collect(),
                 seed: self.seed,
                 folds: self.folds,
             },
@@ -181,27 +179,5 @@ fn residual_std(data: &[Recording], session: &Session, physics: &[Array2<f64>]) 
     ResidualStd {
         moving: (0..joints).map(|j| deviation(j, true)).collect(),
         standstill: (0..joints).map(|j| deviation(j, false)).collect(),
-    }
-}
-
-fn source(recording: &Recording) -> Source {
-    let path = Path::new(&recording.source);
-    let sha256 = std::fs::read(path).map_or_else(
-        |_| String::new(),
-        |bytes| {
-            Sha256::digest(&bytes)
-                .iter()
-                .map(|b| format!("{b:02x}"))
-                .collect()
-        },
-    );
-    Source {
-        name: path.file_name().map_or_else(
-            || recording.source.clone(),
-            |n| n.to_string_lossy().into_owned(),
-        ),
-        sha256,
-        samples: recording.len(),
-        trajectories: recording.trajectories.len(),
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::identify::design::rigid_columns;
 use crate::session::{Session, Start};
+use crate::torque_channel::TorqueChannel;
 use ::identify::base::BaseParameters;
 use feedforward::clock::Memory;
 use ndarray::{Array2, Axis};
@@ -46,6 +47,20 @@ pub fn predict(model: &TorqueModel, session: &Session, memory: &[Memory]) -> Vec
             table
         })
         .collect()
+}
+
+/// The same as the recordings' torque channel notes it, where something of it is known.
+pub fn predict_noted(
+    model: &TorqueModel,
+    session: &Session,
+    memory: &[Memory],
+    channel: Option<&TorqueChannel>,
+) -> Vec<Array2<f64>> {
+    let mut all = predict(model, session, memory);
+    if let Some(channel) = channel {
+        all.iter_mut().for_each(|torque| channel.note(torque));
+    }
+    all
 }
 
 /// Standard deviation of the predicted torque that comes from the parameters' covariance alone, for

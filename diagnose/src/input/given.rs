@@ -3,7 +3,7 @@
 use crate::error::DiagnoseError;
 use crate::simulator::NominalModel;
 use datasets::{Part, ReadOptions, Recording, Trajectory, read};
-use model::directory::ModelFile;
+use model::directory::{ModelFile, Source};
 use model::evaluation::read_options;
 use model::preparation::setup::{Setup, SetupError};
 use model::preparation::units::refuse_degrees;
@@ -16,6 +16,8 @@ pub struct Given {
     pub model: NominalModel,
     /// Its URDF, as the user has it where there is one.
     pub urdf: String,
+    /// The recordings that are fitted, file by file, once they are read.
+    pub sources: Vec<Source>,
     reading: Reading,
 }
 
@@ -41,6 +43,7 @@ impl Given {
         Ok(Self {
             model: NominalModel::new(setup.robot.clone()),
             urdf: setup.urdf.clone(),
+            sources: Vec::new(),
             reading: Reading::Robot(Box::new(setup)),
         })
     }
@@ -58,6 +61,7 @@ impl Given {
         Ok(Self {
             model: NominalModel::identified(&file)?,
             urdf: file.physics.urdf,
+            sources: Vec::new(),
             reading: Reading::Directory(Box::new(options)),
         })
     }
@@ -75,6 +79,7 @@ impl Given {
                 .map(|p| of_model(&self.model, p, &options[0]))
                 .collect::<Result<_, _>>()?,
         };
+        self.sources = all.iter().map(Source::of).collect();
         // One is not copied: it may fill half the memory.
         Ok(if all.len() == 1 {
             all.remove(0)

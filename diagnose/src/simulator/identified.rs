@@ -4,7 +4,7 @@ use crate::motion::frame::Frame;
 use datasets::channel::Estimate95;
 use feedforward::clock::Memory;
 use model::directory::ModelFile;
-use model::predict::predict;
+use model::predict::predict_noted;
 use model::session::{Session, spans};
 use model::torque_channel::TorqueChannel;
 use ndarray::Array2;
@@ -100,10 +100,6 @@ impl Identified {
             channel.turn(&mut prepared.fine);
         }
         let session = Session::new(vec![prepared], clock);
-        let mut torque = predict(&self.model, &session, memory).swap_remove(0);
-        if let Some(channel) = channel {
-            channel.note(&mut torque);
-        }
-        torque
+        predict_noted(&self.model, &session, memory, channel).swap_remove(0)
     }
 }

@@ -9,17 +9,18 @@ use crate::baseline::{ForwardBaseline, LinearInverse};
 use crate::identify::diagnostics::Diagnostics;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimators::Known;
-use crate::preparation::cutoff::CutoffChoice;
+use crate::preparation::cutoff::{CutoffChoice, for_recording};
 use crate::torque_channel::TorqueChannel;
-use datasets::TorqueFilter;
 use datasets::channel::Estimate95;
-use datasets::prepare::{Derivatives, PrepareOptions};
+use datasets::prepare::{Derivatives, PrepareError, PrepareOptions, prepare};
+use datasets::{Prepared, Recording, TorqueFilter};
 use feedforward::clock::Memory;
 use metrics::Metrics;
 use ndarray::Array2;
 use physics::robot::Robot;
 use physics::torque_model::{TorqueModelError, TorqueModelRecord, WeightedTerm};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// Version of `model.json` that this program writes and reads.
@@ -178,6 +179,27 @@ pub enum DirectoryError {
     Write(#[from] report::WriteError),
 }
 
+impl Source {
+    /// What provenance says of a recording as it was read.
+    pub fn of(recording: &Recording) -> Self {
+        let path = Path::new(&recording.source);
+        let hash = |bytes: Vec<u8>| {
+            let digest = Sha256::digest(&bytes);
+            digest.iter().map(|b| format!("{b:02x}")).collect()
+        };
+        let name = path.file_name();
+        Self {
+            name: name.map_or_else(
+                || recording.source.clone(),
+                |n| n.to_string_lossy().into_owned(),
+            ),
+            sha256: std::fs::read(path).map_or_else(|_| String::new(), hash),
+            samples: recording.len(),
+            trajectories: recording.trajectories.len(),
+        }
+    }
+}
+
 impl Preprocessing {
     /// How a recording is prepared for this model; `cutoff_hz` instead of the model's own cut-off where it is given.
     pub fn options(&self, cutoff_hz: Option<f64>) -> PrepareOptions {
@@ -191,6 +213,26 @@ impl Preprocessing {
             torque_delay: self.torque_delay.and_then(|d| d.value).unwrap_or(0.0),
             ..PrepareOptions::default()
         }
+    }
+}
+
+impl Preprocessing {
+    /// A recording as this model sees it: prepared as its training was, or with another cut-off, positions true where a
+    /// joint zero is known.
+    ///
+    /// # Errors
+    /// As [`prepare()`].
+    pub fn prepare(
+        &self,
+        recording: &Recording,
+        cutoff_hz: Option<f64>,
+    ) -> Result<Prepared, PrepareError> {
+        let options = for_recording(&self.options(cutoff_hz), recording);
+        let mut prepared = prepare(recording, &options)?;
+        if let Some(channel) = &self.channel {
+            channel.turn(&mut prepared.fine);
+        }
+        Ok(prepared)
     }
 }
 

@@ -9,13 +9,12 @@ use crate::baseline::published::Published;
 use crate::directory::ModelFile;
 use crate::page::Subject;
 use crate::predict::parameter_deviation;
-use crate::preparation::cutoff;
 use crate::preparation::setup::{self, Setup, SetupError};
 use crate::preparation::units::refuse_degrees;
 use crate::residual::{self};
 use crate::session::Session;
 use datasets::metrics::{MOVING, Row};
-use datasets::prepare::{PrepareReport, prepare};
+use datasets::prepare::PrepareReport;
 use datasets::repeats::{self, Repeatability};
 use datasets::{Part, Recording, Trajectory};
 use ndarray::Array2;
@@ -107,17 +106,14 @@ pub fn evaluate(
         });
     }
     refuse_degrees(&file.physics.nominal()?, &recording)?;
-    let wanted = file.preprocessing.options(options.cutoff_hz);
-    let prepare_options = cutoff::for_recording(&wanted, &recording);
-    let mut prepared =
-        prepare(&recording, &prepare_options).map_err(|source| EvaluateError::Prepare {
+    let prepared = file
+        .preprocessing
+        .prepare(&recording, options.cutoff_hz)
+        .map_err(|source| EvaluateError::Prepare {
             file: recording.source.clone(),
             source,
         })?;
     let channel = file.preprocessing.channel.as_ref();
-    if let Some(channel) = channel {
-        channel.turn(&mut prepared.fine);
-    }
     let session = Session::new(vec![prepared], &file.clock);
     let model = file.physics.model()?;
     let compensator = residual::load(directory, file)?;
@@ -161,7 +157,7 @@ pub fn evaluate(
         }
     }
     let (more, of_variants) =
-        variants::rows(&loaded, &recording, &session.parts[0], &prepare_options)?;
+        variants::rows(&loaded, &recording, &session.parts[0], options.cutoff_hz)?;
     rows.extend(more);
     if let Some(forward) = &file.forward_baseline {
         rows.extend(forward.rows(&recording, &motion.qd)?.into_iter().flatten());

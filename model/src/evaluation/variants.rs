@@ -2,12 +2,12 @@
 
 use super::error::EvaluateError;
 use crate::directory::ModelFile;
-use crate::predict::predict;
+use crate::predict::predict_noted;
 use crate::residual;
 use crate::session::Session;
 use datasets::Recording;
 use datasets::metrics::Row;
-use datasets::prepare::{PrepareOptions, Prepared, prepare};
+use datasets::prepare::Prepared;
 use feedforward::network::Compensator;
 use ndarray::Array2;
 use physics::torque_model::TorqueModel;
@@ -26,10 +26,8 @@ impl Loaded<'_> {
     /// Torque of the physics alone and of the whole model, shape (samples, joints), for the only
     /// recording of `session`.
     pub fn torque(&self, session: &Session) -> Result<[Array2<f64>; 2], EvaluateError> {
-        let mut physics = predict(self.model, session, &self.file.memory).swap_remove(0);
-        if let Some(channel) = &self.file.preprocessing.channel {
-            channel.note(&mut physics);
-        }
+        let channel = self.file.preprocessing.channel.as_ref();
+        let physics = predict_noted(self.model, session, &self.file.memory, channel).swap_remove(0);
         let torque = match self.compensator {
             Some(c) => &physics + &residual::predict(c, self.file, self.model, session, 0)?,
             None => physics.clone(),
@@ -44,7 +42,7 @@ pub(super) fn rows(
     loaded: &Loaded,
     recording: &Recording,
     prepared: &Prepared,
-    options: &PrepareOptions,
+    cutoff_hz: Option<f64>,
 ) -> Result<(Vec<Row>, Vec<String>), EvaluateError> {
     let (mut rows, mut notes) = (Vec::new(), Vec::new());
     let Some(tau) = &recording.tau else {
@@ -52,25 +50,30 @@ pub(super) fn rows(
     };
     let mut variants = Vec::new();
     if let Some(planned) = planned(recording) {
-        let moved = prepare(&planned, options).map_err(|source| EvaluateError::Prepare {
-            file: format!("{} (q_ref)", recording.source),
-            source,
-        })?;
+        let moved = loaded
+            .file
+            .preprocessing
+            .prepare(&planned, cutoff_hz)
+            .map_err(|source| EvaluateError::Prepare {
+                file: format!("{} (q_ref)", recording.source),
+                source,
+            })?;
         variants.push(("reference", moved));
         notes.push("[reference]: the model was fed the planned motion (q_ref and its derivatives) instead of the measured one, and scored on the same torque.".to_owned());
     }
     let cutoff = prepared.report.cutoff_hz;
-    variants.push(("causal", causal(recording, prepared)));
+    let mut derived = causal(recording, prepared);
+    if let Some(channel) = &loaded.file.preprocessing.channel {
+        channel.turn(&mut derived.fine);
+    }
+    variants.push(("causal", derived));
     notes.push(format!(
         "[causal]: motion as a control loop has it: {}backward differences of the recorded position alone, nothing from the future.",
         cutoff.map_or_else(String::new, |hz| format!(
             "one causal pass of a second-order low-pass at {hz:.3} Hz, then "
         ))
     ));
-    for (name, mut moved) in variants {
-        if let Some(channel) = &loaded.file.preprocessing.channel {
-            channel.turn(&mut moved.fine);
-        }
+    for (name, moved) in variants {
         let session = Session::new(vec![moved], &loaded.file.clock);
         let [physics, torque] = loaded.torque(&session)?;
         let qd = &prepared.at_samples.qd;
@@ -165,6 +168,7 @@ fn derive(time: &[f64], q: &[f64], section: Option<Section>) -> Vec<[f64; 3]> {
 mod tests {
     use super::*;
     use datasets::Trajectory;
+    use datasets::prepare::{PrepareOptions, prepare};
 
     fn recording(position: impl Fn(f64) -> f64) -> Recording {
         let time: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();

@@ -14,15 +14,14 @@ use crate::ladder::rungs::Free;
 use crate::outcome::Outcome;
 use crate::simulator::NominalModel;
 use combination::Combination;
+use datasets::Recording;
 use datasets::metrics::Row;
 use datasets::prepare::{Derivatives, Source};
-use datasets::{Prepared, Recording, prepare};
 use identify::base::BaseParameters;
 use model::assemble::{Estimated, Parts};
 use model::directory::metrics::{Metrics, SCHEMA};
 use model::directory::{ModelFile, Preprocessing};
-use model::predict::predict;
-use model::preparation::cutoff;
+use model::predict::predict_noted;
 use model::session::Session;
 use ndarray::{Array1, Array2};
 use physics::torque_model::TorqueModelRecord;
@@ -80,10 +79,16 @@ pub fn directory(
     };
     let model = record.model()?;
     let preprocessing = preprocessing(outcome, &recorded, cutoff_given);
-    let parts = [data, heldout].map(|r| prepared(r, &preprocessing));
+    let prepared = |recording: &Recording| {
+        let done = preprocessing.prepare(recording, None);
+        done.map_err(|error| DiagnoseError::Prepare {
+            source_name: recording.source.clone(),
+            error,
+        })
+    };
+    let parts = [data, heldout].map(prepared);
     let session = Session::new(parts.into_iter().collect::<Result<_, _>>()?, &[]);
-    let mut physics = predict(&model, &session, &[]);
-    physics.iter_mut().for_each(|p| recorded.channel.note(p));
+    let physics = predict_noted(&model, &session, &[], preprocessing.channel.as_ref());
     let base = BaseParameters::of_robot(&robot, &[]);
     let covariance = sum.covariance(&base, &fit.covariance());
     let values = base.base_from(&record.rigid);
@@ -139,19 +144,6 @@ fn preprocessing(outcome: &Outcome, recorded: &Recorded, cutoff_given: bool) -> 
         channel: recorded.named(),
         moving_only: false,
     }
-}
-
-/// A recording as the model's preprocessing has it.
-fn prepared(recording: &Recording, own: &Preprocessing) -> Result<Prepared, DiagnoseError> {
-    let options = cutoff::for_recording(&own.options(None), recording);
-    let mut prepared = prepare(recording, &options).map_err(|error| DiagnoseError::Prepare {
-        source_name: recording.source.clone(),
-        error,
-    })?;
-    if let Some(channel) = &own.channel {
-        channel.turn(&mut prepared.fine);
-    }
-    Ok(prepared)
 }
 
 /// Scores of the physics and the linear baseline on both recordings.
