@@ -17,30 +17,56 @@ pub fn uniform_grid(start: f64, end: f64, step: f64) -> Vec<f64> {
 /// Steps forward that are tried before a search.
 const NEAR: usize = 8;
 
-/// Values at `at`, linear between the samples, constant outside them.
-///
-/// # Panics
-/// If there is no sample.
-pub fn linear(time: &[f64], values: &[f64], at: &[f64]) -> Vec<f64> {
-    let last = time.len() - 1;
-    let mut right = 0;
-    at.iter()
-        .map(|&t| {
+/// Where stamps lie between the samples of one time axis: for many signals on the same two axes.
+#[derive(Clone, Debug, Default)]
+pub struct Between {
+    /// Sample at or before each stamp, the one after it, and how far the stamp is from the first to the second, 0 to 1.
+    places: Vec<(usize, usize, f64)>,
+}
+
+impl Between {
+    /// Finds the places of `at` among the times of the samples, which increase.
+    ///
+    /// # Panics
+    /// If there is no sample.
+    pub fn new(time: &[f64], at: impl IntoIterator<Item = f64>) -> Self {
+        let last = time.len() - 1;
+        let mut right = 0;
+        let place = |t: f64| {
             // Stamps mostly go on from one to the next: a step or two, not a search.
             let near = (right..=last + 1)
                 .take(NEAR)
                 .find(|&k| (k > last || time[k] > t) && (k == 0 || time[k - 1] <= t));
             right = near.unwrap_or_else(|| time.partition_point(|&s| s <= t));
-            if right == 0 {
-                values[0]
-            } else if right > last {
-                values[last]
+            if right == 0 || right > last {
+                let end = right.min(last);
+                (end, end, 0.0)
             } else {
                 let share = (t - time[right - 1]) / (time[right] - time[right - 1]);
-                values[right - 1] + share * (values[right] - values[right - 1])
+                (right - 1, right, share)
             }
-        })
-        .collect()
+        };
+        Self {
+            places: at.into_iter().map(place).collect(),
+        }
+    }
+
+    /// A signal's values there: linear between the samples, constant outside them.
+    ///
+    /// # Panics
+    /// If the signal has fewer values than there were samples.
+    pub fn of<'a>(&'a self, values: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let places = self.places.iter();
+        places.map(|&(left, right, share)| values[left] + share * (values[right] - values[left]))
+    }
+}
+
+/// Values at `at`, linear between the samples, constant outside them.
+///
+/// # Panics
+/// If there is no sample.
+pub fn linear(time: &[f64], values: &[f64], at: &[f64]) -> Vec<f64> {
+    Between::new(time, at.iter().copied()).of(values).collect()
 }
 
 /// Values at `at` by a cubic spline through the samples, constant outside them.

@@ -14,6 +14,7 @@ use ndarray::Array2;
 use serde::Serialize;
 use signal::spline::{Spline, SplineError};
 use signal::{Motion, filter, resample, smoother, sos};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Below this rate in Hz a recording is interpolated as it is: it was low-passed before it was
@@ -140,6 +141,8 @@ pub struct Prepared {
     pub report: PrepareReport,
     torque_sections: Vec<Vec<sos::Section>>,
     torque_delay: f64,
+    /// By trajectory, where the stamps less the torque's delay lie on the fine grid.
+    between: Vec<resample::Between>,
 }
 
 /// One trajectory: uniform grid and the grid's step.
@@ -249,12 +252,21 @@ pub fn prepare(recording: &Recording, options: &PrepareOptions) -> Result<Prepar
         noise,
         torque_filter: recording.torque_filter,
     };
+    let torque_delay = options.torque_delay;
+    let segments = fine.segments.iter().zip(&at_samples.segments);
+    let between = segments
+        .map(|(f, s)| {
+            let stamps = at_samples.time[s.clone()].iter();
+            resample::Between::new(&fine.time[f.clone()], stamps.map(|t| t - torque_delay))
+        })
+        .collect();
     Ok(Prepared {
         fine,
         at_samples,
         report,
         torque_sections,
-        torque_delay: options.torque_delay,
+        torque_delay,
+        between,
     })
 }
 
@@ -264,14 +276,14 @@ impl Prepared {
     ///
     /// # Panics
     /// If the column has not one entry per row of `fine`.
-    pub fn torque_filtered(&self, column: &[f64]) -> Vec<f64> {
+    fn torque_filtered<'a>(&self, column: &'a [f64]) -> Cow<'a, [f64]> {
         assert_eq!(
             column.len(),
             self.fine.len(),
             "one entry per row of the fine grid"
         );
         if self.torque_sections.is_empty() {
-            return column.to_vec();
+            return Cow::Borrowed(column);
         }
         let parts = self.fine.segments.iter().zip(&self.torque_sections);
         parts
@@ -305,14 +317,8 @@ impl Prepared {
     pub fn to_samples(&self, column: &[f64]) -> Vec<f64> {
         let filtered = self.torque_filtered(column);
         let mut out = Vec::with_capacity(self.at_samples.len());
-        for (f, s) in self.fine.segments.iter().zip(&self.at_samples.segments) {
-            let stamps = self.at_samples.time[s.clone()].iter();
-            let at: Vec<f64> = stamps.map(|t| t - self.torque_delay).collect();
-            out.extend(resample::linear(
-                &self.fine.time[f.clone()],
-                &filtered[f.clone()],
-                &at,
-            ));
+        for (f, between) in self.fine.segments.iter().zip(&self.between) {
+            out.extend(between.of(&filtered[f.clone()]));
         }
         out
     }

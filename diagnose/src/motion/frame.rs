@@ -165,7 +165,9 @@ impl Frame {
 
     /// A column at the fine rate as the recorded torque would show it.
     pub fn to_samples(&self, fine: &Array1<f64>) -> Vec<f64> {
-        self.prepared.to_samples(&fine.to_vec())
+        let whole = fine.as_standard_layout();
+        let values = whole.as_slice().expect("a column in standard layout");
+        self.prepared.to_samples(values)
     }
 
     /// A column at the fine rate on the rows that are fitted.

@@ -10,6 +10,8 @@ const FEWEST_CYCLES: f64 = 2.5;
 const MOST_CYCLES: f64 = 320.0;
 /// Part of the sampling rate below which a line has to lie at the joint's usual speed.
 const RATE_SHARE: f64 = 0.33;
+/// Bins after which sine and cosine are evaluated anew.
+const ANEW: usize = 64;
 
 /// A residual summed over bins of position, slow torques of position taken out.
 pub struct Orders {
@@ -79,8 +81,26 @@ impl Orders {
         TAU / self.range
     }
 
+    /// Width of a bin.
+    fn width(&self) -> f64 {
+        self.range / self.count.len() as f64
+    }
+
     fn place(&self, bin: usize) -> f64 {
-        self.low + (bin as f64 + 0.5) * self.range / self.sum.len() as f64
+        self.low + (bin as f64 + 0.5) * self.width()
+    }
+
+    /// Calls `f` with each bin and sine and cosine of an order there: turned on from bin to bin, evaluated anew every so
+    /// often, so that no rounding adds up.
+    fn turning(&self, k: f64, mut f: impl FnMut(usize, f64, f64)) {
+        let (turn_s, turn_c) = (k * self.width()).sin_cos();
+        for start in (0..self.count.len()).step_by(ANEW) {
+            let (mut s, mut c) = (k * self.place(start)).sin_cos();
+            for b in start..(start + ANEW).min(self.count.len()) {
+                f(b, s, c);
+                (s, c) = (s * turn_c + c * turn_s, c * turn_c - s * turn_s);
+            }
+        }
     }
 
     /// Orders of the periodogram with the squared error, summed over samples, that a sine of each removes.
@@ -137,23 +157,25 @@ impl Orders {
     }
 
     fn add(&mut self, k: f64, line: &Line, sign: f64) {
-        for b in 0..self.sum.len() {
-            let (s, c) = (k * self.place(b)).sin_cos();
-            self.sum[b] += sign * self.count[b] * (line.sine * s + line.cosine * c);
-        }
+        let mut sum = std::mem::take(&mut self.sum);
+        let count = &self.count;
+        self.turning(k, |b, s, c| {
+            sum[b] += sign * count[b] * (line.sine * s + line.cosine * c);
+        });
+        self.sum = sum;
     }
 
     /// Least-squares sine and cosine of one order.
     fn line(&self, k: f64) -> Line {
         let (mut ss, mut sc, mut cc, mut sy, mut cy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for (b, (&y, &n)) in self.sum.iter().zip(&self.count).enumerate() {
-            let (s, c) = (k * self.place(b)).sin_cos();
+        self.turning(k, |b, s, c| {
+            let (y, n) = (self.sum[b], self.count[b]);
             ss += n * s * s;
             sc += n * s * c;
             cc += n * c * c;
             sy += s * y;
             cy += c * y;
-        }
+        });
         let det = ss * cc - sc * sc;
         if det <= 1e-9 * ss * cc {
             return Line {
