@@ -114,7 +114,7 @@ impl<'a> Fit<'a> {
             for &(i, p) in place {
                 x[p] += beta[i];
             }
-            gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&gram.xx.dot(&x))
+            gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&fitted(&gram.xx, &x))
         })
         .collect()
     }
@@ -260,6 +260,15 @@ fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
         .sum()
 }
 
+/// XᵀXβ, of coefficients that are mostly zero: a joint has many columns, and few are fitted.
+fn fitted(xx: &Array2<f64>, x: &Array1<f64>) -> Array1<f64> {
+    let mut out = Array1::zeros(x.len());
+    for (row, &b) in xx.rows().into_iter().zip(x).filter(|(_, b)| **b != 0.0) {
+        out.scaled_add(b, &row);
+    }
+    out
+}
+
 fn part(
     grams: &Grams,
     variables: &[Variable],
@@ -294,7 +303,7 @@ fn part(
         for &(i, p) in place {
             x[p] += beta[i];
         }
-        let fitted = gram.xx.dot(&x);
+        let fitted = fitted(&gram.xx, &x);
         error.push((gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&fitted)).max(0.0));
         correlation.push(&gram.xy - &fitted);
         products.push(Array2::from_shape_fn(
