@@ -23,6 +23,7 @@ use crate::motion::scene::{Scene, rigid_torque};
 use crate::motion::standing::{Coulomb, Judged, judge, states};
 use crate::schema::{Cause, Diagnosis, NotIdentifiable, Place, Simulation, Tested};
 use crate::search::find::{Findings, find};
+use crate::search::null::{self, Null};
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::traces::contact::detect;
@@ -44,6 +45,8 @@ pub struct Options {
     pub learn: bool,
     /// Simulate motion with the model as given and with the causes.
     pub simulate: bool,
+    /// Surrogates of the recording that chance is told by; none are drawn for zero.
+    pub surrogates: u64,
 }
 
 /// What the fitted recording says, some of its samples left out.
@@ -117,11 +120,14 @@ pub fn diagnose(
         near.filter(|r| r.1).for_each(|(mut row, _)| row.fill(0.0));
         found = search(&weight, &skipped)?;
     }
+    let null = (options.surrogates > 0 && moves)
+        .then(|| null::draw(model, &frames, &found.findings, &weight, options.surrogates));
     let bounds = hold(model, &mut found.findings, &frames.scale);
     let said = Said {
         listing: &found.listing,
         contact: contact.as_ref(),
         dead: &dead,
+        null: null.as_ref(),
         look: look.map(|_| !repeats(&found.left)),
     };
     let explanation = explain(model, &frames, &found.findings, &said);
@@ -216,7 +222,7 @@ pub fn diagnose(
         friction: friction(model, &frames, &findings),
         moved_parameters: moved(model, &findings),
         bounds,
-        candidates: tested(&findings, &names),
+        candidates: tested(&findings, &names, null.as_ref()),
         not_identifiable: unknowable,
         recordings,
         simulation,
@@ -298,7 +304,7 @@ fn linear(unit: &str) -> Option<&'static str> {
 }
 
 /// The best candidate of each effect and place beyond the accepted causes.
-fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
+fn tested(findings: &Findings, names: &[String], null: Option<&Null>) -> Vec<Tested> {
     let most = findings.settings.measure.said.candidates;
     let mut seen: Vec<(Effect, Vec<usize>, Option<usize>)> = Vec::new();
     let mut out = Vec::new();
@@ -320,7 +326,9 @@ fn tested(findings: &Findings, names: &[String]) -> Vec<Tested> {
             effect: c.effect,
             joints: c.joints.iter().map(|&j| names[j].clone()).collect(),
             gap_closed: 1.0 - now / given.max(1e-300),
-            p_value: None,
+            p_value: null
+                .filter(|_| t.candidate < findings.picked_from)
+                .map(|n| n.p_value(t.gain)),
         });
     }
     out

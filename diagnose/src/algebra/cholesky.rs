@@ -87,6 +87,15 @@ impl Cholesky {
         scaled(x);
     }
 
+    /// A vector with covariance A⁻¹ from one of independent unit normals.
+    pub fn draw(&self, noise: ArrayView1<f64>) -> Array1<f64> {
+        let n = self.scale.len();
+        let mut x = noise.to_vec();
+        let columns = MatMut::from_column_major_slice_mut(&mut x, n, 1);
+        solve_upper_triangular_in_place(self.l.transpose(), columns, Par::Seq);
+        x.iter().zip(&self.scale).map(|(v, s)| v * s).collect()
+    }
+
     /// Diagonal of A⁻¹.
     pub fn inverse_diagonal(&self) -> Array1<f64> {
         let n = self.scale.len();

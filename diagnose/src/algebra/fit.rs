@@ -22,29 +22,29 @@ pub struct Variable {
 
 /// Fit of everything but one fold (or of everything), scored on that fold (or on everything).
 #[derive(Clone, Debug)]
-struct Part {
-    factor: Cholesky,
-    beta: Array1<f64>,
+pub(super) struct Part {
+    pub(super) factor: Cholesky,
+    pub(super) beta: Array1<f64>,
     /// Xᵀ(y − Xβ) on the scored rows, over all active columns, by joint.
     correlation: Vec<Array1<f64>>,
     /// ‖y − Xβ‖² on the scored rows, by joint.
     error: Vec<f64>,
     /// XᵀX of the fitted columns on the scored rows, by joint, in the order of [`Fit::places`].
-    products: Vec<Array2<f64>>,
+    pub(super) products: Vec<Array2<f64>>,
 }
 
 /// A fit on all folds and one with each fold left out.
 #[derive(Clone, Debug)]
 pub struct Fit<'a> {
-    grams: &'a Grams,
+    pub(super) grams: &'a Grams,
     /// What is fitted.
     pub variables: Vec<Variable>,
     /// Weight of each joint's squared torque error, 1/(N·m)².
     pub weights: Vec<f64>,
-    parts: Vec<Part>,
-    all: Part,
+    pub(super) parts: Vec<Part>,
+    pub(super) all: Part,
     /// Fitted variables that touch each joint: (variable, place among the joint's active columns).
-    places: Vec<Vec<(usize, usize)>>,
+    pub(super) places: Vec<Vec<(usize, usize)>>,
 }
 
 /// What adding columns to a fit would give.
@@ -104,6 +104,42 @@ impl<'a> Fit<'a> {
         self.all
             .factor
             .solve_rows(&Array2::eye(self.variables.len()))
+    }
+
+    /// XᵀWX + Λ, of which the inverse is the posterior covariance; its lower triangle.
+    pub fn precision(&self) -> Array2<f64> {
+        let m = self.variables.len();
+        let mut a = Array2::zeros((m, m));
+        for ((gram, &w), place) in self.grams.total.iter().zip(&self.weights).zip(&self.places) {
+            for &(i, p) in place {
+                for &(k, r) in place.iter().take_while(|&&(k, _)| k <= i) {
+                    a[[i, k]] += w * gram.xx[[p, r]];
+                }
+            }
+        }
+        for (i, v) in self.variables.iter().enumerate() {
+            a[[i, i]] += v.precision;
+        }
+        a
+    }
+
+    /// Number of folds.
+    pub fn folds(&self) -> usize {
+        self.grams.folds.len()
+    }
+
+    /// XᵀX of one joint in one fold.
+    pub fn products(&self, fold: usize, joint: usize) -> &Array2<f64> {
+        &self.grams.folds[fold][joint].xx
+    }
+
+    /// Coefficients of a joint's active columns.
+    pub fn expanded(&self, joint: usize, beta: &Array1<f64>) -> Array1<f64> {
+        let mut x = Array1::zeros(self.grams.total[joint].xy.len());
+        for &(i, p) in &self.places[joint] {
+            x[p] += beta[i];
+        }
+        x
     }
 
     /// Squared error of some coefficients on all rows, by joint, (N·m)².
@@ -252,7 +288,7 @@ impl<'a> Fit<'a> {
     }
 }
 
-fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
+pub(super) fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
     variables
         .iter()
         .zip(beta)

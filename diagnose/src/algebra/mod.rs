@@ -4,3 +4,4 @@ pub(crate) mod cholesky;
 pub(crate) mod fit;
 pub(crate) mod folds;
 pub(crate) mod gram;
+pub(crate) mod many;

@@ -15,6 +15,7 @@ use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, judge};
 use crate::schema::{Cause, Step};
 use crate::search::find::{Accepted, Columns, Findings, gap};
+use crate::search::null::Null;
 use crate::simulator::NominalModel;
 use crate::traces::contact::{Contact, detect};
 use datasets::metrics::deviations;
@@ -52,6 +53,8 @@ pub struct Said<'a> {
     pub contact: Option<&'a Contact>,
     /// Joints without a usable torque channel there.
     pub dead: &'a [bool],
+    /// Gains where nothing is missing, where surrogates were drawn.
+    pub null: Option<&'a Null>,
     /// Whether pushes are looked for in the held-out recording; if so, whether in motion, too.
     pub look: Option<bool>,
 }
@@ -191,7 +194,7 @@ pub fn explain(
             } else {
                 interval[0] > 0.0
             },
-            p_value: None,
+            p_value: cause.and_then(|a| chance(found, a, said.null)),
             parameters: match part.accepted {
                 Some(c) => parameters(found, c, &names),
                 None if contact => pushed(model, frames, said.contact, here.as_ref()),
@@ -213,6 +216,16 @@ pub fn explain(
         scored,
         cut: lost as f64 / shape.0.max(1) as f64,
     }
+}
+
+/// Chance of a gain like an accepted cause's where nothing is missing. None for a shape that was picked by looking.
+fn chance(found: &Findings, cause: &Accepted, null: Option<&Null>) -> Option<f64> {
+    let own = cause
+        .tried
+        .iter()
+        .find(|t| t.candidate == cause.candidate)?;
+    let null = null.filter(|_| cause.candidate < found.picked_from)?;
+    Some(null.p_value(own.gain))
 }
 
 /// Joints that a cause is reported for.

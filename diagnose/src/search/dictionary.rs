@@ -13,6 +13,16 @@ use std::ops::Range;
 /// Columns that are in memory at the fine rate together.
 const BATCH: usize = 32;
 
+/// What a fit leaves, by stretch of time.
+pub struct Stretches {
+    /// Fold of each stretch.
+    pub fold: Vec<usize>,
+    /// By joint, shape (active columns, stretches).
+    pub products: Vec<Array2<f64>>,
+    /// Weighted sums of squares, shape (stretches, joints).
+    pub squares: Array2<f64>,
+}
+
 /// The columns of base and candidates, without repeats.
 pub struct Dictionary {
     columns: Vec<Column>,
@@ -93,6 +103,52 @@ impl Dictionary {
             .collect();
         out.extend(made.into_iter().flatten());
         out
+    }
+
+    /// Products of all columns with what a fit leaves of the fitted rows, by stretch of time; each stretch lies in one fold.
+    pub fn by_stretch(
+        &self,
+        scene: &Scene,
+        frame: &Frame,
+        residual: &Array2<f64>,
+        weight: &Array2<f64>,
+        stretches: &[(usize, Range<usize>)],
+    ) -> Stretches {
+        let dof = scene.dof();
+        let joints: Vec<Vec<usize>> = self.columns.iter().map(|c| c.joints.clone()).collect();
+        let layout = Layout::new(dof, &joints);
+        let size = |a: &Vec<usize>| Array2::zeros((a.len(), stretches.len()));
+        let mut products: Vec<Array2<f64>> = layout.active.iter().map(size).collect();
+        let weighted = residual * weight;
+        let ids: Vec<usize> = (0..self.len()).collect();
+        for batch in ids.chunks(BATCH) {
+            let sums: Vec<(usize, usize, Array1<f64>)> = self
+                .evaluate(scene, batch)
+                .into_par_iter()
+                .map(|(c, j, fine)| {
+                    let rows = frame.reduce(&fine);
+                    let of = |(_, r): &(usize, Range<usize>)| -> f64 {
+                        r.clone().map(|i| rows[i] * weighted[[i, j]]).sum()
+                    };
+                    (c, j, stretches.iter().map(of).collect())
+                })
+                .collect();
+            for (c, j, values) in sums {
+                let p = layout
+                    .position(j, c)
+                    .expect("a column touches the joints that it names");
+                products[j].row_mut(p).assign(&values);
+            }
+        }
+        let squares = Array2::from_shape_fn((stretches.len(), dof), |(b, j)| {
+            let rows = stretches[b].1.clone();
+            rows.map(|i| weighted[[i, j]] * residual[[i, j]]).sum()
+        });
+        Stretches {
+            fold: stretches.iter().map(|s| s.0).collect(),
+            squares,
+            products,
+        }
     }
 
     /// Products of all columns and the gap `y` (rows, joints), by fold of whole trajectories.

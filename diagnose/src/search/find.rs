@@ -44,6 +44,8 @@ pub struct Findings {
     pub present: Robot,
     /// The catalogue with the lines found in this recording.
     pub candidates: Vec<Candidate>,
+    /// First candidate whose shape was picked by looking at what a first fit leaves: lines of position, flat tops, blows.
+    pub picked_from: usize,
     /// Its columns.
     pub dictionary: Dictionary,
     /// Products over the fitted recording.
@@ -144,6 +146,8 @@ pub fn find(
     let (present, residual) = first_fit(model, frames, &given, &gap, &y, weight, &settings)?;
     let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
     let mut candidates = catalogue::catalogue(&scene);
+    candidates.retain(|c| Some(c.effect) != withheld);
+    let picked_from = candidates.len();
     for j in 0..data.dof() {
         let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));
         let lines = |residual: ArrayView1<f64>, most| {
@@ -205,6 +209,7 @@ pub fn find(
     Ok(Findings {
         present,
         candidates,
+        picked_from,
         dictionary,
         grams,
         base: base.len(),

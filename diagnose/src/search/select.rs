@@ -133,34 +133,15 @@ impl<'a> Search<'a> {
         trial: impl Fn(&Fit, &[Variable]) -> Trial + Sync,
     ) -> Vec<Tried> {
         let before = self.objective.of_fit(fit, 0);
-        let most_change = self.objective.settings.most_change;
-        // Each effect is as likely as any other, and so is each of its places.
         let places = self.places();
         let mut all: Vec<Tried> = some
             .par_iter()
             .copied()
-            .filter(|c| !self.barred.contains(c))
-            .filter(|c| !accepted.iter().any(|a| self.excludes(*a, *c)))
+            .filter(|&c| self.open(c, accepted))
             .filter_map(|c| {
-                let variables = self.variables(c);
-                let trial = trial(fit, &variables);
-                let candidate = &self.candidates[c];
-                let link = candidate.effect == Effect::LinkParameters && candidate.shape.is_empty();
-                let within = trial
-                    .gamma
-                    .iter()
-                    .zip(&self.candidates[c].bounds)
-                    .all(|(g, b)| allowed(*g, *b))
-                    && (!link
-                        || trial
-                            .gamma
-                            .iter()
-                            .zip(&variables)
-                            .all(|(g, v)| g * g * v.precision < most_change));
-                let gain = before - self.objective.of_trial(&trial, self.price(c))
-                    + self.candidates[c].evidence
-                    - places[&self.candidates[c].effect].ln();
-                within.then_some(Tried {
+                let trial = trial(fit, &self.variables(c));
+                let gain = self.gain_among(c, before, &trial, &places)?;
+                Some(Tried {
                     candidate: c,
                     gain,
                     error: trial.error,
@@ -175,6 +156,40 @@ impl<'a> Search<'a> {
                 .then(a.candidate.cmp(&b.candidate))
         });
         all
+    }
+
+    /// Whether a candidate may be tried beside some accepted ones.
+    pub fn open(&self, candidate: usize, accepted: &[usize]) -> bool {
+        !self.barred.contains(&candidate) && !accepted.iter().any(|a| self.excludes(*a, candidate))
+    }
+
+    /// Fall of J by a trial of a candidate; none where its coefficients make no sense.
+    pub fn gain(&self, candidate: usize, before: f64, trial: &Trial) -> Option<f64> {
+        self.gain_among(candidate, before, trial, &self.places())
+    }
+
+    /// The same, the number of each effect's places known: each effect is as likely as any other, and so is each of its
+    /// places.
+    fn gain_among(
+        &self,
+        candidate: usize,
+        before: f64,
+        trial: &Trial,
+        places: &HashMap<Effect, f64>,
+    ) -> Option<f64> {
+        let c = &self.candidates[candidate];
+        let most = self.objective.settings.most_change;
+        let sensible = trial.gamma.iter().zip(&c.bounds);
+        let mut sensible = sensible.map(|(g, b)| allowed(*g, *b));
+        let link = c.effect == Effect::LinkParameters && c.shape.is_empty();
+        let moves_little = || {
+            let variables = self.variables(candidate);
+            let mut each = trial.gamma.iter().zip(&variables);
+            each.all(|(g, v)| g * g * v.precision < most)
+        };
+        let gain = before - self.objective.of_trial(trial, self.price(candidate)) + c.evidence
+            - places[&c.effect].ln();
+        (sensible.all(|s| s) && (!link || moves_little())).then_some(gain)
     }
 
     /// Number of places where the catalogue looks for each effect.
