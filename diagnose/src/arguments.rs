@@ -33,6 +33,9 @@ pub enum Proof {
         /// Also take each case's effect out of the catalogue, and say what is named instead.
         #[arg(long)]
         leave_one_out: bool,
+        /// Skip what takes surrogates of the recordings.
+        #[arg(long)]
+        fast: bool,
         /// Folder for cases, answers and reports.
         #[arg(long)]
         out: Option<PathBuf>,

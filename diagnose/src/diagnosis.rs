@@ -77,31 +77,33 @@ pub fn diagnose(
     for (mut column, _) in weight.columns_mut().into_iter().zip(&dead).filter(|d| *d.1) {
         column.fill(0.0);
     }
-    let search = |weight: &Array2<f64>, skipped: &[bool]| -> Result<Search, DiagnoseError> {
-        let mut findings = find(model, &frames, weight, settings.clone(), options.withheld)?;
-        let scored = Scored::new(&dead, skipped.iter().map(|s| !s).collect());
-        let listing = list(model, &frames, &mut findings, weight, &scored, moves);
-        let left = examine(
-            &frames.data,
-            &listing.residual,
-            &frames.data.pick(|i| skipped[i]),
-            settings,
-        );
-        let scene = Scene::new(&findings.present, frames.passage(), &frames.scale);
-        let coulomb = Coulomb {
-            torque: listing.coulomb.clone(),
-            sign: frames.data.table_to_samples(&scene.sign),
+    let search =
+        |weight: &Array2<f64>, skipped: &[bool], chance: f64| -> Result<Search, DiagnoseError> {
+            let (own, withheld) = (settings.clone(), options.withheld);
+            let mut findings = find(model, &frames, weight, own, withheld, chance)?;
+            let scored = Scored::new(&dead, skipped.iter().map(|s| !s).collect());
+            let listing = list(model, &frames, &mut findings, weight, &scored, moves);
+            let left = examine(
+                &frames.data,
+                &listing.residual,
+                &frames.data.pick(|i| skipped[i]),
+                settings,
+            );
+            let scene = Scene::new(&findings.present, frames.passage(), &frames.scale);
+            let coulomb = Coulomb {
+                torque: listing.coulomb.clone(),
+                sign: frames.data.table_to_samples(&scene.sign),
+            };
+            let judged = judge(&frames.data, &listing.residual, &coulomb, &settings.motion);
+            Ok(Search {
+                findings,
+                listing,
+                left,
+                judged,
+            })
         };
-        let judged = judge(&frames.data, &listing.residual, &coulomb, &settings.motion);
-        Ok(Search {
-            findings,
-            listing,
-            left,
-            judged,
-        })
-    };
     let mut skipped = vec![false; frames.data.tau.nrows()];
-    let mut found = search(&weight, &skipped)?;
+    let mut found = search(&weight, &skipped, 0.0)?;
     // What a learner predicts from motion repeats, and is no contact.
     let repeats = |left: &[Option<Left>]| {
         let mut left = left.iter().flatten();
@@ -118,10 +120,16 @@ pub fn diagnose(
         let rows = weight.rows_mut().into_iter();
         let near = rows.zip(frames.data.pick(|i| skipped[i]));
         near.filter(|r| r.1).for_each(|(mut row, _)| row.fill(0.0));
-        found = search(&weight, &skipped)?;
+        found = search(&weight, &skipped, 0.0)?;
     }
     let null = (options.surrogates > 0 && moves)
         .then(|| null::draw(model, &frames, &found.findings, &weight, options.surrogates));
+    // What chance earns as well on this recording is no cause.
+    if let Some(level) = null.as_ref().map(Null::level)
+        && found.findings.least_earned() <= level
+    {
+        found = search(&weight, &skipped, level)?;
+    }
     let bounds = hold(model, &mut found.findings, &frames.scale);
     let said = Said {
         listing: &found.listing,
@@ -326,9 +334,7 @@ fn tested(findings: &Findings, names: &[String], null: Option<&Null>) -> Vec<Tes
             effect: c.effect,
             joints: c.joints.iter().map(|&j| names[j].clone()).collect(),
             gap_closed: 1.0 - now / given.max(1e-300),
-            p_value: null
-                .filter(|_| t.candidate < findings.picked_from)
-                .map(|n| n.p_value(t.gain)),
+            p_value: null.and_then(|n| n.p_value(c.effect, findings.earned(t))),
         });
     }
     out

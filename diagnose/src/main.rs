@@ -187,12 +187,16 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         seed,
         only,
         leave_one_out,
+        fast,
         out,
     } = proof;
+    let options = Options {
+        surrogates: if *fast { 0 } else { SURROGATES },
+        ..Options::default()
+    };
     let bar = ProgressBar::new(*cases);
-    let scores = prove::prove(*cases, *seed, only.as_deref(), out.as_deref(), || {
-        bar.inc(1)
-    })?;
+    let (only, out) = (only.as_deref(), out.as_deref());
+    let scores = prove::prove(*cases, *seed, only, &options, out, || bar.inc(1))?;
     bar.finish_and_clear();
     report::say!("{}", prove::table(&scores).to_text());
     if *leave_one_out {

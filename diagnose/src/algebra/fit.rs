@@ -7,7 +7,7 @@
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::gram::{Grams, JointGram};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
 
 /// A fitted coefficient: a column of the dictionary and the precision (1/variance) of its
@@ -133,13 +133,11 @@ impl<'a> Fit<'a> {
         &self.grams.folds[fold][joint].xx
     }
 
-    /// Coefficients of a joint's active columns.
-    pub fn expanded(&self, joint: usize, beta: &Array1<f64>) -> Array1<f64> {
-        let mut x = Array1::zeros(self.grams.total[joint].xy.len());
-        for &(i, p) in &self.places[joint] {
-            x[p] += beta[i];
-        }
-        x
+    /// Places among a joint's active columns of what is fitted there, and its rows of some coefficients, shape (variables, any).
+    pub fn fitted_rows(&self, joint: usize, beta: &Array2<f64>) -> (Vec<usize>, Array2<f64>) {
+        let (variables, columns): (Vec<usize>, Vec<usize>) =
+            self.places[joint].iter().copied().unzip();
+        (columns, beta.select(Axis(0), &variables))
     }
 
     /// Squared error of some coefficients on all rows, by joint, (N·m)².
@@ -288,7 +286,7 @@ impl<'a> Fit<'a> {
     }
 }
 
-pub(super) fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
+fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
     variables
         .iter()
         .zip(beta)

@@ -1,21 +1,21 @@
-//! Many right-hand sides on one fit: of a trial, what does not depend on the torque is done once.
+//! Many right-hand sides on one fit: of a trial, what does not depend on the torque is done once for all of them.
 //!
 //! With X fitted, C added, W the joints' weights and A = XᵀWX + Λ on the rows that a part of the fit was made on:
 //! V = CᵀWX A⁻¹, S = CᵀWC + Λ_C − V XᵀWC, γ = S⁻¹ CᵀW(y − Xβ), and the fitted coefficients move by −Vᵀγ. On the rows that the part is
 //! scored on the squared error of joint j changes by γᵀQ_jγ − 2 γᵀ(C − XVᵀ)ᵀ(y − Xβ), where Q_j = (C − XVᵀ)ᵀ(C − XVᵀ) on its rows.
 
 use crate::algebra::cholesky::Cholesky;
-use crate::algebra::fit::{Fit, Part, Trial, Variable, penalty};
-use ndarray::{Array1, Array2};
+use crate::algebra::fit::{Fit, Part, Trial, Variable};
+use ndarray::{Array1, Array2, Axis, Zip};
 use rayon::prelude::*;
 
-/// Products of the columns with one torque, and of that torque with itself, by fold, then joint.
+/// Products of the columns with several torques, and of those torques with themselves, by fold, then joint.
 #[derive(Clone, Debug)]
-pub struct RightHand {
-    /// Xᵀy over the joint's active columns.
-    pub xy: Vec<Vec<Array1<f64>>>,
-    /// yᵀy.
-    pub yy: Vec<Vec<f64>>,
+pub struct RightHands {
+    /// Xᵀy, shape (active columns of the joint, torques).
+    pub xy: Vec<Vec<Array2<f64>>>,
+    /// yᵀy of each torque.
+    pub yy: Vec<Vec<Array1<f64>>>,
 }
 
 /// One part of a fit, all folds or all but one.
@@ -23,6 +23,29 @@ pub struct RightHand {
 struct Which<'a> {
     part: &'a Part,
     left_out: Option<usize>,
+}
+
+/// A part of the fit to each right-hand side. By joint, over all active columns, shape (columns, torques).
+struct State {
+    beta: Array2<f64>,
+    /// Xᵀ(y − Xβ) on the rows that were fitted.
+    fitted: Vec<Array2<f64>>,
+    /// The same on the rows that are scored.
+    scored: Vec<Array2<f64>>,
+    /// The rows of `scored` that belong to fitted columns.
+    old: Vec<Array2<f64>>,
+    error: Vec<Array1<f64>>,
+}
+
+/// A fit to each of several right-hand sides, its weights kept.
+pub struct Fitted<'a> {
+    fit: &'a Fit<'a>,
+    /// Folds left out, then all.
+    states: Vec<State>,
+    /// Leave-one-fold-out squared error, (N·m)², shape (joints, torques).
+    pub error: Array2<f64>,
+    /// Σ λ β² of each.
+    pub penalty: Array1<f64>,
 }
 
 /// Columns added to one part.
@@ -34,108 +57,94 @@ struct Addition {
     change: Vec<Array2<f64>>,
 }
 
-/// Sets of columns that are tried on top of a fit.
-pub struct Many<'a> {
-    fit: &'a Fit<'a>,
-    added: Vec<Vec<Variable>>,
-    /// By set, then fold, then all.
-    additions: Vec<Vec<Addition>>,
-}
-
-/// A part of the fit to one right-hand side.
-struct State {
-    beta: Array1<f64>,
-    /// Xᵀ(y − Xβ) over all active columns by joint, on the rows that were fitted and on those that are scored.
-    fitted: Vec<Array1<f64>>,
-    scored: Vec<Array1<f64>>,
-    error: Vec<f64>,
-}
-
-/// A fit to one right-hand side.
-pub struct Fitted {
-    states: Vec<State>,
-    /// Leave-one-fold-out squared error by joint, (N·m)².
-    pub error: Vec<f64>,
-    /// Σ λ β².
-    pub penalty: f64,
-}
-
-impl<'a> Many<'a> {
-    /// Prepares sets of columns on top of a fit.
-    pub fn new(fit: &'a Fit<'a>, added: Vec<Vec<Variable>>) -> Self {
-        let parts = parts(fit);
-        let additions = added
-            .par_iter()
-            .map(|set| parts.iter().map(|p| addition(fit, *p, set)).collect())
+impl<'a> Fitted<'a> {
+    /// Fits what `fit` fits to other torques.
+    pub fn new(fit: &'a Fit<'a>, y: &RightHands) -> Self {
+        let states: Vec<State> = parts(fit)
+            .into_par_iter()
+            .map(|p| state(fit, p, y))
             .collect();
-        Self {
-            fit,
-            added,
-            additions,
-        }
-    }
-
-    /// The fit to a right-hand side, weights kept.
-    pub fn fitted(&self, y: &RightHand) -> Fitted {
-        let states: Vec<State> = parts(self.fit)
-            .iter()
-            .map(|p| state(self.fit, *p, y))
-            .collect();
-        let folds = states.len() - 1;
-        let dof = self.fit.weights.len();
-        let error = |j: usize| states[..folds].iter().map(|s| s.error[j]).sum();
-        Fitted {
-            error: (0..dof).map(error).collect(),
-            penalty: penalty(&self.fit.variables, &states[folds].beta),
-            states,
-        }
-    }
-
-    /// Set `index` tried on top of such a fit.
-    pub fn trial(&self, index: usize, fitted: &Fitted) -> Trial {
-        let (set, additions) = (&self.added[index], &self.additions[index]);
-        let grams = self.fit.grams;
-        let dof = self.fit.weights.len();
-        let folds = additions.len() - 1;
-        let mut error = fitted.error.clone();
-        for (addition, state) in additions[..folds].iter().zip(&fitted.states) {
-            let gamma = self.coefficients(set, addition, state);
-            for (j, e) in error.iter_mut().enumerate().take(dof) {
-                let mut slope = Array1::<f64>::zeros(set.len());
-                for (a, v) in set.iter().enumerate() {
-                    let own = grams.layout.position(j, v.column);
-                    let own = own.map_or(0.0, |p| state.scored[j][p]);
-                    let old = self.fit.places[j].iter();
-                    let old = old.map(|&(i, p)| addition.moved[[a, i]] * state.scored[j][p]);
-                    slope[a] = own - old.sum::<f64>();
-                }
-                *e += gamma.dot(&addition.change[j].dot(&gamma)) - 2.0 * gamma.dot(&slope);
+        let (folds, dof) = (states.len() - 1, fit.weights.len());
+        let torques = states[folds].beta.ncols();
+        let mut error = Array2::zeros((dof, torques));
+        for state in &states[..folds] {
+            for (mut sum, e) in error.rows_mut().into_iter().zip(&state.error) {
+                sum += e;
             }
         }
-        let (all, state) = (&additions[folds], &fitted.states[folds]);
-        let gamma = self.coefficients(set, all, state);
-        let beta = &state.beta - &all.moved.t().dot(&gamma);
-        let extra: f64 = set
-            .iter()
-            .zip(&gamma)
-            .map(|(v, g)| v.precision * g * g)
-            .sum();
-        Trial {
+        let penalty = penalties(&fit.variables, &states[folds].beta);
+        Self {
+            fit,
+            states,
             error,
-            penalty: penalty(&self.fit.variables, &beta) + extra,
-            gamma: gamma.to_vec(),
+            penalty,
         }
     }
 
-    fn coefficients(&self, set: &[Variable], addition: &Addition, state: &State) -> Array1<f64> {
-        let right = set.iter().map(|v| {
-            let of = |(j, w): (usize, &f64)| {
-                let p = self.fit.grams.layout.position(j, v.column);
-                p.map_or(0.0, |p| w * state.fitted[j][p])
-            };
-            self.fit.weights.iter().enumerate().map(of).sum::<f64>()
-        });
-        addition.factor.solve(right.collect::<Array1<f64>>().view())
+    /// Number of right-hand sides.
+    pub fn torques(&self) -> usize {
+        self.penalty.len()
+    }
+
+    /// Columns tried on top of the fit, for each right-hand side.
+    pub fn trials(&self, set: &[Variable]) -> Vec<Trial> {
+        let fit = self.fit;
+        let mut error = self.error.clone();
+        let (mut gamma, mut penalty) = (Array2::zeros((0, 0)), self.penalty.clone());
+        for (which, state) in parts(fit).into_iter().zip(&self.states) {
+            let addition = addition(fit, which, set);
+            gamma = self.coefficients(set, &addition, state);
+            if which.left_out.is_none() {
+                let beta = &state.beta - &addition.moved.t().dot(&gamma);
+                penalty = penalties(&fit.variables, &beta) + penalties(set, &gamma);
+                continue;
+            }
+            for (j, mut sum) in error.rows_mut().into_iter().enumerate() {
+                let places = fit.places[j].iter().map(|&(i, _)| i).collect::<Vec<_>>();
+                let mut slope = -addition.moved.select(Axis(1), &places).dot(&state.old[j]);
+                for (mut row, v) in slope.rows_mut().into_iter().zip(set) {
+                    if let Some(p) = fit.grams.layout.position(j, v.column) {
+                        row += &state.scored[j].row(p);
+                    }
+                }
+                let square = addition.change[j].dot(&gamma);
+                for ((g, q), s) in gamma
+                    .rows()
+                    .into_iter()
+                    .zip(square.rows())
+                    .zip(slope.rows())
+                {
+                    Zip::from(&mut sum)
+                        .and(g)
+                        .and(q)
+                        .and(s)
+                        .for_each(|e, g, q, s| *e += g * (q - 2.0 * s));
+                }
+            }
+        }
+        let each = error
+            .columns()
+            .into_iter()
+            .zip(gamma.columns())
+            .zip(&penalty);
+        each.map(|((error, gamma), &penalty)| Trial {
+            error: error.to_vec(),
+            penalty,
+            gamma: gamma.to_vec(),
+        })
+        .collect()
+    }
+
+    fn coefficients(&self, set: &[Variable], addition: &Addition, state: &State) -> Array2<f64> {
+        let mut right = Array2::zeros((self.torques(), set.len()));
+        for (mut column, v) in right.columns_mut().into_iter().zip(set) {
+            for (j, &w) in self.fit.weights.iter().enumerate() {
+                if let Some(p) = self.fit.grams.layout.position(j, v.column) {
+                    column.scaled_add(w, &state.fitted[j].row(p));
+                }
+            }
+        }
+        addition.factor.solve_rows(&right).reversed_axes()
     }
 }
 
@@ -152,23 +161,34 @@ fn parts<'a>(fit: &'a Fit) -> Vec<Which<'a>> {
     folds.chain([all]).collect()
 }
 
+/// Σ λ β² of each column of coefficients.
+fn penalties(variables: &[Variable], beta: &Array2<f64>) -> Array1<f64> {
+    let precision: Array1<f64> = variables.iter().map(|v| v.precision).collect();
+    precision.dot(&(beta * beta))
+}
+
 fn addition(fit: &Fit, which: Which, set: &[Variable]) -> Addition {
     let (k, m) = (set.len(), fit.variables.len());
     let grams = fit.grams;
-    let place = |j: usize, v: &Variable| grams.layout.position(j, v.column);
+    let rows: Vec<Vec<(usize, usize)>> = (0..fit.weights.len())
+        .map(|j| {
+            let place = |(a, v): (usize, &Variable)| Some((a, grams.layout.position(j, v.column)?));
+            set.iter().enumerate().filter_map(place).collect()
+        })
+        .collect();
     let mut cross = Array2::<f64>::zeros((k, m));
     let mut own = Array2::<f64>::zeros((k, k));
     for (j, &w) in fit.weights.iter().enumerate() {
         let total = &grams.total[j].xx;
         let out = which.left_out.map(|f| &grams.folds[f][j].xx);
-        let product = |r: usize, p: usize| w * (total[[r, p]] - out.map_or(0.0, |x| x[[r, p]]));
-        for (a, v) in set.iter().enumerate() {
-            let Some(row) = place(j, v) else { continue };
+        for &(a, row) in &rows[j] {
+            let (all, less) = (total.row(row), out.map(|x| x.row(row)));
+            let product = |p: usize| w * (all[p] - less.map_or(0.0, |x| x[p]));
             for &(i, p) in &fit.places[j] {
-                cross[[a, i]] += product(row, p);
+                cross[[a, i]] += product(p);
             }
-            for (b, x) in set.iter().enumerate() {
-                own[[a, b]] += place(j, x).map_or(0.0, |p| product(row, p));
+            for &(b, p) in &rows[j] {
+                own[[a, b]] += product(p);
             }
         }
     }
@@ -182,18 +202,22 @@ fn addition(fit: &Fit, which: Which, set: &[Variable]) -> Addition {
             .left_out
             .map_or(&grams.total[j].xx, |f| &grams.folds[f][j].xx);
         let places = &fit.places[j];
-        let old = Array2::from_shape_fn((k, places.len()), |(a, i)| moved[[a, places[i].0]]);
-        let mixed = Array2::from_shape_fn((places.len(), k), |(i, b)| {
-            place(j, &set[b]).map_or(0.0, |p| xx[[places[i].1, p]])
-        });
-        let new = Array2::from_shape_fn((k, k), |(a, b)| {
-            match (place(j, &set[a]), place(j, &set[b])) {
-                (Some(p), Some(r)) => xx[[p, r]],
-                _ => 0.0,
+        let variables: Vec<usize> = places.iter().map(|p| p.0).collect();
+        let old = moved.select(Axis(1), &variables);
+        let mut q = old.dot(&which.part.products[j]).dot(&old.t());
+        for &(b, p) in &rows[j] {
+            let row = xx.row(p);
+            let mixed: Array1<f64> = places.iter().map(|&(_, r)| row[r]).collect();
+            let one = old.dot(&mixed);
+            for (a, x) in one.iter().enumerate() {
+                q[[a, b]] -= x;
+                q[[b, a]] -= x;
             }
-        });
-        let one = old.dot(&mixed);
-        old.dot(&which.part.products[j]).dot(&old.t()) - &one - one.t() + new
+            for &(a, r) in &rows[j] {
+                q[[a, b]] += row[r];
+            }
+        }
+        q
     });
     Addition {
         change: change.collect(),
@@ -202,46 +226,64 @@ fn addition(fit: &Fit, which: Which, set: &[Variable]) -> Addition {
     }
 }
 
-fn state(fit: &Fit, which: Which, y: &RightHand) -> State {
+fn state(fit: &Fit, which: Which, y: &RightHands) -> State {
     let grams = fit.grams;
     let dof = fit.weights.len();
-    let folds = y.xy.len();
-    let total = |j: usize| {
-        let sum = Array1::zeros(y.xy[0][j].len());
-        y.xy.iter().fold(sum, |sum, fold| sum + &fold[j])
-    };
-    let whole: Vec<Array1<f64>> = (0..dof).map(total).collect();
-    let out = |j: usize| which.left_out.map(|f| &y.xy[f][j]);
-    let mut right = Array1::<f64>::zeros(fit.variables.len());
+    let whole: Vec<Array2<f64>> = (0..dof)
+        .map(|j| {
+            let sum = Array2::zeros(y.xy[0][j].dim());
+            y.xy.iter().fold(sum, |sum, fold| sum + &fold[j])
+        })
+        .collect();
+    let torques = y.yy[0][0].len();
+    let mut right = Array2::<f64>::zeros((torques, fit.variables.len()));
     for (j, &w) in fit.weights.iter().enumerate() {
         for &(i, p) in &fit.places[j] {
-            right[i] += w * (whole[j][p] - out(j).map_or(0.0, |x| x[p]));
+            let mut column = right.column_mut(i);
+            column.scaled_add(w, &whole[j].row(p));
+            if let Some(f) = which.left_out {
+                column.scaled_add(-w, &y.xy[f][j].row(p));
+            }
         }
     }
-    let beta = which.part.factor.solve(right.view());
-    let (mut fitted, mut scored, mut error) = (Vec::new(), Vec::new(), Vec::new());
+    let beta = which.part.factor.solve_rows(&right).reversed_axes();
+    let (mut fitted, mut scored, mut old, mut error) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (j, whole) in whole.iter().enumerate() {
-        let mut x = Array1::<f64>::zeros(whole.len());
-        for &(i, p) in &fit.places[j] {
-            x[p] += beta[i];
-        }
-        let all = whole - &grams.total[j].xx.dot(&x);
-        let Some(f) = which.left_out else {
-            let yy: f64 = (0..folds).map(|f| y.yy[f][j]).sum();
-            error.push(yy - x.dot(whole) - x.dot(&all));
-            scored.push(all.clone());
-            fitted.push(all);
-            continue;
+        let variables: Vec<usize> = fit.places[j].iter().map(|p| p.0).collect();
+        let columns: Vec<usize> = fit.places[j].iter().map(|p| p.1).collect();
+        let x = beta.select(Axis(0), &variables);
+        let left = |xx: &Array2<f64>, xy: &Array2<f64>| xy - &xx.select(Axis(1), &columns).dot(&x);
+        let squares = |yy: Array1<f64>, xy: &Array2<f64>, rest: &Array2<f64>| {
+            let sum = xy.select(Axis(0), &columns) + rest.select(Axis(0), &columns);
+            (yy - (&x * &sum).sum_axis(Axis(0))).mapv(|e| e.max(0.0))
         };
-        let own = &y.xy[f][j] - &grams.folds[f][j].xx.dot(&x);
-        error.push((y.yy[f][j] - x.dot(&y.xy[f][j]) - x.dot(&own)).max(0.0));
-        fitted.push(all - &own);
-        scored.push(own);
+        let all = left(&grams.total[j].xx, whole);
+        let (rest, e) = match which.left_out {
+            Some(f) => {
+                let rest = left(&grams.folds[f][j].xx, &y.xy[f][j]);
+                let e = squares(y.yy[f][j].clone(), &y.xy[f][j], &rest);
+                (rest, e)
+            }
+            None => {
+                let yy = y.yy.iter().fold(Array1::zeros(torques), |s, f| s + &f[j]);
+                let e = squares(yy, whole, &all);
+                (all.clone(), e)
+            }
+        };
+        error.push(e);
+        old.push(rest.select(Axis(0), &columns));
+        fitted.push(match which.left_out {
+            Some(_) => all - &rest,
+            None => all,
+        });
+        scored.push(rest);
     }
     State {
         beta,
         fitted,
         scored,
+        old,
         error,
     }
 }
@@ -250,49 +292,67 @@ fn state(fit: &Fit, which: Which, y: &RightHand) -> State {
 mod tests {
     use super::*;
     use crate::algebra::gram::{Grams, JointGram, Layout};
-    use ndarray::Axis;
     use proptest::prelude::*;
 
+    /// Three folds of two joints; the torque and a second one, three times as large, with the products of both.
+    fn case(values: &[f64]) -> (Grams, RightHands) {
+        let layout = Layout::new(2, &[vec![0, 1], vec![0], vec![1], vec![0, 1]]);
+        let folds: Vec<Vec<JointGram>> = values
+            .chunks(80)
+            .map(|c| {
+                let half = |x: &[f64]| {
+                    let rows = Array2::from_shape_vec((10, 4), x.to_vec()).expect("40 values");
+                    let ones = Array1::ones(10);
+                    JointGram::new(
+                        rows.slice_axis(Axis(1), (0..3).into()),
+                        rows.column(3),
+                        ones.view(),
+                    )
+                };
+                vec![half(&c[..40]), half(&c[40..])]
+            })
+            .collect();
+        let twice = |x: &Array1<f64>, factor: f64| {
+            let mut out = Array2::zeros((x.len(), 2));
+            out.column_mut(0).assign(x);
+            out.column_mut(1).assign(&(x * factor));
+            out
+        };
+        let right = RightHands {
+            xy: folds
+                .iter()
+                .map(|f| f.iter().map(|g| twice(&g.xy, 3.0)).collect())
+                .collect(),
+            yy: folds
+                .iter()
+                .map(|f| {
+                    f.iter()
+                        .map(|g| Array1::from(vec![g.yy, 9.0 * g.yy]))
+                        .collect()
+                })
+                .collect(),
+        };
+        (Grams::new(layout, folds), right)
+    }
+
     proptest! {
-        /// The products' own torque as one of many gives the fit's own trial.
+        /// The products' own torque as one of many gives the fit's own trial, and what is three times as large nine times its error.
         #[test]
         fn one_of_many_is_the_trial_itself(values in prop::collection::vec(-1.0..1.0f64, 240)) {
-            let layout = Layout::new(2, &[vec![0, 1], vec![0], vec![1], vec![0, 1]]);
-            let folds: Vec<Vec<JointGram>> = values
-                .chunks(80)
-                .map(|c| {
-                    let half = |x: &[f64]| {
-                        let rows = Array2::from_shape_vec((10, 4), x.to_vec()).expect("40 values");
-                        let ones = Array1::ones(10);
-                        JointGram::new(
-                            rows.slice_axis(Axis(1), (0..3).into()),
-                            rows.column(3),
-                            ones.view(),
-                        )
-                    };
-                    vec![half(&c[..40]), half(&c[40..])]
-                })
-                .collect();
-            let right = RightHand {
-                xy: folds.iter().map(|f| f.iter().map(|g| g.xy.clone()).collect()).collect(),
-                yy: folds.iter().map(|f| f.iter().map(|g| g.yy).collect()).collect(),
-            };
-            let grams = Grams::new(layout, folds);
+            let (grams, right) = case(&values);
             let v = |column| Variable { column, precision: 0.1 };
             let fit = Fit::new(&grams, vec![v(0), v(1)], vec![1.0, 2.0]);
-            let sets = vec![vec![v(2), v(3)], vec![v(2)]];
-            let many = Many::new(&fit, sets.clone());
-            let fitted = many.fitted(&right);
-            for (a, b) in fitted.error.iter().zip(fit.error()) {
+            let fitted = Fitted::new(&fit, &right);
+            for (a, b) in fitted.error.column(0).iter().zip(fit.error()) {
                 prop_assert!((a - b).abs() < 1e-9);
             }
-            for (i, set) in sets.iter().enumerate() {
-                let (own, other) = (many.trial(i, &fitted), fit.trial(set));
-                for (a, b) in own.error.iter().zip(&other.error) {
-                    prop_assert!((a - b).abs() < 1e-9, "{} {}", a, b);
+            for set in [vec![v(2), v(3)], vec![v(2)]] {
+                let (many, own) = (fitted.trials(&set), fit.trial(&set));
+                for ((a, c), b) in many[0].error.iter().zip(&many[1].error).zip(&own.error) {
+                    prop_assert!((a - b).abs() < 1e-9 && (c - 9.0 * b).abs() < 1e-8, "{} {} {}", a, c, b);
                 }
-                prop_assert!((own.penalty - other.penalty).abs() < 1e-9);
-                for (a, b) in own.gamma.iter().zip(&other.gamma) {
+                prop_assert!((many[0].penalty - own.penalty).abs() < 1e-9);
+                for (a, b) in many[0].gamma.iter().zip(&own.gamma) {
                     prop_assert!((a - b).abs() < 1e-9);
                 }
             }

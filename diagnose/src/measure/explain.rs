@@ -218,14 +218,11 @@ pub fn explain(
     }
 }
 
-/// Chance of a gain like an accepted cause's where nothing is missing. None for a shape that was picked by looking.
+/// Chance of a gain like an accepted cause's where nothing is missing.
 fn chance(found: &Findings, cause: &Accepted, null: Option<&Null>) -> Option<f64> {
-    let own = cause
-        .tried
-        .iter()
-        .find(|t| t.candidate == cause.candidate)?;
-    let null = null.filter(|_| cause.candidate < found.picked_from)?;
-    Some(null.p_value(own.gain))
+    let mut tried = cause.tried.iter();
+    let own = tried.find(|t| t.candidate == cause.candidate)?;
+    null?.p_value(found.candidates[own.candidate].effect, found.earned(own))
 }
 
 /// Joints that a cause is reported for.

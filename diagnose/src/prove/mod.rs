@@ -64,6 +64,7 @@ pub fn prove(
     cases: u64,
     seed: u64,
     only: Option<&str>,
+    options: &Options,
     out: Option<&Path>,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Score>, ProveError> {
@@ -90,7 +91,7 @@ pub fn prove(
         .into_par_iter()
         .map(|spec| {
             let case = generate(&spec, seed)?;
-            let found = report_of(&case, &Options::default())?;
+            let found = report_of(&case, options)?;
             if let (Some(out), Some(folder)) = (out, &reports) {
                 write(&case, out)?;
                 let text = format!("{found:#}");

@@ -44,8 +44,6 @@ pub struct Findings {
     pub present: Robot,
     /// The catalogue with the lines found in this recording.
     pub candidates: Vec<Candidate>,
-    /// First candidate whose shape was picked by looking at what a first fit leaves: lines of position, flat tops, blows.
-    pub picked_from: usize,
     /// Its columns.
     pub dictionary: Dictionary,
     /// Products over the fitted recording.
@@ -127,7 +125,7 @@ impl Columns {
     }
 }
 
-/// Finds the causes; `withheld` is left out of the catalogue.
+/// Finds the causes; `withheld` is left out of the catalogue, and what earns no more than `chance`, in nats, is none.
 ///
 /// # Errors
 /// None beyond those of the model's own numbers.
@@ -137,6 +135,7 @@ pub fn find(
     weight: &Array2<f64>,
     settings: Settings,
     withheld: Option<Effect>,
+    chance: f64,
 ) -> Result<Findings, DiagnoseError> {
     let (data, scale) = (&frames.data, &frames.scale);
     let gap = gap(model, data, scale);
@@ -147,7 +146,6 @@ pub fn find(
     let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
     let mut candidates = catalogue::catalogue(&scene);
     candidates.retain(|c| Some(c.effect) != withheld);
-    let picked_from = candidates.len();
     for j in 0..data.dof() {
         let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));
         let lines = |residual: ArrayView1<f64>, most| {
@@ -176,6 +174,7 @@ pub fn find(
         candidates: &candidates,
         members: &dictionary.members,
         model,
+        chance,
     };
     let Answer {
         selection,
@@ -209,7 +208,6 @@ pub fn find(
     Ok(Findings {
         present,
         candidates,
-        picked_from,
         dictionary,
         grams,
         base: base.len(),
@@ -274,6 +272,23 @@ impl Findings {
             *least = least.min(self.std[i] * size.abs());
         }
         out
+    }
+
+    /// Gain of a candidate's own columns, without what else speaks for it.
+    pub fn earned(&self, tried: &Tried) -> f64 {
+        tried.gain - self.candidates[tried.candidate].evidence
+    }
+
+    /// The least that a cause beyond parameters earned; infinite where there is none.
+    pub fn least_earned(&self) -> f64 {
+        let own = |a: &Accepted| {
+            let mut tried = a.tried.iter();
+            let own = tried.find(|t| t.candidate == a.candidate)?;
+            let parameter = self.candidates[a.candidate].effect.info().parameter;
+            (!parameter).then(|| self.earned(own))
+        };
+        let each = self.accepted.iter().filter_map(own);
+        each.fold(f64::INFINITY, f64::min)
     }
 
     /// The candidate behind an accepted cause.

@@ -52,6 +52,8 @@ pub struct Search<'a> {
     pub base: Vec<Variable>,
     /// Candidates that may not be accepted.
     pub barred: HashSet<usize>,
+    /// Gain that chance reaches on this recording, nats: a cause beyond parameters has to earn more.
+    pub chance: f64,
 }
 
 impl<'a> Search<'a> {
@@ -163,14 +165,9 @@ impl<'a> Search<'a> {
         !self.barred.contains(&candidate) && !accepted.iter().any(|a| self.excludes(*a, candidate))
     }
 
-    /// Fall of J by a trial of a candidate; none where its coefficients make no sense.
-    pub fn gain(&self, candidate: usize, before: f64, trial: &Trial) -> Option<f64> {
-        self.gain_among(candidate, before, trial, &self.places())
-    }
-
-    /// The same, the number of each effect's places known: each effect is as likely as any other, and so is each of its
-    /// places.
-    fn gain_among(
+    /// Fall of J by a trial of a candidate; none where its coefficients make no sense. Each effect is as likely as any other, and so
+    /// is each of its `places`.
+    pub fn gain_among(
         &self,
         candidate: usize,
         before: f64,
@@ -193,7 +190,7 @@ impl<'a> Search<'a> {
     }
 
     /// Number of places where the catalogue looks for each effect.
-    fn places(&self) -> HashMap<Effect, f64> {
+    pub fn places(&self) -> HashMap<Effect, f64> {
         let of = |c: &'a Candidate| (c.effect, &c.joints, c.driver);
         let places: HashSet<_> = self.candidates.iter().map(of).collect();
         let mut counts = HashMap::new();
@@ -260,7 +257,7 @@ impl<'a> Search<'a> {
         let c = &self.candidates[tried.candidate];
         // What else speaks for a candidate helps it against other names; it has to pay by itself.
         let gain = tried.gain - c.evidence;
-        if gain < s.enough {
+        if gain < s.enough || (!c.effect.info().parameter && gain <= self.chance) {
             return false;
         }
         let before = self.objective.relative(&fit.error());

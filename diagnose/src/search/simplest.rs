@@ -42,6 +42,8 @@ pub struct Simplest<'a> {
     pub members: &'a [Vec<usize>],
     /// The model as given.
     pub model: &'a NominalModel,
+    /// Gain that chance reaches on this recording, nats.
+    pub chance: f64,
 }
 
 /// A search that has run.
@@ -147,6 +149,7 @@ impl<'a> Simplest<'a> {
             robot: self.model.sizes(),
             base: self.objective.base(self.model, freedom),
             barred,
+            chance: self.chance,
         };
         let selection = search.run();
         let accepted = &selection.accepted;

@@ -30,6 +30,14 @@ struct Line {
     gain: f64,
 }
 
+/// Least and most order, 1/rad (1/m), over a range of position that a joint covers at `speed`, root mean square, recorded at `rate` Hz.
+/// None where range or rate is too small for any.
+pub fn span(range: f64, speed: f64, rate: f64) -> Option<[f64; 2]> {
+    let least = FEWEST_CYCLES * TAU / range;
+    let most = (MOST_CYCLES * TAU / range).min(RATE_SHARE * TAU * rate / speed);
+    (range >= 1e-4 && most > least).then_some([least, most])
+}
+
 impl Orders {
     /// Of `residual` over position `q`, both at the recorded samples; `rate` in Hz, `speed` the joint's root mean square
     /// velocity. None where the range or the rate is too small for any order.
@@ -45,14 +53,7 @@ impl Orders {
                 (a.min(x), b.max(x))
             });
         let range = high - low;
-        if range < 1e-4 {
-            return None;
-        }
-        let least = FEWEST_CYCLES * TAU / range;
-        let most = (MOST_CYCLES * TAU / range).min(RATE_SHARE * TAU * rate / speed);
-        if most <= least {
-            return None;
-        }
+        let [least, most] = span(range, speed, rate)?;
         // Eight bins per period of the highest order.
         let bins = ((range * most / TAU * 8.0).ceil() as usize).max(16);
         let (mut sum, mut count) = (vec![0.0; bins], vec![0.0; bins]);

@@ -1,0 +1,79 @@
+//! Torques as they would be if nothing were missing.
+
+use crate::algebra::cholesky::Cholesky;
+use crate::algebra::fit::Fit;
+use crate::algebra::many::RightHands;
+use crate::search::dictionary::Stretches;
+use ndarray::{Array1, Array2, Axis};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::ops::Range;
+
+/// Some surrogates: coefficients of the fit, shape (variables, surrogates), and the sign of each stretch, shape (stretches,
+/// surrogates).
+pub(super) struct Drawn {
+    beta: Array2<f64>,
+    pub(super) signs: Array2<f64>,
+}
+
+/// Draws the surrogates with the given numbers: each has a stream of its own, so that neither threads nor how many are drawn together
+/// change any.
+pub(super) fn draw(
+    fit: &Fit,
+    root: &Cholesky,
+    stretches: usize,
+    seed: u64,
+    numbers: Range<u64>,
+) -> Drawn {
+    let count = (numbers.end - numbers.start) as usize;
+    let mut drawn = Drawn {
+        beta: Array2::zeros((fit.variables.len(), count)),
+        signs: Array2::zeros((stretches, count)),
+    };
+    for (s, number) in numbers.enumerate() {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(number);
+        let noise: Array1<f64> = (0..fit.variables.len())
+            .map(|_| StandardNormal.sample(&mut rng))
+            .collect();
+        let beta = fit.beta() + &root.draw(noise.view());
+        drawn.beta.column_mut(s).assign(&beta);
+        let signs = drawn.signs.column_mut(s);
+        signs
+            .into_iter()
+            .for_each(|x| *x = if rng.random_bool(0.5) { 1.0 } else { -1.0 });
+    }
+    drawn
+}
+
+impl Drawn {
+    /// Products of the columns with these torques.
+    pub(super) fn products(&self, fit: &Fit, stretches: &Stretches) -> RightHands {
+        let (folds, dof) = (fit.folds(), stretches.products.len());
+        let mut out = RightHands {
+            xy: Vec::with_capacity(folds),
+            yy: Vec::with_capacity(folds),
+        };
+        for f in 0..folds {
+            let own: Vec<usize> = (0..stretches.fold.len())
+                .filter(|&b| stretches.fold[b] == f)
+                .collect();
+            let signs = self.signs.select(Axis(0), &own);
+            let (mut xy, mut yy) = (Vec::with_capacity(dof), Vec::with_capacity(dof));
+            for j in 0..dof {
+                let rest = stretches.products[j].select(Axis(1), &own).dot(&signs);
+                let (columns, x) = fit.fitted_rows(j, &self.beta);
+                let modelled = fit.products(f, j).select(Axis(1), &columns).dot(&x);
+                let squares: f64 = own.iter().map(|&b| stretches.squares[[b, j]]).sum();
+                let cross = &modelled + &(2.0 * &rest);
+                let cross = (&x * &cross.select(Axis(0), &columns)).sum_axis(Axis(0));
+                yy.push(cross + squares);
+                xy.push(modelled + rest);
+            }
+            out.xy.push(xy);
+            out.yy.push(yy);
+        }
+        out
+    }
+}
