@@ -122,8 +122,15 @@ pub fn diagnose(
         near.filter(|r| r.1).for_each(|(mut row, _)| row.fill(0.0));
         found = search(&weight, &skipped, 0.0)?;
     }
-    let null = (options.surrogates > 0 && moves)
-        .then(|| null::draw(model, &frames, &found.findings, &weight, options.surrogates));
+    let null = (options.surrogates > 0 && moves).then(|| {
+        null::draw(
+            model,
+            &frames,
+            &found.findings,
+            &weight,
+            0..options.surrogates,
+        )
+    });
     // What chance earns as well on this recording is no cause.
     if let Some(level) = null.as_ref().map(Null::level)
         && found.findings.least_earned() <= level

@@ -62,6 +62,7 @@ pub(super) fn section(outcome: &Outcome) -> Section {
         Column::text("cause"),
         Column::text("joints"),
         Column::number("lead over other names / nats"),
+        Column::number("chance of such a gain"),
         Column::text("shown by the held-out recording"),
         Column::text("could also be"),
         Column::text("in the simulator"),
@@ -72,6 +73,7 @@ pub(super) fn section(outcome: &Outcome) -> Section {
             Cell::text(name(c.effect)),
             Cell::text(c.joints.join(", ")),
             Cell::optional(c.lead, 0),
+            Cell::optional(c.p_value, 3),
             Cell::text(if c.confirmed { "yes" } else { "no" }),
             if rivals.is_empty() {
                 Cell::missing()

@@ -9,6 +9,8 @@
 
 mod scan;
 mod surrogate;
+#[cfg(test)]
+mod tests;
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::Fit;
@@ -75,13 +77,13 @@ impl Null {
 }
 
 /// Draws the null beyond everything that was found. A gain is what a candidate's own columns earn, without what else speaks for it.
-/// Flat tops and blows that were seen stay candidates as they are.
+/// Flat tops and blows that were seen stay candidates as they are. Each number of `surrogates` is another one.
 pub fn draw(
     model: &NominalModel,
     frames: &Frames,
     found: &Findings,
     weight: &Array2<f64>,
-    surrogates: u64,
+    surrogates: Range<u64>,
 ) -> Null {
     let (frame, scale) = (&frames.data, &frames.scale);
     let objective = Objective::new(&found.grams, scale, &found.settings.search);
@@ -118,13 +120,14 @@ pub fn draw(
             .flat_map(|j| scans(frame, scale, j, &residual, weight, &cut))
             .collect(),
     };
-    let parts = (0..surrogates).step_by(TOGETHER as usize);
+    let (first, last) = (surrogates.start, surrogates.end);
+    let parts = (first..last).step_by(TOGETHER as usize);
     let none = Null {
         largest: Vec::new(),
         by_effect: BTreeMap::new(),
     };
     parts.fold(none, |null, start| {
-        null.and(source.gains(start..(start + TOGETHER).min(surrogates)))
+        null.and(source.gains(start..(start + TOGETHER).min(last)))
     })
 }
 
