@@ -61,7 +61,7 @@ impl JointChannel {
 
 /// The torque channel of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TorqueChannel {
+pub struct ChannelEstimate {
     /// Recorded torque behind motion as one clock of all joints, s.
     pub delay: Estimate95,
     /// Joint by joint, base first.
@@ -71,7 +71,7 @@ pub struct TorqueChannel {
 /// A delay that lies wholly within this, s, changes no torque by what anybody measures: it is written, not said.
 pub const SHORT_DELAY: [f64; 2] = [-2e-3, 2e-3];
 
-impl TorqueChannel {
+impl ChannelEstimate {
     /// Nothing is determined of `joints` joints.
     pub fn unknown(joints: usize) -> Self {
         Self {

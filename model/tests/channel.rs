@@ -1,6 +1,6 @@
 //! Delay, scale, offset and sign of a torque channel, on recordings of a UR5 that are known.
 
-use datasets::channel::{Estimate95, TorqueChannel};
+use datasets::channel::{Estimate95, ChannelEstimate};
 use datasets::{PrepareOptions, Recording, prepare};
 use model::physics_fit::{FitOptions, fit_physics};
 use model::preparation::channel::{certain_delay, estimate};
@@ -52,7 +52,7 @@ fn recording(delay: f64, gain: [f64; 6], seed: u64) -> Recording {
     Recording::new("made", time, q, Some(tau))
 }
 
-fn found(recording: &Recording) -> TorqueChannel {
+fn found(recording: &Recording) -> ChannelEstimate {
     let prepared = prepare(recording, &PrepareOptions::default()).unwrap();
     estimate(&Robot::builtin("ur5").unwrap(), recording, &prepared)
 }
@@ -119,7 +119,7 @@ fn nothing_is_said_of_a_torque_that_has_nothing_to_do_with_the_motion() {
         assert!(low < 0.0 && high > 0.0, "{:?}", channel.delay);
     }
     made.tau = None;
-    assert_eq!(found(&made), TorqueChannel::unknown(6));
+    assert_eq!(found(&made), ChannelEstimate::unknown(6));
 }
 
 /// A torque that is late for certain is late in the fit and in the scores, and nowhere else.

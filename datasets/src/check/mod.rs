@@ -11,7 +11,7 @@ mod velocity;
 pub use channels::{STILL, moves, plateau};
 pub use finding::{CheckOptions, Finding, JointFigures, Kind, Severity};
 
-use crate::channel::TorqueChannel;
+use crate::channel::ChannelEstimate;
 use crate::prepare::Prepared;
 use crate::repeats::{self, Repeatability};
 use crate::{Problem, Recording};
@@ -34,7 +34,7 @@ pub struct CheckReport {
     pub joints: Vec<JointFigures>,
     /// Delay, scale and offset of the torque, where a model was at hand to compare it with.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub channel: Option<TorqueChannel>,
+    pub channel: Option<ChannelEstimate>,
     /// Repeated motions and the floor that follows.
     pub repeatability: Option<Repeatability>,
     /// Findings, worst first.

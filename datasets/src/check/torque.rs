@@ -1,7 +1,7 @@
 //! What of a torque channel is worth a sentence.
 
 use super::finding::{Finding, Kind, Severity};
-use crate::channel::{JointChannel, SHORT_DELAY, TorqueChannel};
+use crate::channel::{JointChannel, SHORT_DELAY, ChannelEstimate};
 
 /// Scales that a described robot and a nominal torque constant leave open: nothing is said of an interval that reaches
 /// into them.
@@ -9,7 +9,7 @@ const USUAL_SCALE: [f64; 2] = [0.8, 1.25];
 /// Scales beyond which the unit is in doubt.
 const UNIT_SCALE: [f64; 2] = [1.0 / 3.0, 3.0];
 
-impl TorqueChannel {
+impl ChannelEstimate {
     /// What of it is worth a sentence; `names` are the joints', base first.
     pub fn findings(&self, names: &[String]) -> Vec<Finding> {
         let mut found = self.scale_findings(names);
@@ -126,9 +126,9 @@ mod tests {
     use super::*;
     use crate::channel::Estimate95;
 
-    fn channel(delay: [f64; 2], scales: &[[f64; 2]]) -> TorqueChannel {
+    fn channel(delay: [f64; 2], scales: &[[f64; 2]]) -> ChannelEstimate {
         let middle = |[a, b]: [f64; 2]| Estimate95::new(0.5 * (a + b), [a, b]);
-        TorqueChannel {
+        ChannelEstimate {
             delay: middle(delay),
             joints: scales
                 .iter()
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn words_only_where_the_interval_excludes_what_is_usual() {
         let names: Vec<String> = ["a", "b"].map(String::from).to_vec();
-        let said = |c: TorqueChannel| -> Vec<(Kind, Severity)> {
+        let said = |c: ChannelEstimate| -> Vec<(Kind, Severity)> {
             let found = c.findings(&names);
             found.iter().map(|f| (f.kind, f.severity)).collect()
         };
@@ -164,6 +164,6 @@ mod tests {
             (None, Severity::Severe)
         );
         assert!(current[0].message.contains("motor current"), "{current:?}");
-        assert!(TorqueChannel::unknown(2).findings(&names).is_empty());
+        assert!(ChannelEstimate::unknown(2).findings(&names).is_empty());
     }
 }

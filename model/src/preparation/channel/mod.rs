@@ -15,7 +15,7 @@ mod systems;
 
 use crate::preparation::cutoff::{self, CutoffError};
 use datasets::Recording;
-use datasets::channel::{Estimate95, JointChannel, SHORT_DELAY, TorqueChannel};
+use datasets::channel::{Estimate95, JointChannel, SHORT_DELAY, ChannelEstimate};
 use datasets::prepare::{PrepareOptions, Prepared, prepare};
 use fit::{Fitted, Found, Moments};
 use physics::robot::Robot;
@@ -37,14 +37,14 @@ const TOOL: f64 = 30.0;
 /// Everything is fitted twice: with friction that may bend and build up after reversals, which is the answer, and with
 /// viscous and Coulomb friction alone. How far the two are apart is part of the interval: nobody knows the friction of
 /// the robot at hand.
-pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> TorqueChannel {
+pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> ChannelEstimate {
     let n = robot.dof();
     let Some(systems) = Systems::new(robot, recording, prepared) else {
-        return TorqueChannel::unknown(n);
+        return ChannelEstimate::unknown(n);
     };
     let start = delay::guess(&systems);
     let Some(rich) = fit::all(robot, &systems, start) else {
-        return TorqueChannel::unknown(n);
+        return ChannelEstimate::unknown(n);
     };
     let plain = fit::all(robot, &systems.with_plain_friction(), start);
     let common = common(&rich);
@@ -57,7 +57,7 @@ pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> To
             of_joint(&rich, found, other, common.between, carried)
         })
     });
-    TorqueChannel {
+    ChannelEstimate {
         delay: common.estimate(apart),
         joints: joints.collect(),
     }
