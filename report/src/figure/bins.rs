@@ -1,6 +1,7 @@
 //! A cloud of points as a curve with its spread.
 
 use super::scale::range;
+use std::ops::Range;
 
 /// Mean and standard deviation of y by bin of x.
 pub(super) struct Bins {
@@ -8,6 +9,8 @@ pub(super) struct Bins {
     pub(super) center: Vec<f64>,
     pub(super) mean: Vec<f64>,
     pub(super) std: Vec<f64>,
+    /// Bins that follow each other with at most one empty one between them.
+    pub(super) runs: Vec<Range<usize>>,
 }
 
 impl Bins {
@@ -36,7 +39,9 @@ impl Bins {
             center: Vec::new(),
             mean: Vec::new(),
             std: Vec::new(),
+            runs: Vec::new(),
         };
+        let mut last = None;
         for (bin, y) in members.iter().enumerate() {
             if y.len() < Self::FEWEST_SAMPLES {
                 continue;
@@ -47,6 +52,12 @@ impl Bins {
             found.center.push(low + (bin as f64 + 0.5) * width);
             found.mean.push(mean);
             found.std.push(variance.sqrt());
+            let at = found.center.len() - 1;
+            match (found.runs.last_mut(), last) {
+                (Some(run), Some(last)) if bin <= last + 2 => run.end = at + 1,
+                _ => found.runs.push(at..at + 1),
+            }
+            last = Some(bin);
         }
         found
     }
@@ -64,5 +75,16 @@ mod tests {
         let bins = Bins::of(&x, &y, 2);
         assert_eq!((bins.center, bins.mean), (vec![0.5], vec![2.0]));
         assert!((bins.std[0] - 2.0_f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_gap_interrupts_a_curve() {
+        // Bins 0, 2 and 3 hold samples, 4 to 7 none, 8 and 9 do.
+        let x: Vec<f64> = [0.5, 2.5, 3.5, 8.5, 9.5, 0.0, 10.0]
+            .iter()
+            .flat_map(|x| [*x; 6])
+            .collect();
+        let bins = Bins::of(&x, &x, 10);
+        assert_eq!(bins.runs, [0..3, 3..5]);
     }
 }

@@ -145,7 +145,7 @@ impl Panel {
     }
 
     /// The mean of `y` in `bins` equal bins of `x` as a curve, with a band of one standard deviation;
-    /// bins of fewer than five samples are left out.
+    /// bins of fewer than five samples are left out, and where two or more follow each other the curve is interrupted.
     pub fn binned(self, name: &str, ink: Ink, x: &[f64], y: &[f64], bins: usize) -> Self {
         let b = Bins::of(x, y, bins);
         let edge = |sign: f64| -> Vec<f64> {
@@ -153,8 +153,12 @@ impl Panel {
                 .map(|(m, s)| m + sign * s)
                 .collect()
         };
-        self.band(name, ink, &b.center, &edge(-1.0), &edge(1.0))
-            .line(name, ink, &b.center, &b.mean)
+        let (low, high) = (edge(-1.0), edge(1.0));
+        let banded = b.runs.iter().fold(self, |panel, run| {
+            let r = run.clone();
+            panel.band(name, ink, &b.center[r.clone()], &low[r.clone()], &high[r])
+        });
+        banded.segments(name, ink, &b.center, &b.mean, &b.runs)
     }
 
     /// All coordinates of one kind: x, or y.
