@@ -1,6 +1,6 @@
 //! Delay, scale, offset and sign of a torque channel, on recordings of a UR5 that are known.
 
-use datasets::channel::{Estimate95, ChannelEstimate};
+use datasets::channel::{ChannelEstimate, Estimate95};
 use datasets::{PrepareOptions, Recording, prepare};
 use model::physics_fit::{FitOptions, fit_physics};
 use model::preparation::channel::{certain_delay, estimate};

@@ -1,7 +1,7 @@
 //! What of a torque channel is worth a sentence.
 
 use super::finding::{Finding, Kind, Severity};
-use crate::channel::{JointChannel, SHORT_DELAY, ChannelEstimate};
+use crate::channel::{ChannelEstimate, JointChannel, SHORT_DELAY};
 
 /// Scales that a described robot and a nominal torque constant leave open: nothing is said of an interval that reaches
 /// into them.

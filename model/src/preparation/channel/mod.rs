@@ -15,7 +15,7 @@ mod systems;
 
 use crate::preparation::cutoff::{self, CutoffError};
 use datasets::Recording;
-use datasets::channel::{Estimate95, JointChannel, SHORT_DELAY, ChannelEstimate};
+use datasets::channel::{ChannelEstimate, Estimate95, JointChannel, SHORT_DELAY};
 use datasets::prepare::{PrepareOptions, Prepared, prepare};
 use fit::{Fitted, Found, Moments};
 use physics::robot::Robot;
