@@ -23,9 +23,9 @@ use crate::motion::scene::{Scene, rigid_torque};
 use crate::motion::standing::{Coulomb, Judged, judge, states};
 use crate::schema::{Cause, Diagnosis, NotIdentifiable, Place, Simulation, Tested};
 use crate::search::find::{Findings, find};
-use crate::search::null::{self, Null};
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
+use crate::surrogates::{self, Null};
 use crate::traces::contact::detect;
 use crate::traces::unknown::{Left, examine};
 use datasets::Recording;
@@ -123,7 +123,7 @@ pub fn diagnose(
         found = search(&weight, &skipped, 0.0)?;
     }
     let null = (options.surrogates > 0 && moves).then(|| {
-        null::draw(
+        surrogates::draw(
             model,
             &frames,
             &found.findings,

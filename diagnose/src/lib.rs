@@ -38,6 +38,7 @@ pub mod schema;
 mod search;
 pub mod settings;
 mod simulator;
+mod surrogates;
 mod traces;
 
 pub use crate::report::{page, words};

@@ -7,7 +7,7 @@
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::gram::{Grams, JointGram};
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
 /// A fitted coefficient: a column of the dictionary and the precision (1/variance) of its
@@ -106,21 +106,9 @@ impl<'a> Fit<'a> {
             .solve_rows(&Array2::eye(self.variables.len()))
     }
 
-    /// XᵀWX + Λ, of which the inverse is the posterior covariance; its lower triangle.
-    pub fn precision(&self) -> Array2<f64> {
-        let m = self.variables.len();
-        let mut a = Array2::zeros((m, m));
-        for ((gram, &w), place) in self.grams.total.iter().zip(&self.weights).zip(&self.places) {
-            for &(i, p) in place {
-                for &(k, r) in place.iter().take_while(|&&(k, _)| k <= i) {
-                    a[[i, k]] += w * gram.xx[[p, r]];
-                }
-            }
-        }
-        for (i, v) in self.variables.iter().enumerate() {
-            a[[i, i]] += v.precision;
-        }
-        a
+    /// Coefficients drawn from their posterior, from as many independent unit normals.
+    pub fn draw(&self, noise: ArrayView1<f64>) -> Array1<f64> {
+        &self.all.beta + &self.all.factor.draw(noise)
     }
 
     /// Number of folds.

@@ -2,7 +2,6 @@
 
 pub(crate) mod dictionary;
 pub(crate) mod find;
-pub(crate) mod null;
 pub(crate) mod objective;
 pub(crate) mod select;
 pub(crate) mod simplest;

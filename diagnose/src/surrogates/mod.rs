@@ -7,32 +7,29 @@
 //! whole catalogue is searched on each surrogate by algebra. Lines over position, which are picked from the torque, are picked
 //! again ([`scan`]).
 
+mod drawn;
 mod scan;
-mod surrogate;
 #[cfg(test)]
 mod tests;
 
-use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::Fit;
 use crate::algebra::folds::folds;
 use crate::algebra::many::Fitted;
 use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
-use crate::motion::frame::Frame;
+use crate::ladder::out_of_fold::OutOfFold;
 use crate::motion::scene::Scene;
 use crate::search::dictionary::Stretches;
 use crate::search::find::{Findings, gap};
 use crate::search::objective::Objective;
 use crate::search::select::Search;
 use crate::simulator::NominalModel;
-use ndarray::{Array1, Array2};
+use ndarray::Array2;
 use rayon::prelude::*;
 use scan::{Scan, scans};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 
-/// Seed of the surrogates: the same recording has the same null.
-const SEED: u64 = 0x5EED;
 /// Chance below which a gain is none.
 const RARE: f64 = 0.01;
 /// Surrogates that are in memory together.
@@ -89,8 +86,9 @@ pub fn draw(
     let objective = Objective::new(&found.grams, scale, &found.settings.search);
     let fit = found.tight_fit(scale);
     let scene = Scene::new(&found.present, frames.passage(), scale).with_tangents();
-    let y = frame.table_thin(&gap(model, frame, scale));
-    let residual = y - out_of_fold(found, &scene, frame, &fit);
+    let gap = gap(model, frame, scale);
+    let unseen = OutOfFold::new(found, frames, &gap, weight);
+    let residual = frame.table_thin(&unseen.residual(&fit));
     let length = (found.settings.ladder.stretch * frame.row_rate()) as usize;
     let cut = stretches(&folds(&frame.rows), length.max(1));
     let accepted: Vec<usize> = found.accepted.iter().map(|a| a.candidate).collect();
@@ -111,7 +109,6 @@ pub fn draw(
             .collect(),
         search,
         fit: &fit,
-        root: Cholesky::new(&fit.precision()),
         stretches: found
             .dictionary
             .by_stretch(&scene, frame, &residual, weight, &cut),
@@ -131,34 +128,6 @@ pub fn draw(
     })
 }
 
-/// What the fits that left them out predict of the fitted rows, shape (rows, joints).
-fn out_of_fold(found: &Findings, scene: &Scene, frame: &Frame, fit: &Fit) -> Array2<f64> {
-    let mut ids: Vec<usize> = fit.variables.iter().map(|v| v.column).collect();
-    ids.sort_unstable();
-    ids.dedup();
-    let columns: Vec<(usize, usize, Array1<f64>)> = found
-        .dictionary
-        .evaluate(scene, &ids)
-        .into_par_iter()
-        .map(|(c, j, fine)| (c, j, frame.reduce(&fine)))
-        .collect();
-    let mut out = Array2::zeros((frame.len(), frame.dof()));
-    for (fold, beta) in folds(&frame.rows).iter().zip(fit.betas()) {
-        let mut by_column = HashMap::new();
-        for (v, b) in fit.variables.iter().zip(beta) {
-            *by_column.entry(v.column).or_insert(0.0) += b;
-        }
-        for (c, j, values) in &columns {
-            for rows in fold {
-                for i in rows.clone() {
-                    out[[i, *j]] += by_column[c] * values[i];
-                }
-            }
-        }
-    }
-    out
-}
-
 /// Stretches of about `length` rows, each with its fold.
 fn stretches(folds: &[Vec<Range<usize>>], length: usize) -> Vec<(usize, Range<usize>)> {
     let cut = |(f, rows): (usize, &Range<usize>)| {
@@ -175,7 +144,6 @@ fn stretches(folds: &[Vec<Range<usize>>], length: usize) -> Vec<(usize, Range<us
 struct Source<'a> {
     search: Search<'a>,
     fit: &'a Fit<'a>,
-    root: Cholesky,
     stretches: Stretches,
     scans: Vec<Scan>,
     /// Candidates that are tried.
@@ -185,13 +153,7 @@ struct Source<'a> {
 impl Source<'_> {
     /// Gains on the surrogates with the given numbers: of each candidate and of each scan.
     fn gains(&self, numbers: Range<u64>) -> Null {
-        let drawn = surrogate::draw(
-            self.fit,
-            &self.root,
-            self.stretches.fold.len(),
-            SEED,
-            numbers,
-        );
+        let drawn = drawn::draw(self.fit, self.stretches.fold.len(), numbers);
         let fitted = Fitted::new(self.fit, &drawn.products(self.fit, &self.stretches));
         let before: Vec<f64> = fitted
             .error
