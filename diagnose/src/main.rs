@@ -6,18 +6,12 @@ mod arguments;
 
 use arguments::{Arguments, Command, Proof};
 use clap::Parser;
-use diagnose::directory::{self, Directory};
-use diagnose::{
-    DiagnoseError, Given, Options, Outcome, budget, diagnose, next_motion, page, patch, prove,
-    words,
-};
+use diagnose::directory::Directory;
+use diagnose::{DiagnoseError, Done, Job, Options, Subject, patch, prove, words};
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
-
-/// Surrogates of a recording: the least chance that they can tell is one in 200.
-const SURROGATES: u64 = 199;
 
 fn main() -> ExitCode {
     let command = Command::parse();
@@ -44,59 +38,23 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
-    let drive = arguments.drive.as_deref();
-    let mut given = match (&arguments.robot, &arguments.model) {
-        (Some(robot), _) => Given::robot(robot, drive, arguments.gravity)?,
-        (None, Some(directory)) => Given::model(directory, drive)?,
-        (None, None) => unreachable!("the command line demands one of them"),
-    };
-    let spinner = ProgressBar::new_spinner().with_message("reading");
+    let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
-    let (data, short) = budget::within(given.data(&arguments.data)?);
-    let (heldout, short_heldout) = budget::within(given.heldout(&arguments.heldout)?);
-    spinner.set_message("looking for causes");
-    let options = Options {
-        cutoff_hz: arguments.cutoff_hz,
-        learn: arguments.learn,
-        simulate: true,
-        surrogates: if arguments.fast { 0 } else { SURROGATES },
-        ..Options::default()
-    };
-    let mut outcome = diagnose(&given.model, &data, &heldout, &options)?;
-    let next = match &arguments.next {
-        Some(_) => next_motion::design(&given.model, &outcome)?,
-        None => None,
-    };
+    let done = job(arguments).run(|stage| spinner.set_message(stage))?;
     spinner.finish_and_clear();
-    outcome.diagnosis.next_experiment = next.as_ref().map(|n| n.summary.clone());
-    let fast = arguments
-        .fast
-        .then(|| "no surrogates were drawn (--fast)".to_owned());
-    for note in [short, short_heldout, fast].into_iter().flatten() {
+    for note in &done.notes {
         report::say!("Note: {note}.");
-        outcome.diagnosis.notes.push(note);
     }
-    for line in words::lines(&outcome.diagnosis) {
+    for line in words::lines(&done.outcome.diagnosis) {
         report::say!("{line}");
     }
-    let patch = if arguments.html.is_some() || arguments.patch.is_some() || arguments.out.is_some()
-    {
-        Some(patch::patch(&given.model, &outcome, &given.urdf)?)
-    } else {
-        None
-    };
-    let directory = arguments.out.as_ref().map(|_| {
-        let cutoff_given = arguments.cutoff_hz.is_some();
-        directory::directory(&given.model, &data, &heldout, &outcome, cutoff_given).map(|mut d| {
-            // The recordings were joined: provenance names each.
-            d.file.provenance.recordings = given.sources.clone();
-            d
-        })
-    });
+    let patched = arguments.html.is_some() || arguments.patch.is_some() || arguments.out.is_some();
+    let patch = patched.then(|| done.patch()).transpose()?;
+    let directory = arguments.out.as_ref().map(|_| done.directory());
     let directory = directory.transpose()?;
     let urdf = patch.as_ref().map(|p| p.urdf.clone());
-    let mut files = files(arguments, patch, &outcome);
-    match (&arguments.next, &next) {
+    let mut files = files(arguments, patch, &done);
+    match (&arguments.next, &done.next) {
         (Some(path), Some(next)) => files.push((path.clone(), next.csv())),
         (Some(_), None) => {
             report::say!("No motion is needed: no two causes that one could tell apart.")
@@ -115,10 +73,29 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     if arguments.patch.is_some() {
         report::say!(
             "Patched model: {}",
-            patch::summary(&outcome.diagnosis.causes)
+            patch::summary(&done.outcome.diagnosis.causes)
         );
     }
     Ok(())
+}
+
+/// What the arguments ask for.
+fn job(arguments: &Arguments) -> Job {
+    let subject = match (&arguments.robot, &arguments.model) {
+        (Some(robot), _) => Subject::Robot(robot.clone(), arguments.gravity),
+        (None, Some(directory)) => Subject::Model(directory.clone()),
+        (None, None) => unreachable!("the command line demands one of them"),
+    };
+    Job {
+        subject,
+        drive: arguments.drive.clone(),
+        data: arguments.data.clone(),
+        heldout: arguments.heldout.clone(),
+        cutoff_hz: arguments.cutoff_hz,
+        fast: arguments.fast,
+        learn: arguments.learn,
+        next: arguments.next.is_some(),
+    }
 }
 
 /// What the model directory holds and what it does not.
@@ -144,39 +121,17 @@ fn say_directory(path: &Path, directory: &Directory) {
 fn files(
     arguments: &Arguments,
     patch: Option<patch::Patch>,
-    outcome: &Outcome,
+    done: &Done,
 ) -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&outcome.diagnosis).expect("numbers and strings");
-        files.push((path.clone(), text));
+        files.push((path.clone(), done.json()));
     }
     if let (Some(path), Some(patch)) = (&arguments.html, &patch) {
-        let name = |p: &Path| p.display().to_string();
-        let data: Vec<String> = arguments.data.iter().map(|p| name(p)).collect();
-        let simulator = match (&arguments.robot, &arguments.model) {
-            (Some(robot), _) => ("robot".to_owned(), robot.clone()),
-            (None, model) => (
-                "model".to_owned(),
-                model.as_deref().map_or(String::new(), name),
-            ),
-        };
-        let inputs = [
-            simulator,
-            ("data".to_owned(), data.join(", ")),
-            ("held out".to_owned(), name(&arguments.heldout)),
-        ];
-        files.push((path.clone(), page::render(outcome, &inputs, patch)));
+        files.push((path.clone(), done.page(patch)));
     }
     if let (Some(path), Some(patch)) = (&arguments.patch, patch) {
-        files.push((path.clone(), patch.urdf));
-        files.extend(
-            patch
-                .drive
-                .map(|text| (path.with_extension("drive.toml"), text)),
-        );
-        files.push((path.with_extension("mjcf.xml"), patch.mjcf));
-        files.push((path.with_extension("values.tsv"), patch.values));
+        files.extend(patch.files(path));
     }
     files
 }
@@ -191,7 +146,7 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         out,
     } = proof;
     let options = Options {
-        surrogates: if *fast { 0 } else { SURROGATES },
+        surrogates: if *fast { 0 } else { diagnose::SURROGATES },
         ..Options::default()
     };
     let bar = ProgressBar::new(*cases);

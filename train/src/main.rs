@@ -1,22 +1,10 @@
 //! `train`: recordings to a model directory.
 #![forbid(unsafe_code)]
-// `println!` panics where the reader has gone (`… | head`): see `report::say`.
-#![deny(clippy::print_stdout, clippy::print_stderr)]
 
-mod arguments;
-mod checkpoint;
-mod estimator;
-mod input;
-mod output;
-mod progress;
-mod run;
-mod runtime;
-mod screen;
-mod study;
-
-use arguments::{Arguments, Command};
 use clap::Parser;
 use std::process::ExitCode;
+use train::arguments::{Arguments, Command};
+use train::{run, runtime, study};
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -27,7 +15,7 @@ fn main() -> ExitCode {
         }
     };
     let result = runtime::interruptible().and_then(|cancel| match &arguments.command {
-        None => run::run(&arguments, &cancel),
+        None => run(&arguments, &cancel, None),
         Some(Command::Study(study)) => study::run(study, &cancel),
     });
     match result {

@@ -1,9 +1,9 @@
 //! The steps of `train`.
 
 use crate::arguments::{Arguments, PresetName};
-use crate::runtime::{stop, threads};
+use crate::runtime::{pool, stop, threads};
 use crate::{checkpoint, input, output, progress, screen};
-use compensator::training::Control;
+use compensator::training::{Control, Progress};
 use datasets::check::CheckReport;
 use datasets::prepare::PrepareOptions;
 use model::failure::Failure;
@@ -13,9 +13,25 @@ use model::preparation::check::check_recording;
 use model::residual::{Preset, ResidualOptions, train_residual};
 use std::sync::atomic::AtomicBool;
 
-/// Runs `train`.
-pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
+/// Runs `train` on threads of its own until it is done or `cancel` is raised; `watch` is told of every epoch, from any thread.
+///
+/// # Errors
+/// Input that cannot be used, or the interruption.
+pub fn run(
+    arguments: &Arguments,
+    cancel: &AtomicBool,
+    watch: Option<&(dyn Fn(&Progress) + Sync)>,
+) -> Result<(), Failure> {
     let threads = threads(arguments.threads)?;
+    pool(threads)?.install(|| steps(arguments, cancel, watch, threads))
+}
+
+fn steps(
+    arguments: &Arguments,
+    cancel: &AtomicBool,
+    watch: Option<&(dyn Fn(&Progress) + Sync)>,
+    threads: usize,
+) -> Result<(), Failure> {
     let input = input::read(arguments)?;
     let prepare_options = PrepareOptions {
         cutoff_hz: arguments.cutoff_hz,
@@ -76,7 +92,12 @@ pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
                 &fit.file.joints,
                 options.networks(fit.file.joints.len()),
             );
-            let show = |p: &compensator::training::Progress| bar.update(p);
+            let show = |p: &Progress| {
+                bar.update(p);
+                if let Some(watch) = watch {
+                    watch(p);
+                }
+            };
             let control = Control {
                 threads,
                 checkpoints: Some(folder),

@@ -18,7 +18,10 @@ pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
     Ok(cancel)
 }
 
-/// Sets the number of threads, all cores by default, and returns it.
+/// The number of threads that was asked for: all cores by default.
+///
+/// # Errors
+/// None at all.
 pub fn threads(wanted: Option<usize>) -> Result<usize, Failure> {
     let threads =
         wanted.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
@@ -28,12 +31,19 @@ pub fn threads(wanted: Option<usize>) -> Result<usize, Failure> {
             "",
         ));
     }
-    // Fails only where the pool exists already, which it does not this early.
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global()
-        .map_err(|e| Failure::other(e.to_string()))?;
     Ok(threads)
+}
+
+/// A pool of that many threads. The process's own stays as it is: it may belong to somebody else.
+///
+/// # Errors
+/// The system has no threads left.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    /// As the main thread has, for the work is called from one of the pool's.
+    const STACK: usize = 8 << 20;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.stack_size(STACK)
+        .build().map_err(|e| Failure::other(e.to_string()))
 }
 
 /// Ends an interrupted run.

@@ -11,7 +11,7 @@ mod verification;
 
 pub use arguments::Study;
 
-use crate::runtime::{stop, threads};
+use crate::runtime::{pool, stop, threads};
 use compensator::inputs::InputSet;
 use compensator::training::{Control, Fold};
 use data::Data;
@@ -23,8 +23,15 @@ use std::sync::atomic::AtomicBool;
 use trial::{Outcome, Trial};
 
 /// Runs the study and prints it.
+///
+/// # Errors
+/// Data that cannot be simulated or written, or the interruption.
 pub fn run(study: &Study, cancel: &AtomicBool) -> Result<(), Failure> {
     let threads = threads(study.threads)?;
+    pool(threads)?.install(|| steps(study, cancel, threads))
+}
+
+fn steps(study: &Study, cancel: &AtomicBool, threads: usize) -> Result<(), Failure> {
     let data = Data::simulated(study)?;
     stop(cancel, "Run the same command again.")?;
     let settings = Settings::new(study.quick, &data, study.seed)?;

@@ -13,6 +13,7 @@ use crate::schema::Cause;
 use crate::schema::value::value;
 use crate::simulator::NominalModel;
 use nalgebra::Vector3;
+use std::path::{Path, PathBuf};
 
 pub use patched::robot;
 use patched::{Patched, joint, number};
@@ -30,6 +31,18 @@ pub struct Patch {
     pub values: String,
     /// What every joint is to be set to.
     pub settings: Vec<Setting>,
+}
+
+impl Patch {
+    /// The files by their paths: the URDF at `path`, the others beside it with endings of their own.
+    pub fn files(self, path: &Path) -> Vec<(PathBuf, String)> {
+        let mut files = vec![(path.to_owned(), self.urdf)];
+        let drive = self.drive.map(|text| (path.with_extension("drive.toml"), text));
+        files.extend(drive);
+        files.push((path.with_extension("mjcf.xml"), self.mjcf));
+        files.push((path.with_extension("values.tsv"), self.values));
+        files
+    }
 }
 
 /// Writes the accepted causes into the model; `urdf` is its description.

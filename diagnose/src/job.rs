@@ -1,0 +1,152 @@
+//! A diagnosis from files, with everything that can be written of it: what the program and other languages call.
+
+use crate::advice::directory::{self, Directory};
+use crate::advice::next_motion::{self, Experiment};
+use crate::advice::patch::{self, Patch};
+use crate::diagnosis::{Options, diagnose};
+use crate::error::DiagnoseError;
+use crate::input::budget;
+use crate::input::given::Given;
+use crate::outcome::Outcome;
+use crate::report::page;
+use datasets::Recording;
+use std::path::PathBuf;
+
+/// Surrogates of a recording: the least chance that they can tell is one in 200.
+pub const SURROGATES: u64 = 199;
+
+/// The simulator's model.
+#[derive(Clone, Debug)]
+pub enum Subject {
+    /// Built-in robot or URDF, with gravity in the base frame (m/s²) where it is not the usual one.
+    Robot(String, Option<[f64; 3]>),
+    /// Model directory.
+    Model(PathBuf),
+}
+
+/// A diagnosis that is asked for.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The simulator's model.
+    pub subject: Subject,
+    /// Drive file.
+    pub drive: Option<PathBuf>,
+    /// Recordings that effects are fitted on.
+    pub data: Vec<PathBuf>,
+    /// Recording that every figure is measured on.
+    pub heldout: PathBuf,
+    /// Cut-off of the motion's low-pass, Hz; chosen where none is given.
+    pub cutoff_hz: Option<f64>,
+    /// Draw no surrogates.
+    pub fast: bool,
+    /// Train a compensator on what is left.
+    pub learn: bool,
+    /// Design the motion that tells ambiguous causes apart.
+    pub next: bool,
+}
+
+/// A diagnosis that is done.
+pub struct Done {
+    /// The model with what reading its recordings needs.
+    pub given: Given,
+    /// The report with everything behind it.
+    pub outcome: Outcome,
+    /// The next motion, where one was asked for and is needed.
+    pub next: Option<Experiment>,
+    /// What was left out, in words; the report's notes have it, too.
+    pub notes: Vec<String>,
+    data: Recording,
+    heldout: Recording,
+    job: Job,
+}
+
+impl Job {
+    /// Reads and diagnoses; `stage` is told what is being done.
+    ///
+    /// # Errors
+    /// Files that cannot be used.
+    pub fn run(self, stage: impl Fn(&'static str)) -> Result<Done, DiagnoseError> {
+        let drive = self.drive.as_deref();
+        let mut given = match &self.subject {
+            Subject::Robot(robot, gravity) => Given::robot(robot, drive, *gravity)?,
+            Subject::Model(directory) => Given::model(directory, drive)?,
+        };
+        stage("reading");
+        let (data, short) = budget::within(given.data(&self.data)?);
+        let (heldout, short_heldout) = budget::within(given.heldout(&self.heldout)?);
+        stage("looking for causes");
+        let options = Options {
+            cutoff_hz: self.cutoff_hz,
+            learn: self.learn,
+            simulate: true,
+            surrogates: if self.fast { 0 } else { SURROGATES },
+            ..Options::default()
+        };
+        let mut outcome = diagnose(&given.model, &data, &heldout, &options)?;
+        let next = match self.next {
+            true => next_motion::design(&given.model, &outcome)?,
+            false => None,
+        };
+        outcome.diagnosis.next_experiment = next.as_ref().map(|n| n.summary.clone());
+        let fast = self.fast.then(|| "no surrogates were drawn (--fast)".to_owned());
+        let notes: Vec<String> = [short, short_heldout, fast].into_iter().flatten().collect();
+        outcome.diagnosis.notes.extend(notes.iter().cloned());
+        Ok(Done {
+            given,
+            outcome,
+            next,
+            notes,
+            data,
+            heldout,
+            job: self,
+        })
+    }
+}
+
+impl Done {
+    /// The report as JSON.
+    pub fn json(&self) -> String {
+        serde_json::to_string_pretty(&self.outcome.diagnosis).expect("numbers and strings")
+    }
+
+    /// The model with the causes written in.
+    ///
+    /// # Errors
+    /// The fitted parameters make no robot.
+    pub fn patch(&self) -> Result<Patch, DiagnoseError> {
+        patch::patch(&self.given.model, &self.outcome, &self.given.urdf)
+    }
+
+    /// The report as a self-contained page.
+    pub fn page(&self, patch: &Patch) -> String {
+        let name = |p: &PathBuf| p.display().to_string();
+        let data: Vec<String> = self.job.data.iter().map(name).collect();
+        let subject = match &self.job.subject {
+            Subject::Robot(robot, _) => ("robot".to_owned(), robot.clone()),
+            Subject::Model(directory) => ("model".to_owned(), name(directory)),
+        };
+        let inputs = [
+            subject,
+            ("data".to_owned(), data.join(", ")),
+            ("held out".to_owned(), name(&self.job.heldout)),
+        ];
+        page::render(&self.outcome, &inputs, patch)
+    }
+
+    /// The model directory that predicts what the last structural step does.
+    ///
+    /// # Errors
+    /// A model that does not fit together.
+    pub fn directory(&self) -> Result<Directory, DiagnoseError> {
+        let (model, given) = (&self.given.model, self.job.cutoff_hz.is_some());
+        let mut directory =
+            directory::directory(model, &self.data, &self.heldout, &self.outcome, given)?;
+        // The recordings were joined: provenance names each.
+        directory
+            .file
+            .provenance
+            .recordings
+            .clone_from(&self.given.sources);
+        Ok(directory)
+    }
+}

@@ -1,0 +1,32 @@
+"""Torque models of robot arms: identify, train, predict, and explain what a simulator gets wrong.
+
+The numbers are those of the programs `train`, `eval` and `diagnose`, to the last bit.
+
+    import residyn
+
+    robot = residyn.Robot("arm.urdf")
+    report = residyn.diagnose(robot, data="monday.csv", heldout="tuesday.csv")
+    print(report)
+    report.patch("arm_corrected.urdf")
+"""
+
+from ._residyn import InputError, Robot
+from .diagnosis import Cause, Place, Push, Report, Step, diagnose
+from .model import Model, Prediction, identify, train
+from .recording import Recording
+
+__all__ = [
+    "Cause",
+    "InputError",
+    "Model",
+    "Place",
+    "Prediction",
+    "Push",
+    "Recording",
+    "Report",
+    "Robot",
+    "Step",
+    "diagnose",
+    "identify",
+    "train",
+]

@@ -1,0 +1,195 @@
+"""Where the gap between a simulator and a real robot lies, and what causes it."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Optional, Sequence, Union
+
+from . import _residyn
+from .model import Model
+from .recording import RecordingLike, paths, several
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step of the ladder: how large the held-out error is with the causes so far."""
+
+    step: str
+    mean_nrmse: Optional[float]
+    #: By joint; None where a joint is not judged.
+    nrmse: list[Optional[float]]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A region where the gap lies."""
+
+    joint: str
+    coordinate: str
+    range: tuple[float, float]
+    unit: str
+    share_of_gap: float
+    share_of_time: float
+
+
+@dataclass(frozen=True)
+class Push:
+    """A force from outside during part of a recording."""
+
+    recording: str
+    trajectory: str
+    start: float
+    end: float
+    link: str
+    torque: list[float]
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An effect that the model lacks. Fields as in the report's JSON; None is "not estimated"."""
+
+    effect: str
+    kind: str
+    joints: list[str]
+    share_of_gap: float
+    gap_closed: float
+    gap_closed_interval: Optional[tuple[float, float]]
+    confirmed: bool
+    confidence: Optional[float]
+    p_value: Optional[float]
+    #: Sizes by name, with the joint in brackets where a cause has several: value, standard deviation or None, unit.
+    parameters: dict[str, tuple[float, Optional[float], str]]
+    ambiguous_with: list[str]
+    driver: Optional[str] = None
+    pushes: list[Push] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Report:
+    """A diagnosis."""
+
+    verdict: str
+    #: Why nothing can be said, where the verdict is `cannot_tell`.
+    reason: Optional[str]
+    joints: list[str]
+    causes: list[Cause]
+    ladder: list[Step]
+    places: list[Place]
+    notes: list[str]
+    #: Everything, as `diagnose --json` writes it.
+    raw: dict[str, Any] = field(repr=False)
+    _diagnosis: _residyn.Diagnosis = field(repr=False, compare=False)
+
+    def __str__(self) -> str:
+        return "\n".join(self._diagnosis.lines())
+
+    def to_html(self, path: Union[str, os.PathLike, None] = None) -> str:
+        """The page of the report; written to `path` where one is given."""
+        text = self._diagnosis.html()
+        if path is not None:
+            Path(path).write_text(text, encoding="utf-8")
+        return text
+
+    def _repr_html_(self) -> str:
+        """In a notebook: the page in a frame of its own."""
+        page = self._diagnosis.html().replace("&", "&amp;").replace('"', "&quot;")
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+
+    def patch(self, path: Union[str, os.PathLike]) -> list[Path]:
+        """Writes the corrected description to `path` and beside it what a URDF cannot hold; returns all paths."""
+        return [Path(p) for p in self._diagnosis.patch(Path(path))]
+
+    def write_model(self, directory: Union[str, os.PathLike]) -> Model:
+        """Writes a model directory that predicts what the last structural step of the ladder does."""
+        self._diagnosis.write_model(Path(directory))
+        return Model(directory)
+
+    def next_motion(self, path: Union[str, os.PathLike]) -> bool:
+        """Writes the motion that tells ambiguous causes apart; false where none is needed or none was asked for."""
+        text = self._diagnosis.next_motion()
+        if text is not None:
+            Path(path).write_text(text, encoding="utf-8")
+        return text is not None
+
+
+def diagnose(
+    given: Union[_residyn.Robot, Model, str, os.PathLike],
+    data: Union[RecordingLike, Sequence[RecordingLike]],
+    heldout: RecordingLike,
+    *,
+    drive: Union[str, os.PathLike, None] = None,
+    cutoff_hz: Optional[float] = None,
+    fast: bool = False,
+    learn: bool = False,
+    next_motion: bool = False,
+) -> Report:
+    """Diagnoses the gap between a simulator's torque and a real robot's.
+
+    `given` is the simulator's model, a `Robot` (or its name or path), or an identified `Model`. Effects are fitted on `data`;
+    every figure is measured on `heldout`. `drive` is needed for a `Model` alone, a `Robot` has its own. Ctrl-C returns at once.
+    """
+    if isinstance(given, (str, os.PathLike)):
+        given = _residyn.Robot(os.fspath(given))
+    robot = given if isinstance(given, _residyn.Robot) else None
+    model = None if robot is not None else given.directory
+    if robot is not None and drive is None:
+        drive = robot.drive
+    data = several(data)
+    with paths(*data, heldout) as files:
+        done = _residyn.diagnose(
+            robot,
+            model,
+            files[:-1],
+            files[-1],
+            drive=None if drive is None else Path(drive),
+            cutoff_hz=cutoff_hz,
+            fast=fast,
+            learn=learn,
+            next_motion=next_motion,
+        )
+    raw = json.loads(done.json())
+    return Report(
+        verdict=raw["verdict"],
+        reason=raw.get("reason"),
+        joints=raw["joints"],
+        causes=[_cause(c) for c in raw["causes"]],
+        ladder=[Step(s["step"], s["mean_nrmse"], s["nrmse"]) for s in raw["ladder"]],
+        places=[_place(p) for p in raw["where"]],
+        notes=raw["notes"],
+        raw=raw,
+        _diagnosis=done,
+    )
+
+
+def _place(raw: dict[str, Any]) -> Place:
+    names = ("joint", "coordinate", "unit", "share_of_gap", "share_of_time")
+    return Place(range=tuple(raw["range"]), **{name: raw[name] for name in names})
+
+
+def _cause(raw: dict[str, Any]) -> Cause:
+    several_of = [p["name"] for p in raw["parameters"]]
+    parameters = {}
+    for p in raw["parameters"]:
+        name = p["name"]
+        if several_of.count(name) > 1 and "joint" in p:
+            name = f"{name}[{p['joint']}]"
+        parameters[name] = (p["value"], p["std"], p["unit"])
+    interval = raw["gap_closed_interval"]
+    return Cause(
+        effect=raw["effect"],
+        kind=raw["kind"],
+        joints=raw["joints"],
+        share_of_gap=raw["share_of_gap"],
+        gap_closed=raw["gap_closed"],
+        gap_closed_interval=None if interval is None else tuple(interval),
+        confirmed=raw["confirmed"],
+        confidence=raw["confidence"],
+        p_value=raw["p_value"],
+        parameters=parameters,
+        ambiguous_with=raw["ambiguous_with"],
+        driver=raw.get("driver"),
+        pushes=[Push(**p) for p in raw.get("pushes", [])],
+    )

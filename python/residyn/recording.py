@@ -1,0 +1,116 @@
+"""Recordings of motion and torque as arrays."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Iterator, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _residyn
+
+#: A recording as most functions take it: a path, or arrays.
+RecordingLike = Union[str, os.PathLike, "Recording"]
+
+_TABLES = ("q", "tau", "qd", "qdd", "ql", "q_ref", "qd_ref", "temp")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Motion and torque of one robot: tables of shape (samples, joints), joints base first, SI units.
+
+    `time` in s increases within each trajectory; `starts` are the rows at which trajectories begin (the first is 0) and
+    `labels` their names. Only `time`, `q` and (except for prediction) `tau` are needed: velocity and acceleration are
+    derived where they are missing.
+    """
+
+    time: np.ndarray
+    q: np.ndarray
+    tau: Optional[np.ndarray] = None
+    qd: Optional[np.ndarray] = None
+    qdd: Optional[np.ndarray] = None
+    ql: Optional[np.ndarray] = None
+    q_ref: Optional[np.ndarray] = None
+    qd_ref: Optional[np.ndarray] = None
+    temp: Optional[np.ndarray] = None
+    starts: Sequence[int] = (0,)
+    labels: Optional[Sequence[str]] = None
+    #: File that it was read from; functions read that file again, with all that it says beside the arrays.
+    source: Optional[Path] = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        keep = object.__setattr__
+        keep(self, "time", _frozen(self.time, 1, "time"))
+        for name in _TABLES:
+            table = getattr(self, name)
+            if table is not None:
+                keep(self, name, _frozen(table, 2, name))
+        keep(self, "starts", tuple(int(s) for s in self.starts))
+        labels = self.labels
+        if labels is None:
+            labels = [str(i) for i in range(len(self.starts))]
+        keep(self, "labels", tuple(str(label) for label in labels))
+        if len(self.labels) != len(self.starts):
+            raise _residyn.InputError(f"{len(self.starts)} starts and {len(self.labels)} labels")
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def dof(self) -> int:
+        """Number of joints."""
+        return self.q.shape[1]
+
+    @classmethod
+    def read(cls, path: Union[str, os.PathLike], robot: Optional[_residyn.Robot] = None) -> "Recording":
+        """Reads .csv, .parquet, .npz (.mat of the KR300 benchmark); `robot` says names and units of columns."""
+        path = Path(path)
+        return cls(**_residyn.read_recording(path, robot), source=path)
+
+    def write(self, path: Union[str, os.PathLike]) -> None:
+        """Writes .csv or .parquet, by the ending."""
+        tables = {name: getattr(self, name) for name in _TABLES}
+        given = {name: table for name, table in tables.items() if table is not None}
+        _residyn.write_recording(Path(path), self.time, list(self.labels), list(self.starts), **given)
+
+    def __repr__(self) -> str:
+        present = [f.name for f in fields(self) if f.name in _TABLES and getattr(self, f.name) is not None]
+        return f"Recording({len(self)} samples, {self.dof} joints, {len(self.starts)} trajectories: {', '.join(present)})"
+
+
+def _frozen(table: np.ndarray, dimensions: int, name: str) -> np.ndarray:
+    """A copy that cannot change beneath the recording."""
+    try:
+        table = np.array(table, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise _residyn.InputError(f"{name}: {error}") from None
+    if table.ndim != dimensions:
+        shape = "(samples,)" if dimensions == 1 else "(samples, joints)"
+        raise _residyn.InputError(f"{name} has {table.ndim} dimensions; {shape} is needed")
+    table.setflags(write=False)
+    return table
+
+
+@contextlib.contextmanager
+def paths(*recordings: RecordingLike) -> Iterator[list[Path]]:
+    """Paths of recordings: their own, or of files that last as long as the context."""
+    with tempfile.TemporaryDirectory(prefix="residyn-") as folder:
+        out = []
+        for number, one in enumerate(recordings):
+            if not isinstance(one, Recording):
+                out.append(Path(one))
+            elif one.source is not None:
+                out.append(one.source)
+            else:
+                out.append(Path(folder) / f"arrays-{number + 1}.parquet")
+                one.write(out[-1])
+        yield out
+
+
+def several(data: Union[RecordingLike, Sequence[RecordingLike]]) -> list[RecordingLike]:
+    """One recording or several, as a list."""
+    return [data] if isinstance(data, (str, os.PathLike, Recording)) else list(data)

@@ -1,0 +1,108 @@
+//! `diagnose`.
+
+use crate::error::undiagnosed;
+use crate::interrupt::{self, OnInterrupt};
+use crate::robot::Robot;
+use diagnose::{Done, Job, Subject, words};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// A diagnosis that is done.
+#[pyclass(frozen, module = "residyn")]
+pub struct Diagnosis(Mutex<Done>);
+
+/// Diagnoses `data` and `heldout` against a robot's description, or a model directory.
+#[pyfunction]
+#[pyo3(signature = (robot, model, data, heldout, *, drive, cutoff_hz, fast, learn, next_motion))]
+#[allow(clippy::too_many_arguments)] // one each of the command line's
+pub fn diagnose(
+    py: Python,
+    robot: Option<&Robot>,
+    model: Option<PathBuf>,
+    data: Vec<PathBuf>,
+    heldout: PathBuf,
+    drive: Option<PathBuf>,
+    cutoff_hz: Option<f64>,
+    fast: bool,
+    learn: bool,
+    next_motion: bool,
+) -> PyResult<Diagnosis> {
+    let subject = match (robot, model) {
+        (Some(robot), _) => Subject::Robot(robot.source().to_owned(), robot.gravity()),
+        (None, Some(directory)) => Subject::Model(directory),
+        (None, None) => return Err(crate::error::refused("a robot or a model is needed")),
+    };
+    let job = Job {
+        subject,
+        drive,
+        data,
+        heldout,
+        cutoff_hz,
+        fast,
+        learn,
+        next: next_motion,
+    };
+    let done = interrupt::run(py, OnInterrupt::Abandon, move |_| job.run(|_| ()))?;
+    done.map(|d| Diagnosis(Mutex::new(d)))
+        .map_err(|e| undiagnosed(&e))
+}
+
+impl Diagnosis {
+    fn with<T>(&self, of: impl FnOnce(&Done) -> T) -> T {
+        // A panic inside leaves what is only read as it was.
+        let done = self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        of(&done)
+    }
+}
+
+fn write(path: &Path, text: &str) -> PyResult<()> {
+    report::write_atomic(path, text).map_err(|e| PyOSError::new_err(e.to_string()))
+}
+
+#[pymethods]
+impl Diagnosis {
+    /// The report of the schema `diagnosis/1`.
+    fn json(&self) -> String {
+        self.with(Done::json)
+    }
+
+    /// What the program prints.
+    fn lines(&self) -> Vec<String> {
+        self.with(|d| words::lines(&d.outcome.diagnosis))
+    }
+
+    /// The report as a self-contained page.
+    fn html(&self) -> PyResult<String> {
+        self.with(|d| Ok(d.page(&d.patch().map_err(|e| undiagnosed(&e))?)))
+    }
+
+    /// Writes the corrected description and what lies beside it; returns the paths.
+    fn patch(&self, path: PathBuf) -> PyResult<Vec<PathBuf>> {
+        let patch = self.with(Done::patch).map_err(|e| undiagnosed(&e))?;
+        let files = patch.files(&path);
+        for (path, text) in &files {
+            write(path, text)?;
+        }
+        Ok(files.into_iter().map(|f| f.0).collect())
+    }
+
+    /// Writes the causes as a model directory; returns what no torque model carries.
+    fn write_model(&self, path: PathBuf) -> PyResult<Vec<String>> {
+        self.with(|d| {
+            let directory = d.directory()?;
+            let patch = d.patch()?;
+            let weights = directory.compensator.as_deref();
+            let (file, metrics) = (&directory.file, &directory.metrics);
+            file.write(&path, metrics, weights, Some(&patch.urdf))?;
+            Ok(directory.left_out)
+        })
+        .map_err(|e: ::diagnose::DiagnoseError| undiagnosed(&e))
+    }
+
+    /// The next motion as CSV; None where none was asked for or none is needed.
+    fn next_motion(&self) -> Option<String> {
+        self.with(|d| d.next.as_ref().map(|n| n.csv()))
+    }
+}

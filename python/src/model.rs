@@ -1,0 +1,105 @@
+//! A model directory: torque in a loop, and over whole recordings.
+
+use crate::error::{raise, refused};
+use datasets::{Part, read};
+use feedforward::Feedforward;
+use model::directory::{ModelFile, json};
+use model::evaluation::{EvaluateOptions, evaluate, read_options};
+use model::failure::Failure;
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+
+/// An identified model, as `identify` and `train` write it.
+#[pyclass(module = "residyn")]
+pub struct Model {
+    /// Its directory.
+    #[pyo3(get)]
+    directory: PathBuf,
+    file: ModelFile,
+    runtime: Feedforward,
+}
+
+#[pymethods]
+impl Model {
+    #[new]
+    #[pyo3(signature = (directory, *, period=None))]
+    fn new(directory: PathBuf, period: Option<f64>) -> PyResult<Self> {
+        let file = ModelFile::load(&directory).map_err(raise)?;
+        let runtime = Feedforward::load(&directory, period).map_err(refused)?;
+        Ok(Self {
+            directory,
+            file,
+            runtime,
+        })
+    }
+
+    /// Joint names, base first.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.file.joints.clone()
+    }
+
+    /// Control period of `torque`, s.
+    #[getter]
+    fn period(&self) -> f64 {
+        self.runtime.period()
+    }
+
+    /// Torque of the whole model at the next sample of a control loop; what it remembers of the motion moves on.
+    fn torque<'py>(
+        &mut self,
+        py: Python<'py>,
+        q: PyReadonlyArray1<'py, f64>,
+        qd: PyReadonlyArray1<'py, f64>,
+        qdd: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let dof = self.runtime.dof();
+        let [q, qd, qdd] = [&q, &qd, &qdd].map(|x| x.as_array().to_vec());
+        if [&q, &qd, &qdd].iter().any(|x| x.len() != dof) {
+            return Err(refused(format!("q, qd and qdd need {dof} values each")));
+        }
+        let mut tau = vec![0.0; dof];
+        self.runtime.torque(&q, &qd, &qdd, &mut tau);
+        Ok(tau.into_pyarray(py))
+    }
+
+    /// Forgets the motion; `clock` is the time on the recordings' clock where it is known, s.
+    #[pyo3(signature = (clock=None))]
+    fn reset(&mut self, clock: Option<f64>) {
+        self.runtime.reset(clock);
+    }
+
+    /// Predictions and scores over a recording, as `eval` has them.
+    #[pyo3(signature = (path, drive=None, cutoff_hz=None))]
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        drive: Option<PathBuf>,
+        cutoff_hz: Option<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (file, directory) = (&self.file, &self.directory);
+        let done = py.detach(|| -> Result<_, Failure> {
+            let options = read_options(file, drive.as_deref(), Part::Test, false)?;
+            let recording =
+                read(&path, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
+            let options = EvaluateOptions { cutoff_hz };
+            Ok(evaluate(directory, file, recording, &options)?)
+        });
+        let done = done.map_err(raise)?;
+        let out = PyDict::new(py);
+        out.set_item("report", json(&done.report))?;
+        out.set_item("time", done.recording.time.into_pyarray(py))?;
+        out.set_item("torque", done.torque.into_pyarray(py))?;
+        out.set_item("physics", done.physics.into_pyarray(py))?;
+        out.set_item("std", done.deviation.into_pyarray(py))?;
+        Ok(out)
+    }
+
+    fn __repr__(&self) -> String {
+        let (robot, dof) = (&self.file.physics.robot, self.file.joints.len());
+        format!("Model({robot:?}, {dof} joints, {:?})", self.directory)
+    }
+}

@@ -1,0 +1,37 @@
+"""Simulated recordings, and the programs that the package has to agree with."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def program():
+    """Runs a program of the workspace; its folder stands in RESIDYN_BIN."""
+    folder = os.environ.get("RESIDYN_BIN")
+    if folder is None:
+        pytest.skip("RESIDYN_BIN does not name the folder of train, eval, diagnose and simulate")
+
+    def run(name, *arguments):
+        command = [str(Path(folder) / name), *map(str, arguments)]
+        return subprocess.run(command, check=True, capture_output=True, text=True)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def raw(program, tmp_path_factory):
+    """A raw recording: folder with robot.urdf, train.csv, test.csv."""
+    out = tmp_path_factory.mktemp("raw")
+    program("simulate", "raw", "--out", out, "--cases", 1, "--seed", 5, "--quiet")
+    return next(p.parent for p in out.rglob("robot.urdf"))
+
+
+@pytest.fixture(scope="session")
+def case(program, tmp_path_factory):
+    """A sealed case of a diagnosis: folder with robot.urdf, train.parquet, test.parquet."""
+    out = tmp_path_factory.mktemp("cases")
+    program("simulate", "cases", "--out", out, "--cases", 1, "--seed", 5, "--quiet")
+    return next(p.parent for p in out.rglob("robot.urdf"))

@@ -1,0 +1,18 @@
+//! From recordings to a model directory: the steps of the program `train`, for whoever calls them from elsewhere.
+#![forbid(unsafe_code)]
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+pub mod arguments;
+mod checkpoint;
+mod estimator;
+mod input;
+mod output;
+mod progress;
+mod run;
+pub mod runtime;
+mod screen;
+pub mod study;
+
+pub use compensator::training::Progress;
+pub use run::run;
