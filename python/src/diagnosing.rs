@@ -3,7 +3,7 @@
 use crate::error::undiagnosed;
 use crate::interrupt::{self, OnInterrupt};
 use crate::robot::Robot;
-use diagnose::{Done, Job, Subject, words};
+use ::diagnose::{Done, Job, Subject, words};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use crate::error::{raise, refused};
 use crate::interrupt::{self, OnInterrupt};
 use clap::Parser;
 use pyo3::prelude::*;
-use train::arguments::Arguments;
+use ::train::arguments::Arguments;
 
 /// Runs `train`; `progress` is called with (joint, network, epoch, epochs, error on held-back groups in N·m or None) from
 /// whatever thread trains.

@@ -48,7 +48,8 @@ fn counterbalance_memory_and_warm_up_of_a_kr300() {
     diagnose.arg("--robot").arg(data.join("robot.urdf"));
     diagnose.arg("--data").arg(data.join("train.parquet"));
     diagnose.arg("--heldout").arg(data.join("test.parquet"));
-    run(diagnose.arg("--json").arg(&out)).succeeded();
+    // Surrogates of 36 trajectories of a minute change nothing of what is asserted here, and double its time.
+    run(diagnose.arg("--fast").arg("--json").arg(&out)).succeeded();
     let report = json(&out);
     let found = causes(&report);
     println!("{found:?}");
