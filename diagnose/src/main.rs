@@ -12,6 +12,7 @@ use diagnose::{
     words,
 };
 use indicatif::ProgressBar;
+use physics::robot::Description;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -46,7 +47,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     let drive = arguments.drive.as_deref();
     let mut given = match (&arguments.robot, &arguments.model) {
-        (Some(robot), _) => Given::robot(robot, drive, arguments.gravity)?,
+        (Some(robot), _) => Given::robot(robot, &arguments.joints, drive, arguments.gravity)?,
         (None, Some(directory)) => Given::model(directory, drive)?,
         (None, None) => unreachable!("the command line demands one of them"),
     };
@@ -72,7 +73,9 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     let fast = arguments
         .fast
         .then(|| "no surrogates were drawn (--fast)".to_owned());
-    for note in [short, short_heldout, fast].into_iter().flatten() {
+    let robot = given.model.robot.notes().iter().cloned();
+    let run = [short, short_heldout, fast].into_iter().flatten();
+    for note in robot.chain(run) {
         report::say!("Note: {note}.");
         outcome.diagnosis.notes.push(note);
     }
@@ -81,7 +84,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     }
     let patch = if arguments.html.is_some() || arguments.patch.is_some() || arguments.out.is_some()
     {
-        Some(patch::patch(&given.model, &outcome, &given.urdf)?)
+        Some(patch::patch(&given.model, &outcome, &given.description)?)
     } else {
         None
     };
@@ -95,7 +98,8 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     });
     let directory = directory.transpose()?;
     let urdf = patch.as_ref().map(|p| p.urdf.clone());
-    let mut files = files(arguments, patch, &outcome);
+    let left_out = patch.as_ref().map_or(Vec::new(), |p| p.left_out());
+    let mut files = files(arguments, patch, &outcome)?;
     match (&arguments.next, &next) {
         (Some(path), Some(next)) => files.push((path.clone(), next.csv())),
         (Some(_), None) => {
@@ -113,10 +117,14 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         say_directory(path, directory);
     }
     if arguments.patch.is_some() {
+        let mjcf = matches!(given.description, Description::Mjcf(_));
         report::say!(
             "Patched model: {}",
-            patch::summary(&outcome.diagnosis.causes)
+            patch::summary(&outcome.diagnosis.causes, mjcf)
         );
+        for line in left_out {
+            report::say!("  left out: {line}");
+        }
     }
     Ok(())
 }
@@ -145,7 +153,7 @@ fn files(
     arguments: &Arguments,
     patch: Option<patch::Patch>,
     outcome: &Outcome,
-) -> Vec<(PathBuf, String)> {
+) -> Result<Vec<(PathBuf, String)>, DiagnoseError> {
     let mut files = Vec::new();
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&outcome.diagnosis).expect("numbers and strings");
@@ -169,16 +177,10 @@ fn files(
         files.push((path.clone(), page::render(outcome, &inputs, patch)));
     }
     if let (Some(path), Some(patch)) = (&arguments.patch, patch) {
-        files.push((path.clone(), patch.urdf));
-        files.extend(
-            patch
-                .drive
-                .map(|text| (path.with_extension("drive.toml"), text)),
-        );
-        files.push((path.with_extension("mjcf.xml"), patch.mjcf));
+        files.extend(patch.model(path)?);
         files.push((path.with_extension("values.tsv"), patch.values));
     }
-    files
+    Ok(files)
 }
 
 fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {

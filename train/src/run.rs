@@ -22,7 +22,7 @@ pub fn run(arguments: &Arguments, cancel: &AtomicBool) -> Result<(), Failure> {
         ..PrepareOptions::default()
     };
     let checks = checks(&input, &prepare_options)?;
-    screen::check(&checks, arguments);
+    screen::check(&input.setup.robot, &checks, arguments);
     if arguments.check_only {
         return Ok(());
     }
