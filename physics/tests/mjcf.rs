@@ -258,7 +258,7 @@ fn refusals_name_the_element_and_what_to_do() {
         ),
         (
             pendulum("", "<body name=\"link\"/>", ""),
-            "two bodys are called \"link\"",
+            "two bodies are called \"link\"",
         ),
         (
             "<mujoco><include file=\"arm.xml\"/></mujoco>".to_owned(),
@@ -312,7 +312,7 @@ fn choices_that_make_no_chain_are_refused() {
     let float = choose("free_base.xml", "float");
     assert!(float.contains("ball or free"), "{float}");
     let tied = choose("gripper.xml", "left,left_tip");
-    assert!(tied.contains("equality constraint"), "{tied}");
+    assert!(tied.contains("tendon \"belt\" ties body"), "{tied}");
     let urdf = tempfile::tempdir().unwrap();
     let urdf = urdf.path().join("arm.urdf");
     std::fs::write(
@@ -375,7 +375,9 @@ fn only_changed_attributes_differ() {
     let damping: Vec<f64> = robot.joints().iter().map(|j| j.damping).collect();
     let friction = [6.0, 4.5, 0.7, 0.2];
     let new = robot.clone().with_friction(&damping, &friction).unwrap();
-    let new = new.with_rotor_inertia(&[0.9, 1.2, 0.25, 0.01]).unwrap();
+    let mut armature = robot.rotor_inertia();
+    armature[2] = 0.25;
+    let new = new.with_rotor_inertia(&armature).unwrap();
     let written = main_text(&mjcf, &new, &[]);
     let lines = changed(&text, &written);
     assert_eq!(lines.len(), 2, "{lines:?}");
@@ -421,10 +423,7 @@ fn what_is_written_is_read_again() {
             .with_gravity([0.1, 0.2, -9.7].into());
         let zeros: Vec<f64> = (0..n).map(|i| 0.05 * (i as f64 - 1.5)).collect();
         let edited = mjcf.with(&new, &zeros).unwrap();
-        if !edited.left_out().is_empty() {
-            assert_eq!(case.file, "bounded.xml");
-            continue;
-        }
+        assert!(edited.left_out().is_empty(), "{:?}", edited.left_out());
         // Beside the original, as a user would have it.
         let place = tempfile::tempdir().unwrap();
         copy(&folder(), place.path());
@@ -452,7 +451,8 @@ fn what_is_written_is_read_again() {
                 .flat_map(|j| [j.damping, j.friction, j.rotor_inertia])
                 .collect()
         };
-        assert_eq!(numbers(&back), numbers(&new), "{}", case.file);
+        let d = departure(&numbers(&back), &numbers(&new));
+        assert!(d < 1e-12, "{}: {d:.1e}", case.file);
         assert_eq!(back.gravity(), new.gravity(), "{}", case.file);
     }
 }

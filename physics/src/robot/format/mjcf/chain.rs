@@ -92,13 +92,12 @@ impl Chain {
 
     /// Refuses elements inside of moved bodies that bring more than the text shows.
     fn supported(&self, scene: &Scene<'_, '_, '_>) -> Result<(), RobotError> {
-        let last = scene.joints[*self.joints.last().expect("at least one")].body;
         for (body, &link) in scene.bodies.iter().zip(&self.links) {
             if let Some(tag) = body.unsupported.first().filter(|_| link > 0) {
                 return Err(refused(format!(
-                    "body {:?} holds <{tag}>, which is not supported on what the chosen joints carry (the last of them \
-                     moves body {:?}); save the compiled model in MuJoCo (mj_saveLastXML) and give that",
-                    body.name, scene.bodies[last].name
+                    "body {:?} holds <{tag}>, which is not supported on what the chosen joints carry; save the compiled model \
+                     in MuJoCo (mj_saveLastXML) and give that",
+                    body.name
                 )));
             }
         }

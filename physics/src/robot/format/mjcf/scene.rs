@@ -42,6 +42,20 @@ pub(super) struct Body<'c, 'd, 't> {
     pub unsupported: Vec<&'t str>,
 }
 
+/// Gives what has no name one by its place, which nothing else has.
+fn name_others(what: &str, mut names: Vec<&mut String>) {
+    let mut known: HashSet<String> = names.iter().map(|n| (**n).clone()).collect();
+    for (i, name) in names.iter_mut().enumerate() {
+        if name.is_empty() {
+            let mut own = format!("{what}_{i}");
+            while !known.insert(own.clone()) {
+                own.push('_');
+            }
+            **name = own;
+        }
+    }
+}
+
 /// How a joint moves.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -104,12 +118,15 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
         }
         // A joint may stand behind the bodies that its own carries.
         scene.joints.sort_by_key(|joint| joint.body);
-        for (i, joint) in scene.joints.iter_mut().enumerate() {
-            if joint.name.is_empty() {
-                joint.name = format!("joint_{}", i + 1);
-            }
-        }
         scene.unique()?;
+        name_others(
+            "body",
+            scene.bodies.iter_mut().map(|b| &mut b.name).collect(),
+        );
+        name_others(
+            "joint",
+            scene.joints.iter_mut().map(|j| &mut j.name).collect(),
+        );
         Ok(scene)
     }
 
@@ -163,12 +180,8 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
         let a = Attributes::alone(element);
         let own = (self.settings.orientation(&a)?, self.settings.position(&a)?);
         let index = self.bodies.len();
-        let name = match element.get("name") {
-            Some(name) if !name.is_empty() => name.to_owned(),
-            _ => format!("body_{index}"),
-        };
         self.bodies.push(Body {
-            name,
+            name: element.get("name").unwrap_or_default().to_owned(),
             element: Some(element),
             parent,
             pose: compose(frame, &own),
@@ -238,15 +251,15 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
     fn unique(&self) -> Result<(), RobotError> {
         fn twice<'n>(names: impl Iterator<Item = &'n String>) -> Option<&'n String> {
             let mut seen = HashSet::new();
-            names.into_iter().find(|name| !seen.insert(*name))
+            let mut given = names.filter(|name| !name.is_empty());
+            given.find(|name| !seen.insert(*name))
         }
-        let body = twice(self.bodies.iter().map(|b| &b.name)).map(|n| ("body", n));
-        let joint = || twice(self.joints.iter().map(|j| &j.name)).map(|n| ("joint", n));
+        let body = twice(self.bodies.iter().map(|b| &b.name)).map(|n| ("bodies", n));
+        let joint = || twice(self.joints.iter().map(|j| &j.name)).map(|n| ("joints", n));
         match body.or_else(joint) {
-            Some((what, name)) => Err(RobotError::Duplicate {
-                what,
-                name: name.clone(),
-            }),
+            Some((what, name)) => Err(refused(format!(
+                "two {what} are called {name:?}; names must be unique"
+            ))),
             None => Ok(()),
         }
     }
