@@ -46,9 +46,17 @@ pub enum Proof {
 #[derive(Args)]
 #[command(group(ArgGroup::new("given").required(true).args(["robot", "model"])))]
 pub struct Arguments {
-    /// The simulator's model: a URDF, or the name of a built-in robot.
+    /// The simulator's model: a URDF, an MJCF, or the name of a built-in robot.
     #[arg(long)]
     pub robot: Option<String>,
+    /// Joints of the robot, base first, where an MJCF holds more than one chain [default: the one actuated chain].
+    #[arg(
+        long,
+        value_name = "A,B,C",
+        value_delimiter = ',',
+        conflicts_with = "model"
+    )]
+    pub joints: Vec<String>,
     /// An identified model instead: a model directory that `train` wrote.
     #[arg(long, value_name = "DIR", conflicts_with = "gravity")]
     pub model: Option<PathBuf>,
@@ -87,8 +95,8 @@ pub struct Arguments {
     /// Write the report as a self-contained page.
     #[arg(long)]
     pub html: Option<PathBuf>,
-    /// Write the model with the accepted causes: a URDF, and beside it a snippet for MuJoCo, a table of values and, for
-    /// rotor inertias, a drive file.
+    /// Write the model with the accepted causes. Of an MJCF: the whole model, ready for MuJoCo; else a URDF, and beside it a
+    /// snippet for MuJoCo and, for rotor inertias, a drive file. With both a table of values.
     #[arg(long)]
     pub patch: Option<PathBuf>,
     /// Write the accepted causes as a model directory: for eval, a control loop, and --model. With --learn the compensator,

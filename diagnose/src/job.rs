@@ -18,8 +18,15 @@ pub const SURROGATES: u64 = 199;
 /// The simulator's model.
 #[derive(Clone, Debug)]
 pub enum Subject {
-    /// Built-in robot or URDF, with gravity in the base frame (m/s²) where it is not the usual one.
-    Robot(String, Option<[f64; 3]>),
+    /// A description.
+    Robot {
+        /// Built-in robot, URDF or MJCF.
+        source: String,
+        /// Its joints, where an MJCF holds more.
+        joints: Vec<String>,
+        /// Gravity in the base frame, m/s², where it is not the description's.
+        gravity: Option<[f64; 3]>,
+    },
     /// Model directory.
     Model(PathBuf),
 }
@@ -68,7 +75,11 @@ impl Job {
     pub fn run(self, stage: impl Fn(&'static str)) -> Result<Done, DiagnoseError> {
         let drive = self.drive.as_deref();
         let mut given = match &self.subject {
-            Subject::Robot(robot, gravity) => Given::robot(robot, drive, *gravity)?,
+            Subject::Robot {
+                source,
+                joints,
+                gravity,
+            } => Given::robot(source, joints, drive, *gravity)?,
             Subject::Model(directory) => Given::model(directory, drive)?,
         };
         stage("reading");
@@ -88,8 +99,12 @@ impl Job {
             false => None,
         };
         outcome.diagnosis.next_experiment = next.as_ref().map(|n| n.summary.clone());
-        let fast = self.fast.then(|| "no surrogates were drawn (--fast)".to_owned());
-        let notes: Vec<String> = [short, short_heldout, fast].into_iter().flatten().collect();
+        let fast = self
+            .fast
+            .then(|| "no surrogates were drawn (--fast)".to_owned());
+        let robot = given.model.robot.notes().iter().cloned();
+        let run = [short, short_heldout, fast].into_iter().flatten();
+        let notes: Vec<String> = robot.chain(run).collect();
         outcome.diagnosis.notes.extend(notes.iter().cloned());
         Ok(Done {
             given,
@@ -114,7 +129,7 @@ impl Done {
     /// # Errors
     /// The fitted parameters make no robot.
     pub fn patch(&self) -> Result<Patch, DiagnoseError> {
-        patch::patch(&self.given.model, &self.outcome, &self.given.urdf)
+        patch::patch(&self.given.model, &self.outcome, &self.given.description)
     }
 
     /// The report as a self-contained page.
@@ -122,7 +137,7 @@ impl Done {
         let name = |p: &PathBuf| p.display().to_string();
         let data: Vec<String> = self.job.data.iter().map(name).collect();
         let subject = match &self.job.subject {
-            Subject::Robot(robot, _) => ("robot".to_owned(), robot.clone()),
+            Subject::Robot { source, .. } => ("robot".to_owned(), source.clone()),
             Subject::Model(directory) => ("model".to_owned(), name(directory)),
         };
         let inputs = [

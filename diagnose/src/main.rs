@@ -9,6 +9,7 @@ use clap::Parser;
 use diagnose::directory::Directory;
 use diagnose::{DiagnoseError, Done, Job, Options, Subject, patch, prove, words};
 use indicatif::ProgressBar;
+use physics::robot::Description;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -53,7 +54,8 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     let directory = arguments.out.as_ref().map(|_| done.directory());
     let directory = directory.transpose()?;
     let urdf = patch.as_ref().map(|p| p.urdf.clone());
-    let mut files = files(arguments, patch, &done);
+    let left_out = patch.as_ref().map_or(Vec::new(), |p| p.left_out());
+    let mut files = files(arguments, patch.as_ref(), &done)?;
     match (&arguments.next, &done.next) {
         (Some(path), Some(next)) => files.push((path.clone(), next.csv())),
         (Some(_), None) => {
@@ -71,10 +73,14 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         say_directory(path, directory);
     }
     if arguments.patch.is_some() {
+        let mjcf = matches!(done.given.description, Description::Mjcf(_));
         report::say!(
             "Patched model: {}",
-            patch::summary(&done.outcome.diagnosis.causes)
+            patch::summary(&done.outcome.diagnosis.causes, mjcf)
         );
+        for line in left_out {
+            report::say!("  left out: {line}");
+        }
     }
     Ok(())
 }
@@ -82,7 +88,11 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
 /// What the arguments ask for.
 fn job(arguments: &Arguments) -> Job {
     let subject = match (&arguments.robot, &arguments.model) {
-        (Some(robot), _) => Subject::Robot(robot.clone(), arguments.gravity),
+        (Some(robot), _) => Subject::Robot {
+            source: robot.clone(),
+            joints: arguments.joints.clone(),
+            gravity: arguments.gravity,
+        },
         (None, Some(directory)) => Subject::Model(directory.clone()),
         (None, None) => unreachable!("the command line demands one of them"),
     };
@@ -120,20 +130,20 @@ fn say_directory(path: &Path, directory: &Directory) {
 /// Everything that is to be written, before anything is: a failure leaves no file behind.
 fn files(
     arguments: &Arguments,
-    patch: Option<patch::Patch>,
+    patch: Option<&patch::Patch>,
     done: &Done,
-) -> Vec<(PathBuf, String)> {
+) -> Result<Vec<(PathBuf, String)>, DiagnoseError> {
     let mut files = Vec::new();
     if let Some(path) = &arguments.json {
         files.push((path.clone(), done.json()));
     }
-    if let (Some(path), Some(patch)) = (&arguments.html, &patch) {
+    if let (Some(path), Some(patch)) = (&arguments.html, patch) {
         files.push((path.clone(), done.page(patch)));
     }
     if let (Some(path), Some(patch)) = (&arguments.patch, patch) {
-        files.extend(patch.files(path));
+        files.extend(patch.files(path)?);
     }
-    files
+    Ok(files)
 }
 
 fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {

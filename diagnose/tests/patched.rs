@@ -1,10 +1,10 @@
 //! A simulator's model with the causes written in: diagnosed again, they are no longer there.
 
 use diagnose::NominalModel;
-use diagnose::patch::patch;
+use diagnose::patch::{ForMujoco, patch};
 use diagnose::{Options, Outcome, diagnose};
-use physics::robot::Robot;
 use physics::robot::drive::Drive;
+use physics::robot::{Description, Robot};
 use trials::cases::{CaseSpec, EFFECTS, Kind, generate};
 
 fn causes(outcome: &Outcome) -> Vec<&'static str> {
@@ -28,12 +28,12 @@ fn round_trip(effect: &str, index: u64) {
         "{effect}: {:?}",
         causes(&before)
     );
-    let patch = patch(&model, &before, &case.urdf).unwrap();
-    assert!(
-        roxmltree::Document::parse(&patch.mjcf).is_ok(),
-        "{}",
-        patch.mjcf
-    );
+    let description = Description::Urdf(case.urdf.clone());
+    let patch = patch(&model, &before, &description).unwrap();
+    let ForMujoco::Snippet(mjcf) = &patch.mjcf else {
+        panic!("a snippet beside a URDF");
+    };
+    assert!(roxmltree::Document::parse(mjcf).is_ok(), "{mjcf}");
     let mut robot = Robot::from_urdf_str(&patch.urdf).unwrap();
     if let Some(text) = &patch.drive {
         robot = Drive::from_toml(text, &robot)

@@ -99,22 +99,16 @@ pub fn fit_physics(
         );
     }
     let session = Session::new(parts, &[]);
-    // A known counterbalance is not identified: its torque is taken off before the fit.
+    // A known counterbalance or spring is not identified: its torque is taken off before the fit.
     let known: Vec<Array2<f64>> = session.parts[..data.len()]
         .iter()
         .map(|part| {
             let mut table = Array2::zeros((part.at_samples.len(), robot.dof()));
-            if let Some(c) = robot.counterbalance() {
-                let fine: Vec<f64> = part
-                    .fine
-                    .q
-                    .column(c.joint)
-                    .iter()
-                    .map(|&q| c.torque(q))
-                    .collect();
-                table
-                    .column_mut(c.joint)
-                    .assign(&ndarray::Array1::from(part.to_samples(&fine)));
+            for p in robot.passive() {
+                let q = part.fine.q.column(p.joint());
+                let fine: Vec<f64> = q.iter().map(|&q| p.torque(q)).collect();
+                let mut column = table.column_mut(p.joint());
+                column += &ndarray::Array1::from(part.to_samples(&fine));
             }
             table
         })
@@ -291,9 +285,9 @@ fn record(robot: &Robot, identified: &Identified) -> TorqueModelRecord {
                 .collect(),
         );
     }
-    if let Some(c) = robot.counterbalance() {
-        terms[c.joint].push(WeightedTerm {
-            term: Term::Counterbalance(*c),
+    for p in robot.passive() {
+        terms[p.joint()].push(WeightedTerm {
+            term: Term::from(*p),
             value: 1.0,
             std: 0.0,
         });

@@ -84,9 +84,9 @@ pub fn parameter_deviation(
     for (joint, (list, rigid)) in model.terms().iter().zip(&rigid).enumerate() {
         let all: Vec<Term> = list.iter().map(|w| w.term.clone()).collect();
         let known: Vec<&BankState> = memory.iter().filter_map(|m| m.physics.get(joint)).collect();
-        // A known counterbalance has no deviation and no place in the covariance.
+        // A known counterbalance or spring has no deviation and no place in the covariance.
         let fitted: Vec<usize> = (0..all.len())
-            .filter(|&k| !matches!(all[k], Term::Counterbalance(_)))
+            .filter(|&k| all[k].passive().is_none())
             .collect();
         let columns = session.columns(joint, &all, &load, &known)[last].select(Axis(1), &fitted);
         let places: Vec<usize> = (0..base.len())

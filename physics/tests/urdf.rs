@@ -193,11 +193,11 @@ fn bad_robots_are_refused_by_name() {
         RobotError::NoJoints { .. }
     ));
     assert!(matches!(
-        Robot::load("ur6"),
+        Robot::load("ur6", &[]),
         Err(RobotError::UnknownRobot { .. })
     ));
     assert!(matches!(
-        Robot::load("no/such.urdf"),
+        Robot::load("no/such.urdf", &[]),
         Err(RobotError::Read { .. })
     ));
     let robot = Robot::builtin("ur5").expect("built in");

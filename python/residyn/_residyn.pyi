@@ -7,15 +7,17 @@ import numpy as np
 class InputError(ValueError): ...
 
 class Robot:
-    """A serial arm: a built-in name (ur5, kr300, foxbot_a05) or the path of a description."""
+    """A serial arm: a built-in name (ur5, kr300, foxbot_a05) or the path of a URDF or MJCF; `joints` chooses from a scene."""
 
     source: str
+    chosen: list[str]
     drive: Optional[Path]
     gravity: Optional[tuple[float, float, float]]
     def __init__(
         self,
         source: str,
         *,
+        joints: Sequence[str] = (),
         drive: Union[str, PathLike, None] = None,
         gravity: Optional[Sequence[float]] = None,
     ) -> None: ...

@@ -122,6 +122,8 @@ def train(
     if not isinstance(robot, _residyn.Robot):
         robot = _residyn.Robot(os.fspath(robot))
     arguments = ["--quiet", "--robot", robot.source, "--out", os.fspath(out)]
+    if robot.chosen:
+        arguments.append("--joints=" + ",".join(robot.chosen))
     if robot.drive is not None:
         arguments += ["--drive", os.fspath(robot.drive)]
     if robot.gravity is not None:

@@ -30,7 +30,7 @@ pub fn diagnose(
     next_motion: bool,
 ) -> PyResult<Diagnosis> {
     let subject = match (robot, model) {
-        (Some(robot), _) => Subject::Robot(robot.source().to_owned(), robot.gravity()),
+        (Some(robot), _) => robot.subject(),
         (None, Some(directory)) => Subject::Model(directory),
         (None, None) => return Err(crate::error::refused("a robot or a model is needed")),
     };
@@ -52,7 +52,10 @@ pub fn diagnose(
 impl Diagnosis {
     fn with<T>(&self, of: impl FnOnce(&Done) -> T) -> T {
         // A panic inside leaves what is only read as it was.
-        let done = self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let done = self
+            .0
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner());
         of(&done)
     }
 }
@@ -80,8 +83,8 @@ impl Diagnosis {
 
     /// Writes the corrected description and what lies beside it; returns the paths.
     fn patch(&self, path: PathBuf) -> PyResult<Vec<PathBuf>> {
-        let patch = self.with(Done::patch).map_err(|e| undiagnosed(&e))?;
-        let files = patch.files(&path);
+        let files = self.with(|d| d.patch()?.files(&path));
+        let files = files.map_err(|e| undiagnosed(&e))?;
         for (path, text) in &files {
             write(path, text)?;
         }

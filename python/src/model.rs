@@ -83,8 +83,7 @@ impl Model {
         let (file, directory) = (&self.file, &self.directory);
         let done = py.detach(|| -> Result<_, Failure> {
             let options = read_options(file, drive.as_deref(), Part::Test, false)?;
-            let recording =
-                read(&path, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
+            let recording = read(&path, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
             let options = EvaluateOptions { cutoff_hz };
             Ok(evaluate(directory, file, recording, &options)?)
         });

@@ -64,7 +64,9 @@ pub fn write_recording(
             return Ok(None);
         };
         let array: PyReadonlyArray2<f64> = value.extract().map_err(|_| {
-            refused(format!("{name}: a float64 array of shape (samples, joints) is needed"))
+            refused(format!(
+                "{name}: a float64 array of shape (samples, joints) is needed"
+            ))
         })?;
         Ok(Some(array.as_array().as_standard_layout().to_owned()))
     };

@@ -1,6 +1,7 @@
 //! A robot and its rigid-body dynamics.
 
 use crate::error::{raise, refused};
+use diagnose::Subject;
 use model::preparation::setup::Setup;
 use ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
@@ -15,6 +16,9 @@ pub struct Robot {
     /// Name or path, as given.
     #[pyo3(get)]
     source: String,
+    /// Joints that were chosen, as given.
+    #[pyo3(get)]
+    chosen: Vec<String>,
     /// Drive file, as given.
     #[pyo3(get)]
     drive: Option<PathBuf>,
@@ -26,14 +30,13 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Name or path, as given.
-    pub fn source(&self) -> &str {
-        &self.source
-    }
-
-    /// Gravity in the base frame, m/s², as given.
-    pub fn gravity(&self) -> Option<[f64; 3]> {
-        self.gravity
+    /// What a diagnosis takes.
+    pub fn subject(&self) -> Subject {
+        Subject::Robot {
+            source: self.source.clone(),
+            joints: self.chosen.clone(),
+            gravity: self.gravity,
+        }
     }
 }
 
@@ -53,11 +56,17 @@ fn rows(robot: &physics::robot::Robot, tables: &[&PyReadonlyArray2<f64>]) -> PyR
 #[pymethods]
 impl Robot {
     #[new]
-    #[pyo3(signature = (source, *, drive=None, gravity=None))]
-    fn new(source: &str, drive: Option<PathBuf>, gravity: Option<[f64; 3]>) -> PyResult<Self> {
+    #[pyo3(signature = (source, *, joints=Vec::new(), drive=None, gravity=None))]
+    fn new(
+        source: &str,
+        joints: Vec<String>,
+        drive: Option<PathBuf>,
+        gravity: Option<[f64; 3]>,
+    ) -> PyResult<Self> {
         Ok(Self {
             source: source.to_owned(),
-            setup: Setup::new(source, drive.as_deref(), gravity).map_err(raise)?,
+            setup: Setup::with_joints(source, &joints, drive.as_deref(), gravity).map_err(raise)?,
+            chosen: joints,
             drive,
             gravity,
         })

@@ -2,9 +2,9 @@
 
 use crate::error::{raise, refused};
 use crate::interrupt::{self, OnInterrupt};
+use ::train::arguments::Arguments;
 use clap::Parser;
 use pyo3::prelude::*;
-use ::train::arguments::Arguments;
 
 /// Runs `train`; `progress` is called with (joint, network, epoch, epochs, error on held-back groups in N·m or None) from
 /// whatever thread trains.

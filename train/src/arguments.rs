@@ -13,9 +13,12 @@ pub struct Arguments {
     /// Another job than training.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// Built-in robot (ur5, kr300, foxbot_a05) or URDF [default: the simulated ur5].
+    /// Built-in robot (ur5, kr300, foxbot_a05), URDF or MJCF [default: the simulated ur5].
     #[arg(long)]
     pub robot: Option<String>,
+    /// Joints of the robot, base first, where an MJCF holds more than one chain [default: the one actuated chain].
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    pub joints: Vec<String>,
     /// Recordings to learn from (.csv, .parquet, .npz; .mat with --robot kr300).
     #[arg(long, num_args = 1..)]
     pub data: Vec<PathBuf>,

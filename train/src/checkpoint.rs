@@ -20,9 +20,10 @@ fn description(arguments: &Arguments, input: &Input) -> String {
         .map(|r| format!("{} {} {}", r.source, r.len(), fingerprint(r)))
         .collect();
     format!(
-        "residyn {}\nrobot {:?}\ngravity {:?}\ndrive {:?}\nseed {}\nmoving only {}\nbasic {}\nestimator {:?}\npreset {:?}\nmembers {:?}\nepochs {:?}\ncutoff {:?}\n{}\n",
+        "residyn {}\nrobot {:?}\njoints {:?}\ngravity {:?}\ndrive {:?}\nseed {}\nmoving only {}\nbasic {}\nestimator {:?}\npreset {:?}\nmembers {:?}\nepochs {:?}\ncutoff {:?}\n{}\n",
         env!("CARGO_PKG_VERSION"),
         arguments.robot,
+        arguments.joints,
         arguments.gravity,
         input.setup.drive,
         arguments.seed,

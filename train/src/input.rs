@@ -19,8 +19,9 @@ pub struct Input {
 
 /// Reads what the arguments name; without `--data`, the built-in robot is simulated.
 pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
-    let mut setup = Setup::new(
+    let mut setup = Setup::with_joints(
         arguments.robot.as_deref().unwrap_or("ur5"),
+        &arguments.joints,
         arguments.drive.as_deref(),
         arguments.gravity,
     )?;

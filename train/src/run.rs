@@ -38,7 +38,7 @@ fn steps(
         ..PrepareOptions::default()
     };
     let checks = checks(&input, &prepare_options)?;
-    screen::check(&checks, arguments);
+    screen::check(&input.setup.robot, &checks, arguments);
     if arguments.check_only {
         return Ok(());
     }

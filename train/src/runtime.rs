@@ -43,7 +43,8 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
     const STACK: usize = 8 << 20;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     pool.stack_size(STACK)
-        .build().map_err(|e| Failure::other(e.to_string()))
+        .build()
+        .map_err(|e| Failure::other(e.to_string()))
 }
 
 /// Ends an interrupted run.

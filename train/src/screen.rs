@@ -8,6 +8,7 @@ use model::directory::json;
 use model::directory::metrics::{Member, Metrics};
 use model::physics_fit::Fit;
 use model::tables;
+use physics::robot::Robot;
 use report::{say, say_text};
 use std::path::Path;
 
@@ -19,14 +20,17 @@ const LOOK_AT: usize = 5;
 const POOR: f64 = 0.3;
 
 /// Prints the check of recordings before the fit: all of it with `--check-only` or `--verbose`, otherwise a line per
-/// recording and what makes results useless.
-pub fn check(reports: &[CheckReport], arguments: &Arguments) {
+/// recording and what makes results useless. What the robot's description holds beyond the robot comes first.
+pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
     if arguments.check_only && arguments.json {
         say_text!(json(&reports));
         return;
     }
     if arguments.quiet {
         return;
+    }
+    for note in robot.notes() {
+        say!("Note: {note}.");
     }
     let whole = arguments.check_only || arguments.verbose;
     for report in reports {

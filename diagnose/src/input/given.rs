@@ -8,14 +8,15 @@ use model::evaluation::read_options;
 use model::preparation::setup::{Setup, SetupError};
 use model::preparation::units::refuse_degrees;
 use ndarray::{Array2, Axis, concatenate};
+use physics::robot::Description;
 use std::path::{Path, PathBuf};
 
 /// A simulator's model with what reading its robot's recordings needs.
 pub struct Given {
     /// The model.
     pub model: NominalModel,
-    /// Its URDF, as the user has it where there is one.
-    pub urdf: String,
+    /// Its description, as the user has it where there is one.
+    pub description: Description,
     /// The recordings that are fitted, file by file, once they are read.
     pub sources: Vec<Source>,
     reading: Reading,
@@ -30,19 +31,21 @@ enum Reading {
 }
 
 impl Given {
-    /// A built-in robot by name or a URDF by path, with its drive file.
+    /// A built-in robot by name or a URDF or MJCF by path, with its drive file; `joints` chooses from an MJCF that holds
+    /// more than one chain.
     ///
     /// # Errors
     /// No such robot, or a description or drive file that cannot be used.
     pub fn robot(
         name: &str,
+        joints: &[String],
         drive: Option<&Path>,
         gravity: Option<[f64; 3]>,
     ) -> Result<Self, DiagnoseError> {
-        let setup = Setup::new(name, drive, gravity)?;
+        let setup = Setup::with_joints(name, joints, drive, gravity)?;
         Ok(Self {
             model: NominalModel::new(setup.robot.clone()),
-            urdf: setup.urdf.clone(),
+            description: setup.description.clone(),
             sources: Vec::new(),
             reading: Reading::Robot(Box::new(setup)),
         })
@@ -60,7 +63,7 @@ impl Given {
         ];
         Ok(Self {
             model: NominalModel::identified(&file)?,
-            urdf: file.physics.urdf,
+            description: Description::Urdf(file.physics.urdf),
             sources: Vec::new(),
             reading: Reading::Directory(Box::new(options)),
         })

@@ -57,7 +57,7 @@ pub struct Scene<'a> {
     pub sign: Array2<f64>,
     /// Torque of the rigid body.
     pub rigid: Array2<f64>,
-    /// Viscous and Coulomb friction, rotor inertia, counterbalance.
+    /// Viscous and Coulomb friction, rotor inertia, counterbalance, springs.
     pub drive: Array2<f64>,
     /// Partial derivatives of the rigid torque, by joint that moves.
     pub tangents: Vec<Tangent>,
@@ -81,9 +81,9 @@ impl<'a> Scene<'a> {
             out.scaled_add(joint.friction, &sign.column(j));
             out.scaled_add(joint.rotor_inertia, &motion.qdd.column(j));
         }
-        if let Some(c) = robot.counterbalance() {
-            let torque = motion.q.column(c.joint).mapv(|q| c.torque(q));
-            let mut out = drive.column_mut(c.joint);
+        for p in robot.passive() {
+            let torque = motion.q.column(p.joint()).mapv(|q| p.torque(q));
+            let mut out = drive.column_mut(p.joint());
             out += &torque;
         }
         Self {

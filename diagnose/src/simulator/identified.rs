@@ -39,7 +39,7 @@ pub(super) struct Identified {
 
 impl Identified {
     /// The robot that stands for the model where columns are built, and the model itself. The robot has the identified
-    /// inertial parameters, friction, rotor inertias and counterbalance.
+    /// inertial parameters, friction, rotor inertias, counterbalance and springs.
     pub(super) fn new(file: &ModelFile) -> Result<(Robot, Self), TorqueModelError> {
         let model = file.physics.model()?;
         let value = |wanted: &Term| -> Vec<f64> {
@@ -65,8 +65,8 @@ impl Identified {
             .with_friction(&viscous, &coulomb)?
             .with_rotor_inertia(&value(&Term::RotorInertia))?;
         for weighted in model.terms().iter().flatten() {
-            if let Term::Counterbalance(c) = weighted.term {
-                robot = robot.with_counterbalance(c)?;
+            if let Some(passive) = weighted.term.passive() {
+                robot = robot.with_passive(passive)?;
             }
         }
         let sizes = file.physics.nominal()?.with_friction(&viscous, &coulomb)?;

@@ -15,7 +15,7 @@ use physics::robot::{Joint, PARAMETERS_PER_LINK, Robot, RobotError};
 /// What the simulator computes torque with: a robot with its friction, or an identified model.
 #[derive(Clone, Debug)]
 pub struct NominalModel {
-    /// Inertials, damping, friction, rotor inertia, counterbalance.
+    /// Inertials, damping, friction, rotor inertia, counterbalance, springs.
     pub robot: Robot,
     identified: Option<Identified>,
     preparation: Option<PrepareOptions>,
@@ -66,7 +66,7 @@ impl NominalModel {
     }
 
     /// Torque that the simulator predicts at the recorded samples, shape (samples, joints): inverse dynamics +
-    /// damping·q̇ + friction·sign(q̇), with rotor inertia and counterbalance where the model has them; or the
+    /// damping·q̇ + friction·sign(q̇), with rotor inertia, counterbalance and springs where the model has them; or the
     /// identified model's torque, memory included.
     pub fn predicted(&self, frame: &Frame, scale: &Scale) -> Array2<f64> {
         match &self.identified {

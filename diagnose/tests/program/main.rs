@@ -2,5 +2,6 @@
 
 mod case;
 mod command_line;
+mod mjcf;
 mod model_directory;
 mod next_motion;

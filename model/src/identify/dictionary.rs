@@ -33,6 +33,7 @@ pub fn is_friction_shape(term: &Term) -> bool {
         | Term::Polynomial(_)
         | Term::Coupling(_)
         | Term::Counterbalance(_)
+        | Term::Spring(_)
         | Term::WarmUp(_)
         | Term::Drift(_) => false,
     }

@@ -8,7 +8,7 @@ use datasets::{
 };
 use nalgebra::Vector3;
 use physics::robot::{
-    Builtin, Robot, RobotError,
+    Builtin, Description, Robot, RobotError,
     drive::{Conversion, Drive},
     to_urdf,
 };
@@ -21,8 +21,8 @@ pub struct Setup {
     pub robot: Robot,
     /// Drive file, if one was given.
     pub drive: Option<Drive>,
-    /// The robot as a URDF: the user's own text where there is one.
-    pub urdf: String,
+    /// What the robot was read from; a URDF of its own for a built-in one.
+    pub description: Description,
     /// Low-pass of the recorded torque that the training recordings have shown.
     recognised: Option<DeclaredFilter>,
 }
@@ -62,7 +62,7 @@ pub fn gravity(text: &str) -> Result<[f64; 3], String> {
 }
 
 impl Setup {
-    /// Loads a robot by the name of a built-in or the path of a URDF.
+    /// Loads a robot by the name of a built-in or the path of a URDF or MJCF.
     ///
     /// # Errors
     /// No such robot, or a description or drive file that cannot be used.
@@ -71,22 +71,26 @@ impl Setup {
         drive: Option<&Path>,
         gravity: Option<[f64; 3]>,
     ) -> Result<Self, SetupError> {
-        let mut loaded = Robot::load(robot)?;
+        Self::with_joints(robot, &[], drive, gravity)
+    }
+
+    /// The same, with the joints that make the robot where an MJCF holds more; base first.
+    ///
+    /// # Errors
+    /// As [`Setup::new`], or joints that make no chain.
+    pub fn with_joints(
+        robot: &str,
+        joints: &[String],
+        drive: Option<&Path>,
+        gravity: Option<[f64; 3]>,
+    ) -> Result<Self, SetupError> {
+        let (mut loaded, description) = Robot::load(robot, joints)?;
         if let Some(g) = gravity {
             loaded = loaded.with_gravity(Vector3::from(g));
         }
-        let text = match loaded.which_builtin() {
-            Some(_) => None,
-            None => Some(
-                std::fs::read_to_string(robot).map_err(|source| RobotError::Read {
-                    path: robot.into(),
-                    source,
-                })?,
-            ),
-        };
         let mut setup = Self::of(loaded, drive)?;
-        if let Some(text) = text {
-            setup.urdf = text;
+        if let Some(description) = description {
+            setup.description = description;
         }
         Ok(setup)
     }
@@ -104,7 +108,7 @@ impl Setup {
             None => robot,
         };
         Ok(Self {
-            urdf: to_urdf(&robot),
+            description: Description::Urdf(to_urdf(&robot)),
             robot,
             drive,
             recognised: None,
@@ -253,8 +257,11 @@ mod tests {
         let options = setup.read_options(Part::Train, true).unwrap();
         assert!(!options.kr300 && options.torque_filter.is_none());
         // The text that a patch goes into is the user's, to the byte.
-        assert_eq!(setup.urdf, text);
-        assert!(urdf_with(&setup.urdf, &setup.robot).is_ok());
+        let Description::Urdf(own) = &setup.description else {
+            panic!("a URDF");
+        };
+        assert_eq!(*own, text);
+        assert!(urdf_with(own, &setup.robot).is_ok());
         let options = Setup::new("kr300", None, None)
             .unwrap()
             .read_options(Part::Train, true)

@@ -3,7 +3,7 @@
 use super::is_forward;
 use crate::directory::ModelFile;
 use datasets::metrics::{REST, Row, Scope};
-use physics::effects::{Sample, Term, TermBank};
+use physics::effects::{Sample, TermBank};
 use physics::torque_model::WeightedTerm;
 use report::{Cell, Column, Table};
 use signal::Motion;
@@ -94,7 +94,7 @@ fn steady(list: &[WeightedTerm], joint: usize, joints: usize, speed: f64) -> f64
             if row >= from {
                 let friction = list.iter().zip(&values);
                 sum += friction
-                    .filter(|(w, _)| !matches!(w.term, Term::Counterbalance(_)))
+                    .filter(|(w, _)| w.term.passive().is_none())
                     .map(|(w, v)| w.value * v)
                     .sum::<f64>();
             }

@@ -32,6 +32,7 @@ pub fn forward_dynamics(
         links, articulated, ..
     } = workspace;
 
+    let (held, mut down) = (robot.chain().held, robot.gravity());
     let (mut w, mut v) = (Vector3::zeros(), Vector3::zeros());
     for (i, joint) in joints.iter().enumerate() {
         let (r, p) = joint.place(q[i]);
@@ -56,6 +57,11 @@ pub fn forward_dynamics(
         body.translational = Matrix3::from_diagonal_element(joint.mass);
         body.moment = w.cross(&angular_momentum) + v.cross(&momentum);
         body.force = w.cross(&momentum);
+        if held {
+            down = back(&r, &down);
+            body.moment += h.cross(&down) * joint.held;
+            body.force += down * (joint.held * joint.mass);
+        }
         links[i].rotation = r;
         links[i].translation = p;
     }

@@ -39,6 +39,7 @@ pub fn inverse_dynamics_with_gravity(
 ) {
     workspace.check(robot, &[q, qd, qdd, tau]);
     let joints = &robot.chain().joints;
+    let (held, mut down) = (robot.chain().held, *gravity);
     // Accelerating the base upwards has the effect of gravity.
     let (mut w, mut wd, mut a) = (Vector3::zeros(), Vector3::zeros(), -gravity);
     for (i, (joint, link)) in joints.iter().zip(&mut workspace.links).enumerate() {
@@ -60,9 +61,16 @@ pub fn inverse_dynamics_with_gravity(
             wd.z += qdd[i];
             w.z += qd[i];
         }
+        // What holds a part of the weight takes that part of gravity off.
+        let felt = if held {
+            down = back(&r, &down);
+            a + down * joint.held
+        } else {
+            a
+        };
         let h = &joint.first_moment;
-        link.force = a * joint.mass + wd.cross(h) + w.cross(&w.cross(h));
-        link.moment = joint.inertia * wd + w.cross(&(joint.inertia * w)) + h.cross(&a);
+        link.force = felt * joint.mass + wd.cross(h) + w.cross(&w.cross(h));
+        link.moment = joint.inertia * wd + w.cross(&(joint.inertia * w)) + h.cross(&felt);
         link.rotation = r;
         link.translation = p;
     }

@@ -101,17 +101,19 @@ pub fn kinetic_energy(robot: &Robot, q: &[f64], qd: &[f64]) -> f64 {
     energy
 }
 
-/// Potential energy −Σ m gᵀ c of the rigid bodies in the robot's gravity, J; zero for masses at the base's
-/// origin.
+/// Potential energy −Σ m gᵀ c of the rigid bodies in the robot's gravity (of the weight that nothing outside holds),
+/// J; zero for masses at the base's origin.
 ///
 /// # Panics
 /// When `q` has another length than the robot.
 pub fn potential_energy(robot: &Robot, q: &[f64]) -> f64 {
     let moment: Vector3<f64> = link_placements(robot, q)
         .zip(robot.joints())
-        .map(|(at, joint)| {
+        .zip(&robot.chain().joints)
+        .map(|((at, joint), chain)| {
             let inertia = &joint.link.inertia;
-            at.rotation * inertia.first_moment + at.translation * inertia.mass
+            (at.rotation * inertia.first_moment + at.translation * inertia.mass)
+                * (1.0 - chain.held)
         })
         .sum();
     -robot.gravity().dot(&moment)

@@ -1,9 +1,9 @@
 //! Rigid-body dynamics of a serial chain: free functions over an immutable [`Robot`](crate::robot::Robot) and a
 //! [`Workspace`] that is reused. After the workspace is made nothing allocates.
 //!
-//! Vectors of joint quantities have N values, base first. Only rigid bodies under gravity: friction, rotor
-//! inertia, counterbalance and everything else are effects added elsewhere (rotor inertia enters
-//! [`forward_dynamics`] as `armature`).
+//! Vectors of joint quantities have N values, base first. Only rigid bodies under gravity (less the part of it that
+//! [`crate::robot::Robot::gravity_compensation`] takes off): friction, rotor inertia, springs, counterbalance and everything
+//! else are effects added elsewhere (rotor inertia enters [`forward_dynamics`] as `armature`).
 
 mod articulated;
 mod forward;

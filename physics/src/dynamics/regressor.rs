@@ -45,6 +45,7 @@ pub fn regressor_with_gravity(
     let width = PARAMETERS_PER_LINK * n;
     assert_eq!(y.len(), n * width, "the regressor has N × 10 N entries");
     let screws = &mut workspace.screws;
+    let (held, mut down) = (robot.chain().held, *gravity);
     let (mut w, mut wd, mut a) = (Vector3::zeros(), Vector3::zeros(), -gravity);
     for (i, joint) in robot.chain().joints.iter().enumerate() {
         let (r, p) = joint.place_described(q[i]);
@@ -71,10 +72,16 @@ pub fn regressor_with_gravity(
                 linear: Vector3::zeros(),
             };
         }
+        let felt = if held {
+            down = back(&r, &down);
+            a + down * joint.held
+        } else {
+            a
+        };
         let column = PARAMETERS_PER_LINK * i;
         for (j, screw) in screws[..=i].iter().enumerate() {
             let row = &mut y[j * width + column..][..PARAMETERS_PER_LINK];
-            fill(row, screw, &w, &wd, &a);
+            fill(row, screw, &w, &wd, &felt);
         }
         for j in i + 1..n {
             y[j * width + column..][..PARAMETERS_PER_LINK].fill(0.0);

@@ -123,6 +123,7 @@ fn value(term: &Term, z: &mut f64, joint: usize, dq: f64, s: &Sample) -> f64 {
         Term::Harmonic(h) => h.at(s.q[joint]),
         Term::Coupling(c) => c.at(joint, s.q, s.qd, s.qdd),
         Term::Counterbalance(c) => c.torque(s.q[joint]),
+        Term::Spring(spring) => spring.torque(s.q[joint]),
         Term::WarmUp(w) => w.factor(s.clock) * value(&w.term, z, joint, dq, s),
         Term::Drift(d) => d.factor(s.clock) * value(&d.term, z, joint, dq, s),
     }

@@ -19,7 +19,7 @@ mod shape;
 mod sliding;
 mod warmup;
 
-pub use crate::robot::Counterbalance;
+pub use crate::robot::{Counterbalance, Spring};
 pub use bank::{BankState, Sample, TermBank, columns};
 pub use coupling::Coupling;
 pub use drift::Drift;
@@ -33,6 +33,7 @@ pub use shape::FrictionShape;
 pub use sliding::Sliding;
 pub use warmup::WarmUp;
 
+use crate::robot::Passive;
 use serde::{Deserialize, Serialize};
 
 /// One column of a joint's friction and memory model.
@@ -65,6 +66,8 @@ pub enum Term {
     Coupling(Coupling),
     /// Gas or hydraulic counterbalance of the joint's own position.
     Counterbalance(Counterbalance),
+    /// Linear spring of the joint's own position.
+    Spring(Spring),
     /// Another term whose coefficient fades as the robot warms up.
     WarmUp(WarmUp),
     /// Another term whose coefficient changes evenly over the session.
@@ -85,7 +88,7 @@ impl Term {
             Term::Position(_) => "position_dependent_friction",
             Term::Harmonic(_) => "torque_ripple",
             Term::Coupling(_) => "joint_coupling",
-            Term::Counterbalance(_) | Term::Polynomial(_) => "counterbalance",
+            Term::Counterbalance(_) | Term::Spring(_) | Term::Polynomial(_) => "counterbalance",
             Term::WarmUp(_) | Term::Drift(_) => "friction_drift",
         }
     }
@@ -96,6 +99,16 @@ impl Term {
             Term::Coupling(c) => Some(c.driver()),
             Term::WarmUp(w) => w.term.driver(),
             Term::Drift(d) => d.term.driver(),
+            _ => None,
+        }
+    }
+
+    /// The torque that the robot's description gives, where the term is one: it is known and has no place among what is
+    /// fitted.
+    pub fn passive(&self) -> Option<Passive> {
+        match self {
+            Term::Counterbalance(c) => Some(Passive::Counterbalance(*c)),
+            Term::Spring(s) => Some(Passive::Spring(*s)),
             _ => None,
         }
     }
@@ -114,7 +127,8 @@ impl Term {
             | Term::Harmonic(_)
             | Term::Polynomial(_)
             | Term::Coupling(_)
-            | Term::Counterbalance(_) => false,
+            | Term::Counterbalance(_)
+            | Term::Spring(_) => false,
         }
     }
 
@@ -135,7 +149,8 @@ impl Term {
             | Term::Harmonic(_)
             | Term::Polynomial(_)
             | Term::Coupling(_)
-            | Term::Counterbalance(_) => false,
+            | Term::Counterbalance(_)
+            | Term::Spring(_) => false,
         }
     }
 
@@ -155,6 +170,7 @@ impl Term {
             Term::Harmonic(h) => h.label(),
             Term::Coupling(c) => c.label(),
             Term::Counterbalance(_) => "counterbalance".into(),
+            Term::Spring(s) => format!("spring({:.3e}, {:.3})", s.stiffness, s.rest),
             Term::WarmUp(w) => format!("warm_up({:.0} s)*{}", w.time_constant, w.term.label()),
             Term::Drift(d) => format!("drift*{}", d.term.label()),
         }
@@ -168,11 +184,20 @@ impl Term {
             Term::Load(l) => l.unit(),
             Term::Position(p) => p.friction.unit(),
             Term::Coupling(c) => c.unit(),
-            Term::Counterbalance(_) => "1",
+            Term::Counterbalance(_) | Term::Spring(_) => "1",
             Term::WarmUp(w) => w.term.unit(),
             Term::Drift(d) => d.term.unit(),
             Term::DahlRate(_) => "N·m·s",
             _ => "N·m",
+        }
+    }
+}
+
+impl From<Passive> for Term {
+    fn from(passive: Passive) -> Self {
+        match passive {
+            Passive::Counterbalance(c) => Self::Counterbalance(c),
+            Passive::Spring(s) => Self::Spring(s),
         }
     }
 }

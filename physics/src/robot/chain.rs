@@ -7,6 +7,8 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 #[derive(Debug, Clone)]
 pub(crate) struct Chain {
     pub joints: Vec<ChainJoint>,
+    /// Whether some link's weight is held from outside.
+    pub held: bool,
 }
 
 /// Constants of one joint in two frames: an inner frame turned so that the axis is z (the recursions get
@@ -19,6 +21,8 @@ pub(crate) struct ChainJoint {
     /// Origin at q = 0 in the parent's inner frame.
     pub translation: Vector3<f64>,
     pub mass: f64,
+    /// Part of the weight that is held from outside.
+    pub held: f64,
     /// First moment in the inner frame.
     pub first_moment: Vector3<f64>,
     /// Inertia about the joint's origin in the inner frame.
@@ -37,12 +41,14 @@ pub(crate) struct ChainJoint {
 }
 
 impl Chain {
-    pub fn new(joints: &[Joint]) -> Self {
+    /// `held` is the part of each link's weight that is held from outside, or empty for none.
+    pub fn new(joints: &[Joint], held: &[f64]) -> Self {
         // Orientation of the previous joint's inner frame in its described frame.
         let mut parent = Matrix3::identity();
         let joints = joints
             .iter()
-            .map(|joint| {
+            .enumerate()
+            .map(|(i, joint)| {
                 let inner = z_to(&joint.axis);
                 let inertia = joint
                     .link
@@ -64,6 +70,7 @@ impl Chain {
                     rotation: parent.transpose() * joint.rotation * inner,
                     translation: parent.transpose() * joint.translation,
                     mass: inertia.mass,
+                    held: held.get(i).copied().unwrap_or(0.0),
                     first_moment: inertia.first_moment,
                     inertia: inertia.about_origin,
                     axis: joint.axis,
@@ -77,7 +84,10 @@ impl Chain {
                 chain_joint
             })
             .collect();
-        Self { joints }
+        Self {
+            joints,
+            held: !held.is_empty(),
+        }
     }
 }
 

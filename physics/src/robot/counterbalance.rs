@@ -43,14 +43,22 @@ impl Counterbalance {
 
 #[cfg(test)]
 mod tests {
+    use super::Counterbalance;
     use crate::dynamics::{Workspace, inverse_dynamics};
-    use crate::robot::Robot;
+    use crate::robot::{Passive, Robot};
+
+    fn known(robot: &Robot) -> Counterbalance {
+        match robot.passive() {
+            [Passive::Counterbalance(c)] => *c,
+            other => panic!("{other:?}"),
+        }
+    }
 
     #[test]
     fn torque_is_the_derivative_of_the_gas_energy() {
         // A static force law is conservative: τ = dW/dq with W = −E ln(V − dl·A) (isothermal gas).
         let robot = Robot::builtin("kr300").expect("built in");
-        let c = *robot.counterbalance().expect("it has one");
+        let c = known(&robot);
         let work = |q: f64| {
             let (d, k) = (c.distance, c.radius);
             let length = (d * d + k * k - 2.0 * d * k * (q + c.zero).cos()).sqrt();
@@ -67,7 +75,7 @@ mod tests {
     #[test]
     fn it_opposes_gravity() {
         let robot = Robot::builtin("kr300").expect("built in");
-        let c = robot.counterbalance().expect("it has one");
+        let c = known(&robot);
         let mut workspace = Workspace::new(&robot);
         for q2 in [0.2, 0.4, 0.6] {
             let mut tau = [0.0; 6];

@@ -37,6 +37,20 @@ pub enum RobotError {
         /// Message of the parser.
         reason: String,
     },
+    /// An MJCF that cannot be used.
+    #[error("MJCF: {reason}")]
+    Mjcf {
+        /// What is wrong, and what to do.
+        reason: String,
+    },
+    /// Joints are chosen where there is nothing to choose.
+    #[error(
+        "joints can be chosen from an MJCF alone, and {name} is none: it is one chain as it stands; leave --joints out"
+    )]
+    Joints {
+        /// Robot asked for.
+        name: String,
+    },
     /// A name is used twice.
     #[error("two {what}s are called {name:?}; names must be unique")]
     Duplicate {
@@ -164,8 +178,10 @@ pub enum RobotError {
         /// Length found.
         found: usize,
     },
-    /// The URDF to be changed does not belong to the robot.
-    #[error("the URDF has no {what} {name:?}, so it is not the one this robot was read from")]
+    /// The description to be changed does not belong to the robot.
+    #[error(
+        "the description has no {what} {name:?}, so it is not the one this robot was read from"
+    )]
     Mismatch {
         /// `link` or `joint`.
         what: &'static str,

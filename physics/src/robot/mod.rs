@@ -1,7 +1,7 @@
 //! Description of a serial robot: joints, links, gravity, and where they come from.
 //!
-//! A [`Robot`] is immutable. It comes from a URDF ([`Robot::from_urdf_file`]), a Denavit–Hartenberg table
-//! ([`dh`]), or is built in ([`Robot::builtin`]).
+//! A [`Robot`] is immutable. It comes from a URDF or an MJCF ([`Description`]), a Denavit–Hartenberg table ([`dh`]), or is
+//! built in ([`Robot::builtin`]).
 
 mod builtin;
 mod chain;
@@ -12,14 +12,16 @@ mod error;
 mod format;
 mod inertia;
 mod joint;
+mod passive;
 
 pub use builtin::Builtin;
 pub(crate) use chain::{Chain, ChainJoint};
 pub use counterbalance::Counterbalance;
 pub use error::RobotError;
-pub use format::{to_urdf, urdf_with};
+pub use format::{Description, Edited, Mjcf, to_urdf, urdf_with};
 pub use inertia::{Inertia, PARAMETER_NAMES, PARAMETERS_PER_LINK};
 pub use joint::{Joint, JointKind, Limits, Link};
+pub use passive::{Passive, Spring};
 
 use nalgebra::Vector3;
 
@@ -32,8 +34,10 @@ pub struct Robot {
     name: String,
     gravity: Vector3<f64>,
     joints: Vec<Joint>,
-    counterbalance: Option<Counterbalance>,
+    passive: Vec<Passive>,
+    gravity_compensation: Vec<f64>,
     warnings: Vec<String>,
+    notes: Vec<String>,
     chain: Chain,
     builtin: Option<Builtin>,
 }
@@ -54,13 +58,15 @@ impl Robot {
             check_joint(joint)?;
             check_inertia(joint, &mut warnings)?;
         }
-        let chain = Chain::new(&joints);
+        let chain = Chain::new(&joints, &[]);
         Ok(Self {
             name,
             gravity: STANDARD_GRAVITY,
             joints,
-            counterbalance: None,
+            passive: Vec::new(),
+            gravity_compensation: Vec::new(),
             warnings,
+            notes: Vec::new(),
             chain,
             builtin: None,
         })
@@ -107,14 +113,30 @@ impl Robot {
         self.joints.iter().map(|j| j.name.clone()).collect()
     }
 
-    /// Counterbalance, where the robot has a known one. Not part of the rigid-body functions.
-    pub fn counterbalance(&self) -> Option<&Counterbalance> {
-        self.counterbalance.as_ref()
+    /// Known torques of a joint's own position: counterbalance, springs. Not part of the rigid-body functions.
+    pub fn passive(&self) -> &[Passive] {
+        &self.passive
+    }
+
+    /// Part of each link's weight that something outside the drives holds (N values; 1: all of it); empty where nothing
+    /// is. Part of the rigid-body functions: gravity acts on link i with (1 − part) of its mass.
+    pub fn gravity_compensation(&self) -> &[f64] {
+        &self.gravity_compensation
     }
 
     /// What is implausible about the description although it can be used.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// What of the description the robot does not hold, or holds otherwise: joints taken as fixed, effects left out.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    pub(in crate::robot) fn with_notes(mut self, notes: Vec<String>) -> Self {
+        self.notes = notes;
+        self
     }
 
     /// Standard inertial parameters of all links, base first: 10 N values in the order of
@@ -151,7 +173,7 @@ impl Robot {
         for (joint, p) in robot.joints.iter_mut().zip(links) {
             joint.link.inertia = Inertia::from_parameters(p);
         }
-        robot.chain = Chain::new(&robot.joints);
+        robot.chain = Chain::new(&robot.joints, &robot.gravity_compensation);
         Ok(robot)
     }
 
@@ -180,22 +202,48 @@ impl Robot {
         Ok(self)
     }
 
-    /// The same robot with a counterbalance.
+    /// The same robot with one more known torque of position.
     ///
     /// # Errors
     /// Its joint does not exist.
-    pub fn with_counterbalance(
-        mut self,
-        counterbalance: Counterbalance,
-    ) -> Result<Self, RobotError> {
-        if counterbalance.joint >= self.dof() {
+    pub fn with_passive(mut self, passive: Passive) -> Result<Self, RobotError> {
+        if passive.joint() >= self.dof() {
             return Err(RobotError::WrongLength {
-                what: "joint index of the counterbalance",
+                what: "joint index of a spring or counterbalance",
                 expected: self.dof(),
-                found: counterbalance.joint + 1,
+                found: passive.joint() + 1,
             });
         }
-        self.counterbalance = Some(counterbalance);
+        self.passive.push(passive);
+        Ok(self)
+    }
+
+    /// The same robot with a part of each link's weight held from outside: see [`Robot::gravity_compensation`]. N values,
+    /// or none.
+    ///
+    /// # Errors
+    /// Wrong number of values, or one that is not finite.
+    pub fn with_gravity_compensation(mut self, parts: &[f64]) -> Result<Self, RobotError> {
+        if !parts.is_empty() && parts.len() != self.dof() {
+            return Err(RobotError::WrongLength {
+                what: "gravity compensation",
+                expected: self.dof(),
+                found: parts.len(),
+            });
+        }
+        for (joint, &value) in self.joints.iter().zip(parts) {
+            if !value.is_finite() {
+                return Err(RobotError::BadNumber {
+                    owner: joint.link.name.clone(),
+                    what: "gravity compensation".to_owned(),
+                    value,
+                    hint: "it must be finite".to_owned(),
+                });
+            }
+        }
+        let none = parts.iter().all(|&part| part == 0.0);
+        self.gravity_compensation = if none { Vec::new() } else { parts.to_vec() };
+        self.chain = Chain::new(&self.joints, &self.gravity_compensation);
         Ok(self)
     }
 

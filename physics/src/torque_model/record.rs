@@ -19,6 +19,9 @@ pub struct TorqueModelRecord {
     pub urdf: String,
     /// Gravity in the base frame, m/s².
     pub gravity: [f64; 3],
+    /// Part of each link's weight that is held from outside; empty for none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gravity_compensation: Vec<f64>,
     /// Identified inertial parameters (10 N, see the robot's parameter order); they predict torque
     /// but need not be feasible link by link.
     pub rigid: Vec<f64>,
@@ -42,6 +45,7 @@ impl TorqueModelRecord {
             joints: nominal.joint_names(),
             urdf: to_urdf(nominal),
             gravity: nominal.gravity().into(),
+            gravity_compensation: nominal.gravity_compensation().to_vec(),
             rigid,
             load,
             terms,
@@ -55,6 +59,7 @@ impl TorqueModelRecord {
     pub fn nominal(&self) -> Result<Robot, TorqueModelError> {
         Ok(Robot::from_urdf_str(&self.urdf)?
             .with_gravity(Vector3::from(self.gravity))
+            .with_gravity_compensation(&self.gravity_compensation)?
             .known_as(self.builtin))
     }
 

@@ -71,8 +71,8 @@ impl Combination {
                         }
                     }
                 }
-                if let Some(c) = robot.counterbalance() {
-                    own.entry(c.joint, Term::Counterbalance(*c)).given += 1.0;
+                for p in robot.passive() {
+                    own.entry(p.joint(), Term::from(*p)).given += 1.0;
                 }
             }
         }
@@ -144,7 +144,8 @@ impl Combination {
         (rigid.collect(), terms.collect())
     }
 
-    /// Covariance of base parameters, then each joint's terms, as a model file has it: a known counterbalance has no place.
+    /// Covariance of base parameters, then each joint's terms, as a model file has it: a known counterbalance or spring has no
+    /// place.
     pub(super) fn covariance(&self, base: &BaseParameters, of: &Array2<f64>) -> Array2<f64> {
         let n = of.nrows();
         let mut rows: Vec<Array1<f64>> = vec![Array1::zeros(n); base.len()];
@@ -158,7 +159,7 @@ impl Combination {
             }
         }
         let fitted = self.terms.iter().flatten();
-        let fitted = fitted.filter(|(t, _)| !matches!(t, Term::Counterbalance(_)));
+        let fitted = fitted.filter(|(t, _)| t.passive().is_none());
         rows.extend(fitted.map(|(_, sum)| sum.row(n)));
         let map = Array2::from_shape_fn((rows.len(), n), |(i, k)| rows[i][k]);
         map.dot(of).dot(&map.t())

@@ -1,5 +1,5 @@
-//! The simulator's model with the accepted causes written in: a URDF as far as that has a place for them, a drive file
-//! for rotor inertias, a snippet for MuJoCo, and a table of values for everything else.
+//! The simulator's model with the accepted causes written in: an MJCF or URDF as far as that has a place for them, beside a
+//! URDF a drive file for rotor inertias and a snippet for MuJoCo, and a table of values for everything else.
 
 mod mjcf;
 mod patched;
@@ -13,10 +13,11 @@ use crate::schema::Cause;
 use crate::schema::value::value;
 use crate::simulator::NominalModel;
 use nalgebra::Vector3;
+use physics::robot::{Description, Edited, to_urdf};
 use std::path::{Path, PathBuf};
 
 pub use patched::robot;
-use patched::{Patched, joint, number};
+use patched::{Patched, joint, number, place};
 pub use values::Setting;
 
 /// Files of a patch.
@@ -25,31 +26,60 @@ pub struct Patch {
     pub urdf: String,
     /// Drive file with the rotor inertias, where there is a new one; for `--drive`.
     pub drive: Option<String>,
-    /// MJCF snippet.
-    pub mjcf: String,
+    /// For MuJoCo.
+    pub mjcf: ForMujoco,
     /// Values of all causes, tab-separated.
     pub values: String,
     /// What every joint is to be set to.
     pub settings: Vec<Setting>,
 }
 
+/// What a patch has for MuJoCo.
+pub enum ForMujoco {
+    /// The user's own model with the new numbers.
+    Whole(Edited),
+    /// Elements to be merged by name.
+    Snippet(String),
+}
+
 impl Patch {
-    /// The files by their paths: the URDF at `path`, the others beside it with endings of their own.
-    pub fn files(self, path: &Path) -> Vec<(PathBuf, String)> {
-        let mut files = vec![(path.to_owned(), self.urdf)];
-        let drive = self.drive.map(|text| (path.with_extension("drive.toml"), text));
-        files.extend(drive);
-        files.push((path.with_extension("mjcf.xml"), self.mjcf));
-        files.push((path.with_extension("values.tsv"), self.values));
-        files
+    /// The files when the model is to be `out`: that, and beside it what it has no place for.
+    ///
+    /// # Errors
+    /// Files of an MJCF that no longer fit together.
+    pub fn files(&self, out: &Path) -> Result<Vec<(PathBuf, String)>, DiagnoseError> {
+        let mut files = match &self.mjcf {
+            ForMujoco::Whole(files) => files.files(out)?,
+            ForMujoco::Snippet(text) => {
+                let drive = self.drive.clone();
+                let drive = drive.map(|text| (out.with_extension("drive.toml"), text));
+                let snippet = (out.with_extension("mjcf.xml"), text.clone());
+                let first = std::iter::once((out.to_owned(), self.urdf.clone()));
+                first.chain(drive).chain([snippet]).collect()
+            }
+        };
+        files.push((out.with_extension("values.tsv"), self.values.clone()));
+        Ok(files)
+    }
+
+    /// What has a place in the model and could not be written there; one line each.
+    pub fn left_out(&self) -> Vec<String> {
+        match &self.mjcf {
+            ForMujoco::Whole(files) => files.left_out().to_vec(),
+            ForMujoco::Snippet(_) => Vec::new(),
+        }
     }
 }
 
-/// Writes the accepted causes into the model; `urdf` is its description.
+/// Writes the accepted causes into the model; `description` is what it was read from. Of an MJCF there is a URDF of its own.
 ///
 /// # Errors
-/// The fitted parameters make no robot, or `urdf` is not that of the model.
-pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patch, DiagnoseError> {
+/// The fitted parameters make no robot, or `description` is not that of the model.
+pub fn patch(
+    model: &NominalModel,
+    outcome: &Outcome,
+    description: &Description,
+) -> Result<Patch, DiagnoseError> {
     let causes = &outcome.diagnosis.causes;
     let robot = robot(model, &outcome.findings, causes)?;
     let of = |effect: Effect| causes.iter().filter(move |c| c.effect == effect);
@@ -69,18 +99,31 @@ pub fn patch(model: &NominalModel, outcome: &Outcome, urdf: &str) -> Result<Patc
     };
     let settings = values::settings(&model.robot, &patched.robot);
     let changed = of(Effect::RotorInertia).next().is_some();
+    let (urdf, mjcf) = match description {
+        Description::Urdf(text) => (
+            text.clone(),
+            ForMujoco::Snippet(mjcf::snippet(&patched, &zeros)),
+        ),
+        Description::Mjcf(own) => {
+            let robot = patched.robot.clone().with_gravity(patched.gravity());
+            let files = own.with(&robot, &zeros)?;
+            (to_urdf(&model.robot), ForMujoco::Whole(files))
+        }
+    };
+    let whole = matches!(mjcf, ForMujoco::Whole(_));
     Ok(Patch {
-        urdf: urdf::written(urdf, &patched, &zeros)?,
+        urdf: urdf::written(&urdf, &patched, &zeros)?,
         drive: changed.then(|| values::drive(&patched.robot)),
-        mjcf: mjcf::snippet(&patched, &zeros),
-        values: values::table(&patched, &settings),
+        mjcf,
+        values: values::table(&patched, &settings, whole),
         settings,
     })
 }
 
-/// One line on what the patch holds.
-pub fn summary(causes: &[Cause]) -> String {
-    let inside = |c: &&Cause| c.effect.info().place == Some("URDF");
+/// One line on what the patch holds; `mjcf` says whether the model is one, which has a place for rotor inertias too.
+pub fn summary(causes: &[Cause], mjcf: bool) -> String {
+    let format = if mjcf { "MJCF" } else { "URDF" };
+    let inside = |c: &&Cause| place(c.effect, mjcf) == Some(format);
     let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(inside);
     let list = |c: &[&Cause]| {
         let one = |c: &&Cause| {
@@ -97,7 +140,8 @@ pub fn summary(causes: &[Cause]) -> String {
         }
     };
     format!(
-        "in the URDF: {}; beside it: {}",
+        "in the {}: {}; beside it: {}",
+        format,
         list(&inside),
         list(&outside)
     )

@@ -36,6 +36,16 @@ pub fn robot(
     possible::robot(model.sizes(), &model.moved(&change)?)?.with_rotor_inertia(&inertia)
 }
 
+/// Where a patch writes an effect; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
+/// needs a drive file for stands in it.
+pub(super) fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
+    match (effect.info().place, mjcf) {
+        (place, false) => place,
+        (Some("URDF"), true) => Some("MJCF"),
+        (_, true) => (effect == Effect::RotorInertia).then_some("MJCF"),
+    }
+}
+
 /// A parameter of a cause; zero where it has none of this name.
 pub(super) fn number(cause: &Cause, name: &str) -> f64 {
     let found = cause.parameters.iter().find(|p| p.name == name);

@@ -1,6 +1,6 @@
 //! Values for simulators without a file format of their own here, and the drive file.
 
-use super::patched::Patched;
+use super::patched::{Patched, place};
 use physics::robot::{JointKind, Robot};
 use std::fmt::Write;
 
@@ -73,11 +73,13 @@ pub(super) fn settings(given: &Robot, patched: &Robot) -> Vec<Setting> {
 }
 
 /// Tab-separated: the parameters of every cause with where they are written, then what each joint is to be set to.
-pub(super) fn table(patched: &Patched, settings: &[Setting]) -> String {
+///
+/// `mjcf` says whether the model is one.
+pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> String {
     let mut out = String::from("effect\tjoints\tparameter\tvalue\tstd\tunit\twritten to\n");
     for cause in patched.causes {
         let effect = cause.effect.name();
-        let written = cause.effect.info().place.unwrap_or("this table");
+        let written = place(cause.effect, mjcf).unwrap_or("this table");
         for p in &cause.parameters {
             let joints = p.joint.clone().unwrap_or_else(|| cause.joints.join(","));
             let std = p.std.map_or(String::new(), |s| s.to_string());

@@ -1,6 +1,6 @@
 //! Causes with their evidence, and what to set.
 
-use crate::advice::patch::Patch;
+use crate::advice::patch::{ForMujoco, Patch};
 use crate::outcome::Outcome;
 use crate::report::words::{name, told};
 use crate::schema::{Cause, Diagnosis, Parameter};
@@ -174,9 +174,18 @@ pub(super) fn simulators(d: &Diagnosis, patch: &Patch) -> Section {
         section =
             section.paragraph("Nothing has to change; the values below fit the recording best.");
     }
-    section
-        .list(d.causes.iter().map(|c| format!("{}: {}.", name(c.effect), told(c))))
-        .table(table.caption("Friction and rotor inertia with all causes in place"))
-        .details(Section::new("MuJoCo: elements to merge by name").code(&patch.mjcf))
-        .paragraph("--patch writes these values: a URDF, the MuJoCo elements, a table, and a drive file for rotor inertias.")
+    let section = section
+        .list(
+            d.causes
+                .iter()
+                .map(|c| format!("{}: {}.", name(c.effect), told(c))),
+        )
+        .table(table.caption("Friction and rotor inertia with all causes in place"));
+    match &patch.mjcf {
+        ForMujoco::Whole(_) => section
+            .paragraph("--patch writes these values into the whole model, and a table beside it."),
+        ForMujoco::Snippet(text) => section
+            .details(Section::new("MuJoCo: elements to merge by name").code(text))
+            .paragraph("--patch writes these values: a URDF, the MuJoCo elements, a table, and a drive file for rotor inertias."),
+    }
 }

@@ -79,8 +79,8 @@ impl Systems {
             let [q, qd, qdd] = [0, 1, 2].map(of);
             regressor(robot, &mut workspace, &q, &qd, &qdd, &mut y);
             inverse_dynamics(robot, &mut workspace, &q, &qd, &qdd, &mut torque);
-            if let Some(c) = robot.counterbalance() {
-                torque[c.joint] += c.torque(q[c.joint]);
+            for p in robot.passive() {
+                torque[p.joint()] += p.torque(q[p.joint()]);
             }
             for j in 0..n {
                 rigid[j][row] = torque[j];

@@ -2,7 +2,7 @@
 
 use super::super::dh::{Convention, Row};
 use super::assembly::{Axis, assemble, symmetric};
-use crate::robot::{Counterbalance, Inertia, Limits, Robot};
+use crate::robot::{Counterbalance, Inertia, Limits, Passive, Robot};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -105,7 +105,7 @@ pub(super) fn robot() -> Robot {
         (turned, Vector3::zeros()),
         axes,
     )
-    .with_counterbalance(counterbalance())
+    .with_passive(Passive::Counterbalance(counterbalance()))
     .expect("joint 2 exists")
 }
 

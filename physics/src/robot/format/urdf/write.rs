@@ -11,11 +11,16 @@ use std::ops::Range;
 /// The robot as a URDF of its own, one link per joint. Read back it is the same robot, but for what a URDF cannot
 /// hold (rotor inertia, gear ratio, torque constant, counterbalance, gravity).
 pub fn to_urdf(robot: &Robot) -> String {
+    let mut base = "base_link".to_owned();
+    while robot.joints().iter().any(|j| j.link.name == base) {
+        base.push('_');
+    }
     let mut text = format!(
-        "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"base_link\"/>\n",
-        escape(robot.name())
+        "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"{}\"/>\n",
+        escape(robot.name()),
+        escape(&base)
     );
-    let mut parent = "base_link";
+    let mut parent = base.as_str();
     for joint in robot.joints() {
         write_joint(&mut text, joint, parent);
         let _ = writeln!(text, "  <link name=\"{}\">", escape(&joint.link.name));

@@ -1,0 +1,192 @@
+//! What changes in an MJCF when its robot does.
+
+use super::chain::{Chain, inverse};
+use super::couplings;
+use super::edit::Changes;
+use super::scene::{Kind, Scene};
+use super::settings::FromGeoms;
+use super::shapes;
+use super::source::Element;
+use crate::robot::{Inertia, Robot, RobotError};
+
+/// Change of a link's parameters, relative to their size, that is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A body whose second moments are this far below zero, relative, is still a possible one.
+const POSSIBLE: f64 = 1e-9;
+
+/// Changes that make the robot of `scene` into `robot`, with its zeros moved.
+pub(super) fn changes(
+    scene: &Scene<'_, '_, '_>,
+    chain: &Chain,
+    robot: &Robot,
+    zeros: &[f64],
+) -> Result<Changes, RobotError> {
+    let given = chain.robot(scene)?;
+    if given.joint_names() != robot.joint_names() {
+        let known = given.joint_names();
+        let other = robot.joint_names().into_iter().find(|n| !known.contains(n));
+        return Err(RobotError::Mismatch {
+            what: "joint",
+            name: other.unwrap_or_else(|| robot.name().to_owned()),
+        });
+    }
+    let mut changes = Changes::default();
+    let mut bodies = Vec::new();
+    for (link, (old, new)) in given.joints().iter().zip(robot.joints()).enumerate() {
+        let own = &scene.joints[chain.joints[link]];
+        let element = own.attributes.element;
+        let [damping, armature] = couplings::reflected(scene, chain.joints[link])?;
+        for (name, old, new, reflected) in [
+            ("damping", old.damping, new.damping, damping),
+            ("frictionloss", old.friction, new.friction, 0.0),
+            ("armature", old.rotor_inertia, new.rotor_inertia, armature),
+        ] {
+            if old == new {
+                continue;
+            }
+            if new < reflected {
+                changes.left_out.push(format!(
+                    "{name} of joint {}: its actuator alone adds {reflected}, more than the {new} it should have",
+                    own.name
+                ));
+            }
+            changes.set(element, name, &(new - reflected).max(0.0).to_string());
+        }
+        let zero = zeros.get(link).copied().unwrap_or(0.0);
+        if zero != 0.0 {
+            // `ref` is the position that the joint has where the model is drawn.
+            let unit = if own.kind == Kind::Slide {
+                1.0
+            } else {
+                scene.settings.angle
+            };
+            let drawn = own.attributes.number("ref")?.unwrap_or(0.0);
+            changes.set(element, "ref", &(drawn - zero / unit).to_string());
+        }
+        if departs(&old.link.inertia, &new.link.inertia) {
+            bodies.extend(inertias(chain, link, &new.link.inertia));
+        }
+    }
+    write_bodies(scene, &mut changes, &bodies)?;
+    if robot.gravity() != given.gravity() {
+        gravity(scene, &mut changes, robot);
+    }
+    Ok(changes)
+}
+
+fn departs(old: &Inertia, new: &Inertia) -> bool {
+    let (old, new) = (old.parameters(), new.parameters());
+    let size = |part: std::ops::Range<usize>| -> f64 {
+        let largest = old[part.clone()].iter().chain(&new[part]);
+        largest.fold(0.0, |m: f64, v| m.max(v.abs()))
+    };
+    let apart = |part: std::ops::Range<usize>| {
+        let allowed = ROUNDING * size(part.clone());
+        part.into_iter().any(|k| (old[k] - new[k]).abs() > allowed)
+    };
+    apart(0..1) || apart(1..4) || apart(4..10)
+}
+
+/// Bodies of a link with the inertias, in their own frames, that together make the link's: the body that the joint moves has
+/// what the others do not; where that is no possible body, it has all of it and the others have none.
+fn inertias(chain: &Chain, link: usize, whole: &Inertia) -> Vec<(usize, Inertia)> {
+    let mut own = chain.bodies(link);
+    let Some(first) = own.next() else {
+        return Vec::new();
+    };
+    let others: Vec<usize> = own.collect();
+    let rest = others.iter().fold(*whole, |sum, &b| {
+        let p = chain.inertias[b].parameters().map(|v| -v);
+        sum.plus(&Inertia::from_parameters(&p))
+    });
+    let (to_body, origin) = inverse(&chain.poses[first]);
+    if rest.is_consistent(POSSIBLE) {
+        return vec![(first, rest.transformed(&to_body, &origin))];
+    }
+    let heavy = others.into_iter().filter(|&b| chain.inertias[b].mass > 0.0);
+    std::iter::once((first, whole.transformed(&to_body, &origin)))
+        .chain(heavy.map(|b| (b, Inertia::default())))
+        .collect()
+}
+
+/// Writes `<inertial>` elements.
+fn write_bodies(
+    scene: &Scene<'_, '_, '_>,
+    changes: &mut Changes,
+    bodies: &[(usize, Inertia)],
+) -> Result<(), RobotError> {
+    if bodies.is_empty() {
+        return Ok(());
+    }
+    if scene.settings.from_geoms == FromGeoms::Always {
+        let written = |b: usize| bodies.iter().any(|(own, _)| *own == b);
+        for (b, body) in scene.bodies.iter().enumerate() {
+            let mut heavy = false;
+            for geom in &body.geoms {
+                heavy |= shapes::counts(geom, &scene.settings)?;
+            }
+            if body.inertial.is_some() && heavy && !written(b) {
+                changes.left_out.push(format!(
+                    "inertias: compiler inertiafromgeom=\"true\" makes MuJoCo ignore every <inertial>, and with \"auto\" that of \
+                     body {} would count too",
+                    body.name
+                ));
+                return Ok(());
+            }
+        }
+        for compiler in scene.root.tagged("compiler") {
+            if compiler.get("inertiafromgeom").is_some() {
+                changes.set(compiler, "inertiafromgeom", "auto");
+            }
+        }
+    }
+    for (b, inertia) in bodies {
+        let body = &scene.bodies[*b];
+        let Some(element) = body.element else {
+            continue;
+        };
+        let (c, i) = (inertia.com(), inertia.about_com());
+        let full = [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23];
+        let (pos, mass, full) = (words(c.as_slice()), inertia.mass.to_string(), words(&full));
+        match &body.inertial {
+            Some(old) => rewrite(changes, old.element, &pos, &mass, &full),
+            None => changes.add_first(
+                element,
+                &format!("<inertial pos=\"{pos}\" mass=\"{mass}\" fullinertia=\"{full}\"/>"),
+            ),
+        }
+    }
+    Ok(())
+}
+
+fn rewrite(changes: &mut Changes, inertial: Element<'_, '_>, pos: &str, mass: &str, full: &str) {
+    changes.set(inertial, "pos", pos);
+    changes.set(inertial, "mass", mass);
+    if inertial.get("fullinertia").is_some() {
+        changes.set(inertial, "fullinertia", full);
+        changes.remove(inertial, "diaginertia");
+    } else {
+        changes.replace(inertial, "diaginertia", "fullinertia", full);
+    }
+    // Its directions are those of the body, so no orientation is needed.
+    for name in ["quat", "axisangle", "xyaxes", "zaxis", "euler"] {
+        changes.remove(inertial, name);
+    }
+}
+
+/// Writes gravity to the `<option>` that decides it.
+fn gravity(scene: &Scene<'_, '_, '_>, changes: &mut Changes, robot: &Robot) {
+    let value = words(robot.gravity().as_slice());
+    let options = scene.root.tagged("option");
+    let deciding = options.iter().rev().find(|o| o.get("gravity").is_some());
+    match deciding.or(options.last()) {
+        Some(option) => changes.set(*option, "gravity", &value),
+        None => changes.add_first(scene.root, &format!("<option gravity=\"{value}\"/>")),
+    }
+}
+
+fn words(values: &[f64]) -> String {
+    let words: Vec<String> = values.iter().map(f64::to_string).collect();
+    words.join(" ")
+}
