@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional, Sequence, Union
 
+import numpy as np
+
 from . import _residyn
 from .model import Model
 from .recording import RecordingLike, paths, several
@@ -106,6 +108,11 @@ class Report:
         """Writes a model directory that predicts what the last structural step of the ladder does."""
         self._diagnosis.write_model(Path(directory))
         return Model(directory)
+
+    def motion(self) -> dict[str, np.ndarray]:
+        """The held-out recording as it was scored: `time`, and `q`, `qd`, `qdd` (after the low-pass) and the recorded `tau`
+        of shape (samples, joints)."""
+        return self._diagnosis.motion()
 
     def next_motion(self, path: Union[str, os.PathLike]) -> bool:
         """Writes the motion that tells ambiguous causes apart; false where none is needed or none was asked for."""

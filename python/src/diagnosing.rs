@@ -5,7 +5,9 @@ use crate::interrupt::{self, OnInterrupt};
 use crate::robot::Robot;
 use ::diagnose::{Done, Job, Subject, words};
 use pyo3::exceptions::PyOSError;
+use numpy::ToPyArray;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -102,6 +104,21 @@ impl Diagnosis {
             Ok(directory.left_out)
         })
         .map_err(|e: ::diagnose::DiagnoseError| undiagnosed(&e))
+    }
+
+    /// The held-out recording as it was scored: time, q, qd, qdd after the low-pass, and the recorded torque.
+    fn motion<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.with(|d| {
+            let held = &d.outcome.frames.heldout;
+            let motion = held.samples();
+            let out = PyDict::new(py);
+            out.set_item("time", motion.time.to_pyarray(py))?;
+            out.set_item("q", motion.q.to_pyarray(py))?;
+            out.set_item("qd", motion.qd.to_pyarray(py))?;
+            out.set_item("qdd", motion.qdd.to_pyarray(py))?;
+            out.set_item("tau", held.tau.to_pyarray(py))?;
+            Ok(out)
+        })
     }
 
     /// The next motion as CSV; None where none was asked for or none is needed.
