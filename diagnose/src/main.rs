@@ -95,9 +95,9 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     });
     let directory = directory.transpose()?;
     let urdf = patch.as_ref().map(|p| p.urdf.clone());
-    let mut files = files(arguments, patch, &outcome);
+    let files = files(arguments, patch, &outcome);
     match (&arguments.next, &next) {
-        (Some(path), Some(next)) => files.push((path.clone(), next.csv())),
+        (Some(path), Some(next)) => next.write(path)?,
         (Some(_), None) => {
             report::say!("No motion is needed: no two causes that one could tell apart.")
         }

@@ -4,3 +4,4 @@ mod case;
 mod command_line;
 mod model_directory;
 mod next_motion;
+mod visibility;
