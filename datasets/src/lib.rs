@@ -34,4 +34,4 @@ pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use read::read;
 pub use recording::{Recording, Trajectory};
 pub use torque_filter::{DeclaredFilter, TorqueFilter};
-pub use write::{WriteError, write};
+pub use write::{WriteError, write, write_reference};

@@ -1,6 +1,6 @@
 //! How a recording is read.
 
-use crate::{ColumnMap, DeclaredFilter, TorqueFilter};
+use crate::{ColumnMap, DeclaredFilter, Group, TorqueFilter};
 
 /// Which part of a file that holds both (the benchmark's .mat files).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +37,26 @@ impl ReadOptions {
             torque_needed: true,
             ..Self::default()
         }
+    }
+
+    /// For a motion that is to be run and was not recorded yet, as [`crate::write_reference`] writes it: its `q_ref1` … are read as
+    /// positions, `qd_ref1` …, `qdd_ref1` … as velocities and accelerations.
+    pub fn for_reference(dof: usize) -> Self {
+        let names = [
+            (Group::Q, "q_ref{}"),
+            (Group::Qd, "qd_ref{}"),
+            (Group::Qdd, "qdd_ref{}"),
+            // Nothing else of such a file is read.
+            (Group::QRef, "-{}"),
+            (Group::QdRef, "-{}"),
+        ];
+        let mut options = Self {
+            torque_needed: false,
+            ..Self::for_robot(dof)
+        };
+        let named = names.map(|(group, name)| (group.name().to_owned(), name.to_owned()));
+        options.columns.names.extend(named);
+        options
     }
 
     /// For `--robot kr300`: six joints, the benchmark's files and its torque filter.

@@ -86,8 +86,8 @@ pub struct Arguments {
     /// Also say what a learned compensator would still close.
     #[arg(long)]
     pub learn: bool,
-    /// Write the motion (CSV) that best tells ambiguous causes apart, within the robot's limits.
-    #[arg(long, value_name = "FILE.csv")]
+    /// Write the motion (CSV or Parquet, as `excite` does) that best tells ambiguous causes apart, within the robot's limits.
+    #[arg(long, value_name = "FILE")]
     pub next: Option<PathBuf>,
     /// Write the report as JSON.
     #[arg(long)]

@@ -3,6 +3,7 @@
 use datasets::ReadError;
 use datasets::metrics::ShapeError;
 use datasets::prepare::PrepareError;
+use datasets::write::WriteProblem;
 use model::baseline::BaselineError;
 use model::directory::DirectoryError;
 use model::preparation::cutoff::CutoffError;
@@ -69,6 +70,9 @@ pub enum DiagnoseError {
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
+    /// A motion cannot be written.
+    #[error(transparent)]
+    Motion(#[from] datasets::WriteError),
 }
 
 impl From<SetupError> for DiagnoseError {
@@ -94,6 +98,7 @@ impl DiagnoseError {
     pub fn is_input(&self) -> bool {
         match self {
             DiagnoseError::Write(_) | DiagnoseError::Learn(_) => false,
+            DiagnoseError::Motion(e) => matches!(e.problem, WriteProblem::UnknownFormat(_)),
             DiagnoseError::Directory(e) => !matches!(
                 **e,
                 DirectoryError::Write(_) | DirectoryError::Folder { .. }

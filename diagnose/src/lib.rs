@@ -17,7 +17,7 @@
 //! | `search` | from the catalogue to the causes |
 //! | `ladder` | fits of what was found, and which causes are listed |
 //! | `measure` | shares, sizes, intervals, what is left, the verdict |
-//! | `advice` | corrected model, next motion |
+//! | `advice` | corrected model, next motion, what a motion would show |
 //! | `report` | words and page |
 //! | `prove` | the diagnosis of sealed cases |
 #![forbid(unsafe_code)]
@@ -43,6 +43,7 @@ mod surrogates;
 mod traces;
 
 pub use crate::report::{page, words};
+pub use advice::visibility::{Visible, visible};
 pub use advice::{directory, next_motion, patch};
 pub use catalogue::effect::Effect;
 pub use catalogue::info::{Info, Need};

@@ -55,9 +55,9 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     let directory = directory.transpose()?;
     let urdf = patch.as_ref().map(|p| p.urdf.clone());
     let left_out = patch.as_ref().map_or(Vec::new(), |p| p.left_out());
-    let mut files = files(arguments, patch.as_ref(), &done)?;
+    let files = files(arguments, patch.as_ref(), &done)?;
     match (&arguments.next, &done.next) {
-        (Some(path), Some(next)) => files.push((path.clone(), next.csv())),
+        (Some(path), Some(next)) => next.write(path)?,
         (Some(_), None) => {
             report::say!("No motion is needed: no two causes that one could tell apart.")
         }

@@ -116,10 +116,7 @@ class Report:
 
     def next_motion(self, path: Union[str, os.PathLike]) -> bool:
         """Writes the motion that tells ambiguous causes apart; false where none is needed or none was asked for."""
-        text = self._diagnosis.next_motion()
-        if text is not None:
-            Path(path).write_text(text, encoding="utf-8")
-        return text is not None
+        return self._diagnosis.next_motion(Path(path))
 
 
 def diagnose(

@@ -4,8 +4,8 @@ use crate::error::undiagnosed;
 use crate::interrupt::{self, OnInterrupt};
 use crate::robot::Robot;
 use ::diagnose::{Done, Job, Subject, words};
-use pyo3::exceptions::PyOSError;
 use numpy::ToPyArray;
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
@@ -121,8 +121,10 @@ impl Diagnosis {
         })
     }
 
-    /// The next motion as CSV; None where none was asked for or none is needed.
-    fn next_motion(&self) -> Option<String> {
-        self.with(|d| d.next.as_ref().map(|n| n.csv()))
+    /// Writes the next motion as CSV or Parquet; false where none was asked for or none is needed.
+    fn next_motion(&self, path: PathBuf) -> PyResult<bool> {
+        self.with(|d| d.next.as_ref().map(|n| n.write(&path)).transpose())
+            .map(|written| written.is_some())
+            .map_err(|e| undiagnosed(&e))
     }
 }

@@ -8,7 +8,9 @@ mod problem;
 
 pub use problem::WriteProblem;
 
-use crate::Recording;
+use crate::{Recording, Trajectory};
+use columns::Table;
+use signal::Motion;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -31,6 +33,40 @@ pub struct WriteError {
 /// # Errors
 /// An unknown ending or a failure of the disk; the file is then as it was before.
 pub fn write(recording: &Recording, path: &Path) -> Result<(), WriteError> {
+    write_table(&Table::of(recording), path)
+}
+
+/// Writes a motion that is to be run, a label for each of its segments: `q_ref1` …, `qd_ref1` …, `qdd_ref1` … in the units of
+/// docs/formats.md. The format is that of [`write()`].
+///
+/// # Errors
+/// As [`write()`].
+///
+/// # Panics
+/// When there is not one label per segment.
+pub fn write_reference(motion: &Motion, labels: &[String], path: &Path) -> Result<(), WriteError> {
+    assert_eq!(labels.len(), motion.segments.len(), "a label per segment");
+    let named = labels.iter().zip(&motion.segments);
+    let trajectories: Vec<Trajectory> = named
+        .map(|(label, range)| Trajectory {
+            label: label.clone(),
+            range: range.clone(),
+        })
+        .collect();
+    let table = Table {
+        trajectories: &trajectories,
+        time: &motion.time,
+        groups: vec![
+            ("q_ref", &motion.q),
+            ("qd_ref", &motion.qd),
+            ("qdd_ref", &motion.qdd),
+        ],
+        torque_filter: None,
+    };
+    write_table(&table, path)
+}
+
+fn write_table(table: &Table, path: &Path) -> Result<(), WriteError> {
     let fail = |problem| WriteError {
         file: path.to_owned(),
         problem,
@@ -41,8 +77,8 @@ pub fn write(recording: &Recording, path: &Path) -> Result<(), WriteError> {
         .unwrap_or("")
         .to_ascii_lowercase();
     let encode = |out: &mut BufWriter<&mut File>| match ending.as_str() {
-        "csv" => csv::encode(recording, out),
-        _ => parquet::encode(recording, out),
+        "csv" => csv::encode(table, out),
+        _ => parquet::encode(table, out),
     };
     if !["csv", "parquet"].contains(&ending.as_str()) {
         return Err(fail(WriteProblem::UnknownFormat(ending.clone())));

@@ -1,8 +1,7 @@
 //! Parquet, zstd-compressed; text labels, 64-bit numbers.
 
-use super::columns::{header, tables};
+use super::columns::Table;
 use super::problem::WriteProblem;
-use crate::Recording;
 use crate::read::TORQUE_FILTER_KEY;
 use parquet::basic::{Compression, ConvertedType, Repetition, Type as PhysicalType, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
@@ -20,8 +19,8 @@ impl From<ParquetError> for WriteProblem {
     }
 }
 
-pub(super) fn encode(recording: &Recording, out: impl Write + Send) -> Result<(), WriteProblem> {
-    let filter = match recording.torque_filter {
+pub(super) fn encode(table: &Table, out: impl Write + Send) -> Result<(), WriteProblem> {
+    let filter = match table.torque_filter {
         None => "none".to_owned(),
         Some(f) => format!("{},{},{}", f.order, f.cutoff_hz, f.ripple_db),
     };
@@ -32,7 +31,8 @@ pub(super) fn encode(recording: &Recording, out: impl Write + Send) -> Result<()
             filter,
         )]))
         .build();
-    let fields = header(recording)
+    let fields = table
+        .header()
         .iter()
         .map(|name| {
             let kind = match name.as_str() {
@@ -55,7 +55,7 @@ pub(super) fn encode(recording: &Recording, out: impl Write + Send) -> Result<()
     );
     let mut writer = SerializedFileWriter::new(out, schema, Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
-    let labels: Vec<ByteArray> = recording
+    let labels: Vec<ByteArray> = table
         .trajectories
         .iter()
         .flat_map(|t| std::iter::repeat_n(ByteArray::from(t.label.as_str()), t.range.len()))
@@ -66,9 +66,9 @@ pub(super) fn encode(recording: &Recording, out: impl Write + Send) -> Result<()
             .write_batch(&labels, None, None)?;
         column.close()?;
     }
-    numbers(&mut group, &recording.time)?;
-    for (_, table) in tables(recording) {
-        for column in table.columns() {
+    numbers(&mut group, table.time)?;
+    for (_, values) in &table.groups {
+        for column in values.columns() {
             numbers(&mut group, &column.to_vec())?;
         }
     }

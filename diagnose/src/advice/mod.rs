@@ -3,3 +3,4 @@
 pub mod directory;
 pub mod next_motion;
 pub mod patch;
+pub mod visibility;

@@ -22,10 +22,10 @@ use crate::search::find::Findings;
 use crate::search::objective::Objective;
 use crate::settings::AdviceSettings;
 use crate::simulator::NominalModel;
-use identify::excitation::{Fourier, MotionLimits, SearchOptions, optimise};
+use datasets::write_reference;
+use identify::excitation::{Bounds, MotionLimits, Room, SearchOptions, Series, optimise};
 use ndarray::{Array1, Array2};
-use signal::Motion;
-use std::fmt::Write;
+use std::path::Path;
 
 /// Period of the motion, s, and how often it is run.
 const PERIOD: f64 = 12.5;
@@ -34,14 +34,16 @@ const PERIODS: usize = 2;
 const RATE: [f64; 2] = [62.5, 250.0];
 /// Samples per second in the file.
 const FILE_RATE: f64 = 100.0;
-/// Search: random starts and sweeps of improvement.
-const SEARCH: (usize, usize) = (6, 2);
+/// Harmonics of the motion.
+const HARMONICS: [usize; 5] = [1, 2, 3, 4, 5];
+/// Search: random starts, and motions judged in all.
+const SEARCH: (usize, usize) = (6, 280);
 
 /// A motion to be run.
 pub struct Experiment {
     /// What it is for, for the report.
     pub summary: NextExperiment,
-    trajectory: Fourier,
+    trajectory: Series,
 }
 
 /// Designs the motion for the first cause that has a rival. None where there is no ambiguity, or none that a motion
@@ -96,16 +98,15 @@ pub fn design(
         share: frame.row_rate() / rate * PERIODS as f64,
     };
     let options = SearchOptions {
-        period: PERIOD,
         starts: SEARCH.0,
-        sweeps: SEARCH.1,
+        evaluations: SEARCH.1,
         ..SearchOptions::default()
     };
-    let chosen = optimise(
-        &limits(model, frame, &found.settings.advice),
-        &options,
-        |trajectory| Ok(-trial.evidence(&recorded.plus(&view.products(&trial, trajectory)))),
-    )?;
+    let bounds = Bounds::of(limits(model, frame, &found.settings.advice));
+    let room = Room::new(bounds, PERIOD, &HARMONICS, options.seed)?;
+    let chosen = optimise(&room, &options, |trajectory| {
+        Ok(-trial.evidence(&recorded.plus(&view.products(&trial, trajectory))))
+    })?;
     let names = model.robot.joint_names();
     let joints = &found.candidates[own.candidate].joints;
     Ok(Some(Experiment {
@@ -246,8 +247,8 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn products(&self, rivals: &Rivals, trajectory: &Fourier) -> Products {
-        let motion = sampled(trajectory, self.rate, 1, self.scale.session.0);
+    fn products(&self, rivals: &Rivals, trajectory: &Series) -> Products {
+        let motion = trajectory.sampled(self.rate, 1, self.scale.session.0);
         let scene = Scene::new(&self.found.present, &motion, &self.scale).with_tangents();
         let n = rivals.columns.len();
         let mut tables = vec![Array2::<f64>::zeros((motion.len(), n)); scene.dof()];
@@ -262,38 +263,19 @@ impl View<'_> {
     }
 }
 
-fn sampled(trajectory: &Fourier, rate: f64, periods: usize, start: f64) -> Motion {
-    let n = trajectory.dof();
-    let samples = (trajectory.period * rate).round() as usize * periods;
-    let table = || Array2::<f64>::zeros((samples, n));
-    let (mut q, mut qd, mut qdd) = (table(), table(), table());
-    let (mut a, mut b, mut c) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    for i in 0..samples {
-        trajectory.at(i as f64 / rate, &mut a, &mut b, &mut c);
-        for j in 0..n {
-            (q[[i, j]], qd[[i, j]], qdd[[i, j]]) = (a[j], b[j], c[j]);
-        }
-    }
-    Motion {
-        time: (0..samples).map(|i| start + i as f64 / rate).collect(),
-        q,
-        qd,
-        qdd,
-        segments: std::iter::once(0..samples).collect(),
-    }
-}
-
 /// The robot's own limits, kept at a distance; the recorded motion's where it has none.
 fn limits(model: &NominalModel, frame: &Frame, settings: &AdviceSettings) -> Vec<MotionLimits> {
     let motion = frame.samples();
     let most = |t: &Array2<f64>, j: usize| t.column(j).iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    let joints = model.robot.joints().iter().enumerate();
+    let own = MotionLimits::of_robot(&model.robot);
+    let joints = model.robot.joints().iter().zip(own).enumerate();
     joints
-        .map(|(j, joint)| {
+        .map(|(j, (joint, own))| {
             let l = &joint.limits;
-            let [low, high] = if l.lower.is_finite() && l.upper.is_finite() && l.upper > l.lower {
-                let margin = settings.margin * (l.upper - l.lower);
-                [l.lower + margin, l.upper - margin]
+            let [lower, upper] = if l.lower.is_finite() && l.upper.is_finite() && l.upper > l.lower
+            {
+                let margin = settings.margin * (own.upper - own.lower);
+                [own.lower + margin, own.upper - margin]
             } else {
                 let column = motion.q.column(j);
                 let bound = |f: fn(f64, f64) -> f64, from| column.iter().copied().fold(from, f);
@@ -302,42 +284,28 @@ fn limits(model: &NominalModel, frame: &Frame, settings: &AdviceSettings) -> Vec
                     bound(f64::max, f64::NEG_INFINITY),
                 ]
             };
-            let fastest = settings.faster * most(&motion.qd, j);
             MotionLimits {
-                lower: low,
-                upper: high,
-                velocity: if l.velocity.is_finite() && l.velocity > 0.0 {
-                    settings.speed * l.velocity
+                lower,
+                upper,
+                velocity: if own.velocity.is_finite() && own.velocity > 0.0 {
+                    settings.speed * own.velocity
                 } else {
-                    fastest
+                    settings.faster * most(&motion.qd, j)
                 },
                 acceleration: settings.faster * most(&motion.qdd, j),
+                ..own
             }
         })
         .collect()
 }
 
 impl Experiment {
-    /// The motion as a recording without torque: `time,trajectory,q1…,qd1…,qdd1…`.
-    pub fn csv(&self) -> String {
-        let motion = sampled(&self.trajectory, FILE_RATE, PERIODS, 0.0);
-        let n = motion.dof();
-        let head = |name: &str| (1..=n).map(|j| format!(",{name}{j}")).collect::<String>();
-        let mut out = format!(
-            "time,trajectory{}{}{}\n",
-            head("q"),
-            head("qd"),
-            head("qdd")
-        );
-        for i in 0..motion.len() {
-            let _ = write!(out, "{:.3},next", motion.time[i]);
-            for table in [&motion.q, &motion.qd, &motion.qdd] {
-                for x in table.row(i) {
-                    let _ = write!(out, ",{x:.8}");
-                }
-            }
-            out.push('\n');
-        }
-        out
+    /// Writes the motion as CSV or Parquet, by the ending: as `excite` writes its own.
+    ///
+    /// # Errors
+    /// An ending of neither, or a failure of the disk; nothing half-written is left.
+    pub fn write(&self, path: &Path) -> Result<(), DiagnoseError> {
+        let motion = self.trajectory.sampled(FILE_RATE, PERIODS, 0.0);
+        Ok(write_reference(&motion, &["next".to_owned()], path)?)
     }
 }

@@ -250,6 +250,13 @@ impl<'a> Search<'a> {
         (steps, self.tried(&selection.fit, accepted))
     }
 
+    /// Whether a candidate would be named first, beside nothing but the base.
+    pub fn accepts(&self, candidate: usize) -> bool {
+        let fit = self.fit(&[]);
+        let tried = self.judged(&fit, &[], &[candidate], |f, v| f.trial(v));
+        tried.first().is_some_and(|t| self.worth(&fit, t))
+    }
+
     /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
     /// visible on some joint and in the whole gap.
     fn worth(&self, fit: &Fit, tried: &Tried) -> bool {

@@ -5,3 +5,4 @@ mod command_line;
 mod mjcf;
 mod model_directory;
 mod next_motion;
+mod visibility;

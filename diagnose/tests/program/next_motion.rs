@@ -39,7 +39,7 @@ fn run_motion(csv: &str) -> String {
         let x: Vec<&str> = line.split(',').collect();
         let number = |i: usize| x[i].parse::<f64>().unwrap();
         let tau = torque(number(2), number(3), number(4)) + noise.next();
-        text.push_str(&format!("next,{},{},{tau}\n", x[0], x[2]));
+        text.push_str(&format!("next,{},{},{tau}\n", x[1], x[2]));
     }
     text
 }

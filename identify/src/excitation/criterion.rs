@@ -1,44 +1,134 @@
 //! How good a trajectory is.
 
-use super::{BaseRows, ExcitationError, Fourier};
-use crate::least_squares::{Accumulator, SubRegressors, Triangle};
+use super::error::ExcitationError;
+use super::rows::BaseRows;
+use super::series::{Series, State};
+use crate::least_squares::{Accumulator, SubRegressors, Triangle, condition_number};
+use physics::dynamics::{Workspace, inverse_dynamics};
+use physics::robot::Robot;
 
 /// What makes a trajectory good.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
-    /// Smallest condition number of the weighted regressor.
+    /// Smallest cond(Y) (Han et al., Table II, criterion 1; COMAU paper, eq. 20; UR5 paper, section II-C).
     Condition,
-    /// Smallest 10 cond(Y) + 5 cond(Y_i) + cond(Y_g) + cond(Y_f) (Han et al., Table II, criterion 3).
+    /// The same of Y*, whose rows are divided by the noise of their joint.
+    ConditionNoise,
+    /// Smallest 10 cond(Y) + 5 cond(Y_i) + cond(Y_g) + cond(Y_f) (Han et al., Table II, criterion 2).
     SubRegressors,
-    /// Largest determinant of the information matrix.
+    /// The same of Y* (criterion 3).
+    SubRegressorsNoise,
+    /// Largest determinant of the information matrix Y*ᵀY*.
     DOptimal,
 }
 
-/// The task of finding a trajectory that tells a robot's base parameters well.
-#[derive(Debug, Clone)]
-pub struct Excitation<'a> {
-    /// Rows of the base regressor.
-    pub rows: BaseRows<'a>,
-    /// What to look for.
-    pub criterion: Criterion,
-    /// Standard deviation of each joint's torque noise; rows are divided by it (Han's Y*).
-    pub noise: Vec<f64>,
-    /// Samples over one period.
-    pub samples: usize,
-    /// Rows of trajectories chosen before, which this one is to complement.
-    pub before: Option<Triangle>,
+impl Criterion {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::Condition,
+        Self::ConditionNoise,
+        Self::SubRegressors,
+        Self::SubRegressorsNoise,
+        Self::DOptimal,
+    ];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Condition => "cond",
+            Self::ConditionNoise => "cond-noise",
+            Self::SubRegressors => "cond-sub",
+            Self::SubRegressorsNoise => "cond-sub-noise",
+            Self::DOptimal => "d-optimal",
+        }
+    }
+
+    /// Whether rows are divided by the noise of their joint.
+    fn weighted(self) -> bool {
+        !matches!(self, Self::Condition | Self::SubRegressors)
+    }
 }
 
-impl Excitation<'_> {
-    /// Cost of a trajectory: smaller is better.
+/// What trajectories are judged by, those chosen before counted in.
+pub trait Goal: Sync {
+    /// Cost of the trajectories taken and one more: smaller is better.
     ///
     /// # Errors
-    /// A noise deviation that is missing or zero; no samples.
-    pub fn cost(&mut self, trajectory: &Fourier) -> Result<f64, ExcitationError> {
+    /// Numbers that cannot be judged.
+    fn cost(&self, trajectory: &Series) -> Result<f64, ExcitationError>;
+
+    /// Takes a trajectory: the next one is to complement it.
+    ///
+    /// # Errors
+    /// As [`Goal::cost`].
+    fn take(&mut self, trajectory: &Series) -> Result<(), ExcitationError>;
+}
+
+/// The task of finding trajectories that tell a robot's base parameters well.
+#[derive(Debug, Clone)]
+pub struct Excitation<'a> {
+    rows: BaseRows<'a>,
+    criterion: Criterion,
+    noise: Vec<f64>,
+    samples: usize,
+    before: Option<Triangle>,
+}
+
+impl<'a> Excitation<'a> {
+    /// `noise`: standard deviation of each joint's torque noise, N·m; `samples`: rows per joint of one trajectory, evenly over it.
+    ///
+    /// # Errors
+    /// A noise deviation that is missing or not positive; no samples.
+    pub fn new(
+        rows: BaseRows<'a>,
+        criterion: Criterion,
+        noise: Vec<f64>,
+        samples: usize,
+    ) -> Result<Self, ExcitationError> {
+        check_noise(&noise, rows.dof())?;
+        if samples == 0 {
+            return Err(ExcitationError::Empty("the number of samples"));
+        }
+        Ok(Self {
+            rows,
+            criterion,
+            noise,
+            samples,
+            before: None,
+        })
+    }
+
+    /// Triangle of the rows of a trajectory and of those taken, divided by the noise where the criterion asks for it.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn triangle(&self, trajectory: &Series) -> Result<Triangle, ExcitationError> {
+        let (n, p) = (trajectory.dof(), self.rows.columns());
+        let mut base = self.rows.clone();
+        let mut rows = Accumulator::new(p);
+        let mut block = vec![0.0; n * p];
+        let weighted = self.criterion.weighted();
+        for_each_sample(trajectory, self.samples, |state| {
+            base.fill(&state.q, &state.qd, &state.qdd, &mut block);
+            for (row, noise) in std::iter::zip(block.chunks_exact(p), &self.noise) {
+                rows.push(row, 0.0, if weighted { 1.0 / noise } else { 1.0 })?;
+            }
+            Ok(())
+        })?;
+        let mut triangle = rows.finish()?;
+        if let Some(before) = &self.before {
+            triangle.merge(before)?;
+        }
+        Ok(triangle)
+    }
+}
+
+impl Goal for Excitation<'_> {
+    fn cost(&self, trajectory: &Series) -> Result<f64, ExcitationError> {
         let triangle = self.triangle(trajectory)?;
         Ok(match self.criterion {
-            Criterion::Condition => crate::least_squares::condition_number(triangle.r())?,
-            Criterion::SubRegressors => {
+            Criterion::Condition | Criterion::ConditionNoise => condition_number(triangle.r())?,
+            Criterion::SubRegressors | Criterion::SubRegressorsNoise => {
                 let [inertial, gravity, friction] = self.rows.parts();
                 SubRegressors::of(&triangle, &inertial, &gravity, &friction)?.criterion()
             }
@@ -51,27 +141,90 @@ impl Excitation<'_> {
         })
     }
 
-    /// Triangle of the weighted rows of a trajectory and of those before it.
+    fn take(&mut self, trajectory: &Series) -> Result<(), ExcitationError> {
+        self.before = Some(self.triangle(trajectory)?);
+        Ok(())
+    }
+}
+
+/// The task of telling two models of a robot apart by the torque that they ask for: the largest
+/// ½ Σ_j Σ_t ((τ_A − τ_B)/σ_j)², which is the T-criterion of Atkinson and Fedorov (Biometrika 62(1), 1975) for two models
+/// with nothing free.
+#[derive(Debug, Clone)]
+pub struct Separation<'a> {
+    models: [&'a Robot; 2],
+    noise: Vec<f64>,
+    samples: usize,
+    before: f64,
+}
+
+impl<'a> Separation<'a> {
+    /// As [`Excitation::new`].
     ///
     /// # Errors
-    /// As [`Excitation::cost`].
-    pub fn triangle(&mut self, trajectory: &Fourier) -> Result<Triangle, ExcitationError> {
-        let (n, p) = (trajectory.dof(), self.rows.columns());
-        check_noise(&self.noise, n)?;
-        let mut rows = Accumulator::new(p);
-        let mut block = vec![0.0; n * p];
-        for_each_sample(trajectory, self.samples, |q, qd, qdd| {
-            self.rows.fill(q, qd, qdd, &mut block);
-            for (row, noise) in std::iter::zip(block.chunks_exact(p), &self.noise) {
-                rows.push(row, 0.0, 1.0 / noise)?;
+    /// Robots of different numbers of joints are judged by the first's noise; a noise deviation that is missing or not positive.
+    pub fn new(
+        models: [&'a Robot; 2],
+        noise: Vec<f64>,
+        samples: usize,
+    ) -> Result<Self, ExcitationError> {
+        for model in models {
+            check_noise(&noise, model.dof())?;
+        }
+        if samples == 0 {
+            return Err(ExcitationError::Empty("the number of samples"));
+        }
+        Ok(Self {
+            models,
+            noise,
+            samples,
+            before: 0.0,
+        })
+    }
+
+    /// What the models differ by on a trajectory, nats.
+    ///
+    /// # Errors
+    /// None beyond those of the samples.
+    fn evidence(&self, trajectory: &Series) -> Result<f64, ExcitationError> {
+        let [a, b] = self.models;
+        let mut spaces = [Workspace::new(a), Workspace::new(b)];
+        let n = a.dof();
+        let mut tau = [vec![0.0; n], vec![0.0; n]];
+        let mut sum = 0.0;
+        for_each_sample(trajectory, self.samples, |state| {
+            for ((robot, space), tau) in self.models.iter().zip(&mut spaces).zip(&mut tau) {
+                torque(robot, space, state, tau);
             }
+            let each = tau[0].iter().zip(&tau[1]).zip(&self.noise);
+            sum += each.map(|((x, y), s)| ((x - y) / s).powi(2)).sum::<f64>();
             Ok(())
         })?;
-        let mut triangle = rows.finish()?;
-        if let Some(before) = &self.before {
-            triangle.merge(before)?;
-        }
-        Ok(triangle)
+        Ok(0.5 * sum)
+    }
+}
+
+impl Goal for Separation<'_> {
+    fn cost(&self, trajectory: &Series) -> Result<f64, ExcitationError> {
+        Ok(-self.before - self.evidence(trajectory)?)
+    }
+
+    fn take(&mut self, trajectory: &Series) -> Result<(), ExcitationError> {
+        self.before += self.evidence(trajectory)?;
+        Ok(())
+    }
+}
+
+/// Torque of a described robot: rigid body, viscous and Coulomb friction, rotor inertia, counterbalance; N·m or N.
+pub fn torque(robot: &Robot, workspace: &mut Workspace, state: &State, tau: &mut [f64]) {
+    inverse_dynamics(robot, workspace, &state.q, &state.qd, &state.qdd, tau);
+    for (j, joint) in robot.joints().iter().enumerate() {
+        let qd = state.qd[j];
+        let sign = if qd == 0.0 { 0.0 } else { qd.signum() };
+        tau[j] += joint.damping * qd + joint.friction * sign + joint.rotor_inertia * state.qdd[j];
+    }
+    if let Some(c) = robot.counterbalance() {
+        tau[c.joint] += c.torque(state.q[c.joint]);
     }
 }
 
@@ -83,21 +236,17 @@ fn check_noise(noise: &[f64], n: usize) -> Result<(), ExcitationError> {
     }
 }
 
-/// Visits `samples` states, evenly over one period.
+/// Visits `samples` states, evenly over one run, at the middles of its parts: none is at rest.
 fn for_each_sample(
-    trajectory: &Fourier,
+    trajectory: &Series,
     samples: usize,
-    mut visit: impl FnMut(&[f64], &[f64], &[f64]) -> Result<(), ExcitationError>,
+    mut visit: impl FnMut(&State) -> Result<(), ExcitationError>,
 ) -> Result<(), ExcitationError> {
-    if samples == 0 {
-        return Err(ExcitationError::Empty("the number of samples"));
-    }
-    let n = trajectory.dof();
-    let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut state = State::new(trajectory.dof());
     for k in 0..samples {
-        let t = trajectory.period * k as f64 / samples as f64;
-        trajectory.at(t, &mut q, &mut qd, &mut qdd);
-        visit(&q, &qd, &qdd)?;
+        let t = trajectory.duration * (k as f64 + 0.5) / samples as f64;
+        trajectory.at(t, &mut state);
+        visit(&state)?;
     }
     Ok(())
 }

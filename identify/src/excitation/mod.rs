@@ -1,38 +1,46 @@
 //! Exciting trajectories: motions within the robot's limits from which parameters can be told well.
 //!
-//! Periodic Fourier series (Swevers et al., IEEE Trans. Robotics and Automation 13(5), 1997; Han et al., IEEE T-RO
-//! 36(5), 2020, eqs 33 and 34), improved by coordinate search from several random starts. Deterministic: the same
-//! seed gives the same trajectory.
+//! The one owner of designed motion: the command `excite` and the next motion of a diagnosis call it.
+//!
+//! | file | what stands there |
+//! |---|---|
+//! | `limits` | what joints may do, and what cannot be done within it |
+//! | `series` | sums of sines |
+//! | `tool` | where the tool may be |
+//! | `room` | all of these as the room of periodic motions |
+//! | `search` | periodic motions of least cost (Swevers et al., IEEE Trans. Robotics and Automation 13(5), 1997; Han et al., IEEE T-RO 36(5), 2020) |
+//! | `sines` | one sine per joint (softMC manual) |
+//! | `model_free` | random motions (KR300 benchmark) |
+//! | `criterion` | what makes a motion good |
+//! | `stack` | motions that complement each other |
+//! | `information` | how well a motion tells parameters |
+//!
+//! Deterministic: the same seed gives the same motion.
 
 mod criterion;
-mod fourier;
+mod error;
+mod information;
+mod limits;
+pub mod model_free;
+mod room;
 mod rows;
 mod search;
+mod series;
+mod sines;
+mod stack;
 #[cfg(test)]
 mod tests;
+mod tool;
 
-pub use criterion::{Criterion, Excitation};
-pub use fourier::{Fourier, MotionLimits};
+pub use criterion::{Criterion, Excitation, Goal, Separation, torque};
+pub use error::ExcitationError;
+pub use information::deviations;
+pub use limits::{MotionLimits, Rest};
+pub use model_free::model_free;
+pub use room::{Bounds, Room};
 pub use rows::BaseRows;
 pub use search::{Found, SearchOptions, optimise};
-
-use crate::least_squares::LeastSquaresError;
-
-/// Why no exciting trajectory could be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ExcitationError {
-    /// Limits that leave no motion, or are not finite.
-    #[error(
-        "joint {joint} has no room to move: range, velocity and acceleration limits must be positive and finite"
-    )]
-    NoRoom {
-        /// The joint, from zero.
-        joint: usize,
-    },
-    /// No joints, no harmonics, no time or no samples.
-    #[error("nothing to optimise: {0} must be positive")]
-    Empty(&'static str),
-    /// The regressor could not be judged.
-    #[error(transparent)]
-    LeastSquares(#[from] LeastSquaresError),
-}
+pub use series::{Series, State};
+pub use sines::{SineOptions, sines};
+pub use stack::{Stack, stack};
+pub use tool::{Region, ToolRoom};

@@ -28,6 +28,11 @@ impl<'a> BaseRows<'a> {
         }
     }
 
+    /// Number of joints N.
+    pub fn dof(&self) -> usize {
+        self.robot.dof()
+    }
+
     /// Number of base parameters b.
     pub fn columns(&self) -> usize {
         self.columns.len()

@@ -1,141 +1,175 @@
-//! Coordinate search from random starts.
+//! Search for a periodic motion of least cost: random starts, then coordinate steps of adaptive size.
 
-use super::{ExcitationError, Fourier, MotionLimits};
-use ndarray::Array2;
+use super::error::ExcitationError;
+use super::room::Room;
+use super::series::Series;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 /// Settings of [`optimise`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchOptions {
-    /// Period, s. Default 12.5 (0.08 Hz; with five harmonics 0.4 Hz, the highest frequency of Han et al.).
-    pub period: f64,
-    /// Harmonics of each joint. Default 5.
-    pub harmonics: usize,
-    /// Random starts. Default 10.
+    /// Random starts, of which the best is improved. Default 40.
     pub starts: usize,
-    /// Sweeps over all coefficients of the best start; the step halves after each. Default 4.
-    pub sweeps: usize,
-    /// Seed of the starts.
+    /// Trajectories judged, the starts among them. Default 4000.
+    pub evaluations: usize,
+    /// Seed of starts and order.
     pub seed: u64,
 }
 
 impl Default for SearchOptions {
     fn default() -> Self {
         Self {
-            period: 12.5,
-            harmonics: 5,
-            starts: 10,
-            sweeps: 4,
+            starts: 40,
+            evaluations: 4000,
             seed: 1,
         }
     }
 }
 
-/// What [`optimise`] found.
+/// What a design came to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// The best trajectory; it keeps all limits at all times.
-    pub trajectory: Fourier,
+    pub trajectory: Series,
     /// Its cost.
     pub cost: f64,
-    /// Cost of the best random start.
+    /// Cost of what the search began with: the best random start, or the first draw.
     pub start_cost: f64,
     /// Trajectories judged.
     pub evaluations: usize,
 }
 
-/// The trajectory of least `cost` found within `limits` (one per joint): the best of the random starts, improved one
-/// coefficient at a time.
+/// First step of every coefficient, in half ranges of its joint.
+const STEP: f64 = 0.25;
+/// Step below which a coefficient is left alone, and by what a step grows and shrinks.
+const LEAST_STEP: f64 = 1e-4;
+const GROWTH: f64 = 1.6;
+const DECAY: f64 = 0.5;
+
+/// The trajectory of least `cost` found in a room: the best of the random starts, improved one coefficient at a time, both
+/// directions judged at once, and after each round along the way that the round took (Hooke and Jeeves, J. ACM 8(2), 1961).
+///
+/// The same seed gives the same trajectory, whatever the number of threads.
 ///
 /// # Errors
-/// Limits that leave no motion, options that leave nothing to search, errors of `cost`.
+/// No starts, errors of `cost`, or a cost that is infinite everywhere.
 pub fn optimise(
-    limits: &[MotionLimits],
+    room: &Room,
     options: &SearchOptions,
-    mut cost: impl FnMut(&Fourier) -> Result<f64, ExcitationError>,
+    cost: impl Fn(&Series) -> Result<f64, ExcitationError> + Sync,
 ) -> Result<Found, ExcitationError> {
-    let (n, h) = (limits.len(), options.harmonics);
-    for (what, ok) in [
-        ("the number of joints", n > 0),
-        ("the number of harmonics", h > 0),
-        ("the number of starts", options.starts > 0),
-        (
-            "the period",
-            options.period.is_finite() && options.period > 0.0,
-        ),
-    ] {
-        if !ok {
-            return Err(ExcitationError::Empty(what));
-        }
-    }
-    for (joint, limit) in limits.iter().enumerate() {
-        limit.check(joint)?;
+    if options.starts == 0 {
+        return Err(ExcitationError::Empty("the number of starts"));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-    let mut best: Option<(Fourier, f64)> = None;
-    for _ in 0..options.starts {
-        let trajectory = random(limits, options, &mut rng);
-        let value = cost(&trajectory)?;
-        if best.as_ref().is_none_or(|(_, least)| value < *least) {
-            best = Some((trajectory, value));
-        }
-    }
-    let Some((mut trajectory, mut least)) = best else {
-        return Err(ExcitationError::Empty("the number of finite costs"));
+    let starts: Vec<Series> = (0..options.starts)
+        .map(|_| filling(room, &mut rng, 1.0))
+        .collect();
+    let costs: Vec<f64> = starts.par_iter().map(&cost).collect::<Result<_, _>>()?;
+    let least = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+    let best = least.expect("there is a start");
+    let mut found = Found {
+        trajectory: starts[best].clone(),
+        cost: costs[best],
+        start_cost: costs[best],
+        evaluations: starts.len(),
     };
-    let (start_cost, mut evaluations) = (least, options.starts);
-    let mut step = 0.25;
-    for _ in 0..options.sweeps {
-        for joint in 0..n {
-            let half = 0.5 * (limits[joint].upper - limits[joint].lower);
-            for coefficient in 0..2 * h + 1 {
-                for direction in [step, -step] {
-                    let mut trial = trajectory.clone();
-                    let entry = match coefficient {
-                        0 => &mut trial.offset[joint],
-                        c if c <= h => &mut trial.sine[(joint, c - 1)],
-                        c => &mut trial.cosine[(joint, c - h - 1)],
-                    };
-                    *entry += direction * half;
-                    trial.keep(limits);
-                    evaluations += 1;
-                    let value = cost(&trial)?;
-                    if value < least {
-                        (trajectory, least) = (trial, value);
-                        break;
-                    }
-                }
+    let (n, h) = (room.dof(), room.harmonics.len());
+    // Where home is given the offset follows from the cosines.
+    let each = 2 * h + usize::from(room.bounds.home.is_none());
+    let mut steps = vec![STEP; n * each];
+    while found.evaluations < options.evaluations && steps.iter().any(|s| *s > LEAST_STEP) {
+        let before = found.trajectory.clone();
+        let mut order: Vec<usize> = (0..steps.len())
+            .filter(|&c| steps[c] > LEAST_STEP)
+            .collect();
+        shuffle(&mut order, &mut rng);
+        for c in order {
+            if found.evaluations >= options.evaluations {
+                break;
+            }
+            let stepped = |direction: f64| {
+                let mut trial = found.trajectory.clone();
+                let joint = c / each;
+                *coefficient(&mut trial, joint, c % each, h) +=
+                    direction * steps[c] * room.limits()[joint].half();
+                room.keep(&mut trial);
+                let value = cost(&trial)?;
+                Ok::<_, ExcitationError>((value, trial))
+            };
+            let (up, down) = rayon::join(|| stepped(1.0), || stepped(-1.0));
+            let (up, down) = (up?, down?);
+            found.evaluations += 2;
+            let better = if down.0 < up.0 { down } else { up };
+            if better.0 < found.cost {
+                (found.cost, found.trajectory) = better;
+                steps[c] *= GROWTH;
+            } else {
+                steps[c] *= DECAY;
             }
         }
-        step *= 0.5;
+        let mut further = found.trajectory.clone();
+        further.sine = 2.0 * &further.sine - &before.sine;
+        further.cosine = 2.0 * &further.cosine - &before.cosine;
+        for (x, b) in further.offset.iter_mut().zip(&before.offset) {
+            *x = 2.0 * *x - b;
+        }
+        room.keep(&mut further);
+        let value = cost(&further)?;
+        found.evaluations += 1;
+        if value < found.cost {
+            (found.cost, found.trajectory) = (value, further);
+        }
     }
-    Ok(Found {
-        trajectory,
-        cost: least,
-        start_cost,
-        evaluations,
-    })
+    if found.cost.is_finite() {
+        Ok(found)
+    } else {
+        Err(ExcitationError::NothingFound)
+    }
 }
 
-/// Random coefficients that fill the limits.
-fn random(limits: &[MotionLimits], options: &SearchOptions, rng: &mut ChaCha8Rng) -> Fourier {
-    let shape = (limits.len(), options.harmonics);
-    let mut draw = |joint: usize, scale: f64| {
-        let half = 0.5 * (limits[joint].upper - limits[joint].lower);
-        rng.random_range(-scale..scale) * half
-    };
-    let sine = Array2::from_shape_fn(shape, |(joint, _)| draw(joint, 1.0));
-    let cosine = Array2::from_shape_fn(shape, |(joint, _)| draw(joint, 1.0));
-    let offset = (0..limits.len())
-        .map(|joint| 0.5 * (limits[joint].lower + limits[joint].upper) + draw(joint, 0.3))
-        .collect();
-    let mut trajectory = Fourier {
-        period: options.period,
-        offset,
-        sine,
-        cosine,
-    };
-    trajectory.keep(limits);
-    trajectory
+/// The `place`-th free number of a joint.
+fn coefficient(series: &mut Series, joint: usize, place: usize, harmonics: usize) -> &mut f64 {
+    match place {
+        p if p < harmonics => &mut series.sine[(joint, p)],
+        p if p < 2 * harmonics => &mut series.cosine[(joint, p - harmonics)],
+        _ => &mut series.offset[joint],
+    }
+}
+
+/// Random coefficients whose motion fills at least a share of the first limit that each joint meets. As functions of
+/// the velocity they are alike, so that amplitudes fall with the frequency (KR300 benchmark, eq. 1; COMAU paper, eq. 17).
+pub(super) fn filling(room: &Room, rng: &mut ChaCha8Rng, share: f64) -> Series {
+    /// Beyond any room, so that every joint meets a limit.
+    const TOO_MUCH: f64 = 100.0;
+    let mut series = room.still();
+    for (j, limit) in room.limits().iter().enumerate() {
+        for (i, &h) in room.harmonics.iter().enumerate() {
+            let size = limit.half() / h as f64;
+            series.sine[(j, i)] = TOO_MUCH * size * rng.random_range(-1.0..1.0);
+            series.cosine[(j, i)] = TOO_MUCH * size * rng.random_range(-1.0..1.0);
+        }
+        series.offset[j] = rng.random_range(limit.lower..limit.upper);
+    }
+    room.keep(&mut series);
+    if share < 1.0 {
+        let filled: Vec<f64> = (0..room.dof())
+            .map(|_| rng.random_range(share..1.0))
+            .collect();
+        for (j, f) in filled.into_iter().enumerate() {
+            series.sine.row_mut(j).mapv_inplace(|x| x * f);
+            series.cosine.row_mut(j).mapv_inplace(|x| x * f);
+        }
+        room.keep(&mut series);
+    }
+    series
+}
+
+/// Fisher and Yates.
+fn shuffle(order: &mut [usize], rng: &mut ChaCha8Rng) {
+    for i in (1..order.len()).rev() {
+        order.swap(i, rng.random_range(0..=i));
+    }
 }

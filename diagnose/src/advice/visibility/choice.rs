@@ -1,0 +1,33 @@
+//! What is asked of a candidate, and the answer.
+
+use crate::catalogue::effect::Effect;
+
+/// From which size on an effect at one place would be accepted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Visible {
+    /// The effect.
+    pub effect: Effect,
+    /// Joints that it is named on.
+    pub joints: Vec<usize>,
+    /// Driving joint of a coupling.
+    pub driver: Option<usize>,
+    /// What the size is.
+    pub quantity: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Least size; none where no plausible one shows.
+    pub from: Option<f64>,
+    /// Root mean square of its torque at that size on the joint where it is strongest, N·m.
+    pub torque: Option<f64>,
+    /// Shape parameters for which it shows first: name, value, unit.
+    pub shape: Vec<(&'static str, f64, &'static str)>,
+}
+
+/// A coefficient of a candidate.
+#[derive(Clone, Copy)]
+pub(super) struct Choice {
+    /// Number of the candidate.
+    pub candidate: usize,
+    /// Number of its coefficient.
+    pub place: usize,
+}

@@ -1,0 +1,253 @@
+//! The search on the recording that is expected of one effect at one size.
+
+use super::choice::{Choice, Visible};
+use crate::algebra::folds::folds;
+use crate::algebra::gram::{Grams, JointGram, Layout};
+use crate::catalogue::{Bound, Candidate};
+use crate::motion::scene::Scene;
+use crate::search::dictionary::Dictionary;
+use crate::search::objective::Objective;
+use crate::search::select::Search;
+use crate::settings::Settings;
+use crate::simulator::NominalModel;
+use ndarray::{Array1, Array2, Axis, concatenate};
+use std::collections::HashSet;
+use std::ops::Range;
+
+/// Rows per second that the search's numbers are meant for, and the cut-off before they are thinned out, relative to it.
+const ROWS: f64 = 62.5;
+const CUTOFF: f64 = 0.4;
+/// Sizes that are looked at: torque on the strongest joint over that joint's own.
+const SIZES: (f64, f64) = (1e-5, 3.0);
+/// Bisections between them: to 1.5 %.
+const BISECTIONS: usize = 10;
+/// By how much another shape has to show sooner to be named.
+const SOONER: f64 = 0.95;
+/// Part of the upper bound of a coefficient that is still inside.
+const INSIDE: f64 = 0.98;
+
+/// One row in so many fine samples, by segment.
+fn thinned(segments: &[Range<usize>], stride: usize) -> (Vec<usize>, Vec<Range<usize>>) {
+    let (mut picked, mut rows) = (Vec::new(), Vec::new());
+    for s in segments {
+        let start = picked.len();
+        picked.extend(s.clone().step_by(stride));
+        rows.push(start..picked.len());
+    }
+    (picked, rows)
+}
+
+/// The expected search on one motion.
+pub(super) struct Judge<'a> {
+    scene: &'a Scene<'a>,
+    candidates: &'a [Candidate],
+    settings: &'a Settings,
+    model: NominalModel,
+    /// Fine samples that are rows.
+    picked: Vec<usize>,
+    folds: Vec<Vec<Range<usize>>>,
+    /// Columns of the base on the rows of each joint, and their numbers.
+    base: Vec<Array2<f64>>,
+    /// Weight of each row, shape (rows, joints).
+    weight: Array2<f64>,
+    /// Variance of the noise on a row, (N·m)², by joint.
+    variance: Vec<f64>,
+}
+
+impl<'a> Judge<'a> {
+    pub fn new(
+        scene: &'a Scene<'a>,
+        candidates: &'a [Candidate],
+        noise: &[f64],
+        settings: &'a Settings,
+        rate: f64,
+        share: f64,
+    ) -> Self {
+        let stride = ((rate / ROWS).round() as usize).max(1);
+        let (picked, rows) = thinned(&scene.motion.segments, stride);
+        let dictionary = Dictionary::new(scene.dof(), &[]);
+        let ids: Vec<usize> = (0..dictionary.len()).collect();
+        let mut base: Vec<Vec<Array1<f64>>> = vec![Vec::new(); scene.dof()];
+        let mut columns = dictionary.evaluate(scene, &ids);
+        columns.sort_by_key(|c| (c.1, c.0));
+        for (_, j, values) in columns {
+            base[j].push(values.select(Axis(0), &picked));
+        }
+        let m = &settings.motion;
+        let each = ROWS * stride as f64 / rate * share;
+        let weight = Array2::from_shape_fn((picked.len(), scene.dof()), |(i, j)| {
+            let slow = scene.motion.qd[[picked[i], j]].abs() < m.crossing_speed;
+            each * if slow { m.crossing_weight } else { 1.0 }
+        });
+        // Thinning comes after a low-pass, which takes white noise away.
+        let passed = (2.0 * CUTOFF * ROWS / rate).min(1.0);
+        Self {
+            scene,
+            candidates,
+            settings,
+            model: NominalModel::new(scene.robot.clone()),
+            folds: folds(&rows),
+            base: base.iter().map(|c| table(c, picked.len())).collect(),
+            picked,
+            weight,
+            variance: noise.iter().map(|s| s * s * passed).collect(),
+        }
+    }
+
+    /// The least size of choices that differ in shape or coefficient.
+    pub fn first(&self, group: &[Choice]) -> Visible {
+        let c = &self.candidates[group[0].candidate];
+        let first = &c.quantities[group[0].place];
+        let mut best = Visible {
+            effect: c.effect,
+            joints: c.joints.clone(),
+            driver: c.driver,
+            quantity: first.name,
+            unit: first.unit,
+            from: None,
+            torque: None,
+            shape: Vec::new(),
+        };
+        for &choice in group {
+            let candidate = &self.candidates[choice.candidate];
+            let quantity = &candidate.quantities[choice.place];
+            let factor = quantity.factor.abs();
+            let at_most = best.from.map(|from| SOONER * from / factor);
+            if let Some((size, torque)) = Expected::new(self, choice).least(at_most) {
+                best.quantity = quantity.name;
+                best.from = Some(size * factor);
+                best.torque = Some(torque);
+                best.shape.clone_from(&candidate.shape);
+            }
+        }
+        best
+    }
+}
+
+fn table(columns: &[Array1<f64>], rows: usize) -> Array2<f64> {
+    let mut out = Array2::zeros((rows, columns.len()));
+    for (mut to, from) in out.columns_mut().into_iter().zip(columns) {
+        to.assign(from);
+    }
+    out
+}
+
+/// Products of the base and one candidate, with an expected torque that is one of its columns times a size.
+struct Expected<'a> {
+    judge: &'a Judge<'a>,
+    choice: Choice,
+    members: Vec<usize>,
+    grams: Grams,
+}
+
+impl<'a> Expected<'a> {
+    fn new(judge: &'a Judge<'a>, choice: Choice) -> Self {
+        let dof = judge.scene.dof();
+        let own = &judge.candidates[choice.candidate];
+        let dictionary = Dictionary::new(dof, std::slice::from_ref(own));
+        let joints: Vec<Vec<usize>> = (0..dictionary.len())
+            .map(|c| dictionary.column(c).joints.clone())
+            .collect();
+        let base = Dictionary::new(dof, &[]).len();
+        let added: Vec<usize> = (base..dictionary.len()).collect();
+        let mut more: Vec<Vec<Array1<f64>>> = vec![Vec::new(); dof];
+        let mut columns = dictionary.evaluate(judge.scene, &added);
+        columns.sort_by_key(|c| (c.1, c.0));
+        for (_, j, values) in columns {
+            more[j].push(values.select(Axis(0), &judge.picked));
+        }
+        let folds = judge.folds.iter().map(|fold| {
+            let rows: Vec<usize> = fold.iter().cloned().flatten().collect();
+            let of = |j: usize| {
+                let more = table(&more[j], judge.picked.len());
+                let all = concatenate(Axis(1), &[judge.base[j].view(), more.view()])
+                    .expect("tables of the same rows");
+                let weight = judge.weight.column(j).select(Axis(0), &rows);
+                let none = Array1::zeros(rows.len());
+                JointGram::new(
+                    all.select(Axis(0), &rows).view(),
+                    none.view(),
+                    weight.view(),
+                )
+            };
+            (0..dof).map(of).collect()
+        });
+        Self {
+            judge,
+            choice,
+            members: dictionary.members[0].clone(),
+            grams: Grams::new(Layout::new(dof, &joints), folds.collect()),
+        }
+    }
+
+    /// The column that is in the expected torque.
+    fn column(&self) -> usize {
+        self.members[self.choice.place]
+    }
+
+    /// Sets the torque that is to be explained.
+    fn set(&mut self, size: f64) {
+        let column = self.column();
+        let layout = &self.grams.layout;
+        for grams in self.grams.folds.iter_mut().chain([&mut self.grams.total]) {
+            for (j, g) in grams.iter_mut().enumerate() {
+                g.yy = g.samples * self.judge.variance[j];
+                g.xy.fill(0.0);
+                if let Some(p) = layout.position(j, column) {
+                    g.xy.scaled_add(size, &g.xx.column(p));
+                    g.yy += size * size * g.xx[[p, p]];
+                }
+            }
+        }
+    }
+
+    /// Whether the search would accept the candidate at this size.
+    fn accepted(&mut self, size: f64) -> bool {
+        self.set(size);
+        let judge = self.judge;
+        let objective = Objective::new(&self.grams, judge.scene.scale, &judge.settings.search);
+        let mut members = vec![Vec::new(); judge.candidates.len()];
+        members[self.choice.candidate].clone_from(&self.members);
+        let search = Search {
+            objective: &objective,
+            candidates: judge.candidates,
+            members: &members,
+            robot: judge.model.sizes(),
+            base: objective.base(&judge.model, 1.0),
+            barred: HashSet::new(),
+            chance: 0.0,
+        };
+        search.accepts(self.choice.candidate)
+    }
+
+    /// The least size that is accepted, below `at_most`, and the root mean square of its torque on the strongest joint,
+    /// N·m.
+    fn least(mut self, at_most: Option<f64>) -> Option<(f64, f64)> {
+        let scale = &self.judge.scene.scale.torque;
+        let per_unit = self.grams.column_rms(self.column(), scale);
+        if per_unit <= 0.0 {
+            return None;
+        }
+        let (mut low, mut high) = (SIZES.0 / per_unit, SIZES.1 / per_unit);
+        let bounds = &self.judge.candidates[self.choice.candidate].bounds;
+        if let Bound::Between(from, to) = bounds[self.choice.place] {
+            (low, high) = (low.max(from), high.min(INSIDE * to));
+        }
+        high = at_most.map_or(high, |most| high.min(most));
+        if high <= low || !self.accepted(high) {
+            return None;
+        }
+        for _ in 0..BISECTIONS {
+            let middle = (low * high).sqrt();
+            if self.accepted(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        let torque = self
+            .grams
+            .column_rms(self.column(), &vec![1.0; scale.len()]);
+        Some((high, high * torque))
+    }
+}

@@ -1,0 +1,162 @@
+//! What a motion would show of each effect of the catalogue, before anyone runs it.
+//!
+//! The recording is the expected one: torque of the described robot and of one effect at one size, seen through the effect's own
+//! columns, with white noise. Sums of products are all that the search needs, and those follow from the columns:
+//! xᵀy = γ xᵀc and yᵀy = γ² cᵀc + n σ² for the effect c of size γ. The size at which the search's own rule would accept the effect, nothing
+//! else being wrong and the given parameters free inside their tolerances, is found by bisection. Noise that is fitted by
+//! chance, surrogates and rivals are not counted: a real recording asks for a little more.
+
+mod choice;
+mod expected;
+
+pub use choice::Visible;
+
+use crate::catalogue::{Candidate, catalogue, position_dependent_friction, torque_ripple};
+use crate::motion::scene::{SOFT_SIGN, Scale, Scene};
+use crate::settings::Settings;
+use choice::Choice;
+use expected::Judge;
+use ndarray::{Array2, ArrayView1, Axis};
+use physics::robot::Robot;
+use rayon::prelude::*;
+use signal::Motion;
+use std::ops::Range;
+
+/// Motion that columns are evaluated on, s: of a longer one the rest counts as more of the same.
+const MOST_SECONDS: f64 = 150.0;
+/// Frequency below which a ripple stays in the rows, Hz, and its order where the gear is not known, 1/rad.
+const RIPPLE_HZ: f64 = 25.0;
+const RIPPLE_ORDER: f64 = 100.0;
+
+/// Sizes from which the effects of the catalogue would be accepted on a motion of a robot, in the order of the catalogue.
+///
+/// `motion` is evenly sampled within its segments; `noise` is the standard deviation of one torque sample at that rate,
+/// N·m, by joint. Effects that are found in a residual itself (pushes, a saturated signal) are not among them.
+pub fn visible(robot: &Robot, motion: &Motion, noise: &[f64], settings: &Settings) -> Vec<Visible> {
+    let rate = rate(motion);
+    let (motion, share) = on_one_clock(motion, rate);
+    let scale = scale(robot, &motion, rate);
+    let scene = Scene::new(robot, &motion, &scale).with_tangents();
+    let candidates = candidates(&scene, &motion);
+    let judge = Judge::new(&scene, &candidates, noise, settings, rate, share);
+    let mut groups: Vec<Vec<Choice>> = Vec::new();
+    for (i, c) in candidates.iter().enumerate() {
+        // Of a body's ten parameters the first stands for all.
+        let several = if c.columns.len() > FEW { 1 } else { FEW };
+        for (k, quantity) in c.quantities.iter().enumerate().take(several) {
+            let alike = |g: &&mut Vec<Choice>| {
+                let other = &candidates[g[0].candidate];
+                let same =
+                    other.effect == c.effect && other.quantities[g[0].place].unit == quantity.unit;
+                same && other.joints == c.joints && other.driver == c.driver
+            };
+            let choice = Choice {
+                candidate: i,
+                place: k,
+            };
+            match groups.iter_mut().find(alike) {
+                Some(group) => group.push(choice),
+                None => groups.push(vec![choice]),
+            }
+        }
+    }
+    groups.par_iter().map(|g| judge.first(g)).collect()
+}
+
+/// Coefficients of a candidate up to which each is looked at.
+const FEW: usize = 2;
+
+/// Samples per second.
+fn rate(motion: &Motion) -> f64 {
+    let steps = motion.segments.iter().filter(|s| s.len() > 1);
+    let (time, steps) = steps.fold((0.0, 0), |(t, n), s| {
+        (
+            t + motion.time[s.end - 1] - motion.time[s.start],
+            n + s.len() - 1,
+        )
+    });
+    steps as f64 / f64::max(time, f64::MIN_POSITIVE)
+}
+
+/// The first stretches of a motion on a clock that runs on, and how often they stand for the whole.
+fn on_one_clock(motion: &Motion, rate: f64) -> (Motion, f64) {
+    let most = (MOST_SECONDS * rate) as usize;
+    let mut segments: Vec<Range<usize>> = Vec::new();
+    let mut samples = 0;
+    for s in &motion.segments {
+        let len = s.len().min(most - samples);
+        segments.push(samples..samples + len);
+        samples += len;
+        if samples >= most {
+            break;
+        }
+    }
+    let table = |t: &Array2<f64>| t.slice_axis(Axis(0), (0..samples).into()).to_owned();
+    let part = Motion {
+        time: (0..samples).map(|i| i as f64 / rate).collect(),
+        q: table(&motion.q),
+        qd: table(&motion.qd),
+        qdd: table(&motion.qdd),
+        segments,
+    };
+    (part, motion.len() as f64 / samples.max(1) as f64)
+}
+
+fn scale(robot: &Robot, motion: &Motion, rate: f64) -> Scale {
+    let n = motion.dof();
+    let seen = |column: ArrayView1<f64>| {
+        column
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                (a.min(*x), b.max(*x))
+            })
+    };
+    let rms = |x: ArrayView1<f64>| (x.dot(&x) / x.len().max(1) as f64).sqrt().max(1e-9);
+    let mut scale = Scale {
+        softness: vec![SOFT_SIGN; n],
+        speed: motion.qd.columns().into_iter().map(rms).collect(),
+        range: motion.q.columns().into_iter().map(seen).collect(),
+        torque: vec![1.0; n],
+        session: (0.0, motion.time.last().copied().unwrap_or(0.0)),
+        step: 1.0 / rate,
+    };
+    let predicted = Scene::new(robot, motion, &scale).predicted();
+    scale.torque = predicted
+        .columns()
+        .into_iter()
+        .map(|c| c.std(0.0).max(1e-9))
+        .collect();
+    scale
+}
+
+/// The catalogue with a ripple of each joint; of each effect and quantity at each place the candidates of fewest coefficients.
+/// Links turned by right angles and friction that builds up slowly have no size of their own.
+fn candidates(scene: &Scene, motion: &Motion) -> Vec<Candidate> {
+    let mut all = catalogue(scene);
+    for (j, joint) in scene.robot.joints().iter().enumerate() {
+        let fastest = motion
+            .qd
+            .column(j)
+            .iter()
+            .fold(0.0f64, |m, v| m.max(v.abs()));
+        let seen = std::f64::consts::TAU * RIPPLE_HZ / fastest.max(1e-9);
+        let order = joint.gear_ratio.unwrap_or(RIPPLE_ORDER).abs().min(seen);
+        all.extend(torque_ripple::candidates(j, &[order]));
+        all.extend(position_dependent_friction::candidates(scene, j, &[]));
+    }
+    all.retain(|c| !c.effect.info().parameter || c.shape.is_empty());
+    let least: Vec<usize> = all
+        .iter()
+        .map(|c| {
+            let alike = |o: &&Candidate| {
+                let same = o.effect == c.effect && o.quantities[0].name == c.quantities[0].name;
+                same && o.joints == c.joints && o.driver == c.driver
+            };
+            let counts = all.iter().filter(alike).map(|o| o.columns.len());
+            counts.min().unwrap_or(0)
+        })
+        .collect();
+    let mut least = least.into_iter();
+    all.retain(|c| least.next() == Some(c.columns.len()));
+    all
+}

@@ -1,0 +1,101 @@
+//! Why no motion can be designed.
+
+use crate::least_squares::LeastSquaresError;
+
+/// Why no exciting trajectory could be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ExcitationError {
+    /// Limits that leave no motion, or are not finite.
+    #[error(
+        "joint {} has no room to move: range, velocity, acceleration and jerk limits must be positive, and all but jerk finite",
+        joint + 1
+    )]
+    NoRoom {
+        /// The joint, from zero.
+        joint: usize,
+    },
+    /// A limit under which a joint cannot get anywhere in the time it has.
+    #[error(
+        "joint {}: under a {limit} limit of {value:.4} it moves by {stroke:.4} at most in {period} s, less than {needed:.4}, \
+         a twentieth of its range; that takes {enough:.2} s",
+        joint + 1
+    )]
+    TooSlow {
+        /// The joint, from zero.
+        joint: usize,
+        /// `velocity`, `acceleration` or `jerk`.
+        limit: &'static str,
+        /// The limit, rad or m per sⁿ.
+        value: f64,
+        /// Time there and back, s.
+        period: f64,
+        /// Farthest that the joint gets in it, rad or m.
+        stroke: f64,
+        /// What it should move by at least, rad or m.
+        needed: f64,
+        /// Period from which it does, s.
+        enough: f64,
+    },
+    /// A sine over a joint's range that its limits stretch too far for the time given.
+    #[error(
+        "joint {}: within its limits a sine over its range takes {cycle:.2} s, so {cycles} periods and the ramps take {needed:.1} s; \
+         {duration} s are too short",
+        joint + 1
+    )]
+    FewCycles {
+        /// The joint, from zero.
+        joint: usize,
+        /// Time of one period, s.
+        cycle: f64,
+        /// Periods that are wanted.
+        cycles: f64,
+        /// Time that this takes, s.
+        needed: f64,
+        /// Time given, s.
+        duration: f64,
+    },
+    /// No set of frequencies without whole ratios was found.
+    #[error("joint {}: no frequency within its limits is far enough from whole multiples of the others'", joint + 1)]
+    Commensurate {
+        /// The joint, from zero.
+        joint: usize,
+    },
+    /// A home pose outside the joint's limits.
+    #[error("joint {}: home is {home}, outside the range from {lower:.4} to {upper:.4} that the motion may use", joint + 1)]
+    HomeOutside {
+        /// The joint, from zero.
+        joint: usize,
+        /// Where it is to start and end.
+        home: f64,
+        /// Lowest position.
+        lower: f64,
+        /// Highest position.
+        upper: f64,
+    },
+    /// The tool is outside its region at home.
+    #[error("the tool is {outside:.3} m outside its region at home")]
+    ToolOutsideAtHome {
+        /// How far, m.
+        outside: f64,
+    },
+    /// No pose within the joints' limits has the tool in its region.
+    #[error("no pose within the joints' limits was found that has the tool in its region")]
+    ToolNowhere,
+    /// The tool's region leaves no motion.
+    #[error("no motion was found that keeps the tool in its region and tells every parameter")]
+    NothingFound,
+    /// Fewer harmonics than rest at the ends takes.
+    #[error("{harmonics} harmonics cannot start and end at rest; at least {needed} are needed")]
+    FewHarmonics {
+        /// Harmonics given.
+        harmonics: usize,
+        /// Harmonics needed.
+        needed: usize,
+    },
+    /// No joints, no harmonics, no time or no samples.
+    #[error("nothing to optimise: {0} must be positive")]
+    Empty(&'static str),
+    /// The regressor could not be judged.
+    #[error(transparent)]
+    LeastSquares(#[from] LeastSquaresError),
+}
