@@ -9,6 +9,10 @@ pub use urdf::{to_urdf, urdf_with};
 use super::{Builtin, Robot, RobotError};
 use std::path::Path;
 
+/// Built-in machines that have no description by links (crate `machines`): named so that asking for one as a robot ends with
+/// the command that takes it.
+pub const MACHINES: [&str; 5] = ["rotary_axis", "linear_axis", "scara4", "delta3", "delta4"];
+
 impl Robot {
     /// A built-in robot by name, or else a URDF by path.
     ///
@@ -19,6 +23,11 @@ impl Robot {
             return Ok(robot);
         }
         let path = Path::new(name_or_path);
+        if !path.exists() && MACHINES.contains(&name_or_path) {
+            return Err(RobotError::Machine {
+                name: name_or_path.to_owned(),
+            });
+        }
         if !path.exists() && path.extension().is_none() {
             return Err(RobotError::UnknownRobot {
                 name: name_or_path.to_owned(),
