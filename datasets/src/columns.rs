@@ -92,6 +92,31 @@ pub struct ColumnMap {
 }
 
 impl ColumnMap {
+    /// The map of a drive file: the recording's own names, and one conversion per joint for positions, for velocities and
+    /// accelerations, and for torque.
+    pub fn of_drive(
+        names: BTreeMap<String, String>,
+        position: Vec<Affine>,
+        rate: Vec<Affine>,
+        torque: Vec<Affine>,
+        time_scale: f64,
+    ) -> Self {
+        let units = [
+            (Group::Q, &position),
+            (Group::Ql, &position),
+            (Group::QRef, &position),
+            (Group::Qd, &rate),
+            (Group::Qdd, &rate),
+            (Group::QdRef, &rate),
+            (Group::Tau, &torque),
+        ];
+        Self {
+            names,
+            units: units.map(|(group, list)| (group, list.clone())).into(),
+            time_scale: Some(time_scale),
+        }
+    }
+
     /// The file's name of `time` or `trajectory`.
     pub(crate) fn single(&self, key: &str) -> String {
         self.names

@@ -3,6 +3,8 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+mod sources;
+
 use clap::Parser;
 use datasets::{Part, read};
 use model::baseline::published::{self, Published, beside};
@@ -18,12 +20,16 @@ use std::process::ExitCode;
 #[derive(Debug, Parser)]
 #[command(name = "eval", version)]
 struct Arguments {
+    /// Print the systems of the source documents, which of them work, and published figures beside ours (Markdown); needs neither
+    /// model nor data.
+    #[arg(long, exclusive = true)]
+    sources: bool,
     /// Model directory.
-    #[arg(long)]
-    model: PathBuf,
+    #[arg(long, required_unless_present = "sources")]
+    model: Option<PathBuf>,
     /// Recording (.csv, .parquet, .npz, or the KR300 benchmark's .mat: its test part).
-    #[arg(long)]
-    data: PathBuf,
+    #[arg(long, required_unless_present = "sources")]
+    data: Option<PathBuf>,
     /// Write the scores as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -62,15 +68,19 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let file = ModelFile::load(&arguments.model)?;
+    let (Some(model), Some(data)) = (&arguments.model, &arguments.data) else {
+        let table = sources::markdown().map_err(|e| Failure::other(e.to_string()))?;
+        say_text!(table);
+        return Ok(());
+    };
+    let file = ModelFile::load(model)?;
     let torque_needed = arguments.predict.is_none();
     let options = read_options(&file, arguments.drive.as_deref(), Part::Test, torque_needed)?;
-    let recording =
-        read(&arguments.data, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
+    let recording = read(data, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
     let options = EvaluateOptions {
         cutoff_hz: arguments.cutoff_hz,
     };
-    let evaluation = evaluate(&arguments.model, &file, recording, &options)?;
+    let evaluation = evaluate(model, &file, recording, &options)?;
     // Pages first: nothing is printed of a run whose files cannot be written.
     if let Some(path) = &arguments.json {
         report::write_atomic(path, json(&evaluation.report))?;

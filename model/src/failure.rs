@@ -62,7 +62,7 @@ impl From<SetupError> for Failure {
         match error {
             SetupError::Robot(e) => Self::input(
                 e.to_string(),
-                "See the built-in names (ur5, kr300, foxbot_a05), or give the path of a URDF or MJCF.",
+                "See the built-in names (ur5, kr300, foxbot_a05, puma560), or give the path of a URDF or MJCF.",
             ),
             SetupError::Read(e) => Self::input(e.to_string(), ""),
             SetupError::Degrees(e) => Self::input(e.to_string(), ""),

@@ -30,10 +30,10 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
             Some(Builtin::Ur5) => Protocol::Ur5,
             Some(Builtin::Kr300) => Protocol::Kr300,
             Some(Builtin::FoxbotA05) => Protocol::FoxbotA05,
-            None => {
+            Some(Builtin::Puma560) | None => {
                 return Err(Failure::input(
                     "--data is missing",
-                    "Give recordings of the robot; only the built-in robots can be simulated instead.",
+                    "Give recordings of the robot; only ur5, kr300 and foxbot_a05 can be simulated instead.",
                 ));
             }
         };

@@ -3,8 +3,7 @@
 use crate::preparation::torque_band;
 use crate::preparation::units::{Degrees, refuse_degrees};
 use datasets::{
-    Affine, ColumnMap, DeclaredFilter, Group, Part, ReadError, ReadOptions, Recording,
-    TorqueFilter, read,
+    Affine, ColumnMap, DeclaredFilter, Part, ReadError, ReadOptions, Recording, TorqueFilter, read,
 };
 use nalgebra::Vector3;
 use physics::robot::{
@@ -221,23 +220,13 @@ fn column_map(drive: &Drive, robot: &Robot) -> Result<ColumnMap, SetupError> {
     let position = affine(drive.position_conversion(robot));
     let rate = affine(drive.rate_conversion(robot));
     let torque = affine(drive.torque_conversion(robot)?);
-    let units = [
-        (Group::Q, &position),
-        (Group::Ql, &position),
-        (Group::QRef, &position),
-        (Group::Qd, &rate),
-        (Group::Qdd, &rate),
-        (Group::QdRef, &rate),
-        (Group::Tau, &torque),
-    ];
-    Ok(ColumnMap {
-        names: drive.columns.clone(),
-        units: units
-            .into_iter()
-            .map(|(group, list)| (group, list.clone()))
-            .collect(),
-        time_scale: Some(drive.time_scale()),
-    })
+    Ok(ColumnMap::of_drive(
+        drive.columns.clone(),
+        position,
+        rate,
+        torque,
+        drive.time_scale(),
+    ))
 }
 
 #[cfg(test)]

@@ -29,6 +29,14 @@ pub enum RobotError {
         /// Names that exist.
         builtins: String,
     },
+    /// A machine that is no chain of described bodies.
+    #[error(
+        "{name:?} is a machine with a torque model of its own, not a chain of described links; use `machine identify --robot {name}`"
+    )]
+    Machine {
+        /// Name asked for.
+        name: String,
+    },
     /// Not a URDF.
     #[error(
         "the URDF cannot be parsed: {reason}; check it with `check_urdf`, and expand xacro first"

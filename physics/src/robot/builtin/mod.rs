@@ -3,6 +3,7 @@
 mod assembly;
 mod foxbot;
 mod kr300;
+mod puma560;
 mod ur5;
 
 use super::Robot;
@@ -20,11 +21,13 @@ pub enum Builtin {
     /// Foxbot A05.
     #[serde(rename = "foxbot_a05")]
     FoxbotA05,
+    /// Unimation PUMA 560.
+    Puma560,
 }
 
 impl Builtin {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Ur5, Self::Kr300, Self::FoxbotA05];
+    pub const ALL: [Self; 4] = [Self::Ur5, Self::Kr300, Self::FoxbotA05, Self::Puma560];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -32,6 +35,7 @@ impl Builtin {
             Self::Ur5 => "ur5",
             Self::Kr300 => "kr300",
             Self::FoxbotA05 => "foxbot_a05",
+            Self::Puma560 => "puma560",
         }
     }
 
@@ -46,6 +50,7 @@ impl Builtin {
             Self::Ur5 => ur5::robot(),
             Self::Kr300 => kr300::robot(),
             Self::FoxbotA05 => foxbot::robot(),
+            Self::Puma560 => puma560::robot(),
         };
         robot.known_as(Some(self))
     }

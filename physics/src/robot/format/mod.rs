@@ -13,6 +13,10 @@ use super::{Builtin, Robot, RobotError};
 use roxmltree::Document;
 use std::path::Path;
 
+/// Built-in machines that have no description by links (crate `machines`): named so that asking for one as a robot ends with
+/// the command that takes it.
+pub const MACHINES: [&str; 5] = ["rotary_axis", "linear_axis", "scara4", "delta3", "delta4"];
+
 /// A robot's description as the user has it: what new numbers can be written into.
 #[derive(Clone, Debug)]
 pub enum Description {
@@ -92,6 +96,11 @@ impl Robot {
             };
         }
         let path = Path::new(name_or_path);
+        if !path.exists() && MACHINES.contains(&name_or_path) {
+            return Err(RobotError::Machine {
+                name: name_or_path.to_owned(),
+            });
+        }
         if !path.exists() && path.extension().is_none() {
             return Err(RobotError::UnknownRobot {
                 name: name_or_path.to_owned(),

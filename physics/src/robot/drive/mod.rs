@@ -4,9 +4,13 @@
 //! # One value per joint, base first; every key is optional.
 //! gear_ratio = [101, 101, 101, 101, 101, 101]              # motor turns per joint turn
 //! torque_constant = [0.125, 0.125, 0.125, 0.0922, 0.0922, 0.0922] # N·m/A at the motor
+//! rated_current = [4.5, 4.5, 3.0, 1.5, 1.5, 1.5]           # A, what a current "per mille of rated" refers to
+//! screw_lead = [0, 0, 0.02, 0, 0, 0]                       # m per turn behind the gear; 0: none
 //! rotor_inertia = [0.5, 0.5, 0.3, 0.1, 0.1, 0.1]           # kg·m², seen from the link
 //! direction = [1, 1, -1, 1, 1, 1]                          # sign of the recorded motion and torque
 //! zero = [0, -1.5708, 0, 0, 0, 0]                          # rad or m: q = direction·recorded + zero
+//! torque_delay = [3, 3, 3, 3, 3, 3]                        # cycles by which the drive is sent its additive torque late
+//! torque_threshold = [300, 300, 150, 28, 28, 28]           # N·m or N: more additive torque is refused by the controller
 //!
 //! [columns]           # the recording's own names; {} is the joint's number, from 1
 //! time = "timestamp"
@@ -16,7 +20,7 @@
 //! [units]
 //! time = "ms"         # s (default), ms, us, ns
 //! angle = "deg"       # rad (default), deg: positions, velocities and accelerations of rotating joints
-//! torque = "current"  # link (default), motor (N·m at the motor), current (A)
+//! torque = "current"  # link (default), motor (N·m at the motor), current (A), rated (per mille of rated current)
 //!
 //! [torque_filter]     # zero-phase Chebyshev low-pass that the recorded torque has been through
 //! order = 4
@@ -24,9 +28,16 @@
 //! ripple_db = 0.2
 //! ```
 
+mod driven;
+mod units;
+
+pub use driven::{Driven, DrivenAxis};
+pub use units::{AngleUnit, TimeUnit, TorqueUnit, Units};
+
 use super::{Robot, RobotError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::path::Path;
 
 /// Contents of a drive file.
@@ -37,12 +48,21 @@ pub struct Drive {
     pub gear_ratio: Option<Vec<f64>>,
     /// Motor torque per current, N·m/A.
     pub torque_constant: Option<Vec<f64>>,
+    /// Rated (continuous) current of the motor, A.
+    pub rated_current: Option<Vec<f64>>,
+    /// Travel of a linear axis per turn of its screw (of its pulley: 2π times the radius), m; the gear ratio is then motor
+    /// turns per turn of the screw, 1 where none is given. Zero for a joint without screw.
+    pub screw_lead: Option<Vec<f64>>,
     /// Inertia of motor and gear seen from the link, kg·m² or kg.
     pub rotor_inertia: Option<Vec<f64>>,
     /// Sign (1 or −1) of recorded motion and torque against the URDF's.
     pub direction: Option<Vec<f64>>,
     /// Joint zeros, rad or m: q = direction·recorded + zero.
     pub zero: Option<Vec<f64>>,
+    /// Whole cycles of the controller by which an additive torque is sent late, to meet a motion that follows its command late.
+    pub torque_delay: Option<Vec<u32>>,
+    /// Largest additive torque that the controller sends, N·m or N.
+    pub torque_threshold: Option<Vec<f64>>,
     /// The recording's own name of a column (`tau3`) or of a group of columns (`tau`), of `time` and of
     /// `trajectory`; `{}` stands for the joint's number, from 1.
     #[serde(default)]
@@ -52,57 +72,6 @@ pub struct Drive {
     pub units: Units,
     /// Low-pass that the recorded torque has been through.
     pub torque_filter: Option<TorqueFilter>,
-}
-
-/// Units of a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Units {
-    /// Of `time`.
-    pub time: TimeUnit,
-    /// Of positions, velocities and accelerations of rotating joints.
-    pub angle: AngleUnit,
-    /// What the torque columns hold.
-    pub torque: TorqueUnit,
-}
-
-/// Unit of time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum TimeUnit {
-    /// Seconds.
-    #[default]
-    S,
-    /// Milliseconds.
-    Ms,
-    /// Microseconds.
-    Us,
-    /// Nanoseconds.
-    Ns,
-}
-
-/// Unit of angles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AngleUnit {
-    /// Radians.
-    #[default]
-    Rad,
-    /// Degrees.
-    Deg,
-}
-
-/// What a torque column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum TorqueUnit {
-    /// Torque on the link side of the gear, N·m or N.
-    #[default]
-    Link,
-    /// Torque of the motor, N·m.
-    Motor,
-    /// Current of the motor, A.
-    Current,
 }
 
 /// Zero-phase Chebyshev type I low-pass.
@@ -131,7 +100,7 @@ impl Drive {
     ///
     /// # Errors
     /// The file cannot be read, is no drive file, or does not fit the robot.
-    pub fn from_file(path: impl AsRef<Path>, robot: &Robot) -> Result<Self, RobotError> {
+    pub fn from_file(path: impl AsRef<Path>, robot: &impl Driven) -> Result<Self, RobotError> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|source| RobotError::Read {
             path: path.to_owned(),
@@ -144,7 +113,7 @@ impl Drive {
     ///
     /// # Errors
     /// No drive file, wrong numbers of values, or values that are impossible.
-    pub fn from_toml(text: &str, robot: &Robot) -> Result<Self, RobotError> {
+    pub fn from_toml(text: &str, robot: &impl Driven) -> Result<Self, RobotError> {
         let drive: Self = toml::from_str(text).map_err(|e| RobotError::Drive {
             reason: e.to_string(),
         })?;
@@ -152,43 +121,61 @@ impl Drive {
         Ok(drive)
     }
 
-    fn check(&self, robot: &Robot) -> Result<(), RobotError> {
+    fn check(&self, robot: &impl Driven) -> Result<(), RobotError> {
+        let delay: Option<Vec<f64>> = self
+            .torque_delay
+            .as_ref()
+            .map(|cycles| cycles.iter().copied().map(f64::from).collect());
         let lists = [
             ("gear_ratio", &self.gear_ratio),
             ("torque_constant", &self.torque_constant),
+            ("rated_current", &self.rated_current),
+            ("screw_lead", &self.screw_lead),
             ("rotor_inertia", &self.rotor_inertia),
             ("direction", &self.direction),
             ("zero", &self.zero),
+            ("torque_delay", &delay),
+            ("torque_threshold", &self.torque_threshold),
         ];
+        let joints = robot.axes();
         for (name, list) in lists {
             let Some(values) = list else { continue };
-            if values.len() != robot.dof() {
+            if values.len() != joints.len() {
                 return Err(RobotError::Drive {
                     reason: format!(
                         "{name} has {} values, but {} has {} joints; give one per joint, base first",
                         values.len(),
                         robot.name(),
-                        robot.dof()
+                        joints.len()
                     ),
                 });
             }
             let possible = |v: f64| match name {
                 "zero" => v.is_finite(),
                 "direction" => v.abs() == 1.0,
-                "rotor_inertia" => v.is_finite() && v >= 0.0,
+                "rotor_inertia" | "screw_lead" | "torque_delay" => v.is_finite() && v >= 0.0,
                 _ => v.is_finite() && v > 0.0,
             };
             if let Some(at) = values.iter().position(|&v| !possible(v)) {
                 let allowed = match name {
                     "zero" => "a finite number is needed",
                     "direction" => "only 1 and -1 are possible",
-                    "rotor_inertia" => "it cannot be negative",
+                    "rotor_inertia" | "screw_lead" | "torque_delay" => "it cannot be negative",
                     _ => "a positive number is needed (give a sign by direction)",
                 };
                 return Err(RobotError::Drive {
                     reason: format!("{name} of joint {} is {}; {allowed}", at + 1, values[at]),
                 });
             }
+        }
+        let mut screws = self.screw_lead.iter().flatten().zip(&joints);
+        if let Some((_, joint)) = screws.find(|(lead, j)| **lead > 0.0 && j.rotates) {
+            return Err(RobotError::Drive {
+                reason: format!(
+                    "screw_lead of joint {:?}, which rotates; give 0 for joints without a screw",
+                    joint.name
+                ),
+            });
         }
         if let Some(filter) = &self.torque_filter {
             let positive = |v: f64| v.is_finite() && v > 0.0;
@@ -199,7 +186,7 @@ impl Drive {
                 });
             }
         }
-        self.torque_conversion(&self.apply(robot.clone())?)?;
+        self.torque_conversion(robot)?;
         Ok(())
     }
 
@@ -234,7 +221,7 @@ impl Drive {
     }
 
     /// Conversions of position columns, one per joint.
-    pub fn position_conversion(&self, robot: &Robot) -> Vec<Conversion> {
+    pub fn position_conversion(&self, robot: &impl Driven) -> Vec<Conversion> {
         let mut conversions = self.rate_conversion(robot);
         if let Some(zero) = &self.zero {
             for (conversion, &zero) in conversions.iter_mut().zip(zero) {
@@ -245,11 +232,11 @@ impl Drive {
     }
 
     /// Conversions of velocity and acceleration columns, one per joint.
-    pub fn rate_conversion(&self, robot: &Robot) -> Vec<Conversion> {
-        let joints = robot.joints().iter().enumerate();
+    pub fn rate_conversion(&self, robot: &impl Driven) -> Vec<Conversion> {
+        let joints = robot.axes().into_iter().enumerate();
         joints
             .map(|(i, joint)| {
-                let degrees = self.units.angle == AngleUnit::Deg && joint.kind.is_rotation();
+                let degrees = self.units.angle == AngleUnit::Deg && joint.rotates;
                 let unit = if degrees { 1.0_f64.to_radians() } else { 1.0 };
                 Conversion {
                     scale: unit * self.sign(i),
@@ -262,31 +249,45 @@ impl Drive {
     /// Conversions of torque columns, one per joint. `robot` may know gear ratios and torque constants that
     /// the file does not give.
     ///
+    /// Per mille of rated current becomes torque by rated current / 1000 · torque constant · gear ratio, and force by
+    /// 2π / screw lead on top of that: the torque factor of the softMC manual ("torque units", "how to include the gear
+    /// ratio", "linear axes").
+    ///
     /// # Errors
-    /// A gear ratio or torque constant is needed and not known.
-    pub fn torque_conversion(&self, robot: &Robot) -> Result<Vec<Conversion>, RobotError> {
-        let robot = self.apply(robot.clone())?;
-        let need = |value: Option<f64>, name: &str, joint: &str| {
-            value.ok_or_else(|| RobotError::Drive {
-                reason: format!(
-                    "units.torque = \"{}\" needs the {name} of joint {joint:?}; give {name} = [...]",
-                    if self.units.torque == TorqueUnit::Motor {
-                        "motor"
-                    } else {
-                        "current"
-                    }
-                ),
-            })
-        };
-        let joints = robot.joints().iter().enumerate();
+    /// A gear ratio, torque constant or rated current is needed and not known.
+    pub fn torque_conversion(&self, robot: &impl Driven) -> Result<Vec<Conversion>, RobotError> {
+        let joints = robot.axes().into_iter().enumerate();
         joints
             .map(|(i, joint)| {
-                let gear = || need(joint.gear_ratio, "gear_ratio", &joint.name);
-                let constant = || need(joint.torque_constant, "torque_constant", &joint.name);
+                let own = |list: &Option<Vec<f64>>| list.as_ref().and_then(|l| l.get(i)).copied();
+                let need = |value: Option<f64>, name: &str| {
+                    value.ok_or_else(|| RobotError::Drive {
+                        reason: format!(
+                            "units.torque = {:?} needs the {name} of joint {:?}; give {name} = [...]",
+                            self.units.torque.name(),
+                            joint.name
+                        ),
+                    })
+                };
+                let gear = || {
+                    let ratio = own(&self.gear_ratio);
+                    match own(&self.screw_lead).filter(|lead| *lead > 0.0) {
+                        Some(lead) => Ok(ratio.unwrap_or(1.0) * TAU / lead),
+                        None => need(ratio.or(joint.gear_ratio), "gear_ratio"),
+                    }
+                };
+                let constant = || {
+                    let known = own(&self.torque_constant).or(joint.torque_constant);
+                    need(known, "torque_constant")
+                };
                 let unit = match self.units.torque {
                     TorqueUnit::Link => 1.0,
                     TorqueUnit::Motor => gear()?,
                     TorqueUnit::Current => gear()? * constant()?,
+                    TorqueUnit::Rated => {
+                        let rated = need(own(&self.rated_current), "rated_current")?;
+                        1e-3 * rated * constant()? * gear()?
+                    }
                 };
                 Ok(Conversion {
                     scale: unit * self.sign(i),
@@ -335,11 +336,53 @@ mod tests {
     }
 
     #[test]
+    fn per_mille_of_rated_current_becomes_torque() {
+        let drive = Drive::from_toml(
+            "rated_current = [2, 2, 2, 2, 2, 2]\ntorque_delay = [3, 3, 3, 3, 3, 3]\n\
+             torque_threshold = [9, 9, 9, 9, 9, 9]\n[units]\ntorque = \"rated\"",
+            &ur5(),
+        )
+        .expect("a valid file");
+        let torque = drive
+            .torque_conversion(&ur5())
+            .expect("everything is known");
+        // 2 A / 1000 · 0.125 N·m/A · 101
+        assert!((torque[0].scale - 0.025_25).abs() < 1e-15);
+    }
+
+    /// A screw of 20 mm lead behind a 2:1 gear: one turn of the motor is 10 mm, so 1 N·m is 2π / 0.01 N.
+    #[test]
+    fn a_screw_turns_torque_into_force() {
+        struct Spindle;
+        impl Driven for Spindle {
+            fn name(&self) -> &str {
+                "spindle"
+            }
+            fn axes(&self) -> Vec<DrivenAxis> {
+                vec![DrivenAxis {
+                    name: "A1".to_owned(),
+                    rotates: false,
+                    gear_ratio: None,
+                    torque_constant: None,
+                }]
+            }
+        }
+        let text = "gear_ratio = [2]\nscrew_lead = [0.02]\n[units]\ntorque = \"motor\"";
+        let drive = Drive::from_toml(text, &Spindle).expect("a valid file");
+        let force = drive.torque_conversion(&Spindle).expect("all known");
+        assert!((force[0].scale - TAU / 0.01).abs() < 1e-9);
+        let none = Drive::from_toml("[units]\ntorque = \"rated\"", &Spindle);
+        let error = none.expect_err("nothing is known").to_string();
+        assert!(error.contains("needs the rated_current"), "{error}");
+    }
+
+    #[test]
     fn refusals_say_what_to_do() {
         for (text, expected) in [
             ("gear_ratio = [1, 2]", "has 2 values, but ur5 has 6 joints"),
             ("gear_ratio = [0, 1, 1, 1, 1, 1]", "joint 1 is 0"),
             ("direction = [2, 1, 1, 1, 1, 1]", "only 1 and -1"),
+            ("screw_lead = [0.02, 0, 0, 0, 0, 0]", "which rotates"),
             ("gears = [1]", "unknown field"),
             ("gear_ratio = 3", "invalid type"),
             ("[units]\ntorque = \"amps\"", "unknown variant"),
