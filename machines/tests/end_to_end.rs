@@ -388,7 +388,7 @@ fn other_commands_know_the_names() {
         .filter(|n| *n != "puma560")
         .collect();
     assert_eq!(here, physics::robot::MACHINES);
-    let error = physics::robot::Robot::load("delta3").expect_err("no robot");
+    let error = physics::robot::Robot::load("delta3", &[]).expect_err("no robot");
     assert!(
         error
             .to_string()

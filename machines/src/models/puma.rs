@@ -36,7 +36,7 @@ impl Puma {
         let robot = if given.trim_start().starts_with('<') {
             Robot::from_urdf_str(given)?
         } else {
-            Robot::load(given)?
+            Robot::load(given, &[])?.0
         };
         let rotating = robot.joints().iter().all(|j| j.kind.is_rotation());
         if robot.dof() != 6 || !rotating {

@@ -15,7 +15,7 @@ impl Puma {
     /// The description's robot.
     pub fn new(description: &Description) -> Result<Self, MachineError> {
         let name = description.geometry.robot.as_deref().unwrap_or_default();
-        let robot = Robot::load(name)?;
+        let robot = Robot::load(name, &[])?.0;
         if robot.dof() != description.axis.len() {
             return Err(description.wrong(format!("{} is no robot of six joints", robot.name())));
         }
