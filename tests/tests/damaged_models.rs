@@ -5,7 +5,7 @@
 use feedforward::network::Compensator;
 use model::directory::ModelFile;
 use physics::dynamics::{Workspace, inverse_dynamics};
-use physics::robot::{Builtin, Robot, drive::Drive, to_urdf, urdf_with};
+use physics::robot::{Builtin, Mjcf, Robot, drive::Drive, to_urdf, urdf_with};
 use proptest::prelude::*;
 use std::sync::OnceLock;
 use tests::program::{program, run};
@@ -14,6 +14,14 @@ use tests::synthetic::{Plan, record_to};
 const DRIVE: &str = "gear_ratio = [101, 101, 101, 101, 101, 101]\ndirection = [1, 1, -1, 1, 1, 1]\n\
     zero = [0, -1.5, 0, 0, 0, 0]\n[columns]\ntime = \"stamp\"\ntau = \"current_{}\"\n[units]\nangle = \"deg\"\n\
     torque = \"motor\"\n[torque_filter]\norder = 4\ncutoff_hz = 2.0\nripple_db = 0.2\n";
+
+/// Models in MuJoCo's format.
+const MJCF: [&str; 4] = [
+    include_str!("../../physics/tests/fixtures/mjcf/gripper.xml"),
+    include_str!("../../physics/tests/fixtures/mjcf/geoms.xml"),
+    include_str!("../../physics/tests/fixtures/mjcf/orientations.xml"),
+    include_str!("../../physics/tests/fixtures/mjcf/bounded.xml"),
+];
 
 /// What numbers and names are replaced by.
 const ODD: [&str; 14] = [
@@ -101,6 +109,24 @@ proptest! {
             prop_assert!(tau.iter().all(|t| !t.is_nan()), "{text}");
             let _ = urdf_with(&text, &robot);
             prop_assert!(Robot::from_urdf_str(&to_urdf(&robot)).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_damaged_mjcf_is_no_panic(changes in changes(), which in 0..MJCF.len()) {
+        let text = String::from_utf8_lossy(&changed(MJCF[which].as_bytes(), &changes)).into_owned();
+        if let Ok((mjcf, robot)) = Mjcf::from_text(&text, &[]).and_then(|m| m.robot().map(|r| (m, r))) {
+            let n = robot.dof();
+            let (rest, mut tau) = (vec![0.0; n], vec![0.0; n]);
+            inverse_dynamics(&robot, &mut Workspace::new(&robot), &rest, &rest, &rest, &mut tau);
+            prop_assert!(tau.iter().all(|t| !t.is_nan()), "{text}");
+            prop_assert!(Robot::from_urdf_str(&to_urdf(&robot)).is_ok(), "{text}");
+            let heavier: Vec<f64> = robot.parameters().iter().map(|p| 1.5 * p).collect();
+            let friction = vec![0.5; n];
+            let new = robot.with_parameters(&heavier).and_then(|r| r.with_friction(&friction, &friction));
+            let edited = mjcf.with(&new.expect("as many values"), &friction);
+            let files = edited.expect("the same joints").files("out.xml".as_ref()).expect("one file");
+            prop_assert!(Mjcf::from_text(&files[0].1, &[]).is_ok(), "{text}");
         }
     }
 

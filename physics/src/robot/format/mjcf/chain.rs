@@ -7,6 +7,9 @@ use super::scene::{Kind, Pose, Scene, compose};
 use crate::robot::{Inertia, Joint, JointKind, Limits, Link, Passive, Robot, RobotError, Spring};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
+/// Stiffness (N·m/rad) and parts of a weight beyond this belong to no robot.
+const LARGEST: f64 = 1e9;
+
 /// Compensated weights that differ by less are the same.
 const SAME: f64 = 1e-12;
 
@@ -179,6 +182,12 @@ impl Chain {
             let mass: f64 = heavy.iter().map(|(_, i)| i.mass).sum();
             let held: f64 = heavy.iter().map(|(b, i)| b.gravcomp * i.mass).sum();
             let part = if mass > 0.0 { held / mass } else { 0.0 };
+            if part.is_nan() || part.abs() > LARGEST {
+                return Err(refused(format!(
+                    "gravcomp makes {part} of the weight of what joint {:?} moves; 1 holds all of it",
+                    scene.joints[self.joints[link]].name
+                )));
+            }
             if let Some((other, _)) = heavy.iter().find(|(b, _)| (b.gravcomp - part).abs() > SAME) {
                 notes.push(format!(
                     "bodies fixed to each other have different gravcomp (body {} has {}): the mean by mass, {part}, stands \
@@ -257,10 +266,17 @@ fn spring(
     if stiffness == 0.0 || !scene.settings.springs {
         return Ok(None);
     }
+    let rest = a.number("springref")?.unwrap_or(0.0) * unit;
+    if stiffness.abs() > LARGEST || rest.abs() > LARGEST {
+        return Err(refused(format!(
+            "joint {:?} has the stiffness {stiffness} and springref {rest}; give those of a robot",
+            own.name
+        )));
+    }
     Ok(Some(Spring {
         joint: k,
         stiffness,
-        rest: a.number("springref")?.unwrap_or(0.0) * unit,
+        rest,
     }))
 }
 

@@ -6,6 +6,9 @@ use super::source::Element;
 use crate::robot::{RobotError, STANDARD_GRAVITY};
 use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
 
+/// Gravity beyond this, m/s², is none of a robot's.
+const STRONGEST: f64 = 1e6;
+
 /// Shortest vector that still has a direction.
 const SHORTEST: f64 = 1e-14;
 
@@ -138,6 +141,11 @@ impl Settings {
     fn option(&mut self, a: &Attributes<'_, '_, '_>) -> Result<(), RobotError> {
         if let Some(gravity) = a.numbers::<3>("gravity")? {
             self.gravity = gravity.into();
+            if self.gravity.amax() > STRONGEST {
+                return Err(refused(format!(
+                    "option gravity is {gravity:?} m/s²; give that of the robot's place"
+                )));
+            }
         }
         self.medium[0] = a.number("density")?.unwrap_or(self.medium[0]);
         self.medium[1] = a.number("viscosity")?.unwrap_or(self.medium[1]);
@@ -185,8 +193,12 @@ impl Settings {
                 let Some([w, x, y, z]) = a.numbers::<4>("quat")? else {
                     return Ok(Matrix3::identity());
                 };
-                let q = Quaternion::new(w, x, y, z);
-                if q.norm() < SHORTEST {
+                // Scaled first: a quaternion of any length is one.
+                let largest = [w, x, y, z]
+                    .into_iter()
+                    .fold(0.0, |m: f64, v| m.max(v.abs()));
+                let q = Quaternion::new(w, x, y, z) / largest;
+                if largest < SHORTEST {
                     return Err(refused(format!(
                         "<{}>: quat is zero; give a quaternion of length one",
                         a.element.tag()
@@ -229,7 +241,9 @@ pub(super) fn direction(
     name: &str,
     vector: Vector3<f64>,
 ) -> Result<Unit<Vector3<f64>>, RobotError> {
-    Unit::try_new(vector, SHORTEST).ok_or_else(|| {
+    let largest = vector.amax();
+    let scaled = Some(vector / largest).filter(|_| largest > SHORTEST);
+    scaled.map(Unit::new_normalize).ok_or_else(|| {
         refused(format!(
             "<{}>: {name} has no direction; give vectors that are not zero and not parallel",
             a.element.tag()

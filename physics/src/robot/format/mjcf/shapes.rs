@@ -10,6 +10,9 @@ use std::f64::consts::PI;
 /// Density of a geom that gives neither mass nor density, kg/m³.
 const WATER: f64 = 1000.0;
 
+/// Moments beyond this, kg·m², are refused anyway.
+const LARGEST: f64 = 1e12;
+
 /// A geom of a body with the pose of the frame that it stands in.
 pub(super) struct Geom<'c, 'd, 't> {
     pub attributes: Attributes<'c, 'd, 't>,
@@ -267,7 +270,8 @@ fn solid(kind: &str, [a, b, c]: [f64; 3], shell: bool) -> Option<(f64, Vector3<f
 /// Least mass, least principal moments, and moments that no body has made equal, as the compiler's settings ask.
 fn bound(body: &mut Mass, settings: &Settings) {
     body.mass = body.mass.max(settings.least_mass);
-    if settings.least_inertia <= 0.0 && !settings.balance {
+    let usual = body.about_com.iter().all(|v| v.abs() <= LARGEST);
+    if settings.least_inertia <= 0.0 && !settings.balance || !usual {
         return;
     }
     let principal = body.about_com.symmetric_eigen();
