@@ -62,6 +62,16 @@ pub enum MachineError {
         /// What is wrong with it and what to do.
         problem: String,
     },
+    /// Thresholds that do not fit the machine.
+    #[error("{what}: {found} values for {axes} axes; give one for each, none negative")]
+    Thresholds {
+        /// Which.
+        what: &'static str,
+        /// Values given.
+        found: usize,
+        /// Axes of the machine.
+        axes: usize,
+    },
     /// Too few samples in motion.
     #[error("axis {axis}: {reason}")]
     TooFewSamples {

@@ -249,7 +249,7 @@ fn recordings_that_cannot_be_used_are_refused() {
     assert!(
         identified(&recording, &few)
             .to_string()
-            .contains("each of 3 axes")
+            .contains("--threshold: 1 values for 3 axes")
     );
     // Arms that stand straight up do not meet.
     recording.q.column_mut(0).mapv_inplace(|q| q - 3.0);

@@ -20,15 +20,16 @@ pub fn bands(
 ) -> Result<Vec<Band>, MachineError> {
     let n = machine.dof();
     let semi_static = machine.model().is_semi_static();
-    for (list, name) in [
-        (&settings.thresholds, "moving threshold"),
-        (&settings.ceilings, "upper threshold"),
+    for (list, what) in [
+        (&settings.thresholds, "--threshold"),
+        (&settings.ceilings, "--ceiling"),
     ] {
         let Some(list) = list else { continue };
         if list.len() != n || list.iter().any(|v| !(v.is_finite() && *v >= 0.0)) {
-            return Err(MachineError::TooFewSamples {
-                axis: machine.axes()[0].name.clone(),
-                reason: format!("give one {name} for each of {n} axes, none negative"),
+            return Err(MachineError::Thresholds {
+                what,
+                found: list.len(),
+                axes: n,
             });
         }
     }

@@ -49,8 +49,8 @@ impl Signals {
                     column[row] = value;
                 }
             }
-            for row in range.start + ends..range.end.saturating_sub(ends) {
-                kept[row] = true;
+            if range.len() > 2 * ends {
+                kept[range.start + ends..range.end - ends].fill(true);
             }
         }
         Ok(Self {

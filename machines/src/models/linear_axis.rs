@@ -61,7 +61,7 @@ impl TorqueModel for LinearAxis {
         }
         let cosine = values[1] / (values[0] * GRAVITY);
         // A vertical axis lies at 1 within the estimate's error.
-        if !(cosine.abs() < 1.05) {
+        if cosine.is_nan() || cosine.abs() > 1.05 {
             return Vec::new();
         }
         let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();

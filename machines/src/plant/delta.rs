@@ -100,8 +100,8 @@ impl Delta {
         };
         let plate = rate(&|k| seen[k].0);
         let mut energy = 0.5 * PLATE * plate.norm_squared();
-        for i in 0..3 {
-            energy += 0.5 * ARM_INERTIA * qd[i] * qd[i];
+        for (i, velocity) in qd.iter().enumerate() {
+            energy += 0.5 * ARM_INERTIA * velocity * velocity;
             let [elbow, joint] = [0, 1].map(|end| rate(&|k| seen[k].1[i][end]));
             energy += if self.rods {
                 let middle = (elbow + joint) / 2.0;

@@ -51,7 +51,9 @@ pub(super) fn of_axis(identified: &Identified, recording: &Recording, axis: usiz
         );
         found.push(reason(Kind::TooSlow, share, message));
     }
-    let cycles = 0.5 * reversals(identified, recording, axis) as f64;
+    // Every stroke ends in a reversal but the last of a trajectory.
+    let strokes = reversals(identified, recording, axis) + recording.trajectories.len();
+    let cycles = 0.5 * strokes as f64;
     if !semi_static && cycles < CYCLES {
         let message = format!("{name} makes {cycles:.1} cycles; record at least three");
         found.push(reason(Kind::TooShort, cycles, message));

@@ -64,14 +64,14 @@ impl Shape {
         let (a, b) = (e[1] - e[0], e[2] - e[0]);
         let normal = a.cross(&b);
         let area = normal.norm_squared();
-        if !(area > 1e-12) {
+        if area <= 1e-12 {
             return None;
         }
         // Centre of the circle through the elbows, seen from the first.
         let centre = (b.cross(&normal) * a.norm_squared() + normal.cross(&a) * b.norm_squared())
             / (2.0 * area);
         let height = self.forearm * self.forearm - centre.norm_squared();
-        if !(height > 0.0) {
+        if height <= 0.0 {
             return None;
         }
         let up = normal / area.sqrt() * normal.z.signum();
