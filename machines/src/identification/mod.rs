@@ -11,7 +11,7 @@ mod signals;
 pub use band::Band;
 pub use fit::{AxisRows, Estimate, fit};
 pub use moving::bands;
-pub use settings::{FILTER_HZ, Settings};
+pub use settings::{FILTER_HZ, SHARE, SLOW, Settings};
 pub use signals::Signals;
 pub(crate) use signals::{motion, torques};
 

@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 ///
 /// Lagrange's equations with the angles q₁, q₂ of the arms (lengths a₁, a₂), the quill's height and its rotation q₄, and
 /// w = q̈₁ + q̈₂ (+ q̈₄):
-/// - τ₁ = J₁ q̈₁ + J₂ (q̈₁ + q̈₂) + K [cos q₂ (2 q̈₁ + q̈₂) − sin q₂ (q̇₂² + 2 q̇₁ q̇₂)] + J₄ w
-/// - τ₂ = J₂ (q̈₁ + q̈₂) + K [cos q₂ q̈₁ + sin q₂ q̇₁²] + J₄ w + I₂ q̈₂
+/// - τ₁ = J₁ q̈₁ + J₂ (q̈₁ + q̈₂) + K {cos q₂ (2 q̈₁ + q̈₂) − sin q₂ (q̇₂² + 2 q̇₁ q̇₂)} + J₄ w
+/// - τ₂ = J₂ (q̈₁ + q̈₂) + K {cos q₂ q̈₁ + sin q₂ q̇₁²} + J₄ w + I₂ q̈₂
 /// - F₃ = M q̈₃ + F_g
 /// - τ₄ = J₄ w + I₄ q̈₄
 ///

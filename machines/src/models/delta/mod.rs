@@ -16,7 +16,7 @@ const GRAVITY: f64 = 9.81;
 /// - arms: τ_i = J_a q̈_i − G_a cos q_i (positive q lowers the arm; zero is level)
 /// - plate: τ = Jᵀ m (ẍ + g ẑ)
 /// - forearms as thin rods of mass m_f each: their kinetic energy m_f/6 (ė² + ė·ẋ + ẋ²) puts a third of their mass each to
-///   elbow and plate, half by weight, and leaves m_f/6 Σ ė_i·ẋ, of which τ_i = m_f/6 [(∂e_i/∂q_i)·ẍ + (∂x/∂q_i)·Σ_k ë_k].
+///   elbow and plate, half by weight, and leaves m_f/6 Σ ė_i·ẋ, of which τ_i = m_f/6 {(∂e_i/∂q_i)·ẍ + (∂x/∂q_i)·Σ_k ë_k}.
 ///
 /// Model 1 (the manual's kind: arm inertia, arm moment, plate mass first in its list) leaves the last term out; model 2
 /// has it with `forearm_mass` m_f beside J_a, G_a and m, which hold the rest of the rods' inertia. The weight of the rods acts half
