@@ -2,10 +2,11 @@
 
 use super::choice::{self, carries};
 use super::couplings::{self, Couplings};
+use super::pose::{Pose, compose};
 use super::refusal::refused;
-use super::scene::{Kind, Pose, Scene, compose};
+use super::scene::{Kind, Scene};
 use crate::robot::{Inertia, Joint, JointKind, Limits, Link, Passive, Robot, RobotError, Spring};
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use nalgebra::{Matrix3, Rotation3, Unit};
 
 /// Stiffness (N·m/rad) and parts of a weight beyond this belong to no robot.
 const LARGEST: f64 = 1e9;
@@ -311,11 +312,4 @@ fn limits(scene: &Scene<'_, '_, '_>, joint: usize, unit: f64) -> Result<Limits, 
         limits.effort = f64::INFINITY;
     }
     Ok(limits)
-}
-
-/// Pose with the inverse orientation and origin.
-pub(super) fn inverse(pose: &Pose) -> Pose {
-    let rotation = pose.0.transpose();
-    let origin: Vector3<f64> = -(rotation * pose.1);
-    (rotation, origin)
 }

@@ -70,7 +70,7 @@ impl Changes {
 
 /// Where a further attribute goes.
 fn after_attributes(element: Element<'_, '_>) -> usize {
-    let last = element.node.attributes().last();
+    let last = element.node.attributes().next_back();
     last.map_or_else(
         || element.node.range().start + 1 + element.tag().len(),
         |a| a.range().end,

@@ -9,6 +9,7 @@ mod chain;
 mod choice;
 mod couplings;
 mod edit;
+mod pose;
 mod refusal;
 mod scene;
 mod settings;

@@ -1,6 +1,7 @@
 //! The bodies and joints of a model, as its text has them.
 
 use super::attributes::{Attributes, Classes};
+use super::pose::{Pose, compose};
 use super::refusal::refused;
 use super::settings::{Settings, direction};
 use super::shapes::{self, Geom};
@@ -14,14 +15,6 @@ const DEEPEST: usize = 256;
 
 /// Elements in a body that bring bodies, joints or forces of their own.
 const UNSUPPORTED: [&str; 5] = ["replicate", "attach", "composite", "flexcomp", "plugin"];
-
-/// A pose: orientation and origin.
-pub(super) type Pose = (Matrix3<f64>, Vector3<f64>);
-
-/// `a`, then `b` in its frame.
-pub(super) fn compose(a: &Pose, b: &Pose) -> Pose {
-    (a.0 * b.0, a.0 * b.1 + a.1)
-}
 
 /// A body; the first one is the world.
 pub(super) struct Body<'c, 'd, 't> {

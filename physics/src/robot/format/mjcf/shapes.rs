@@ -1,6 +1,7 @@
 //! Inertia of a body from its `<inertial>` or from its geoms, as MuJoCo computes it.
 
 use super::attributes::Attributes;
+use super::pose::{Pose, compose};
 use super::refusal::refused;
 use super::settings::{FromGeoms, Settings, direction, z_towards};
 use crate::robot::{Inertia, RobotError};
@@ -16,8 +17,8 @@ const LARGEST: f64 = 1e12;
 /// A geom of a body with the pose of the frame that it stands in.
 pub(super) struct Geom<'c, 'd, 't> {
     pub attributes: Attributes<'c, 'd, 't>,
-    /// Orientation and origin of the surrounding frame in the body.
-    pub frame: (Matrix3<f64>, Vector3<f64>),
+    /// Pose of the surrounding frame in the body.
+    pub frame: Pose,
 }
 
 /// Mass, centre and inertia about it, in the directions of the body's frame.
@@ -138,7 +139,7 @@ fn geom_mass(
              computes it: mj_saveLastXML with compiler saveinertial=\"true\"), or the geom mass=\"0\""
         )));
     }
-    let (size, rotation, centre) = placed(&own, &kind, a, settings)?;
+    let (size, own) = placed(&own, &kind, a, settings)?;
     let shell = a.flag("shellinertia")?.unwrap_or(false);
     let (content, moments) = solid(&kind, size, shell).ok_or_else(|| {
         refused(if kind == "ellipsoid" {
@@ -153,26 +154,25 @@ fn geom_mass(
             "{own} has the mass {mass} kg; it must be finite and not negative"
         )));
     }
-    let (frame, origin) = &geom.frame;
-    let r = frame * rotation;
+    let (r, com) = compose(&geom.frame, &own);
     Ok(Some(Mass {
         mass,
-        com: frame * centre + origin,
+        com,
         about_com: r * Matrix3::from_diagonal(&(moments * mass)) * r.transpose(),
     }))
 }
 
-/// Size, orientation and centre of a geom in the frame around it.
+/// Size of a geom, and its pose in the frame around it.
 fn placed(
     own: &str,
     kind: &str,
     a: &Attributes<'_, '_, '_>,
     settings: &Settings,
-) -> Result<([f64; 3], Matrix3<f64>, Vector3<f64>), RobotError> {
+) -> Result<([f64; 3], Pose), RobotError> {
     let mut size = [0.0; 3];
     let list = a.list("size")?.unwrap_or_default();
     size.iter_mut().zip(&list).for_each(|(s, v)| *s = *v);
-    let (rotation, centre) = match a.numbers::<6>("fromto")? {
+    let pose = match a.numbers::<6>("fromto")? {
         None => (settings.orientation(a)?, settings.position(a)?),
         Some([a0, a1, a2, b0, b1, b2]) => {
             let (from, to) = (Vector3::new(a0, a1, a2), Vector3::new(b0, b1, b2));
@@ -201,7 +201,7 @@ fn placed(
             &size[..needed]
         )));
     }
-    Ok((size, rotation, centre))
+    Ok((size, pose))
 }
 
 /// Volume (surface of a shell) and the principal moments of a mass of one, z along the geom's own axis; none of a shape that

@@ -1,13 +1,16 @@
 //! What changes in an MJCF when its robot does.
 
-use super::chain::{Chain, inverse};
+use super::attributes::ORIENTATIONS;
+use super::chain::Chain;
 use super::couplings;
 use super::edit::Changes;
+use super::pose::inverse;
 use super::scene::{Kind, Scene};
 use super::settings::FromGeoms;
 use super::shapes;
 use super::source::Element;
 use crate::robot::{Inertia, Robot, RobotError};
+use nalgebra::{Rotation3, UnitQuaternion};
 
 /// Change of a link's parameters, relative to their size, that is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -146,32 +149,66 @@ fn write_bodies(
         let Some(element) = body.element else {
             continue;
         };
-        let (c, i) = (inertia.com(), inertia.about_com());
-        let full = [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23];
-        let (pos, mass, full) = (words(c.as_slice()), inertia.mass.to_string(), words(&full));
+        let (moments, quat) = principal(inertia);
+        let values = [
+            ("pos", words(inertia.com().as_slice())),
+            ("mass", inertia.mass.to_string()),
+            ("diaginertia", words(&moments)),
+            ("quat", words(&quat)),
+        ];
         match &body.inertial {
-            Some(old) => rewrite(changes, old.element, &pos, &mass, &full),
-            None => changes.add_first(
-                element,
-                &format!("<inertial pos=\"{pos}\" mass=\"{mass}\" fullinertia=\"{full}\"/>"),
-            ),
+            Some(old) => rewrite(changes, old.element, &values),
+            None => {
+                let attributes = values.map(|(name, value)| format!("{name}=\"{value}\""));
+                let new = format!("<inertial {}/>", attributes.join(" "));
+                changes.add_first(element, &new);
+            }
         }
     }
     Ok(())
 }
 
-fn rewrite(changes: &mut Changes, inertial: Element<'_, '_>, pos: &str, mass: &str, full: &str) {
-    changes.set(inertial, "pos", pos);
-    changes.set(inertial, "mass", mass);
-    if inertial.get("fullinertia").is_some() {
-        changes.set(inertial, "fullinertia", full);
-        changes.remove(inertial, "diaginertia");
-    } else {
-        changes.replace(inertial, "diaginertia", "fullinertia", full);
+/// Principal moments about the centre of mass and the directions of their axes (w, x, y, z). MuJoCo refuses a moment above the
+/// sum of the other two, be it by rounding: these are raised to it.
+fn principal(inertia: &Inertia) -> ([f64; 3], [f64; 4]) {
+    let mut axes = inertia.about_com().symmetric_eigen();
+    if axes.eigenvectors.determinant() < 0.0 {
+        axes.eigenvectors.column_mut(2).neg_mut();
     }
-    // Its directions are those of the body, so no orientation is needed.
-    for name in ["quat", "axisangle", "xyaxes", "zaxis", "euler"] {
-        changes.remove(inertial, name);
+    let mut moments = axes.eigenvalues.map(|v| v.max(0.0));
+    let (largest, most) = moments.argmax();
+    let over = 2.0 * most - moments.sum();
+    if over > 0.0 {
+        let others = moments.iter_mut().enumerate();
+        for (_, moment) in others.filter(|(k, _)| *k != largest) {
+            *moment += over / 2.0 + f64::EPSILON * most;
+        }
+    }
+    let rotation = Rotation3::from_matrix_unchecked(axes.eigenvectors);
+    let q = UnitQuaternion::from_rotation_matrix(&rotation);
+    (moments.into(), [q.w, q.i, q.j, q.k])
+}
+
+fn rewrite(changes: &mut Changes, inertial: Element<'_, '_>, values: &[(&str, String); 4]) {
+    // What stands for the same under another name gives it up.
+    let other = |name: &str| match name {
+        "diaginertia" => inertial.get("fullinertia").map(|_| "fullinertia"),
+        "quat" => ORIENTATIONS
+            .into_iter()
+            .find(|name| inertial.get(name).is_some()),
+        _ => None,
+    };
+    for (name, value) in values {
+        match other(name) {
+            Some(old) if inertial.get(name).is_none() => {
+                changes.replace(inertial, old, name, value);
+            }
+            old => {
+                changes.set(inertial, name, value);
+                old.into_iter()
+                    .for_each(|old| changes.remove(inertial, old));
+            }
+        }
     }
 }
 
