@@ -19,8 +19,9 @@ const ROWS: f64 = 62.5;
 const CUTOFF: f64 = 0.4;
 /// Sizes that are looked at: torque on the strongest joint over that joint's own.
 const SIZES: (f64, f64) = (1e-5, 3.0);
-/// Bisections between them: to 1.5 %.
-const BISECTIONS: usize = 10;
+/// Factor between sizes that are tried upwards, and bisections after the first that is accepted: to 1 %.
+const STRIDE: f64 = 4.0;
+const BISECTIONS: usize = 7;
 /// By how much another shape has to show sooner to be named.
 const SOONER: f64 = 0.95;
 /// Part of the upper bound of a coefficient that is still inside.
@@ -233,21 +234,32 @@ impl<'a> Expected<'a> {
         if let Bound::Between(from, to) = bounds[self.choice.place] {
             (low, high) = (low.max(from), high.min(INSIDE * to));
         }
-        high = at_most.map_or(high, |most| high.min(most));
-        if high <= low || !self.accepted(high) {
-            return None;
+        if let Some(most) = at_most {
+            high = high.min(most);
+            if high <= low || !self.accepted(high) {
+                return None;
+            }
+        }
+        // Upwards: what is too large may be refused as well, for a link of ten times its mass is no likely one.
+        let (mut below, mut size) = (low, low);
+        while !self.accepted(size) {
+            if size >= high {
+                return None;
+            }
+            below = size;
+            size = (STRIDE * size).min(high);
         }
         for _ in 0..BISECTIONS {
-            let middle = (low * high).sqrt();
+            let middle = (below * size).sqrt();
             if self.accepted(middle) {
-                high = middle;
+                size = middle;
             } else {
-                low = middle;
+                below = middle;
             }
         }
         let torque = self
             .grams
             .column_rms(self.column(), &vec![1.0; scale.len()]);
-        Some((high, high * torque))
+        Some((size, size * torque))
     }
 }
