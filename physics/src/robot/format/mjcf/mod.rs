@@ -73,7 +73,8 @@ impl Mjcf {
     /// everything else untouched to the byte. `zeros` (rad or m, one per joint or none) move the joints' zeros:
     /// q_true = q + zero.
     ///
-    /// A link's inertia is written to the body that its joint moves, less what the bodies fixed to it have.
+    /// A link's inertia is written to the body that its joint moves, less what the bodies fixed to it have; where that is no
+    /// possible body, they become lighter.
     ///
     /// # Errors
     /// As [`Mjcf::robot`], or a robot with other joints.

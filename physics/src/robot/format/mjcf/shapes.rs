@@ -139,7 +139,7 @@ fn geom_mass(
              computes it: mj_saveLastXML with compiler saveinertial=\"true\"), or the geom mass=\"0\""
         )));
     }
-    let (size, own) = placed(&own, &kind, a, settings)?;
+    let (size, pose) = placed(&own, &kind, a, settings)?;
     let shell = a.flag("shellinertia")?.unwrap_or(false);
     let (content, moments) = solid(&kind, size, shell).ok_or_else(|| {
         refused(if kind == "ellipsoid" {
@@ -154,7 +154,7 @@ fn geom_mass(
             "{own} has the mass {mass} kg; it must be finite and not negative"
         )));
     }
-    let (r, com) = compose(&geom.frame, &own);
+    let (r, com) = compose(&geom.frame, &pose);
     Ok(Some(Mass {
         mass,
         com,

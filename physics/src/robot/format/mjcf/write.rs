@@ -15,6 +15,9 @@ use nalgebra::{Rotation3, UnitQuaternion};
 /// Change of a link's parameters, relative to their size, that is rounding.
 const ROUNDING: f64 = 1e-12;
 
+/// How often bodies are made lighter.
+const HALVES: i32 = 30;
+
 /// A body whose second moments are this far below zero, relative, is still a possible one.
 const POSSIBLE: f64 = 1e-9;
 
@@ -92,24 +95,31 @@ fn departs(old: &Inertia, new: &Inertia) -> bool {
 }
 
 /// Bodies of a link with the inertias, in their own frames, that together make the link's: the body that the joint moves has
-/// what the others do not; where that is no possible body, it has all of it and the others have none.
+/// what the others do not. Where that is no possible body the others are made lighter, by halves, until it is; MuJoCo wants
+/// mass in whatever moves, as fingers do.
 fn inertias(chain: &Chain, link: usize, whole: &Inertia) -> Vec<(usize, Inertia)> {
     let mut own = chain.bodies(link);
     let Some(first) = own.next() else {
         return Vec::new();
     };
-    let others: Vec<usize> = own.collect();
-    let rest = others.iter().fold(*whole, |sum, &b| {
-        let p = chain.inertias[b].parameters().map(|v| -v);
-        sum.plus(&Inertia::from_parameters(&p))
-    });
-    let (to_body, origin) = inverse(&chain.poses[first]);
-    if rest.is_consistent(POSSIBLE) {
-        return vec![(first, rest.transformed(&to_body, &origin))];
-    }
-    let heavy = others.into_iter().filter(|&b| chain.inertias[b].mass > 0.0);
-    std::iter::once((first, whole.transformed(&to_body, &origin)))
-        .chain(heavy.map(|b| (b, Inertia::default())))
+    let others: Vec<usize> = own.filter(|&b| chain.inertias[b].mass > 0.0).collect();
+    let scaled = |body: usize, factor: f64| {
+        Inertia::from_parameters(&chain.inertias[body].parameters().map(|v| v * factor))
+    };
+    let rest = |part: f64| {
+        let parts = others.iter().map(|&b| scaled(b, -part));
+        parts.fold(*whole, |sum, part| sum.plus(&part))
+    };
+    let mut parts = (0..HALVES).map(|k| 0.5_f64.powi(k));
+    let part = parts.find(|&s| rest(s).is_consistent(POSSIBLE));
+    let part = part.unwrap_or(0.5_f64.powi(HALVES));
+    let placed = |body: usize, inertia: Inertia| {
+        let (to_body, origin) = inverse(&chain.poses[body]);
+        (body, inertia.transformed(&to_body, &origin))
+    };
+    let lighter = others.iter().filter(|_| part < 1.0);
+    std::iter::once(placed(first, rest(part)))
+        .chain(lighter.map(|&b| placed(b, scaled(b, part))))
         .collect()
 }
 
