@@ -32,20 +32,38 @@ pub enum Error {
         /// What is wrong with it.
         problem: String,
     },
-    /// The loss left the finite numbers.
-    #[error("training diverged in epoch {epoch}; lower the learning rate")]
+    /// A quantity of the training left the finite numbers; no step was taken on it.
+    #[error(
+        "training diverged in epoch {epoch}: the {what} is not finite; lower the learning rate"
+    )]
     Diverged {
         /// Epoch, from 1.
         epoch: usize,
+        /// `loss`, `gradient` or `validation error`.
+        what: &'static str,
     },
     /// The cancellation flag was raised; a checkpoint lies where one was asked for.
     #[error("interrupted")]
     Interrupted,
     /// A checkpoint of other data, settings or seed.
-    #[error("{path}: the checkpoint belongs to other data or settings; start afresh without it")]
+    #[error("{path}: the checkpoint belongs to other {what}; start afresh without it")]
     OtherCheckpoint {
         /// The file.
         path: PathBuf,
+        /// `settings`, or `data or another seed`.
+        what: &'static str,
+    },
+    /// A checkpoint in the format of another version.
+    #[error(
+        "{path}: checkpoint of format {found}, this program reads {supported}; start afresh without it, or go on with the program that wrote it"
+    )]
+    CheckpointVersion {
+        /// The file.
+        path: PathBuf,
+        /// Format of the file.
+        found: u32,
+        /// Format that this build reads and writes.
+        supported: u32,
     },
     /// A checkpoint that cannot be read.
     #[error("{path}: unusable checkpoint ({problem}); start afresh without it")]

@@ -4,11 +4,16 @@
 //! Data are borrowed [`training::Samples`]; what a unit sees is a list of their columns
 //! ([`inputs::InputSet`]); [`training::train`] turns [`training::Job`]s into
 //! [`feedforward::network::Unit`]s, one network per core, the same bytes whatever the number of threads.
+//!
+//! Modules, optimiser, schedule and records are burn's (`learning`); forward and backward pass of a unit
+//! are kernels of this crate (`engine`) behind one operation of a backend extension.
 #![deny(unsafe_code)]
 
+mod config;
 mod engine;
 mod error;
 pub mod inputs;
+mod learning;
 pub mod onnx;
 pub mod training;
 

@@ -1,13 +1,15 @@
 //! Training on a synthetic residual: hysteresis of a joint, which only history explains.
 
 use std::ops::Range;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use compensator::Error;
-use compensator::training::{Control, Job, Samples, Split, Training, UnitConfig};
+use compensator::training::{Control, Job, Loss, Samples, Split, Training, UnitConfig};
 use compensator::training::{predict, train, train_ridge};
 use feedforward::network::{Architecture, Compensator, Memory, Recurrent, UnitStream};
 use ndarray::{Array1, Array2};
+use safetensors::{SafeTensors, serialize};
 
 const TRAJECTORIES: usize = 10;
 const ROWS: usize = 400;
@@ -234,9 +236,10 @@ fn resumed_training_ends_in_the_same_bytes() {
     let data = hysteresis();
     for memory in [WINDOW, CARRIED] {
         let mut config = short(memory);
-        config.training.schedule = compensator::training::Schedule::Plateau {
-            factor: 0.5,
-            patience: 0,
+        config.training.schedule = compensator::training::Schedule::OneCycle {
+            warm_up: 0.3,
+            start: 0.1,
+            end: 1e-3,
         };
         config.training.epochs = 5;
         config.training.batch = 16;
@@ -266,21 +269,149 @@ fn resumed_training_ends_in_the_same_bytes() {
         // Finished networks are taken from their checkpoints as they are.
         assert_eq!(uninterrupted, bytes(&train(&jobs, &control).unwrap()));
 
-        let mut other = jobs.clone();
-        other[0].config.training.learning_rate *= 2.0;
-        assert!(matches!(
-            train(&other, &control),
-            Err(Error::OtherCheckpoint { .. })
-        ));
         let file = directory.path().join("unit0-member0.safetensors");
-        let mut content = std::fs::read(&file).unwrap();
-        *content.last_mut().unwrap() ^= 1;
-        std::fs::write(&file, content).unwrap();
+        let whole = std::fs::read(&file).unwrap();
+        let mut other = jobs.clone();
+        other[0].config.training.learning_rate *= 0.5;
+        let refused = |jobs: &[Job]| train(jobs, &control).unwrap_err();
         assert!(matches!(
-            train(&jobs, &control),
-            Err(Error::BadCheckpoint { .. })
+            refused(&other),
+            Error::OtherCheckpoint {
+                what: "settings",
+                ..
+            }
         ));
+        let mut other = jobs.clone();
+        other[0].seed += 1;
+        assert!(matches!(
+            refused(&other),
+            Error::OtherCheckpoint {
+                what: "data or another seed",
+                ..
+            }
+        ));
+        assert_eq!(whole, std::fs::read(&file).unwrap(), "nothing is lost");
     }
+}
+
+/// Writes a checkpoint again with another header.
+fn rewrite(file: &Path, change: impl Fn(&mut serde_json::Value)) {
+    let content = std::fs::read(file).unwrap();
+    let (_, metadata) = SafeTensors::read_metadata(&content).unwrap();
+    let mut metadata = metadata.metadata().clone().unwrap();
+    let header = metadata.get_mut("residyn-checkpoint").unwrap();
+    let mut parsed = serde_json::from_str(header).unwrap();
+    change(&mut parsed);
+    *header = parsed.to_string();
+    let tensors = SafeTensors::deserialize(&content).unwrap();
+    std::fs::write(file, serialize(tensors.tensors(), Some(metadata)).unwrap()).unwrap();
+}
+
+#[test]
+fn damaged_and_foreign_checkpoints_are_refused_and_kept() {
+    let data = hysteresis();
+    let mut config = short(WINDOW);
+    config.training.epochs = 1;
+    let jobs = [data.job(config.clone())];
+    let mut wider = config;
+    let Architecture::Recurrent(shape) = &mut wider.architecture else {
+        unreachable!("a recurrent unit")
+    };
+    shape.encoder += 1;
+    let wider = [data.job(wider)];
+    let (ours, theirs) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let within = |folder: &'_ Path, jobs: &[Job]| {
+        let control = Control {
+            checkpoints: Some(folder),
+            ..Control::default()
+        };
+        train(jobs, &control)
+    };
+    within(ours.path(), &jobs).unwrap();
+    within(theirs.path(), &wider).unwrap();
+    let file = |folder: &tempfile::TempDir| folder.path().join("unit0-member0.safetensors");
+    let whole = std::fs::read(file(&ours)).unwrap();
+    let refused = || {
+        let before = std::fs::read(file(&ours)).unwrap();
+        let error = within(ours.path(), &jobs).unwrap_err();
+        assert_eq!(
+            before,
+            std::fs::read(file(&ours)).unwrap(),
+            "nothing is lost"
+        );
+        let message = error.to_string();
+        assert!(!message.contains('\n'), "{message}");
+        (error, message)
+    };
+
+    // A bit in the middle of the records: burn's own reader would take it.
+    for place in [whole.len() / 2, whole.len() - 1] {
+        let mut flipped = whole.clone();
+        flipped[place] ^= 1;
+        std::fs::write(file(&ours), flipped).unwrap();
+        let (error, message) = refused();
+        assert!(matches!(error, Error::BadCheckpoint { .. }), "{message}");
+    }
+    std::fs::write(file(&ours), &whole[..whole.len() / 2]).unwrap();
+    assert!(matches!(refused().0, Error::BadCheckpoint { .. }));
+
+    std::fs::write(file(&ours), &whole).unwrap();
+    rewrite(&file(&ours), |header| {
+        header.as_object_mut().unwrap().remove("version");
+    });
+    let (error, message) = refused();
+    let first = matches!(error, Error::CheckpointVersion { found: 1, .. });
+    assert!(first, "{message}");
+    std::fs::write(file(&ours), &whole).unwrap();
+    rewrite(&file(&ours), |header| header["version"] = 3.into());
+    assert!(matches!(
+        refused().0,
+        Error::CheckpointVersion { found: 3, .. }
+    ));
+
+    // Records of a wider unit under this unit's name: the hash is right, the shape is not.
+    let (_, metadata) = SafeTensors::read_metadata(&whole).unwrap();
+    let header = &metadata.metadata().as_ref().unwrap()["residyn-checkpoint"];
+    let origin: serde_json::Value = serde_json::from_str(header).unwrap();
+    std::fs::copy(file(&theirs), file(&ours)).unwrap();
+    rewrite(&file(&ours), |header| {
+        for key in ["fingerprint", "config"] {
+            header[key] = origin[key].clone();
+        }
+    });
+    let (error, message) = refused();
+    assert!(matches!(error, Error::BadCheckpoint { .. }), "{message}");
+    assert!(message.contains("shape"), "{message}");
+}
+
+/// Weights near the largest number of single precision make slopes that are not: no step is taken on them,
+/// and what was written before stays.
+#[test]
+fn a_gradient_that_is_not_finite_ends_the_training() {
+    let data = hysteresis();
+    let weight = Array1::from_elem(data.target.len(), f32::MAX);
+    let samples = Samples::new(
+        data.inputs.view(),
+        data.target.view(),
+        Some(weight.view()),
+        &data.trajectories,
+    )
+    .unwrap();
+    let mut config = short(WINDOW);
+    config.training.loss = Loss::Mse;
+    let mut job = data.job(config);
+    job.samples = samples;
+    let directory = tempfile::tempdir().unwrap();
+    let control = Control {
+        checkpoints: Some(directory.path()),
+        ..Control::default()
+    };
+    let error = train(&[job], &control).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "training diverged in epoch 1: the gradient is not finite; lower the learning rate"
+    );
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
 }
 
 /// A residual that the inputs say nothing about: the unit must go off and predict exactly zero.

@@ -123,6 +123,14 @@ impl From<ResidualError> for Failure {
             ResidualError::Compensator(compensator::Error::Interrupted) => {
                 Self::interrupted("Run the same command with --resume to go on.")
             }
+            ResidualError::Compensator(
+                e @ (compensator::Error::OtherCheckpoint { .. }
+                | compensator::Error::CheckpointVersion { .. }
+                | compensator::Error::BadCheckpoint { .. }),
+            ) => Self::input(
+                e.to_string(),
+                "Nothing was changed. Run without --resume to start afresh.",
+            ),
             ResidualError::Compensator(e) => Self::input(
                 e.to_string(),
                 "See train --check-only, or train with --physics-only.",

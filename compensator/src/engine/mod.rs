@@ -16,5 +16,5 @@ mod span;
 mod gradient_tests;
 
 pub(crate) use network::Network;
-pub(crate) use real::Real;
+pub(crate) use real::{Real, dot};
 pub(crate) use span::{Dropout, Span};

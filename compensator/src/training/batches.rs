@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use feedforward::network::{Architecture, Bounds, Memory, Normaliser, Recurrent};
 
-use super::config::Training;
 use super::samples::Samples;
+use crate::config::Training;
 use crate::engine::{Network, Real, Span};
 
 /// One row of a batch.

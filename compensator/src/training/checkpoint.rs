@@ -1,69 +1,74 @@
-//! Checkpoints: one safetensors file per network, written under a temporary name and renamed.
+//! Checkpoints: one safetensors file per network that holds burn's records as bytes, with settings and hash
+//! beside them; written under a temporary name and renamed.
 
 use std::collections::HashMap;
 use std::path::Path;
 
+use burn::tensor::Bytes;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::adam::Adam;
 use super::state::{Position, State};
 use crate::Error;
+use crate::config::UnitConfig;
+use crate::learning::Records;
 
 const KEY: &str = "residyn-checkpoint";
+
+/// 1 held bare vectors.
+const VERSION: u32 = 2;
+
+/// What a checkpoint has to belong to.
+#[derive(Debug)]
+pub(super) struct Origin<'a> {
+    /// Digest of data, settings and seed: resuming under others would not give the same weights.
+    pub(super) fingerprint: String,
+    /// The settings, to say what differs.
+    pub(super) config: &'a UnitConfig,
+}
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Header {
-    /// Digest of data, settings and seed: resuming under others would not give the same weights.
+    version: u32,
     fingerprint: String,
-    steps: u64,
+    config: UnitConfig,
     progress: Position,
-    /// SHA-256 of the four tensors.
+    /// SHA-256 of the records: burn's format has no checksum of its own.
     sha256: String,
 }
 
-fn bytes(values: &[f32]) -> Vec<u8> {
-    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+/// The part of a header that every version has in common.
+#[derive(Deserialize)]
+struct Version {
+    #[serde(default = "first")]
+    version: u32,
 }
 
-fn digest<'a>(tensors: impl Iterator<Item = &'a [u8]>) -> String {
+fn first() -> u32 {
+    1
+}
+
+/// burn's records by name; the last is that of the best weights so far.
+const NAMES: [&str; 4] = ["weights", "optimizer", "schedule", "best"];
+
+fn digest<'a>(records: impl Iterator<Item = &'a [u8]>) -> String {
     let mut hash = Sha256::new();
-    tensors.for_each(|t| hash.update(t));
+    records.for_each(|r| hash.update(r));
     hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }
 
-const NAMES: [&str; 4] = ["parameters", "first", "second", "best"];
-
-pub(super) fn save(path: &Path, fingerprint: &str, state: &State) -> Result<(), Error> {
-    let tensors = [
-        &state.parameters,
-        &state.adam.first,
-        &state.adam.second,
-        &state.best,
-    ]
-    .map(|v| bytes(v));
-    let bad = |problem: String| Error::BadCheckpoint {
+/// Writes the state of a training.
+///
+/// # Errors
+/// [`Error::Io`], or [`Error::BadCheckpoint`] where a record cannot be written down.
+pub(super) fn save(path: &Path, origin: &Origin, state: &State) -> Result<(), Error> {
+    let content = content(origin, state).map_err(|e| Error::BadCheckpoint {
         path: path.to_owned(),
-        problem,
-    };
-    let header = Header {
-        fingerprint: fingerprint.to_owned(),
-        steps: state.adam.steps,
-        progress: state.progress.clone(),
-        sha256: digest(tensors.iter().map(|t| &t[..])),
-    };
-    let header = serde_json::to_string(&header).map_err(|e| bad(e.to_string()))?;
-    let views = NAMES
-        .iter()
-        .zip(&tensors)
-        .map(|(name, t)| Ok((*name, TensorView::new(Dtype::F32, vec![t.len() / 4], t)?)))
-        .collect::<Result<Vec<_>, safetensors::SafeTensorError>>()
-        .map_err(|e| bad(e.to_string()))?;
-    let content = safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), header)])))
-        .map_err(|e| bad(e.to_string()))?;
+        problem: e.to_string(),
+    })?;
     let temporary = path.with_extension("tmp");
     std::fs::write(&temporary, content)
         .and_then(|()| std::fs::rename(&temporary, path))
@@ -73,7 +78,36 @@ pub(super) fn save(path: &Path, fingerprint: &str, state: &State) -> Result<(), 
         })
 }
 
-pub(super) fn load(path: &Path, fingerprint: &str, parameters: usize) -> Result<State, Error> {
+fn content(origin: &Origin, state: &State) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let Records {
+        weights,
+        optimizer,
+        schedule,
+    } = state.learner.records()?;
+    let records = [weights, optimizer, schedule, state.best.record()?];
+    let header = Header {
+        version: VERSION,
+        fingerprint: origin.fingerprint.clone(),
+        config: origin.config.clone(),
+        progress: state.progress.clone(),
+        sha256: digest(records.iter().map(|r| &r[..])),
+    };
+    let header = serde_json::to_string(&header)?;
+    let views = NAMES
+        .iter()
+        .zip(&records)
+        .map(|(name, r)| Ok((*name, TensorView::new(Dtype::U8, vec![r.len()], r)?)))
+        .collect::<Result<Vec<_>, safetensors::SafeTensorError>>()?;
+    let metadata = HashMap::from([(KEY.to_owned(), header)]);
+    Ok(safetensors::serialize(views, Some(metadata))?)
+}
+
+/// Puts the state of a checkpoint in place of a fresh one.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::CheckpointVersion`], [`Error::OtherCheckpoint`] or [`Error::BadCheckpoint`], and the
+/// file stays as it is.
+pub(super) fn load(path: &Path, origin: &Origin, fresh: State) -> Result<State, Error> {
     let bad = |problem: String| Error::BadCheckpoint {
         path: path.to_owned(),
         problem,
@@ -89,35 +123,44 @@ pub(super) fn load(path: &Path, fingerprint: &str, parameters: usize) -> Result<
         .as_ref()
         .and_then(|m| m.get(KEY))
         .ok_or_else(|| bad("not a checkpoint".into()))?;
-    let header: Header = serde_json::from_str(header).map_err(|e| bad(e.to_string()))?;
-    let mut views = Vec::new();
-    for name in NAMES {
-        let view = file.tensor(name).map_err(|e| bad(e.to_string()))?;
-        if view.dtype() != Dtype::F32 {
-            return Err(bad(format!("tensor `{name}` is not f32")));
-        }
-        views.push(view);
-    }
-    if digest(views.iter().map(|v| v.data())) != header.sha256 {
-        return Err(bad("its checksum does not match".into()));
-    }
-    if header.fingerprint != fingerprint || views.iter().any(|v| v.data().len() != 4 * parameters) {
-        return Err(Error::OtherCheckpoint {
+    let Version { version } = serde_json::from_str(header).map_err(|e| bad(e.to_string()))?;
+    if version != VERSION {
+        return Err(Error::CheckpointVersion {
             path: path.to_owned(),
+            found: version,
+            supported: VERSION,
         });
     }
-    let [parameters, first, second, best] = [0, 1, 2, 3].map(|i: usize| {
-        let (values, _) = views[i].data().as_chunks::<4>();
-        values.iter().map(|b| f32::from_le_bytes(*b)).collect()
-    });
+    let header: Header = serde_json::from_str(header).map_err(|e| bad(e.to_string()))?;
+    let mut records = Vec::new();
+    for name in NAMES {
+        let view = file.tensor(name).map_err(|e| bad(e.to_string()))?;
+        records.push(view.data());
+    }
+    if digest(records.iter().copied()) != header.sha256 {
+        return Err(bad("its checksum does not match".into()));
+    }
+    if header.fingerprint != origin.fingerprint {
+        let what = if header.config == *origin.config {
+            "data or another seed"
+        } else {
+            "settings"
+        };
+        return Err(Error::OtherCheckpoint {
+            path: path.to_owned(),
+            what,
+        });
+    }
+    let [weights, optimizer, schedule, best] =
+        [0, 1, 2, 3].map(|i: usize| Bytes::from_bytes_vec(records[i].to_vec()));
+    let records = Records {
+        weights,
+        optimizer,
+        schedule,
+    };
     Ok(State {
-        parameters,
-        adam: Adam {
-            first,
-            second,
-            steps: header.steps,
-        },
-        best,
+        learner: fresh.learner.restore(records).map_err(bad)?,
+        best: fresh.best.restore(best).map_err(bad)?,
         progress: header.progress,
     })
 }

@@ -9,12 +9,12 @@ use feedforward::network::{Bounds, Normaliser, Unit};
 use sha2::{Digest, Sha256};
 
 use super::batches::{Gatherer, Item, Layout};
-use super::config::UnitConfig;
 use super::samples::{Samples, Split};
-use super::state::{Epoch, State};
-use super::trainer::{Trainer, resume};
+use super::state::{Epoch, Position, State};
+use super::trainer::Trainer;
 use super::{checkpoint, predict::predict};
 use crate::Error;
+use crate::config::UnitConfig;
 
 /// One unit to train.
 #[derive(Debug, Clone)]
@@ -212,13 +212,14 @@ impl<'a, 'd> Prepared<'a, 'd> {
         Ok((unit, Some(with), Some(without)))
     }
 
+    /// Best weights of one network, and how it went.
     fn network(
         &self,
         member: usize,
         path: Option<PathBuf>,
         control: &Control,
         report: impl Fn(&State),
-    ) -> Result<State, Error> {
+    ) -> Result<(Vec<f32>, Position), Error> {
         let config = &self.job.config;
         let seed = self.job.seed.wrapping_add(member as u64);
         let layout = Layout::new(&config.architecture, &config.training);
@@ -230,12 +231,10 @@ impl<'a, 'd> Prepared<'a, 'd> {
             bounds: &self.bounds,
             layout,
         };
-        let fingerprint = format!("{}-{seed}", self.fingerprint);
-        let count = config
-            .architecture
-            .parameter_count(self.job.columns.len())
-            .unwrap_or(0);
-        let state = resume(path.as_deref(), &fingerprint, count)?;
+        let origin = checkpoint::Origin {
+            fingerprint: format!("{}-{seed}", self.fingerprint),
+            config,
+        };
         let items = (&self.train[..], &self.validation[..]);
         let mut trainer = Trainer::new(
             &gather,
@@ -243,17 +242,20 @@ impl<'a, 'd> Prepared<'a, 'd> {
             items,
             seed,
             self.level,
-            state,
         )?;
+        if let Some(path) = path.as_deref().filter(|path| path.exists()) {
+            trainer.state = checkpoint::load(path, &origin, trainer.state)?;
+        }
         let run = trainer.run(control.cancel, |state| {
             report(state);
             path.as_deref()
-                .map_or(Ok(()), |path| checkpoint::save(path, &fingerprint, state))
+                .map_or(Ok(()), |path| checkpoint::save(path, &origin, state))
         });
         if let (Err(Error::Interrupted), Some(path)) = (&run, &path) {
-            checkpoint::save(path, &fingerprint, &trainer.state)?;
+            checkpoint::save(path, &origin, &trainer.state)?;
         }
-        run.map(|()| trainer.state)
+        run?;
+        Ok((trainer.state.best.values(), trainer.state.progress))
     }
 }
 
@@ -277,7 +279,7 @@ pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
         .enumerate()
         .flat_map(|(i, job)| (0..job.config.members).map(move |m| (i, m)))
         .collect();
-    let results: Vec<OnceLock<Result<State, Error>>> =
+    let results: Vec<OnceLock<Result<(Vec<f32>, Position), Error>>> =
         tasks.iter().map(|_| OnceLock::new()).collect();
     let next = AtomicUsize::new(0);
     let clock = Clock::new(&tasks, &prepared);
@@ -306,19 +308,20 @@ pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
         }
         work();
     });
-    let mut states = results
+    let mut networks = results
         .into_iter()
         .map(|cell| cell.into_inner().unwrap_or(Err(Error::Interrupted)));
     prepared
         .iter()
         .map(|p| {
-            let states = states
+            let networks = networks
                 .by_ref()
                 .take(p.job.config.members)
-                .collect::<Result<Vec<State>, _>>()?;
-            let history = states.iter().map(|s| s.progress.history.clone()).collect();
-            let best_epoch = states.iter().map(|s| s.progress.best_epoch).collect();
-            let unit = p.unit(states.into_iter().map(|s| s.best).collect());
+                .collect::<Result<Vec<_>, _>>()?;
+            let (members, positions): (Vec<_>, Vec<_>) = networks.into_iter().unzip();
+            let best_epoch = positions.iter().map(|at| at.best_epoch).collect();
+            let history = positions.into_iter().map(|at| at.history).collect();
+            let unit = p.unit(members);
             let (unit, validation_rmse, validation_rmse_off) = p.judge(unit)?;
             Ok(Trained {
                 unit,

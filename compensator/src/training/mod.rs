@@ -1,19 +1,16 @@
 //! Training of one unit, of an ensemble of seeds, and of all units on all cores.
 
-mod adam;
 mod batches;
 mod checkpoint;
-mod config;
 mod ensemble;
 mod folds;
-mod loss;
 mod predict;
 mod ridge;
 mod samples;
 mod state;
 mod trainer;
 
-pub use config::{Loss, Schedule, Training, UnitConfig};
+pub use crate::config::{Loss, Schedule, Training, UnitConfig};
 pub use ensemble::{Control, Job, Progress, Report, Trained, train};
 pub use folds::{Fold, folds};
 pub use predict::predict;

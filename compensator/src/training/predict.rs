@@ -3,9 +3,9 @@
 use feedforward::network::{Unit, UnitStream};
 
 use super::batches::{Gatherer, Layout};
-use super::config::Training;
 use super::samples::Samples;
 use crate::Error;
+use crate::config::Training;
 use crate::engine::{Network, Span};
 
 /// Residual torque, N·m, of every sample in the given trajectories; 0 in the others.

@@ -1,21 +1,19 @@
 //! Where a training stands: all that a checkpoint holds.
 
-use super::adam::Adam;
+use crate::learning::{Learner, Weights};
 use serde::{Deserialize, Serialize};
 
 /// Everything that the rest of the training depends on: with the settings, the data and the seed it is
 /// all that a checkpoint holds. Random numbers are drawn afresh from (seed, epoch, batch), so the
 /// generator has no state of its own.
-#[derive(Debug, Clone, PartialEq)]
 pub(super) struct State {
-    pub(super) parameters: Vec<f32>,
-    pub(super) adam: Adam,
-    pub(super) best: Vec<f32>,
+    pub(super) learner: Learner,
+    pub(super) best: Weights,
     pub(super) progress: Position,
 }
 
 /// Where the loop stands.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Position {
     /// Finished batches of the running epoch and their summed cost and weight.
@@ -24,11 +22,8 @@ pub(super) struct Position {
     pub(super) weight: f64,
     pub(super) history: Vec<Epoch>,
     pub(super) best_epoch: usize,
-    /// Epochs since the best one, and since the plateau schedule last acted or improved.
+    /// Epochs since the best one.
     pub(super) stale: usize,
-    pub(super) plateau: usize,
-    /// Product of the plateau schedule's factors.
-    pub(super) rate: f32,
     pub(super) finished: bool,
 }
 

@@ -1,23 +1,20 @@
 //! The loop that trains one network from one seed.
 
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use feedforward::network::Architecture;
-use pulp::Arch;
+use rand::SeedableRng;
 use rand::seq::SliceRandom;
-use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::adam::Adam;
 use super::batches::{Gatherer, Item};
-use super::config::{Schedule, Training};
 use super::state::{Epoch, Position, State};
 use crate::Error;
-use crate::engine::{Dropout, Network};
+use crate::config::Training;
+use crate::engine::Network;
+use crate::learning::{Batch, Learner, NotFinite, Weights};
 
 /// One network under training.
-#[derive(Debug)]
 pub(super) struct Trainer<'a, 'd> {
     gather: &'a Gatherer<'a, 'd>,
     architecture: &'a Architecture,
@@ -25,13 +22,8 @@ pub(super) struct Trainer<'a, 'd> {
     seed: u64,
     train: &'a [Item],
     validation: &'a [Item],
-    network: Network<f32>,
-    arch: Arch,
+    batch: Batch,
     pub(super) state: State,
-    gradient: Vec<f32>,
-    dropout: Dropout<f32>,
-    outputs: Vec<f32>,
-    slopes: Vec<f32>,
 }
 
 /// Independent generator for each purpose and moment.
@@ -44,75 +36,38 @@ fn generator(seed: u64, purpose: u8, epoch: usize, batch: usize) -> ChaCha8Rng {
     ChaCha8Rng::from_seed(key)
 }
 
-/// Uniform in ±1/√(inputs of a unit); LSTM forget biases start at 1 so that gradients reach back, and the
-/// output starts at `level`.
-fn initial(
-    architecture: &Architecture,
-    inputs: usize,
-    level: f32,
-    rng: &mut ChaCha8Rng,
-) -> Vec<f32> {
-    let mut parameters = Vec::new();
-    let tensors = architecture.tensors(inputs).unwrap_or_default();
-    let last = tensors.len().saturating_sub(1);
-    for (i, t) in tensors.iter().enumerate() {
-        let lstm = t.name.starts_with("encoder") || t.name.starts_with("reencoder");
-        let fan = if lstm {
-            t.shape[1] / 4
-        } else {
-            t.shape[0].max(if t.name == "attention.score" {
-                t.shape[1]
-            } else {
-                1
-            })
-        };
-        let bound = 1.0 / (fan as f32).sqrt();
-        let bias = t.name.ends_with("bias");
-        parameters.extend((0..t.range.len()).map(|k| match () {
-            () if i == last => level,
-            () if bias && lstm && k / fan == 1 => 1.0,
-            () if bias => 0.0,
-            () => rng.random_range(-bound..bound),
-        }));
-    }
-    parameters
+/// Samples that an epoch visits, and the steps that it takes.
+fn epoch_size(settings: &Training, samples: usize) -> (usize, usize) {
+    let visited = (samples as f32 * settings.share).ceil() as usize;
+    (visited, visited.div_ceil(settings.batch))
 }
 
 impl<'a, 'd> Trainer<'a, 'd> {
-    /// A fresh network whose output starts at `level` (normalised), or one resumed from `state`.
+    /// A fresh network whose output starts at `level` (normalised).
+    ///
+    /// # Errors
+    /// Settings that cannot work.
     pub(super) fn new(
         gather: &'a Gatherer<'a, 'd>,
         (architecture, settings): (&'a Architecture, &'a Training),
         (train, validation): (&'a [Item], &'a [Item]),
         seed: u64,
         level: f32,
-        state: Option<State>,
     ) -> Result<Self, Error> {
         let inputs = gather.columns.len();
-        let too_large = || Error::Config {
+        let network = Network::new(architecture, inputs).ok_or_else(|| Error::Config {
             setting: "architecture",
             problem: "a width is zero or absurdly large".into(),
-        };
-        let network = Network::new(architecture, inputs).ok_or_else(too_large)?;
-        let state = state.unwrap_or_else(|| {
-            let parameters = initial(architecture, inputs, level, &mut generator(seed, 0, 0, 0));
-            State {
-                adam: Adam::new(parameters.len()),
-                best: parameters.clone(),
-                parameters,
-                progress: Position {
-                    batch: 0,
-                    loss: 0.0,
-                    weight: 0.0,
-                    history: Vec::new(),
-                    best_epoch: 0,
-                    stale: 0,
-                    plateau: 0,
-                    rate: 1.0,
-                    finished: false,
-                },
-            }
-        });
+        })?;
+        let rng = &mut generator(seed, 0, 0, 0);
+        let weights = Weights::initial(architecture, inputs, level, rng);
+        let best = weights.clone();
+        let (_, batches) = epoch_size(settings, train.len());
+        let steps = settings.epochs * batches;
+        let learner = Learner::new(weights, settings, steps).map_err(|problem| Error::Config {
+            setting: "training",
+            problem,
+        })?;
         Ok(Self {
             gather,
             architecture,
@@ -120,13 +75,12 @@ impl<'a, 'd> Trainer<'a, 'd> {
             seed,
             train,
             validation,
-            network,
-            arch: Arch::new(),
-            gradient: vec![0.0; state.parameters.len()],
-            state,
-            dropout: Dropout::default(),
-            outputs: Vec::new(),
-            slopes: Vec::new(),
+            batch: Batch::new(network, settings.loss),
+            state: State {
+                learner,
+                best,
+                progress: Position::default(),
+            },
         })
     }
 
@@ -138,8 +92,7 @@ impl<'a, 'd> Trainer<'a, 'd> {
         cancel: Option<&AtomicBool>,
         mut after: impl FnMut(&State) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let visited = (self.train.len() as f32 * self.settings.share).ceil() as usize;
-        let batches = visited.div_ceil(self.settings.batch);
+        let (visited, batches) = epoch_size(self.settings, self.train.len());
         let mut order = Vec::new();
         while !self.state.progress.finished {
             let epoch = self.state.progress.history.len();
@@ -153,7 +106,7 @@ impl<'a, 'd> Trainer<'a, 'd> {
                 }
                 let from = self.state.progress.batch * self.settings.batch;
                 let items = &order[from..order.len().min(from + self.settings.batch)];
-                self.step(epoch, batches, items);
+                self.step(epoch, items)?;
                 self.state.progress.batch += 1;
             }
             self.end_epoch(epoch)?;
@@ -162,91 +115,43 @@ impl<'a, 'd> Trainer<'a, 'd> {
         Ok(())
     }
 
-    /// One batch: forward, cost, backward, clip, Adam.
-    fn step(&mut self, epoch: usize, batches: usize, items: &[Item]) {
-        let settings = self.settings;
-        let span = self.gather.layout.span(items.len());
-        self.network.begin(span);
-        self.gather.inputs(items, &mut self.network);
-        let dropout = (settings.dropout > 0.0).then(|| {
+    /// Writes inputs and targets of the items into the batch.
+    fn fill(&mut self, items: &[Item]) {
+        self.batch.begin(self.gather.layout.span(items.len()));
+        self.gather.inputs(items, &mut self.batch.network);
+        let targets = self.gather.targets(items);
+        self.batch
+            .targets
+            .extend(targets.map(|(_, target, weight)| (target, weight)));
+    }
+
+    /// One batch.
+    fn step(&mut self, epoch: usize, items: &[Item]) -> Result<(), Error> {
+        self.fill(items);
+        if self.batch.weight() == 0.0 {
+            self.state.learner.skip();
+            return Ok(());
+        }
+        if self.settings.dropout > 0.0 {
             let rng = &mut generator(self.seed, 2, epoch, self.state.progress.batch);
-            self.dropout
-                .draw(self.architecture, span, settings.dropout, rng);
-            &self.dropout
-        });
-        self.outputs.resize(span.outputs(), 0.0);
-        self.network
-            .forward(&self.state.parameters, dropout, &mut self.outputs);
-
-        self.slopes.clear();
-        let (mut loss, mut total) = (0.0, 0.0);
-        for (&y, (_, target, weight)) in self.outputs.iter().zip(self.gather.targets(items)) {
-            let (cost, slope) = settings.loss.cost(y - target);
-            loss += f64::from(weight) * f64::from(cost);
-            total += f64::from(weight);
-            self.slopes.push(weight * slope);
+            let span = self.gather.layout.span(items.len());
+            let dropout = self.batch.dropout.get_or_insert_default();
+            dropout.draw(self.architecture, span, self.settings.dropout, rng);
         }
-        self.state.progress.loss += loss;
-        self.state.progress.weight += total;
-        if total == 0.0 {
-            return;
-        }
-        let share = (1.0 / total) as f32;
-        self.slopes.iter_mut().for_each(|s| *s *= share);
-        self.gradient.fill(0.0);
-        self.network.backward(
-            &self.state.parameters,
-            dropout,
-            &self.slopes,
-            &mut self.gradient,
-        );
-        let norm = self
-            .gradient
-            .iter()
-            .map(|&g| f64::from(g) * f64::from(g))
-            .sum::<f64>()
-            .sqrt() as f32;
-        let scale = if norm > settings.clip {
-            settings.clip / norm
-        } else {
-            1.0
-        };
-        let rate = self.rate(epoch, batches);
-        self.state.adam.step(
-            self.arch,
-            &mut self.state.parameters,
-            &self.gradient,
-            scale,
-            rate,
-            settings.weight_decay,
-        );
-    }
-
-    /// Part of all steps that is done.
-    fn done(&self, epoch: usize, batches: usize) -> f32 {
-        (epoch * batches + self.state.progress.batch) as f32
-            / (self.settings.epochs * batches) as f32
-    }
-
-    fn rate(&self, epoch: usize, batches: usize) -> f32 {
-        let factor = match self.settings.schedule {
-            Schedule::Constant => 1.0,
-            Schedule::Plateau { .. } => self.state.progress.rate,
-            Schedule::Cosine { end } => fall(self.done(epoch, batches), 1.0, end),
-            Schedule::OneCycle {
-                warm_up,
-                start,
-                end,
-            } => {
-                let done = self.done(epoch, batches);
-                if done < warm_up {
-                    fall(done / warm_up, start, 1.0)
-                } else {
-                    fall((done - warm_up) / (1.0 - warm_up), 1.0, end)
-                }
-            }
-        };
-        self.settings.learning_rate * factor
+        let cost = self
+            .state
+            .learner
+            .step(&mut self.batch)
+            .map_err(|quantity| Error::Diverged {
+                epoch: epoch + 1,
+                what: match quantity {
+                    NotFinite::Loss => "loss",
+                    NotFinite::Gradient => "gradient",
+                },
+            })?;
+        self.state.progress.loss += cost.sum;
+        self.state.progress.weight += cost.weight;
+        Ok(())
     }
 
     /// Scores the epoch, keeps the best weights, decides whether to go on.
@@ -254,8 +159,15 @@ impl<'a, 'd> Trainer<'a, 'd> {
         let validation_rmse = (!self.validation.is_empty()).then(|| self.validation_rmse());
         let position = &mut self.state.progress;
         let train_loss = position.loss / position.weight;
-        if !train_loss.is_finite() || validation_rmse.is_some_and(|e| !e.is_finite()) {
-            return Err(Error::Diverged { epoch: epoch + 1 });
+        let diverged = |what| Error::Diverged {
+            epoch: epoch + 1,
+            what,
+        };
+        if !train_loss.is_finite() {
+            return Err(diverged("loss"));
+        }
+        if validation_rmse.is_some_and(|e| !e.is_finite()) {
+            return Err(diverged("validation error"));
         }
         let best = position
             .history
@@ -272,18 +184,10 @@ impl<'a, 'd> Trainer<'a, 'd> {
         });
         (position.batch, position.loss, position.weight) = (0, 0.0, 0.0);
         if improved {
-            position.best_epoch = epoch;
-            (position.stale, position.plateau) = (0, 0);
-            self.state.best.copy_from_slice(&self.state.parameters);
+            (position.best_epoch, position.stale) = (epoch, 0);
+            self.state.best = self.state.learner.weights().clone();
         } else {
             position.stale += 1;
-            position.plateau += 1;
-        }
-        if let Schedule::Plateau { factor, patience } = self.settings.schedule
-            && position.plateau > patience
-        {
-            position.rate *= factor;
-            position.plateau = 0;
         }
         position.finished = position.history.len() >= self.settings.epochs
             || position.stale > self.settings.patience;
@@ -292,38 +196,16 @@ impl<'a, 'd> Trainer<'a, 'd> {
 
     /// Weighted root mean square error of the validation items, N·m.
     fn validation_rmse(&mut self) -> f64 {
+        let parameters = self.state.learner.weights().values();
         let (mut sum, mut total) = (0.0, 0.0);
         for items in self.validation.chunks(512) {
-            let span = self.gather.layout.span(items.len());
-            self.network.begin(span);
-            self.gather.inputs(items, &mut self.network);
-            self.outputs.resize(span.outputs(), 0.0);
-            self.network
-                .forward(&self.state.parameters, None, &mut self.outputs);
-            for (&y, (_, target, weight)) in self.outputs.iter().zip(self.gather.targets(items)) {
+            self.fill(items);
+            let (outputs, targets) = self.batch.outputs(&parameters);
+            for (&y, &(target, weight)) in outputs.iter().zip(targets) {
                 sum += f64::from(weight) * f64::from(y - target).powi(2);
                 total += f64::from(weight);
             }
         }
         (sum / total).sqrt() * f64::from(self.gather.target.span()[0])
     }
-}
-
-/// Reads a checkpoint where one exists, else `None`.
-pub(super) fn resume(
-    path: Option<&Path>,
-    fingerprint: &str,
-    parameters: usize,
-) -> Result<Option<State>, Error> {
-    match path {
-        Some(path) if path.exists() => {
-            super::checkpoint::load(path, fingerprint, parameters).map(Some)
-        }
-        _ => Ok(None),
-    }
-}
-
-/// Half a cosine from `from` at 0 to `to` at 1.
-fn fall(done: f32, from: f32, to: f32) -> f32 {
-    to + (from - to) * 0.5 * (1.0 + (std::f32::consts::PI * done).cos())
 }

@@ -1,6 +1,6 @@
 //! One member network on scaled samples.
 
-use candle_core::{DType, Device, Result, Tensor};
+use candle_core::{Result, Tensor};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -55,21 +55,21 @@ impl Network<'_> {
                 match memory {
                     Memory::Window { timestep } => {
                         let steps = window(x, *timestep)?;
-                        let mut state = State::zero(x.dim(0)?, *encoder)?;
+                        let mut state = State::zero(x, x.dim(0)?, *encoder)?;
                         let mut states = Vec::new();
                         for step in &steps {
                             state = self.lstm("encoder", step, &state)?;
                             states.push(state.h.clone());
                         }
-                        let mut s = State::zero(x.dim(0)?, *reencoder)?;
+                        let mut s = State::zero(x, x.dim(0)?, *reencoder)?;
                         for h in &states {
                             s = self.reencode(attended, h, &states, &s)?;
                         }
                         self.dense(&s.h, "output")?.squeeze(1)
                     }
                     Memory::Carried { attended: last } => {
-                        let mut state = State::zero(1, *encoder)?;
-                        let mut s = State::zero(1, *reencoder)?;
+                        let mut state = State::zero(x, 1, *encoder)?;
+                        let mut s = State::zero(x, 1, *reencoder)?;
                         let (mut states, mut outputs) = (Vec::new(), Vec::new());
                         for row in 0..x.dim(0)? {
                             state = self.lstm("encoder", &x.narrow(0, row, 1)?, &state)?;
@@ -135,8 +135,9 @@ struct State {
 }
 
 impl State {
-    fn zero(rows: usize, width: usize) -> Result<Self> {
-        let zero = Tensor::zeros((rows, width), DType::F64, &Device::Cpu)?;
+    /// Zero states in the type and on the device of `like`.
+    fn zero(like: &Tensor, rows: usize, width: usize) -> Result<Self> {
+        let zero = Tensor::zeros((rows, width), like.dtype(), like.device())?;
         Ok(Self {
             h: zero.clone(),
             c: zero,
@@ -157,7 +158,7 @@ fn window(x: &Tensor, timestep: usize) -> Result<Vec<Tensor>> {
             let places: Vec<u32> = (0..rows)
                 .map(|row| (row + t + 1).saturating_sub(timestep) as u32)
                 .collect();
-            x.index_select(&Tensor::new(places, &Device::Cpu)?, 0)
+            x.index_select(&Tensor::new(places, x.device())?, 0)
         })
         .collect()
 }

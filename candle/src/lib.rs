@@ -1,5 +1,22 @@
-//! Evaluates compensator files as `docs/compensator-format.md` describes them, in double precision on
-//! candle tensors. Shares no code with the run-time, so that the two check each other.
+//! A compensator on candle tensors: loads `compensator.safetensors` and predicts the residual torque of prepared
+//! inputs, on any device that candle has.
+//!
+//! Written from `docs/compensator-format.md` alone and without the run-time's code, so that the two check each
+//! other. For a control loop take `feedforward`: it is faster on single samples and allocates nothing.
+//!
+//! ```no_run
+//! use candle_core::{DType, Device, Tensor};
+//! use compensator_candle::Compensator;
+//!
+//! # fn main() -> candle_core::Result<()> {
+//! let device = Device::Cpu;
+//! let compensator = Compensator::load("model/compensator.safetensors", DType::F32, &device)?;
+//! println!("{:?} to {:?}", compensator.inputs(), compensator.joints());
+//! let inputs = Tensor::zeros((100, compensator.inputs().len()), DType::F32, &device)?;
+//! let torque = compensator.torque(&inputs)?; // (100, joints), N·m
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
 
 mod network;
@@ -7,19 +24,22 @@ mod network;
 use candle_core::{DType, Device, Result, Tensor, bail};
 use network::{Architecture, Network};
 use serde::Deserialize;
-use std::collections::HashMap;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 #[derive(Deserialize)]
 struct Envelope {
     format: String,
     version: u32,
+    sha256: String,
     header: String,
 }
 
 #[derive(Deserialize)]
 struct Header {
     joints: Vec<String>,
+    inputs: Vec<String>,
     units: Vec<Unit>,
 }
 
@@ -41,23 +61,29 @@ struct Fade {
     end: f64,
 }
 
-/// A compensator file with its tensors.
-pub struct Reader {
+/// The units of all joints, ready to predict.
+pub struct Compensator {
     header: Header,
-    tensors: HashMap<String, Tensor>,
+    tensors: BTreeMap<String, Tensor>,
+    dtype: DType,
+    device: Device,
 }
 
-impl Reader {
-    /// Reads a file; its checksum is not verified here.
+impl Compensator {
+    /// Reads a file; all computation is in `dtype` (F32 or F64) on `device`.
     ///
     /// # Errors
-    /// Not a safetensors file, or not one of format 1.
-    pub fn load(path: &Path) -> Result<Self> {
+    /// Not a safetensors file, not a compensator of format 1, or one that was altered.
+    pub fn load(path: impl AsRef<Path>, dtype: DType, device: &Device) -> Result<Self> {
+        if !matches!(dtype, DType::F32 | DType::F64) {
+            bail!("a compensator computes in F32 or F64, not {dtype:?}");
+        }
         let bytes = std::fs::read(path)?;
         let Some((length, rest)) = bytes.split_first_chunk::<8>() else {
             bail!("shorter than a safetensors file");
         };
-        let Some(json) = rest.get(..u64::from_le_bytes(*length) as usize) else {
+        let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
+        let Some(json) = rest.get(..length) else {
             bail!("its header is cut short");
         };
         let outer: serde_json::Value = parse(json)?;
@@ -68,35 +94,63 @@ impl Reader {
         if (envelope.format.as_str(), envelope.version) != ("residyn/compensator", 1) {
             bail!("format {} {}", envelope.format, envelope.version);
         }
-        let tensors = candle_core::safetensors::load_buffer(&bytes, &Device::Cpu)?
+        let stored: BTreeMap<String, Tensor> =
+            candle_core::safetensors::load_buffer(&bytes, &Device::Cpu)?
+                .into_iter()
+                .collect();
+        if checksum(&envelope.header, &stored)? != envelope.sha256 {
+            bail!("its checksum does not match: the file was altered or damaged");
+        }
+        let tensors = stored
             .into_iter()
-            .map(|(name, tensor)| Ok((name, tensor.to_dtype(DType::F64)?)))
+            .map(|(name, tensor)| Ok((name, tensor.to_dtype(dtype)?.to_device(device)?)))
             .collect::<Result<_>>()?;
         Ok(Self {
             header: parse(envelope.header.as_bytes())?,
             tensors,
+            dtype,
+            device: device.clone(),
         })
     }
 
-    /// Residual torque, N·m, after each of `samples` (rows of all input columns), one trajectory from
-    /// its start; shape (samples, joints).
+    /// Joints, base first: the columns of [`Self::torque`].
+    pub fn joints(&self) -> &[String] {
+        &self.header.joints
+    }
+
+    /// Names of the input columns, in their order.
+    pub fn inputs(&self) -> &[String] {
+        &self.header.inputs
+    }
+
+    /// Residual torque, N·m, after each row of `inputs` (samples, columns): one trajectory from its start, its
+    /// samples at the period that the model was trained at. Shape (samples, joints).
     ///
     /// # Errors
-    /// A tensor that is missing or of another shape than documented.
-    pub fn torque(&self, samples: &[Vec<f32>]) -> Result<Vec<Vec<f64>>> {
-        let mut torque = vec![vec![0.0; self.header.joints.len()]; samples.len()];
-        let (rows, columns) = (samples.len(), samples.first().map_or(0, Vec::len));
-        let table = Tensor::from_vec(samples.concat(), (rows, columns), &Device::Cpu)?
-            .to_dtype(DType::F64)?;
+    /// Inputs of another width, type or device; a tensor that is missing or of another shape than documented.
+    pub fn torque(&self, inputs: &Tensor) -> Result<Tensor> {
+        let (samples, columns) = inputs.dims2()?;
+        if columns != self.header.inputs.len() {
+            bail!(
+                "{columns} input columns, the compensator takes {}",
+                self.header.inputs.len()
+            );
+        }
+        let silent = Tensor::zeros(samples, self.dtype, &self.device)?;
+        let mut torque = vec![silent; self.header.joints.len()];
         for (i, unit) in self.header.units.iter().enumerate() {
-            if unit.enabled {
-                let own = self.unit(i, unit, &table)?.to_vec1::<f64>()?;
-                for (row, value) in torque.iter_mut().zip(own) {
-                    row[unit.joint] += value;
-                }
+            let Some(joint) = torque.get_mut(unit.joint) else {
+                bail!(
+                    "unit {i} is of joint {}, there are {}",
+                    unit.joint,
+                    self.header.joints.len()
+                );
+            };
+            if unit.enabled && samples > 0 {
+                *joint = (&*joint + self.unit(i, unit, inputs)?)?;
             }
         }
-        Ok(torque)
+        Tensor::stack(&torque, 1)
     }
 
     fn tensor(&self, name: &str) -> Result<&Tensor> {
@@ -109,7 +163,7 @@ impl Reader {
     /// Torque of one unit after every row, shape (samples).
     fn unit(&self, i: usize, unit: &Unit, table: &Tensor) -> Result<Tensor> {
         let get = |name: &str| self.tensor(&format!("units.{i}.{name}"));
-        let columns = Tensor::new(unit.columns.as_slice(), &Device::Cpu)?;
+        let columns = Tensor::new(unit.columns.as_slice(), &self.device)?;
         let x = scale(&table.index_select(&columns, 1)?, get("input")?)?;
         let range = get("range")?;
         let (low, high, mean) = (range.get(0)?, range.get(1)?, range.get(2)?);
@@ -118,7 +172,7 @@ impl Reader {
         let held = x
             .broadcast_maximum(&(&low - &slack)?)?
             .broadcast_minimum(&(&high + &slack)?)?;
-        let mut sum = Tensor::zeros(table.dim(0)?, DType::F64, &Device::Cpu)?;
+        let mut sum = Tensor::zeros(table.dim(0)?, self.dtype, &self.device)?;
         for member in 0..unit.members {
             let prefix = format!("units.{i}.members.{member}.");
             let network = Network {
@@ -126,7 +180,7 @@ impl Reader {
             };
             sum = (sum + network.evaluate(&unit.architecture, &held)?)?;
         }
-        let target = get("target")?.flatten_all()?.to_vec1::<f64>()?;
+        let target = numbers(&get("target")?.flatten_all()?)?;
         let torque = sum.affine(target[1] / unit.members as f64, target[0])?;
         let torque = bend(&torque, unit.limit)?;
 
@@ -152,6 +206,30 @@ impl Reader {
 
 fn parse<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T> {
     serde_json::from_slice(json).map_err(candle_core::Error::wrap)
+}
+
+/// A vector's values on the host.
+fn numbers(vector: &Tensor) -> Result<Vec<f64>> {
+    vector.to_dtype(DType::F64)?.to_vec1()
+}
+
+/// The checksum of the format: header, then every tensor by ascending name.
+fn checksum(header: &str, tensors: &BTreeMap<String, Tensor>) -> Result<String> {
+    let mut hash = Sha256::new();
+    hash.update(header);
+    for (name, tensor) in tensors {
+        hash.update([0]);
+        hash.update(name);
+        for size in tensor.dims() {
+            hash.update([0]);
+            hash.update(size.to_string());
+        }
+        hash.update([0]);
+        for value in tensor.flatten_all()?.to_vec1::<f32>()? {
+            hash.update(value.to_le_bytes());
+        }
+    }
+    Ok(hash.finalize().iter().map(|b| format!("{b:02x}")).collect())
 }
 
 /// (x − offset)/span, 0 where span is 0.
@@ -188,7 +266,7 @@ fn fade(excess: &Tensor, fade: Fade) -> Result<Tensor> {
 fn distance(r: &Tensor, factor: &Tensor) -> Result<Tensor> {
     let mut solved: Vec<Tensor> = Vec::new();
     for k in 0..factor.dim(0)? {
-        let row = factor.get(k)?.to_vec1::<f64>()?;
+        let row = numbers(&factor.get(k)?)?;
         let mut rest = r.narrow(1, k, 1)?;
         for (z, l) in solved.iter().zip(&row) {
             rest = (rest - (z * *l)?)?;

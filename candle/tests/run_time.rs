@@ -1,6 +1,7 @@
-//! The run-time's torque against the independent reader's, on a file written here.
+//! The torque of the run-time against that on candle, on a file written here.
 
-use candle_check::Reader;
+use candle_core::{DType, Device, Tensor};
+use compensator_candle::Compensator as OnCandle;
 use feedforward::network::{
     Architecture, Bounds, Compensator, Fade, Memory, Normaliser, Recurrent, Unit,
 };
@@ -79,7 +80,7 @@ fn compensator() -> Compensator {
 }
 
 #[test]
-fn an_independent_reader_gets_the_same_torque() {
+fn torque_equals_that_of_the_run_time() {
     let compensator = compensator();
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("compensator.safetensors");
@@ -91,8 +92,21 @@ fn an_independent_reader_gets_the_same_torque() {
                 .collect()
         })
         .collect();
-    let reader = Reader::load(&path).unwrap();
-    let expected = reader.torque(&samples).unwrap();
+    let table = Tensor::from_vec(samples.concat(), (samples.len(), 3), &Device::Cpu).unwrap();
+    let predict = |dtype| {
+        let on_candle = OnCandle::load(&path, dtype, &Device::Cpu).unwrap();
+        assert_eq!(on_candle.inputs(), compensator.inputs);
+        assert_eq!(on_candle.joints(), compensator.joints);
+        let torque = on_candle.torque(&table.to_dtype(dtype).unwrap()).unwrap();
+        let torque = torque.to_dtype(DType::F64).unwrap();
+        torque.to_vec2::<f64>().unwrap()
+    };
+    let expected = predict(DType::F64);
+    let single = predict(DType::F32);
+    let differences = expected.iter().flatten().zip(single.iter().flatten());
+    let apart = differences.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+    println!("single and double precision differ by at most {apart:e} N·m");
+    assert!(apart < 1e-5, "{apart:e}");
 
     let joints = compensator.joints.len();
     let mut stream = Compensator::load(&path).unwrap().stream().unwrap();
@@ -120,17 +134,43 @@ fn an_independent_reader_gets_the_same_torque() {
     assert_eq!((largest[off], worst[off]), (0.0, 0.0), "switched off");
 }
 
-#[test]
-fn another_version_is_refused() {
+/// The reason for which a file is refused.
+fn refused(bytes: &[u8]) -> String {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("compensator.safetensors");
+    std::fs::write(&path, bytes).unwrap();
+    let loaded = OnCandle::load(&path, DType::F32, &Device::Cpu);
+    loaded.err().unwrap().to_string()
+}
+
+#[test]
+fn files_that_are_not_whole_are_refused() {
     let bytes = compensator().to_bytes().unwrap();
     // The same length: "version":1 sits inside an escaped string.
     let text = br#"\"version\":1"#;
     let at = bytes.windows(text.len()).position(|w| w == text).unwrap();
     let mut other = bytes.clone();
     other[at + text.len() - 1] = b'2';
-    std::fs::write(&path, other).unwrap();
-    let error = Reader::load(&path).err().unwrap().to_string();
+    let error = refused(&other);
     assert!(error.contains("residyn/compensator 2"), "{error}");
+
+    let mut flipped = bytes.clone();
+    *flipped.last_mut().unwrap() ^= 1;
+    let error = refused(&flipped);
+    assert!(error.contains("checksum"), "{error}");
+    assert!(!refused(&bytes[..bytes.len() / 2]).is_empty());
+    assert!(!refused(b"short").is_empty());
+}
+
+#[test]
+fn inputs_of_another_width_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("compensator.safetensors");
+    compensator().save(&path).unwrap();
+    let on_candle = OnCandle::load(&path, DType::F32, &Device::Cpu).unwrap();
+    let inputs = Tensor::zeros((5, 2), DType::F32, &Device::Cpu).unwrap();
+    let error = on_candle.torque(&inputs).err().unwrap().to_string();
+    assert!(error.contains("2 input columns"), "{error}");
+    let none = Tensor::zeros((0, 3), DType::F32, &Device::Cpu).unwrap();
+    assert_eq!(on_candle.torque(&none).unwrap().dims(), [0, 7]);
 }

@@ -1,11 +1,11 @@
 //! Cost of residuals and its slope.
 
-use super::config::Loss;
+use crate::config::Loss;
 
 impl Loss {
     /// Cost and slope of residual r.
     #[inline]
-    pub(super) fn cost(self, r: f32) -> (f32, f32) {
+    pub(crate) fn cost(self, r: f32) -> (f32, f32) {
         match self {
             Loss::Huber { delta } if r.abs() > delta => {
                 (delta * (r.abs() - 0.5 * delta), delta.copysign(r))

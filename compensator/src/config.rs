@@ -1,5 +1,6 @@
 //! Settings of a unit and of its training, one line each with its default.
 
+use burn::config::Config;
 use feedforward::network::{Architecture, Fade, Memory, Normalisation, Recurrent};
 use serde::{Deserialize, Serialize};
 
@@ -39,79 +40,75 @@ pub enum Schedule {
         /// Last rate over highest rate.
         end: f32,
     },
-    /// Times `factor` whenever the validation error has not improved for `patience` epochs.
-    Plateau {
-        /// In (0, 1).
-        factor: f32,
-        /// Epochs to wait.
-        patience: usize,
-    },
 }
 
 /// Settings of the training loop.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Config, Debug, PartialEq)]
 pub struct Training {
     /// Passes over the training samples, at most (60).
+    #[config(default = 60)]
     pub epochs: usize,
     /// Samples, or chunks of carried state, per step (256).
+    #[config(default = 256)]
     pub batch: usize,
     /// Part of the training samples, drawn anew, that each epoch visits (1).
+    #[config(default = 1.0)]
     pub share: f32,
-    /// Adam's highest rate (0.002).
+    /// AdamW's highest rate, at most 1 (0.002).
+    #[config(default = 0.002)]
     pub learning_rate: f32,
     /// How it falls (cosine to 0.01).
+    #[config(default = "Schedule::Cosine { end: 0.01 }")]
     pub schedule: Schedule,
     /// Decoupled weight decay per step, times the rate (1e-4).
+    #[config(default = 1e-4)]
     pub weight_decay: f32,
     /// Share of the encoder's and re-encoder's outputs dropped in training (0.1).
+    #[config(default = 0.1)]
     pub dropout: f32,
     /// Largest Euclidean norm of a gradient (1).
+    #[config(default = 1.0)]
     pub clip: f32,
     /// Cost of a residual (Huber at one deviation).
+    #[config(default = "Loss::Huber { delta: 1.0 }")]
     pub loss: Loss,
     /// Epochs without a better validation error before training stops (12).
+    #[config(default = 12)]
     pub patience: usize,
     /// Carried state: samples per chunk through which gradients flow (64).
+    #[config(default = 64)]
     pub chunk: usize,
     /// Carried state: first samples of a chunk inside a trajectory that only fill the state (16).
+    #[config(default = 16)]
     pub fill: usize,
 }
 
 impl Default for Training {
     fn default() -> Self {
-        Self {
-            epochs: 60,
-            batch: 256,
-            share: 1.0,
-            learning_rate: 0.002,
-            schedule: Schedule::Cosine { end: 0.01 },
-            weight_decay: 1e-4,
-            dropout: 0.1,
-            clip: 1.0,
-            loss: Loss::Huber { delta: 1.0 },
-            patience: 12,
-            chunk: 64,
-            fill: 16,
-        }
+        Self::new()
     }
 }
 
 /// Everything that decides how a unit is trained, but its data and seeds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Config, Debug, PartialEq)]
 pub struct UnitConfig {
     /// What it computes (LSTM 32, attention 32, LSTM 32 on windows of 3).
+    #[config(default = "recurrent(32, 3)")]
     pub architecture: Architecture,
     /// Scaling of inputs and target (z-score).
+    #[config(default = "Normalisation::ZScore")]
     pub normalisation: Normalisation,
     /// Where its output fades outside the training inputs.
+    #[config(default = "Fade::default()")]
     pub fade: Fade,
     /// Networks trained from different seeds whose outputs are averaged (1).
+    #[config(default = 1)]
     pub members: usize,
     /// Validation error must fall at least by this share, or the unit is switched off (0.01).
+    #[config(default = 0.01)]
     pub least_gain: f32,
     /// The loop.
+    #[config(default = "Training::new()")]
     pub training: Training,
 }
 
@@ -126,14 +123,7 @@ fn recurrent(width: usize, timestep: usize) -> Architecture {
 
 impl Default for UnitConfig {
     fn default() -> Self {
-        Self {
-            architecture: recurrent(32, 3),
-            normalisation: Normalisation::ZScore,
-            fade: Fade::default(),
-            members: 1,
-            least_gain: 0.01,
-            training: Training::default(),
-        }
+        Self::new()
     }
 }
 
@@ -166,6 +156,7 @@ impl UnitConfig {
     pub fn check(&self) -> Result<(), Error> {
         let t = &self.training;
         let positive = |x: f32| x > 0.0 && x.is_finite();
+        let share = |x: f32| (0.0..=1.0).contains(&x);
         let refuse = |setting, problem: &str| {
             Err(Error::Config {
                 setting,
@@ -177,7 +168,9 @@ impl UnitConfig {
             () if t.epochs == 0 => refuse("epochs", "at least one pass is needed"),
             () if t.batch == 0 => refuse("batch", "at least one sample is needed"),
             () if !(t.share > 0.0 && t.share <= 1.0) => refuse("share", "must be in (0, 1]"),
-            () if !positive(t.learning_rate) => refuse("learning_rate", "must be positive"),
+            () if !(t.learning_rate > 0.0 && t.learning_rate <= 1.0) => {
+                refuse("learning_rate", "must be in (0, 1]")
+            }
             () if !(0.0..1.0).contains(&t.dropout) => refuse("dropout", "must be in [0, 1)"),
             () if !positive(t.clip) => refuse("clip", "must be positive"),
             () if !(t.weight_decay >= 0.0 && t.weight_decay.is_finite()) => {
@@ -193,11 +186,14 @@ impl UnitConfig {
             () if matches!(t.loss, Loss::Huber { delta } if !positive(delta)) => {
                 refuse("loss.delta", "must be positive")
             }
-            () if matches!(t.schedule, Schedule::Plateau { factor, .. } if !(factor > 0.0 && factor < 1.0)) => {
-                refuse("schedule.factor", "must be in (0, 1)")
-            }
-            () if matches!(t.schedule, Schedule::Cosine { end } if !(0.0..=1.0).contains(&end)) => {
+            () if matches!(t.schedule, Schedule::Cosine { end } if !share(end)) => {
                 refuse("schedule.end", "must be in [0, 1]")
+            }
+            () if matches!(t.schedule, Schedule::OneCycle { warm_up, .. } if !(warm_up > 0.0 && warm_up < 1.0)) => {
+                refuse("schedule.warm_up", "must be in (0, 1)")
+            }
+            () if matches!(t.schedule, Schedule::OneCycle { start, end, .. } if !(share(start) && share(end))) => {
+                refuse("schedule", "`start` and `end` must be in [0, 1]")
             }
             () if self
                 .architecture

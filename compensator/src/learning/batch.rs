@@ -1,0 +1,82 @@
+//! What one step is computed on, and the kernels' way from parameters to cost and gradient.
+
+use crate::config::Loss;
+use crate::engine::{Dropout, Network, Span, dot};
+
+/// One batch: inputs in the network's buffers, targets beside them.
+#[derive(Debug)]
+pub(crate) struct Batch {
+    /// Holds the inputs, and what forward leaves for backward.
+    pub(crate) network: Network<f32>,
+    /// Factors of dropout, drawn for this batch; none without.
+    pub(crate) dropout: Option<Dropout<f32>>,
+    /// Normalised target and weight of every output, in the network's order.
+    pub(crate) targets: Vec<(f32, f32)>,
+    loss: Loss,
+    outputs: Vec<f32>,
+}
+
+/// What a batch came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cost {
+    /// Weighted sum of the costs.
+    pub(crate) sum: f64,
+    /// Sum of the weights.
+    pub(crate) weight: f64,
+    /// Squared norm of the gradient, in single precision as burn's clipping takes it.
+    pub(crate) norm_squared: f32,
+}
+
+impl Batch {
+    pub(crate) fn new(network: Network<f32>, loss: Loss) -> Self {
+        Self {
+            network,
+            dropout: None,
+            targets: Vec::new(),
+            loss,
+            outputs: Vec::new(),
+        }
+    }
+
+    /// Makes room; inputs and targets are to be written next.
+    pub(crate) fn begin(&mut self, span: Span) {
+        self.network.begin(span);
+        self.targets.clear();
+        self.outputs.resize(span.outputs(), 0.0);
+    }
+
+    /// Sum of the weights.
+    pub(crate) fn weight(&self) -> f64 {
+        self.targets.iter().map(|&(_, w)| f64::from(w)).sum()
+    }
+
+    /// Outputs without dropout, and what they should be.
+    pub(crate) fn outputs(&mut self, parameters: &[f32]) -> (&[f32], &[(f32, f32)]) {
+        self.network.forward(parameters, None, &mut self.outputs);
+        (&self.outputs, &self.targets)
+    }
+
+    /// Weighted mean cost and its gradient, written to `gradient`; the weights must not all be zero.
+    pub(super) fn gradient(&mut self, parameters: &[f32], gradient: &mut [f32]) -> Cost {
+        let dropout = self.dropout.as_ref();
+        self.network.forward(parameters, dropout, &mut self.outputs);
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for (y, &(target, w)) in self.outputs.iter_mut().zip(&self.targets) {
+            let (cost, slope) = self.loss.cost(*y - target);
+            sum += f64::from(w) * f64::from(cost);
+            weight += f64::from(w);
+            // From here on the outputs are the slopes.
+            *y = w * slope;
+        }
+        let share = (1.0 / weight) as f32;
+        self.outputs.iter_mut().for_each(|s| *s *= share);
+        gradient.fill(0.0);
+        self.network
+            .backward(parameters, dropout, &self.outputs, gradient);
+        Cost {
+            sum,
+            weight,
+            norm_squared: dot(gradient, gradient),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! A network under training: parameters, optimiser, schedule, and their records.
+
+use burn::lr_scheduler::LrSchedulerRecord;
+use burn::lr_scheduler::module_lr_scheduler::ModuleLrScheduler;
+use burn::optim::{GradientsParams, ModuleOptimizer};
+use burn::store::RecordError;
+use burn::tensor::Bytes;
+
+use super::adamw::optimizer;
+use super::batch::{Batch, Cost};
+use super::operation::{NotFinite, cost};
+use super::schedule::rates;
+use super::weights::Weights;
+use crate::config::Training;
+
+/// What changes from step to step.
+pub(crate) struct Learner {
+    weights: Weights,
+    optimizer: ModuleOptimizer,
+    rates: ModuleLrScheduler,
+}
+
+/// burn's records of a learner.
+pub(crate) struct Records {
+    pub(crate) weights: Bytes,
+    pub(crate) optimizer: Bytes,
+    pub(crate) schedule: Bytes,
+}
+
+impl Learner {
+    /// For `steps` steps from the given weights on.
+    ///
+    /// # Errors
+    /// A rate out of range, or a device that burn cannot use.
+    pub(crate) fn new(weights: Weights, training: &Training, steps: usize) -> Result<Self, String> {
+        // burn reads its records onto the default device, and panics where that is not there.
+        if let Ok(device) = std::env::var("BURN_DEVICE")
+            && !device.eq_ignore_ascii_case("flex")
+        {
+            return Err(format!(
+                "the environment asks burn for BURN_DEVICE={device}; training runs on the CPU, unset it"
+            ));
+        }
+        Ok(Self {
+            weights,
+            optimizer: optimizer(training),
+            rates: rates(training, steps)?,
+        })
+    }
+
+    pub(crate) fn weights(&self) -> &Weights {
+        &self.weights
+    }
+
+    /// Forward, cost, backward, clipping, AdamW.
+    ///
+    /// # Errors
+    /// Cost or gradient left the finite numbers; no step was taken.
+    pub(crate) fn step(&mut self, batch: &mut Batch) -> Result<Cost, NotFinite> {
+        let (mean, cost) = cost(self.weights.tensor(), batch)?;
+        let gradients = GradientsParams::from_grads(mean.backward(), &self.weights);
+        // The optimiser works in place on what nobody else holds.
+        let weights = std::mem::replace(&mut self.weights, Weights::new(Vec::new()));
+        self.weights = self.optimizer.step(self.rates.step(), weights, gradients);
+        Ok(cost)
+    }
+
+    /// Passes over a batch that no sample counts in.
+    pub(crate) fn skip(&mut self) {
+        self.rates.step();
+    }
+
+    /// Everything that the steps to come depend on.
+    ///
+    /// # Errors
+    /// burn could not write a record.
+    pub(crate) fn records(&self) -> Result<Records, RecordError> {
+        Ok(Records {
+            weights: self.weights.record()?,
+            optimizer: self.optimizer.into_bytes()?,
+            schedule: self.rates.to_record().into_bytes()?,
+        })
+    }
+
+    /// This learner where the records were taken.
+    ///
+    /// # Errors
+    /// Records of another learner. burn drops state that does not fit without a word, so what was read is
+    /// compared with what it would write.
+    pub(crate) fn restore(self, records: Records) -> Result<Self, String> {
+        let other = |what: &str| format!("its {what} is not one of this training");
+        let text = |e: RecordError| e.to_string();
+        let restored = Self {
+            weights: self.weights.restore(records.weights.clone())?,
+            optimizer: self
+                .optimizer
+                .from_bytes(records.optimizer.clone())
+                .map_err(text)?,
+            rates: self.rates.load_record(
+                LrSchedulerRecord::from_bytes(records.schedule.clone()).map_err(text)?,
+            ),
+        };
+        let written = restored.records().map_err(text)?;
+        match () {
+            () if written.weights[..] != records.weights[..] => Err(other("parameters")),
+            () if written.optimizer[..] != records.optimizer[..] => Err(other("optimiser")),
+            () if written.schedule[..] != records.schedule[..] => Err(other("schedule")),
+            () => Ok(restored),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use feedforward::network::Architecture;
+
+    use super::*;
+    use crate::engine::{Network, Span};
+
+    /// y = w·x + b on two inputs, away from its target.
+    fn batch(size: f32) -> Batch {
+        let architecture = Architecture::Perceptron {
+            hidden: vec![],
+            timestep: 1,
+        };
+        let network = Network::new(&architecture, 2).unwrap();
+        let mut batch = Batch::new(network, crate::config::Loss::Mse);
+        batch.begin(Span {
+            batch: 2,
+            steps: 1,
+            first: 0,
+        });
+        for row in 0..2 {
+            batch
+                .network
+                .input_mut(0, row)
+                .copy_from_slice(&[size, 1.0]);
+        }
+        batch.targets.extend([(0.5, 1.0), (-0.25, 2.0)]);
+        batch
+    }
+
+    fn learner(size: usize) -> Learner {
+        Learner::new(Weights::new(vec![0.1; size]), &Training::new(), 10).unwrap()
+    }
+
+    #[test]
+    fn a_step_on_what_is_not_finite_changes_nothing() {
+        let mut learner = learner(3);
+        assert_eq!(learner.step(&mut batch(f32::NAN)), Err(NotFinite::Loss));
+        // Finite cost in double precision, but a gradient whose square is not: burn would clip it to zero.
+        assert_eq!(learner.step(&mut batch(1e15)), Err(NotFinite::Gradient));
+        assert_eq!(learner.weights().values(), [0.1; 3]);
+        let cost = learner.step(&mut batch(1.0)).unwrap();
+        // r = 0.3 − 0.5 and 0.3 + 0.25: (0.02 + 2·0.15125) with weights 1 and 2.
+        assert!(
+            (cost.sum - 0.3225).abs() < 1e-6 && cost.weight == 3.0,
+            "{cost:?}"
+        );
+        assert!(learner.weights().values().iter().all(|w| *w != 0.1));
+    }
+
+    #[test]
+    fn restored_goes_on_with_the_same_bits() {
+        let mut straight = learner(3);
+        let mut broken = learner(3);
+        for _ in 0..4 {
+            straight.step(&mut batch(1.0)).unwrap();
+            broken.step(&mut batch(1.0)).unwrap();
+        }
+        let mut broken = learner(3).restore(broken.records().unwrap()).unwrap();
+        for _ in 0..4 {
+            straight.step(&mut batch(1.5)).unwrap();
+            broken.step(&mut batch(1.5)).unwrap();
+        }
+        assert_eq!(straight.weights().values(), broken.weights().values());
+    }
+
+    #[test]
+    fn records_of_another_shape_or_of_nothing_are_refused() {
+        let mut small = learner(3);
+        small.step(&mut batch(1.0)).unwrap();
+        let records = || small.records().unwrap();
+        let refused = |learner: Learner, records| learner.restore(records).err().unwrap();
+        let message = refused(learner(4), records());
+        assert!(message.contains("shape"), "{message}");
+        let mut mixed = records();
+        mixed.optimizer = mixed.weights.clone();
+        assert!(!refused(learner(3), mixed).is_empty());
+        let mut mixed = records();
+        mixed.schedule = mixed.optimizer.clone();
+        assert!(!refused(learner(3), mixed).is_empty());
+        let mut cut = records();
+        cut.weights = Bytes::from_bytes_vec(cut.weights[..cut.weights.len() - 1].to_vec());
+        assert!(!refused(learner(3), cut).is_empty());
+    }
+}

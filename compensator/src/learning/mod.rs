@@ -1,0 +1,22 @@
+//! What learns: burn's module, optimiser, schedule and records around the engine's kernels.
+//!
+//! Cost and gradient of a unit are one operation of a backend extension ([`operation`]): burn sees a flat
+//! parameter and its gradient, the kernels see slices, nothing is copied. AdamW in one pass ([`adamw`]) is
+//! a second one. All runs on burn's `flex` backend without its thread pool; networks are trained beside each
+//! other, one per core.
+
+mod adamw;
+mod batch;
+mod learner;
+mod loss;
+mod operation;
+mod schedule;
+mod weights;
+
+#[cfg(test)]
+mod oracle_tests;
+
+pub(crate) use batch::Batch;
+pub(crate) use learner::{Learner, Records};
+pub(crate) use operation::NotFinite;
+pub(crate) use weights::Weights;

@@ -1,0 +1,115 @@
+//! Parameters of a network as a burn module.
+
+use burn::module::{Module, Param, ParamId};
+use burn::store::{ModuleRecord, RecordError};
+use burn::tensor::{Bytes, DType, Device, Tensor, TensorData};
+use feedforward::network::Architecture;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// Records are equal byte for byte only where the parameter has the same name; burn draws one by default.
+const NAME: u64 = 1;
+
+/// One flat vector, laid out by [`Architecture::tensors`].
+#[derive(Module, Debug)]
+pub(crate) struct Weights {
+    flat: Param<Tensor<1>>,
+}
+
+impl Weights {
+    /// Parameters to be trained.
+    pub(crate) fn new(values: Vec<f32>) -> Self {
+        let size = [values.len()];
+        // Never the default device: that prefers a GPU where another crate has compiled one in.
+        let device = Device::flex().autodiff();
+        let tensor = Tensor::from_data(TensorData::new(values, size), &device);
+        Self {
+            flat: Param::initialized(ParamId::from(NAME), tensor.require_grad()),
+        }
+    }
+
+    /// Uniform in ±1/√(inputs of a unit); LSTM forget biases start at 1 so that gradients reach back, and
+    /// the output starts at `level`.
+    ///
+    /// burn's initialisers draw from one generator of the whole process; these are drawn from `rng`, so that
+    /// the same seed gives the same bytes whatever else is trained.
+    pub(crate) fn initial(
+        architecture: &Architecture,
+        inputs: usize,
+        level: f32,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        let mut values = Vec::new();
+        let tensors = architecture.tensors(inputs).unwrap_or_default();
+        let last = tensors.len().saturating_sub(1);
+        for (i, t) in tensors.iter().enumerate() {
+            let lstm = t.name.starts_with("encoder") || t.name.starts_with("reencoder");
+            let fan = if lstm {
+                t.shape[1] / 4
+            } else {
+                t.shape[0].max(if t.name == "attention.score" {
+                    t.shape[1]
+                } else {
+                    1
+                })
+            };
+            let bound = 1.0 / (fan as f32).sqrt();
+            let bias = t.name.ends_with("bias");
+            values.extend((0..t.range.len()).map(|k| match () {
+                () if i == last => level,
+                () if bias && lstm && k / fan == 1 => 1.0,
+                () if bias => 0.0,
+                () => rng.random_range(-bound..bound),
+            }));
+        }
+        Self::new(values)
+    }
+
+    /// The parameters in the graph.
+    pub(super) fn tensor(&self) -> Tensor<1> {
+        self.flat.val()
+    }
+
+    /// Name under which gradients and optimiser know the parameter.
+    #[cfg(test)]
+    pub(super) fn name(&self) -> ParamId {
+        self.flat.id
+    }
+
+    /// Number of parameters.
+    pub(crate) fn len(&self) -> usize {
+        self.num_params()
+    }
+
+    /// A copy of the parameters.
+    pub(crate) fn values(&self) -> Vec<f32> {
+        let data = self.tensor().inner().into_data();
+        data.iter::<f32>().collect()
+    }
+
+    /// burn's record of them.
+    ///
+    /// # Errors
+    /// burn could not write it.
+    pub(crate) fn record(&self) -> Result<Bytes, RecordError> {
+        self.clone().into_record().into_bytes()
+    }
+
+    /// The recorded parameters in place of these.
+    ///
+    /// # Errors
+    /// Not a record, or one of another shape, type or parameter.
+    pub(crate) fn restore(self, record: Bytes) -> Result<Self, String> {
+        let size = self.len();
+        let restored = ModuleRecord::from_bytes(record)
+            .and_then(|record| self.try_load_record(record))
+            .map_err(|e| e.to_string())?;
+        if restored.flat.id != ParamId::from(NAME)
+            || restored.len() != size
+            || restored.tensor().dtype() != DType::F32
+        {
+            return Err("its parameters are not those of this network".into());
+        }
+        Ok(restored)
+    }
+}
