@@ -139,7 +139,7 @@ fn a_recording_as_a_drive_has_it() {
 }
 
 #[test]
-fn refusals_are_one_line_a_hint_and_status_2() {
+fn refusals_say_why_and_end_with_status_2() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     std::fs::write(
