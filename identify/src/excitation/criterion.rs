@@ -215,7 +215,7 @@ impl Goal for Separation<'_> {
     }
 }
 
-/// Torque of a described robot: rigid body, viscous and Coulomb friction, rotor inertia, counterbalance; N·m or N.
+/// Torque of a described robot: rigid body, viscous and Coulomb friction, rotor inertia, springs and counterbalance; N·m or N.
 pub fn torque(robot: &Robot, workspace: &mut Workspace, state: &State, tau: &mut [f64]) {
     inverse_dynamics(robot, workspace, &state.q, &state.qd, &state.qdd, tau);
     for (j, joint) in robot.joints().iter().enumerate() {
@@ -223,8 +223,9 @@ pub fn torque(robot: &Robot, workspace: &mut Workspace, state: &State, tau: &mut
         let sign = if qd == 0.0 { 0.0 } else { qd.signum() };
         tau[j] += joint.damping * qd + joint.friction * sign + joint.rotor_inertia * state.qdd[j];
     }
-    if let Some(c) = robot.counterbalance() {
-        tau[c.joint] += c.torque(state.q[c.joint]);
+    for passive in robot.passive() {
+        let j = passive.joint();
+        tau[j] += passive.torque(state.q[j]);
     }
 }
 
