@@ -265,7 +265,7 @@ mod tests {
         assert!(wrong.message.contains("3 values") && wrong.status == 2);
         for (file, fragment) in [
             ("[joints.elbow]\nvelocity = 1\n", "no joint"),
-            ("[all]\nspeed = 1\n", "line 2"),
+            ("[all]\nspeed = 1\n", "unknown field `speed`"),
             ("[all]\nvelocity = -1\n", "above zero"),
             (
                 "[tool]\nboxes = [{ lower = [0,0,0], upper = [1,1,0] }]\n",

@@ -111,7 +111,7 @@ class Report:
 
     def motion(self) -> dict[str, np.ndarray]:
         """The held-out recording as it was scored: `time`, and `q`, `qd`, `qdd` (after the low-pass) and the recorded `tau`
-        of shape (samples, joints)."""
+        of shape (samples, joints); `given` and `explained` are the report's own torque without and with the causes."""
         return self._diagnosis.motion()
 
     def next_motion(self, path: Union[str, os.PathLike]) -> bool:

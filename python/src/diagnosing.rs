@@ -4,7 +4,7 @@ use crate::error::undiagnosed;
 use crate::interrupt::{self, OnInterrupt};
 use crate::robot::Robot;
 use ::diagnose::{Done, Job, Subject, words};
-use numpy::ToPyArray;
+use numpy::{IntoPyArray, ToPyArray};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -106,7 +106,8 @@ impl Diagnosis {
         .map_err(|e: ::diagnose::DiagnoseError| undiagnosed(&e))
     }
 
-    /// The held-out recording as it was scored: time, q, qd, qdd after the low-pass, and the recorded torque.
+    /// The held-out recording as it was scored: time, q, qd, qdd after the low-pass, the recorded torque, and the report's own
+    /// torque as given and with the causes.
     fn motion<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.with(|d| {
             let held = &d.outcome.frames.heldout;
@@ -117,6 +118,13 @@ impl Diagnosis {
             out.set_item("qd", motion.qd.to_pyarray(py))?;
             out.set_item("qdd", motion.qdd.to_pyarray(py))?;
             out.set_item("tau", held.tau.to_pyarray(py))?;
+            let explanation = &d.outcome.explanation;
+            let (given, explained) = (
+                &held.tau - &explanation.gap,
+                &held.tau - &explanation.residual,
+            );
+            out.set_item("given", given.into_pyarray(py))?;
+            out.set_item("explained", explained.into_pyarray(py))?;
             Ok(out)
         })
     }

@@ -60,7 +60,7 @@ def test_a_loop_is_what_eval_predicts_for_memoryless_physics(raw, tmp_path):
 
 def test_training_reports_progress_and_stops(raw, tmp_path):
     seen = []
-    options = dict(epochs=2, members=1, basic=True)
+    options = dict(epochs=1, members=1, basic=True)
     residyn.train(raw / "robot.urdf", raw / "train.csv", tmp_path / "whole", progress=lambda *p: seen.append(p), **options)
     assert seen and all(1 <= epoch <= epochs for _, _, epoch, epochs, _ in seen)
 
@@ -71,7 +71,7 @@ def test_training_reports_progress_and_stops(raw, tmp_path):
             _thread.interrupt_main()
 
     interrupt.done = False
-    options["epochs"] = 40
+    options["epochs"] = 6
     with pytest.raises(KeyboardInterrupt):
         residyn.train(raw / "robot.urdf", raw / "train.csv", tmp_path / "stopped", progress=interrupt, **options)
     assert not (tmp_path / "stopped" / "model.json").exists()
