@@ -259,6 +259,9 @@ impl<'a, 'd> Prepared<'a, 'd> {
     }
 }
 
+/// Weights of a network and where its training ended.
+type Ended = Result<(Vec<f32>, Position), Error>;
+
 /// Trains every job; the result does not depend on the number of threads.
 ///
 /// # Errors
@@ -279,8 +282,7 @@ pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
         .enumerate()
         .flat_map(|(i, job)| (0..job.config.members).map(move |m| (i, m)))
         .collect();
-    let results: Vec<OnceLock<Result<(Vec<f32>, Position), Error>>> =
-        tasks.iter().map(|_| OnceLock::new()).collect();
+    let results: Vec<OnceLock<Ended>> = tasks.iter().map(|_| OnceLock::new()).collect();
     let next = AtomicUsize::new(0);
     let clock = Clock::new(&tasks, &prepared);
     let work = || {

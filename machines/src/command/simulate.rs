@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// What to simulate.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Machine: a built-in name, or a description (.toml) with a table [motion].
+    /// Machine: a built-in name, or a description (.toml) with a table `[motion]`.
     #[arg(long)]
     robot: String,
     /// Folder for NAME-identification and NAME-heldout.
