@@ -29,13 +29,10 @@ fn median(mut values: Vec<f64>) -> f64 {
     0.5 * (values[n / 2] + values[(n - 1) / 2])
 }
 
-/// Condition numbers of Y and Y* and the sub-regressors of Y*, of stacks at equal numbers of motions judged.
-///
-/// Prints medians over seeds; criterion 3 has to have the lowest median of cond(Y*), which is the paper's finding. Minutes:
-/// `cargo test --release -p identify --test excitation_criteria -- --ignored --nocapture`.
-#[test]
-#[ignore = "minutes"]
-fn criterion_3_conditions_weighted_rows_best() {
+/// Condition numbers of Y and Y* and the sub-regressors of Y*, of stacks at equal numbers of motions judged: medians over seeds. The
+/// paper's finding is that criterion 3 has the lowest cond(Y*). Minutes:
+/// `cargo run --release -p identify --example excitation_criteria`.
+fn main() {
     let robot = Robot::builtin("foxbot_a05").expect("built in");
     let base = BaseParameters::of_robot(&robot, &EXTRAS);
     let rows = BaseRows::new(&robot, &base, &EXTRAS);
@@ -56,7 +53,6 @@ fn criterion_3_conditions_weighted_rows_best() {
     let parts = rows.parts();
     let harmonics = [1, 2, 3, 4, 5];
     println!("criterion       cond(Y)  cond(Y*)  Y*_i  Y*_g  Y*_f   (medians over {SEEDS} seeds)");
-    let mut medians = Vec::new();
     for criterion in [
         Criterion::Condition,
         Criterion::SubRegressors,
@@ -105,10 +101,5 @@ fn criterion_3_conditions_weighted_rows_best() {
             "{:14} {y:8.1}  {ys:8.1}  {i:.1}  {g:.1}  {f:.1}",
             criterion.name()
         );
-        medians.push(ys);
     }
-    assert!(
-        medians[2] < medians[0] && medians[2] < medians[1],
-        "{medians:?}"
-    );
 }
