@@ -3,8 +3,7 @@
 use crate::error::{raise, refused};
 use diagnose::Subject;
 use model::preparation::setup::Setup;
-use ndarray::Array2;
-use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix, regressor};
 use physics::robot::PARAMETERS_PER_LINK;
 use pyo3::prelude::*;
@@ -40,8 +39,14 @@ impl Robot {
     }
 }
 
-/// Rows of three tables, each of which has to have the robot's joints.
-fn rows(robot: &physics::robot::Robot, tables: &[&PyReadonlyArray2<f64>]) -> PyResult<usize> {
+/// Evaluates `of` at every row of the tables, without the interpreter's lock: the number of rows, and `width` values of each.
+fn each<const K: usize>(
+    py: Python,
+    robot: &physics::robot::Robot,
+    tables: [PyReadonlyArray2<f64>; K],
+    width: usize,
+    of: impl Fn(&mut Workspace, [&[f64]; K], &mut [f64]) + Sync,
+) -> PyResult<(usize, Vec<f64>)> {
     let dof = robot.dof();
     let shape = tables[0].as_array().dim();
     if shape.1 != dof || tables.iter().any(|t| t.as_array().dim() != shape) {
@@ -50,7 +55,16 @@ fn rows(robot: &physics::robot::Robot, tables: &[&PyReadonlyArray2<f64>]) -> PyR
             "q, qd and qdd have to have the shape (samples, {dof}) of {name}"
         )));
     }
-    Ok(shape.0)
+    let tables = tables.map(|t| t.as_array().iter().copied().collect::<Vec<f64>>());
+    let mut out = vec![0.0; shape.0 * width];
+    py.detach(|| {
+        let mut workspace = Workspace::new(robot);
+        for (i, out) in out.chunks_exact_mut(width).enumerate() {
+            let at = tables.each_ref().map(|t| &t[i * dof..][..dof]);
+            of(&mut workspace, at, out);
+        }
+    });
+    Ok((shape.0, out))
 }
 
 #[pymethods]
@@ -111,18 +125,11 @@ impl Robot {
         qdd: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let robot = &self.setup.robot;
-        let (n, dof) = (rows(robot, &[&q, &qd, &qdd])?, robot.dof());
-        let [q, qd, qdd] = [&q, &qd, &qdd].map(|t| t.as_array().to_owned());
-        let mut tau = Array2::zeros((n, dof));
-        py.detach(|| {
-            let mut workspace = Workspace::new(robot);
-            for (i, mut row) in tau.rows_mut().into_iter().enumerate() {
-                let [a, b, c] = [&q, &qd, &qdd].map(|t| t.row(i).to_vec());
-                let out = row.as_slice_mut().expect("standard layout");
-                inverse_dynamics(robot, &mut workspace, &a, &b, &c, out);
-            }
-        });
-        Ok(tau.into_pyarray(py))
+        let dof = robot.dof();
+        let (n, tau) = each(py, robot, [q, qd, qdd], dof, |w, [q, qd, qdd], tau| {
+            inverse_dynamics(robot, w, q, qd, qdd, tau);
+        })?;
+        PyArray1::from_vec(py, tau).reshape([n, dof])
     }
 
     /// Mass matrix at each position, shape (samples, joints, joints).
@@ -132,14 +139,11 @@ impl Robot {
         q: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let robot = &self.setup.robot;
-        let (n, dof) = (rows(robot, &[&q])?, robot.dof());
-        let mut out = ndarray::Array3::zeros((n, dof, dof));
-        let mut workspace = Workspace::new(robot);
-        for (row, mut m) in q.as_array().rows().into_iter().zip(out.outer_iter_mut()) {
-            let m = m.as_slice_mut().expect("standard layout");
-            mass_matrix(robot, &mut workspace, &row.to_vec(), m);
-        }
-        Ok(out.into_pyarray(py))
+        let dof = robot.dof();
+        let (n, m) = each(py, robot, [q], dof * dof, |w, [q], m| {
+            mass_matrix(robot, w, q, m);
+        })?;
+        PyArray1::from_vec(py, m).reshape([n, dof, dof])
     }
 
     /// Regressor: torque per unit of each of `parameters`, shape (samples, joints, 10 joints).
@@ -151,15 +155,17 @@ impl Robot {
         qdd: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let robot = &self.setup.robot;
-        let (n, dof) = (rows(robot, &[&q, &qd, &qdd])?, robot.dof());
-        let mut out = ndarray::Array3::zeros((n, dof, PARAMETERS_PER_LINK * dof));
-        let mut workspace = Workspace::new(robot);
-        for (i, mut y) in out.outer_iter_mut().enumerate() {
-            let [a, b, c] = [&q, &qd, &qdd].map(|t| t.as_array().row(i).to_vec());
-            let y = y.as_slice_mut().expect("standard layout");
-            regressor(robot, &mut workspace, &a, &b, &c, y);
-        }
-        Ok(out.into_pyarray(py))
+        let (dof, width) = (robot.dof(), PARAMETERS_PER_LINK * robot.dof());
+        let (n, y) = each(
+            py,
+            robot,
+            [q, qd, qdd],
+            dof * width,
+            |w, [q, qd, qdd], y| {
+                regressor(robot, w, q, qd, qdd, y);
+            },
+        )?;
+        PyArray1::from_vec(py, y).reshape([n, dof, width])
     }
 
     fn __repr__(&self) -> String {

@@ -67,8 +67,12 @@ def test_the_gap_closes_in_mujoco(change, effect, tmp_path):
     given, corrected = verify.verify(report, MODEL, patched)
     print(f"\n{effect}\n{verify.table([given, corrected])}")
     assert given.mujoco == pytest.approx(given.report, rel=0.05)
-    # The report softens the sign of friction, MuJoCo does not: it may be the better one there.
-    assert corrected.mujoco <= 1.05 * corrected.report
+    if effect == "friction_parameters":
+        # The report softens the sign of friction by more than this recording asks for, MuJoCo does not soften it: with the same
+        # numbers MuJoCo is the better one.
+        assert corrected.mujoco < corrected.report
+    else:
+        assert corrected.mujoco == pytest.approx(corrected.report, rel=0.05)
     assert corrected.mujoco < 0.2 * given.mujoco
 
 
