@@ -1,7 +1,7 @@
 //! The robot that really moves: rigid bodies, friction and mechanisms, integrated in time.
 
+use crate::bodies::{Bodies, Chain};
 use crate::mechanism::{Instant, Mechanism, soft_sign};
-use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix};
 use physics::robot::Robot;
 use signal::cholesky;
 
@@ -33,8 +33,7 @@ impl Friction {
 /// system solved again until the guess stands; for friction whose slope falls with speed these chords
 /// majorise its dissipation function, so the iteration cannot diverge.
 pub struct Plant {
-    robot: Robot,
-    workspace: Workspace,
+    bodies: Box<dyn Bodies>,
     armature: Vec<f64>,
     friction: Vec<Friction>,
     mechanisms: Vec<Box<dyn Mechanism>>,
@@ -59,14 +58,13 @@ pub struct Plant {
     chord: Vec<f64>,
     still: Vec<f64>,
     rest: Vec<f64>,
-    zero: Vec<f64>,
 }
 
 /// Most solves of a step; two are usual, reversals take up to ten.
 const MOST_SOLVES: usize = 25;
 
 impl Plant {
-    /// A plant at rest at `q`. `armature`: rotor inertias seen from the joints.
+    /// A serial arm at rest at `q`. `armature`: rotor inertias seen from the joints.
     ///
     /// # Panics
     /// When the slices do not have one value per joint.
@@ -77,7 +75,27 @@ impl Plant {
         mechanisms: Vec<Box<dyn Mechanism>>,
         q: Vec<f64>,
     ) -> Self {
-        let n = robot.dof();
+        Self::of(
+            Box::new(Chain::new(robot)),
+            armature,
+            friction,
+            mechanisms,
+            q,
+        )
+    }
+
+    /// Bodies of any kind at rest at `q`; otherwise as [`Plant::new`].
+    ///
+    /// # Panics
+    /// When the slices do not have one value per joint.
+    pub fn of(
+        bodies: Box<dyn Bodies>,
+        armature: Vec<f64>,
+        friction: Vec<Friction>,
+        mechanisms: Vec<Box<dyn Mechanism>>,
+        q: Vec<f64>,
+    ) -> Self {
+        let n = bodies.dof();
         assert!(armature.len() == n && friction.len() == n && q.len() == n);
         let resisting = (0..n)
             .map(|j| {
@@ -87,8 +105,7 @@ impl Plant {
             })
             .collect();
         Self {
-            workspace: Workspace::new(&robot),
-            robot,
+            bodies,
             armature,
             friction,
             resisting,
@@ -108,7 +125,6 @@ impl Plant {
             chord: vec![0.0; n],
             still: vec![0.0; n],
             rest: vec![0.0; n],
-            zero: vec![0.0; n],
         }
     }
 
@@ -125,20 +141,9 @@ impl Plant {
             self.velocity[j] = self.v[j] + 0.5 * dt * self.a[j];
             self.end[j] = self.v[j] + dt * self.a[j];
         }
-        mass_matrix(
-            &self.robot,
-            &mut self.workspace,
-            &self.middle,
-            &mut self.mass,
-        );
-        inverse_dynamics(
-            &self.robot,
-            &mut self.workspace,
-            &self.middle,
-            &self.velocity,
-            &self.zero,
-            &mut self.bias,
-        );
+        self.bodies.mass(&self.middle, &mut self.mass);
+        self.bodies
+            .bias(&self.middle, &self.velocity, &mut self.bias);
         let now = Instant {
             t: t + 0.5 * dt,
             dt,
@@ -239,13 +244,14 @@ mod tests {
     #[test]
     fn free_fall_keeps_its_energy() {
         let mut p = plant(0.0, 0.0);
+        let robot = families::panda_like7().robot().unwrap();
         let energy =
-            |p: &Plant| kinetic_energy(&p.robot, &p.q, &p.v) + potential_energy(&p.robot, &p.q);
+            |p: &Plant| kinetic_energy(&robot, &p.q, &p.v) + potential_energy(&robot, &p.q);
         let before = energy(&p);
         let mut kinetic = 0.0f64;
         for k in 0..1000 {
             p.step(k as f64 * 5e-4, 5e-4, &[0.0; 7]);
-            kinetic = kinetic.max(kinetic_energy(&p.robot, &p.q, &p.v));
+            kinetic = kinetic.max(kinetic_energy(&robot, &p.q, &p.v));
         }
         assert!(kinetic > 5.0);
         assert!(
@@ -258,8 +264,9 @@ mod tests {
     #[test]
     fn friction_takes_what_energy_loses() {
         let mut p = plant(1.0, 0.5);
+        let robot = families::panda_like7().robot().unwrap();
         let energy =
-            |p: &Plant| kinetic_energy(&p.robot, &p.q, &p.v) + potential_energy(&p.robot, &p.q);
+            |p: &Plant| kinetic_energy(&robot, &p.q, &p.v) + potential_energy(&robot, &p.q);
         let (before, dt) = (energy(&p), 5e-4);
         let (mut lost, mut swing) = (0.0, 0.0f64);
         for k in 0..2000 {
@@ -268,7 +275,7 @@ mod tests {
             for (j, v0) in v0.iter().enumerate() {
                 lost += dt * 0.5 * (v0 + p.v[j]) * p.friction[j].torque(p.v[j]);
             }
-            swing = swing.max(kinetic_energy(&p.robot, &p.q, &p.v));
+            swing = swing.max(kinetic_energy(&robot, &p.q, &p.v));
         }
         assert!(lost > 3.0, "{lost}");
         assert!(

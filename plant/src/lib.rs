@@ -1,6 +1,7 @@
 //! The "real" robot of proofs and tests: closed-loop forward simulation with what simulators lack as mechanisms.
 //!
 //! - [`arm`], [`families`]: robots, and how they can be altered.
+//! - [`bodies`]: what moves, whatever kind of machine it is.
 //! - [`mechanism`]: what a robot does beyond rigid bodies with viscous and Coulomb friction.
 //! - [`build`]: bodies, friction, mechanisms and measurement put together to a [`Plant`], which integrates them.
 //! - [`control`], [`mod@reference`], [`run`]: controller, excitation, the loop.
@@ -11,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 pub mod arm;
+pub mod bodies;
 pub mod build;
 pub mod control;
 pub mod families;

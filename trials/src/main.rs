@@ -69,6 +69,9 @@ struct Recordings {
     /// Seed.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// The robot without anything that a rigid model with viscous and Coulomb friction lacks.
+    #[arg(long)]
+    plain: bool,
 }
 
 fn main() -> ExitCode {
@@ -123,7 +126,11 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
 fn record(protocol: Protocol, to: &Recordings, quiet: bool) -> Result<(), SimulateError> {
     let bar = bar(100, quiet);
     bar.set_message(protocol.name());
-    let made = protocol.simulate(to.seed, &|part| bar.set_position((100.0 * part) as u64))?;
+    let machine = protocol.machine()?;
+    let machine = if to.plain { machine.plain() } else { machine };
+    let made = protocol.simulate_machine(&machine, to.seed, &|part| {
+        bar.set_position((100.0 * part) as u64);
+    })?;
     bar.finish();
     for file in made.write(&to.out, &to.format)? {
         report::say!("{}", file.display());

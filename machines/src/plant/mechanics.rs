@@ -2,7 +2,7 @@
 
 /// Friction of one axis of a plant: viscous · q̇ + coulomb · q̇ / √(q̇² + soft²).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Friction {
+pub struct Friction {
     /// N·m·s/rad or N·s/m.
     pub viscous: f64,
     /// N·m or N.
@@ -20,7 +20,7 @@ impl Friction {
 }
 
 /// A machine's "real" torque.
-pub(crate) trait Plant {
+pub trait Plant: Send {
     /// Torque of every axis without friction, at position, velocity and acceleration.
     fn torque(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64>;
 

@@ -14,12 +14,13 @@ mod scara;
 use crate::MachineError;
 use crate::description::{Description, Kind};
 use datasets::{Recording, Trajectory};
-use mechanics::Plant;
+pub use mechanics::{Friction, Plant};
 use motion::Course;
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+pub use scara::ARMS as SCARA_ARMS;
 
 /// How to simulate.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,8 +100,11 @@ pub fn simulate(
     Ok(courses.map(|course| record(description, plant.as_ref(), &course, options, &mut rng)))
 }
 
-/// The plant of a description.
-fn plant(description: &Description, ideal: bool) -> Result<Box<dyn Plant>, MachineError> {
+/// The plant of a description; `ideal` as [`Options::ideal`].
+///
+/// # Errors
+/// A number that a plant needs is missing.
+pub fn plant(description: &Description, ideal: bool) -> Result<Box<dyn Plant>, MachineError> {
     let axes = description.axis.len();
     Ok(match description.kind {
         Kind::RotaryAxis => Box::new(axes::Crank::new(description.dynamic_model)),

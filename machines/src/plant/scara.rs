@@ -16,6 +16,9 @@ pub(super) struct Scara {
     balance: f64,
 }
 
+/// Lengths of the two arms, m.
+pub const ARMS: [f64; 2] = [0.325, 0.275];
+
 /// Rotors seen from their axes, kg·m² and kg.
 const ROTORS: [f64; 4] = [0.35, 0.12, 2.0, 0.004];
 
@@ -56,16 +59,16 @@ impl Scara {
             joint(
                 "A2",
                 turns,
-                [0.325, 0.0, 0.05],
+                [ARMS[0], 0.0, 0.05],
                 body(6.5, [0.11, 0.0, 0.02], [0.02, 0.06, 0.07]),
             ),
         ];
         let slides = JointKind::Prismatic;
         if axes == 4 {
-            joints.push(joint("A3", slides, [0.275, 0.0, 0.0], quill));
+            joints.push(joint("A3", slides, [ARMS[1], 0.0, 0.0], quill));
             joints.push(joint("A4", turns, [0.0; 3], tool));
         } else {
-            joints.push(joint("A3", slides, [0.275, 0.0, 0.0], quill.plus(&tool)));
+            joints.push(joint("A3", slides, [ARMS[1], 0.0, 0.0], quill.plus(&tool)));
         }
         Self {
             robot: Robot::new("scara", joints).expect("the numbers above are valid"),

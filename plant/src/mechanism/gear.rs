@@ -1,4 +1,4 @@
-//! Gears: meshing losses.
+//! Gears: meshing losses, and a gear that winds up.
 
 use super::{Instant, Mechanism, soft_sign};
 
@@ -27,5 +27,35 @@ impl Mechanism for GearMesh {
             self.loss
         };
         lost * load.abs() * soft_sign(v, self.v_eps)
+    }
+}
+
+/// Elastic gear between a rotor and its link: a spring that hardens, with damping, on the joint that
+/// [`crate::arm::Arm::split_joint`] adds.
+#[derive(Debug, Clone)]
+pub struct GearSpring {
+    /// Plant joint of the gear's deflection.
+    pub joint: usize,
+    /// N·m/rad.
+    pub stiffness: f64,
+    /// Deflection at which stiffness has doubled, rad.
+    pub hardening: f64,
+    /// N·m·s/rad.
+    pub damping: f64,
+}
+
+impl Mechanism for GearSpring {
+    fn push(&mut self, now: &Instant, force: &mut [f64]) {
+        let x = now.q[self.joint];
+        let y = x / self.hardening;
+        force[self.joint] -= self.stiffness * x * (1.0 + y * y / 3.0);
+    }
+
+    fn joint(&self) -> Option<usize> {
+        Some(self.joint)
+    }
+
+    fn resist(&self, _now: &Instant, v: f64) -> f64 {
+        self.damping * v
     }
 }

@@ -16,7 +16,7 @@ mod thermal;
 pub use balance::{CoilSpring, GasStrut, Pins};
 pub use bristle::Bristle;
 pub use friction::{Drag, DragKind, Stribeck, StribeckKind};
-pub use gear::GearMesh;
+pub use gear::{GearMesh, GearSpring};
 pub use ripple::Ripple;
 pub use thermal::WarmingGrease;
 

@@ -4,40 +4,10 @@ use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Place, Withheld, Yielding};
 use physics::robot::RobotError;
 use plant::build::Build;
-use plant::mechanism::{Instant, Mechanism};
+use plant::mechanism::GearSpring;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
-
-/// Elastic gear between a rotor and its link: a spring that hardens, with damping, on the joint that
-/// [`plant::arm::Arm::split_joint`] adds.
-#[derive(Debug, Clone)]
-struct GearSpring {
-    /// Plant joint of the gear's deflection.
-    joint: usize,
-    /// N·m/rad.
-    stiffness: f64,
-    /// Deflection at which stiffness has doubled, rad.
-    hardening: f64,
-    /// N·m·s/rad.
-    damping: f64,
-}
-
-impl Mechanism for GearSpring {
-    fn push(&mut self, now: &Instant, force: &mut [f64]) {
-        let x = now.q[self.joint];
-        let y = x / self.hardening;
-        force[self.joint] -= self.stiffness * x * (1.0 + y * y / 3.0);
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn resist(&self, _now: &Instant, v: f64) -> f64 {
-        self.damping * v
-    }
-}
 
 /// Size: rad/N·m.
 #[derive(Debug)]

@@ -24,7 +24,7 @@ const VISCOUS: [f64; 6] = [24.0, 28.0, 15.0, 5.5, 5.0, 3.0];
 const ALPHA: [f64; 6] = [0.55, 0.62, 0.50, 0.70, 0.58, 0.66];
 const OFFSET: [f64; 6] = [0.8, -1.2, 0.5, -0.2, 0.15, 0.1];
 
-fn machine() -> Result<Machine, SimulateError> {
+pub(super) fn machine() -> Result<Machine, SimulateError> {
     let robot = Robot::builtin("foxbot_a05").ok_or(SimulateError::NoRobot("foxbot_a05"))?;
     let centre = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let reach = [2.0, 1.2, 1.3, 2.4, 1.6, 3.0];
@@ -42,14 +42,15 @@ fn machine() -> Result<Machine, SimulateError> {
             velocity: vec![0.002; 6],
             torque: vec![0.8, 0.8, 0.5, 0.15, 0.15, 0.08],
         },
+        gears: Vec::new(),
         bandwidth: 8.0,
     })
 }
 
-fn power_of_speed() -> Vec<Box<dyn Mechanism>> {
+fn power_of_speed(axes: &[usize]) -> Vec<Box<dyn Mechanism>> {
     let drag = |j: usize| -> Box<dyn Mechanism> {
         Box::new(Drag {
-            joint: j,
+            joint: axes[j],
             size: VISCOUS[j],
             v_0: 1.0,
             v_top: 1.0,
@@ -60,10 +61,10 @@ fn power_of_speed() -> Vec<Box<dyn Mechanism>> {
 }
 
 pub(super) fn simulate(
+    machine: &Machine,
     seed: u64,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Simulated, SimulateError> {
-    let machine = machine()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let length = 1.0 / FUNDAMENTAL;
     let plan = |i: usize| {
@@ -117,7 +118,7 @@ mod tests {
     /// Torque is inverse dynamics, rotor inertia and equation 30 within the noise, away from reversals.
     #[test]
     fn torque_follows_the_stated_parameters() {
-        let made = simulate(3, &|_| {}).unwrap();
+        let made = simulate(&machine().unwrap(), 3, &|_| {}).unwrap();
         let machine = machine().unwrap();
         let recording = made.part("validation").unwrap();
         assert_eq!(made.part("identification").unwrap().len(), 5250);

@@ -22,7 +22,7 @@ const LENGTH: f64 = 60.6;
 const RAW: f64 = 250.0;
 const DECIMATION: usize = 25;
 
-fn machine() -> Result<Machine, SimulateError> {
+pub(super) fn machine() -> Result<Machine, SimulateError> {
     let friction = [
         (1500.0, 620.0),
         (1700.0, 700.0),
@@ -57,15 +57,16 @@ fn machine() -> Result<Machine, SimulateError> {
             velocity: vec![0.0008; 6],
             torque: vec![25.0, 30.0, 20.0, 6.0, 6.0, 3.0],
         },
+        gears: Vec::new(),
         bandwidth: 5.0,
         arm,
     })
 }
 
 /// The gas strut of joint 2, about as strong as the benchmark's: 45 kN at its middle length, polytropic.
-fn counterbalance() -> Vec<Box<dyn Mechanism>> {
+fn counterbalance(axes: &[usize]) -> Vec<Box<dyn Mechanism>> {
     vec![Box::new(GasStrut {
-        joint: 1,
+        joint: axes[1],
         pins: Pins {
             lever: 0.2,
             base: 0.8,
@@ -78,19 +79,20 @@ fn counterbalance() -> Vec<Box<dyn Mechanism>> {
 }
 
 pub(super) fn simulate(
+    machine: &Machine,
     seed: u64,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Simulated, SimulateError> {
-    sessions(SESSIONS, seed, progress)
+    sessions(machine, SESSIONS, seed, progress)
 }
 
 /// The first sessions; the last of them is the test.
 fn sessions(
+    machine: &Machine,
     count: usize,
     seed: u64,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Simulated, SimulateError> {
-    let machine = machine()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let pace = Pace {
         ease: 4.0,
@@ -194,7 +196,7 @@ mod tests {
 
     #[test]
     fn has_the_shape_of_the_benchmark() {
-        let made = sessions(2, 1, &|_| {}).unwrap();
+        let made = sessions(&machine().unwrap(), 2, 1, &|_| {}).unwrap();
         let (train, test) = (made.part("train").unwrap(), made.part("test").unwrap());
         // Three trajectories of 606 samples, each twice; of all twelve sessions, 39996 and 3636 (published: 39988 and 3636).
         assert_eq!((train.len(), test.len()), (6 * 606, 6 * 606));

@@ -7,6 +7,7 @@ mod runs;
 mod ur5;
 
 pub use recorded::{Protocol, Simulated};
+pub use runs::{Gear, JointEffects, Machine};
 
 use crate::SimulateError;
 use datasets::ReadOptions;
@@ -14,6 +15,18 @@ use std::fs;
 use std::path::Path;
 
 impl Protocol {
+    /// The simulated robot, for who has other plans with it than the paper.
+    ///
+    /// # Errors
+    /// Its bodies make no possible robot.
+    pub fn machine(self) -> Result<Machine, SimulateError> {
+        match self {
+            Self::Ur5 => ur5::machine(),
+            Self::Kr300 => kr300::machine(),
+            Self::FoxbotA05 => foxbot::machine(),
+        }
+    }
+
     /// Simulates all recordings, on the threads of the current pool. `progress` is told the finished part, 0 to 1. The same
     /// seed gives the same recordings on any number of threads.
     ///
@@ -24,10 +37,23 @@ impl Protocol {
         seed: u64,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Simulated, SimulateError> {
+        self.simulate_machine(&self.machine()?, seed, progress)
+    }
+
+    /// As [`Protocol::simulate`] with another robot of the same arm: [`Machine::plain`].
+    ///
+    /// # Errors
+    /// The simulated robot is not a possible one.
+    pub fn simulate_machine(
+        self,
+        machine: &Machine,
+        seed: u64,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Simulated, SimulateError> {
         match self {
-            Self::Ur5 => ur5::simulate(seed, progress),
-            Self::Kr300 => kr300::simulate(seed, progress),
-            Self::FoxbotA05 => foxbot::simulate(seed, progress),
+            Self::Ur5 => ur5::simulate(machine, seed, progress),
+            Self::Kr300 => kr300::simulate(machine, seed, progress),
+            Self::FoxbotA05 => foxbot::simulate(machine, seed, progress),
         }
     }
 }

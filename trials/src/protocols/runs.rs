@@ -4,15 +4,17 @@ use crate::SimulateError;
 use datasets::{Recording, Trajectory};
 use ndarray::{Axis, concatenate};
 use physics::robot::Robot;
+use plant::Plant;
 use plant::arm::Arm;
+use plant::build::Build;
 use plant::control::{Controller, Sensing};
 use plant::measure::{Errors, record};
 use plant::mechanism::{
-    Bristle, Drag, DragKind, GearMesh, Mechanism, Ripple, Stribeck, StribeckKind, WarmingGrease,
+    Bristle, Drag, DragKind, GearMesh, GearSpring, Mechanism, Ripple, Stribeck, StribeckKind,
+    WarmingGrease,
 };
 use plant::reference::{Command, Session};
 use plant::run::{Clock, run};
-use plant::{Friction, Plant};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -54,7 +56,17 @@ pub struct JointEffects {
     pub cold: f64,
 }
 
+/// An elastic gear.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Gear {
+    /// N·m/rad; it doubles at a deflection of 0.1 rad.
+    pub stiffness: f64,
+    /// N·m·s/rad.
+    pub damping: f64,
+}
+
 /// Simulated robot of a protocol.
+#[derive(Clone)]
 pub struct Machine {
     /// The robot, friction included, as its controller knows it and as it is.
     pub arm: Arm,
@@ -62,8 +74,10 @@ pub struct Machine {
     pub effects: Vec<JointEffects>,
     /// Warming: time constant, s, and power at the steady state of each joint, W.
     pub warm_up: (f64, Vec<f64>),
-    /// Further mechanisms.
-    pub more: fn() -> Vec<Box<dyn Mechanism>>,
+    /// Elastic gears, one per joint; none: gears are stiff, as in every recording of the protocols.
+    pub gears: Vec<Gear>,
+    /// Further mechanisms, given the plant's joints that have motors.
+    pub more: fn(&[usize]) -> Vec<Box<dyn Mechanism>>,
     /// Errors of the recorded channels.
     pub errors: Errors,
     /// Bandwidth of the controller, Hz.
@@ -94,86 +108,103 @@ pub fn arm(
 }
 
 impl Machine {
-    /// The plant at rest at `q`, `time` seconds into the session: the gears have been warming since.
-    fn plant(&self, q: &[f64], time: f64) -> Result<Plant, SimulateError> {
-        let mut mechanisms = (self.more)();
-        let mut friction = Vec::new();
-        let mut armature = Vec::new();
-        for (j, e) in self.effects.iter().enumerate() {
-            let joint = &self.arm.joints[j];
-            let v_eps = self.arm.v_eps[j];
-            armature.push(joint.rotor_inertia);
-            let mut own = Friction {
-                viscous: joint.damping,
-                coulomb: joint.friction,
-                v_eps,
-            };
-            if e.cold > 0.0 {
-                let (time_constant, power) = &self.warm_up;
-                mechanisms.push(Box::new(WarmingGrease {
-                    joint: j,
-                    cold: e.cold,
-                    fading: 2.0,
-                    time: *time_constant,
-                    power: power[j],
-                    viscous: own.viscous,
-                    coulomb: 0.3 * own.coulomb,
-                    v_eps,
-                    warmth: 1.0 - (-time.max(0.0) / time_constant).exp(),
-                }));
-            }
-            if e.deflection > 0.0 {
-                mechanisms.push(Box::new(Bristle {
-                    joint: j,
-                    coulomb: std::mem::take(&mut own.coulomb),
-                    deflection: e.deflection,
-                    elastic: 0.1,
-                    damping: 0.02 * joint.friction / e.deflection,
-                    z: 0.0,
-                }));
-            }
-            if e.loss > 0.0 {
-                mechanisms.push(Box::new(GearMesh {
-                    joint: j,
-                    loss: e.loss,
-                    v_eps,
-                }));
-            }
-            if e.stribeck > 0.0 {
-                mechanisms.push(Box::new(Stribeck {
-                    joint: j,
-                    size: e.stribeck,
-                    v_s: e.stribeck_speed,
-                    v_eps,
-                    kind: StribeckKind::Lorentz,
-                    film: 0.0,
-                }));
-            }
-            if e.flow > 0.0 {
-                mechanisms.push(Box::new(Drag {
-                    joint: j,
-                    size: e.flow,
-                    v_0: 0.12,
-                    v_top: 3.0,
-                    kind: DragKind::Eyring,
-                }));
-            }
-            if e.ripple > 0.0 {
-                let second = [2.7 * e.order, 0.4 * e.ripple, 2.0];
-                mechanisms.push(Box::new(Ripple {
-                    joint: j,
-                    waves: vec![[e.order, e.ripple, 0.7], second],
-                }));
-            }
-            friction.push(own);
+    /// The same robot with viscous and Coulomb friction and stiff gears; its further mechanisms stay (the KR300's
+    /// counterbalance, the Foxbot's law of friction).
+    pub fn plain(mut self) -> Self {
+        self.effects.fill(JointEffects::default());
+        self.gears.clear();
+        self
+    }
+
+    /// The plant at rest where its motors are at `q`, `time` seconds into the session (the gears have been warming since), and
+    /// its joints that have motors; an elastic gear's deflection is the joint after.
+    ///
+    /// # Errors
+    /// The bodies make no possible robot.
+    pub fn plant(&self, q: &[f64], time: f64) -> Result<(Plant, Vec<usize>), SimulateError> {
+        let mut build = Build::plain(&self.arm);
+        build.armature = self.arm.joints.iter().map(|j| j.rotor_inertia).collect();
+        // Base first: what a split adds lies behind all joints that are split before.
+        for (j, gear) in self.gears.iter().enumerate() {
+            let joint = build.split(j);
+            build.add(GearSpring {
+                joint,
+                stiffness: gear.stiffness,
+                hardening: 0.1,
+                damping: gear.damping,
+            });
         }
-        Ok(Plant::new(
-            self.arm.robot()?,
-            armature,
-            friction,
-            mechanisms,
-            q.to_vec(),
-        ))
+        let axes = build.axes.clone();
+        build.mechanisms.extend((self.more)(&axes));
+        for (j, e) in self.effects.iter().enumerate() {
+            self.add_effects(&mut build, j, e, time);
+        }
+        Ok(build.plant(q)?)
+    }
+
+    /// What joint `j` does beyond viscous and Coulomb friction.
+    fn add_effects(&self, build: &mut Build, j: usize, e: &JointEffects, time: f64) {
+        let joint = build.axes[j];
+        let own = build.friction[joint];
+        let v_eps = own.v_eps;
+        if e.cold > 0.0 {
+            let (time_constant, power) = &self.warm_up;
+            build.add(WarmingGrease {
+                joint,
+                cold: e.cold,
+                fading: 2.0,
+                time: *time_constant,
+                power: power[j],
+                viscous: own.viscous,
+                coulomb: 0.3 * own.coulomb,
+                v_eps,
+                warmth: 1.0 - (-time.max(0.0) / time_constant).exp(),
+            });
+        }
+        if e.deflection > 0.0 {
+            build.friction[joint].coulomb = 0.0;
+            build.add(Bristle {
+                joint,
+                coulomb: own.coulomb,
+                deflection: e.deflection,
+                elastic: 0.1,
+                damping: 0.02 * own.coulomb / e.deflection,
+                z: 0.0,
+            });
+        }
+        if e.loss > 0.0 {
+            build.add(GearMesh {
+                joint,
+                loss: e.loss,
+                v_eps,
+            });
+        }
+        if e.stribeck > 0.0 {
+            build.add(Stribeck {
+                joint,
+                size: e.stribeck,
+                v_s: e.stribeck_speed,
+                v_eps,
+                kind: StribeckKind::Lorentz,
+                film: 0.0,
+            });
+        }
+        if e.flow > 0.0 {
+            build.add(Drag {
+                joint,
+                size: e.flow,
+                v_0: 0.12,
+                v_top: 3.0,
+                kind: DragKind::Eyring,
+            });
+        }
+        if e.ripple > 0.0 {
+            let second = [2.7 * e.order, 0.4 * e.ripple, 2.0];
+            build.add(Ripple {
+                joint,
+                waves: vec![[e.order, e.ripple, 0.7], second],
+            });
+        }
     }
 
     /// Simulates the plans; the recording of each part, in order of the plans.
@@ -221,8 +252,7 @@ impl Machine {
         let control_rng = ChaCha8Rng::from_rng(rng);
         let mut controller =
             Controller::new(&self.arm, self.bandwidth, period, sensing, control_rng)?;
-        let mut plant = self.plant(&start.q, plan.offset)?;
-        let axes: Vec<usize> = (0..self.arm.dof()).collect();
+        let (mut plant, axes) = self.plant(&start.q, plan.offset)?;
         let mut trace = run(
             &plan.session,
             &mut controller,

@@ -26,7 +26,7 @@ const RATE: f64 = 60.0;
 /// Runs of each excitation.
 const EXECUTIONS: usize = 8;
 
-fn machine() -> Result<Machine, SimulateError> {
+pub(super) fn machine() -> Result<Machine, SimulateError> {
     let friction = [
         (9.0, 4.7),
         (10.0, 4.9),
@@ -64,12 +64,13 @@ fn machine() -> Result<Machine, SimulateError> {
             effect(SCALE[5], 0.10, 0.25, 8.3),
         ],
         warm_up: (700.0, vec![12.0, 10.0, 9.0, 1.6, 2.0, 2.2]),
-        more: Vec::new,
+        more: |_| Vec::new(),
         errors: Errors {
             count: vec![TAU / f64::from(1 << 18); 6],
             velocity: vec![0.002; 6],
             torque: TABLE_6.iter().map(|t| 0.2 * t).collect(),
         },
+        gears: Vec::new(),
         bandwidth: 8.0,
         arm,
     })
@@ -79,10 +80,10 @@ fn machine() -> Result<Machine, SimulateError> {
 const SCALE: [f64; 6] = [1.5, 1.0, 1.15, 0.18, 0.2, 0.24];
 
 pub(super) fn simulate(
+    machine: &Machine,
     seed: u64,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Simulated, SimulateError> {
-    let machine = machine()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut plans = Vec::new();
     let mut clock = 0.0;
