@@ -3,8 +3,12 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+mod arguments;
+mod closed_loop;
+mod collision;
 mod sources;
 
+use arguments::{Arguments, WIDTH};
 use clap::Parser;
 use datasets::{Part, read};
 use model::baseline::published::{self, Published, beside};
@@ -13,45 +17,7 @@ use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use model::failure::Failure;
 use model::{page, tables};
 use report::{say, say_text};
-use std::path::PathBuf;
 use std::process::ExitCode;
-
-/// Scores a model directory on a recording and predicts its torque.
-#[derive(Debug, Parser)]
-#[command(name = "eval", version)]
-struct Arguments {
-    /// Print the systems of the source documents, which of them work, and published figures beside ours (Markdown); needs neither
-    /// model nor data.
-    #[arg(long, exclusive = true)]
-    sources: bool,
-    /// Model directory.
-    #[arg(long, required_unless_present = "sources")]
-    model: Option<PathBuf>,
-    /// Recording (.csv, .parquet, .npz, or the KR300 benchmark's .mat: its test part).
-    #[arg(long, required_unless_present = "sources")]
-    data: Option<PathBuf>,
-    /// Write the scores as JSON.
-    #[arg(long)]
-    json: Option<PathBuf>,
-    /// Write a report page.
-    #[arg(long)]
-    html: Option<PathBuf>,
-    /// Write predicted torque and its standard deviation as CSV; the recording needs no torque.
-    #[arg(long)]
-    predict: Option<PathBuf>,
-    /// Drive file: names and units of the recording's columns, gear ratios, torque constants.
-    #[arg(long)]
-    drive: Option<PathBuf>,
-    /// Cut-off of the zero-phase low-pass of the motion, Hz [default: the model's own].
-    #[arg(long)]
-    cutoff_hz: Option<f64>,
-    /// Print the scores of every model and scope.
-    #[arg(long, conflicts_with = "quiet")]
-    verbose: bool,
-    /// Print nothing but errors.
-    #[arg(long)]
-    quiet: bool,
-}
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -68,6 +34,9 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.closed_loop {
+        return closed_loop::run(arguments);
+    }
     let (Some(model), Some(data)) = (&arguments.model, &arguments.data) else {
         let table = sources::markdown().map_err(|e| Failure::other(e.to_string()))?;
         say_text!(table);
@@ -81,6 +50,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         cutoff_hz: arguments.cutoff_hz,
     };
     let evaluation = evaluate(model, &file, recording, &options)?;
+    if arguments.collision {
+        return collision::run(arguments, model, &file, &evaluation);
+    }
     // Pages first: nothing is printed of a run whose files cannot be written.
     if let Some(path) = &arguments.json {
         report::write_atomic(path, json(&evaluation.report))?;
@@ -106,9 +78,6 @@ fn published(file: &ModelFile) -> Vec<&'static Published> {
         &[published::Part::Test, published::Part::Train],
     )
 }
-
-/// Width of a line for a person.
-const WIDTH: usize = 100;
 
 fn print(file: &ModelFile, evaluation: &Evaluation, verbose: bool) {
     let report = &evaluation.report;

@@ -1,0 +1,27 @@
+//! Collisions seen in torque.
+//!
+//! - `torque_error`: the softMC manual's: model minus measured torque behind an exponential filter;
+//! - `momentum`: the observer of generalised momentum (De Luca and Mattone, ICRA 2005; De Luca et al., IROS 2006);
+//! - `threshold`: thresholds for a wanted rate of false alarms, and alarms;
+//! - `recording`: both on a recording of a stored model's robot: `eval --collision`;
+//! - `contacts`: simulated contacts.
+
+mod contacts;
+mod momentum;
+mod page;
+mod recording;
+mod residual;
+mod threshold;
+mod torque_error;
+
+pub use contacts::{Contacts, Found, Plan, contacts};
+pub use momentum::Momentum;
+pub use page::{page, tables};
+pub use recording::{Collisions, Detector, of_recording};
+pub use residual::Signal;
+pub use threshold::{Alarm, SHORTEST, alarms, thresholds};
+pub use torque_error::TorqueError;
+
+/// Time constant of both detectors, s: of the filter, and the inverse of the observer's gain. Three of them are within the 50 ms
+/// in which a contact is to be found.
+pub const TIME_CONSTANT: f64 = 0.012;

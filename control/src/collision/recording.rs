@@ -1,0 +1,189 @@
+//! Both detectors on a recording of a stored model's robot.
+
+use super::residual::Signal;
+use super::threshold::{Alarm, SHORTEST, alarms, thresholds};
+use super::{Momentum, TIME_CONSTANT, TorqueError};
+use crate::ControlError;
+use crate::model::{DirectoryModel, Model};
+use ::model::directory::ModelFile;
+use ::model::evaluation::Evaluation;
+use serde::Serialize;
+use std::path::Path;
+
+/// A detector on a recording.
+#[derive(Debug, Clone, Serialize)]
+pub struct Detector {
+    /// `torque_error` or `momentum_observer`.
+    pub name: &'static str,
+    /// Threshold of every joint (TorqueErrorMax), N·m or N.
+    pub thresholds: Vec<f64>,
+    /// What exceeded them.
+    pub alarms: Vec<Recorded>,
+    /// Its residual.
+    #[serde(skip)]
+    pub signal: Signal,
+}
+
+/// An alarm in a recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Recorded {
+    /// Label of the trajectory.
+    pub trajectory: String,
+    /// Name of the joint.
+    pub name: String,
+    /// When, which joint, how much.
+    #[serde(flatten)]
+    pub alarm: Alarm,
+}
+
+/// What `eval --collision` finds.
+#[derive(Debug, Clone, Serialize)]
+pub struct Collisions {
+    /// `collision/1`.
+    pub schema: &'static str,
+    /// Joints.
+    pub joints: Vec<String>,
+    /// Time looked at, s.
+    pub seconds: f64,
+    /// Time that the thresholds were chosen from, s.
+    pub calibration_seconds: f64,
+    /// Wanted false alarms per hour, of all joints together.
+    pub false_alarms: f64,
+    /// TorqueErrorFilter at the recording's rate.
+    pub torque_error_filter: f64,
+    /// RMS of measured minus model torque of every joint, N·m or N.
+    pub residual_rms: Vec<f64>,
+    /// Torque error and momentum observer.
+    pub detectors: [Detector; 2],
+    /// What the figures depend on.
+    pub notes: Vec<String>,
+}
+
+/// Thresholds from `calibration` (the recording itself where there is none) for a wanted rate of false alarms, and the alarms in
+/// the recording.
+///
+/// # Errors
+/// A directory that cannot be used, recordings without torque or too short.
+pub fn of_recording(
+    directory: &Path,
+    file: &ModelFile,
+    recording: &Evaluation,
+    calibration: Option<&Evaluation>,
+    per_hour: f64,
+) -> Result<Collisions, ControlError> {
+    let seen = Residuals::of(directory, file, recording)?;
+    let chosen_from = match calibration {
+        Some(other) => &Residuals::of(directory, file, other)?,
+        None => &seen,
+    };
+    let labels = &recording.recording.trajectories;
+    let detector = |name, signal: &Signal, calibration: &Signal| {
+        let thresholds = thresholds(calibration, per_hour);
+        let found = alarms(signal, &thresholds).into_iter().map(|alarm| {
+            let of = labels.iter().find(|t| t.range.contains(&alarm.row));
+            Recorded {
+                trajectory: of.map_or_else(String::new, |t| t.label.clone()),
+                name: file.joints[alarm.joint].clone(),
+                alarm,
+            }
+        });
+        Detector {
+            name,
+            alarms: found.collect(),
+            thresholds,
+            signal: signal.clone(),
+        }
+    };
+    let mut notes = vec![format!(
+        "Motion as eval prepares it (a zero-phase low-pass, not causal): in a loop, choose thresholds from the loop's own signals. Both \
+         detectors have a time constant of {:.0} ms.",
+        1e3 * TIME_CONSTANT
+    )];
+    if calibration.is_none() {
+        notes.push("The thresholds were chosen from this very recording; give --calibration to judge one that they have not seen.".to_owned());
+    }
+    Ok(Collisions {
+        schema: "collision/1",
+        joints: file.joints.clone(),
+        seconds: seen.filtered.seconds(),
+        calibration_seconds: chosen_from.filtered.seconds(),
+        false_alarms: per_hour,
+        torque_error_filter: seen.filter,
+        residual_rms: seen.raw.rms(),
+        detectors: [
+            detector("torque_error", &seen.filtered, &chosen_from.filtered),
+            detector("momentum_observer", &seen.observed, &chosen_from.observed),
+        ],
+        notes,
+    })
+}
+
+/// Residuals of a recording.
+struct Residuals {
+    raw: Signal,
+    filtered: Signal,
+    observed: Signal,
+    filter: f64,
+}
+
+impl Residuals {
+    fn of(directory: &Path, file: &ModelFile, seen: &Evaluation) -> Result<Self, ControlError> {
+        let recording = &seen.recording;
+        let motion = &seen.session.parts[0].at_samples;
+        let n = recording.dof();
+        let step = recording.median_step();
+        let mut model = DirectoryModel::load(directory, file, step)?;
+        let filter = TorqueError::filter(TIME_CONSTANT, step);
+        let mut error = TorqueError::new(n, filter);
+        let mut observer = Momentum::new(n, 1.0 / TIME_CONSTANT);
+        let mut all = Self {
+            raw: Signal::new(n),
+            filtered: Signal::new(n),
+            observed: Signal::new(n),
+            filter,
+        };
+        let mut rigid = vec![0.0; n];
+        // A recording without torque is one without a single stretch, and thereby too short.
+        let stretches = recording
+            .tau
+            .as_ref()
+            .map(|tau| (tau, recording.segments()));
+        for (tau, range) in stretches
+            .iter()
+            .flat_map(|(tau, all)| all.iter().map(move |r| (tau, r)))
+        {
+            error.reset();
+            observer.reset();
+            for row in range.clone() {
+                let first = row == range.start;
+                let dt = if first {
+                    step
+                } else {
+                    recording.time[row] - recording.time[row - 1]
+                };
+                let of = |table: &ndarray::Array2<f64>| table.row(row).to_vec();
+                let (q, qd, qdd) = (of(&motion.q), of(&motion.qd), of(&motion.qdd));
+                let (measured, whole) = (of(tau), of(&seen.torque));
+                let left: Vec<f64> = measured.iter().zip(&whole).map(|(m, w)| m - w).collect();
+                all.raw.push(recording.time[row], &left, first);
+                let shown = error.step(&whole, &measured);
+                all.filtered.push(recording.time[row], shown, first);
+                model.rigid(&q, &qd, &qdd, &mut rigid);
+                let net: Vec<f64> = (0..n)
+                    .map(|j| measured[j] - (whole[j] - rigid[j]))
+                    .collect();
+                let shown = observer.step(&mut model, &q, &qd, &net, dt);
+                all.observed.push(recording.time[row], shown, first);
+            }
+        }
+        let seconds = all.raw.seconds();
+        if seconds < SHORTEST {
+            return Err(ControlError::TooShort {
+                file: recording.source.clone(),
+                seconds,
+                needed: SHORTEST,
+            });
+        }
+        Ok(all)
+    }
+}

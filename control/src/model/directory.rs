@@ -1,0 +1,106 @@
+//! The model of a directory that `train` has written.
+
+use super::Model;
+use crate::ControlError;
+use ::model::directory::ModelFile;
+use feedforward::Feedforward;
+use physics::dynamics::{Workspace, inverse_dynamics};
+use physics::effects::Term;
+use physics::torque_model::{Predictor, TorqueModel};
+use plant::reference::Command;
+use std::path::Path;
+
+/// Physics and compensator on the clock of their training: they go on where its last recording ended.
+pub struct DirectoryModel {
+    model: TorqueModel,
+    workspace: Workspace,
+    predictor: Predictor,
+    whole: Feedforward,
+    compensator: bool,
+    period: f64,
+    /// Session time of a loop's start, s; none where the training recordings had no common clock.
+    start: Option<f64>,
+    clock: Option<f64>,
+}
+
+/// Time between the last recording of the training and the loop, s.
+const PAUSE: f64 = 5.0;
+
+impl DirectoryModel {
+    /// For a loop of `period` seconds.
+    ///
+    /// # Errors
+    /// A directory that cannot be used.
+    pub fn load(directory: &Path, file: &ModelFile, period: f64) -> Result<Self, ControlError> {
+        let model = file.physics.model()?;
+        let whole = Feedforward::load(directory, Some(period))?;
+        let mut loaded = Self {
+            workspace: Workspace::new(model.robot()),
+            predictor: model.predictor(),
+            whole,
+            compensator: file.compensator.is_some(),
+            period,
+            start: file.clock.last().map(|span| span[1] + PAUSE),
+            clock: None,
+            model,
+        };
+        loaded.reset();
+        Ok(loaded)
+    }
+
+    /// Session time of a loop's start, s.
+    pub fn start(&self) -> Option<f64> {
+        self.start
+    }
+
+    /// The torque model.
+    pub fn physical(&self) -> &TorqueModel {
+        &self.model
+    }
+}
+
+impl Model for DirectoryModel {
+    fn dof(&self) -> usize {
+        self.model.dof()
+    }
+
+    fn rigid(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
+        inverse_dynamics(self.model.robot(), &mut self.workspace, q, qd, qdd, tau);
+        for (j, (list, tau)) in self.model.terms().iter().zip(tau).enumerate() {
+            for weighted in list {
+                let column = match &weighted.term {
+                    Term::Offset => 1.0,
+                    Term::RotorInertia => qdd[j],
+                    Term::Counterbalance(c) => c.torque(q[j]),
+                    Term::Spring(s) => s.torque(q[j]),
+                    Term::Polynomial(p) => p.at(q[j]),
+                    _ => 0.0,
+                };
+                *tau += weighted.value * column;
+            }
+        }
+    }
+
+    fn physics(&mut self, motion: &Command, tau: &mut [f64]) {
+        let Command { q, qd, qdd } = motion;
+        self.predictor
+            .step(self.clock, self.period, q, qd, qdd, tau);
+        if let Some(clock) = &mut self.clock {
+            *clock += self.period;
+        }
+    }
+
+    fn compensated(&mut self, motion: &Command, tau: &mut [f64]) {
+        self.whole.torque(&motion.q, &motion.qd, &motion.qdd, tau);
+    }
+
+    fn has_compensator(&self) -> bool {
+        self.compensator
+    }
+
+    fn reset(&mut self) {
+        self.predictor.reset();
+        self.whole.reset(self.start);
+        self.clock = self.start;
+    }
+}
