@@ -142,7 +142,10 @@ fn delta() -> Result<Experiment, ControlError> {
         tool: Some(&tool),
         settle: Some(settle(&description, 0.05)),
         from: 0.0,
-        settings: Settings::default(),
+        settings: Settings {
+            after: 0.5,
+            ..Settings::default()
+        },
     };
     let mut model = IdentifiedMachine::of(&description)?;
     let mut made = trial.run(|| Subject::machine(&description, &begin), &mut model)?;

@@ -19,6 +19,9 @@ pub struct IdentifiedMachine {
 /// Rate of the recording, Hz: the described sine waves are far slower.
 const RATE: f64 = 250.0;
 
+/// Commanded speed below which an axis stands, rad/s or m/s.
+const STILL: f64 = 1e-6;
+
 impl IdentifiedMachine {
     /// Records the described sine waves and identifies.
     ///
@@ -60,7 +63,10 @@ impl Model for IdentifiedMachine {
     }
 
     fn physics(&mut self, motion: &Command, tau: &mut [f64]) {
-        self.torque(&self.values, [&motion.q, &motion.qd, &motion.qdd], tau);
+        // A commanded standstill is one although its spline's slope is rounding: friction has no sign there.
+        let still = |v: &f64| if v.abs() < STILL { 0.0 } else { *v };
+        let qd: Vec<f64> = motion.qd.iter().map(still).collect();
+        self.torque(&self.values, [&motion.q, &qd, &motion.qdd], tau);
     }
 
     fn compensated(&mut self, motion: &Command, tau: &mut [f64]) {

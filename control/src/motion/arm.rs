@@ -1,8 +1,8 @@
-//! A straight line of an arm's last joint frame, its orientation kept.
+//! A straight line of the origin of an arm's last joint frame; its orientation is free, so that no wrist stands in the way.
 
 use super::{Line, Profile};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use physics::dynamics::{Placement, Workspace, link_placements, point_jacobian};
+use nalgebra::{Matrix3, Matrix3xX, Vector3};
+use physics::dynamics::{Workspace, link_placements, point_jacobian};
 use physics::robot::Robot;
 
 /// Length of the line as a part of the frame's distance from the base's vertical axis.
@@ -19,16 +19,13 @@ pub fn tool(robot: &Robot, q: &[f64]) -> Option<Vector3<f64>> {
 
 /// A level line across the reach, whose middle is the pose `centre`, and its length in m; none where the arm cannot follow it.
 pub fn line(robot: &Robot, centre: &[f64]) -> Option<(Line, f64)> {
-    let middle = link_placements(robot, centre).last()?;
-    let across = Vector3::new(-middle.translation.y, middle.translation.x, 0.0);
+    let middle = tool(robot, centre)?;
+    let across = Vector3::new(-middle.y, middle.x, 0.0);
     let length = SHARE * across.norm();
     let across = across.try_normalize(1e-3)?;
     let speed = length / AT_SPEED;
     let profile = Profile::new(length, speed, speed / RAMP, SMOOTHING);
-    let at = |way: f64| Placement {
-        translation: middle.translation + across * (way - 0.5 * length),
-        ..middle
-    };
+    let at = |way: f64| middle + across * (way - 0.5 * length);
     let mut workspace = Workspace::new(robot);
     let mut q = centre.to_vec();
     // From the middle out, so that the first knot is reached without a jump to another branch.
@@ -47,22 +44,19 @@ pub fn line(robot: &Robot, centre: &[f64]) -> Option<(Line, f64)> {
     Some((line, length))
 }
 
-/// Newton's method, damped, from `q`; none where it does not arrive.
-fn reach(robot: &Robot, workspace: &mut Workspace, to: &Placement, q: &mut [f64]) -> Option<()> {
+/// Newton's method from `q`, each step the smallest that does it; none where it does not arrive.
+fn reach(robot: &Robot, workspace: &mut Workspace, to: &Vector3<f64>, q: &mut [f64]) -> Option<()> {
     let n = robot.dof();
     let mut jacobian = vec![0.0; 6 * n];
     for _ in 0..60 {
-        let at = link_placements(robot, q).last()?;
-        let away = to.translation - at.translation;
-        let turn = rotation_vector(&(to.rotation * at.rotation.transpose()));
-        let error = DVector::from_iterator(6, away.iter().chain(turn.iter()).copied());
+        let error = to - tool(robot, q)?;
         if error.norm() < 1e-11 {
             return Some(());
         }
         point_jacobian(robot, workspace, q, n - 1, &Vector3::zeros(), &mut jacobian);
-        let j = DMatrix::from_row_slice(6, n, &jacobian);
-        let damped = &j * j.transpose() + DMatrix::identity(6, 6) * 1e-12;
-        let step = j.transpose() * damped.cholesky()?.solve(&error);
+        let j = Matrix3xX::from_row_slice(&jacobian[..3 * n]);
+        let square: Matrix3<f64> = &j * j.transpose() + Matrix3::identity() * 1e-12;
+        let step = j.transpose() * square.cholesky()?.solve(&error);
         // Steps of more than this leave the branch.
         if step.norm() > 1.0 {
             return None;
@@ -70,11 +64,6 @@ fn reach(robot: &Robot, workspace: &mut Workspace, to: &Placement, q: &mut [f64]
         q.iter_mut().zip(step.iter()).for_each(|(q, s)| *q += s);
     }
     None
-}
-
-/// Axis times angle of a small rotation.
-fn rotation_vector(r: &Matrix3<f64>) -> Vector3<f64> {
-    Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12) * 0.5
 }
 
 #[cfg(test)]

@@ -124,11 +124,13 @@ impl Machine {
     pub fn plant(&self, q: &[f64], time: f64) -> Result<(Plant, Vec<usize>), SimulateError> {
         let mut build = Build::plain(&self.arm);
         build.armature = self.arm.joints.iter().map(|j| j.rotor_inertia).collect();
-        // Base first: what a split adds lies behind all joints that are split before.
+        // Tip first: discs are counted by motor, and nothing may be added before a joint that is still to be split.
+        for j in (0..self.gears.len()).rev() {
+            build.split(j);
+        }
         for (j, gear) in self.gears.iter().enumerate() {
-            let joint = build.split(j);
             build.add(GearSpring {
-                joint,
+                joint: build.axes[j] + 1,
                 stiffness: gear.stiffness,
                 hardening: 0.1,
                 damping: gear.damping,
