@@ -62,19 +62,19 @@ fn a_payload() {
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn friction() {
     round_trip("friction_parameters", 1);
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn a_tilted_base() {
     round_trip("base_tilt", 2);
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn rotor_inertia() {
     round_trip("rotor_inertia", 4);
 }

@@ -4,7 +4,7 @@ use diagnose::Options;
 use diagnose::prove::{Answer, leave_one_out, mean, prove, table};
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn a_few_sealed_cases() {
     let folder = tempfile::tempdir().unwrap();
     let scores = prove(6, 11, None, &Options::default(), Some(folder.path()), || ()).unwrap();
@@ -28,7 +28,7 @@ fn a_few_sealed_cases() {
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn a_withheld_candidate_gives_no_confident_wrong_name() {
     let answers = leave_one_out(6, 11, || ()).unwrap();
     assert!(!answers.is_empty());
@@ -39,7 +39,7 @@ fn a_withheld_candidate_gives_no_confident_wrong_name() {
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn friction_that_changes_with_position_has_its_name() {
     let scores = prove(
         4,
