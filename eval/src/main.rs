@@ -13,6 +13,7 @@ use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use model::failure::Failure;
 use model::{page, tables};
 use report::{say, say_text};
+use sources::SourcesError;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -20,10 +21,10 @@ use std::process::ExitCode;
 #[derive(Debug, Parser)]
 #[command(name = "eval", version)]
 struct Arguments {
-    /// Print the systems of the source documents, which of them work, and published figures beside ours (Markdown); needs neither
-    /// model nor data.
-    #[arg(long, exclusive = true)]
-    sources: bool,
+    /// Print the systems of the source documents, which of them work, and published figures beside ours (Markdown); with a
+    /// document's name its page. Needs neither model nor data.
+    #[arg(long, exclusive = true, value_name = "DOCUMENT", num_args = 0..=1, default_missing_value = "")]
+    sources: Option<String>,
     /// Model directory.
     #[arg(long, required_unless_present = "sources")]
     model: Option<PathBuf>,
@@ -69,8 +70,14 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (Some(model), Some(data)) = (&arguments.model, &arguments.data) else {
-        let table = sources::markdown().map_err(|e| Failure::other(e.to_string()))?;
-        say_text!(table);
+        let page = match arguments.sources.as_deref() {
+            None | Some("") => sources::markdown(),
+            Some(document) => sources::page(document),
+        };
+        say_text!(page.map_err(|e| match e {
+            SourcesError::Page { .. } => Failure::input(e.to_string(), ""),
+            SourcesError::Rows(_) => Failure::other(e.to_string()),
+        })?);
         return Ok(());
     };
     let file = ModelFile::load(model)?;
