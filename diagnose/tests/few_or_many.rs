@@ -13,8 +13,12 @@ use std::path::PathBuf;
 use trials::cases::{Case, CaseSpec, Kind, generate};
 
 fn clean(index: u64, seed: u64) -> Case {
-    let kind = Kind::None;
-    generate(&CaseSpec { index, kind }, seed).unwrap()
+    let spec = CaseSpec {
+        index,
+        kind: Kind::None,
+        hard: false,
+    };
+    generate(&spec, seed).unwrap()
 }
 
 fn outcome(robot: Robot, train: &Recording, test: &Recording) -> Outcome {

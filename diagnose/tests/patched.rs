@@ -16,7 +16,15 @@ fn causes(outcome: &Outcome) -> Vec<&'static str> {
 fn round_trip(effect: &str, index: u64) {
     let number = EFFECTS.iter().position(|e| *e == effect).unwrap();
     let kind = Kind::Single(number);
-    let case = generate(&CaseSpec { index, kind }, 77).unwrap();
+    let case = generate(
+        &CaseSpec {
+            index,
+            kind,
+            hard: false,
+        },
+        77,
+    )
+    .unwrap();
     let diagnosed = |robot: Robot| {
         let model = NominalModel::new(robot);
         let outcome = diagnose(&model, &case.train, &case.test, &Options::default()).unwrap();

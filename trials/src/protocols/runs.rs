@@ -8,7 +8,8 @@ use plant::arm::Arm;
 use plant::control::{Controller, Sensing};
 use plant::measure::{Errors, record};
 use plant::mechanism::{
-    Bristle, Drag, DragKind, GearMesh, Mechanism, Ripple, Stribeck, StribeckKind, WarmingGrease,
+    Bristle, Drag, DragKind, GearMesh, Mechanism, RestLaw, Ripple, Stribeck, StribeckKind,
+    WarmingGrease,
 };
 use plant::reference::{Command, Session};
 use plant::run::{Clock, run};
@@ -88,6 +89,7 @@ pub fn arm(
         centre: centre.to_vec(),
         reach: reach.to_vec(),
         v_eps: vec![0.002; joints.len()],
+        rest: RestLaw::Root,
         disc: vec![0.0; joints.len()],
         joints,
     }
@@ -107,6 +109,7 @@ impl Machine {
                 viscous: joint.damping,
                 coulomb: joint.friction,
                 v_eps,
+                rest: self.arm.rest,
             };
             if e.cold > 0.0 {
                 let (time_constant, power) = &self.warm_up;
