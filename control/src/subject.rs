@@ -68,6 +68,7 @@ impl Subject {
             viscous: f.viscous,
             coulomb: f.coulomb,
             v_eps: f.soft,
+            rest: plant::mechanism::RestLaw::Root,
         });
         let friction: Vec<Friction> = friction.collect();
         let n = description.axis.len();

@@ -27,7 +27,11 @@ pub enum Proof {
         /// Seed of the draw.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Cases of this kind alone: an effect's name, none, outside or two.
+        /// Cases nearer to real recordings: descriptions that are further off, small effects on every joint, filtered currents,
+        /// other rates, days and stamps, two effects on one joint, pushes at rest.
+        #[arg(long, conflicts_with = "leave_one_out")]
+        hard: bool,
+        /// Cases of this kind alone: an effect's name, none, outside or two (with --hard two_same_joint or contact_at_rest).
         #[arg(long)]
         only: Option<String>,
         /// Also take each case's effect out of the catalogue, and say what is named instead.

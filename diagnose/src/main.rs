@@ -150,6 +150,7 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
     let Proof::Prove {
         cases,
         seed,
+        hard,
         only,
         leave_one_out,
         fast,
@@ -161,7 +162,13 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
     };
     let bar = ProgressBar::new(*cases);
     let (only, out) = (only.as_deref(), out.as_deref());
-    let scores = prove::prove(*cases, *seed, only, &options, out, || bar.inc(1))?;
+    let draw = prove::Draw {
+        cases: *cases,
+        seed: *seed,
+        hard: *hard,
+        only,
+    };
+    let scores = prove::prove(&draw, &options, out, || bar.inc(1))?;
     bar.finish_and_clear();
     report::say!("{}", prove::table(&scores).to_text());
     if *leave_one_out {

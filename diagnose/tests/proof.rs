@@ -1,13 +1,19 @@
 //! A small run of the proof.
 
 use diagnose::Options;
-use diagnose::prove::{Answer, leave_one_out, mean, prove, table};
+use diagnose::prove::{Answer, Draw, leave_one_out, mean, prove, table};
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn a_few_sealed_cases() {
     let folder = tempfile::tempdir().unwrap();
-    let scores = prove(6, 11, None, &Options::default(), Some(folder.path()), || ()).unwrap();
+    let draw = Draw {
+        cases: 6,
+        seed: 11,
+        hard: false,
+        only: None,
+    };
+    let scores = prove(&draw, &Options::default(), Some(folder.path()), || ()).unwrap();
     println!("{}", table(&scores).to_text());
     let all: Vec<_> = scores.iter().collect();
     assert_eq!(mean(&all, |s| s.false_alarm), Some(0.0));
@@ -28,7 +34,7 @@ fn a_few_sealed_cases() {
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn a_withheld_candidate_gives_no_confident_wrong_name() {
     let answers = leave_one_out(6, 11, || ()).unwrap();
     assert!(!answers.is_empty());
@@ -39,17 +45,15 @@ fn a_withheld_candidate_gives_no_confident_wrong_name() {
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn friction_that_changes_with_position_has_its_name() {
-    let scores = prove(
-        4,
-        21,
-        Some("position_dependent_friction"),
-        &Options::default(),
-        None,
-        || (),
-    )
-    .unwrap();
+    let draw = Draw {
+        cases: 4,
+        seed: 21,
+        hard: false,
+        only: Some("position_dependent_friction"),
+    };
+    let scores = prove(&draw, &Options::default(), None, || ()).unwrap();
     println!("{}", table(&scores).to_text());
     let all: Vec<_> = scores.iter().collect();
     assert!(mean(&all, |s| s.top3).unwrap() >= 0.75);

@@ -11,10 +11,10 @@ pub const WIDTH: usize = 100;
 #[derive(Debug, Parser)]
 #[command(name = "eval", version)]
 pub struct Arguments {
-    /// Print the systems of the source documents, which of them work, and published figures beside ours (Markdown); needs neither
-    /// model nor data.
-    #[arg(long, exclusive = true)]
-    pub sources: bool,
+    /// Print the systems of the source documents, which of them work, and published figures beside ours (Markdown); with a
+    /// document's name its page. Needs neither model nor data.
+    #[arg(long, exclusive = true, value_name = "DOCUMENT", num_args = 0..=1, default_missing_value = "")]
+    pub sources: Option<String>,
     /// Track motions in simulation, under a drive's cascade with and without the model: the simulated robot of --model, or SCARA, Delta and
     /// PUMA beside the softMC manual's figures; needs no recording.
     #[arg(long, conflicts_with_all = ["data", "predict", "drive", "cutoff_hz", "collision", "verbose"])]

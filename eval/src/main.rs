@@ -17,6 +17,7 @@ use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use model::failure::Failure;
 use model::{page, tables};
 use report::{say, say_text};
+use sources::SourcesError;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -38,8 +39,14 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         return closed_loop::run(arguments);
     }
     let (Some(model), Some(data)) = (&arguments.model, &arguments.data) else {
-        let table = sources::markdown().map_err(|e| Failure::other(e.to_string()))?;
-        say_text!(table);
+        let page = match arguments.sources.as_deref() {
+            None | Some("") => sources::markdown(),
+            Some(document) => sources::page(document),
+        };
+        say_text!(page.map_err(|e| match e {
+            SourcesError::Page { .. } => Failure::input(e.to_string(), ""),
+            SourcesError::Rows(_) => Failure::other(e.to_string()),
+        })?);
         return Ok(());
     };
     let file = ModelFile::load(model)?;

@@ -1,5 +1,5 @@
-//! The table of source documents: every system of theirs, whether it works here, by which command, and the published figure beside
-//! ours. `docs/sources.md` is what it prints.
+//! The source documents: every system of theirs, whether it works here, by which command, and the published figure beside ours.
+//! `docs/sources.md` and a page for each document in `docs/sources/` are what it prints.
 
 use serde::Deserialize;
 use std::fmt::Write;
@@ -51,7 +51,25 @@ struct System {
 struct Document {
     name: String,
     title: String,
+    /// Name of its page.
+    page: String,
+    /// What the document does.
+    about: String,
+    /// What is done in another way here, and why.
+    differs: Vec<String>,
+    /// What reproduces its experiments.
+    #[serde(default)]
+    experiment: Vec<Experiment>,
     system: Vec<System>,
+}
+
+/// Commands that reproduce an experiment of a source.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Experiment {
+    what: String,
+    /// One a line.
+    commands: String,
 }
 
 #[derive(Debug, Deserialize)]
@@ -61,11 +79,27 @@ struct Sources {
     document: Vec<Document>,
 }
 
-/// The table as Markdown.
+/// Why a page of the sources cannot be printed.
+#[derive(Debug, thiserror::Error)]
+pub enum SourcesError {
+    /// The rows built into the program are damaged, which a test excludes.
+    #[error("the table of sources is damaged: {0}")]
+    Rows(#[from] toml::de::Error),
+    /// No such page.
+    #[error("no source document is called {name}; there are {pages}")]
+    Page {
+        /// Asked for.
+        name: String,
+        /// Those that exist.
+        pages: String,
+    },
+}
+
+/// The table of all documents as Markdown.
 ///
 /// # Errors
-/// The rows built into the program are damaged, which a test excludes.
-pub fn markdown() -> Result<String, toml::de::Error> {
+/// [`SourcesError::Rows`].
+pub fn markdown() -> Result<String, SourcesError> {
     let sources: Sources = toml::from_str(ROWS)?;
     let systems = || sources.document.iter().flat_map(|d| &d.system);
     let count = |state| systems().filter(|s| s.state == state).count();
@@ -80,29 +114,82 @@ pub fn markdown() -> Result<String, toml::de::Error> {
         count(State::Missing)
     );
     for document in &sources.document {
-        let _ = writeln!(out, "\n## {}\n{}\n", document.name, document.title);
-        out.push_str("| system | state | command | published | here |\n|---|---|---|---|---|\n");
-        for system in &document.system {
-            let command = if system.command.is_empty() {
-                "–".to_owned()
-            } else {
-                format!("`{}`", system.command)
-            };
-            let ours = if system.ours.is_empty() {
-                "–"
-            } else {
-                &system.ours
-            };
-            let _ = writeln!(
-                out,
-                "| {} | {} | {command} | {} | {ours} |",
-                system.name,
-                system.state.name(),
-                system.published
-            );
-        }
+        let Document {
+            name, title, page, ..
+        } = document;
+        let _ = writeln!(
+            out,
+            "\n## {name}\n{title} [What it does, and what differs here](sources/{page}.md).\n"
+        );
+        rows(&document.system, &mut out);
     }
     Ok(out)
+}
+
+/// The page of one document as Markdown: what it does, what reproduces it here, figures side by side, what differs.
+///
+/// # Errors
+/// [`SourcesError`].
+pub fn page(name: &str) -> Result<String, SourcesError> {
+    let sources: Sources = toml::from_str(ROWS)?;
+    let Some(document) = sources.document.iter().find(|d| d.page == name) else {
+        let pages: Vec<&str> = sources.document.iter().map(|d| d.page.as_str()).collect();
+        return Err(SourcesError::Page {
+            name: name.to_owned(),
+            pages: pages.join(", "),
+        });
+    };
+    // Links of the table are relative to the folder above.
+    let title = document.title.replace("](", "](../");
+    let mut out = format!("# {}\n{title}\n\n", document.name);
+    let _ = writeln!(out, "{}\n\n## Its experiments, here", document.about.trim());
+    for experiment in &document.experiment {
+        let _ = writeln!(out, "{}\n", experiment.what);
+        for command in experiment.commands.trim().lines() {
+            let _ = writeln!(out, "    {command}");
+        }
+        out.push('\n');
+    }
+    if document.experiment.is_empty() {
+        out.push_str("None yet.\n\n");
+    }
+    out.push_str("## Figures side by side\n");
+    rows(&document.system, &mut out);
+    out.push_str("\n## What differs, and why\n");
+    for difference in &document.differs {
+        let _ = writeln!(out, "- {difference}");
+    }
+    let _ = writeln!(
+        out,
+        "\nAll documents: [sources.md](../sources.md). This page is printed by `eval --sources {name}`."
+    );
+    Ok(out)
+}
+
+/// The systems of a document as a table.
+fn rows(systems: &[System], out: &mut String) {
+    let dash = |text: &str| {
+        if text.is_empty() {
+            "–".to_owned()
+        } else {
+            text.to_owned()
+        }
+    };
+    out.push_str("| system | state | command | published | here |\n|---|---|---|---|---|\n");
+    for system in systems {
+        let command = match system.command.as_str() {
+            "" => dash(""),
+            command => format!("`{command}`"),
+        };
+        let _ = writeln!(
+            out,
+            "| {} | {} | {command} | {} | {} |",
+            system.name,
+            system.state.name(),
+            system.published,
+            dash(&system.ours)
+        );
+    }
 }
 
 #[cfg(test)]
@@ -114,6 +201,13 @@ mod tests {
         let sources: Sources = toml::from_str(ROWS).expect("the table is valid");
         let counts: Vec<usize> = sources.document.iter().map(|d| d.system.len()).collect();
         assert_eq!(counts, [11, 6, 4, 3, 4]);
+        for document in &sources.document {
+            let page = page(&document.page).expect("the page is there");
+            assert!(page.contains(document.about.trim()) && !document.differs.is_empty());
+            let works = document.system.iter().any(|s| s.state != State::Missing);
+            assert_eq!(!document.experiment.is_empty(), works, "{}", document.name);
+        }
+        assert!(page("no such document").is_err());
         for system in sources.document.iter().flat_map(|d| &d.system) {
             let claimed = system.state != State::Missing;
             assert_eq!(!system.command.is_empty(), claimed, "{}", system.name);

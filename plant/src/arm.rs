@@ -1,7 +1,9 @@
 //! A robot as the simulator builds it: joints and links that can be altered before a plant is made of
 //! them.
 
+use crate::mechanism::RestLaw;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use physics::dynamics::{Workspace, mass_matrix};
 use physics::robot::{Inertia, Joint, JointKind, Limits, Link, Robot, RobotError};
 
 /// A serial arm with the region in which it is moved.
@@ -17,6 +19,8 @@ pub struct Arm {
     pub reach: Vec<f64>,
     /// Speed below which the plant's sign of velocity is softened, rad/s or m/s.
     pub v_eps: Vec<f64>,
+    /// How it is softened there, on all joints.
+    pub rest: RestLaw,
     /// Inertia of a disc about the axis that is part of the link's inertia, kg·m²: what turns with the motor where
     /// the joint's gear is made elastic. Zero where the link has none.
     pub disc: Vec<f64>,
@@ -34,6 +38,18 @@ impl Arm {
     /// An inertia or axis that [`Robot::new`] refuses.
     pub fn robot(&self) -> Result<Robot, RobotError> {
         Robot::new("arm", self.joints.clone())
+    }
+
+    /// Diagonal of the mass matrix in mid-region, kg·m² or kg.
+    ///
+    /// # Errors
+    /// As [`Arm::robot`].
+    pub fn inertia(&self) -> Result<Vec<f64>, RobotError> {
+        let robot = self.robot()?;
+        let n = robot.dof();
+        let mut mass = vec![0.0; n * n];
+        mass_matrix(&robot, &mut Workspace::new(&robot), &self.centre, &mut mass);
+        Ok(mass.into_iter().step_by(n + 1).collect())
     }
 
     /// Viscous coefficients, N·m·s/rad.
@@ -165,7 +181,7 @@ pub fn altered(body: &Inertia, mass: f64, shift: Vector3<f64>, inertia: f64) -> 
 mod tests {
     use super::*;
     use crate::families;
-    use physics::dynamics::{Workspace, inverse_dynamics};
+    use physics::dynamics::inverse_dynamics;
 
     fn torque(arm: &Arm, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         let robot = arm.robot().unwrap();

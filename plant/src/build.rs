@@ -2,7 +2,7 @@
 
 use crate::arm::Arm;
 use crate::integrate::{Friction, Plant};
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, RestLaw};
 use crate::run::Trace;
 use physics::robot::RobotError;
 
@@ -77,6 +77,7 @@ impl Build {
                     viscous: j.damping,
                     coulomb: j.friction,
                     v_eps,
+                    rest: arm.rest,
                 })
                 .collect(),
             mechanisms: Vec::new(),
@@ -109,6 +110,7 @@ impl Build {
             viscous: 0.0,
             coulomb: 0.0,
             v_eps: 1e-3,
+            rest: RestLaw::Root,
         };
         self.friction.insert(index, none);
         self.armature.insert(index, 0.0);

@@ -5,9 +5,9 @@
 //! about the difference between two models.
 
 use crate::arm::Arm;
+use crate::mechanism::RestLaw;
 use crate::random::log_uniform;
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use physics::dynamics::{Workspace, mass_matrix};
 use physics::robot::{Inertia, Joint, JointKind, Limits, Link};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -154,6 +154,7 @@ fn arm(family: &'static str, rows: &[Row]) -> Arm {
         centre: rows.iter().map(|r| r.centre).collect(),
         reach: rows.iter().map(|r| r.reach).collect(),
         v_eps: rows.iter().map(|r| 0.0008 * r.speed).collect(),
+        rest: RestLaw::Root,
         disc: vec![0.0; rows.len()],
     }
 }
@@ -185,12 +186,7 @@ pub fn relative(rng: &mut ChaCha8Rng) -> Arm {
         joint.limits.upper += drift;
     }
     // Some makers count motors and gears among the links.
-    let inertia = arm.robot().map(|robot| {
-        let n = robot.dof();
-        let mut mass = vec![0.0; n * n];
-        mass_matrix(&robot, &mut Workspace::new(&robot), &arm.centre, &mut mass);
-        mass.into_iter().step_by(n + 1).collect::<Vec<f64>>()
-    });
+    let inertia = arm.inertia();
     for (j, inertia) in inertia.into_iter().flatten().enumerate() {
         if rng.random_bool(0.45) && arm.joints[j].kind.is_rotation() {
             arm.add_disc(j, inertia * rng.random_range(0.3..0.8));

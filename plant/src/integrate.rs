@@ -1,7 +1,7 @@
 //! The robot that really moves: rigid bodies, friction and mechanisms, integrated in time.
 
 use crate::bodies::{Bodies, Chain};
-use crate::mechanism::{Instant, Mechanism, soft_sign};
+use crate::mechanism::{Instant, Mechanism, RestLaw};
 use physics::robot::Robot;
 use signal::cholesky;
 
@@ -14,12 +14,14 @@ pub struct Friction {
     pub coulomb: f64,
     /// Speed below which the sign is softened, rad/s.
     pub v_eps: f64,
+    /// How.
+    pub rest: RestLaw,
 }
 
 impl Friction {
     /// Torque against motion at velocity `v`.
     pub fn torque(&self, v: f64) -> f64 {
-        self.viscous * v + self.coulomb * soft_sign(v, self.v_eps)
+        self.viscous * v + self.coulomb * self.rest.sign(v, self.v_eps)
     }
 }
 
@@ -230,6 +232,7 @@ mod tests {
             viscous,
             coulomb,
             v_eps: 0.002,
+            rest: RestLaw::Root,
         };
         let q = vec![0.3, 0.5, -0.2, -1.2, 0.4, 1.5, 0.1];
         Plant::new(

@@ -50,6 +50,18 @@ impl Trace {
         self.time.is_empty()
     }
 
+    /// Position and velocity of joint `j` a part `w` of a step of `step` seconds after row `k`, by the cubic through the
+    /// states of both rows.
+    pub fn between(&self, j: usize, k: usize, w: f64, step: f64) -> [f64; 2] {
+        let n = self.dof;
+        let at = |row: usize| (self.q[row * n + j], step * self.qd[row * n + j]);
+        let ((a, va), (b, vb)) = (at(k), at((k + 1).min(self.len() - 1)));
+        let (c, d) = (3.0 * (b - a) - 2.0 * va - vb, 2.0 * (a - b) + va + vb);
+        let position = a + w * (va + w * (c + w * d));
+        let velocity = (va + w * (2.0 * c + 3.0 * w * d)) / step;
+        [position, velocity]
+    }
+
     /// First row of each trajectory, and the end.
     pub fn bounds(&self) -> Vec<usize> {
         let mut bounds = vec![0];

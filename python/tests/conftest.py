@@ -1,10 +1,19 @@
 """Simulated recordings, and the programs that the package has to agree with."""
 
 import os
+import signal
 import subprocess
 from pathlib import Path
 
 import pytest
+
+
+@pytest.fixture(autouse=True)
+def interruptible():
+    """Ctrl-C is heard, even where the tests were started with it ignored, as in the background of a shell."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="session")

@@ -20,6 +20,7 @@ fn case(effect: &str, index: u64) -> Case {
     let spec = CaseSpec {
         index,
         kind: Kind::Single(kind),
+        hard: false,
     };
     generate(&spec, SEED).expect("a case")
 }

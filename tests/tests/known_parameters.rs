@@ -134,6 +134,7 @@ fn plain_ur5(seed: u64) -> Known {
         centre: vec![0.0, -1.4, 0.8, -0.7, 0.2, 0.0],
         reach: vec![2.4, 0.95, 1.3, 1.5, 1.9, 2.6],
         v_eps: vec![0.002; 6],
+        rest: plant::mechanism::RestLaw::Root,
         disc: vec![0.0; 6],
         joints,
     };
@@ -152,6 +153,7 @@ fn plain_ur5(seed: u64) -> Known {
         viscous: UR5_VISCOUS[j],
         coulomb: UR5_COULOMB[j],
         v_eps: arm.v_eps[j],
+        rest: arm.rest,
     });
     let mut plant = Plant::new(
         arm.robot().expect("a robot"),

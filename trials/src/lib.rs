@@ -1,6 +1,7 @@
 //! Recordings of the simulated robot on which proofs and tests stand.
 //!
 //! - [`cases`]: sealed diagnosis cases with one withheld effect and their answers.
+//! - `lag`: filters between a torque and its log.
 //! - `effects`: what a sealed case can withhold, one file per effect.
 //! - [`protocols`]: recordings as the source papers made theirs.
 //! - [`raw`]: recordings as a controller logs them, with what is true of their torque channel.
@@ -9,6 +10,7 @@
 pub mod cases;
 mod effects;
 mod error;
+mod lag;
 pub mod protocols;
 pub mod raw;
 

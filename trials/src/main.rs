@@ -35,6 +35,10 @@ enum What {
         /// Seed of the run.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// Nearer to real recordings: descriptions that are further off, small effects on every joint, filtered currents,
+        /// other rates, days and stamps, two effects on one joint, pushes at rest.
+        #[arg(long)]
+        hard: bool,
     },
     /// Raw recordings as a controller logs them: robot.urdf, train.csv and test.csv for each, and truth/ID.json with delay,
     /// scale and offset of the torque.
@@ -97,9 +101,16 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), SimulateError> {
     match &arguments.what {
-        What::Cases { out, cases, seed } => {
+        What::Cases {
+            out,
+            cases,
+            seed,
+            hard,
+        } => {
             let bar = bar(*cases, arguments.quiet);
-            cases::write_all(*cases, *seed, out, |id, _| {
+            let draw = if *hard { cases::draw_hard } else { cases::draw };
+            let specs: Vec<_> = (0..*cases).map(|index| draw(index, *seed)).collect();
+            cases::write_all(&specs, *seed, out, |id, _| {
                 bar.set_message(id.to_owned());
                 bar.inc(1);
             })?;

@@ -4,7 +4,7 @@ use physics::robot::Robot;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use trials::cases::{CaseSpec, Kind, draw, generate, write_all};
+use trials::cases::{CaseSpec, Kind, draw, draw_hard, generate, write_all};
 
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
@@ -35,13 +35,14 @@ fn without_seconds(bytes: &[u8]) -> String {
 
 #[test]
 fn threads_do_not_change_a_byte() {
+    let specs: Vec<CaseSpec> = (0..4).map(|i| draw(i, 3)).collect();
     let write = |threads: usize| {
         let folder = tempfile::tempdir().unwrap();
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| write_all(4, 3, folder.path(), |_, _| {}))
+        pool.install(|| write_all(&specs, 3, folder.path(), |_, _| {}))
             .unwrap();
         files(folder.path())
     };
@@ -133,9 +134,74 @@ fn without_effect_torque_is_that_of_the_plant() {
     let spec = CaseSpec {
         index: 5,
         kind: Kind::None,
+        hard: false,
     };
     let truth = generate(&spec, 8).unwrap().truth;
     for (left, torque) in truth.effect_rms.iter().zip(&truth.torque_rms) {
         assert!(left / torque < 0.02, "{left} of {torque}");
     }
+}
+
+#[test]
+fn hard_cases_keep_their_promises() {
+    let kinds = [
+        "none",
+        "two_same_joint",
+        "contact_at_rest",
+        "joint_elasticity",
+        "backlash",
+    ];
+    let specs: Vec<CaseSpec> = kinds
+        .iter()
+        .map(|kind| {
+            let mut all = (0..trials::cases::HARD_ROUND).map(|i| draw_hard(i, 21));
+            all.find(|s| s.kind.name() == *kind).unwrap()
+        })
+        .collect();
+    specs.into_par_iter().for_each(|spec| {
+        let (case, name) = (generate(&spec, 21).unwrap(), spec.kind.name());
+        let (truth, hard) = (&case.truth, case.truth.hard.as_ref().unwrap());
+        assert_eq!(
+            (case.train.trajectories.len(), case.test.trajectories.len()),
+            (hard.train, hard.test)
+        );
+        case.train.validate().unwrap();
+        case.test.validate().unwrap();
+        assert_eq!(case.train.qd.is_some(), hard.velocity);
+        let [first, last] = [0, case.train.trajectories[0].range.end - 1];
+        let seconds = case.train.time[last] - case.train.time[first];
+        assert!(
+            (seconds - hard.duration).abs() < 0.2,
+            "{name}: {seconds} of {}",
+            hard.duration
+        );
+        assert!(
+            ((last as f64) / seconds / hard.rate - 1.0).abs() < 0.02,
+            "{name}"
+        );
+        assert!(!hard.background.is_empty(), "{name}");
+        for small in &hard.background {
+            let (effect, joint) = (small.effect, &small.joint);
+            assert!(
+                (0.004..0.061).contains(&small.share),
+                "{name}: {effect} on {joint}: {}",
+                small.share
+            );
+        }
+        let joints: Vec<&str> = truth
+            .effects
+            .iter()
+            .map(|e| e.reference_joint.as_str())
+            .collect();
+        match name {
+            "none" => assert!(joints.is_empty()),
+            "two_same_joint" => assert!(joints.len() == 2 && joints[0] == joints[1]),
+            _ => assert_eq!(joints.len(), 1),
+        }
+        // The true plant with all that the channel does but noise explains the recording.
+        let oracle = &truth.oracle.mean_nrmse;
+        let [with, floor] = [oracle.with_effect, oracle.noise_floor].map(Option::unwrap);
+        assert!(floor < with && with < 0.13, "{name}: {with} over {floor}");
+        assert!(oracle.as_given.unwrap() > with, "{name}");
+    });
 }

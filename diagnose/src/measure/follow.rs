@@ -17,6 +17,7 @@ use crate::schema::{ClosedLoop, Free, Simulation};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, mass_matrix};
 use physics::robot::Robot;
+use plant::mechanism::RestLaw;
 use plant::{Friction, Plant};
 use rayon::prelude::*;
 use signal::quantile::median;
@@ -118,6 +119,7 @@ fn friction(viscous: f64, coulomb: f64) -> Friction {
         viscous,
         coulomb,
         v_eps: SOFT,
+        rest: RestLaw::default(),
     }
 }
 

@@ -14,11 +14,14 @@ use serde::Serialize;
 use serde_json::Value;
 use signal::quantile::median;
 use std::path::Path;
-use trials::cases::{Case, CaseSpec, EFFECTS, Kind, draw, generate, write};
+use trials::cases::{Case, CaseSpec, EFFECTS, Kind, draw, draw_hard, generate, write};
 
 pub use score::{Score, judge, mean};
 pub use sizes::detected_from;
 pub use withheld::{Answer, LeftOut, table as withheld_table};
+
+/// Kinds of case that withhold none, several or an unlisted effect.
+const NO_SINGLE: [&str; 4] = ["none", "outside", "two", "two_same_joint"];
 
 /// A proof that cannot be run.
 #[derive(Debug, thiserror::Error)]
@@ -55,20 +58,42 @@ pub enum ProveError {
     },
 }
 
-/// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it. `only` is a
-/// kind of case, by name, to which the run is limited: as many of that kind, as a longer run of the same seed has them.
+/// Which cases a proof draws.
+#[derive(Debug, Clone, Copy)]
+pub struct Draw<'a> {
+    /// How many.
+    pub cases: u64,
+    /// Seed of the draw.
+    pub seed: u64,
+    /// Whether they come nearer to real recordings.
+    pub hard: bool,
+    /// Kind of case, by name, to which the run is limited: as many of that kind, as a longer run of the same seed has them.
+    pub only: Option<&'a str>,
+}
+
+/// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it.
 ///
 /// # Errors
 /// The first case that fails, or a kind that does not exist.
 pub fn prove(
-    cases: u64,
-    seed: u64,
-    only: Option<&str>,
+    wanted: &Draw,
     options: &Options,
     out: Option<&Path>,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Score>, ProveError> {
-    let kinds = EFFECTS.iter().copied().chain(["none", "outside", "two"]);
+    let Draw {
+        cases,
+        seed,
+        hard,
+        only,
+    } = *wanted;
+    let draw = if hard { draw_hard } else { draw };
+    let kinds: &[&str] = if hard {
+        &["none", "outside", "two_same_joint", "contact_at_rest"]
+    } else {
+        &["none", "outside", "two"]
+    };
+    let kinds = EFFECTS.iter().chain(kinds).copied();
     if let Some(name) = only.filter(|name| !kinds.clone().any(|k| k == *name)) {
         return Err(ProveError::Kind {
             name: name.to_owned(),
@@ -163,11 +188,14 @@ pub fn table(scores: &[Score]) -> Table {
         "top-1*",
         "lenient",
         "top-3",
+        "found",
         "joint",
         "closure",
+        "extra",
         "false alarm",
         "unknown found",
         "false unknown",
+        "false no gap",
         "size error",
         "found from %",
     ];
@@ -182,11 +210,14 @@ pub fn table(scores: &[Score]) -> Table {
             cell(|s| s.top1),
             cell(|s| s.lenient),
             cell(|s| s.top3),
+            cell(|s| s.found),
             cell(|s| s.joint),
             cell(|s| s.closure),
+            cell(|s| s.extra),
             cell(|s| s.false_alarm),
             cell(|s| s.unknown_found),
             cell(|s| s.false_unknown),
+            cell(|s| s.false_no_gap),
             Cell::optional(median(of.iter().filter_map(|s| s.size).collect()), 2),
             Cell::optional(
                 detected_from(of.iter().filter_map(|s| s.detection).collect()).map(|s| 100.0 * s),
@@ -201,7 +232,7 @@ pub fn table(scores: &[Score]) -> Table {
         "all single",
         scores
             .iter()
-            .filter(|s| !["none", "outside", "two"].contains(&s.kind.as_str()))
+            .filter(|s| !NO_SINGLE.contains(&s.kind.as_str()))
             .collect(),
     );
     push("all", scores.iter().collect());

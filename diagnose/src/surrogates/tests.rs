@@ -28,7 +28,7 @@ fn rare(null: &[f64], gains: &[f64]) -> usize {
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: by hand, with --ignored"]
 fn p_values_are_what_they_say() {
     let all: Vec<[Null; 2]> = (0..5).map(|index| nulls(index, 40_961)).collect();
     let largest: usize = all.iter().map(|[n, f]| rare(&n.largest, &f.largest)).sum();

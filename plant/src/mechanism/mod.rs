@@ -10,6 +10,7 @@ mod balance;
 mod bristle;
 mod friction;
 mod gear;
+mod rest;
 mod ripple;
 mod thermal;
 
@@ -17,6 +18,7 @@ pub use balance::{CoilSpring, GasStrut, Pins};
 pub use bristle::Bristle;
 pub use friction::{Drag, DragKind, Stribeck, StribeckKind};
 pub use gear::{GearMesh, GearSpring};
+pub use rest::{RestLaw, soft_sign};
 pub use ripple::Ripple;
 pub use thermal::WarmingGrease;
 
@@ -56,10 +58,4 @@ pub trait Mechanism: Send {
 
     /// Takes the states over the step, which ended at the velocities `v`.
     fn advance(&mut self, _now: &Instant, _v: &[f64]) {}
-}
-
-/// Sign of `v`, softened below `eps`: v/√(v² + ε²), which comes to rest more slowly than the hyperbolic tangent of
-/// identification and diagnosis.
-pub fn soft_sign(v: f64, eps: f64) -> f64 {
-    v / v.hypot(eps)
 }

@@ -81,6 +81,16 @@ impl Moves {
         Self { moves }
     }
 
+    /// The same moves with a further rest after each, s.
+    pub fn with_rests(mut self, mut rest: impl FnMut() -> f64) -> Self {
+        let mut later = 0.0;
+        for m in &mut self.moves {
+            m.start += later;
+            later += rest();
+        }
+        self
+    }
+
     /// The command at time `t`, s.
     pub fn sample(&self, t: f64, out: &mut Command) {
         let next = self.moves.partition_point(|m| m.start <= t);

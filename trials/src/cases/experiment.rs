@@ -13,8 +13,6 @@ use plant::run::{Clock, Trace, run};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
-/// Rate of the recordings, Hz.
-pub const RATE: f64 = 250.0;
 /// Step and control period of the simulation, s.
 const STEP: f64 = 5e-4;
 const CONTROL: f64 = 1e-3;
@@ -41,62 +39,166 @@ pub struct Run {
     pub noted: Vec<f64>,
 }
 
-/// Runs the plant with its effects; none if it does not follow its reference.
-pub fn simulate(
-    nominal: &Arm,
-    plain: &Arm,
-    withheld: &[Chosen],
-    session: &Session,
-    errors: &Errors,
-    bandwidth: f64,
-    rng: ChaCha8Rng,
-) -> Result<Option<Run>, RobotError> {
-    let mut build = Build::plain(plain);
-    let mut finest = STEP;
-    for w in withheld {
-        w.effect.apply(w.size, &mut build)?;
-        let Some(step) = step_for(w.effect.as_ref(), w.size, plain) else {
-            return Ok(None);
+/// One robot under one controller on one session.
+pub struct Experiment<'a> {
+    /// What the controller knows.
+    pub nominal: &'a Arm,
+    /// The plant without effects.
+    pub plain: &'a Arm,
+    /// Effects that a case withholds.
+    pub withheld: &'a [Chosen],
+    /// Small effects that the plant has besides, which are no part of what is asked for; each is one mechanism.
+    pub background: &'a [Chosen],
+    /// Commanded motion.
+    pub session: &'a Session,
+    /// Errors of the controller's sensors.
+    pub errors: &'a Errors,
+    /// Position bandwidth of the controller, Hz.
+    pub bandwidth: f64,
+    /// Rate of the trace, Hz.
+    pub rate: f64,
+}
+
+impl Experiment<'_> {
+    /// Runs the plant with its effects; none if it does not follow its reference.
+    ///
+    /// # Errors
+    /// The bodies make no possible robot.
+    pub fn run(&self, rng: ChaCha8Rng) -> Result<Option<Run>, RobotError> {
+        let mut build = Build::plain(self.plain);
+        let mut finest = STEP;
+        // Effects that add joints come first: what is added after them finds its axes.
+        for w in self.withheld.iter().chain(self.background) {
+            w.effect.apply(w.size, &mut build)?;
+            let Some(step) = step_for(w.effect.as_ref(), w.size, self.plain) else {
+                return Ok(None);
+            };
+            finest = finest.min(step);
+        }
+        let measurement = build.measurement.clone();
+        let sensing = Sensing {
+            count: self.errors.count.clone(),
+            velocity_noise: self.errors.velocity.iter().map(|v| v * 0.4).collect(),
+            corner: 60.0,
         };
-        finest = finest.min(step);
+        let mut controller = Controller::new(self.nominal, self.bandwidth, CONTROL, sensing, rng)?;
+        let mut start = Command::new(self.nominal.dof());
+        self.session.sample(self.session.span().0, &mut start);
+        let (mut plant, axes) = build.plant(&start.q)?;
+        let clock = Clock {
+            step: finest,
+            control: (CONTROL / finest).round() as usize,
+            sample: (1.0 / (self.rate * finest)).round() as usize,
+        };
+        let trace = run(
+            self.session,
+            &mut controller,
+            &mut plant,
+            &axes,
+            clock,
+            measurement.delay,
+        );
+        let n = trace.dof;
+        let follows = trace
+            .q
+            .iter()
+            .zip(&trace.q_ref)
+            .enumerate()
+            .all(|(i, (q, r))| {
+                // Also false for what is not a number.
+                (q - r).abs() < 0.25 * self.nominal.reach[i % n]
+            });
+        Ok(follows.then(|| Run {
+            noted: noted(&trace, &measurement),
+            trace,
+        }))
     }
-    let measurement = build.measurement.clone();
-    let sensing = Sensing {
-        count: errors.count.clone(),
-        velocity_noise: errors.velocity.iter().map(|v| v * 0.4).collect(),
-        corner: 60.0,
-    };
-    let mut controller = Controller::new(nominal, bandwidth, CONTROL, sensing, rng)?;
-    let mut start = Command::new(nominal.dof());
-    session.sample(session.span().0, &mut start);
-    let (mut plant, axes) = build.plant(&start.q)?;
-    let clock = Clock {
-        step: finest,
-        control: (CONTROL / finest).round() as usize,
-        sample: (1.0 / (RATE * finest)).round() as usize,
-    };
-    let trace = run(
-        session,
-        &mut controller,
-        &mut plant,
-        &axes,
-        clock,
-        measurement.delay,
-    );
+
+    /// The plant with its background alone.
+    fn beside(&self) -> Result<Build, RobotError> {
+        let mut build = Build::plain(self.plain);
+        for b in self.background {
+            b.effect.apply(b.size, &mut build)?;
+        }
+        Ok(build)
+    }
+
+    /// Torque of each background effect in every row: that of its mechanism, less the dry friction that it stands for.
+    ///
+    /// # Errors
+    /// The bodies make no possible robot.
+    pub fn background_torques(&self, run: &Run) -> Result<Vec<Vec<f64>>, RobotError> {
+        let trace = &run.trace;
+        let n = trace.dof;
+        let (plain, beside) = (&frictions(self.plain), &self.beside()?.friction);
+        let mechanisms = trace.exerted.len() / trace.q.len();
+        let first = mechanisms - self.background.len();
+        let of = |(i, b): (usize, &Chosen)| -> Vec<f64> {
+            // Bristles carry their joint's Coulomb friction.
+            let carries = (b.name == "presliding_hysteresis").then_some(b.at);
+            let rows = trace.exerted.chunks(mechanisms * n).zip(trace.qd.chunks(n));
+            rows.flat_map(|(exerted, qd)| {
+                let own = &exerted[(first + i) * n..][..n];
+                (0..n).map(move |j| {
+                    let stands_for = carries
+                        .filter(|&at| at == j)
+                        .map_or(0.0, |_| plain[j].torque(qd[j]) - beside[j].torque(qd[j]));
+                    own[j] - stands_for
+                })
+            })
+            .collect()
+        };
+        Ok(self.background.iter().enumerate().map(of).collect())
+    }
+
+    /// Torque of each withheld effect in every row: all that separates the noted torque from that of the plant without it
+    /// on the true motion, and of two effects the part of the last as it was exerted.
+    ///
+    /// # Errors
+    /// The bodies make no possible robot.
+    pub fn effect_torques(&self, run: &Run) -> Result<Vec<Vec<f64>>, RobotError> {
+        let trace = &run.trace;
+        let n = trace.dof;
+        let mut all = beyond(self.plain, trace, &run.noted)?;
+        for b in self.background_torques(run)? {
+            all.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
+        }
+        if self.withheld.len() < 2 {
+            return Ok(vec![all]);
+        }
+        let mechanisms = trace.exerted.len() / trace.q.len();
+        let own = mechanisms - self.background.len();
+        let last: Vec<f64> = trace
+            .exerted
+            .chunks(n)
+            .skip(own.saturating_sub(1))
+            .step_by(mechanisms.max(1))
+            .flatten()
+            .copied()
+            .collect();
+        let rest = all.iter().zip(&last).map(|(a, l)| a - l).collect();
+        Ok(vec![rest, last])
+    }
+}
+
+/// What a torque has beyond rigid bodies, viscous and Coulomb friction of an arm on the true motion, row after row.
+///
+/// # Errors
+/// The bodies make no possible robot.
+pub fn beyond(plain: &Arm, trace: &Trace, torque: &[f64]) -> Result<Vec<f64>, RobotError> {
     let n = trace.dof;
-    let follows = trace
-        .q
-        .iter()
-        .zip(&trace.q_ref)
-        .enumerate()
-        .all(|(i, (q, r))| {
-            // Also false for what is not a number.
-            (q - r).abs() < 0.25 * nominal.reach[i % n]
-        });
-    Ok(follows.then(|| Run {
-        noted: noted(&trace, &measurement),
-        trace,
-    }))
+    let robot = plain.robot()?;
+    let mut workspace = Workspace::new(&robot);
+    let friction = frictions(plain);
+    let mut model = vec![0.0; n];
+    let mut all = Vec::with_capacity(torque.len());
+    for (k, noted) in torque.chunks(n).enumerate() {
+        let at = k * n..(k + 1) * n;
+        let (q, qd, qdd) = (&trace.q[at.clone()], &trace.qd[at.clone()], &trace.qdd[at]);
+        inverse_dynamics(&robot, &mut workspace, q, qd, qdd, &mut model);
+        all.extend((0..n).map(|j| noted[j] - model[j] - friction[j].torque(qd[j])));
+    }
+    Ok(all)
 }
 
 /// Integration step for an effect's stiffest part, or none where that is too stiff or too soft.
@@ -116,40 +218,4 @@ fn step_for(effect: &dyn Withheld, size: f64, arm: &Arm) -> Option<f64> {
         step *= 0.5;
     }
     (step > 5e-5).then_some(step)
-}
-
-/// Torque of each effect in every row: all that separates the noted torque from the plain plant's on the true motion,
-/// and of two effects the part of the last as it was exerted.
-pub fn effect_torques(
-    plain: &Arm,
-    withheld: &[Chosen],
-    run: &Run,
-) -> Result<Vec<Vec<f64>>, RobotError> {
-    let trace = &run.trace;
-    let n = trace.dof;
-    let robot = plain.robot()?;
-    let mut workspace = Workspace::new(&robot);
-    let friction = frictions(plain);
-    let mut model = vec![0.0; n];
-    let mut all = Vec::with_capacity(run.noted.len());
-    for (k, noted) in run.noted.chunks(n).enumerate() {
-        let at = k * n..(k + 1) * n;
-        let (q, qd, qdd) = (&trace.q[at.clone()], &trace.qd[at.clone()], &trace.qdd[at]);
-        inverse_dynamics(&robot, &mut workspace, q, qd, qdd, &mut model);
-        all.extend((0..n).map(|j| noted[j] - model[j] - friction[j].torque(qd[j])));
-    }
-    if withheld.len() < 2 {
-        return Ok(vec![all]);
-    }
-    let mechanisms = trace.exerted.len() / trace.q.len();
-    let last: Vec<f64> = trace
-        .exerted
-        .chunks(n)
-        .skip(mechanisms.saturating_sub(1))
-        .step_by(mechanisms.max(1))
-        .flatten()
-        .copied()
-        .collect();
-    let rest = all.iter().zip(&last).map(|(a, l)| a - l).collect();
-    Ok(vec![rest, last])
 }

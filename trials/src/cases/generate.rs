@@ -1,15 +1,16 @@
 //! Making a case.
 
-use super::experiment::{Chosen, RATE, Run, effect_torques, simulate};
+use super::case::Case;
+use super::experiment::{Chosen, Experiment, Run};
+use super::hard;
 use super::kind::{CaseSpec, Kind};
-use super::oracle::{low_passed, oracle, rms, unabsorbed};
+use super::oracle::{oracle, unabsorbed};
 use super::rehearsal::Rehearsal;
-use super::truth::{PlantTruth, Truth, TruthEffect};
+use super::size::{ROUNDS, Sized, column_rms, shares, sized, without_vibration};
+use super::truth::{PlantTruth, Truth, truth_effect};
 use crate::SimulateError;
-use crate::effects::{EFFECTS, Effect, Scene, Shape, joint_name};
-use datasets::Recording;
+use crate::effects::{EFFECTS, Effect, Scene, Shape};
 use nalgebra::Vector3;
-use physics::dynamics::{Workspace, mass_matrix};
 use physics::robot::{RobotError, to_urdf};
 use plant::arm::{Arm, altered};
 use plant::families::relative;
@@ -22,34 +23,16 @@ use sha2::{Digest, Sha256};
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-/// A finished case.
-#[derive(Debug, Clone)]
-pub struct Case {
-    /// Name: ten hexadecimal digits that say nothing about it.
-    pub id: String,
-    /// The simulator's model.
-    pub urdf: String,
-    /// Recording to fit on: 8 trajectories of 15 s at 250 Hz.
-    pub train: Recording,
-    /// Recording to be judged on: 4 trajectories in between.
-    pub test: Recording,
-    /// The answer.
-    pub truth: Truth,
-}
-
+/// Rate of the recordings, Hz.
+const RATE: f64 = 250.0;
 /// Trajectories, their length and distance, s.
 const TRAJECTORIES: usize = 12;
 const LENGTH: f64 = 15.0;
 const GAP: f64 = 2.0;
 /// Every third trajectory is held out.
 const HELD_OUT: [usize; 4] = [2, 5, 8, 11];
-/// Torque of effects that vibrate counts up to here, Hz.
-const VIBRATION: f64 = 20.0;
 /// Attempts at a case before giving up; one in some ten draws does not suit its effect.
 const ATTEMPTS: u64 = 200;
-/// Smallest part of a joint's torque, and largest, that an effect may make.
-const SHARES: std::ops::Range<f64> = 0.03..0.6;
-
 /// Makes the case. The same specification and seed give the same case.
 ///
 /// # Errors
@@ -57,7 +40,11 @@ const SHARES: std::ops::Range<f64> = 0.03..0.6;
 pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
     let begun = Instant::now();
     let mut key = Sha256::new();
-    key.update(b"residyn case");
+    key.update(if spec.hard {
+        &b"residyn hard case"[..]
+    } else {
+        b"residyn case"
+    });
     key.update(seed.to_le_bytes());
     key.update(spec.index.to_le_bytes());
     let key: [u8; 32] = key.finalize().into();
@@ -65,7 +52,12 @@ pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
     for attempt in 0..ATTEMPTS {
         let mut rng = ChaCha8Rng::from_seed(key);
         rng.set_stream(attempt);
-        if let Some(mut case) = attempt_case(spec.kind, &id, &mut rng)? {
+        let case = if spec.hard {
+            hard::attempt(spec.kind, &id, &mut rng)
+        } else {
+            attempt_case(spec.kind, &id, &mut rng)
+        };
+        if let Some(mut case) = case? {
             case.truth.seed = [seed, spec.index, attempt];
             case.truth.seconds = begun.elapsed().as_secs_f64();
             return Ok(case);
@@ -83,7 +75,7 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     let n = nominal.dof();
     let session = session(&nominal, rng);
     let rehearsal = Rehearsal::new(&plain, &session)?;
-    let inertia = inertia(&plain)?;
+    let inertia = plain.inertia()?;
     let scene = Scene {
         arm: &plain,
         session: &session,
@@ -107,44 +99,27 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     let bandwidth = rng.random_range(6.0..10.0);
     let control_rng = ChaCha8Rng::from_rng(rng);
     // Sizes of effects that change the motion itself are only guessed; correct them on what came out.
-    for round in 0..3 {
-        let Some(run) = simulate(
-            &nominal,
-            &plain,
-            &withheld,
-            &session,
-            &errors,
+    for round in 0..ROUNDS {
+        let experiment = Experiment {
+            nominal: &nominal,
+            plain: &plain,
+            withheld: &withheld,
+            background: &[],
+            session: &session,
+            errors: &errors,
             bandwidth,
-            control_rng.clone(),
-        )?
-        else {
+            rate: RATE,
+        };
+        let Some(run) = experiment.run(control_rng.clone())? else {
             return Ok(None);
         };
-        let mut found = effect_torques(&plain, &withheld, &run)?;
-        for (e, _) in found
-            .iter_mut()
-            .zip(&withheld)
-            .filter(|(_, w)| w.effect.vibrates())
-        {
-            *e = low_passed(e, &run.trace.bounds(), n, RATE, VIBRATION);
-        }
-        let shares: Vec<f64> = withheld
-            .iter()
-            .zip(&found)
-            .map(|(w, e)| column_rms(e, n)[w.at] / column_rms(&run.noted, n)[w.at])
-            .collect();
-        let wrong = withheld
-            .iter()
-            .zip(&shares)
-            .any(|(w, s)| !(0.55..1.8).contains(&(s / w.share)));
-        if wrong && round < 2 {
-            for (w, s) in withheld.iter_mut().zip(&shares) {
-                w.size = (w.size * (w.share / s).clamp(0.2, 4.0)).min(w.effect.largest());
-            }
-            continue;
-        }
-        if shares.iter().any(|s| !SHARES.contains(s)) {
-            return Ok(None);
+        let found = experiment.effect_torques(&run)?;
+        let found = without_vibration(found, &withheld, &run, RATE);
+        let shares = shares(&withheld, &found, &run);
+        match sized(&mut withheld, &shares, round) {
+            Sized::Again => continue,
+            Sized::Unsuited => return Ok(None),
+            Sized::Well => {}
         }
         return finish(
             kind, id, &nominal, &plain, &withheld, &run, &found, &errors, rng,
@@ -167,6 +142,8 @@ fn effects(
         Kind::Single(e) => vec![Effect::listed(e)],
         Kind::Outside => vec![Effect::OUTSIDE],
         Kind::Two => vec![any(), any()],
+        // Only hard cases have these.
+        Kind::TwoOfOneJoint | Kind::ContactAtRest => return Ok(None),
     };
     let mut chosen: Vec<Chosen> = Vec::new();
     for one in drawn {
@@ -236,20 +213,6 @@ fn session(arm: &Arm, rng: &mut ChaCha8Rng) -> Session {
     Session::new(trajectories.collect(), GAP, arm.dof())
 }
 
-fn inertia(arm: &Arm) -> Result<Vec<f64>, RobotError> {
-    let robot = arm.robot()?;
-    let n = robot.dof();
-    let mut mass = vec![0.0; n * n];
-    mass_matrix(&robot, &mut Workspace::new(&robot), &arm.centre, &mut mass);
-    Ok(mass.into_iter().step_by(n + 1).collect())
-}
-
-fn column_rms(table: &[f64], n: usize) -> Vec<f64> {
-    (0..n)
-        .map(|j| rms(table.iter().skip(j).step_by(n).copied()))
-        .collect()
-}
-
 #[expect(
     clippy::too_many_arguments,
     reason = "the parts of one case, used once"
@@ -309,39 +272,7 @@ fn finish(
     let effects = withheld.iter().enumerate().map(|(i, w)| {
         let own = if withheld.len() > 1 { i + 1 } else { 0 };
         let strength = column_rms(&parts[own], n);
-        let description = w.effect.describe(w.size, n);
-        let touched = || {
-            (0..n)
-                .filter(|&j| strength[j] > 0.02 * torque_rms[j])
-                .collect()
-        };
-        TruthEffect {
-            effect: w.name.to_owned(),
-            mechanism: description.mechanism.to_owned(),
-            scope: if description.joints.is_some() {
-                "joint"
-            } else {
-                "global"
-            }
-            .to_owned(),
-            joints: description
-                .joints
-                .unwrap_or_else(touched)
-                .into_iter()
-                .map(joint_name)
-                .collect(),
-            reference_joint: joint_name(w.at),
-            level: w.size,
-            parameters: description.parameters,
-            share: strength[w.at] / torque_rms[w.at],
-            share_after_reidentification: left[own][w.at] / torque_rms[w.at],
-            snr_after_reidentification: left[own][w.at] / noise_rms[w.at],
-            indistinguishable: description
-                .indistinguishable
-                .into_iter()
-                .map(str::to_owned)
-                .collect(),
-        }
+        truth_effect(w, &strength, &left[own], &torque_rms, &noise_rms)
     });
     let truth = Truth {
         case: id.to_owned(),
@@ -356,15 +287,8 @@ fn finish(
         noise_rms,
         v_eps: plain.v_eps.clone(),
         oracle,
-        plant: PlantTruth {
-            inertias: plain
-                .joints
-                .iter()
-                .map(|j| j.link.inertia.parameters().to_vec())
-                .collect(),
-            coulomb: plain.friction(),
-            viscous: plain.damping(),
-        },
+        plant: PlantTruth::of(plain),
+        hard: None,
         seconds: 0.0,
     };
     Ok(Case {

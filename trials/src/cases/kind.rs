@@ -15,6 +15,10 @@ pub enum Kind {
     Single(usize),
     /// Two effects of the catalogue.
     Two,
+    /// Two effects of friction, memory, ripple, load or drift on one joint.
+    TwoOfOneJoint,
+    /// Pushes while the arm stands, in one of the two files.
+    ContactAtRest,
     /// A mechanism that the catalogue does not list.
     Outside,
 }
@@ -26,6 +30,8 @@ impl Kind {
             Self::None => "none",
             Self::Single(effect) => EFFECTS[effect],
             Self::Two => "two",
+            Self::TwoOfOneJoint => "two_same_joint",
+            Self::ContactAtRest => "contact_at_rest",
             Self::Outside => "outside",
         }
     }
@@ -38,6 +44,8 @@ pub struct CaseSpec {
     pub index: u64,
     /// Its kind.
     pub kind: Kind,
+    /// Whether it is drawn nearer to real recordings.
+    pub hard: bool,
 }
 
 /// Cases after which kinds are balanced: 30 without effect, 30 outside the catalogue, 16 with two, 164 with one (every
@@ -58,12 +66,69 @@ pub fn draw(index: u64, seed: u64) -> CaseSpec {
     CaseSpec {
         index,
         kind: kinds[(index % ROUND) as usize],
+        hard: false,
+    }
+}
+
+/// Hard cases after which kinds are balanced: 60 without effect, 60 outside the catalogue, 48 of contact (half at rest), 44 of
+/// elasticity, of backlash and of two effects on one joint each, and 200 of the other effects, ten each.
+pub const HARD_ROUND: u64 = 500;
+
+/// The hard case at `index` of the run with this seed.
+pub fn draw_hard(index: u64, seed: u64) -> CaseSpec {
+    let place = |name: &str| EFFECTS.iter().position(|e| *e == name);
+    let mut kinds = vec![Kind::None; 60];
+    kinds.extend([Kind::Outside; 60]);
+    kinds.extend([Kind::ContactAtRest; 24]);
+    kinds.extend([Kind::TwoOfOneJoint; 44]);
+    let many = [
+        ("external_contact", 24),
+        ("joint_elasticity", 44),
+        ("backlash", 44),
+    ];
+    let mut few: Vec<usize> = (0..EFFECTS.len()).collect();
+    for (effect, count) in many
+        .iter()
+        .filter_map(|(name, count)| Some((place(name)?, *count)))
+    {
+        kinds.extend(std::iter::repeat_n(Kind::Single(effect), count));
+        few.retain(|e| *e != effect);
+    }
+    let round = index / HARD_ROUND;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ round.wrapping_mul(0xD1B5_4A32_D192_ED03));
+    few.shuffle(&mut rng);
+    let left = HARD_ROUND as usize - kinds.len();
+    kinds.extend(few.iter().cycle().take(left).map(|&e| Kind::Single(e)));
+    kinds.shuffle(&mut rng);
+    CaseSpec {
+        index,
+        kind: kinds[(index % HARD_ROUND) as usize],
+        hard: true,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_hard_round_has_enough_of_each() {
+        let kinds: Vec<Kind> = (0..HARD_ROUND).map(|i| draw_hard(i, 7).kind).collect();
+        let count = |kind| kinds.iter().filter(|&&k| k == kind).count();
+        assert_eq!((count(Kind::None), count(Kind::Outside)), (60, 60));
+        assert_eq!(
+            (count(Kind::TwoOfOneJoint), count(Kind::ContactAtRest)),
+            (44, 24)
+        );
+        for (e, name) in EFFECTS.iter().enumerate() {
+            let expected = match *name {
+                "external_contact" => 24,
+                "joint_elasticity" | "backlash" => 44,
+                _ => 10,
+            };
+            assert_eq!(count(Kind::Single(e)), expected, "{name}");
+        }
+    }
 
     #[test]
     fn a_round_is_balanced() {

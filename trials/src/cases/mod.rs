@@ -1,21 +1,26 @@
 //! Sealed diagnosis cases: a simulator's model, recordings of a slightly different robot with one withheld effect,
 //! and the answer.
 //!
-//! [`draw`] says which kind a case is, [`generate`] makes it, [`write()`] puts it into the files that a diagnosis
+//! [`draw`] or, nearer to real recordings, [`draw_hard`] says which kind a case is, [`generate`] makes it, [`write()`] puts it into the files that a diagnosis
 //! reads (`cases/ID/`) and the one that it must not (`truth/ID.json`). The same index and seed give the same
 //! case on any number of threads.
 
+mod case;
 mod experiment;
 mod generate;
+mod hard;
 mod kind;
 mod oracle;
 mod rehearsal;
+mod size;
 mod truth;
 mod write;
 
 pub use crate::effects::EFFECTS;
-pub use generate::{Case, generate};
-pub use kind::{CaseSpec, Kind, ROUND, draw};
+pub use case::Case;
+pub use generate::generate;
+pub use hard::{HardTruth, NamedShare};
+pub use kind::{CaseSpec, HARD_ROUND, Kind, ROUND, draw, draw_hard};
 #[cfg(test)]
 pub(crate) use oracle::left_by_parameters;
 pub use oracle::{Nrmse, Oracle};

@@ -204,6 +204,7 @@ pub fn frictions(arm: &Arm) -> Vec<Friction> {
             viscous: j.damping,
             coulomb: j.friction,
             v_eps,
+            rest: arm.rest,
         })
         .collect()
 }

@@ -1,6 +1,10 @@
 //! The sealed answer of a case.
 
+use super::experiment::Chosen;
+use super::hard::HardTruth;
 use super::oracle::Oracle;
+use crate::effects::joint_name;
+use plant::arm::Arm;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -35,6 +39,9 @@ pub struct Truth {
     pub plant: PlantTruth,
     /// Time that the case took to make, s.
     pub seconds: f64,
+    /// What else was drawn, of a hard case.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hard: Option<HardTruth>,
 }
 
 /// Parameters of the plant without the effect.
@@ -48,6 +55,18 @@ pub struct PlantTruth {
     /// Viscous friction, N·m·s/rad.
     #[serde(rename = "Fv")]
     pub viscous: Vec<f64>,
+}
+
+impl PlantTruth {
+    /// Of a plant.
+    pub(super) fn of(plain: &Arm) -> Self {
+        let inertia = |j: &physics::robot::Joint| j.link.inertia.parameters().to_vec();
+        Self {
+            inertias: plain.joints.iter().map(inertia).collect(),
+            coulomb: plain.friction(),
+            viscous: plain.damping(),
+        }
+    }
 }
 
 /// One withheld effect.
@@ -75,4 +94,44 @@ pub struct TruthEffect {
     pub snr_after_reidentification: f64,
     /// Effects that no recording can tell from it.
     pub indistinguishable: Vec<String>,
+}
+
+/// The answer on an effect: `strength` is the root mean square of its torque per joint, `left` what parameters leave of it.
+pub(super) fn truth_effect(
+    effect: &Chosen,
+    strength: &[f64],
+    left: &[f64],
+    torque: &[f64],
+    noise: &[f64],
+) -> TruthEffect {
+    let (n, at) = (torque.len(), effect.at);
+    let description = effect.effect.describe(effect.size, n);
+    let scope = if description.joints.is_some() {
+        "joint"
+    } else {
+        "global"
+    };
+    let touched = || (0..n).filter(|&j| strength[j] > 0.02 * torque[j]).collect();
+    TruthEffect {
+        effect: effect.name.to_owned(),
+        mechanism: description.mechanism.to_owned(),
+        scope: scope.to_owned(),
+        joints: description
+            .joints
+            .unwrap_or_else(touched)
+            .into_iter()
+            .map(joint_name)
+            .collect(),
+        reference_joint: joint_name(at),
+        level: effect.size,
+        parameters: description.parameters,
+        share: strength[at] / torque[at],
+        share_after_reidentification: left[at] / torque[at],
+        snr_after_reidentification: left[at] / noise[at],
+        indistinguishable: description
+            .indistinguishable
+            .into_iter()
+            .map(str::to_owned)
+            .collect(),
+    }
 }

@@ -1,7 +1,8 @@
 //! Cases as files.
 
-use super::generate::{Case, generate};
-use super::kind::draw;
+use super::case::Case;
+use super::generate::generate;
+use super::kind::CaseSpec;
 use crate::SimulateError;
 use datasets::Recording;
 use rayon::prelude::*;
@@ -49,19 +50,19 @@ pub(crate) fn write_sealed(
     write_whole(&path, &text)
 }
 
-/// Generates the first `count` cases of a run and writes them, on the threads of the current pool. `done` is told the
+/// Generates cases of a run and writes them, on the threads of the current pool. `done` is told the
 /// name and kind of each as it is written.
 ///
 /// # Errors
 /// The first case that could not be made or written.
 pub fn write_all(
-    count: u64,
+    cases: &[CaseSpec],
     seed: u64,
     folder: &Path,
     done: impl Fn(&str, &str) + Sync,
 ) -> Result<(), SimulateError> {
-    (0..count).into_par_iter().try_for_each(|index| {
-        let case = generate(&draw(index, seed), seed)?;
+    cases.par_iter().try_for_each(|spec| {
+        let case = generate(spec, seed)?;
         write(&case, folder)?;
         done(&case.id, &case.truth.kind);
         Ok(())

@@ -20,6 +20,7 @@ mod outside;
 mod payload;
 mod position_dependent_friction;
 mod presliding_hysteresis;
+mod pushes;
 mod rotor_inertia;
 mod saturation;
 mod scene;
@@ -29,11 +30,13 @@ mod torque_gain;
 mod torque_offset;
 mod torque_ripple;
 mod withheld;
+mod worn_gear;
 
 pub use asymmetric_friction::Asymmetry;
 pub use load_dependent_friction::LoadFriction;
 pub use nonlinear_viscous_friction::FluidFriction;
 pub use presliding_hysteresis::Presliding;
+pub use pushes::pushes_at_rest;
 pub use scene::{Demand, Scene, Shape};
 pub use stribeck_friction::StartingFriction;
 pub use torque_ripple::CoggingWaves;
@@ -103,6 +106,18 @@ impl Effect {
         name: "unknown",
         draw: outside::draw,
     };
+
+    /// Gears as they wear: wind-up and play of other kinds than those of the catalogue's own mechanisms.
+    pub const WORN: [Self; 2] = [
+        Self {
+            name: "joint_elasticity",
+            draw: worn_gear::wind_up,
+        },
+        Self {
+            name: "backlash",
+            draw: worn_gear::play,
+        },
+    ];
 
     /// The effect at this place of [`EFFECTS`].
     pub fn listed(index: usize) -> Self {

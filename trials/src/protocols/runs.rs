@@ -10,7 +10,7 @@ use plant::build::Build;
 use plant::control::{Controller, Sensing};
 use plant::measure::{Errors, record};
 use plant::mechanism::{
-    Bristle, Drag, DragKind, GearMesh, GearSpring, Mechanism, Ripple, Stribeck, StribeckKind,
+    Bristle, Drag, DragKind, GearMesh, GearSpring, Mechanism, RestLaw, Ripple, Stribeck, StribeckKind,
     WarmingGrease,
 };
 use plant::reference::{Command, Session};
@@ -102,6 +102,7 @@ pub fn arm(
         centre: centre.to_vec(),
         reach: reach.to_vec(),
         v_eps: vec![0.002; joints.len()],
+        rest: RestLaw::Root,
         disc: vec![0.0; joints.len()],
         joints,
     }

@@ -1,84 +1,11 @@
 //! The torque channel: what stands between the torque that the motor gives and the number that is logged.
 
+use crate::lag::Lag;
 use plant::random::log_uniform;
 use plant::run::Trace;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::Serialize;
-use std::f64::consts::TAU;
-
-/// A causal filter on the torque.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Lag {
-    /// None.
-    None,
-    /// First order, corner in Hz.
-    First {
-        /// Corner, Hz.
-        corner_hz: f64,
-    },
-    /// Second order.
-    Second {
-        /// Undamped frequency, Hz.
-        corner_hz: f64,
-        /// Damping ratio.
-        damping: f64,
-    },
-    /// Mean of the last ten samples of a controller.
-    MovingAverage {
-        /// Time between these samples, s.
-        period_s: f64,
-    },
-}
-
-/// Integration steps per tick of the trace.
-const SUBSTEPS: usize = 10;
-
-impl Lag {
-    /// The filtered signal; the filter starts settled at the first value. `tick` is the step of `x`, s.
-    pub fn apply(self, x: &[f64], tick: f64) -> Vec<f64> {
-        let first = x.first().copied().unwrap_or(0.0);
-        match self {
-            Self::None => x.to_vec(),
-            Self::First { corner_hz } => {
-                let pass = 1.0 - (-TAU * corner_hz * tick).exp();
-                let mut y = first;
-                let step = |x: &f64| {
-                    y += pass * (x - y);
-                    y
-                };
-                x.iter().map(step).collect()
-            }
-            Self::Second { corner_hz, damping } => {
-                let (w, h) = (TAU * corner_hz, tick / SUBSTEPS as f64);
-                let (mut y, mut v) = (first, 0.0);
-                let step = |x: &f64| {
-                    for _ in 0..SUBSTEPS {
-                        v += h * (w * w * (x - y) - 2.0 * damping * w * v);
-                        y += h * v;
-                    }
-                    y
-                };
-                x.iter().map(step).collect()
-            }
-            Self::MovingAverage { period_s } => {
-                let at = |t: f64| {
-                    let k = t.max(0.0).min((x.len() - 1) as f64);
-                    let (i, w) = (k as usize, k.fract());
-                    x[i] + w * (x[(i + 1).min(x.len() - 1)] - x[i])
-                };
-                let ticks = period_s / tick;
-                let mean = |k: usize| {
-                    let ten = (0..10).map(|i| at(k as f64 - f64::from(i) * ticks));
-                    ten.sum::<f64>() / 10.0
-                };
-                (0..x.len()).map(mean).collect()
-            }
-        }
-    }
-}
 
 /// A torque channel, joint by joint.
 #[derive(Debug, Clone)]
@@ -211,27 +138,9 @@ fn shifted(x: &[f64], ticks: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Every filter delays a slow ramp by its first moment: 1/w, 2ζ/w, and 4.5 periods.
     #[test]
-    fn a_ramp_is_late_by_the_first_moment() {
+    fn a_ramp_is_shifted_between_samples() {
         let x: Vec<f64> = (0..3000).map(|k| f64::from(k) * 1e-3).collect();
-        let corner_hz = 8.0;
-        let cases = [
-            (Lag::None, 0.0),
-            (Lag::First { corner_hz }, 1.0 / (TAU * 8.0)),
-            (
-                Lag::Second {
-                    corner_hz,
-                    damping: 0.7,
-                },
-                1.4 / (TAU * 8.0),
-            ),
-            (Lag::MovingAverage { period_s: 0.008 }, 0.036),
-        ];
-        for (lag, expected) in cases {
-            let y = lag.apply(&x, 1e-3);
-            assert!((x[2999] - y[2999] - expected).abs() < 6e-4, "{lag:?}");
-        }
         assert!((shifted(&x, 12.5)[2000] - 1.9875).abs() < 1e-12);
     }
 }

@@ -13,7 +13,7 @@ mod sensors;
 mod truth;
 mod write;
 
-pub use channel::Lag;
+pub use crate::lag::Lag;
 pub use clock::TRACE_HZ;
 pub use truth::{RawTruth, Setting, best_shift};
 pub use write::write;

@@ -85,10 +85,11 @@ impl Sensors {
                 time.push(trace.time[k] + w * tick);
                 for j in 0..n {
                     let noise = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };
-                    let position = hermite(trace, j, k, w)[0] + self.position_noise[j] * noise(rng);
+                    let position =
+                        trace.between(j, k, w, tick)[0] + self.position_noise[j] * noise(rng);
                     q.push((position / self.count[j]).round() * self.count[j]);
                     let late = (at - self.velocity_late.unwrap_or(0.0) / tick).max(0.0);
-                    let velocity = hermite(trace, j, late as usize, late.fract())[1];
+                    let velocity = trace.between(j, late as usize, late.fract(), tick)[1];
                     qd.push(velocity + self.velocity_noise[j] * noise(rng));
                     // A number of the log is that of the last tick.
                     tau.push(torque[k * n + j] + w * (torque[(k + 1) * n + j] - torque[k * n + j]));
@@ -129,16 +130,4 @@ impl Sensors {
         }
         kept
     }
-}
-
-/// Position and velocity of joint `j` a part `w` of a tick after row `k`, by the cubic through both rows' states.
-fn hermite(trace: &Trace, j: usize, k: usize, w: f64) -> [f64; 2] {
-    let n = trace.dof;
-    let h = 1.0 / super::clock::TRACE_HZ;
-    let at = |row: usize| (trace.q[row * n + j], h * trace.qd[row * n + j]);
-    let ((a, va), (b, vb)) = (at(k), at((k + 1).min(trace.len() - 1)));
-    let (c, d) = (3.0 * (b - a) - 2.0 * va - vb, 2.0 * (a - b) + va + vb);
-    let position = a + w * (va + w * (c + w * d));
-    let velocity = (va + w * (2.0 * c + 3.0 * w * d)) / h;
-    [position, velocity]
 }

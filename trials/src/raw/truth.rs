@@ -1,6 +1,7 @@
 //! What is true of a raw recording.
 
-use super::channel::{Channel, Lag};
+use super::channel::Channel;
+use crate::lag::Lag;
 use plant::run::Trace;
 use serde::Serialize;
 use std::ops::Range;

@@ -1,0 +1,107 @@
+//! The torque as a drive's log has it: a filtered, quantised current with coloured noise, outliers and a bias.
+
+use super::TRACE_HZ;
+use crate::lag::Lag;
+use plant::random::log_uniform;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// What stands between torque and log, joint by joint.
+pub struct Channel {
+    /// Filter of the current.
+    pub lag: Vec<Lag>,
+    /// Whether it is the same on all joints.
+    pub same: bool,
+    /// Deviation of the noise, N·m.
+    pub noise: Vec<f64>,
+    /// Correlation of the noise from one sample of the trace to the next.
+    pub colour: f64,
+    /// Step of the logged number, N·m.
+    pub quantum: Vec<f64>,
+    /// Joint with a bias, and how much, N·m.
+    pub bias: (usize, f64),
+    /// Outliers in a minute, over all joints.
+    pub outliers: f64,
+    /// Their size, N·m.
+    spike: Vec<f64>,
+}
+
+/// A torque on its way through a channel, row after row.
+pub struct Logged {
+    /// Through the filter, and with the bias.
+    pub clean: Vec<f64>,
+    /// As logged.
+    pub recorded: Vec<f64>,
+}
+
+/// A channel for joints whose torque has these root mean squares.
+pub fn draw(rms: &[f64], rng: &mut ChaCha8Rng) -> Channel {
+    let one = |rng: &mut ChaCha8Rng| {
+        let corner_hz = log_uniform(rng, 10.0, 40.0);
+        if rng.random_bool(0.5) {
+            Lag::First { corner_hz }
+        } else {
+            let damping = rng.random_range(0.6..1.0);
+            Lag::Second { corner_hz, damping }
+        }
+    };
+    let same = rng.random_bool(0.6);
+    let lag = if same {
+        vec![one(rng); rms.len()]
+    } else {
+        rms.iter().map(|_| one(rng)).collect()
+    };
+    let scaled = |low: f64, high: f64, rng: &mut ChaCha8Rng| -> Vec<f64> {
+        rms.iter()
+            .map(|r| r * log_uniform(rng, low, high))
+            .collect()
+    };
+    let biased = rng.random_range(0..rms.len());
+    Channel {
+        lag,
+        same,
+        noise: scaled(0.008, 0.03, rng),
+        colour: rng.random_range(0.3..0.85),
+        quantum: scaled(0.003, 0.02, rng),
+        bias: (biased, rms[biased] * rng.random_range(-0.03..0.03)),
+        outliers: log_uniform(rng, 3.0, 30.0),
+        spike: scaled(0.5, 3.0, rng),
+    }
+}
+
+impl Channel {
+    /// Passes a torque (row after row on the clock of the trace) through it, trajectory by trajectory.
+    pub fn log(&self, torque: &[f64], bounds: &[usize], rng: &mut ChaCha8Rng) -> Logged {
+        let n = self.lag.len();
+        let mut clean = vec![0.0; torque.len()];
+        let mut recorded = vec![0.0; torque.len()];
+        let chance = self.outliers / (60.0 * TRACE_HZ * n as f64);
+        let fresh = (1.0 - self.colour * self.colour).sqrt();
+        for w in bounds.windows(2) {
+            for j in 0..n {
+                let own: Vec<f64> = (w[0]..w[1]).map(|k| torque[k * n + j]).collect();
+                let bias = if j == self.bias.0 { self.bias.1 } else { 0.0 };
+                let normal = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };
+                let mut noise = normal(rng);
+                for (k, y) in (w[0]..w[1]).zip(self.lag[j].apply(&own, 1.0 / TRACE_HZ)) {
+                    noise = self.colour * noise + fresh * normal(rng);
+                    let outlier = if rng.random_bool(chance) {
+                        self.spike[j] * normal(rng)
+                    } else {
+                        0.0
+                    };
+                    let value = y + bias + self.noise[j] * noise + outlier;
+                    clean[k * n + j] = y + bias;
+                    recorded[k * n + j] = (value / self.quantum[j]).round() * self.quantum[j];
+                }
+            }
+        }
+        Logged { clean, recorded }
+    }
+
+    /// First moment of each joint's filter, s: how late it makes a slow torque.
+    pub fn lateness(&self) -> Vec<f64> {
+        self.lag.iter().map(|l| l.first_moment()).collect()
+    }
+}

@@ -1,0 +1,69 @@
+//! What a hard case has besides the withheld effect.
+
+use serde::Serialize;
+
+/// An effect on a joint, and the part of its torque that it makes.
+#[derive(Debug, Clone, Serialize)]
+pub struct NamedShare {
+    /// Effect.
+    pub effect: &'static str,
+    /// Joint.
+    pub joint: String,
+    /// Root mean square over that of the joint's torque.
+    pub share: f64,
+}
+
+/// A bias of the torque.
+#[derive(Debug, Clone, Serialize)]
+pub struct Bias {
+    /// Joint.
+    pub joint: String,
+    /// Over the root mean square of the joint's torque.
+    pub share: f64,
+}
+
+/// Filters of the current.
+#[derive(Debug, Clone, Serialize)]
+pub struct LowPass {
+    /// Whether all joints have the same.
+    pub same: bool,
+    /// First moment of each, ms.
+    pub lag_ms: Vec<f64>,
+}
+
+/// Everything that was drawn beside robot and effect.
+#[derive(Debug, Clone, Serialize)]
+pub struct HardTruth {
+    /// Largest relative error of most described inertials.
+    pub inertial_width: f64,
+    /// Largest factor between described and real friction.
+    pub friction_width: f64,
+    /// Joints whose friction is not described.
+    pub no_friction: Vec<String>,
+    /// Law by which friction comes to rest.
+    pub rest: String,
+    /// Trajectories to fit on.
+    pub train: usize,
+    /// Trajectories to be judged on.
+    pub test: usize,
+    /// Their length, s.
+    pub duration: f64,
+    /// Samples a second.
+    pub rate: f64,
+    /// What is uneven about their times.
+    pub jitter: &'static str,
+    /// Whether velocity is recorded.
+    pub velocity: bool,
+    /// Whether the held-out trajectories are of another day.
+    pub other_day: bool,
+    /// File that alone has pushes (`train` or `heldout`).
+    pub contact: Option<&'static str>,
+    /// Filters of the current.
+    pub lowpass: LowPass,
+    /// Bias of the torque.
+    pub bias: Bias,
+    /// Outliers in a minute.
+    pub outliers: f64,
+    /// Small effects on the joints.
+    pub background: Vec<NamedShare>,
+}

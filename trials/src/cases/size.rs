@@ -1,0 +1,77 @@
+//! Whether withheld effects came out as large as they were meant.
+
+use super::experiment::{Chosen, Run};
+use super::oracle::{low_passed, rms};
+use std::ops::Range;
+
+/// Torque of effects that vibrate counts up to here, Hz.
+const VIBRATION: f64 = 20.0;
+/// Smallest part of a joint's torque, and largest, that an effect may make.
+const SHARES: Range<f64> = 0.03..0.6;
+/// Times that a case is simulated to set the sizes of its effects.
+pub const ROUNDS: usize = 3;
+
+/// What became of the sizes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sized {
+    /// They are as meant, or near enough.
+    Well,
+    /// They were corrected.
+    Again,
+    /// They cannot be had here.
+    Unsuited,
+}
+
+/// Root mean square of each column of a table with `n` of them.
+pub fn column_rms(table: &[f64], n: usize) -> Vec<f64> {
+    (0..n)
+        .map(|j| rms(table.iter().skip(j).step_by(n).copied()))
+        .collect()
+}
+
+/// The effects' torques, of those that vibrate what counts.
+pub fn without_vibration(
+    mut found: Vec<Vec<f64>>,
+    withheld: &[Chosen],
+    run: &Run,
+    rate: f64,
+) -> Vec<Vec<f64>> {
+    let vibrating = found
+        .iter_mut()
+        .zip(withheld)
+        .filter(|(_, w)| w.effect.vibrates());
+    for (e, _) in vibrating {
+        *e = low_passed(e, &run.trace.bounds(), run.trace.dof, rate, VIBRATION);
+    }
+    found
+}
+
+/// Part of its joint's torque that each effect makes.
+pub fn shares(withheld: &[Chosen], found: &[Vec<f64>], run: &Run) -> Vec<f64> {
+    let n = run.trace.dof;
+    let torque = column_rms(&run.noted, n);
+    withheld
+        .iter()
+        .zip(found)
+        .map(|(w, e)| column_rms(e, n)[w.at] / torque[w.at])
+        .collect()
+}
+
+/// Corrects sizes after a round in which the effects came out with these shares.
+pub fn sized(withheld: &mut [Chosen], shares: &[f64], round: usize) -> Sized {
+    let wrong = withheld
+        .iter()
+        .zip(shares)
+        .any(|(w, s)| !(0.55..1.8).contains(&(s / w.share)));
+    if wrong && round + 1 < ROUNDS {
+        for (w, s) in withheld.iter_mut().zip(shares) {
+            w.size = (w.size * (w.share / s).clamp(0.2, 4.0)).min(w.effect.largest());
+        }
+        return Sized::Again;
+    }
+    if shares.iter().any(|s| !SHARES.contains(s)) {
+        Sized::Unsuited
+    } else {
+        Sized::Well
+    }
+}
