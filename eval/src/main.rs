@@ -11,9 +11,9 @@ use model::baseline::published::{self, Published, beside};
 use model::directory::{ModelFile, json};
 use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use model::failure::Failure;
-use model::{page, tables};
+use model::{page, residual, tables};
 use report::{say, say_text};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Scores a model directory on a recording and predicts its torque.
@@ -28,17 +28,20 @@ struct Arguments {
     #[arg(long, required_unless_present = "sources")]
     model: Option<PathBuf>,
     /// Recording (.csv, .parquet, .npz, or the KR300 benchmark's .mat: its test part).
-    #[arg(long, required_unless_present = "sources")]
+    #[arg(long, required_unless_present_any = ["sources", "onnx"])]
     data: Option<PathBuf>,
     /// Write the scores as JSON.
-    #[arg(long)]
+    #[arg(long, requires = "data")]
     json: Option<PathBuf>,
     /// Write a report page.
-    #[arg(long)]
+    #[arg(long, requires = "data")]
     html: Option<PathBuf>,
     /// Write predicted torque and its standard deviation as CSV; the recording needs no torque.
-    #[arg(long)]
+    #[arg(long, requires = "data")]
     predict: Option<PathBuf>,
+    /// Write the compensator of all joints as one ONNX graph, with its inputs in a JSON file beside it (NAME.json).
+    #[arg(long, value_name = "NAME")]
+    onnx: Option<PathBuf>,
     /// Drive file: names and units of the recording's columns, gear ratios, torque constants.
     #[arg(long)]
     drive: Option<PathBuf>,
@@ -68,12 +71,18 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (Some(model), Some(data)) = (&arguments.model, &arguments.data) else {
+    let Some(model) = &arguments.model else {
         let table = sources::markdown().map_err(|e| Failure::other(e.to_string()))?;
         say_text!(table);
         return Ok(());
     };
     let file = ModelFile::load(model)?;
+    if let Some(path) = &arguments.onnx {
+        export(model, &file, path, arguments.quiet)?;
+    }
+    let Some(data) = &arguments.data else {
+        return Ok(());
+    };
     let torque_needed = arguments.predict.is_none();
     let options = read_options(&file, arguments.drive.as_deref(), Part::Test, torque_needed)?;
     let recording = read(data, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
@@ -95,6 +104,29 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if !arguments.quiet {
         print(&file, &evaluation, arguments.verbose);
+    }
+    Ok(())
+}
+
+/// Writes the compensator's graph and, beside it, the description of its inputs.
+fn export(model: &Path, file: &ModelFile, path: &Path, quiet: bool) -> Result<(), Failure> {
+    let stored = residual::load(model, file)?;
+    let (Some(compensator), Some(record)) = (&stored, &file.compensator) else {
+        return Err(Failure::input(
+            format!("{} holds no compensator", model.display()),
+            "Train without --physics-only.",
+        ));
+    };
+    let exported = residual::onnx::export(compensator, record, file)?;
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".json");
+    let beside = Path::new(&beside);
+    report::write_atomic(beside, json(&exported.description))?;
+    report::write_atomic(path, &exported.graph)?;
+    if !quiet {
+        let (graph, inputs) = (path.display(), beside.display());
+        let joints = file.joints.len();
+        say!("{graph}: compensator of {joints} joints; inputs: {inputs}");
     }
     Ok(())
 }
