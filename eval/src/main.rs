@@ -3,6 +3,7 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+mod leaderboard;
 mod sources;
 
 use clap::Parser;
@@ -11,6 +12,7 @@ use model::baseline::published::{self, Published, beside};
 use model::directory::{ModelFile, json};
 use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use model::failure::Failure;
+use model::leaderboard::Contest;
 use model::{page, residual, tables};
 use report::{say, say_text};
 use std::path::{Path, PathBuf};
@@ -25,8 +27,11 @@ struct Arguments {
     #[arg(long, exclusive = true)]
     sources: bool,
     /// Model directory.
-    #[arg(long, required_unless_present = "sources")]
+    #[arg(long, required_unless_present_any = ["sources", "leaderboard"])]
     model: Option<PathBuf>,
+    /// Compare models of one robot on the recording, beside published results; --html, --markdown and --json then write that page.
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["model", "onnx", "predict", "verbose"])]
+    leaderboard: Vec<PathBuf>,
     /// Recording (.csv, .parquet, .npz, or the KR300 benchmark's .mat: its test part).
     #[arg(long, required_unless_present_any = ["sources", "onnx"])]
     data: Option<PathBuf>,
@@ -36,6 +41,9 @@ struct Arguments {
     /// Write a report page.
     #[arg(long, requires = "data")]
     html: Option<PathBuf>,
+    /// With --leaderboard: write the page as Markdown.
+    #[arg(long, requires = "leaderboard", conflicts_with = "model")]
+    markdown: Option<PathBuf>,
     /// Write predicted torque and its standard deviation as CSV; the recording needs no torque.
     #[arg(long, requires = "data")]
     predict: Option<PathBuf>,
@@ -71,6 +79,20 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let (false, Some(data)) = (arguments.leaderboard.is_empty(), &arguments.data) {
+        let contest = Contest {
+            directories: &arguments.leaderboard,
+            data,
+            drive: arguments.drive.as_deref(),
+            cutoff_hz: arguments.cutoff_hz,
+        };
+        let places = leaderboard::Places {
+            html: arguments.html.as_ref(),
+            markdown: arguments.markdown.as_ref(),
+            json: arguments.json.as_ref(),
+        };
+        return leaderboard::run(&contest, &places, arguments.quiet);
+    }
     let Some(model) = &arguments.model else {
         let table = sources::markdown().map_err(|e| Failure::other(e.to_string()))?;
         say_text!(table);
