@@ -1,6 +1,6 @@
 //! The command line.
 
-use clap::Parser;
+use clap::{ArgGroup, Parser};
 use control::demonstration::Withheld;
 use std::path::PathBuf;
 
@@ -10,6 +10,7 @@ pub const WIDTH: usize = 100;
 /// Scores a model directory on a recording and predicts its torque.
 #[derive(Debug, Parser)]
 #[command(name = "eval", version)]
+#[command(group(ArgGroup::new("scored").args(["data", "closed_loop"]).multiple(true)))]
 pub struct Arguments {
     /// Print the systems of the source documents, which of them work, and published figures beside ours (Markdown); with a
     /// document's name its page. Needs neither model nor data.
@@ -37,20 +38,29 @@ pub struct Arguments {
     #[arg(long, value_name = "REC", requires = "collision")]
     pub calibration: Option<PathBuf>,
     /// Model directory.
-    #[arg(long, required_unless_present_any = ["sources", "closed_loop"])]
+    #[arg(long, required_unless_present_any = ["sources", "closed_loop", "leaderboard"])]
     pub model: Option<PathBuf>,
+    /// Compare models of one robot on the recording, beside published results; --html, --markdown and --json then write that page.
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["model", "onnx", "predict", "verbose", "closed_loop", "collision"])]
+    pub leaderboard: Vec<PathBuf>,
     /// Recording (.csv, .parquet, .npz, or the KR300 benchmark's .mat: its test part).
-    #[arg(long, required_unless_present_any = ["sources", "closed_loop"])]
+    #[arg(long, required_unless_present_any = ["sources", "closed_loop", "onnx"])]
     pub data: Option<PathBuf>,
     /// Write the scores as JSON.
-    #[arg(long)]
+    #[arg(long, requires = "scored")]
     pub json: Option<PathBuf>,
     /// Write a report page.
-    #[arg(long)]
+    #[arg(long, requires = "scored")]
     pub html: Option<PathBuf>,
+    /// With --leaderboard: write the page as Markdown.
+    #[arg(long, requires = "leaderboard", conflicts_with = "model")]
+    pub markdown: Option<PathBuf>,
     /// Write predicted torque and its standard deviation as CSV; the recording needs no torque.
-    #[arg(long)]
+    #[arg(long, requires = "data")]
     pub predict: Option<PathBuf>,
+    /// Write the compensator of all joints as one ONNX graph, with its inputs in a JSON file beside it (NAME.json).
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["closed_loop", "collision"])]
+    pub onnx: Option<PathBuf>,
     /// Drive file: names and units of the recording's columns, gear ratios, torque constants.
     #[arg(long)]
     pub drive: Option<PathBuf>,

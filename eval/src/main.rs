@@ -6,6 +6,7 @@
 mod arguments;
 mod closed_loop;
 mod collision;
+mod leaderboard;
 mod sources;
 
 use arguments::{Arguments, WIDTH};
@@ -15,9 +16,11 @@ use model::baseline::published::{self, Published, beside};
 use model::directory::{ModelFile, json};
 use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use model::failure::Failure;
-use model::{page, tables};
+use model::leaderboard::Contest;
+use model::{page, residual, tables};
 use report::{say, say_text};
 use sources::SourcesError;
+use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -38,7 +41,21 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.closed_loop {
         return closed_loop::run(arguments);
     }
-    let (Some(model), Some(data)) = (&arguments.model, &arguments.data) else {
+    if let (false, Some(data)) = (arguments.leaderboard.is_empty(), &arguments.data) {
+        let contest = Contest {
+            directories: &arguments.leaderboard,
+            data,
+            drive: arguments.drive.as_deref(),
+            cutoff_hz: arguments.cutoff_hz,
+        };
+        let places = leaderboard::Places {
+            html: arguments.html.as_ref(),
+            markdown: arguments.markdown.as_ref(),
+            json: arguments.json.as_ref(),
+        };
+        return leaderboard::run(&contest, &places, arguments.quiet);
+    }
+    let Some(model) = &arguments.model else {
         let page = match arguments.sources.as_deref() {
             None | Some("") => sources::markdown(),
             Some(document) => sources::page(document),
@@ -50,6 +67,12 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     };
     let file = ModelFile::load(model)?;
+    if let Some(path) = &arguments.onnx {
+        export(model, &file, path, arguments.quiet)?;
+    }
+    let Some(data) = &arguments.data else {
+        return Ok(());
+    };
     let torque_needed = arguments.predict.is_none();
     let options = read_options(&file, arguments.drive.as_deref(), Part::Test, torque_needed)?;
     let recording = read(data, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
@@ -74,6 +97,29 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if !arguments.quiet {
         print(&file, &evaluation, arguments.verbose);
+    }
+    Ok(())
+}
+
+/// Writes the compensator's graph and, beside it, the description of its inputs.
+fn export(model: &Path, file: &ModelFile, path: &Path, quiet: bool) -> Result<(), Failure> {
+    let stored = residual::load(model, file)?;
+    let (Some(compensator), Some(record)) = (&stored, &file.compensator) else {
+        return Err(Failure::input(
+            format!("{} holds no compensator", model.display()),
+            "Train without --physics-only.",
+        ));
+    };
+    let exported = residual::onnx::export(compensator, record, file)?;
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".json");
+    let beside = Path::new(&beside);
+    report::write_atomic(beside, json(&exported.description))?;
+    report::write_atomic(path, &exported.graph)?;
+    if !quiet {
+        let (graph, inputs) = (path.display(), beside.display());
+        let joints = file.joints.len();
+        say!("{graph}: compensator of {joints} joints; inputs: {inputs}");
     }
     Ok(())
 }

@@ -50,7 +50,13 @@ fn an_unknown_document_is_refused_with_those_that_exist() {
 /// Without it, model and recording are still demanded.
 #[test]
 fn model_and_data_are_demanded_otherwise() {
-    for arguments in [&[][..], &["--model", "x"], &["--sources", "--model", "x"]] {
+    for arguments in [
+        &[][..],
+        &["--model", "x"],
+        &["--sources", "--model", "x"],
+        &["--leaderboard", "x"],
+        &["--leaderboard", "--data", "x"],
+    ] {
         let out = Command::new(env!("CARGO_BIN_EXE_eval"))
             .args(arguments)
             .output()

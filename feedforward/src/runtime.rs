@@ -156,6 +156,13 @@ impl Feedforward {
         })
     }
 
+    /// The same physics alone.
+    #[must_use]
+    pub fn without_compensator(mut self) -> Self {
+        self.residual = None;
+        self
+    }
+
     /// Number of joints.
     pub fn dof(&self) -> usize {
         self.joints

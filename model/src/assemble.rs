@@ -67,6 +67,7 @@ impl Parts<'_> {
                 .into_iter()
                 .map(|r| r.to_vec())
                 .collect(),
+            covariance_sha256: String::new(),
             residual_std: residual_std(data, session, self.physics),
             preprocessing: self.preprocessing,
             linear_baseline: baseline(data, session)?,

@@ -3,6 +3,7 @@
 use crate::directory::DirectoryError;
 use crate::evaluation::EvaluateError;
 use crate::identify::error::IdentifyError;
+use crate::leaderboard::LeaderboardError;
 use crate::physics_fit::FitError;
 use crate::preparation::check::CheckError;
 use crate::preparation::setup::SetupError;
@@ -154,6 +155,22 @@ impl From<EvaluateError> for Failure {
                 e.to_string(),
                 "Check the recording with train --check-only.",
             ),
+        }
+    }
+}
+
+impl From<LeaderboardError> for Failure {
+    fn from(error: LeaderboardError) -> Self {
+        match error {
+            LeaderboardError::Directory(e) => e.into(),
+            LeaderboardError::Setup(e) => e.into(),
+            LeaderboardError::Evaluate(e) => e.into(),
+            LeaderboardError::Residual(e) => e.into(),
+            LeaderboardError::Robots { .. } => Self::input(
+                error.to_string(),
+                "Give the models of one robot, and make a page for each robot.",
+            ),
+            e => Self::input(e.to_string(), ""),
         }
     }
 }

@@ -10,6 +10,7 @@ pub mod directory;
 pub mod evaluation;
 pub mod failure;
 pub mod identify;
+pub mod leaderboard;
 pub mod page;
 pub mod physics_fit;
 pub mod predict;

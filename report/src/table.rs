@@ -112,6 +112,21 @@ impl Cell {
         }
     }
 
+    /// `value [low, high]`; the value alone where there is no interval.
+    pub fn with_interval(value: f64, interval: Option<[f64; 2]>, decimals: usize) -> Self {
+        let cell = Self::number(value, decimals);
+        match interval.filter(|_| cell.value.is_some()) {
+            None => cell,
+            Some(ends) => {
+                let [low, high] = ends.map(|end| Self::number(end, decimals).text);
+                Self {
+                    text: format!("{} [{low}, {high}]", cell.text),
+                    ..cell
+                }
+            }
+        }
+    }
+
     /// A figure that does not exist.
     pub fn missing() -> Self {
         Self::text("–")
@@ -238,21 +253,21 @@ fn mark<'a>(
 
 #[derive(Debug, Serialize)]
 pub(crate) struct HtmlTable {
-    caption: Option<String>,
-    header: Vec<HtmlCell>,
-    rows: Vec<HtmlRow>,
+    pub(crate) caption: Option<String>,
+    pub(crate) header: Vec<HtmlCell>,
+    pub(crate) rows: Vec<HtmlRow>,
 }
 
 #[derive(Debug, Serialize)]
-struct HtmlRow {
-    emphasised: bool,
-    cells: Vec<HtmlCell>,
+pub(crate) struct HtmlRow {
+    pub(crate) emphasised: bool,
+    pub(crate) cells: Vec<HtmlCell>,
 }
 
 #[derive(Debug, Serialize)]
-struct HtmlCell {
-    text: String,
-    class: &'static str,
+pub(crate) struct HtmlCell {
+    pub(crate) text: String,
+    pub(crate) class: &'static str,
 }
 
 #[cfg(test)]
@@ -272,6 +287,12 @@ mod tests {
         assert_eq!(Cell::significant(0.0, 3).text, "0");
         assert_eq!(Cell::with_std(12.3456, 0.123).text, "12.35 ± 0.12");
         assert_eq!(Cell::with_std(1234.5, 56.7).text, "1234 ± 57");
+        let cell = Cell::with_interval(0.123, Some([-0.1, 0.2]), 2);
+        assert_eq!(
+            (&*cell.text, cell.value),
+            ("0.12 [-0.10, 0.20]", Some(0.123))
+        );
+        assert_eq!(Cell::with_interval(0.123, None, 2).text, "0.12");
     }
 
     #[test]

@@ -398,6 +398,15 @@ fn altered_models() {
     altered(&cut, &[weights, "checksum"]);
     let lost = |model: &Path| std::fs::remove_file(model.join(weights)).expect("removable");
     altered(&lost, &[weights]);
+    let covariance = "covariance.json";
+    let lost = |model: &Path| std::fs::remove_file(model.join(covariance)).expect("removable");
+    altered(&lost, &[covariance]);
+    let other = |model: &Path| {
+        let text = std::fs::read_to_string(model.join(covariance)).expect("readable");
+        let new = text.replacen("[[", "[[1", 1);
+        std::fs::write(model.join(covariance), new).expect("writable");
+    };
+    altered(&other, &[covariance, "checksum"]);
 
     model_json(
         &|t| t[..t.len() / 2].to_owned(),

@@ -105,6 +105,30 @@ fn scores_and_predictions() {
     }
 }
 
+/// Earlier versions kept the covariance in `model.json` itself; what a control loop reads is smaller without it.
+#[test]
+fn a_directory_of_an_earlier_version_predicts_the_same() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let data = record_to(folder.path(), "train.csv", &ur5(), &Plan::default());
+    let model = train(folder.path(), &data, &["--physics-only"]);
+    let predicted = || {
+        let to = folder.path().join("torque.csv");
+        run(eval(&model, &data).arg("--predict").arg(&to)).succeeded();
+        std::fs::read_to_string(to).expect("a prediction")
+    };
+    let now = predicted();
+    let (whole, apart) = (model.join("model.json"), model.join("covariance.json"));
+    let mut file = json(&whole);
+    let keys = file.as_object_mut().expect("an object");
+    assert!(!keys.contains_key("covariance"));
+    keys.remove("covariance_sha256")
+        .expect("ties the two together");
+    keys.insert("covariance".into(), json(&apart)["covariance"].take());
+    std::fs::write(&whole, file.to_string()).expect("writable");
+    std::fs::remove_file(&apart).expect("removable");
+    assert_eq!(predicted(), now);
+}
+
 /// `eval` prepares a recording as the model was prepared, whatever the rate: the figures of `train --heldout`, to the
 /// last digit.
 #[test]

@@ -6,12 +6,14 @@ use crate::{checkpoint, input, output, progress, screen};
 use compensator::training::{Control, Progress};
 use datasets::check::CheckReport;
 use datasets::prepare::PrepareOptions;
+use model::directory::Timing;
 use model::failure::Failure;
 use model::identify::identification::IdentifyOptions;
 use model::physics_fit::{FitOptions, fit_physics};
 use model::preparation::check::check_recording;
 use model::residual::{Preset, ResidualOptions, train_residual};
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 /// Runs `train` on threads of its own until it is done or `cancel` is raised; `watch` is told of every epoch, from any thread.
 ///
@@ -60,12 +62,14 @@ fn steps(
         prepare: prepare_options,
         seed: arguments.seed,
     };
+    let begun = Instant::now();
     let mut fit = fit_physics(
         &input.setup.robot,
         &input.data,
         input.heldout.as_ref(),
         &options,
     )?;
+    let physics_s = begun.elapsed().as_secs_f64();
     spinner.finish_and_clear();
     stop(cancel, "Run the same command again.")?;
 
@@ -74,6 +78,7 @@ fn steps(
     } else {
         Some(checkpoint::open(arguments, &input)?)
     };
+    let begun = Instant::now();
     let learned = match &folder {
         None => None,
         Some(folder) => {
@@ -109,12 +114,14 @@ fn steps(
             Some(learned?)
         }
     };
+    let compensator_s = learned.as_ref().map(|_| begun.elapsed().as_secs_f64());
     if let Some(learned) = &learned {
         fit.file.compensator = Some(learned.record.clone());
         fit.file.memory.clone_from(&learned.memory);
     }
     let metrics = output::metrics(&fit, learned.as_ref(), &input.data, input.heldout.as_ref())?;
     output::write(arguments, learned.as_ref(), &metrics, &fit)?;
+    Timing::new(threads, physics_s, compensator_s, arguments.resume).save(&arguments.out)?;
     output::page(arguments, &fit, learned.as_ref(), &metrics, &input)?;
     if let Some(folder) = &folder {
         checkpoint::remove(folder);

@@ -71,7 +71,6 @@ impl Weights {
     }
 
     /// Name under which gradients and optimiser know the parameter.
-    #[cfg(test)]
     pub(super) fn name(&self) -> ParamId {
         self.flat.id
     }

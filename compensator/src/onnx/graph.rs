@@ -6,8 +6,12 @@ use onnx_rs::ast::{
     TypeValue, ValueInfo,
 };
 
-const INPUT: &str = "window";
-const OUTPUT: &str = "torque";
+/// Name of the graph's input.
+pub const INPUT: &str = "window";
+/// Name of its output.
+pub const OUTPUT: &str = "torque";
+/// Version of the operators.
+pub const OPSET: i64 = 17;
 
 struct Operation {
     name: &'static str,
@@ -21,7 +25,7 @@ struct Operation {
 pub(super) struct Graph {
     operations: Vec<Operation>,
     constants: Vec<(String, Vec<i64>, Vec<f32>)>,
-    indices: Vec<(String, i64)>,
+    indices: Vec<(String, Vec<i64>, Vec<i64>)>,
     values: usize,
 }
 
@@ -77,9 +81,19 @@ impl Graph {
 
     /// Sample t of the window, (batch × columns).
     pub(super) fn step(&mut self, t: usize) -> String {
+        self.gather(INPUT, Vec::new(), vec![t as i64])
+    }
+
+    /// Some columns of a sample, (batch × columns).
+    pub(super) fn select(&mut self, sample: &str, columns: &[usize]) -> String {
+        let places: Vec<i64> = columns.iter().map(|&c| c as i64).collect();
+        self.gather(sample, vec![places.len() as i64], places)
+    }
+
+    fn gather(&mut self, from: &str, shape: Vec<i64>, places: Vec<i64>) -> String {
         let index = self.fresh();
-        self.indices.push((index.clone(), t as i64));
-        self.push("Gather", &[INPUT, &index], vec![("axis", vec![1])], 1)
+        self.indices.push((index.clone(), shape, places));
+        self.push("Gather", &[from, &index], vec![("axis", vec![1])], 1)
             .swap_remove(0)
     }
 
@@ -101,12 +115,20 @@ impl Graph {
         outputs
     }
 
-    /// The model's bytes; `torque` (batch × 1) becomes the output, flattened to (batch).
-    pub(super) fn encode(&mut self, torque: &str, timestep: usize, columns: usize) -> Vec<u8> {
-        let shape = self.fresh();
+    /// The model's bytes; `torque` becomes the output: (batch × 1) flattened to (batch), or (batch × `joints`).
+    pub(super) fn encode(
+        &mut self,
+        torque: &str,
+        joints: Option<usize>,
+        (timestep, columns): (usize, usize),
+    ) -> Vec<u8> {
+        let (shape, rest) = (self.fresh(), joints.map_or(Vec::new(), |n| vec![n as i64]));
+        let flat: Vec<i64> = std::iter::once(-1).chain(rest.iter().copied()).collect();
+        self.indices
+            .push((shape.clone(), vec![flat.len() as i64], flat));
         self.operations.push(Operation {
             name: "Reshape",
-            inputs: vec![torque.to_owned(), shape.clone()],
+            inputs: vec![torque.to_owned(), shape],
             outputs: vec![OUTPUT.to_owned()],
             integers: Vec::new(),
         });
@@ -118,11 +140,14 @@ impl Graph {
         initializer.extend(
             self.indices
                 .iter()
-                .map(|(name, t)| TensorProto::from_i64(name, Vec::new(), vec![*t])),
+                .map(|(name, dims, v)| TensorProto::from_i64(name, dims.clone(), v.clone())),
         );
-        initializer.push(TensorProto::from_i64(&shape, vec![1], vec![-1]));
         let graph = Proto {
-            name: "unit",
+            name: if joints.is_some() {
+                "compensator"
+            } else {
+                "unit"
+            },
             node: self.operations.iter().map(node).collect(),
             initializer,
             input: vec![value(
@@ -132,7 +157,10 @@ impl Graph {
                     Dimension::Value(columns as i64),
                 ],
             )],
-            output: vec![value(OUTPUT, Vec::new())],
+            output: vec![value(
+                OUTPUT,
+                rest.into_iter().map(Dimension::Value).collect(),
+            )],
             ..Proto::default()
         };
         onnx_rs::encode(&Model {
@@ -140,7 +168,7 @@ impl Graph {
             producer_name: "residyn",
             opset_import: vec![OperatorSetId {
                 domain: "",
-                version: 17,
+                version: OPSET,
             }],
             graph: Some(graph),
             ..Model::default()

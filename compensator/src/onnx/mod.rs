@@ -1,18 +1,20 @@
-//! ONNX export of a trained unit.
+//! ONNX export of a trained unit, or of the units of all joints.
 //!
-//! The graph takes `window` (batch × T × columns, SI units, oldest sample first) and gives `torque` (batch,
-//! N·m): scaling, network, averaging over members, limit and fade are all inside, so its output is what the
-//! run-time predicts for samples that are finite.
+//! The graph takes `window` (batch × T × columns, SI units, oldest sample first) and gives `torque` (batch, or
+//! batch × joints, N·m): scaling, network, averaging over members, limit and fade are all inside, so its output is
+//! what the run-time predicts for samples that are finite.
 
 mod graph;
 mod network;
 
-use feedforward::network::{Architecture, Memory, Recurrent, Unit};
+pub use graph::{INPUT, OPSET, OUTPUT};
+
+use feedforward::network::{Architecture, Compensator, Memory, Recurrent, Unit};
 
 use crate::Error;
 use graph::Graph;
 
-/// Serialised ONNX model (operator set 17) of a unit on windows.
+/// Serialised ONNX model (operator set [`OPSET`]) of a unit on windows of its own columns; output (batch).
 ///
 /// A unit that is off gives zero torque, as everywhere.
 ///
@@ -20,6 +22,58 @@ use graph::Graph;
 /// [`Error::Unit`] for carried state, which has no window to start from, and for a unit that contradicts
 /// itself.
 pub fn export(unit: &Unit) -> Result<Vec<u8>, Error> {
+    let timestep = unit.architecture.timestep();
+    let mut g = Graph::default();
+    let samples: Vec<String> = (0..timestep).map(|t| g.step(t)).collect();
+    let torque = torque(&mut g, unit, &samples)?;
+    Ok(g.encode(&torque, None, (timestep, unit.columns.len())))
+}
+
+/// Serialised ONNX model (operator set [`OPSET`]) of a whole compensator; output (batch × joints).
+///
+/// The window has all input columns in the order of [`Compensator::inputs`] and [`window`] samples; a unit on
+/// shorter windows takes the newest ones.
+///
+/// # Errors
+/// As [`export`].
+pub fn export_all(compensator: &Compensator) -> Result<Vec<u8>, Error> {
+    let (joints, columns) = (compensator.joints.len(), compensator.inputs.len());
+    let timestep = window(compensator);
+    let mut g = Graph::default();
+    let samples: Vec<String> = (0..timestep).map(|t| g.step(t)).collect();
+    let mut sums: Vec<Option<String>> = vec![None; joints];
+    for unit in &compensator.units {
+        unit.check(joints, columns).map_err(Error::Unit)?;
+        if !unit.enabled {
+            continue;
+        }
+        let own = &samples[timestep - unit.architecture.timestep()..];
+        let own: Vec<String> = own.iter().map(|x| g.select(x, &unit.columns)).collect();
+        let torque = torque(&mut g, unit, &own)?;
+        let sum = &mut sums[unit.joint];
+        *sum = Some(match sum.take() {
+            None => torque,
+            Some(before) => g.op("Add", &[&before, &torque]),
+        });
+    }
+    let newest = &samples[timestep - 1];
+    let parts: Vec<String> = sums
+        .into_iter()
+        .map(|sum| sum.unwrap_or_else(|| network::zeros(&mut g, newest, columns, 1)))
+        .collect();
+    let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
+    let torque = g.concatenate(&parts);
+    Ok(g.encode(&torque, Some(joints), (timestep, columns)))
+}
+
+/// Samples of the window that [`export_all`]'s graph takes: the longest of the units that are on.
+pub fn window(compensator: &Compensator) -> usize {
+    let on = compensator.units.iter().filter(|u| u.enabled);
+    on.map(|u| u.architecture.timestep()).max().unwrap_or(1)
+}
+
+/// Torque (batch × 1) of a unit for its samples (batch × its columns), oldest first.
+fn torque(g: &mut Graph, unit: &Unit, samples: &[String]) -> Result<String, Error> {
     let highest = unit.columns.iter().max().map_or(0, |c| c + 1);
     unit.check(unit.joint + 1, highest).map_err(Error::Unit)?;
     if let Architecture::Recurrent(Recurrent {
@@ -32,20 +86,19 @@ pub fn export(unit: &Unit) -> Result<Vec<u8>, Error> {
         ));
     }
     let d = unit.columns.len();
-    let timestep = unit.architecture.timestep();
-    let mut g = Graph::default();
-
-    let scaled: Vec<String> = (0..timestep).map(|t| scale(&mut g, unit, t)).collect();
-    let held: Vec<String> = scaled.iter().map(|x| hold(&mut g, unit, x)).collect();
+    let scaled: Vec<String> = samples.iter().map(|x| scale(g, unit, x)).collect();
+    let held: Vec<String> = scaled.iter().map(|x| hold(g, unit, x)).collect();
     let mut sum: Option<String> = None;
     for member in &unit.members {
-        let y = network::output(&mut g, &unit.architecture, d, member, &held);
+        let y = network::output(g, &unit.architecture, d, member, &held);
         sum = Some(match sum {
             None => y,
             Some(before) => g.op("Add", &[&before, &y]),
         });
     }
-    let sum = sum.ok_or_else(|| Error::Unit("no weights".into()))?;
+    let (Some(sum), Some(newest)) = (sum, scaled.last()) else {
+        return Err(Error::Unit("no weights".into()));
+    };
     let span = g.constant(
         &[1],
         vec![unit.target.span()[0] / unit.members.len() as f32],
@@ -53,16 +106,15 @@ pub fn export(unit: &Unit) -> Result<Vec<u8>, Error> {
     let offset = g.constant(&[1], unit.target.offset().to_vec());
     let torque = g.op("Mul", &[&sum, &span]);
     let torque = g.op("Add", &[&torque, &offset]);
-    let torque = limit(&mut g, unit, &torque);
-    let weight = fade(&mut g, unit, &scaled[timestep - 1]);
+    let torque = limit(g, unit, &torque);
+    let weight = fade(g, unit, newest);
     let torque = g.op("Mul", &[&torque, &weight]);
     let on = g.constant(&[1], vec![if unit.enabled { 1.0 } else { 0.0 }]);
-    let torque = g.op("Mul", &[&torque, &on]);
-    Ok(g.encode(&torque, timestep, d))
+    Ok(g.op("Mul", &[&torque, &on]))
 }
 
-/// (x − offset)/span of step t; a column that never varied gives 0.
-fn scale(g: &mut Graph, unit: &Unit, t: usize) -> String {
+/// (x − offset)/span; a column that never varied gives 0.
+fn scale(g: &mut Graph, unit: &Unit, x: &str) -> String {
     let d = unit.columns.len();
     let offset = g.constant(&[1, d], unit.input.offset().to_vec());
     let inverse = unit
@@ -72,8 +124,7 @@ fn scale(g: &mut Graph, unit: &Unit, t: usize) -> String {
         .map(|&s| if s > 0.0 { 1.0 / s } else { 0.0 })
         .collect();
     let inverse = g.constant(&[1, d], inverse);
-    let x = g.step(t);
-    let x = g.op("Sub", &[&x, &offset]);
+    let x = g.op("Sub", &[x, &offset]);
     g.op("Mul", &[&x, &inverse])
 }
 

@@ -114,7 +114,7 @@ fn recurrent(g: &mut Graph, shape: &Recurrent, member: &Member, samples: &[Strin
 }
 
 /// Zeros of (batch × columns), made from x (batch × width).
-fn zeros(g: &mut Graph, x: &str, width: usize, columns: usize) -> String {
+pub(super) fn zeros(g: &mut Graph, x: &str, width: usize, columns: usize) -> String {
     let nothing = g.constant(&[width, columns], vec![0.0; width * columns]);
     g.op("MatMul", &[x, &nothing])
 }

@@ -12,13 +12,12 @@ use compensator::training::{
 };
 use feedforward::inputs::{CompensatorRecord, Input};
 use feedforward::network::Compensator;
-use model::directory::ModelFile;
+use model::directory::{ModelFile, sha256};
 use model::residual::{Pace, Preset, ResidualError, input_table, inputs, predict_from, remember};
 use model::session::Session;
 use ndarray::{Array1, Array2, Axis};
 use physics::robot::Robot;
 use physics::torque_model::TorqueModel;
-use sha2::{Digest, Sha256};
 use std::ops::Range;
 
 /// Fastest rate of the samples within a window, Hz; faster recordings are several interleaved ones.
@@ -55,11 +54,10 @@ impl Learned {
         model: &TorqueModel,
     ) -> Result<Vec<u8>, DiagnoseError> {
         let bytes = self.compensator.to_bytes().map_err(ResidualError::from)?;
-        let digest = Sha256::digest(&bytes);
         file.compensator = Some(CompensatorRecord {
             inputs: self.inputs.clone(),
             period: self.period,
-            sha256: digest.iter().map(|b| format!("{b:02x}")).collect(),
+            sha256: sha256(&bytes),
             validation: Vec::new(),
         });
         let load = session.load(model.load_robot());

@@ -1,9 +1,19 @@
-//! The model directory: `model.json`, `compensator.safetensors`, `metrics.json`, `identified.urdf`.
+//! The model directory: `model.json`, `covariance.json`, `compensator.safetensors`, `metrics.json`, `identified.urdf`,
+//! `timing.json`.
 
 mod base_parameter;
+mod checksum;
+mod covariance;
+mod error;
 pub mod metrics;
+mod text;
+mod timing;
 
 pub use base_parameter::BaseParameter;
+pub use checksum::sha256;
+pub use error::DirectoryError;
+pub use text::json;
+pub use timing::Timing;
 
 use crate::baseline::{ForwardBaseline, LinearInverse};
 use crate::identify::diagnostics::Diagnostics;
@@ -18,9 +28,8 @@ use feedforward::clock::Memory;
 use metrics::Metrics;
 use ndarray::Array2;
 use physics::robot::Robot;
-use physics::torque_model::{TorqueModelError, TorqueModelRecord, WeightedTerm};
+use physics::torque_model::{TorqueModelRecord, WeightedTerm};
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// Version of `model.json` that this program writes and reads.
@@ -39,8 +48,13 @@ pub struct ModelFile {
     pub physics: TorqueModelRecord,
     /// Base parameters with their deviations.
     pub base_parameters: Vec<BaseParameter>,
-    /// Covariance of the base parameters, then each joint's fitted terms, row by row.
+    /// Covariance of the base parameters, then each joint's fitted terms, row by row; in `covariance.json`, in `model.json`
+    /// itself where that is of an earlier version.
+    #[serde(default, skip_serializing)]
     pub covariance: Vec<Vec<f64>>,
+    /// SHA-256 of `covariance.json`; empty before it is written.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub covariance_sha256: String,
     /// Deviation of the physics' residual on the training samples.
     pub residual_std: ResidualStd,
     /// How the recordings were prepared.
@@ -131,69 +145,17 @@ pub struct Source {
     pub trajectories: usize,
 }
 
-/// A model directory that cannot be read or written.
-#[derive(Debug, thiserror::Error)]
-pub enum DirectoryError {
-    /// A file cannot be read.
-    #[error("{path}: {source}")]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A file is no model.
-    #[error("{path}: not a model of this program: {reason}")]
-    Format {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
-    /// The model was written by another version.
-    #[error("{path}: schema {found:?}, this program reads {SCHEMA:?}; train the model again")]
-    Schema {
-        /// The file.
-        path: PathBuf,
-        /// Its schema.
-        found: String,
-    },
-    /// The parts of the model do not fit together.
-    #[error("{path}: {source}")]
-    Model {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: TorqueModelError,
-    },
-    /// The directory cannot be made, or an old file in it not be removed.
-    #[error("{path}: {source}")]
-    Folder {
-        /// The directory.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A file cannot be written.
-    #[error(transparent)]
-    Write(#[from] report::WriteError),
-}
-
 impl Source {
     /// What provenance says of a recording as it was read.
     pub fn of(recording: &Recording) -> Self {
         let path = Path::new(&recording.source);
-        let hash = |bytes: Vec<u8>| {
-            let digest = Sha256::digest(&bytes);
-            digest.iter().map(|b| format!("{b:02x}")).collect()
-        };
         let name = path.file_name();
         Self {
             name: name.map_or_else(
                 || recording.source.clone(),
                 |n| n.to_string_lossy().into_owned(),
             ),
-            sha256: std::fs::read(path).map_or_else(|_| String::new(), hash),
+            sha256: std::fs::read(path).map_or_else(|_| String::new(), |bytes| sha256(&bytes)),
             samples: recording.len(),
             trajectories: recording.trajectories.len(),
         }
@@ -255,7 +217,7 @@ impl ModelFile {
         )
     }
 
-    /// Reads `model.json` of a model directory.
+    /// Reads `model.json` and `covariance.json` of a model directory.
     ///
     /// # Errors
     /// A missing or damaged file, or one of another version.
@@ -265,10 +227,18 @@ impl ModelFile {
             path: path.clone(),
             source,
         })?;
-        Self::parse(&text, path)
+        let mut file = Self::parse(&text, path.clone())?;
+        if file.covariance.is_empty() {
+            file.covariance = covariance::read(directory, &file.covariance_sha256)?;
+            if !file.covariance_fits() {
+                return Err(DirectoryError::sizes(path));
+            }
+        }
+        Ok(file)
     }
 
-    /// Reads the text of a `model.json`; `path` stands for it in messages.
+    /// Reads the text of a `model.json`, which leaves the covariance empty unless it is of an earlier version; `path` stands
+    /// for it in messages.
     ///
     /// # Errors
     /// As [`ModelFile::load`].
@@ -284,7 +254,11 @@ impl ModelFile {
             .unwrap_or("none")
             .to_owned();
         if found != SCHEMA {
-            return Err(DirectoryError::Schema { path, found });
+            return Err(DirectoryError::Schema {
+                path,
+                found,
+                read: SCHEMA,
+            });
         }
         let file: Self = serde_json::from_value(value).map_err(format)?;
         file.physics
@@ -293,35 +267,49 @@ impl ModelFile {
                 path: path.clone(),
                 source,
             })?;
-        let size = file.covariance.len();
-        let wrong = file.covariance.iter().any(|row| row.len() != size)
+        let wrong = !(file.covariance.is_empty() || file.covariance_fits())
             || file.memory.len() != file.clock.len()
             || file.joints != file.physics.joints
             || file.residual_std.moving.len() != file.joints.len()
             || file.residual_std.standstill.len() != file.joints.len()
             || (file.preprocessing.channel.as_ref()).is_some_and(|c| !c.fits(file.joints.len()));
         if wrong {
-            return Err(DirectoryError::Format {
-                path,
-                reason: "its parts have different sizes".into(),
-            });
+            return Err(DirectoryError::sizes(path));
         }
         Ok(file)
     }
 
-    /// Writes `model.json`; the directory exists.
+    /// Number of parameters of the physics that were fitted: base parameters and the terms of every joint. What the robot's
+    /// description gives is not among them.
+    pub fn fitted_parameters(&self) -> usize {
+        let terms = self.physics.terms.iter().flatten();
+        self.base_parameters.len() + terms.filter(|w| w.term.passive().is_none()).count()
+    }
+
+    fn covariance_fits(&self) -> bool {
+        let size = self.fitted_parameters();
+        self.covariance.len() == size && self.covariance.iter().all(|row| row.len() == size)
+    }
+
+    /// Writes `covariance.json`, then `model.json`; the directory exists.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// A file cannot be written.
     pub fn save(&self, directory: &Path) -> Result<(), DirectoryError> {
+        let covariance = covariance::text(&self.covariance);
+        let stored = Self {
+            covariance_sha256: sha256(covariance.as_bytes()),
+            ..self.clone()
+        };
+        report::write_atomic(&directory.join(covariance::FILE), covariance)?;
         Ok(report::write_atomic(
             &directory.join("model.json"),
-            json(self),
+            json(&stored),
         )?)
     }
 
     /// Writes a whole model directory, which is made where there is none: `model.json` last, so that a directory with one is
-    /// whole. `weights` is `compensator.safetensors`, `urdf` the identified robot.
+    /// whole. `weights` is `compensator.safetensors`, `urdf` the identified robot. The timing of an earlier training goes.
     ///
     /// # Errors
     /// The directory or a file cannot be written.
@@ -337,12 +325,16 @@ impl ModelFile {
             source,
         };
         std::fs::create_dir_all(directory).map_err(failed)?;
+        let gone = |path: &Path| match std::fs::remove_file(path) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(failed(e)),
+            _ => Ok(()),
+        };
         let path = directory.join("compensator.safetensors");
         match weights {
             Some(bytes) => report::write_atomic(&path, bytes)?,
-            None if path.exists() => std::fs::remove_file(&path).map_err(failed)?,
-            None => {}
+            None => gone(&path)?,
         }
+        gone(&directory.join(timing::FILE))?;
         report::write_atomic(&directory.join("metrics.json"), json(metrics))?;
         if let Some(urdf) = urdf {
             report::write_atomic(&directory.join("identified.urdf"), urdf)?;
@@ -355,12 +347,4 @@ impl ModelFile {
         let n = self.covariance.len();
         Array2::from_shape_fn((n, n), |(i, j)| self.covariance[i][j])
     }
-}
-
-/// Pretty JSON with a line break at the end.
-pub fn json<T: Serialize>(value: &T) -> String {
-    // Types here hold no map with keys other than strings and no failing serialiser.
-    let mut text = serde_json::to_string_pretty(value).unwrap_or_default();
-    text.push('\n');
-    text
 }

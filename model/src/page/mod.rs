@@ -77,14 +77,7 @@ fn scores(file: &ModelFile, subject: &Subject) -> Section {
         ));
     }
     if !published.is_empty() {
-        section = section.list(published.iter().map(|p| {
-            let (model, part) = (p.model, p.part.name());
-            if p.protocol.is_empty() {
-                format!("{model}, {part}: {}", p.source)
-            } else {
-                format!("{model}, {part}: {} ({})", p.source, p.protocol)
-            }
-        }));
+        section = section.list(tables::sources(published));
     }
     section
 }

@@ -2,6 +2,7 @@
 
 mod inputs;
 mod members;
+pub mod onnx;
 mod pace;
 mod train;
 

@@ -2,6 +2,7 @@
 
 use super::inputs::{Preset, input_table, inputs, remember};
 use super::{Pace, ResidualError, predict_from};
+use crate::directory::sha256;
 use crate::physics_fit::Fit;
 use compensator::training::{
     Control, Job, Loss, Samples, Schedule, Split, Trained, Training, UnitConfig, train, train_ridge,
@@ -13,7 +14,6 @@ use feedforward::inputs::{CompensatorRecord, UnitValidation};
 use feedforward::network::Compensator;
 use ndarray::{Array1, Array2, Axis};
 use physics::robot::Builtin;
-use sha2::{Digest, Sha256};
 use std::ops::Range;
 
 /// Settings of [`train_residual`].
@@ -232,10 +232,7 @@ pub fn train_residual(
     let record = CompensatorRecord {
         inputs: list,
         period,
-        sha256: Sha256::digest(&bytes)
-            .iter()
-            .map(|b| format!("{b:02x}"))
-            .collect(),
+        sha256: sha256(&bytes),
         validation,
     };
     let mut memory = fit.file.memory.clone();

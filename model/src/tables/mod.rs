@@ -68,6 +68,18 @@ fn normalised<'a>(
     some.then_some(table)
 }
 
+/// Where each published row is from, and what it was given where that deviates.
+pub fn sources(published: &[&Published]) -> Vec<String> {
+    let line = |p: &&Published| {
+        let (model, part, source) = (p.model, p.part.name(), p.source);
+        match p.protocol {
+            "" => format!("{model}, {part}: {source}"),
+            protocol => format!("{model}, {part}: {source} ({protocol})"),
+        }
+    };
+    published.iter().map(line).collect()
+}
+
 /// RMSE of torque in N·m (N) per joint.
 pub fn errors(joints: &[String], rows: &[Row]) -> Table {
     let mut columns = vec![Column::text("model"), Column::text("scope")];

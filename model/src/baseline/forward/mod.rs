@@ -12,7 +12,7 @@ mod settings;
 mod state_space;
 mod subspace;
 
-pub use recorded::{FORWARD, ForwardBaseline};
+pub use recorded::{FORWARD, ForwardBaseline, Simulated};
 pub use settings::ForwardSettings;
 pub use state_space::StateSpace;
 

@@ -28,6 +28,18 @@ pub struct ForwardBaseline {
     pub model: LinearForward,
 }
 
+/// Positions of a recording at the model's rate.
+pub struct Simulated {
+    /// As measured, shape (samples at that rate, joints).
+    pub measured: Array2<f64>,
+    /// As simulated.
+    pub simulated: Array2<f64>,
+    /// Sample of the recording behind each row.
+    pub source: Vec<usize>,
+    /// Rows of each trajectory.
+    pub trajectories: Vec<Range<usize>>,
+}
+
 /// A recording thinned to about [`RATE_HZ`].
 struct Thinned {
     rate_hz: f64,
@@ -107,8 +119,23 @@ impl ForwardBaseline {
         })
     }
 
-    /// Rows of positions simulated from the recorded torque, in rad (m); `qd`, of shape (samples, joints), says where
-    /// joints move. None where the recording has no torque, another rate, or other joints.
+    /// Positions simulated from the recorded torque beside the measured ones, in rad (m). None where the recording has no
+    /// torque, another rate, or other joints.
+    pub fn simulate(&self, recording: &Recording) -> Option<Simulated> {
+        let thinned = Thinned::of(recording).filter(|t| t.has_rate(self.rate_hz))?;
+        let simulated = self
+            .model
+            .simulate(thinned.tau.view(), &thinned.trajectories);
+        Some(Simulated {
+            simulated: simulated.ok()?,
+            measured: thinned.q,
+            source: thinned.source,
+            trajectories: thinned.trajectories,
+        })
+    }
+
+    /// Rows of [`ForwardBaseline::simulate`]; `qd`, of shape (samples, joints), says where joints move. None where there is
+    /// nothing to score.
     ///
     /// # Errors
     /// Tables of different shapes.
@@ -117,17 +144,11 @@ impl ForwardBaseline {
         recording: &Recording,
         qd: &Array2<f64>,
     ) -> Result<Option<[Row; 2]>, ShapeError> {
-        let Some(thinned) = Thinned::of(recording).filter(|t| t.has_rate(self.rate_hz)) else {
+        let Some(s) = self.simulate(recording) else {
             return Ok(None);
         };
-        let simulated = self
-            .model
-            .simulate(thinned.tau.view(), &thinned.trajectories);
-        let Ok(simulated) = simulated else {
-            return Ok(None);
-        };
-        let speed = qd.select(Axis(0), &thinned.source);
-        Row::both_scopes(FORWARD, &thinned.q, &simulated, &speed).map(Some)
+        let speed = qd.select(Axis(0), &s.source);
+        Row::both_scopes(FORWARD, &s.measured, &s.simulated, &speed).map(Some)
     }
 }
 

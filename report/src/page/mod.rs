@@ -1,5 +1,7 @@
 //! The page: title, key figures and sections.
 
+mod markdown;
+
 use crate::table::HtmlTable;
 use crate::{Figure, Table};
 use minijinja::value::Serde;
@@ -105,11 +107,11 @@ impl Page {
         let mut environment = Environment::new();
         environment.set_auto_escape_callback(|_| AutoEscape::Html);
         let rendered = environment
-            .template_from_named_str("page.html", include_str!("../templates/page.html"))
+            .template_from_named_str("page.html", include_str!("../../templates/page.html"))
             .and_then(|template| {
                 template.render(minijinja::context! {
                     page => Serde(self),
-                    style => include_str!("../templates/style.css"),
+                    style => include_str!("../../templates/style.css"),
                 })
             });
         rendered.expect("the embedded template renders any page")

@@ -1,0 +1,41 @@
+//! `eval --leaderboard`: models side by side.
+
+use model::directory::json;
+use model::failure::Failure;
+use model::leaderboard::{Contest, hold, page, table};
+use report::{say, say_text};
+use std::path::PathBuf;
+
+/// Where the page goes; each form is written that has a place.
+pub struct Places<'a> {
+    pub html: Option<&'a PathBuf>,
+    pub markdown: Option<&'a PathBuf>,
+    pub json: Option<&'a PathBuf>,
+}
+
+/// Holds the contest, writes its page and prints the table.
+pub fn run(contest: &Contest, places: &Places, quiet: bool) -> Result<(), Failure> {
+    let board = hold(contest)?;
+    let page = page(&board);
+    if let Some(path) = places.json {
+        report::write_atomic(path, json(&board))?;
+    }
+    if let Some(path) = places.html {
+        report::write_atomic(path, page.render())?;
+    }
+    if let Some(path) = places.markdown {
+        report::write_atomic(path, page.to_markdown())?;
+    }
+    if !quiet {
+        let (recording, samples, robot) = (&board.recording, board.samples, &board.robot);
+        say!("{recording}: {samples} samples, robot {robot}\n");
+        say_text!(table(&board).to_text());
+        let over = &board.intervals;
+        say!(
+            "\nIn brackets: 95 % intervals over {} {}. µs per sample are measured now.",
+            over.stretches,
+            over.over
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,66 @@
+//! `covariance.json`: what only the deviation of a prediction needs and no control loop reads, in a file of its own,
+//! because it is most of what there is to write.
+
+use super::checksum::sha256;
+use super::error::DirectoryError;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Name of the file in the model directory.
+pub(super) const FILE: &str = "covariance.json";
+/// Version of the file that this program writes and reads.
+const SCHEMA: &str = "covariance/1";
+
+#[derive(Serialize)]
+struct Written<'a> {
+    schema: &'static str,
+    covariance: &'a [Vec<f64>],
+}
+
+#[derive(Deserialize)]
+struct Stored {
+    schema: String,
+    covariance: Vec<Vec<f64>>,
+}
+
+/// The file's text.
+pub(super) fn text(covariance: &[Vec<f64>]) -> String {
+    let written = Written {
+        schema: SCHEMA,
+        covariance,
+    };
+    // Finite numbers in lists: nothing that a serialiser refuses.
+    let mut text = serde_json::to_string(&written).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// The table of a model directory whose `model.json` knows it by `checksum`.
+///
+/// # Errors
+/// No file, a damaged one, or that of another model.
+pub(super) fn read(directory: &Path, checksum: &str) -> Result<Vec<Vec<f64>>, DirectoryError> {
+    let path = directory.join(FILE);
+    let text = std::fs::read_to_string(&path).map_err(|source| DirectoryError::Read {
+        path: path.clone(),
+        source,
+    })?;
+    let format = |reason: String| DirectoryError::Format {
+        path: path.clone(),
+        reason,
+    };
+    if sha256(text.as_bytes()) != checksum {
+        return Err(format(
+            "not the file that model.json was written with (checksum differs)".into(),
+        ));
+    }
+    let stored: Stored = serde_json::from_str(&text).map_err(|e| format(e.to_string()))?;
+    if stored.schema != SCHEMA {
+        return Err(DirectoryError::Schema {
+            path,
+            found: stored.schema,
+            read: SCHEMA,
+        });
+    }
+    Ok(stored.covariance)
+}

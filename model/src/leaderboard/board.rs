@@ -1,0 +1,68 @@
+//! What is written down of a comparison.
+
+use super::bootstrap::{Intervals, Stretches};
+use super::entry::Entry;
+use crate::baseline::published::{Part, Published, beside};
+use crate::directory::ModelFile;
+use crate::evaluation::Evaluation;
+use serde::Serialize;
+
+/// Contents of `eval --leaderboard --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Leaderboard {
+    /// `leaderboard/1`.
+    pub schema: &'static str,
+    /// The recording.
+    pub recording: String,
+    /// The robot.
+    pub robot: String,
+    /// Joint names.
+    pub joints: Vec<String>,
+    /// Number of samples.
+    pub samples: usize,
+    /// Number of trajectories.
+    pub trajectories: usize,
+    /// What intervals mean.
+    pub intervals: Intervals,
+    /// Torque from motion: every model, lowest mean NRMSE over all samples first.
+    pub rows: Vec<Entry>,
+    /// Positions simulated from torque, in the same order; empty where nobody does.
+    pub forward: Vec<Entry>,
+    /// The models given, with what their figures depend on.
+    pub models: Vec<Given>,
+    /// Figures that another run does not repeat: they are measured when the page is made.
+    pub measured_when_made: [&'static str; 1],
+    /// Published results among the rows.
+    #[serde(skip)]
+    pub published: Vec<&'static Published>,
+}
+
+/// A model that was given.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Given {
+    /// Its directory.
+    pub directory: String,
+    /// As `eval` says them.
+    pub notes: Vec<String>,
+}
+
+impl Leaderboard {
+    /// A board without rows, for the recording that `scored` is of.
+    pub(super) fn empty(file: &ModelFile, scored: &Evaluation) -> Self {
+        let parts = [Part::Test, Part::Train];
+        Self {
+            schema: "leaderboard/1",
+            recording: scored.recording.source.clone(),
+            robot: file.physics.robot.clone(),
+            joints: file.joints.clone(),
+            samples: scored.recording.len(),
+            trajectories: scored.recording.trajectories.len(),
+            intervals: Stretches::of(&scored.recording.segments()).intervals(),
+            rows: Vec::new(),
+            forward: Vec::new(),
+            models: Vec::new(),
+            measured_when_made: ["inference_us"],
+            published: beside(file.physics.builtin, &parts),
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Every model on the recording.
+
+use super::board::{Given, Leaderboard};
+use super::bootstrap::{Judged, Stretches, judge};
+use super::entry::{Entry, Training, WHOLE, enter, rank};
+use super::error::LeaderboardError;
+use super::inference;
+use crate::baseline::FORWARD;
+use crate::baseline::published::Task;
+use crate::directory::{ModelFile, Source, Timing};
+use crate::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
+use crate::residual;
+use datasets::{Part, Recording, read};
+use feedforward::Feedforward;
+use feedforward::network::Compensator;
+use ndarray::{Array2, Axis};
+use std::path::{Path, PathBuf};
+
+/// Who competes, and on what.
+#[derive(Clone, Copy, Debug)]
+pub struct Contest<'a> {
+    /// Model directories, of one robot.
+    pub directories: &'a [PathBuf],
+    /// The recording.
+    pub data: &'a Path,
+    /// Its drive file.
+    pub drive: Option<&'a Path>,
+    /// Cut-off of the motion's low-pass instead of each model's own, Hz.
+    pub cutoff_hz: Option<f64>,
+}
+
+/// Scores every model as `eval` does, and measures what it costs.
+///
+/// # Errors
+/// Models of different robots, or what `eval` refuses.
+pub fn hold(contest: &Contest) -> Result<Leaderboard, LeaderboardError> {
+    let mut given = Vec::new();
+    for directory in contest.directories {
+        given.push((directory.as_path(), ModelFile::load(directory)?));
+    }
+    one_robot(&given)?;
+    let mut board: Option<Leaderboard> = None;
+    for (directory, file) in &given {
+        let options = read_options(file, contest.drive, Part::Test, true)?;
+        let recording = read(contest.data, &options)?;
+        let options = EvaluateOptions {
+            cutoff_hz: contest.cutoff_hz,
+        };
+        let scored = evaluate(directory, file, recording, &options)?;
+        let board = board.get_or_insert_with(|| Leaderboard::empty(file, &scored));
+        let model = Contestant::new(directory, file, &scored)?;
+        for row in model.rows()? {
+            enter(&mut board.rows, row);
+        }
+        if let Some(row) = model.forward()? {
+            enter(&mut board.forward, row);
+        }
+        board.models.push(Given {
+            directory: model.name,
+            notes: scored.report.notes.clone(),
+        });
+    }
+    let mut board = board.ok_or(LeaderboardError::Nothing)?;
+    for p in &board.published {
+        let rows = match p.task {
+            Task::Inverse => &mut board.rows,
+            Task::Forward => &mut board.forward,
+        };
+        rows.push(Entry::published(p));
+    }
+    rank(&mut board.rows);
+    rank(&mut board.forward);
+    Ok(board)
+}
+
+/// Refuses models of different robots.
+fn one_robot(given: &[(&Path, ModelFile)]) -> Result<(), LeaderboardError> {
+    let Some((first, model)) = given.first() else {
+        return Err(LeaderboardError::Nothing);
+    };
+    let name = |file: &ModelFile| format!("{} ({})", file.physics.robot, file.joints.join(", "));
+    let differs = given.iter().find(|(_, other)| {
+        (&other.physics.robot, &other.joints) != (&model.physics.robot, &model.joints)
+    });
+    match differs {
+        None => Ok(()),
+        Some((directory, other)) => Err(LeaderboardError::Robots {
+            first: first.to_path_buf(),
+            of_first: name(model),
+            other: directory.to_path_buf(),
+            of_other: name(other),
+        }),
+    }
+}
+
+/// A model with what it says of the recording.
+struct Contestant<'a> {
+    /// Its directory, as given.
+    name: String,
+    directory: &'a Path,
+    file: &'a ModelFile,
+    scored: &'a Evaluation,
+    measured: &'a Array2<f64>,
+    compensator: Option<Compensator>,
+    timing: Option<Timing>,
+    /// Whether the model was fitted on this recording.
+    fitted_on_it: bool,
+}
+
+impl<'a> Contestant<'a> {
+    fn new(
+        directory: &'a Path,
+        file: &'a ModelFile,
+        scored: &'a Evaluation,
+    ) -> Result<Self, LeaderboardError> {
+        let Some(measured) = &scored.recording.tau else {
+            return Err(LeaderboardError::NoTorque(scored.recording.source.clone()));
+        };
+        Ok(Self {
+            name: directory.display().to_string(),
+            directory,
+            file,
+            scored,
+            measured,
+            compensator: residual::load(directory, file)?,
+            timing: Timing::load(directory)?,
+            fitted_on_it: fitted_on(file, &scored.recording),
+        })
+    }
+
+    /// Torque from motion: the linear baseline fitted with the model, the physics, the whole.
+    fn rows(&self) -> Result<Vec<Entry>, LeaderboardError> {
+        let part = &self.scored.session.parts[0];
+        let motion = &part.at_samples;
+        let stretches = Stretches::of(&self.scored.recording.segments());
+        let entry = |model: &str, torque: &Array2<f64>| {
+            let judged = judge(self.measured, torque, &motion.qd, &stretches)?;
+            Ok::<_, LeaderboardError>(self.entry(model, judged))
+        };
+        let linear = &self.file.linear_baseline;
+        let torque = linear.predict(motion.q.view(), motion.qd.view(), motion.qdd.view())?;
+        let mut rows = vec![Entry {
+            parameters: Some(linear.matrix.iter().map(Vec::len).sum()),
+            ..entry("linear_baseline", &torque)?
+        }];
+        let training = |whole| self.timing.as_ref().map(|t| Training::of(t, whole));
+        let mut model = Feedforward::load(self.directory, Some(part.report.rate_hz.recip()))?;
+        if let Some(compensator) = &self.compensator {
+            rows.push(Entry {
+                parameters: Some(self.file.fitted_parameters()),
+                network_parameters: Some(weights(compensator)),
+                inference_us: inference::microseconds(&mut model, motion),
+                training: training(true),
+                ..entry(WHOLE, &self.scored.torque)?
+            });
+        }
+        let mut physics = model.without_compensator();
+        rows.push(Entry {
+            parameters: Some(self.file.fitted_parameters()),
+            inference_us: inference::microseconds(&mut physics, motion),
+            training: training(false),
+            ..entry("physics", &self.scored.physics)?
+        });
+        Ok(rows)
+    }
+
+    /// Positions simulated from torque, where the model has a baseline for it and the recording its rate.
+    fn forward(&self) -> Result<Option<Entry>, LeaderboardError> {
+        let Some(baseline) = &self.file.forward_baseline else {
+            return Ok(None);
+        };
+        let Some(s) = baseline.simulate(&self.scored.recording) else {
+            return Ok(None);
+        };
+        let motion = &self.scored.session.parts[0].at_samples;
+        let speed = motion.qd.select(Axis(0), &s.source);
+        let stretches = Stretches::of(&s.trajectories);
+        let judged = judge(&s.measured, &s.simulated, &speed, &stretches)?;
+        Ok(Some(self.entry(FORWARD, judged)))
+    }
+
+    fn entry(&self, model: &str, judged: [Judged; 2]) -> Entry {
+        Entry {
+            fitted_on_it: self.fitted_on_it,
+            ..Entry::of(model, &self.name, judged)
+        }
+    }
+}
+
+/// Whether a recording is among those that a model was fitted on. The benchmark's file holds two parts, of different length.
+fn fitted_on(file: &ModelFile, recording: &Recording) -> bool {
+    let own = Source::of(recording);
+    let same = |r: &Source| r.sha256 == own.sha256 && r.samples == own.samples;
+    !own.sha256.is_empty() && file.provenance.recordings.iter().any(same)
+}
+
+/// Weights of the units that are on, of every member.
+fn weights(compensator: &Compensator) -> usize {
+    let on = compensator.units.iter().filter(|u| u.enabled);
+    on.flat_map(|u| &u.members).map(Vec::len).sum()
+}

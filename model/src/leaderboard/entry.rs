@@ -1,0 +1,211 @@
+//! One row of the board.
+
+use super::bootstrap::Judged;
+use crate::baseline::published::Published;
+use crate::directory::Timing;
+use datasets::metrics::Scores;
+use serde::Serialize;
+
+/// Name of the row of a whole model with a compensator.
+pub(super) const WHOLE: &str = "physics+compensator";
+
+/// A model, ours or a published one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Entry {
+    /// `linear_baseline`, `physics`, `physics+compensator`, or what a publication calls its own.
+    pub model: String,
+    /// Model directories that give exactly these figures; empty for a published result.
+    pub directories: Vec<String>,
+    /// Where it was published.
+    pub published: Option<Publication>,
+    /// Whether it was fitted on this very recording, so that its figures say nothing about new motion; false for published rows.
+    pub fitted_on_it: bool,
+    /// Figures over all samples.
+    pub all: Judged,
+    /// Figures in motion; none where they were not published.
+    pub moving: Option<Judged>,
+    /// Fitted parameters, those of a network left out.
+    pub parameters: Option<usize>,
+    /// Weights of the networks that are on.
+    pub network_parameters: Option<usize>,
+    /// Time of one sample in a control loop, µs.
+    pub inference_us: Option<f64>,
+    /// What its training took.
+    pub training: Option<Training>,
+}
+
+/// Where a row is from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Publication {
+    /// `train` or `test`: the part of the benchmark.
+    pub part: &'static str,
+    /// Document and table.
+    pub source: &'static str,
+    /// What the model was given and where that deviates from the benchmark's protocol.
+    pub protocol: &'static str,
+}
+
+/// Wall time of a training.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Training {
+    /// s.
+    pub seconds: f64,
+    /// Threads that it was given.
+    pub threads: usize,
+    /// Whether it is the whole: an interrupted run that was gone on with is not.
+    pub whole: bool,
+}
+
+impl Entry {
+    /// A row of ours, with nothing but its figures.
+    pub(super) fn of(model: &str, directory: &str, [all, moving]: [Judged; 2]) -> Self {
+        Self {
+            model: model.to_owned(),
+            directories: vec![directory.to_owned()],
+            published: None,
+            fitted_on_it: false,
+            all,
+            moving: Some(moving),
+            parameters: None,
+            network_parameters: None,
+            inference_us: None,
+            training: None,
+        }
+    }
+
+    /// A published row.
+    pub(super) fn published(p: &Published) -> Self {
+        let list = |of: Option<[f64; 6]>| match of {
+            Some(values) => values.map(Some).to_vec(),
+            None => vec![None; 6],
+        };
+        let scores = Scores {
+            rmse: vec![None; 6],
+            nrmse: list(p.nrmse),
+            r2: list(p.r2),
+            mean_nrmse: Some(p.mean_nrmse),
+            mean_r2: p.mean_r2,
+        };
+        Self {
+            model: p.model.to_owned(),
+            directories: Vec::new(),
+            published: Some(Publication {
+                part: p.part.name(),
+                source: p.source,
+                protocol: p.protocol,
+            }),
+            fitted_on_it: false,
+            all: Judged::bare(scores),
+            moving: None,
+            parameters: None,
+            network_parameters: None,
+            inference_us: None,
+            training: None,
+        }
+    }
+
+    /// Directories, or that it was published.
+    pub(super) fn origin(&self) -> String {
+        match &self.published {
+            Some(p) => format!("published, {}", p.part),
+            None if self.fitted_on_it => format!("{} (fitted on it)", self.directories.join(", ")),
+            None => self.directories.join(", "),
+        }
+    }
+}
+
+impl Training {
+    /// Of a directory's physics, or of the whole with its compensator.
+    pub(super) fn of(timing: &Timing, whole_model: bool) -> Self {
+        Self {
+            seconds: if whole_model {
+                timing.seconds()
+            } else {
+                timing.physics_s
+            },
+            threads: timing.threads,
+            // Only networks have checkpoints.
+            whole: !(timing.resumed && whole_model),
+        }
+    }
+}
+
+/// Adds a row; one of another directory with the same figures is the same model. Whole models with a compensator stay apart.
+pub(super) fn enter(rows: &mut Vec<Entry>, entry: Entry) {
+    let twin = rows.iter_mut().find(|r| {
+        entry.model != WHOLE
+            && (&r.model, &r.all, &r.moving) == (&entry.model, &entry.all, &entry.moving)
+    });
+    match twin {
+        Some(twin) => twin.directories.extend(entry.directories),
+        None => rows.push(entry),
+    }
+}
+
+/// Lowest mean NRMSE over all samples first, rows without one last.
+pub(super) fn rank(rows: &mut [Entry]) {
+    let key = |r: &Entry| r.all.scores.mean_nrmse.unwrap_or(f64::INFINITY);
+    rows.sort_by(|a, b| key(a).total_cmp(&key(b)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judged(mean_nrmse: Option<f64>) -> Judged {
+        Judged::bare(Scores {
+            rmse: vec![None],
+            nrmse: vec![mean_nrmse],
+            r2: vec![None],
+            mean_nrmse,
+            mean_r2: None,
+        })
+    }
+
+    fn entry(model: &str, directory: &str, nrmse: Option<f64>) -> Entry {
+        Entry::of(model, directory, [judged(nrmse), judged(nrmse)])
+    }
+
+    #[test]
+    fn the_lowest_error_stands_first() {
+        let mut rows = vec![
+            entry("physics", "a", None),
+            entry("physics", "b", Some(0.3)),
+            entry("physics", "c", Some(0.1)),
+        ];
+        rank(&mut rows);
+        let order: Vec<String> = rows.iter().map(Entry::origin).collect();
+        assert_eq!(order, ["c", "b", "a"]);
+    }
+
+    #[test]
+    fn the_same_physics_stands_once_and_every_whole_model_for_itself() {
+        let mut rows = Vec::new();
+        for (model, directory, nrmse) in [
+            ("physics", "a", 0.3),
+            (WHOLE, "a", 0.2),
+            ("physics", "b", 0.3),
+            (WHOLE, "b", 0.2),
+            ("physics", "c", 0.4),
+        ] {
+            enter(&mut rows, entry(model, directory, Some(nrmse)));
+        }
+        let list: Vec<(String, String)> =
+            rows.iter().map(|r| (r.model.clone(), r.origin())).collect();
+        let expected = [
+            ("physics", "a, b"),
+            (WHOLE, "a"),
+            (WHOLE, "b"),
+            ("physics", "c"),
+        ];
+        assert_eq!(list, expected.map(|(m, d)| (m.to_owned(), d.to_owned())));
+    }
+
+    #[test]
+    fn time_of_physics_is_whole_after_a_resumed_training() {
+        let timing = Timing::new(2, 3.0, Some(10.0), true);
+        let (physics, whole) = (Training::of(&timing, false), Training::of(&timing, true));
+        assert_eq!((physics.seconds, physics.whole), (3.0, true));
+        assert_eq!((whole.seconds, whole.whole), (13.0, false));
+    }
+}

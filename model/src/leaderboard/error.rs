@@ -1,0 +1,60 @@
+//! Why models could not be compared.
+
+use crate::baseline::BaselineError;
+use crate::directory::DirectoryError;
+use crate::evaluation::EvaluateError;
+use crate::preparation::setup::SetupError;
+use crate::residual::ResidualError;
+use datasets::ReadError;
+use datasets::metrics::ShapeError;
+use feedforward::LoadError;
+use std::path::PathBuf;
+
+/// Why models could not be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum LeaderboardError {
+    /// No model was given.
+    #[error("a leaderboard needs at least one model directory")]
+    Nothing,
+    /// Models of different robots.
+    #[error(
+        "{first} is a model of {of_first}, {other} of {of_other}: a leaderboard is about one robot"
+    )]
+    Robots {
+        /// The first directory.
+        first: PathBuf,
+        /// Its robot and joints.
+        of_first: String,
+        /// The directory that differs.
+        other: PathBuf,
+        /// Its robot and joints.
+        of_other: String,
+    },
+    /// The recording has no torque.
+    #[error("{0} has no torque to score against")]
+    NoTorque(String),
+    /// A model directory.
+    #[error(transparent)]
+    Directory(#[from] DirectoryError),
+    /// How the recording is to be read.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The recording.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A model on the recording.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// A model in a control loop.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A compensator.
+    #[error(transparent)]
+    Residual(#[from] ResidualError),
+    /// A linear baseline.
+    #[error(transparent)]
+    Baseline(#[from] BaselineError),
+    /// Tables of different shapes.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+}

@@ -1,0 +1,16 @@
+//! Models side by side on one recording, with what has been published on it.
+
+mod board;
+mod bootstrap;
+mod contest;
+mod entry;
+mod error;
+mod inference;
+mod page;
+
+pub use board::{Given, Leaderboard};
+pub use bootstrap::{Intervals, Judged, Stretches, judge};
+pub use contest::{Contest, hold};
+pub use entry::{Entry, Publication, Training};
+pub use error::LeaderboardError;
+pub use page::{page, table};
