@@ -10,8 +10,8 @@ use plant::build::Build;
 use plant::control::{Controller, Sensing};
 use plant::measure::{Errors, record};
 use plant::mechanism::{
-    Bristle, Drag, DragKind, GearMesh, GearSpring, Mechanism, RestLaw, Ripple, Stribeck, StribeckKind,
-    WarmingGrease,
+    Bristle, Drag, DragKind, GearMesh, GearSpring, Mechanism, RestLaw, Ripple, Stribeck,
+    StribeckKind, WarmingGrease,
 };
 use plant::reference::{Command, Session};
 use plant::run::{Clock, run};
