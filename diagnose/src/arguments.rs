@@ -37,10 +37,13 @@ pub enum Proof {
         /// Also take each case's effect out of the catalogue, and say what is named instead.
         #[arg(long)]
         leave_one_out: bool,
+        /// Also print the weights of a confidence that these cases give, and how reliable it is on cases left out.
+        #[arg(long)]
+        calibrate: bool,
         /// Skip what takes surrogates of the recordings.
         #[arg(long)]
         fast: bool,
-        /// Folder for cases, answers and reports.
+        /// Folder for cases, answers and reports. A case whose report is there already is scored by it.
         #[arg(long)]
         out: Option<PathBuf>,
     },

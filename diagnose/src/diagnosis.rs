@@ -122,27 +122,35 @@ pub fn diagnose(
         near.filter(|r| r.1).for_each(|(mut row, _)| row.fill(0.0));
         found = search(&weight, &skipped, 0.0)?;
     }
-    let null = (options.surrogates > 0 && moves).then(|| {
-        surrogates::draw(
-            model,
-            &frames,
-            &found.findings,
-            &weight,
-            0..options.surrogates,
-        )
+    let mut drawn = (options.surrogates > 0 && moves).then(|| {
+        surrogates::with(model, &frames, &found.findings, &weight, |source| {
+            let null = source.null(0..options.surrogates);
+            let stand = found.findings.least_earned() > null.level();
+            let namings = stand.then(|| source.namings(&found.findings));
+            (null, namings)
+        })
     });
     // What chance earns as well on this recording is no cause.
-    if let Some(level) = null.as_ref().map(Null::level)
-        && found.findings.least_earned() <= level
-    {
-        found = search(&weight, &skipped, level)?;
+    if let Some((null, namings @ None)) = &mut drawn {
+        found = search(&weight, &skipped, null.level())?;
+        // Where a cause is left beside parameters, it has to be named again.
+        *namings = found.findings.least_earned().is_finite().then(|| {
+            surrogates::with(model, &frames, &found.findings, &weight, |source| {
+                source.namings(&found.findings)
+            })
+        });
     }
+    let (null, namings) = drawn.unzip();
+    let namings = namings.flatten().unwrap_or_default();
+    let null = null.as_ref();
     let bounds = hold(model, &mut found.findings, &frames.scale);
     let said = Said {
         listing: &found.listing,
         contact: contact.as_ref(),
         dead: &dead,
-        null: null.as_ref(),
+        null,
+        namings: &namings,
+        left: &found.left,
         look: look.map(|_| !repeats(&found.left)),
     };
     let explanation = explain(model, &frames, &found.findings, &said);
@@ -237,7 +245,7 @@ pub fn diagnose(
         friction: friction(model, &frames, &findings),
         moved_parameters: moved(model, &findings),
         bounds,
-        candidates: tested(&findings, &names, null.as_ref()),
+        candidates: tested(&findings, &names, null),
         not_identifiable: unknowable,
         recordings,
         simulation,

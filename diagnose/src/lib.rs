@@ -15,6 +15,7 @@
 //! | `traces` | what is seen in a residual itself: pushes, blows, lines of position |
 //! | `catalogue` | every effect as columns of torque |
 //! | `search` | from the catalogue to the causes |
+//! | `surrogates` | the recording as it would be if nothing were missing, or if a cause or its rival were true |
 //! | `ladder` | fits of what was found, and which causes are listed |
 //! | `measure` | shares, sizes, intervals, what is left, the verdict |
 //! | `advice` | corrected model, next motion, what a motion would show |

@@ -153,6 +153,7 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         hard,
         only,
         leave_one_out,
+        calibrate,
         fast,
         out,
     } = proof;
@@ -170,7 +171,21 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
     };
     let scores = prove::prove(&draw, &options, out, || bar.inc(1))?;
     bar.finish_and_clear();
+    let stored = scores.iter().filter(|s| s.stored).count();
+    if stored > 0 {
+        report::say!("{stored} of the reports were there already.");
+    }
     report::say!("{}", prove::table(&scores).to_text());
+    let said = prove::said(&scores, &options.settings.measure.confidence);
+    if !said.is_empty() {
+        report::say!("{}", prove::reliability_table(&said).to_text());
+    }
+    if *calibrate {
+        report::say!("{}", prove::weights_table(&scores).to_text());
+        report::say!("Each case's causes by the weights that the other cases give:");
+        let left_out = prove::left_out(&scores);
+        report::say!("{}", prove::reliability_table(&left_out).to_text());
+    }
     if *leave_one_out {
         let bar = ProgressBar::new(*cases);
         let answers = prove::leave_one_out(*cases, *seed, || bar.inc(1))?;

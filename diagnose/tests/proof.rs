@@ -31,6 +31,13 @@ fn a_few_sealed_cases() {
             "{part}"
         );
     }
+    // A run into the same folder diagnoses nothing again, and says the same.
+    let again = prove(&draw, &Options::default(), Some(folder.path()), || ()).unwrap();
+    assert!(scores.iter().all(|s| !s.stored) && again.iter().all(|s| s.stored));
+    assert_eq!(table(&again).to_text(), table(&scores).to_text());
+    for (again, first) in again.iter().zip(&scores) {
+        assert_eq!(again.named, first.named);
+    }
 }
 
 #[test]

@@ -130,9 +130,17 @@ fn standing(seed: u32, more: &Extra<'_>) -> Recording {
 }
 
 fn report(data: &Recording, heldout: &Recording) -> Value {
-    let model = NominalModel::new(arm());
-    let outcome = diagnose(&model, data, heldout, &Options::default()).unwrap();
+    reported(data, heldout, &Options::default())
+}
+
+fn reported(data: &Recording, heldout: &Recording, options: &Options) -> Value {
+    let outcome = diagnose(&NominalModel::new(arm()), data, heldout, options).unwrap();
     serde_json::to_value(&outcome.diagnosis).unwrap()
+}
+
+/// Drag on the first joint.
+fn drag(_: usize, _: f64, qd: &[f64], j: usize) -> f64 {
+    [2.5, 0.0, 0.0][j] * qd[j] * qd[j].abs()
 }
 
 /// Somebody leans on the arm for 1.2 s in every run, on the second joint and the first.
@@ -371,7 +379,6 @@ fn a_parked_joint_is_in_no_mean() {
 /// What nobody has measured is null.
 #[test]
 fn probabilities_that_were_not_estimated_are_null() {
-    let drag = |_: usize, _: f64, qd: &[f64], j: usize| [2.5, 0.0, 0.0][j] * qd[j] * qd[j].abs();
     let found = report(&moving(1, &drag), &moving(7, &drag));
     let cause = &found["causes"][0];
     assert_eq!(cause["effect"], "nonlinear_viscous_friction");
@@ -385,4 +392,40 @@ fn probabilities_that_were_not_estimated_are_null() {
         shape.filter(|p| p["std"] == json!(0.0)).count() == 0,
         "{cause:#}"
     );
+}
+
+/// Simulations speak for the name of a plain effect, and weights make a confidence of that; two short runs have too few stretches.
+#[test]
+fn a_name_is_supported_where_surrogates_say_something() {
+    let mut options = Options {
+        surrogates: 19,
+        ..Options::default()
+    };
+    let found = reported(&moving(1, &drag), &moving(7, &drag), &options);
+    let cause = &found["causes"][0];
+    assert_eq!(cause["effect"], "nonlinear_viscous_friction");
+    let support = |key: &str| cause["support"][key].as_f64().unwrap();
+    assert!(support("lead") > 0.0 && support("likeness") > 0.0);
+    assert!(support("over_chance") > 1.0 && support("left") >= 0.0);
+    assert!(cause["confidence"].is_null(), "no weights were given");
+    options.settings.measure.confidence.weights = Some([-0.5, 0.0, 0.0, 0.0, 0.0]);
+    let short = |seed, trajectories| {
+        let (reach, more) = ([0.8, 0.5, 0.6], &drag);
+        let shown = Shown {
+            seed,
+            trajectories,
+            seconds: 10.0,
+            reach,
+            more,
+        };
+        shown.recording()
+    };
+    let enough = reported(&short(1, 4), &short(7, 4), &options);
+    let confidence = enough["causes"][0]["confidence"].as_f64().unwrap();
+    assert!((confidence - 1.0 / (1.0 + 0.5f64.exp())).abs() < 1e-12);
+    let found = reported(&short(1, 2), &short(7, 2), &options);
+    let cause = &found["causes"][0];
+    assert_eq!(cause["effect"], "nonlinear_viscous_friction");
+    assert!(cause["p_value"].is_number());
+    assert!(cause["support"].is_null() && cause["confidence"].is_null());
 }

@@ -13,11 +13,12 @@ use crate::ladder::scores::{Scored, total};
 use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
 use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, judge};
-use crate::schema::{Cause, Step};
+use crate::schema::{Cause, Step, Support};
 use crate::search::find::{Accepted, Columns, Findings, gap};
 use crate::simulator::NominalModel;
-use crate::surrogates::Null;
+use crate::surrogates::{Naming, Null};
 use crate::traces::contact::{Contact, detect};
+use crate::traces::unknown::Left;
 use datasets::metrics::deviations;
 use ndarray::{Array1, Array2};
 use physics::robot::PARAMETERS_PER_LINK;
@@ -55,6 +56,10 @@ pub struct Said<'a> {
     pub dead: &'a [bool],
     /// Gains where nothing is missing, where surrogates were drawn.
     pub null: Option<&'a Null>,
+    /// How surely each accepted cause is named; empty where no surrogates were drawn.
+    pub namings: &'a [Option<Naming>],
+    /// What the causes leave of each joint.
+    pub left: &'a [Option<Left>],
     /// Whether pushes are looked for in the held-out recording; if so, whether in motion, too.
     pub look: Option<bool>,
 }
@@ -160,6 +165,10 @@ pub fn explain(
         let without = if contact { without } else { kept(&without) };
         let (closed, interval) = closed(&with, &without, &joints, block);
         let cause = part.accepted.map(|c| &found.accepted[c]);
+        let support = part.accepted.and_then(|c| {
+            let naming = said.namings.get(c)?.as_ref()?;
+            Support::new(found, &found.accepted[c], naming, said.null?, said.left)
+        });
         let pushes = if contact {
             let data = said
                 .contact
@@ -183,7 +192,8 @@ pub fn explain(
                 .accepted
                 .and_then(|c| found.candidate(c).driver)
                 .map(|d| names[d].clone()),
-            confidence: None,
+            confidence: support.and_then(|s| s.confidence(&settings.measure.confidence)),
+            support,
             lead: cause.map(|a| lead(found, &a.tried, a.candidate)),
             share_of_gap: *share,
             gap_closed: closed,

@@ -1,5 +1,8 @@
 //! The proof: sealed simulated cases with a withheld effect, diagnosed and scored.
 
+mod calibration;
+mod named;
+mod reliability;
 mod score;
 mod sizes;
 mod withheld;
@@ -14,8 +17,11 @@ use serde::Serialize;
 use serde_json::Value;
 use signal::quantile::median;
 use std::path::Path;
-use trials::cases::{Case, CaseSpec, EFFECTS, Kind, draw, draw_hard, generate, write};
+use trials::cases::{Case, CaseSpec, EFFECTS, Kind, draw, draw_hard, generate, name, write};
 
+pub use calibration::{left_out, table as weights_table};
+pub use named::Named;
+pub use reliability::{said, table as reliability_table};
 pub use score::{Score, judge, mean};
 pub use sizes::detected_from;
 pub use withheld::{Answer, LeftOut, table as withheld_table};
@@ -71,7 +77,8 @@ pub struct Draw<'a> {
     pub only: Option<&'a str>,
 }
 
-/// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it.
+/// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it, and scores a report
+/// that is there already as it is, so that a run that was interrupted goes on.
 ///
 /// # Errors
 /// The first case that fails, or a kind that does not exist.
@@ -115,6 +122,13 @@ pub fn prove(
     specs
         .into_par_iter()
         .map(|spec| {
+            if let Some((truth, found)) = out.and_then(|o| stored(o, &name(&spec, seed))) {
+                done();
+                return Ok(Score {
+                    stored: true,
+                    ..judge(&truth, &found)
+                });
+            }
             let case = generate(&spec, seed)?;
             let found = report_of(&case, options)?;
             if let (Some(out), Some(folder)) = (out, &reports) {
@@ -126,6 +140,15 @@ pub fn prove(
             Ok(judge(&json(&case.truth), &found))
         })
         .collect()
+}
+
+/// Answer of a case and report on it, where an earlier run has left both: the report is written last.
+fn stored(folder: &Path, id: &str) -> Option<(Value, Value)> {
+    let read = |kind: &str| {
+        let path = folder.join(kind).join(format!("{id}.json"));
+        serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+    };
+    Some((read("truth")?, read("reports")?))
 }
 
 /// The cases with one effect, each diagnosed with that effect's candidates taken out of the catalogue. Parameters are no

@@ -1,5 +1,6 @@
 //! Scores of a report against a sealed answer.
 
+use super::named::{Named, named};
 use super::sizes::size_error;
 use serde_json::Value;
 
@@ -34,6 +35,10 @@ pub struct Score {
     pub size: Option<f64>,
     /// Of a single effect: its share of its joint's torque, and whether it was named.
     pub detection: Option<(f64, bool)>,
+    /// Its structural causes for whose names something speaks.
+    pub named: Vec<Named>,
+    /// Whether an earlier run into the same folder had diagnosed it.
+    pub stored: bool,
 }
 
 const PARAMETERS: [&str; 2] = ["link_parameters", "friction_parameters"];
@@ -191,6 +196,7 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
     let mut s = Score {
         kind: kind.clone(),
         extra: Some(one(causes.iter().any(is_false))),
+        named: named(truth, report, |c| answer.is_beside(c)),
         ..Score::default()
     };
     if !answer.names.is_empty() {

@@ -5,7 +5,7 @@ pub(crate) mod value;
 use crate::catalogue::effect::Effect;
 use datasets::check::CheckReport;
 use datasets::metrics::Scores;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A diagnosis.
 #[derive(Clone, Debug, Serialize)]
@@ -148,6 +148,19 @@ pub struct Push {
     pub torque: Vec<f64>,
 }
 
+/// What speaks for the name of a cause.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Support {
+    /// Gain over the best other name, parameters and the same effect at another place included, nats.
+    pub lead: f64,
+    /// Logarithm of how many times as likely as its rivals together the cause is, going by simulations of each.
+    pub likeness: f64,
+    /// Gain over what chance reaches in one recording of a hundred.
+    pub over_chance: f64,
+    /// Structure left on its joints, relative to their torque.
+    pub left: f64,
+}
+
 /// An accepted cause.
 #[derive(Clone, Debug, Serialize)]
 pub struct Cause {
@@ -162,6 +175,8 @@ pub struct Cause {
     pub driver: Option<String>,
     /// Estimated probability that effect and joint are right; null where it was not estimated.
     pub confidence: Option<f64>,
+    /// What a confidence is made of; null where it was not estimated.
+    pub support: Option<Support>,
     /// Gain over the best other name in its place, nats; null for parameters and for contact, which nothing else was tried
     /// against. No probability.
     pub lead: Option<f64>,

@@ -5,6 +5,8 @@
 pub struct MeasureSettings {
     /// The verdict.
     pub verdict: VerdictSettings,
+    /// How surely a cause is named.
+    pub confidence: ConfidenceSettings,
     /// Resonances.
     pub resonance: ResonanceSettings,
     /// Rivals, regions, parameters, friction.
@@ -30,6 +32,15 @@ settings! {
         least_motion: f64 = 2.0, tuned;
         /// Part of the samples of one value from which a torque channel says nothing.
         same: f64 = 0.99, tuned;
+    }
+}
+
+settings! {
+    /// How surely a cause has the right name.
+    ConfidenceSettings {
+        /// Weights of a constant, ln(1 + lead), likeness, ln(1 + gain over chance), ln(1 + structure left in %) in the logarithm
+        /// of the odds; without them no confidence is given.
+        weights: Option<[f64; 5]> = None, tuned;
     }
 }
 

@@ -27,7 +27,9 @@ mod traces;
 pub use advice::AdviceSettings;
 pub use input::InputSettings;
 pub use ladder::LadderSettings;
-pub use measure::{MeasureSettings, ResonanceSettings, SaidSettings, VerdictSettings};
+pub use measure::{
+    ConfidenceSettings, MeasureSettings, ResonanceSettings, SaidSettings, VerdictSettings,
+};
 pub use motion::MotionSettings;
 pub use search::SearchSettings;
 pub use traces::{BlowSettings, ContactSettings, StructureSettings, TraceSettings};

@@ -5,7 +5,7 @@ use super::*;
 const DOCUMENT: &str = include_str!("../../../docs/diagnosis.md");
 
 /// Every group with its place among the settings.
-const GROUPS: [(&str, &[[&str; 4]]); 11] = [
+const GROUPS: [(&str, &[[&str; 4]]); 12] = [
     ("motion", MotionSettings::FIELDS),
     ("input", InputSettings::FIELDS),
     ("traces.contact", ContactSettings::FIELDS),
@@ -14,6 +14,7 @@ const GROUPS: [(&str, &[[&str; 4]]); 11] = [
     ("search", SearchSettings::FIELDS),
     ("ladder", LadderSettings::FIELDS),
     ("measure.verdict", VerdictSettings::FIELDS),
+    ("measure.confidence", ConfidenceSettings::FIELDS),
     ("measure.resonance", ResonanceSettings::FIELDS),
     ("measure.said", SaidSettings::FIELDS),
     ("advice", AdviceSettings::FIELDS),

@@ -9,9 +9,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::ops::Range;
 
-/// Seed of the surrogates: the same recording has the same null.
-const SEED: u64 = 0x5EED;
-
 /// Some surrogates: coefficients of the fit, shape (variables, surrogates), and the sign of each stretch, shape (stretches,
 /// surrogates).
 pub(super) struct Drawn {
@@ -20,15 +17,15 @@ pub(super) struct Drawn {
 }
 
 /// Draws the surrogates with the given numbers: each has a stream of its own, so that neither threads nor how many are drawn together
-/// change any.
-pub(super) fn draw(fit: &Fit, stretches: usize, numbers: Range<u64>) -> Drawn {
+/// change any. The same seed and recording give the same surrogates.
+pub(super) fn draw(fit: &Fit, stretches: usize, seed: u64, numbers: Range<u64>) -> Drawn {
     let count = (numbers.end - numbers.start) as usize;
     let mut drawn = Drawn {
         beta: Array2::zeros((fit.variables.len(), count)),
         signs: Array2::zeros((stretches, count)),
     };
     for (s, number) in numbers.enumerate() {
-        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(number);
         let noise: Array1<f64> = (0..fit.variables.len())
             .map(|_| StandardNormal.sample(&mut rng))

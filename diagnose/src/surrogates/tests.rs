@@ -1,6 +1,7 @@
 use super::*;
 use crate::search::find::find;
 use crate::settings::Settings;
+use std::collections::BTreeMap;
 use trials::cases::{draw as drawn, generate};
 
 /// Surrogates of one null.
@@ -17,7 +18,9 @@ fn nulls(index: u64, seed: u64) -> [Null; 2] {
     let weight = frames.data.weights(&settings.motion);
     let found = find(&model, &frames, &weight, settings, None, 0.0).unwrap();
     let last = SURROGATES + FURTHER;
-    [0..SURROGATES, SURROGATES..last].map(|s| draw(&model, &frames, &found, &weight, s))
+    with(&model, &frames, &found, &weight, |source| {
+        [0..SURROGATES, SURROGATES..last].map(|s| source.null(s))
+    })
 }
 
 /// How many of some gains have p < 0.05 against a null's.

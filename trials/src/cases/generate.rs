@@ -33,12 +33,9 @@ const GAP: f64 = 2.0;
 const HELD_OUT: [usize; 4] = [2, 5, 8, 11];
 /// Attempts at a case before giving up; one in some ten draws does not suit its effect.
 const ATTEMPTS: u64 = 200;
-/// Makes the case. The same specification and seed give the same case.
-///
-/// # Errors
-/// No robot suited the case in 200 draws.
-pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
-    let begun = Instant::now();
+
+/// Random key of a case.
+fn key(spec: &CaseSpec, seed: u64) -> [u8; 32] {
     let mut key = Sha256::new();
     key.update(if spec.hard {
         &b"residyn hard case"[..]
@@ -47,8 +44,22 @@ pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
     });
     key.update(seed.to_le_bytes());
     key.update(spec.index.to_le_bytes());
-    let key: [u8; 32] = key.finalize().into();
-    let id: String = key[..5].iter().map(|b| format!("{b:02x}")).collect();
+    key.finalize().into()
+}
+
+/// Name of the case that [`generate`] makes: ten hexadecimal digits.
+pub fn name(spec: &CaseSpec, seed: u64) -> String {
+    let key = key(spec, seed);
+    key[..5].iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// Makes the case. The same specification and seed give the same case.
+///
+/// # Errors
+/// No robot suited the case in 200 draws.
+pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
+    let begun = Instant::now();
+    let (key, id) = (key(spec, seed), name(spec, seed));
     for attempt in 0..ATTEMPTS {
         let mut rng = ChaCha8Rng::from_seed(key);
         rng.set_stream(attempt);

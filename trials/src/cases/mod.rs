@@ -18,7 +18,7 @@ mod write;
 
 pub use crate::effects::EFFECTS;
 pub use case::Case;
-pub use generate::generate;
+pub use generate::{generate, name};
 pub use hard::{HardTruth, NamedShare};
 pub use kind::{CaseSpec, HARD_ROUND, Kind, ROUND, draw, draw_hard};
 #[cfg(test)]

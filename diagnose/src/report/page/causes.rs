@@ -58,21 +58,33 @@ pub(super) fn section(outcome: &Outcome) -> Section {
             })
             .collect::<Vec<_>>(),
     );
+    // A column that nothing fills says nothing.
+    let sure = d.causes.iter().any(|c| c.confidence.is_some());
     let head = [
         Column::text("cause"),
         Column::text("joints"),
         Column::number("lead over other names / nats"),
-        Column::number("chance of such a gain"),
-        Column::text("shown by the held-out recording"),
-        Column::text("could also be"),
-        Column::text("in the simulator"),
     ];
+    let head = head
+        .into_iter()
+        .chain(sure.then(|| Column::number("probability that the name is right")))
+        .chain([
+            Column::number("chance of such a gain"),
+            Column::text("shown by the held-out recording"),
+            Column::text("could also be"),
+            Column::text("in the simulator"),
+        ]);
     let table = d.causes.iter().fold(Table::new(head), |t, c| {
         let rivals: Vec<String> = c.ambiguous_with.iter().map(|e| name(*e)).collect();
-        t.row([
+        let first = [
             Cell::text(name(c.effect)),
             Cell::text(c.joints.join(", ")),
             Cell::optional(c.lead, 0),
+        ];
+        let cells = first
+            .into_iter()
+            .chain(sure.then(|| Cell::optional(c.confidence, 2)));
+        t.row(cells.chain([
             Cell::optional(c.p_value, 3),
             Cell::text(if c.confirmed { "yes" } else { "no" }),
             if rivals.is_empty() {
@@ -81,7 +93,7 @@ pub(super) fn section(outcome: &Outcome) -> Section {
                 Cell::text(rivals.join(", "))
             },
             Cell::text(told(c)),
-        ])
+        ]))
     });
     let mut section = Section::new("Causes")
         .figure(shares.draw(

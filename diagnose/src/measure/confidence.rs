@@ -1,0 +1,67 @@
+//! How surely a cause has the right name, as one number.
+//!
+//! What speaks for a name is put together by logistic regression over simulated cases whose truth is known
+//! (`diagnose prove --calibrate` fits the weights and prints them), so that of the causes that are named with a confidence of 0.8 four in
+//! five are right there. Until the settings hold such weights there is no confidence, and the report has what speaks for a name alone.
+
+use crate::schema::Support;
+use crate::search::find::{Accepted, Findings};
+use crate::settings::ConfidenceSettings;
+use crate::surrogates::{Naming, Null};
+use crate::traces::unknown::Left;
+
+/// What each weight multiplies.
+pub const TERMS: [&str; 5] = [
+    "constant",
+    "ln(1 + lead)",
+    "likeness",
+    "ln(1 + gain over chance)",
+    "ln(1 + structure left in %)",
+];
+/// Their number.
+pub const WEIGHTS: usize = TERMS.len();
+
+impl Support {
+    /// Of an accepted cause; none where its own columns were refused in its place.
+    pub fn new(
+        found: &Findings,
+        cause: &Accepted,
+        naming: &Naming,
+        null: &Null,
+        left: &[Option<Left>],
+    ) -> Option<Self> {
+        let mut tried = cause.tried.iter();
+        let own = tried.find(|t| t.candidate == cause.candidate)?;
+        let joints = &found.candidates[cause.candidate].joints;
+        let structured = joints.iter().filter_map(|&j| left[j].as_ref());
+        Some(Self {
+            lead: naming.lead,
+            likeness: naming.likeness,
+            over_chance: found.earned(own) / null.level().max(1.0),
+            left: structured.map(Left::structured).fold(0.0, f64::max),
+        })
+    }
+
+    /// What the weights multiply, in the order of [`TERMS`].
+    pub fn terms(&self) -> [f64; WEIGHTS] {
+        [
+            1.0,
+            self.lead.max(0.0).ln_1p(),
+            self.likeness,
+            self.over_chance.max(0.0).ln_1p(),
+            (100.0 * self.left).ln_1p(),
+        ]
+    }
+
+    /// Probability that effect and joint are right, where there are weights.
+    pub fn confidence(&self, settings: &ConfidenceSettings) -> Option<f64> {
+        let weights = settings.weights.as_ref()?;
+        Some(probability(&self.terms(), weights))
+    }
+}
+
+/// Logistic function of weighed terms.
+pub fn probability(terms: &[f64; WEIGHTS], weights: &[f64; WEIGHTS]) -> f64 {
+    let odds: f64 = terms.iter().zip(weights).map(|(t, w)| t * w).sum();
+    1.0 / (1.0 + (-odds).exp())
+}
