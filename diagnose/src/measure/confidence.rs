@@ -42,7 +42,7 @@ impl Support {
         })
     }
 
-    /// What the weights multiply, in the order of [`TERMS`].
+    /// What the weights multiply, in the order of `TERMS`.
     pub fn terms(&self) -> [f64; WEIGHTS] {
         [
             1.0,
