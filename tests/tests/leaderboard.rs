@@ -192,7 +192,7 @@ fn what_does_not_belong_together_is_refused() {
 
 /// Published results of the benchmark stand among ours.
 #[test]
-#[ignore = "long: identifies the KR300"]
+#[ignore = "long: by hand, with --ignored"]
 fn published_rows_of_the_benchmark() {
     let (Some(data), Some(test)) = (
         shared("data/kr300/train.parquet"),
