@@ -16,7 +16,6 @@ use model::preparation::channel::estimate;
 use model::preparation::cutoff::HIGHEST_PART;
 use physics::robot::Robot;
 use rayon::prelude::*;
-use statrs::distribution::{Beta, ContinuousCDF};
 use std::process::ExitCode;
 use trials::raw::{RawCase, generate};
 
@@ -43,10 +42,10 @@ struct Arguments {
 /// Whether intervals hold the truth.
 #[derive(Default, Clone)]
 struct Tally {
-    held: u64,
-    judged: u64,
+    held: usize,
+    judged: usize,
     /// Not determined.
-    unknown: u64,
+    unknown: usize,
     /// Half widths.
     halves: Vec<f64>,
 }
@@ -58,7 +57,7 @@ impl Tally {
             return;
         };
         self.judged += 1;
-        self.held += u64::from((low..=high).contains(&truth));
+        self.held += usize::from((low..=high).contains(&truth));
         self.halves.push(0.5 * (high - low));
     }
 
@@ -71,7 +70,7 @@ impl Tally {
     }
 
     fn line(&self, what: &str) -> String {
-        let [low, high] = clopper_pearson(self.held, self.judged);
+        let [low, high] = signal::proportion::interval(self.held, self.judged, 0.05);
         format!(
             "{what:<34} {:>4} of {:>4} = {:.3} [{low:.3}, {high:.3}], median half width {:.4}, not determined {}",
             self.held,
@@ -81,24 +80,6 @@ impl Tally {
             self.unknown
         )
     }
-}
-
-/// Interval of 95 % of a proportion (Clopper and Pearson 1934).
-fn clopper_pearson(held: u64, of: u64) -> [f64; 2] {
-    let (k, n) = (held as f64, of as f64);
-    let at = |a: f64, b: f64, p: f64| Beta::new(a, b).map_or(f64::NAN, |d| d.inverse_cdf(p));
-    [
-        if held == 0 {
-            0.0
-        } else {
-            at(k, n - k + 1.0, 0.025)
-        },
-        if held == of {
-            1.0
-        } else {
-            at(k + 1.0, n - k, 0.975)
-        },
-    ]
 }
 
 /// Cut-offs of which the best in hindsight is taken, Hz; those above 0.4 of the rate are left out.
@@ -199,7 +180,7 @@ fn judge(
         out.offset.count(&channel.offset, truth.offset[j]);
         if let Some(sign) = channel.sign {
             out.signs.judged += 1;
-            out.signs.held += u64::from(f64::from(sign) * truth.gain[j] > 0.0);
+            out.signs.held += usize::from(f64::from(sign) * truth.gain[j] > 0.0);
         } else {
             out.signs.unknown += 1;
         }

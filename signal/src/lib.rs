@@ -20,6 +20,7 @@ pub mod delay;
 pub mod differences;
 pub mod filter;
 pub mod motion;
+pub mod proportion;
 pub mod quantile;
 pub mod resample;
 pub mod smoother;

@@ -3,7 +3,7 @@
 use super::score::Score;
 use crate::settings::ConfidenceSettings;
 use report::{Cell, Column, Table};
-use statrs::distribution::{Beta, ContinuousCDF};
+use signal::proportion;
 
 /// Bins of equal count.
 const BINS: usize = 5;
@@ -36,7 +36,7 @@ pub fn table(said: &[(f64, bool)]) -> Table {
         let n = of.len() as f64;
         let right = of.iter().filter(|c| c.1).count();
         let share = right as f64 / n;
-        let [low, high] = interval(right, of.len());
+        let [low, high] = proportion::interval(right, of.len(), OUTSIDE);
         let square = |c: &(f64, bool)| (c.0 - f64::from(u8::from(c.1))).powi(2);
         table.push([
             Cell::text(name),
@@ -61,25 +61,6 @@ pub fn table(said: &[(f64, bool)]) -> Table {
     table.emphasise_last()
 }
 
-/// Interval of a share (Clopper and Pearson 1934).
-fn interval(hits: usize, of: usize) -> [f64; 2] {
-    let quantile = |a: usize, b: usize, p: f64| {
-        Beta::new(a as f64, b as f64).map_or(f64::NAN, |d| d.inverse_cdf(p))
-    };
-    [
-        if hits == 0 {
-            0.0
-        } else {
-            quantile(hits, of - hits + 1, OUTSIDE / 2.0)
-        },
-        if hits == of {
-            1.0
-        } else {
-            quantile(hits + 1, of - hits, 1.0 - OUTSIDE / 2.0)
-        },
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,17 +71,5 @@ mod tests {
         let last = text.lines().last().unwrap();
         // (0.01 + 0.16 + 0.09)/3, and 2/3 · 1/3.
         assert!(last.contains("0.087") && last.contains("0.222"), "{text}");
-    }
-
-    #[test]
-    fn intervals_are_those_of_tables() {
-        // 99 % of 9 in 10: 0.456 to 0.9995.
-        let [low, high] = interval(9, 10);
-        assert!(
-            (low - 0.456).abs() < 1e-3 && (high - 0.9995).abs() < 1e-4,
-            "{low} {high}"
-        );
-        // 0 in 5: up to 1 − 0.005^(1/5).
-        assert!((interval(0, 5)[1] - (1.0 - 0.005f64.powf(0.2))).abs() < 1e-6);
     }
 }
