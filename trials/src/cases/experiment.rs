@@ -40,6 +40,7 @@ pub struct Run {
 }
 
 /// One robot under one controller on one session.
+#[derive(Clone, Copy)]
 pub struct Experiment<'a> {
     /// What the controller knows.
     pub nominal: &'a Arm,
@@ -179,6 +180,15 @@ impl Experiment<'_> {
         let rest = all.iter().zip(&last).map(|(a, l)| a - l).collect();
         Ok(vec![rest, last])
     }
+}
+
+/// The sum of the torques of one or more effects, row after row.
+pub fn together(found: &[Vec<f64>]) -> Vec<f64> {
+    let mut all = found[0].clone();
+    for more in &found[1..] {
+        all.iter_mut().zip(more).for_each(|(a, m)| *a += m);
+    }
+    all
 }
 
 /// What a torque has beyond rigid bodies, viscous and Coulomb friction of an arm on the true motion, row after row.

@@ -1,13 +1,13 @@
 //! Making a case.
 
 use super::case::Case;
-use super::experiment::{Chosen, Experiment, Run};
+use super::experiment::{Chosen, Experiment, Run, together};
 use super::hard;
 use super::kind::{CaseSpec, Kind};
-use super::oracle::{oracle, unabsorbed};
+use super::oracle::oracle;
 use super::rehearsal::Rehearsal;
 use super::size::{ROUNDS, Sized, column_rms, shares, sized, without_vibration};
-use super::truth::{PlantTruth, Truth, truth_effect};
+use super::truth::Truth;
 use crate::SimulateError;
 use crate::effects::{EFFECTS, Effect, Scene, Shape};
 use nalgebra::Vector3;
@@ -109,17 +109,21 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     };
     let bandwidth = rng.random_range(6.0..10.0);
     let control_rng = ChaCha8Rng::from_rng(rng);
+    let bare = Experiment {
+        nominal: &nominal,
+        plain: &plain,
+        withheld: &[],
+        background: &[],
+        session: &session,
+        errors: &errors,
+        bandwidth,
+        rate: RATE,
+    };
     // Sizes of effects that change the motion itself are only guessed; correct them on what came out.
     for round in 0..ROUNDS {
         let experiment = Experiment {
-            nominal: &nominal,
-            plain: &plain,
             withheld: &withheld,
-            background: &[],
-            session: &session,
-            errors: &errors,
-            bandwidth,
-            rate: RATE,
+            ..bare
         };
         let Some(run) = experiment.run(control_rng.clone())? else {
             return Ok(None);
@@ -132,10 +136,11 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
             Sized::Unsuited => return Ok(None),
             Sized::Well => {}
         }
-        return finish(
-            kind, id, &nominal, &plain, &withheld, &run, &found, &errors, rng,
-        )
-        .map(Some);
+        let experiment = Experiment {
+            withheld: &withheld,
+            ..bare
+        };
+        return finish(kind, id, &experiment, &run, &found, rng).map(Some);
     }
     Ok(None)
 }
@@ -224,45 +229,25 @@ fn session(arm: &Arm, rng: &mut ChaCha8Rng) -> Session {
     Session::new(trajectories.collect(), GAP, arm.dof())
 }
 
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the parts of one case, used once"
-)]
+/// The files and the answer. `found` are the torques of the effects in `run`.
 fn finish(
     kind: Kind,
     id: &str,
-    nominal: &Arm,
-    plain: &Arm,
-    withheld: &[Chosen],
+    experiment: &Experiment,
     run: &Run,
     found: &[Vec<f64>],
-    errors: &Errors,
     rng: &mut ChaCha8Rng,
 ) -> Result<Case, SimulateError> {
+    let (nominal, trace) = (experiment.nominal, &run.trace);
     let n = nominal.dof();
-    let trace = &run.trace;
     let torque_rms = column_rms(&run.noted, n);
+    let shares = experiment.errors.torque.iter().zip(&torque_rms);
     let scaled = Errors {
-        torque: errors
-            .torque
-            .iter()
-            .zip(&torque_rms)
-            .map(|(e, t)| e * t)
-            .collect(),
-        ..errors.clone()
+        torque: shares.map(|(e, t)| e * t).collect(),
+        ..experiment.errors.clone()
     };
     let (recording, noise) = record(trace, &run.noted, &scaled, rng);
     let (train, test) = recording.split(&HELD_OUT);
-    let noise_rms = column_rms(&noise, n);
-    let mut all = found[0].clone();
-    for more in &found[1..] {
-        all.iter_mut().zip(more).for_each(|(a, m)| *a += m);
-    }
-    let mut parts = vec![all];
-    if withheld.len() > 1 {
-        parts.extend(found.iter().cloned());
-    }
-    let left = unabsorbed(plain, &trace.q, &trace.qd, &trace.qdd, &noise_rms, &parts)?;
     let held_out = |table: &[f64]| -> Vec<f64> {
         let bounds = trace.bounds();
         HELD_OUT
@@ -270,43 +255,21 @@ fn finish(
             .flat_map(|&i| table[bounds[i] * n..bounds[i + 1] * n].to_vec())
             .collect()
     };
-    let vibrates = withheld.iter().any(|w| w.effect.vibrates());
+    let vibrates = experiment.withheld.iter().any(|w| w.effect.vibrates());
     let oracle = oracle(
         nominal,
-        plain,
+        experiment.plain,
         &test,
         RATE,
-        &held_out(&parts[0]),
+        &held_out(&together(found)),
         vibrates,
         &held_out(&noise),
     )?;
-    let effects = withheld.iter().enumerate().map(|(i, w)| {
-        let own = if withheld.len() > 1 { i + 1 } else { 0 };
-        let strength = column_rms(&parts[own], n);
-        truth_effect(w, &strength, &left[own], &torque_rms, &noise_rms)
-    });
-    let truth = Truth {
-        case: id.to_owned(),
-        kind: kind.name().to_owned(),
-        robot: nominal.family.to_owned(),
-        seed: [0; 3],
-        joints: n,
-        effects: effects.collect(),
-        effect_rms: column_rms(&parts[0], n),
-        unabsorbed_rms: left[0].clone(),
-        torque_rms,
-        noise_rms,
-        v_eps: plain.v_eps.clone(),
-        oracle,
-        plant: PlantTruth::of(plain),
-        hard: None,
-        seconds: 0.0,
-    };
     Ok(Case {
         id: id.to_owned(),
         urdf: to_urdf(&nominal.robot()?),
         train,
         test,
-        truth,
+        truth: Truth::of(kind, id, experiment, run, found, &noise, oracle)?,
     })
 }

@@ -1,9 +1,12 @@
 //! The sealed answer of a case.
 
-use super::experiment::Chosen;
+use super::experiment::{Chosen, Experiment, Run, together};
 use super::hard::HardTruth;
-use super::oracle::Oracle;
+use super::kind::Kind;
+use super::oracle::{Oracle, unabsorbed};
+use super::size::column_rms;
 use crate::effects::joint_name;
+use physics::robot::RobotError;
 use plant::arm::Arm;
 use serde::Serialize;
 use serde_json::Value;
@@ -44,6 +47,56 @@ pub struct Truth {
     pub hard: Option<HardTruth>,
 }
 
+impl Truth {
+    /// The answer of a case. `found` are the torques of its effects in `run`, `noise` that of the torque as recorded, row after
+    /// row. Seed and time are left at zero.
+    ///
+    /// # Errors
+    /// The bodies make no possible robot.
+    pub(super) fn of(
+        kind: Kind,
+        id: &str,
+        experiment: &Experiment,
+        run: &Run,
+        found: &[Vec<f64>],
+        noise: &[f64],
+        oracle: Oracle,
+    ) -> Result<Self, RobotError> {
+        let (trace, plain, withheld) = (&run.trace, experiment.plain, experiment.withheld);
+        let n = trace.dof;
+        let torque_rms = column_rms(&run.noted, n);
+        let noise_rms = column_rms(noise, n);
+        // All together, and where there are several each by itself.
+        let mut parts = vec![together(found)];
+        if withheld.len() > 1 {
+            parts.extend(found.iter().cloned());
+        }
+        let left = unabsorbed(plain, &trace.q, &trace.qd, &trace.qdd, &noise_rms, &parts)?;
+        let effects = withheld.iter().enumerate().map(|(i, w)| {
+            let own = if withheld.len() > 1 { i + 1 } else { 0 };
+            let strength = column_rms(&parts[own], n);
+            TruthEffect::of(w, &strength, &left[own], &torque_rms, &noise_rms)
+        });
+        Ok(Self {
+            case: id.to_owned(),
+            kind: kind.name().to_owned(),
+            robot: experiment.nominal.family.to_owned(),
+            seed: [0; 3],
+            joints: n,
+            effects: effects.collect(),
+            effect_rms: column_rms(&parts[0], n),
+            unabsorbed_rms: left[0].clone(),
+            torque_rms,
+            noise_rms,
+            v_eps: plain.v_eps.clone(),
+            oracle,
+            plant: PlantTruth::of(plain),
+            seconds: 0.0,
+            hard: None,
+        })
+    }
+}
+
 /// Parameters of the plant without the effect.
 #[derive(Debug, Clone, Serialize)]
 pub struct PlantTruth {
@@ -58,8 +111,7 @@ pub struct PlantTruth {
 }
 
 impl PlantTruth {
-    /// Of a plant.
-    pub(super) fn of(plain: &Arm) -> Self {
+    fn of(plain: &Arm) -> Self {
         let inertia = |j: &physics::robot::Joint| j.link.inertia.parameters().to_vec();
         Self {
             inertias: plain.joints.iter().map(inertia).collect(),
@@ -96,42 +148,38 @@ pub struct TruthEffect {
     pub indistinguishable: Vec<String>,
 }
 
-/// The answer on an effect: `strength` is the root mean square of its torque per joint, `left` what parameters leave of it.
-pub(super) fn truth_effect(
-    effect: &Chosen,
-    strength: &[f64],
-    left: &[f64],
-    torque: &[f64],
-    noise: &[f64],
-) -> TruthEffect {
-    let (n, at) = (torque.len(), effect.at);
-    let description = effect.effect.describe(effect.size, n);
-    let scope = if description.joints.is_some() {
-        "joint"
-    } else {
-        "global"
-    };
-    let touched = || (0..n).filter(|&j| strength[j] > 0.02 * torque[j]).collect();
-    TruthEffect {
-        effect: effect.name.to_owned(),
-        mechanism: description.mechanism.to_owned(),
-        scope: scope.to_owned(),
-        joints: description
-            .joints
-            .unwrap_or_else(touched)
-            .into_iter()
-            .map(joint_name)
-            .collect(),
-        reference_joint: joint_name(at),
-        level: effect.size,
-        parameters: description.parameters,
-        share: strength[at] / torque[at],
-        share_after_reidentification: left[at] / torque[at],
-        snr_after_reidentification: left[at] / noise[at],
-        indistinguishable: description
-            .indistinguishable
-            .into_iter()
-            .map(str::to_owned)
-            .collect(),
+impl TruthEffect {
+    /// The answer on an effect: `strength` is the root mean square of its torque per joint, `left` what parameters leave of it.
+    fn of(effect: &Chosen, strength: &[f64], left: &[f64], torque: &[f64], noise: &[f64]) -> Self {
+        let (n, at) = (torque.len(), effect.at);
+        let description = effect.effect.describe(effect.size, n);
+        let scope = if description.joints.is_some() {
+            "joint"
+        } else {
+            "global"
+        };
+        let touched = || (0..n).filter(|&j| strength[j] > 0.02 * torque[j]).collect();
+        Self {
+            effect: effect.name.to_owned(),
+            mechanism: description.mechanism.to_owned(),
+            scope: scope.to_owned(),
+            joints: description
+                .joints
+                .unwrap_or_else(touched)
+                .into_iter()
+                .map(joint_name)
+                .collect(),
+            reference_joint: joint_name(at),
+            level: effect.size,
+            parameters: description.parameters,
+            share: strength[at] / torque[at],
+            share_after_reidentification: left[at] / torque[at],
+            snr_after_reidentification: left[at] / noise[at],
+            indistinguishable: description
+                .indistinguishable
+                .into_iter()
+                .map(str::to_owned)
+                .collect(),
+        }
     }
 }

@@ -2,30 +2,23 @@
 
 use super::background::Settled;
 use super::motion::{Day, Role};
-use super::robot::Drawn;
-use super::truth::{Bias, HardTruth, LowPass, NamedShare};
-use super::{TRACE_HZ, background, channel, motion, robot, sensors};
+use super::recorded::Recorded;
+use super::{TRACE_HZ, background, motion, robot};
 use crate::SimulateError;
 use crate::cases::case::Case;
-use crate::cases::experiment::{Chosen, Experiment, Run, beyond};
+use crate::cases::experiment::{Chosen, Experiment};
 use crate::cases::kind::Kind;
-use crate::cases::oracle::{Oracle, oracle, unabsorbed};
 use crate::cases::rehearsal::Rehearsal;
-use crate::cases::size::{self, ROUNDS, Sized, column_rms, sized, without_vibration};
-use crate::cases::truth::{PlantTruth, Truth, truth_effect};
-use crate::effects::{EFFECTS, Effect, Scene, Shape, joint_name, pushes_at_rest};
-use datasets::Recording;
-use physics::robot::{RobotError, to_urdf};
-use plant::arm::Arm;
+use crate::cases::size::{self, ROUNDS, Sized, sized, without_vibration};
+use crate::effects::{EFFECTS, Effect, Scene, Shape, pushes_at_rest};
+use physics::robot::RobotError;
 use plant::families::relative;
-use plant::measure::{Errors, record};
+use plant::measure::Errors;
 use plant::random::log_uniform;
-use plant::run::Trace;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
-use std::ops::Range;
 
 /// Effects of which two can be on one joint.
 const OF_A_GEAR: [&str; 8] = [
@@ -84,16 +77,21 @@ pub fn attempt(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Case
     };
     let bandwidth = rng.random_range(5.0..10.0);
     let control = ChaCha8Rng::from_rng(rng);
+    let bare = Experiment {
+        nominal: &nominal,
+        plain: &drawn.plain,
+        withheld: &[],
+        background: &[],
+        session: &days[0].session,
+        errors: &errors,
+        bandwidth,
+        rate: TRACE_HZ,
+    };
     for round in 0..ROUNDS + MORE {
         let experiment = Experiment {
-            nominal: &nominal,
-            plain: &drawn.plain,
             withheld: &withheld,
             background: &background,
-            session: &days[0].session,
-            errors: &errors,
-            bandwidth,
-            rate: TRACE_HZ,
+            ..bare
         };
         let Some(run) = experiment.run(control.clone())? else {
             return Ok(None);
@@ -113,13 +111,13 @@ pub fn attempt(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Case
         let recorded = Recorded {
             kind,
             id,
-            nominal: &nominal,
             drawn: &drawn,
             days: &days,
-            withheld: &withheld,
-            background: &background,
-            errors: &errors,
-            bandwidth,
+            experiment: Experiment {
+                withheld: &withheld,
+                background: &background,
+                ..bare
+            },
             pushed,
         };
         return recorded.finish(run, &found, &torques, rng);
@@ -199,225 +197,4 @@ fn two_of_one_joint(scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Vec<(&'static
         return both[1].1.effect.is_self_contained().then_some(both);
     }
     None
-}
-
-/// A robot that has been recorded, on its way into files.
-struct Recorded<'a> {
-    kind: Kind,
-    id: &'a str,
-    nominal: &'a Arm,
-    drawn: &'a Drawn,
-    days: &'a [Day],
-    withheld: &'a [Chosen],
-    background: &'a [Chosen],
-    errors: &'a Errors,
-    bandwidth: f64,
-    pushed: Role,
-}
-
-impl Recorded<'_> {
-    /// The files and the answer. `first` is the run of the first day, `found` and `background` the torques of effects in it.
-    fn finish(
-        &self,
-        first: Run,
-        found: &[Vec<f64>],
-        background: &[Vec<f64>],
-        rng: &mut ChaCha8Rng,
-    ) -> Result<Option<Case>, SimulateError> {
-        let n = self.nominal.dof();
-        let torque_rms = column_rms(&first.noted, n);
-        let channel = channel::draw(&torque_rms, rng);
-        let log = sensors::draw(rng);
-        let first_log = channel.log(&first.noted, &first.trace.bounds(), rng);
-        let day = &self.days[0];
-        let rows = day.rows(&first.trace.bounds(), Role::Train);
-        let train = log.record(&first.trace, &first_log.recorded, self.errors, &rows, rng);
-        // Another day is another run of the same robot.
-        let later = match self.days.get(1) {
-            None => None,
-            Some(later) => {
-                let plain = robot::another_day(&self.drawn.plain, rng);
-                let Some(run) = self.run_again(&plain, later, ChaCha8Rng::from_rng(rng))? else {
-                    return Ok(None);
-                };
-                let logged = channel.log(&run.noted, &run.trace.bounds(), rng);
-                Some((plain, later, run, logged))
-            }
-        };
-        let (plain, day, run, logged) = match &later {
-            None => (&self.drawn.plain, day, &first, &first_log),
-            Some((plain, day, run, logged)) => (plain, *day, run, logged),
-        };
-        let rows = day.rows(&run.trace.bounds(), Role::Test);
-        let test = log.record(&run.trace, &logged.recorded, self.errors, &rows, rng);
-        let best = self.oracle(plain, run, logged, &rows, rng)?;
-        let noise: Vec<f64> = first_log
-            .recorded
-            .iter()
-            .zip(&first_log.clean)
-            .map(|(r, c)| r - c)
-            .collect();
-        let noise_rms = column_rms(&noise, n);
-        let mut all = found[0].clone();
-        for more in &found[1..] {
-            all.iter_mut().zip(more).for_each(|(a, m)| *a += m);
-        }
-        let mut parts = vec![all];
-        if self.withheld.len() > 1 {
-            parts.extend(found.iter().cloned());
-        }
-        let trace = &first.trace;
-        let real = &self.drawn.plain;
-        let left = unabsorbed(real, &trace.q, &trace.qd, &trace.qdd, &noise_rms, &parts)?;
-        let effects = self.withheld.iter().enumerate().map(|(i, w)| {
-            let own = if self.withheld.len() > 1 { i + 1 } else { 0 };
-            let strength = column_rms(&parts[own], n);
-            truth_effect(w, &strength, &left[own], &torque_rms, &noise_rms)
-        });
-        let truth = Truth {
-            case: self.id.to_owned(),
-            kind: self.kind.name().to_owned(),
-            robot: self.nominal.family.to_owned(),
-            seed: [0; 3],
-            joints: n,
-            effects: effects.collect(),
-            effect_rms: column_rms(&parts[0], n),
-            unabsorbed_rms: left[0].clone(),
-            noise_rms,
-            v_eps: real.v_eps.clone(),
-            oracle: best,
-            plant: PlantTruth::of(real),
-            seconds: 0.0,
-            hard: Some(self.besides(&channel, &log, background, &torque_rms)),
-            torque_rms,
-        };
-        Ok(Some(Case {
-            id: self.id.to_owned(),
-            urdf: to_urdf(&self.drawn.given.robot()?),
-            train,
-            test,
-            truth,
-        }))
-    }
-
-    /// The run of another day.
-    fn run_again(
-        &self,
-        plain: &Arm,
-        day: &Day,
-        rng: ChaCha8Rng,
-    ) -> Result<Option<Run>, RobotError> {
-        Experiment {
-            nominal: self.nominal,
-            plain,
-            withheld: self.withheld,
-            background: self.background,
-            session: &day.session,
-            errors: self.errors,
-            bandwidth: self.bandwidth,
-            rate: TRACE_HZ,
-        }
-        .run(rng)
-    }
-
-    /// The best that can be had on the held-out rows, sampled evenly: the true plant with all that the channel does but noise.
-    fn oracle(
-        &self,
-        plain: &Arm,
-        run: &Run,
-        logged: &channel::Logged,
-        rows: &[Range<usize>],
-        rng: &mut ChaCha8Rng,
-    ) -> Result<Oracle, SimulateError> {
-        let n = run.trace.dof;
-        let cut = |table: &[f64]| -> Vec<f64> {
-            let spans = rows.iter().map(|r| &table[r.start * n..r.end * n]);
-            spans.flatten().copied().collect()
-        };
-        let held_out = Trace {
-            dof: n,
-            time: rows
-                .iter()
-                .flat_map(|r| run.trace.time[r.clone()].to_vec())
-                .collect(),
-            lengths: rows.iter().map(Range::len).collect(),
-            q: cut(&run.trace.q),
-            qd: cut(&run.trace.qd),
-            ..Trace::default()
-        };
-        let (even, _): (Recording, _) = record(&held_out, &cut(&logged.recorded), self.errors, rng);
-        let effect = cut(&beyond(plain, &run.trace, &logged.clean)?);
-        let noise: Vec<f64> = cut(&logged.recorded)
-            .iter()
-            .zip(cut(&logged.clean))
-            .map(|(r, c)| r - c)
-            .collect();
-        let vibrates = self.withheld.iter().any(|w| w.effect.vibrates());
-        oracle(
-            &self.drawn.given,
-            plain,
-            &even,
-            TRACE_HZ,
-            &effect,
-            vibrates,
-            &noise,
-        )
-    }
-
-    /// What was drawn beside robot and effect.
-    fn besides(
-        &self,
-        channel: &channel::Channel,
-        log: &sensors::Log,
-        background: &[Vec<f64>],
-        torque_rms: &[f64],
-    ) -> HardTruth {
-        let n = torque_rms.len();
-        let count = |role: Role| {
-            let roles = self.days.iter().flat_map(|d| &d.roles);
-            roles.filter(|r| **r == role).count()
-        };
-        let at_rest = (self.kind == Kind::ContactAtRest).then_some(match self.pushed {
-            Role::Train => "train",
-            Role::Test => "heldout",
-        });
-        HardTruth {
-            inertial_width: self.drawn.inertial_width,
-            friction_width: self.drawn.friction_width,
-            no_friction: self
-                .drawn
-                .no_friction
-                .iter()
-                .map(|&j| joint_name(j))
-                .collect(),
-            rest: format!("{:?}", self.drawn.plain.rest).to_lowercase(),
-            train: count(Role::Train),
-            test: count(Role::Test),
-            duration: self.days[0].session.lengths[0],
-            rate: log.rate,
-            jitter: log.jitter.name(),
-            velocity: log.velocity,
-            other_day: self.days.len() > 1,
-            contact: at_rest,
-            lowpass: LowPass {
-                same: channel.same,
-                lag_ms: channel.lateness().iter().map(|s| 1e3 * s).collect(),
-            },
-            bias: Bias {
-                joint: joint_name(channel.bias.0),
-                share: channel.bias.1 / torque_rms[channel.bias.0],
-            },
-            outliers: channel.outliers,
-            background: self
-                .background
-                .iter()
-                .zip(background)
-                .map(|(b, torque)| NamedShare {
-                    effect: b.name,
-                    joint: joint_name(b.at),
-                    share: column_rms(torque, n)[b.at] / torque_rms[b.at],
-                })
-                .collect(),
-        }
-    }
 }

@@ -10,6 +10,7 @@ mod background;
 mod case;
 mod channel;
 mod motion;
+mod recorded;
 mod robot;
 mod sensors;
 mod truth;
