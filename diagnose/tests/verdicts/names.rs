@@ -1,0 +1,59 @@
+//! How far the name of a plain effect is trusted.
+
+use crate::arm::{Shown, drag, moving, report, reported};
+use diagnose::Options;
+use serde_json::json;
+
+/// What nobody has measured is null.
+#[test]
+fn probabilities_that_were_not_estimated_are_null() {
+    let found = report(&moving(1, &drag), &moving(7, &drag));
+    let cause = &found["causes"][0];
+    assert_eq!(cause["effect"], "nonlinear_viscous_friction");
+    assert!(cause["p_value"].is_null() && cause["confidence"].is_null());
+    assert_eq!(cause["confirmed"], true);
+    let candidates = found["candidates"].as_array().unwrap();
+    assert!(!candidates.is_empty());
+    assert!(candidates.iter().all(|c| c["p_value"].is_null()));
+    let shape = cause["parameters"].as_array().unwrap().iter();
+    assert!(
+        shape.filter(|p| p["std"] == json!(0.0)).count() == 0,
+        "{cause:#}"
+    );
+}
+
+/// Simulations speak for the name of a plain effect, and weights make a confidence of that; two short runs have too few stretches.
+#[test]
+fn a_name_is_supported_where_surrogates_say_something() {
+    let mut options = Options {
+        surrogates: 19,
+        ..Options::default()
+    };
+    let found = reported(&moving(1, &drag), &moving(7, &drag), &options);
+    let cause = &found["causes"][0];
+    assert_eq!(cause["effect"], "nonlinear_viscous_friction");
+    let support = |key: &str| cause["support"][key].as_f64().unwrap();
+    assert!(support("lead") > 0.0 && support("likeness") > 0.0);
+    assert!(support("over_chance") > 1.0 && support("left") >= 0.0);
+    assert!(cause["confidence"].is_null(), "no weights were given");
+    options.settings.measure.confidence.weights = Some([-0.5, 0.0, 0.0, 0.0, 0.0]);
+    let short = |seed, trajectories| {
+        let (reach, more) = ([0.8, 0.5, 0.6], &drag);
+        let shown = Shown {
+            seed,
+            trajectories,
+            seconds: 10.0,
+            reach,
+            more,
+        };
+        shown.recording()
+    };
+    let enough = reported(&short(1, 4), &short(7, 4), &options);
+    let confidence = enough["causes"][0]["confidence"].as_f64().unwrap();
+    assert!((confidence - 1.0 / (1.0 + 0.5f64.exp())).abs() < 1e-12);
+    let found = reported(&short(1, 2), &short(7, 2), &options);
+    let cause = &found["causes"][0];
+    assert_eq!(cause["effect"], "nonlinear_viscous_friction");
+    assert!(cause["p_value"].is_number());
+    assert!(cause["support"].is_null() && cause["confidence"].is_null());
+}
