@@ -1,0 +1,6 @@
+//! Training on a synthetic residual: hysteresis of a joint, which only history explains.
+
+mod checkpoints;
+mod hysteresis;
+mod learning;
+mod refusals;
