@@ -1,14 +1,15 @@
 //! From jobs to trained units: normalisation and bounds, one network per seed, all cores, switch-off.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use feedforward::network::{Bounds, Normaliser, Unit};
 use sha2::{Digest, Sha256};
 
 use super::batches::{Gatherer, Item, Layout};
+use super::progress::{Clock, Progress};
 use super::samples::{Samples, Split};
 use super::state::{Epoch, Position, State};
 use super::trainer::Trainer;
@@ -56,29 +57,6 @@ impl Default for Control<'_> {
             progress: None,
         }
     }
-}
-
-/// State of one network, and an estimate for all of them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Progress {
-    /// Index of the job.
-    pub job: usize,
-    /// Joint of the job.
-    pub joint: usize,
-    /// Which of the job's networks, from 0.
-    pub member: usize,
-    /// Finished epochs of this network.
-    pub epoch: usize,
-    /// Most epochs it may take.
-    pub epochs: usize,
-    /// The epoch's figures.
-    pub last: Epoch,
-    /// Smallest validation error so far, N·m.
-    pub best_validation_rmse: Option<f64>,
-    /// Whether this network is done.
-    pub finished: bool,
-    /// Time left for all networks, if none stops early.
-    pub remaining: Duration,
 }
 
 /// How the training of a unit went.
@@ -169,6 +147,14 @@ impl<'a, 'd> Prepared<'a, 'd> {
             validation: layout.items(samples, &job.split.validation),
             fingerprint: hash.finalize().iter().map(|b| format!("{b:02x}")).collect(),
         })
+    }
+
+    /// Samples × parameters, which an epoch takes time for, and the most epochs of a network.
+    fn cost(&self) -> (f64, usize) {
+        let config = &self.job.config;
+        let parameters = config.architecture.parameter_count(self.job.columns.len());
+        let cost = self.train.len() as f64 * parameters.unwrap_or(1) as f64;
+        (cost, config.training.epochs)
     }
 
     /// Unit with the given members, on.
@@ -284,7 +270,7 @@ pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
         .collect();
     let results: Vec<OnceLock<Ended>> = tasks.iter().map(|_| OnceLock::new()).collect();
     let next = AtomicUsize::new(0);
-    let clock = Clock::new(&tasks, &prepared);
+    let clock = Clock::new(tasks.iter().map(|&(i, _)| prepared[i].cost()));
     let work = || {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
@@ -362,55 +348,5 @@ fn describe(
             .and_then(|e| e.validation_rmse),
         finished: position.finished,
         remaining,
-    }
-}
-
-/// Estimates the time left from epochs done, each weighted by samples × parameters.
-struct Clock {
-    started: Instant,
-    /// Per network: cost of an epoch, epochs left, epochs done here.
-    left: Mutex<Vec<(f64, usize, usize)>>,
-}
-
-impl Clock {
-    fn new(tasks: &[(usize, usize)], prepared: &[Prepared]) -> Self {
-        let left = tasks.iter().map(|&(i, _)| {
-            let p = &prepared[i];
-            let count = p
-                .job
-                .config
-                .architecture
-                .parameter_count(p.job.columns.len())
-                .unwrap_or(1);
-            (
-                p.train.len() as f64 * count as f64,
-                p.job.config.training.epochs,
-                0,
-            )
-        });
-        Self {
-            started: Instant::now(),
-            left: Mutex::new(left.collect()),
-        }
-    }
-
-    fn epoch_done(&self, index: usize, state: &State) -> Duration {
-        let mut left = self
-            .left
-            .lock()
-            .unwrap_or_else(|poisoned| poisoned.into_inner());
-        let (_, epochs, done) = &mut left[index];
-        *done += 1;
-        *epochs = if state.progress.finished {
-            0
-        } else {
-            epochs.saturating_sub(1)
-        };
-        let (mut ahead, mut behind) = (0.0, 0.0);
-        for &(cost, epochs, done) in left.iter() {
-            ahead += cost * epochs as f64;
-            behind += cost * done as f64;
-        }
-        self.started.elapsed().mul_f64(ahead / behind)
     }
 }

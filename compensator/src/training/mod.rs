@@ -5,15 +5,17 @@ mod checkpoint;
 mod ensemble;
 mod folds;
 mod predict;
+mod progress;
 mod ridge;
 mod samples;
 mod state;
 mod trainer;
 
 pub use crate::config::{Loss, Schedule, Training, UnitConfig};
-pub use ensemble::{Control, Job, Progress, Report, Trained, train};
+pub use ensemble::{Control, Job, Report, Trained, train};
 pub use folds::{Fold, folds};
 pub use predict::predict;
+pub use progress::Progress;
 pub use ridge::train_ridge;
 pub use samples::{Samples, Split};
 pub use state::Epoch;
