@@ -7,108 +7,20 @@
 
 pub mod cutoff;
 pub mod fuse;
+mod options;
+mod report;
 
-use crate::{Recording, TorqueFilter};
+pub use options::{Derivatives, PrepareOptions};
+pub use report::{PrepareReport, Source};
+
+use crate::Recording;
 use cutoff::NoiseFloor;
 use ndarray::Array2;
-use serde::Serialize;
+use options::SLOW_HZ;
 use signal::spline::{Spline, SplineError};
 use signal::{Motion, filter, resample, smoother, sos};
 use std::borrow::Cow;
 use std::ops::Range;
-
-/// Below this rate in Hz a recording is interpolated as it is: it was low-passed before it was
-/// decimated, or nobody could derive accelerations from it anyway.
-const SLOW_HZ: f64 = 40.0;
-
-/// Which derivatives to take.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Derivatives {
-    /// Derive from position; a recorded velocity that is consistent and less noisy is fused in.
-    #[default]
-    Auto,
-    /// Derive from position alone.
-    FromPosition,
-    /// Take the recorded columns at the samples as they are, where there are any.
-    Recorded,
-}
-
-/// How to prepare a recording.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PrepareOptions {
-    /// Cut-off of the low-pass in Hz (−6 dB after both passes); `None` chooses it from the data.
-    pub cutoff_hz: Option<f64>,
-    /// The fine grid has at least about this rate in Hz; default 100.
-    pub fine_hz: f64,
-    /// Which derivatives to take.
-    pub derivatives: Derivatives,
-    /// How much later the recorded torque is than the motion, s: a property of the recording's channel. Predictions meet the
-    /// recorded torque that much later; a control loop has no such delay.
-    pub torque_delay: f64,
-}
-
-impl Default for PrepareOptions {
-    fn default() -> Self {
-        Self {
-            cutoff_hz: None,
-            fine_hz: 100.0,
-            derivatives: Derivatives::Auto,
-            torque_delay: 0.0,
-        }
-    }
-}
-
-impl PrepareOptions {
-    /// The defaults with a given cut-off, Hz.
-    pub fn low_passed(cutoff_hz: f64) -> Self {
-        Self {
-            cutoff_hz: Some(cutoff_hz),
-            ..Self::default()
-        }
-    }
-
-    /// Whether a recording at `rate_hz` is low-passed at all.
-    pub fn low_passes(&self, rate_hz: f64) -> bool {
-        self.cutoff_hz.is_some() || rate_hz >= SLOW_HZ
-    }
-}
-
-/// Where a derivative comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Source {
-    /// The recorded column as it is.
-    Recorded,
-    /// Derivative of the smoothed position; nothing was recorded.
-    Derived,
-    /// Derivative of the smoothed position instead of the recorded column.
-    Replaced,
-    /// Derivative of position and recorded velocity fused.
-    Fused,
-}
-
-/// What was done, for reports and `model.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PrepareReport {
-    /// Median sampling rate in Hz.
-    pub rate_hz: f64,
-    /// Rate of the fine grid in Hz.
-    pub fine_hz: f64,
-    /// Standard deviation of the time step over its median.
-    pub jitter: f64,
-    /// Cut-off in Hz; `None` when the positions are interpolated without a low-pass.
-    pub cutoff_hz: Option<f64>,
-    /// Whether the cut-off was given rather than chosen.
-    pub cutoff_given: bool,
-    /// Where velocity at the samples comes from, per joint.
-    pub velocity: Vec<Source>,
-    /// Where acceleration at the samples comes from.
-    pub acceleration: Source,
-    /// Noise floors found, per joint; empty for an interpolated recording.
-    pub noise: Vec<NoiseFloor>,
-    /// Filter applied to every prediction before it is compared with the recorded torque.
-    pub torque_filter: Option<TorqueFilter>,
-}
 
 /// A recording that cannot be prepared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

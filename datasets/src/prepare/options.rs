@@ -1,0 +1,57 @@
+//! How a recording is prepared.
+
+/// Below this rate in Hz a recording is interpolated as it is: it was low-passed before it was
+/// decimated, or nobody could derive accelerations from it anyway.
+pub(super) const SLOW_HZ: f64 = 40.0;
+
+/// Which derivatives to take.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Derivatives {
+    /// Derive from position; a recorded velocity that is consistent and less noisy is fused in.
+    #[default]
+    Auto,
+    /// Derive from position alone.
+    FromPosition,
+    /// Take the recorded columns at the samples as they are, where there are any.
+    Recorded,
+}
+
+/// How to prepare a recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrepareOptions {
+    /// Cut-off of the low-pass in Hz (−6 dB after both passes); `None` chooses it from the data.
+    pub cutoff_hz: Option<f64>,
+    /// The fine grid has at least about this rate in Hz; default 100.
+    pub fine_hz: f64,
+    /// Which derivatives to take.
+    pub derivatives: Derivatives,
+    /// How much later the recorded torque is than the motion, s: a property of the recording's channel. Predictions meet the
+    /// recorded torque that much later; a control loop has no such delay.
+    pub torque_delay: f64,
+}
+
+impl Default for PrepareOptions {
+    fn default() -> Self {
+        Self {
+            cutoff_hz: None,
+            fine_hz: 100.0,
+            derivatives: Derivatives::Auto,
+            torque_delay: 0.0,
+        }
+    }
+}
+
+impl PrepareOptions {
+    /// The defaults with a given cut-off, Hz.
+    pub fn low_passed(cutoff_hz: f64) -> Self {
+        Self {
+            cutoff_hz: Some(cutoff_hz),
+            ..Self::default()
+        }
+    }
+
+    /// Whether a recording at `rate_hz` is low-passed at all.
+    pub fn low_passes(&self, rate_hz: f64) -> bool {
+        self.cutoff_hz.is_some() || rate_hz >= SLOW_HZ
+    }
+}
