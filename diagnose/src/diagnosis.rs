@@ -55,6 +55,8 @@ struct Search {
     listing: Listing,
     left: Vec<Option<Left>>,
     judged: Judged,
+    /// Torque that the links need at the recorded samples, shape (samples, joints).
+    load: Array2<f64>,
 }
 
 /// Diagnoses the gap between a model and recordings.
@@ -90,6 +92,7 @@ pub fn diagnose(
                 settings,
             );
             let scene = Scene::new(&findings.present, frames.passage(), &frames.scale);
+            let load = frames.data.table_to_samples(&scene.rigid);
             let coulomb = Coulomb {
                 torque: listing.coulomb.clone(),
                 sign: frames.data.table_to_samples(&scene.sign),
@@ -100,6 +103,7 @@ pub fn diagnose(
                 listing,
                 left,
                 judged,
+                load,
             })
         };
     let mut skipped = vec![false; frames.data.tau.nrows()];
@@ -111,7 +115,7 @@ pub fn diagnose(
     };
     let look = (options.withheld != Some(Effect::ExternalContact)).then(|| !repeats(&found.left));
     let contact = look.and_then(|moving| {
-        detect(&frames.data, &found.judged, moving, pushes)
+        detect(&frames.data, &found.judged, &found.load, moving, pushes)
             .filter(|c| c.at_rest || c.size > pushes.size * found.listing.given)
     });
     if let Some(contact) = &contact {

@@ -5,7 +5,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
-use super::transmission::Transmission;
+use super::transmission::Gap;
 use crate::motion::scene::Scene;
 
 /// What is known of it beside its columns.
@@ -27,8 +27,8 @@ pub(super) const INFO: Info = Info {
 
 /// Half plays, rad (m for prismatic joints, where they are a tenth).
 const HALF_PLAYS: [f64; 6] = [2e-4, 6e-4, 1.3e-3, 2.6e-3, 5e-3, 9e-3];
-/// Natural frequencies on the flanks, Hz, with their damping.
-const FLANKS: [(f64, f64); 2] = [(14.0, 0.3), (28.0, 0.3)];
+/// Parts of the joint's inertia that turn with the motor.
+const ROTORS: [f64; 3] = [0.0, 0.25, 0.45];
 
 /// What blows after changes of the torque's sign are worth, nats.
 const BLOWS: f64 = 40.0;
@@ -56,24 +56,20 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     };
     let mut all = Vec::new();
     for play in HALF_PLAYS {
-        for (frequency, damping) in FLANKS {
+        for rotor in ROTORS {
             let half_play = play * unit;
-            let transmission = Transmission {
-                frequency,
-                damping,
-                half_play,
-            };
-            let column = Column::whole(dof, move |s| transmission.change(s, joint));
+            let gap = Gap { half_play, rotor };
+            let column = Column::whole(dof, move |s| gap.change(s, joint));
             let quantity = Quantity::scaled("half_play", "rad", Some(joint), half_play);
             all.push(
                 Candidate::single(
                     Effect::Backlash,
                     joint,
                     quantity,
-                    Bound::Between(0.4, 2.0),
+                    Bound::Between(0.3, 2.0),
                     column,
                 )
-                .with_shape("flank_frequency", frequency, "Hz"),
+                .with_shape("rotor_share", rotor, "1"),
             );
         }
     }

@@ -7,7 +7,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
-use super::transmission::Transmission;
+use super::transmission::Spring;
 use crate::motion::scene::Scene;
 use ndarray::Array2;
 
@@ -31,19 +31,16 @@ const FREQUENCIES: [f64; 4] = [4.5, 7.5, 12.0, 20.0];
 const ROUNDING: [f64; 2] = [0.01, 0.025];
 
 /// Frequencies of the oscillating link, Hz, and its damping ratios.
-const RESONANCES: [f64; 6] = [5.0, 7.0, 9.5, 13.0, 18.0, 25.0];
-const DAMPING: f64 = 0.12;
+const RESONANCES: [f64; 7] = [3.5, 5.0, 7.0, 9.5, 13.0, 18.0, 25.0];
+const DAMPING: [f64; 2] = [0.06, 0.2];
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let inertia = own_inertia(scene, joint);
-    let resonant = RESONANCES.into_iter().map(|frequency| {
-        let transmission = Transmission {
-            frequency,
-            damping: DAMPING,
-            half_play: 0.0,
-        };
+    let resonances = RESONANCES.into_iter().flat_map(|f| DAMPING.map(|d| (f, d)));
+    let resonant = resonances.map(|(frequency, damping)| {
+        let spring = Spring { frequency, damping };
         let stiffness = inertia * (std::f64::consts::TAU * frequency).powi(2);
-        let column = Column::whole(scene.dof(), move |s| transmission.change(s, joint));
+        let column = Column::whole(scene.dof(), move |s| spring.change(s, joint));
         let compliance = Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
         Candidate::single(
             Effect::JointElasticity,

@@ -76,12 +76,13 @@ impl Frames {
 
     /// Motion of the fitted recording, memory running on through both where they share a clock.
     pub fn passage(&self) -> Passage<'_> {
-        Passage::of(vec![self.data.motion(), self.heldout.motion()], 0)
+        Passage::of(vec![self.data.motion(), self.heldout.motion()], 0).with_wide(self.data.wide())
     }
 
     /// The same of the held-out one.
     pub fn heldout_passage(&self) -> Passage<'_> {
         Passage::of(vec![self.data.motion(), self.heldout.motion()], 1)
+            .with_wide(self.heldout.wide())
     }
 }
 

@@ -110,7 +110,8 @@ pub fn explain(
         };
         let given = total(&ladder[0].all);
         let judged = judge(held, &residual, &coulomb, &settings.motion);
-        detect(held, &judged, moving, &settings.traces.contact)
+        let load = held.table_to_samples(&scene.rigid);
+        detect(held, &judged, &load, moving, &settings.traces.contact)
             .filter(|c| c.at_rest || c.size > settings.traces.contact.size * given)
     });
     let cut = here

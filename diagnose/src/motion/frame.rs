@@ -20,6 +20,7 @@ const ANALYSIS_CUTOFF: f64 = 0.4;
 /// A prepared recording with torque.
 pub struct Frame {
     prepared: Prepared,
+    wide: Option<Motion>,
     /// Recorded torque at the recorded stamps, shape (samples, joints).
     pub tau: Array2<f64>,
     /// Rows that are fitted, by trajectory.
@@ -43,9 +44,11 @@ impl Frame {
         let prepared = prepare(recording, options)?;
         let rate = prepared.report.rate_hz;
         let stride = ((rate / ANALYSIS_RATE).round() as usize).max(1);
+        let band = ANALYSIS_CUTOFF * rate / stride as f64;
+        let wide = wide(recording, &prepared, options, band)?;
         // A recording that was low-passed before it was stored is fitted as it is.
         let lowpass = (stride > 1)
-            .then(|| butterworth(4, ANALYSIS_CUTOFF * rate / stride as f64, rate).ok())
+            .then(|| butterworth(4, band, rate).ok())
             .flatten();
         let mut rows = Vec::new();
         let mut start = 0;
@@ -56,6 +59,7 @@ impl Frame {
         }
         Ok(Self {
             prepared,
+            wide,
             tau,
             rows,
             labels: recording
@@ -104,6 +108,12 @@ impl Frame {
     /// Motion on the fine grid.
     pub fn motion(&self) -> &Motion {
         &self.prepared.fine
+    }
+
+    /// Motion on the same grid in the whole band of the rows: what the torque suggests for the low-pass takes away what drives a
+    /// transmission.
+    pub fn wide(&self) -> Option<&Motion> {
+        self.wide.as_ref()
     }
 
     /// Motion at the recorded stamps.
@@ -266,4 +276,22 @@ impl Frame {
             },
         }
     }
+}
+
+/// Motion in the band of the rows, where the cut-off lies below it.
+fn wide(
+    recording: &Recording,
+    prepared: &Prepared,
+    options: &PrepareOptions,
+    band: f64,
+) -> Result<Option<Motion>, PrepareError> {
+    let below = |own: f64| own < band;
+    if !prepared.report.cutoff_hz.is_some_and(below) {
+        return Ok(None);
+    }
+    let options = PrepareOptions {
+        cutoff_hz: Some(band),
+        ..*options
+    };
+    Ok(Some(prepare(recording, &options)?.fine))
 }

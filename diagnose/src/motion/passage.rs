@@ -12,6 +12,7 @@ pub struct Passage<'a> {
     part: usize,
     steps: Vec<Step>,
     clock_known: Vec<bool>,
+    wide: Option<&'a Motion>,
 }
 
 impl<'a> From<&'a Motion> for Passage<'a> {
@@ -34,7 +35,21 @@ impl<'a> Passage<'a> {
             part,
             steps,
             clock_known,
+            wide: None,
         }
+    }
+
+    /// The same with the motion in the band of the rows, on the same grid, where that is another one.
+    pub fn with_wide(self, wide: Option<&'a Motion>) -> Self {
+        Self {
+            wide,
+            ..self
+        }
+    }
+
+    /// The motion in the band of the rows, where it is another one.
+    pub fn wide(&self) -> Option<&'a Motion> {
+        self.wide
     }
 
     /// The motion.

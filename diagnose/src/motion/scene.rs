@@ -3,7 +3,7 @@
 
 use crate::motion::passage::Passage;
 use nalgebra::Vector3;
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Array2, ArrayView1, Axis};
 use physics::dynamics::{Workspace, inverse_dynamics, inverse_dynamics_with_gravity};
 use physics::effects::{Coupling, FrictionShape, Harmonic, PositionFriction, Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
@@ -45,6 +45,25 @@ pub struct Tangent {
     pub qdd: Array2<f64>,
 }
 
+/// The rigid body on the motion that drives a transmission.
+struct Wide<'a> {
+    motion: &'a Motion,
+    rigid: Array2<f64>,
+    tangents: Vec<Tangent>,
+}
+
+/// What drives the transmission of one joint.
+pub struct Motor<'s> {
+    /// The joint.
+    pub joint: usize,
+    /// Acceleration.
+    pub qdd: ArrayView1<'s, f64>,
+    /// Torque that the rigid body needs to follow the motor.
+    pub rigid: ArrayView1<'s, f64>,
+    /// Derivatives of the rigid torque by the joint's motion.
+    pub tangent: &'s Tangent,
+}
+
 /// One recording with the present model evaluated on it. Tables have shape (samples, joints).
 pub struct Scene<'a> {
     /// The present model.
@@ -61,6 +80,7 @@ pub struct Scene<'a> {
     pub drive: Array2<f64>,
     /// Partial derivatives of the rigid torque, by joint that moves.
     pub tangents: Vec<Tangent>,
+    wide: Option<Wide<'a>>,
     passage: Passage<'a>,
 }
 
@@ -94,30 +114,47 @@ impl<'a> Scene<'a> {
             rigid,
             drive,
             tangents: Vec::new(),
+            wide: None,
             passage,
         }
     }
 
     /// The same with the derivatives that compliant transmissions and joint zeros need.
     pub fn with_tangents(mut self) -> Self {
-        let m = self.motion;
-        let shifted = |table: &Array2<f64>, joint: usize, step: f64| {
-            let mut t = table.clone();
-            t.column_mut(joint).mapv_inplace(|x| x + step);
-            t
-        };
-        self.tangents = (0..self.dof())
-            .map(|j| Tangent {
-                q: (rigid_torque(self.robot, &shifted(&m.q, j, STEP), &m.qd, &m.qdd) - &self.rigid)
-                    / STEP,
-                qd: (rigid_torque(self.robot, &m.q, &shifted(&m.qd, j, STEP), &m.qdd)
-                    - &self.rigid)
-                    / STEP,
-                qdd: (rigid_torque(self.robot, &m.q, &m.qd, &shifted(&m.qdd, j, 1.0))
-                    - &self.rigid),
-            })
-            .collect();
+        self.tangents = tangents(self.robot, self.motion, &self.rigid);
+        self.wide = self.passage.wide().map(|motion| {
+            let rigid = rigid_torque(self.robot, &motion.q, &motion.qd, &motion.qdd);
+            let tangents = tangents(self.robot, motion, &rigid);
+            Wide {
+                motion,
+                rigid,
+                tangents,
+            }
+        });
         self
+    }
+
+    /// What drives the transmission of a joint.
+    pub fn motor(&self, joint: usize) -> Motor<'_> {
+        Motor {
+            joint,
+            qdd: self.motion.qdd.column(joint),
+            rigid: self.rigid.column(joint),
+            tangent: &self.tangents[joint],
+        }
+    }
+
+    /// The same in the whole band of the rows, where the motion's own cut-off lies below it.
+    pub fn wide_motor(&self, joint: usize) -> Motor<'_> {
+        self.wide.as_ref().map_or_else(
+            || self.motor(joint),
+            |w| Motor {
+                joint,
+                qdd: w.motion.qdd.column(joint),
+                rigid: w.rigid.column(joint),
+                tangent: &w.tangents[joint],
+            },
+        )
     }
 
     /// Number of samples.
@@ -303,6 +340,21 @@ impl<'a> Scene<'a> {
 /// tanh(q̇/ε): the sign, softened below [`SOFT_SIGN`], of what is no single joint's motion.
 pub fn soft_sign(qd: f64) -> f64 {
     (qd / SOFT_SIGN).tanh()
+}
+
+fn tangents(robot: &Robot, m: &Motion, rigid: &Array2<f64>) -> Vec<Tangent> {
+    let shifted = |table: &Array2<f64>, joint: usize, step: f64| {
+        let mut t = table.clone();
+        t.column_mut(joint).mapv_inplace(|x| x + step);
+        t
+    };
+    (0..robot.dof())
+        .map(|j| Tangent {
+            q: (rigid_torque(robot, &shifted(&m.q, j, STEP), &m.qd, &m.qdd) - rigid) / STEP,
+            qd: (rigid_torque(robot, &m.q, &shifted(&m.qd, j, STEP), &m.qdd) - rigid) / STEP,
+            qdd: rigid_torque(robot, &m.q, &m.qd, &shifted(&m.qdd, j, 1.0)) - rigid,
+        })
+        .collect()
 }
 
 /// Torque of the rigid body over tables of shape (samples, joints).

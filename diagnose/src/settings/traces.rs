@@ -43,6 +43,9 @@ settings! {
         steady: f64 = 0.18, tuned;
         /// Part of a burst that another execution of its motion has to show for it to be the robot's own.
         again: f64 = 0.3, tuned;
+        /// Part of the changes of sign of a joint's load that lie in bursts, and of its squared torque there that lies around
+        /// them, from which they are the blows of its transmission.
+        crossing: f64 = 0.6, tuned;
         /// Part of the error that a learner may predict for the rest to count as contact in motion.
         learnable: f64 = 0.35, tuned;
         /// Least part of the whole gap that contact in motion makes.

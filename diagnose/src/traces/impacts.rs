@@ -128,7 +128,7 @@ fn contrast(
 }
 
 /// Samples before which a signal changes its sign, within segments.
-fn changes(x: impl Iterator<Item = f64>, segments: &[Range<usize>]) -> Vec<usize> {
+pub(super) fn changes(x: impl Iterator<Item = f64>, segments: &[Range<usize>]) -> Vec<usize> {
     let x: Vec<f64> = x.collect();
     segments
         .iter()

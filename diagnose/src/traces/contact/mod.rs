@@ -7,6 +7,7 @@
 //! Confounders: any rare event that repeats with the motion, which a learner then predicts; a fault of one joint's
 //! torque channel or transmission that comes and goes, which loads no other joint; vibration, which swings about zero.
 
+mod crossings;
 mod repeated;
 mod windows;
 
@@ -14,6 +15,7 @@ use crate::motion::frame::Frame;
 use crate::motion::standing::Judged;
 use crate::schema::Push;
 use crate::settings::ContactSettings;
+use crossings::cross;
 use ndarray::{Array2, ArrayView1, ArrayViewMut1};
 use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
@@ -50,10 +52,12 @@ pub struct Contact {
 }
 
 /// Looks for pushes in what is left at the recorded samples; of joints in motion only where `moving` says that the motion
-/// explains no such thing. None where nothing stands out, or too much does.
+/// explains no such thing; `load` is the torque that the links need, shape (samples, joints). None where nothing stands out, or
+/// too much does.
 pub fn detect(
     frame: &Frame,
     left: &Judged,
+    load: &Array2<f64>,
     moving: bool,
     settings: &ContactSettings,
 ) -> Option<Contact> {
@@ -166,14 +170,20 @@ pub fn detect(
             }
         })
         .collect();
-    let load: Vec<f64> = (0..dof)
+    let part: Vec<f64> = (0..dof)
         .map(|j| {
             let square = torque.column(j).dot(&torque.column(j)) / torque.nrows() as f64;
             square / frame.tau.column(j).var(0.0).max(1e-12)
         })
         .collect();
-    let size: f64 = load.iter().sum();
-    if dof > 1 && load.iter().any(|l| *l > settings.alone * size) {
+    let size: f64 = part.iter().sum();
+    if dof > 1 && part.iter().any(|p| *p > settings.alone * size) {
+        return None;
+    }
+    let pushed: Vec<Range<usize>> = bursts.iter().map(|b| b.samples.clone()).collect();
+    let blows = |j: usize| cross(frame, torque.column(j), load.column(j), &pushed, settings.crossing);
+    let most = (0..dof).max_by(|&a, &b| part[a].total_cmp(&part[b]));
+    if most.is_some_and(blows) {
         return None;
     }
     if steadiness(&torque, &bursts, &usual) < settings.steady {

@@ -1,0 +1,47 @@
+//! Bursts that come where a joint's load changes its sign: a gap of its transmission is crossed there, and no force from
+//! outside waits for it.
+
+use crate::motion::frame::Frame;
+use crate::traces::impacts::changes;
+use ndarray::ArrayView1;
+use std::ops::Range;
+
+/// Time before and after a change of sign in which the gap is left and crossed, s.
+const REACH: (f64, f64) = (0.1, 0.25);
+/// Part of the load's deviation that it reaches within [`REACH`] after a change that counts.
+const SWING: f64 = 0.2;
+/// Fewest changes that tell.
+const FEWEST: usize = 4;
+
+/// Whether the bursts (`samples`) come with the changes of sign of one joint's load: a part `most` of the changes lies in bursts, and
+/// as much of the joint's squared `torque` in the bursts around them.
+pub(super) fn cross(
+    frame: &Frame,
+    torque: ArrayView1<f64>,
+    load: ArrayView1<f64>,
+    bursts: &[Range<usize>],
+    most: f64,
+) -> bool {
+    let rate = frame.report().rate_hz;
+    let (before, after) = ((REACH.0 * rate) as usize, (REACH.1 * rate) as usize);
+    let swing = SWING * load.std(0.0);
+    let segments = &frame.samples().segments;
+    let around = |i: usize| {
+        let own = segments.iter().find(|s| s.contains(&i))?;
+        Some(i.saturating_sub(before).max(own.start)..(i + after).min(own.end))
+    };
+    let swings = |r: &Range<usize>| r.clone().any(|i| load[i].abs() > swing);
+    let changes = changes(load.iter().copied(), segments);
+    let places: Vec<Range<usize>> = changes.into_iter().filter_map(around).filter(swings).collect();
+    let hit = |r: &&Range<usize>| bursts.iter().any(|b| b.start < r.end && r.start < b.end);
+    let struck = places.iter().filter(hit).count() as f64;
+    let mut near = vec![false; torque.len()];
+    places.iter().cloned().for_each(|r| near[r].fill(true));
+    let (mut there, mut all) = (0.0, 0.0);
+    for i in bursts.iter().cloned().flatten() {
+        let square = torque[i] * torque[i];
+        all += square;
+        there += if near[i] { square } else { 0.0 };
+    }
+    places.len() >= FEWEST && struck >= most * places.len() as f64 && there >= most * all
+}
