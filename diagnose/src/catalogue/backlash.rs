@@ -1,5 +1,5 @@
 //! `backlash`: play in the transmission, q being the motor side. The link crosses the gap on its own inertia and
-//! meets the other flank: `transmission` with a stiff spring behind the gap.
+//! lands on the other flank ([`super::transmission`]).
 //! Confounders: elasticity (no gap), presliding hysteresis (reversal of velocity, not of torque).
 
 use super::candidate::{Bound, Candidate, Column, Quantity};

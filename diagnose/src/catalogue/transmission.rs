@@ -5,7 +5,8 @@
 //! motor although the description has it in the link (rotor, wave generator) is moved by no transmission: T and M are
 //! without it.
 
-use crate::motion::scene::{Motor, Scene};
+use crate::motion::motor::Motor;
+use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2, Axis};
 
 /// A spring.
@@ -130,4 +131,101 @@ fn changed(motor: &Motor, rotor: f64, departure: &Departure) -> Array2<f64> {
     let own = rotor * by.qdd.column(motor.joint).mean().unwrap_or(0.0);
     out.column_mut(motor.joint).scaled_add(own, &departure[2]);
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::scene::Scale;
+    use ndarray::ArrayView1;
+    use physics::robot::Robot;
+    use signal::Motion;
+
+    const RATE: f64 = 250.0;
+
+    /// The first joint of a UR5, whose axis is vertical, swings by itself.
+    fn swinging() -> (Robot, Motion, Scale) {
+        let robot = Robot::builtin("ur5").unwrap();
+        let (n, dof, omega) = (1000, robot.dof(), 5.0);
+        let first = |f: &dyn Fn(f64) -> f64| {
+            Array2::from_shape_fn((n, dof), |(i, j)| match j {
+                0 => f(omega * i as f64 / RATE),
+                _ => 0.3,
+            })
+        };
+        let only = |f: &dyn Fn(f64) -> f64| {
+            let mut table = first(f);
+            for mut column in table.columns_mut().into_iter().skip(1) {
+                column.fill(0.0);
+            }
+            table
+        };
+        let motion = Motion {
+            time: (0..n).map(|i| i as f64 / RATE).collect(),
+            q: first(&|x| x.sin()),
+            qd: only(&|x| omega * x.cos()),
+            qdd: only(&|x| -omega * omega * x.sin()),
+            segments: std::iter::once(0..n).collect(),
+        };
+        let scale = Scale {
+            softness: vec![0.01; dof],
+            speed: vec![1.0; dof],
+            range: vec![(-1.0, 1.0); dof],
+            torque: vec![3.0; dof],
+            session: (0.0, 4.0),
+            step: 1.0 / RATE,
+        };
+        (robot, motion, scale)
+    }
+
+    fn largest(x: ArrayView1<f64>) -> f64 {
+        x.iter().fold(0.0, |most, x| most.max(x.abs()))
+    }
+
+    #[test]
+    fn a_link_crosses_the_gap_at_each_change_of_its_load_and_gives_back_what_it_brings() {
+        let (robot, motion, scale) = swinging();
+        let scene = Scene::new(&robot, &motion, &scale).with_tangents();
+        for rotor in [0.0, 0.4] {
+            let half_play = 0.004;
+            let gap = Gap { half_play, rotor };
+            let [x, _, _] = gap.cross(&scene, &scene.wide_motor(0));
+            assert!(x.iter().all(|x| x.abs() <= half_play));
+            let sides = x.iter().zip(x.iter().skip(1));
+            let crossings = sides.filter(|(a, b)| *a * *b < 0.0).count();
+            // A zero of the load every π/ω seconds, the first at the start.
+            assert_eq!(crossings, 6, "rotor {rotor}");
+            // F − T = −M·δ̈ of the link: over whole crossings its integral is nought, and it is not small in between.
+            let change = gap.change(&scene, 0).column(0).to_owned();
+            let impulse = change.sum() / RATE;
+            let size = change.mapv(f64::abs).sum() / RATE;
+            assert!(
+                size > 0.5 && impulse.abs() < 0.02 * size,
+                "{impulse} of {size}"
+            );
+        }
+        let none = Gap {
+            half_play: 1e-9,
+            rotor: 0.0,
+        };
+        assert!(largest(none.change(&scene, 0).column(0)) < 0.05 * largest(scene.rigid.column(0)));
+    }
+
+    #[test]
+    fn a_spring_adds_what_its_equation_says() {
+        // Far below its resonance a spring gives way by T/K: M·(q̈ − δ̈) with δ̈ = −(ω/Ω)²·q̈ to first order.
+        let (robot, motion, scale) = swinging();
+        let scene = Scene::new(&robot, &motion, &scale).with_tangents();
+        let spring = Spring {
+            frequency: 12.0,
+            damping: 0.5,
+        };
+        let part = (5.0 / (std::f64::consts::TAU * spring.frequency)).powi(2);
+        let change = spring.change(&scene, 0).column(0).to_owned();
+        let expected = scene.rigid.column(0).mapv(|t| part * t);
+        let settled = |x: &Array1<f64>| largest(x.slice_axis(Axis(0), (250..).into()));
+        let worst = settled(&(&change - &expected));
+        let most = settled(&expected);
+        assert!(worst < 0.15 * most, "{worst} of {most}");
+    }
 }

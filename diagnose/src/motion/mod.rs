@@ -2,6 +2,7 @@
 
 pub(crate) mod floor;
 pub(crate) mod frame;
+pub(crate) mod motor;
 pub(crate) mod passage;
 pub(crate) mod scene;
 pub(crate) mod standing;

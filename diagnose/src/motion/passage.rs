@@ -41,10 +41,7 @@ impl<'a> Passage<'a> {
 
     /// The same with the motion in the band of the rows, on the same grid, where that is another one.
     pub fn with_wide(self, wide: Option<&'a Motion>) -> Self {
-        Self {
-            wide,
-            ..self
-        }
+        Self { wide, ..self }
     }
 
     /// The motion in the band of the rows, where it is another one.

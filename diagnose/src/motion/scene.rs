@@ -1,9 +1,10 @@
 //! What the columns of the dictionary see of one recording: motion at the fine rate and the torques that
 //! the present model predicts on it. Measured torque is no part of it.
 
+use crate::motion::motor::{Motor, Tangent, Wide, tangents};
 use crate::motion::passage::Passage;
 use nalgebra::Vector3;
-use ndarray::{Array1, Array2, ArrayView1, Axis};
+use ndarray::{Array1, Array2, Axis};
 use physics::dynamics::{Workspace, inverse_dynamics, inverse_dynamics_with_gravity};
 use physics::effects::{Coupling, FrictionShape, Harmonic, PositionFriction, Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
@@ -13,9 +14,6 @@ use signal::Motion;
 /// Velocity below which the sign of a motion is softened, rad/s (m/s), where the recording does not say better: well
 /// below what docs/formats.md allows, so that the reversal keeps its shape.
 pub const SOFT_SIGN: f64 = 0.001;
-
-/// Change of a position (rad) or velocity (rad/s) over which the rigid torque is differenced.
-const STEP: f64 = 1e-4;
 
 /// Sizes that grids of shape parameters are relative to, one value per joint.
 #[derive(Clone, Debug)]
@@ -32,36 +30,6 @@ pub struct Scale {
     pub session: (f64, f64),
     /// Sampling interval of the fine motion, s.
     pub step: f64,
-}
-
-/// Partial derivatives of the rigid torque of all joints by the position, velocity and acceleration of
-/// one; tables of shape (samples, joints).
-pub struct Tangent {
-    /// By position, N·m/rad.
-    pub q: Array2<f64>,
-    /// By velocity, N·m·s/rad.
-    pub qd: Array2<f64>,
-    /// By acceleration, kg·m².
-    pub qdd: Array2<f64>,
-}
-
-/// The rigid body on the motion that drives a transmission.
-struct Wide<'a> {
-    motion: &'a Motion,
-    rigid: Array2<f64>,
-    tangents: Vec<Tangent>,
-}
-
-/// What drives the transmission of one joint.
-pub struct Motor<'s> {
-    /// The joint.
-    pub joint: usize,
-    /// Acceleration.
-    pub qdd: ArrayView1<'s, f64>,
-    /// Torque that the rigid body needs to follow the motor.
-    pub rigid: ArrayView1<'s, f64>,
-    /// Derivatives of the rigid torque by the joint's motion.
-    pub tangent: &'s Tangent,
 }
 
 /// One recording with the present model evaluated on it. Tables have shape (samples, joints).
@@ -340,21 +308,6 @@ impl<'a> Scene<'a> {
 /// tanh(q̇/ε): the sign, softened below [`SOFT_SIGN`], of what is no single joint's motion.
 pub fn soft_sign(qd: f64) -> f64 {
     (qd / SOFT_SIGN).tanh()
-}
-
-fn tangents(robot: &Robot, m: &Motion, rigid: &Array2<f64>) -> Vec<Tangent> {
-    let shifted = |table: &Array2<f64>, joint: usize, step: f64| {
-        let mut t = table.clone();
-        t.column_mut(joint).mapv_inplace(|x| x + step);
-        t
-    };
-    (0..robot.dof())
-        .map(|j| Tangent {
-            q: (rigid_torque(robot, &shifted(&m.q, j, STEP), &m.qd, &m.qdd) - rigid) / STEP,
-            qd: (rigid_torque(robot, &m.q, &shifted(&m.qd, j, STEP), &m.qdd) - rigid) / STEP,
-            qdd: rigid_torque(robot, &m.q, &m.qd, &shifted(&m.qdd, j, 1.0)) - rigid,
-        })
-        .collect()
 }
 
 /// Torque of the rigid body over tables of shape (samples, joints).

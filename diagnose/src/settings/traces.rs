@@ -36,8 +36,11 @@ settings! {
         loaded: f64 = 0.15, tuned;
         /// Height from which a joint is loaded at all.
         loaded_height: f64 = 4.0, tuned;
-        /// Part of the load, relative to the joints' torques, from which one joint is loaded alone: no force from outside.
+        /// Part of a burst's load, relative to the joints' torques, from which one joint is loaded alone: a force from outside
+        /// rarely does.
         alone: f64 = 0.97, tuned;
+        /// Part of all bursts' load that lies in those that load several joints.
+        several: f64 = 0.5, tuned;
         /// Part of the bursts' squared torque that has to be steady. Whoever touches the robot pushes it; what swings about
         /// zero inside every burst is the vibration of a joint or of the ground.
         steady: f64 = 0.18, tuned;

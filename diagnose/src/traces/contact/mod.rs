@@ -180,8 +180,19 @@ pub fn detect(
     if dof > 1 && part.iter().any(|p| *p > settings.alone * size) {
         return None;
     }
+    if dof > 1 && together(&torque, &bursts, frame, settings.alone) < settings.several {
+        return None;
+    }
     let pushed: Vec<Range<usize>> = bursts.iter().map(|b| b.samples.clone()).collect();
-    let blows = |j: usize| cross(frame, torque.column(j), load.column(j), &pushed, settings.crossing);
+    let blows = |j: usize| {
+        cross(
+            frame,
+            torque.column(j),
+            load.column(j),
+            &pushed,
+            settings.crossing,
+        )
+    };
     let most = (0..dof).max_by(|&a, &b| part[a].total_cmp(&part[b]));
     if most.is_some_and(blows) {
         return None;
@@ -195,6 +206,26 @@ pub fn detect(
         size,
         at_rest: rests,
     })
+}
+
+/// Part of the bursts' load, the squares of their means relative to the joints' torques, that lies in bursts of which no joint bears
+/// more than a part `alone`.
+fn together(torque: &Array2<f64>, bursts: &[Burst], frame: &Frame, alone: f64) -> f64 {
+    let (mut several, mut all) = (0.0, 0.0);
+    for burst in bursts {
+        let rows = burst.samples.len() as f64;
+        let part = |j: usize| {
+            let sum: f64 = burst.samples.clone().map(|i| torque[[i, j]]).sum();
+            sum * sum / (rows * frame.tau.column(j).var(0.0).max(1e-12))
+        };
+        let parts: Vec<f64> = (0..torque.ncols()).map(part).collect();
+        let sum: f64 = parts.iter().sum();
+        all += sum;
+        if parts.iter().all(|p| *p <= alone * sum) {
+            several += sum;
+        }
+    }
+    several / all
 }
 
 /// Part of the bursts' squared torque, relative to the joints' usual level, that their means make.
@@ -336,5 +367,31 @@ mod tests {
         let push = of(&|x| (std::f64::consts::PI * x).sin());
         let swing = of(&|x| (std::f64::consts::TAU * 6.0 * x).sin() * (1.0 - x));
         assert!(push > 0.7 && swing < 0.05, "{push} {swing}");
+    }
+
+    #[test]
+    fn bursts_of_one_joint_each_load_no_joints_together() {
+        let n = 400;
+        let q = Array2::from_shape_fn((n, 2), |(i, j)| (0.02 * (i + j) as f64).sin());
+        let time = (0..n).map(|i| 0.01 * i as f64).collect();
+        let recording = datasets::Recording::new("r", time, q.clone(), Some(q.clone()));
+        let frame = Frame::new(&recording, q, &datasets::PrepareOptions::low_passed(8.0)).unwrap();
+        let bursts = [50..90, 200..260].map(|samples| Burst {
+            samples,
+            last_joint: 1,
+            height: 20.0,
+        });
+        let of = |loads: [[f64; 2]; 2]| {
+            let mut torque = Array2::zeros((n, 2));
+            for (burst, load) in bursts.iter().zip(loads) {
+                for i in burst.samples.clone() {
+                    torque[[i, 0]] = load[0];
+                    torque[[i, 1]] = load[1];
+                }
+            }
+            together(&torque, &bursts, &frame, 0.97)
+        };
+        assert!(of([[1.0, 0.01], [0.01, 1.0]]) < 0.1);
+        assert!(of([[1.0, 0.5], [0.4, 1.0]]) > 0.9);
     }
 }
