@@ -180,7 +180,8 @@ pub fn detect(
     if dof > 1 && part.iter().any(|p| *p > settings.alone * size) {
         return None;
     }
-    if dof > 1 && together(&torque, &bursts, frame, settings.alone) < settings.several {
+    // A joint at rest shows a push that the noise of those in motion hides.
+    if dof > 1 && !rests && together(&torque, &bursts, frame, settings.alone) < settings.several {
         return None;
     }
     let pushed: Vec<Range<usize>> = bursts.iter().map(|b| b.samples.clone()).collect();
