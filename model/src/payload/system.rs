@@ -1,0 +1,145 @@
+//! The rows: torque by the body's parameters and by what the stored model may be wrong by.
+
+use crate::directory::ModelFile;
+use crate::identify::design::inertial_columns;
+use crate::predict::{Sensitivity, sensitivities};
+use crate::session::Session;
+use ::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
+use faer::{Mat, Side};
+use ndarray::{Array1, Array2};
+use physics::effects::Term;
+use physics::robot::PARAMETERS_PER_LINK;
+use physics::torque_model::TorqueModel;
+
+/// Blocks of time that deviations are taken from, at most.
+const BLOCKS: usize = 96;
+
+/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation.
+pub(super) struct System {
+    /// Shape (samples, 10 + directions), one for each joint.
+    joints: Vec<Array2<f64>>,
+}
+
+impl System {
+    /// For one recording; its motion is the only part of the session.
+    pub(super) fn new(
+        file: &ModelFile,
+        model: &TorqueModel,
+        session: &Session,
+        friction_change: f64,
+    ) -> Self {
+        let first = PARAMETERS_PER_LINK * (model.dof() - 1);
+        let last: Vec<usize> = (first..first + PARAMETERS_PER_LINK).collect();
+        let body = inertial_columns(model.robot(), &last, session, 0..1, 1);
+        let root = root_of(&with_friction_change(file, model, friction_change));
+        let channel = file.preprocessing.channel.as_ref();
+        let joints = sensitivities(model, session, &file.memory)
+            .into_iter()
+            .zip(body)
+            .enumerate()
+            .map(|(j, (Sensitivity { places, columns }, body))| {
+                let own = root.select(ndarray::Axis(0), &places);
+                let gain = channel.map_or(1.0, |c| c.gain[j]);
+                ndarray::concatenate![ndarray::Axis(1), body[0], columns.dot(&own)] * gain
+            })
+            .collect();
+        Self { joints }
+    }
+
+    /// Whether any torque depends on the body.
+    pub(super) fn sees_anything(&self) -> bool {
+        let mut columns = self
+            .joints
+            .iter()
+            .flat_map(|t| t.columns().into_iter().take(PARAMETERS_PER_LINK));
+        columns.any(|c| c.iter().any(|v| v.abs() > 1e-9))
+    }
+
+    /// Torque of a body, shape (samples, joints).
+    pub(super) fn torque(&self, body: &[f64; PARAMETERS_PER_LINK]) -> Array2<f64> {
+        let mut unknowns = vec![0.0; self.width()];
+        unknowns[..PARAMETERS_PER_LINK].copy_from_slice(body);
+        self.of(&unknowns)
+    }
+
+    /// What unknowns leave of a target, shape (samples, joints).
+    pub(super) fn left(&self, target: &Array2<f64>, unknowns: &[f64]) -> Array2<f64> {
+        target - &self.of(unknowns)
+    }
+
+    /// The weighted rows of all joints folded into one triangle, and block by block of time.
+    pub(super) fn rows(
+        &self,
+        target: &Array2<f64>,
+        scale: &Array2<f64>,
+    ) -> Result<(Triangle, Vec<Gram>), LeastSquaresError> {
+        let (samples, width) = (target.nrows(), self.width());
+        let size = samples.div_ceil(BLOCKS).max(1);
+        let mut parts = Vec::new();
+        for start in (0..samples).step_by(size) {
+            let mut rows = Accumulator::new(width);
+            for k in start..(start + size).min(samples) {
+                for (j, columns) in self.joints.iter().enumerate() {
+                    let row: Vec<f64> = columns.row(k).to_vec();
+                    rows.push(&row, target[[k, j]], scale[[k, j]])?;
+                }
+            }
+            parts.push(rows.finish()?);
+        }
+        let blocks = parts.iter().map(Gram::from).collect();
+        Ok((Triangle::stack(&parts)?, blocks))
+    }
+
+    fn width(&self) -> usize {
+        self.joints.first().map_or(0, Array2::ncols)
+    }
+
+    fn of(&self, unknowns: &[f64]) -> Array2<f64> {
+        let x = Array1::from(unknowns.to_vec());
+        let columns: Vec<Array1<f64>> = self.joints.iter().map(|c| c.dot(&x)).collect();
+        let rows = columns.first().map_or(0, Array1::len);
+        Array2::from_shape_fn((rows, columns.len()), |(k, j)| columns[j][k])
+    }
+}
+
+/// The stored covariance, with the variance of each coefficient of friction raised by a relative change.
+fn with_friction_change(file: &ModelFile, model: &TorqueModel, change: f64) -> Array2<f64> {
+    let mut covariance = file.covariance_table();
+    let lists = model.terms().iter().flatten();
+    let fitted = lists.filter(|w| w.term.passive().is_none());
+    for (k, w) in fitted.enumerate() {
+        if !matches!(w.term, Term::RotorInertia) {
+            let place = file.base_parameters.len() + k;
+            covariance[[place, place]] += (change * w.value).powi(2);
+        }
+    }
+    covariance
+}
+
+/// L with L Lᵀ = Σ, one column for each direction that varies, shape (parameters, directions).
+fn root_of(covariance: &Array2<f64>) -> Array2<f64> {
+    let n = covariance.nrows();
+    let deviation: Vec<f64> = covariance
+        .diag()
+        .iter()
+        .map(|v| v.max(0.0).sqrt())
+        .collect();
+    // Correlations: units differ by orders of magnitude.
+    let correlation = Mat::from_fn(n, n, |i, j| {
+        let scale = deviation[i] * deviation[j];
+        if scale > 0.0 {
+            covariance[[i, j]] / scale
+        } else {
+            0.0
+        }
+    });
+    let Ok(eigen) = correlation.self_adjoint_eigen(Side::Lower) else {
+        // Without a decomposition the parameters count as independent.
+        return Array2::from_diag(&Array1::from(deviation));
+    };
+    let (values, vectors) = (eigen.S(), eigen.U());
+    let kept: Vec<usize> = (0..n).filter(|&k| values[k] > 1e-12).collect();
+    Array2::from_shape_fn((n, kept.len()), |(i, c)| {
+        deviation[i] * vectors[(i, kept[c])] * values[kept[c]].sqrt()
+    })
+}
