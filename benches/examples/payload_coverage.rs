@@ -5,6 +5,7 @@
 //! prints by figure the mean error in deviations, its spread, and how many of the figures lie within two and three deviations.
 
 use clap::Parser;
+use model::identify::identification::IdentifyOptions;
 use model::payload::{Figure, PayloadOptions, estimate};
 use model::physics_fit::{FitOptions, fit_physics};
 use rayon::prelude::*;
@@ -25,6 +26,9 @@ struct Arguments {
     /// The arm without anything that a rigid model with viscous and Coulomb friction lacks.
     #[arg(long)]
     plain: bool,
+    /// The stored model has viscous and Coulomb friction alone, as train --basic.
+    #[arg(long)]
+    basic: bool,
     /// A line for every body.
     #[arg(long)]
     each: bool,
@@ -35,13 +39,20 @@ const NAMES: [&str; 10] = [
 ];
 
 /// Estimate and truth of each figure of one body.
-fn one(arm: LoadedArm, plain: bool, seed: u64) -> Vec<(Option<Figure>, f64)> {
-    let made = loaded(arm, plain, seed).expect("the arm is possible");
+fn one(arm: LoadedArm, arguments: &Arguments, seed: u64) -> Vec<(Option<Figure>, f64)> {
+    let made = loaded(arm, arguments.plain, seed).expect("the arm is possible");
+    let options = FitOptions {
+        identify: IdentifyOptions {
+            select: !arguments.basic,
+            ..IdentifyOptions::default()
+        },
+        ..FitOptions::default()
+    };
     let fit = fit_physics(
         &made.robot,
         std::slice::from_ref(&made.without),
         None,
-        &FitOptions::default(),
+        &options,
     )
     .expect("the recording can be fitted");
     let found = estimate(&fit.file, &made.with, &PayloadOptions::default())
@@ -67,7 +78,7 @@ fn main() {
     let seeds = arguments.seed..arguments.seed + arguments.draws;
     let all: Vec<Vec<(Option<Figure>, f64)>> = seeds
         .into_par_iter()
-        .map(|seed| one(arm, arguments.plain, seed))
+        .map(|seed| one(arm, &arguments, seed))
         .collect();
     if arguments.each {
         for figures in &all {

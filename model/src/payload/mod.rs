@@ -2,7 +2,8 @@
 //!
 //! The recorded torque less the stored model's is the body's, Y_b(q, q̇, q̈)·p with its ten standard parameters p in the last
 //! joint's frame, plus what the stored model is wrong by, plus noise. The second is not neglected: the model's own
-//! parameters stay unknowns whose prior is the covariance that it was stored with, and friction may have changed since.
+//! parameters stay unknowns whose prior is the covariance that it was stored with, friction may have changed since, and the
+//! body's torque may come through a loaded gear with another gain and more loss.
 //! With C the model's sensitivities, z ~ N(0, Σ), the estimate minimises ‖Y_b p + C z − r‖² in units of the noise plus
 //! zᵀ Σ⁻¹ z, so that its deviations hold both.
 
@@ -132,7 +133,7 @@ pub fn estimate(
         })?;
     let session = Session::new(vec![prepared], &file.clock);
     let model = file.physics.model()?;
-    let system = System::new(file, &model, &session, options.friction_change);
+    let mut system = System::new(file, &model, &session, options.friction_change);
     if !system.sees_anything() {
         return Err(PayloadError::Nothing(recording.source.clone()));
     }
@@ -153,6 +154,7 @@ pub fn estimate(
         let found = body::settle(&triangle, &blocks, &size)?;
         rest = system.left(&target, &found.unknowns);
         residual = left(file, &session, tau, Some(&found.parameters))?;
+        system.allow(&found.parameters);
         known = Some(found.parameters);
         body = Some(found.body);
     }
@@ -226,7 +228,8 @@ fn notes(body: &Body, frame: &str) -> Vec<String> {
             "Centre of mass and inertia in the frame of {frame}; masses in the scale of the recorded torque: a torque constant \
              that is wrong by one percent is one percent of the mass."
         ),
-        "Deviations hold noise that is correlated in time, the stored model's covariance, and friction that has changed since."
+        "Deviations hold noise that is correlated in time, the stored model's covariance, friction that has changed since, and \
+         gears that pass on two percent more or less of the body's torque."
             .into(),
     ];
     if body.inertia.iter().any(Option::is_none) {

@@ -1,4 +1,4 @@
-//! The rows: torque by the body's parameters and by what the stored model may be wrong by.
+//! The rows: torque by the body's parameters, by what the stored model may be wrong by, and by what a load does to a gear.
 
 use crate::directory::ModelFile;
 use crate::identify::design::inertial_columns;
@@ -14,10 +14,23 @@ use physics::torque_model::TorqueModel;
 /// Blocks of time that deviations are taken from, at most.
 const BLOCKS: usize = 96;
 
-/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation.
+/// What a body's torque may come through a joint with, as one deviation: a gear passes another part of it when it drives
+/// than when it is driven, and a torque constant falls with current.
+const GAIN: f64 = 0.02;
+/// Friction by unit of load that the model may not know, as one deviation.
+const LOSS: f64 = 0.1;
+/// Speed over which the sign of motion is softened in it, rad/s (m/s).
+const SOFT: f64 = 0.01;
+
+/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation, then gain and
+/// loss of each joint by unit deviation, which a body has to be known for.
 pub(super) struct System {
-    /// Shape (samples, 10 + directions), one for each joint.
+    /// Shape (samples, 10 + directions + 2 N), one for each joint.
     joints: Vec<Array2<f64>>,
+    /// Torque of the model's own links, shape (samples, joints).
+    load: Array2<f64>,
+    /// Direction of motion, −1 to 1.
+    direction: Array2<f64>,
 }
 
 impl System {
@@ -33,6 +46,8 @@ impl System {
         let body = inertial_columns(model.robot(), &last, session, 0..1, 1);
         let root = root_of(&with_friction_change(file, model, friction_change));
         let channel = file.preprocessing.channel.as_ref();
+        let motion = &session.parts[0].at_samples;
+        let extra = Array2::zeros((motion.len(), 2 * model.dof()));
         let joints = sensitivities(model, session, &file.memory)
             .into_iter()
             .zip(body)
@@ -40,10 +55,33 @@ impl System {
             .map(|(j, (Sensitivity { places, columns }, body))| {
                 let own = root.select(ndarray::Axis(0), &places);
                 let gain = channel.map_or(1.0, |c| c.gain[j]);
-                ndarray::concatenate![ndarray::Axis(1), body[0], columns.dot(&own)] * gain
+                ndarray::concatenate![ndarray::Axis(1), body[0], columns.dot(&own), extra] * gain
             })
             .collect();
-        Self { joints }
+        let fine = &session.load(model.load_robot())[0];
+        let mut load = Array2::zeros(motion.q.raw_dim());
+        for (fine, mut load) in fine.columns().into_iter().zip(load.columns_mut()) {
+            load.assign(&Array1::from(session.parts[0].to_samples(&fine.to_vec())));
+        }
+        Self {
+            joints,
+            load,
+            direction: motion.qd.mapv(|v| v / v.hypot(SOFT)),
+        }
+    }
+
+    /// Lets each joint pass on more or less of a body's torque, and lose more or less of it in friction.
+    pub(super) fn allow(&mut self, body: &[f64; PARAMETERS_PER_LINK]) {
+        let carried = self.torque(body);
+        let first = self.width() - 2 * self.joints.len();
+        for (j, columns) in self.joints.iter_mut().enumerate() {
+            for (k, mut row) in columns.rows_mut().into_iter().enumerate() {
+                let (own, more) = (self.load[[k, j]], carried[[k, j]]);
+                row[first + 2 * j] = GAIN * more;
+                row[first + 2 * j + 1] =
+                    LOSS * ((own + more).abs() - own.abs()) * self.direction[[k, j]];
+            }
+        }
     }
 
     /// Whether any torque depends on the body.
