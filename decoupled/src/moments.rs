@@ -7,7 +7,6 @@
 //! direction of motion is the reference's, for which rows around its reversals, where the joint may stick or still go the
 //! other way, are left out.
 
-use crate::DecoupledError;
 use crate::joint::{Columns, GRAVITY};
 use crate::run::{Run, column};
 use faer::linalg::solvers::Solve;
@@ -127,12 +126,13 @@ impl<'a> Rows<'a> {
     /// Covariance of the sums' noise for parameters θ (COMAU paper, equation 16: S² = B σ² Bᵀ, B the slopes of the equations
     /// by the recorded samples): noise of torque and of position, the latter through gravity, velocity and acceleration.
     pub fn noise(&self, z: &Mat<f64>, parameters: &[f64], noise: Noise) -> Mat<f64> {
-        let [torque, position] = self.noise_parts(z, parameters);
-        faer::Scale(noise.torque.powi(2)) * torque + faer::Scale(noise.position.powi(2)) * position
+        let [torque, position] = self.slopes(z, parameters);
+        faer::Scale(noise.torque.powi(2)) * (torque.transpose() * &torque)
+            + faer::Scale(noise.position.powi(2)) * (position.transpose() * &position)
     }
 
-    /// The same for noise of torque and of position of unit deviation.
-    fn noise_parts(&self, z: &Mat<f64>, parameters: &[f64]) -> [Mat<f64>; 2] {
+    /// B: slopes of the sums by the recorded torques and by the recorded positions, samples × sums each.
+    fn slopes(&self, z: &Mat<f64>, parameters: &[f64]) -> [Mat<f64>; 2] {
         let (n, m, dt) = (self.run.len(), z.ncols(), self.run.step);
         let joint = self.columns.joint(parameters);
         let [mx, my] = joint.moments.unwrap_or_default();
@@ -156,7 +156,7 @@ impl<'a> Rows<'a> {
                 to[k - 1] += y * (bend - drag);
             }
         }
-        [weighted.transpose() * &weighted, moved.transpose() * &moved]
+        [weighted, moved]
     }
 
     /// The noise of the run: that of position from third differences, in which a smooth motion leaves nothing; that of torque
@@ -169,19 +169,21 @@ impl<'a> Rows<'a> {
             .sum();
         let position = (cubes / (20.0 * (q.len() - 3) as f64)).sqrt();
         let each = ((WINDOW / self.run.step) as usize).max(8);
-        let count = self.run.len() / each;
-        let windows = Mat::from_fn(self.run.len(), count, |k, l| {
-            let inside = k / each == l;
-            let bump = (PI * (k % each) as f64 / each as f64).sin().powi(4);
-            if inside { self.weight[k] * bump } else { 0.0 }
+        // All windows in one column: they touch where they are zero.
+        let windows = Mat::from_fn(self.run.len(), 1, |k, _| {
+            self.weight[k] * (PI * (k % each) as f64 / each as f64).sin().powi(4)
         });
-        let Moments { a, b } = self.moments(&windows);
-        let left = b - a * column(parameters);
-        let [torque, moved] = self.noise_parts(&windows, parameters);
-        let trace = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, i)]).sum::<f64>();
+        let left = &self.torque - &self.recorded * column(parameters);
+        let weighted: Vec<f64> = (0..left.nrows())
+            .map(|k| windows[(k, 0)] * left[(k, 0)])
+            .collect();
+        let sums = weighted.chunks(each).map(|w| w.iter().sum::<f64>());
+        let squares: f64 = sums.map(|s| s * s).sum();
+        let [torque, moved] = self.slopes(&windows, parameters);
+        let count = self.run.len() / each;
         let spent = count as f64 / (count.saturating_sub(parameters.len())).max(1) as f64;
-        let energy = spent * left.squared_norm_l2() - position.powi(2) * trace(&moved);
-        let torque = (energy.max(0.0) / trace(&torque).max(f64::MIN_POSITIVE)).sqrt();
+        let energy = spent * squares - position.powi(2) * moved.squared_norm_l2();
+        let torque = (energy.max(0.0) / torque.squared_norm_l2().max(f64::MIN_POSITIVE)).sqrt();
         Noise { position, torque }
     }
 }

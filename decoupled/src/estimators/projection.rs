@@ -4,7 +4,7 @@ use super::{Estimate, Estimator, RIDGE, TAPS, with_noise};
 use crate::DecoupledError;
 use crate::joint::Columns;
 use crate::moments::{Rows, regularised};
-use crate::run::{Run, column};
+use crate::run::Run;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
@@ -53,6 +53,7 @@ fn correlation(z: &Mat<f64>, metric: &Mat<f64>, torque: &Mat<f64>) -> Option<f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run::column;
 
     /// Torque that is a filter of the reference, and noise: what is left has nothing of the reference.
     #[test]

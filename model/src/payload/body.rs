@@ -46,9 +46,9 @@ pub(super) struct Settled {
 /// A mass or moment counts as told where the rows narrow it to this part of what the robot could carry.
 const TOLD: f64 = 0.05;
 /// An inertia counts as told where its deviation is at most this part of a plausible body's.
-const TOLD_INERTIA: f64 = 0.5;
+const TOLD_INERTIA: f64 = 0.25;
 /// Radius of gyration of a plausible body, relative to the distance of its centre of mass, and at least, m.
-const GYRATION: (f64, f64) = (0.5, 0.05);
+const GYRATION: (f64, f64) = (0.5, 0.1);
 /// Passes that take the plausible inertia from the estimated centre of mass.
 const PLAUSIBLE: usize = 3;
 

@@ -2,8 +2,10 @@
 //!
 //! The recorded torque less the stored model's is the body's, Y_b(q, q̇, q̈)·p with its ten standard parameters p in the last
 //! joint's frame, plus what the stored model is wrong by, plus noise. The second is not neglected: the model's own
-//! parameters stay unknowns whose prior is the covariance that it was stored with, friction may have changed since, and the
-//! body's torque may come through a loaded gear with another gain and more loss.
+//! parameters stay unknowns whose prior is the covariance that it was stored with, friction may have changed since, the
+//! body's torque may come through a loaded gear with another gain and more loss, and each joint's torque may be wrong by a
+//! function of its position and direction, as large as what the first pass leaves that is no noise (a discrepancy in the sense of
+//! Kennedy and O'Hagan, "Bayesian calibration of computer models", J. R. Stat. Soc. B 63(3), 2001).
 //! With C the model's sensitivities, z ~ N(0, Σ), the estimate minimises ‖Y_b p + C z − r‖² in units of the noise plus
 //! zᵀ Σ⁻¹ z, so that its deviations hold both.
 
@@ -155,6 +157,9 @@ pub fn estimate(
         rest = system.left(&target, &found.unknowns);
         residual = left(file, &session, tau, Some(&found.parameters))?;
         system.allow(&found.parameters);
+        if known.is_none() {
+            system.misfit(&noise::shared(&rest, recording));
+        }
         known = Some(found.parameters);
         body = Some(found.body);
     }

@@ -40,3 +40,19 @@ pub(super) fn scale(left: &Array2<f64>, session: &Session, recording: &Recording
     }
     scale
 }
+
+/// Root mean square of the part of a residual that neighbouring samples share, joint by joint: what a model leaves that is no
+/// noise.
+pub(super) fn shared(left: &Array2<f64>, recording: &Recording) -> Vec<f64> {
+    let breaks: Vec<usize> = recording
+        .trajectories
+        .iter()
+        .map(|t| t.range.start)
+        .collect();
+    let of = |column: ndarray::ArrayView1<f64>| {
+        let e = column.to_vec();
+        residual_tests(&e, &e, &e, &breaks)
+            .map_or(0.0, |t| t.std * t.serial.lag_one.max(0.0).sqrt())
+    };
+    left.columns().into_iter().map(of).collect()
+}

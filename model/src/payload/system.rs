@@ -22,13 +22,21 @@ const LOSS: f64 = 0.1;
 /// Speed over which the sign of motion is softened in it, rad/s (m/s).
 const SOFT: f64 = 0.01;
 
-/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation, then gain and
-/// loss of each joint by unit deviation, which a body has to be known for.
+/// Harmonics of a joint's position by which the torque may be wrong, either way of motion alike and not.
+const HARMONICS: usize = 2;
+/// Columns of what each joint may be wrong by beside the stored parameters: gain, loss, constant and harmonics twice.
+const EXTRA: usize = 2 + 2 * (1 + 2 * HARMONICS);
+
+/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation, then, by unit
+/// deviation too, gain and loss of each joint, for which a body has to be known, and its torque's error by position and
+/// direction, for which a residual has to be known.
 pub(super) struct System {
-    /// Shape (samples, 10 + directions + 2 N), one for each joint.
+    /// Shape (samples, 10 + directions + [`EXTRA`] N), one for each joint.
     joints: Vec<Array2<f64>>,
     /// Torque of the model's own links, shape (samples, joints).
     load: Array2<f64>,
+    /// Positions.
+    position: Array2<f64>,
     /// Direction of motion, −1 to 1.
     direction: Array2<f64>,
 }
@@ -47,7 +55,7 @@ impl System {
         let root = root_of(&with_friction_change(file, model, friction_change));
         let channel = file.preprocessing.channel.as_ref();
         let motion = &session.parts[0].at_samples;
-        let extra = Array2::zeros((motion.len(), 2 * model.dof()));
+        let extra = Array2::zeros((motion.len(), EXTRA * model.dof()));
         let joints = sensitivities(model, session, &file.memory)
             .into_iter()
             .zip(body)
@@ -66,6 +74,7 @@ impl System {
         Self {
             joints,
             load,
+            position: motion.q.clone(),
             direction: motion.qd.mapv(|v| v / v.hypot(SOFT)),
         }
     }
@@ -73,13 +82,39 @@ impl System {
     /// Lets each joint pass on more or less of a body's torque, and lose more or less of it in friction.
     pub(super) fn allow(&mut self, body: &[f64; PARAMETERS_PER_LINK]) {
         let carried = self.torque(body);
-        let first = self.width() - 2 * self.joints.len();
+        let first = self.width() - EXTRA * self.joints.len();
         for (j, columns) in self.joints.iter_mut().enumerate() {
             for (k, mut row) in columns.rows_mut().into_iter().enumerate() {
                 let (own, more) = (self.load[[k, j]], carried[[k, j]]);
-                row[first + 2 * j] = GAIN * more;
-                row[first + 2 * j + 1] =
-                    LOSS * ((own + more).abs() - own.abs()) * self.direction[[k, j]];
+                let at = first + EXTRA * j;
+                row[at] = GAIN * more;
+                row[at + 1] = LOSS * ((own + more).abs() - own.abs()) * self.direction[[k, j]];
+            }
+        }
+    }
+
+    /// Lets each joint's torque be wrong by a function of its position and direction of this size, N·m (N): constant and
+    /// harmonics, all of the same variance.
+    pub(super) fn misfit(&mut self, size: &[f64]) {
+        let first = self.width() - EXTRA * self.joints.len();
+        for (j, columns) in self.joints.iter_mut().enumerate() {
+            let each = size[j] / ((EXTRA - 2) as f64).sqrt();
+            // Half the square of an amplitude is a wave's variance.
+            let wave = each * std::f64::consts::SQRT_2;
+            for (k, mut row) in columns.rows_mut().into_iter().enumerate() {
+                let (q, way) = (self.position[[k, j]], self.direction[[k, j]]);
+                let mut at = first + EXTRA * j + 2;
+                let mut put = |value: f64| {
+                    row[at] = value;
+                    row[at + 1] = value * way;
+                    at += 2;
+                };
+                put(each);
+                for h in 1..=HARMONICS {
+                    let (sin, cos) = (h as f64 * q).sin_cos();
+                    put(wave * sin);
+                    put(wave * cos);
+                }
             }
         }
     }
