@@ -1,6 +1,6 @@
 //! From the rows to a body, and which of its figures may be claimed.
 
-use super::Size;
+use super::size::Size;
 use ::identify::least_squares::{
     Estimate, Gram, LeastSquaresError, Prior, SolveOptions, Triangle, block_covariance, solve,
 };
@@ -46,7 +46,7 @@ pub(super) struct Settled {
 /// A mass or moment counts as told where the rows narrow it to this part of what the robot could carry.
 const TOLD: f64 = 0.05;
 /// An inertia counts as told where its deviation is at most this part of a plausible body's.
-const TOLD_INERTIA: f64 = 0.25;
+const TOLD_INERTIA: f64 = 0.1;
 /// Radius of gyration of a plausible body, relative to the distance of its centre of mass, and at least, m.
 const GYRATION: (f64, f64) = (0.5, 0.1);
 /// Passes that take the plausible inertia from the estimated centre of mass.

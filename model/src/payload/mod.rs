@@ -11,6 +11,7 @@
 
 mod body;
 mod noise;
+mod size;
 mod system;
 
 pub use body::{Body, Figure};
@@ -24,9 +25,10 @@ use ::identify::least_squares::LeastSquaresError;
 use datasets::Recording;
 use datasets::prepare::PrepareError;
 use ndarray::Array2;
-use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use physics::robot::PARAMETERS_PER_LINK;
 use physics::torque_model::TorqueModelError;
 use serde::Serialize;
+use size::Size;
 use system::System;
 
 /// Settings of [`estimate`].
@@ -177,25 +179,6 @@ pub fn estimate(
         rmse_without: rms(&without),
         rmse_with: rms(&residual),
     })
-}
-
-/// How large a body the robot could carry: what a figure that no row tells is held within.
-pub(crate) struct Size {
-    mass: f64,
-    length: f64,
-}
-
-impl Size {
-    /// A body as heavy as the whole robot, as far from its last joint as the arm is long.
-    fn of(robot: &Robot) -> Self {
-        let links = robot.joints().iter();
-        let mass: f64 = links.clone().map(|j| j.link.inertia.mass.abs()).sum();
-        let length: f64 = links.map(|j| j.translation.norm()).sum();
-        Self {
-            mass: mass.max(10.0),
-            length: length.max(0.5),
-        }
-    }
 }
 
 /// Recorded torque less that of the model, with the body on its last link where one is given.

@@ -93,14 +93,11 @@ impl System {
         }
     }
 
-    /// Lets each joint's torque be wrong by a function of its position and direction of this size, N·m (N): constant and
-    /// harmonics, all of the same variance.
+    /// Lets each joint's torque be wrong by a function of its position and direction of this size, N·m (N): a constant
+    /// and harmonics, each of which may alone be so large.
     pub(super) fn misfit(&mut self, size: &[f64]) {
         let first = self.width() - EXTRA * self.joints.len();
         for (j, columns) in self.joints.iter_mut().enumerate() {
-            let each = size[j] / ((EXTRA - 2) as f64).sqrt();
-            // Half the square of an amplitude is a wave's variance.
-            let wave = each * std::f64::consts::SQRT_2;
             for (k, mut row) in columns.rows_mut().into_iter().enumerate() {
                 let (q, way) = (self.position[[k, j]], self.direction[[k, j]]);
                 let mut at = first + EXTRA * j + 2;
@@ -109,11 +106,11 @@ impl System {
                     row[at + 1] = value * way;
                     at += 2;
                 };
-                put(each);
+                put(size[j]);
                 for h in 1..=HARMONICS {
                     let (sin, cos) = (h as f64 * q).sin_cos();
-                    put(wave * sin);
-                    put(wave * cos);
+                    put(size[j] * sin);
+                    put(size[j] * cos);
                 }
             }
         }
