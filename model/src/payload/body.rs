@@ -90,8 +90,8 @@ pub(super) fn settle(
         for _ in 0..PLAUSIBLE {
             let (mass, com, own) = plausible(&estimate);
             let body = Inertia::from_com(mass, com, Matrix3::identity() * own).parameters();
+            prior.mean[4..PARAMETERS_PER_LINK].copy_from_slice(&body[4..]);
             for i in 4..PARAMETERS_PER_LINK {
-                prior.mean[i] = body[i];
                 prior.std[i] = own.max(1e-9 * widest(i));
             }
             estimate = solved(triangle, blocks, &prior)?;
