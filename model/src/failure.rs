@@ -4,6 +4,7 @@ use crate::directory::DirectoryError;
 use crate::evaluation::EvaluateError;
 use crate::identify::error::IdentifyError;
 use crate::leaderboard::LeaderboardError;
+use crate::payload::PayloadError;
 use crate::physics_fit::FitError;
 use crate::preparation::check::CheckError;
 use crate::preparation::setup::SetupError;
@@ -171,6 +172,23 @@ impl From<LeaderboardError> for Failure {
                 "Give the models of one robot, and make a page for each robot.",
             ),
             e => Self::input(e.to_string(), ""),
+        }
+    }
+}
+
+impl From<PayloadError> for Failure {
+    fn from(error: PayloadError) -> Self {
+        match error {
+            PayloadError::Evaluate(e) => e.into(),
+            PayloadError::LeastSquares(_) => Self::other(error.to_string()),
+            PayloadError::NoTorque(_) => Self::input(
+                error.to_string(),
+                "Record torque or current beside the motion; a drive file names other columns.",
+            ),
+            PayloadError::Nothing(_) => Self::input(
+                error.to_string(),
+                "Record a motion of the joints that carry it: see excite.",
+            ),
         }
     }
 }

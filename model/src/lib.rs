@@ -12,6 +12,7 @@ pub mod failure;
 pub mod identify;
 pub mod leaderboard;
 pub mod page;
+pub mod payload;
 pub mod physics_fit;
 pub mod predict;
 pub mod preparation;

@@ -63,43 +63,67 @@ pub fn predict_noted(
     all
 }
 
-/// Standard deviation of the predicted torque that comes from the parameters' covariance alone, for
-/// the last recording of the session, shape (samples, joints).
+/// What the torque of one joint changes by with each fitted parameter.
+pub struct Sensitivity {
+    /// Where these parameters stand among all: base parameters, then each joint's fitted terms, as in the covariance.
+    pub places: Vec<usize>,
+    /// Torque by unit of each, shape (samples, parameters).
+    pub columns: Array2<f64>,
+}
+
+/// Sensitivity of every joint's torque over the last recording of the session.
 ///
-/// `covariance` is over the base parameters, then each joint's fitted terms; terms whose deviation is
-/// zero by construction (a known counterbalance) are not among them.
-pub fn parameter_deviation(
+/// Terms whose deviation is zero by construction (a known counterbalance) are not among the parameters.
+pub fn sensitivities(
     model: &TorqueModel,
     session: &Session,
     memory: &[Memory],
-    covariance: &Array2<f64>,
-) -> Array2<f64> {
+) -> Vec<Sensitivity> {
     let robot = model.robot();
     let base = BaseParameters::of_robot(robot, &[]);
     let last = session.parts.len() - 1;
     let rigid = rigid_columns(robot, &base, session, last..last + 1, 1);
     let load = session.load(model.load_robot());
     let mut offset = base.len();
-    let mut table = Array2::zeros((session.parts[last].at_samples.len(), robot.dof()));
+    let mut all = Vec::with_capacity(robot.dof());
     for (joint, (list, rigid)) in model.terms().iter().zip(&rigid).enumerate() {
-        let all: Vec<Term> = list.iter().map(|w| w.term.clone()).collect();
+        let terms: Vec<Term> = list.iter().map(|w| w.term.clone()).collect();
         let known: Vec<&BankState> = memory.iter().filter_map(|m| m.physics.get(joint)).collect();
-        // A known counterbalance or spring has no deviation and no place in the covariance.
-        let fitted: Vec<usize> = (0..all.len())
-            .filter(|&k| all[k].passive().is_none())
+        let fitted: Vec<usize> = (0..terms.len())
+            .filter(|&k| terms[k].passive().is_none())
             .collect();
-        let columns = session.columns(joint, &all, &load, &known)[last].select(Axis(1), &fitted);
-        let places: Vec<usize> = (0..base.len())
-            .chain(offset..offset + fitted.len())
-            .collect();
+        let columns = session.columns(joint, &terms, &load, &known)[last].select(Axis(1), &fitted);
+        all.push(Sensitivity {
+            places: (0..base.len())
+                .chain(offset..offset + fitted.len())
+                .collect(),
+            columns: ndarray::concatenate![Axis(1), rigid[0], columns],
+        });
         offset += fitted.len();
+    }
+    all
+}
+
+/// Standard deviation of the predicted torque that comes from the parameters' covariance alone, for
+/// the last recording of the session, shape (samples, joints).
+///
+/// `covariance` is over the base parameters, then each joint's fitted terms.
+pub fn parameter_deviation(
+    model: &TorqueModel,
+    session: &Session,
+    memory: &[Memory],
+    covariance: &Array2<f64>,
+) -> Array2<f64> {
+    let all = sensitivities(model, session, memory);
+    let last = session.parts.len() - 1;
+    let mut table = Array2::zeros((session.parts[last].at_samples.len(), all.len()));
+    for (Sensitivity { places, columns }, mut target) in all.iter().zip(table.columns_mut()) {
         let own = Array2::from_shape_fn((places.len(), places.len()), |(i, k)| {
             covariance[[places[i], places[k]]]
         });
-        let rows = ndarray::concatenate![Axis(1), rigid[0], columns];
-        let spread = rows.dot(&own);
-        for (row, target) in table.column_mut(joint).iter_mut().enumerate() {
-            *target = spread.row(row).dot(&rows.row(row)).max(0.0).sqrt();
+        let spread = columns.dot(&own);
+        for (row, target) in target.iter_mut().enumerate() {
+            *target = spread.row(row).dot(&columns.row(row)).max(0.0).sqrt();
         }
     }
     table

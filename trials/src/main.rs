@@ -6,6 +6,7 @@ use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use trials::protocols::payload::{LoadedArm, loaded};
 use trials::{Protocol, SimulateError, cases, raw};
 
 /// Recordings of simulated robots, with effects that a rigid-body model lacks.
@@ -60,6 +61,27 @@ enum What {
     /// Foxbot A05: Fourier series with friction by a power of speed.
     #[command(name = "foxbot_a05")]
     FoxbotA05(Recordings),
+    /// An arm twice: four excitations as it is, and one with a body on its last link; robot.urdf and truth.json beside.
+    Payload {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// Which arm.
+        #[arg(long, default_value = "ur5", value_parser = arm)]
+        arm: LoadedArm,
+        /// Seed of body, motion and noise.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// The arm without anything that a rigid model with viscous and Coulomb friction lacks.
+        #[arg(long)]
+        plain: bool,
+    },
+}
+
+fn arm(text: &str) -> Result<LoadedArm, String> {
+    let all = [LoadedArm::Ur5, LoadedArm::Seven];
+    let found = all.into_iter().find(|a| a.name() == text);
+    found.ok_or_else(|| "expected ur5 or seven".to_owned())
 }
 
 #[derive(clap::Args)]
@@ -131,6 +153,17 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
         What::Ur5(to) => record(Protocol::Ur5, to, arguments.quiet),
         What::Kr300(to) => record(Protocol::Kr300, to, arguments.quiet),
         What::FoxbotA05(to) => record(Protocol::FoxbotA05, to, arguments.quiet),
+        What::Payload {
+            out,
+            arm,
+            seed,
+            plain,
+        } => {
+            for file in loaded(*arm, *plain, *seed)?.write(out)? {
+                report::say!("{}", file.display());
+            }
+            Ok(())
+        }
     }
 }
 

@@ -24,6 +24,17 @@ pub fn rigid_columns(
     recordings: Range<usize>,
     every: usize,
 ) -> RigidColumns {
+    inertial_columns(robot, base.independent(), session, recordings, every)
+}
+
+/// The same for any of the 10 N standard parameters, given by their places.
+pub fn inertial_columns(
+    robot: &Robot,
+    standard: &[usize],
+    session: &Session,
+    recordings: Range<usize>,
+    every: usize,
+) -> RigidColumns {
     let n = robot.dof();
     let width = PARAMETERS_PER_LINK * n;
     let mut workspace = Workspace::new(robot);
@@ -31,8 +42,8 @@ pub fn rigid_columns(
     let mut columns: RigidColumns = vec![Vec::new(); n];
     for part in &session.parts[recordings] {
         let motion = &part.fine;
-        // One fine column per joint and base parameter, column-major.
-        let mut fine = vec![vec![0.0; motion.len()]; n * base.len()];
+        // One fine column per joint and parameter, column-major.
+        let mut fine = vec![vec![0.0; motion.len()]; n * standard.len()];
         let rows = motion.q.rows().into_iter();
         let rows = rows.zip(motion.qd.rows()).zip(motion.qdd.rows());
         let needed = part.rows_for(every);
@@ -43,8 +54,8 @@ pub fn rigid_columns(
             };
             regressor(robot, &mut workspace, q, qd, qdd, &mut y);
             for joint in 0..n {
-                for (k, &column) in base.independent().iter().enumerate() {
-                    fine[joint * base.len() + k][row] = y[joint * width + column];
+                for (k, &column) in standard.iter().enumerate() {
+                    fine[joint * standard.len() + k][row] = y[joint * width + column];
                 }
             }
         }
@@ -52,9 +63,9 @@ pub fn rigid_columns(
             .par_iter()
             .map(|column| part.to_samples(column))
             .collect();
-        for (list, block) in columns.iter_mut().zip(sampled.chunks(base.len())) {
+        for (list, block) in columns.iter_mut().zip(sampled.chunks(standard.len())) {
             list.push(Array2::from_shape_fn(
-                (part.at_samples.len(), base.len()),
+                (part.at_samples.len(), standard.len()),
                 |(r, c)| block[c][r],
             ));
         }

@@ -2,6 +2,7 @@
 
 mod foxbot;
 mod kr300;
+pub mod payload;
 mod recorded;
 mod runs;
 mod ur5;

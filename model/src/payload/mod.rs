@@ -1,0 +1,239 @@
+//! A body on the last link, from a recording with it and a stored model without it.
+//!
+//! The recorded torque less the stored model's is the body's, Y_b(q, q̇, q̈)·p with its ten standard parameters p in the last
+//! joint's frame, plus what the stored model is wrong by, plus noise. The second is not neglected: the model's own
+//! parameters stay unknowns whose prior is the covariance that it was stored with, friction may have changed since, the
+//! body's torque may come through a loaded gear with another gain and more loss, and each joint's torque may be wrong by a
+//! function of its position and direction, as large as what the first pass leaves that is no noise (a discrepancy in the sense of
+//! Kennedy and O'Hagan, "Bayesian calibration of computer models", J. R. Stat. Soc. B 63(3), 2001).
+//! With C the model's sensitivities, z ~ N(0, Σ), the estimate minimises ‖Y_b p + C z − r‖² in units of the noise plus
+//! zᵀ Σ⁻¹ z, so that its deviations hold both.
+
+mod body;
+mod noise;
+mod size;
+mod system;
+
+pub use body::{Body, Figure};
+
+use crate::directory::ModelFile;
+use crate::evaluation::EvaluateError;
+use crate::predict::predict_noted;
+use crate::preparation::units::{Degrees, refuse_degrees};
+use crate::session::Session;
+use ::identify::least_squares::LeastSquaresError;
+use datasets::Recording;
+use datasets::prepare::PrepareError;
+use ndarray::Array2;
+use physics::robot::PARAMETERS_PER_LINK;
+use physics::torque_model::TorqueModelError;
+use serde::Serialize;
+use size::Size;
+use system::System;
+
+/// Settings of [`estimate`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct PayloadOptions {
+    /// Cut-off of the motion's low-pass instead of the model's own, Hz.
+    pub cutoff_hz: Option<f64>,
+    /// How far each coefficient of friction may have changed since the model was made, as one standard deviation relative to
+    /// its size. Default 0.1: a few degrees of a gear's temperature.
+    pub friction_change: f64,
+}
+
+impl Default for PayloadOptions {
+    fn default() -> Self {
+        Self {
+            cutoff_hz: None,
+            friction_change: 0.1,
+        }
+    }
+}
+
+/// What was found of a body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Payload {
+    /// `payload/1`.
+    pub schema: &'static str,
+    /// Joint names.
+    pub joints: Vec<String>,
+    /// Joint in whose frame the figures are.
+    pub frame: String,
+    /// Number of samples.
+    pub samples: usize,
+    /// The body.
+    #[serde(flatten)]
+    pub body: Body,
+    /// Root mean square of the torque that the model without the body leaves, N·m (N).
+    pub rmse_without: Vec<f64>,
+    /// The same with the body.
+    pub rmse_with: Vec<f64>,
+    /// What the figures depend on, in words.
+    pub notes: Vec<String>,
+}
+
+/// Why no body could be estimated.
+#[derive(Debug, thiserror::Error)]
+pub enum PayloadError {
+    /// The recording and the model do not fit together.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// The recording has no torque.
+    #[error("{0} holds no torque (tau1 …), which the payload is told from")]
+    NoTorque(String),
+    /// Nothing in the recording moves or weighs.
+    #[error("{0}: no torque of this motion depends on the payload's mass or its moments")]
+    Nothing(String),
+    /// Least squares.
+    #[error(transparent)]
+    LeastSquares(#[from] LeastSquaresError),
+}
+
+impl From<TorqueModelError> for PayloadError {
+    fn from(error: TorqueModelError) -> Self {
+        Self::Evaluate(error.into())
+    }
+}
+
+impl From<Degrees> for PayloadError {
+    fn from(error: Degrees) -> Self {
+        Self::Evaluate(error.into())
+    }
+}
+
+/// Passes: each takes deviations from what the one before leaves, and the load of load-dependent friction from its body.
+const PASSES: usize = 4;
+
+/// Estimates the body on the last link of a recording that the stored model knows without it.
+///
+/// # Errors
+/// See [`PayloadError`].
+pub fn estimate(
+    file: &ModelFile,
+    recording: &Recording,
+    options: &PayloadOptions,
+) -> Result<Payload, PayloadError> {
+    if recording.dof() != file.joints.len() {
+        return Err(PayloadError::Evaluate(EvaluateError::Joints {
+            found: recording.dof(),
+            file: recording.source.clone(),
+            expected: file.joints.len(),
+            robot: file.physics.robot.clone(),
+        }));
+    }
+    let tau = recording
+        .tau
+        .as_ref()
+        .ok_or_else(|| PayloadError::NoTorque(recording.source.clone()))?;
+    refuse_degrees(&file.physics.nominal()?, recording)?;
+    let prepared = file
+        .preprocessing
+        .prepare(recording, options.cutoff_hz)
+        .map_err(|source: PrepareError| {
+            PayloadError::Evaluate(EvaluateError::Prepare {
+                file: recording.source.clone(),
+                source,
+            })
+        })?;
+    let session = Session::new(vec![prepared], &file.clock);
+    let model = file.physics.model()?;
+    let mut system = System::new(file, &model, &session, options.friction_change);
+    if !system.sees_anything() {
+        return Err(PayloadError::Nothing(recording.source.clone()));
+    }
+    let size = Size::of(model.robot());
+    let without = left(file, &session, tau, None)?;
+    let mut residual = without.clone();
+    let mut rest = without.clone();
+    let mut known: Option<[f64; PARAMETERS_PER_LINK]> = None;
+    let mut body = None;
+    for _ in 0..PASSES {
+        let scale = noise::scale(&rest, &session, recording);
+        let target = match &known {
+            // The model carries the body already: what its load changes in friction is taken off with it.
+            Some(parameters) => &residual + &system.torque(parameters),
+            None => residual.clone(),
+        };
+        let (triangle, blocks) = system.rows(&target, &scale)?;
+        let found = body::settle(&triangle, &blocks, &size)?;
+        rest = system.left(&target, &found.unknowns);
+        residual = left(file, &session, tau, Some(&found.parameters))?;
+        system.allow(&found.parameters);
+        if known.is_none() {
+            system.misfit(&noise::shared(&rest, recording));
+        }
+        known = Some(found.parameters);
+        body = Some(found.body);
+    }
+    let Some(body) = body else {
+        unreachable!("there is at least one pass")
+    };
+    let frame = file.joints.last().cloned().unwrap_or_default();
+    Ok(Payload {
+        schema: "payload/1",
+        joints: file.joints.clone(),
+        samples: recording.len(),
+        notes: notes(&body, &frame),
+        frame,
+        body,
+        rmse_without: rms(&without),
+        rmse_with: rms(&residual),
+    })
+}
+
+/// Recorded torque less that of the model, with the body on its last link where one is given.
+fn left(
+    file: &ModelFile,
+    session: &Session,
+    tau: &Array2<f64>,
+    body: Option<&[f64; PARAMETERS_PER_LINK]>,
+) -> Result<Array2<f64>, PayloadError> {
+    let mut physics = file.physics.clone();
+    if let Some(body) = body {
+        let first = PARAMETERS_PER_LINK * (file.joints.len() - 1);
+        for parameters in [&mut physics.rigid, &mut physics.load] {
+            for (p, b) in parameters[first..].iter_mut().zip(body) {
+                *p += b;
+            }
+        }
+    }
+    let model = physics.model()?;
+    let channel = file.preprocessing.channel.as_ref();
+    let predicted = predict_noted(&model, session, &file.memory, channel);
+    Ok(tau - &predicted[0])
+}
+
+fn rms(table: &Array2<f64>) -> Vec<f64> {
+    let of = |column: ndarray::ArrayView1<f64>| {
+        (column.dot(&column) / column.len().max(1) as f64).sqrt()
+    };
+    table.columns().into_iter().map(of).collect()
+}
+
+fn notes(body: &Body, frame: &str) -> Vec<String> {
+    let mut notes = vec![
+        format!(
+            "Centre of mass and inertia in the frame of {frame}; masses in the scale of the recorded torque: a torque constant \
+             that is wrong by one percent is one percent of the mass."
+        ),
+        "Deviations hold noise that is correlated in time, the stored model's covariance, friction that has changed since, and \
+         gears that pass on two percent more or less of the body's torque."
+            .into(),
+    ];
+    if body.inertia.iter().any(Option::is_none) {
+        notes.push(
+            "This motion does not tell the whole inertia: four parameters are claimed, and the inertia is taken as that of a body of \
+             plausible size, whose uncertainty is in the deviations."
+                .into(),
+        );
+    }
+    if body.mass.is_none() {
+        notes.push("No torque of this motion tells the mass itself.".into());
+    }
+    if body.possible == Some(false) {
+        notes.push(
+            "No body has exactly these ten parameters; within their deviations one may.".into(),
+        );
+    }
+    notes
+}

@@ -1,0 +1,215 @@
+//! The rows: torque by the body's parameters, by what the stored model may be wrong by, and by what a load does to a gear.
+
+use crate::directory::ModelFile;
+use crate::identify::design::inertial_columns;
+use crate::predict::{Sensitivity, sensitivities};
+use crate::session::Session;
+use ::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
+use faer::{Mat, Side};
+use ndarray::{Array1, Array2};
+use physics::effects::Term;
+use physics::robot::PARAMETERS_PER_LINK;
+use physics::torque_model::TorqueModel;
+
+/// Blocks of time that deviations are taken from, at most.
+const BLOCKS: usize = 96;
+
+/// What a body's torque may come through a joint with, as one deviation: a gear passes another part of it when it drives
+/// than when it is driven, and a torque constant falls with current.
+const GAIN: f64 = 0.02;
+/// Friction by unit of load that the model may not know, as one deviation.
+const LOSS: f64 = 0.1;
+/// Speed over which the sign of motion is softened in it, rad/s (m/s).
+const SOFT: f64 = 0.01;
+
+/// Harmonics of a joint's position by which the torque may be wrong, either way of motion alike and not.
+const HARMONICS: usize = 2;
+/// Columns of what each joint may be wrong by beside the stored parameters: gain, loss, constant and harmonics twice.
+const EXTRA: usize = 2 + 2 * (1 + 2 * HARMONICS);
+
+/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation, then, by unit
+/// deviation too, gain and loss of each joint, for which a body has to be known, and its torque's error by position and
+/// direction, for which a residual has to be known.
+pub(super) struct System {
+    /// Shape (samples, 10 + directions + [`EXTRA`] N), one for each joint.
+    joints: Vec<Array2<f64>>,
+    /// Torque of the model's own links, shape (samples, joints).
+    load: Array2<f64>,
+    /// Positions.
+    position: Array2<f64>,
+    /// Direction of motion, −1 to 1.
+    direction: Array2<f64>,
+}
+
+impl System {
+    /// For one recording; its motion is the only part of the session.
+    pub(super) fn new(
+        file: &ModelFile,
+        model: &TorqueModel,
+        session: &Session,
+        friction_change: f64,
+    ) -> Self {
+        let first = PARAMETERS_PER_LINK * (model.dof() - 1);
+        let last: Vec<usize> = (first..first + PARAMETERS_PER_LINK).collect();
+        let body = inertial_columns(model.robot(), &last, session, 0..1, 1);
+        let root = root_of(&with_friction_change(file, model, friction_change));
+        let channel = file.preprocessing.channel.as_ref();
+        let motion = &session.parts[0].at_samples;
+        let extra = Array2::zeros((motion.len(), EXTRA * model.dof()));
+        let joints = sensitivities(model, session, &file.memory)
+            .into_iter()
+            .zip(body)
+            .enumerate()
+            .map(|(j, (Sensitivity { places, columns }, body))| {
+                let own = root.select(ndarray::Axis(0), &places);
+                let gain = channel.map_or(1.0, |c| c.gain[j]);
+                ndarray::concatenate![ndarray::Axis(1), body[0], columns.dot(&own), extra] * gain
+            })
+            .collect();
+        let fine = &session.load(model.load_robot())[0];
+        let mut load = Array2::zeros(motion.q.raw_dim());
+        for (fine, mut load) in fine.columns().into_iter().zip(load.columns_mut()) {
+            load.assign(&Array1::from(session.parts[0].to_samples(&fine.to_vec())));
+        }
+        Self {
+            joints,
+            load,
+            position: motion.q.clone(),
+            direction: motion.qd.mapv(|v| v / v.hypot(SOFT)),
+        }
+    }
+
+    /// Lets each joint pass on more or less of a body's torque, and lose more or less of it in friction.
+    pub(super) fn allow(&mut self, body: &[f64; PARAMETERS_PER_LINK]) {
+        let carried = self.torque(body);
+        let first = self.width() - EXTRA * self.joints.len();
+        for (j, columns) in self.joints.iter_mut().enumerate() {
+            for (k, mut row) in columns.rows_mut().into_iter().enumerate() {
+                let (own, more) = (self.load[[k, j]], carried[[k, j]]);
+                let at = first + EXTRA * j;
+                row[at] = GAIN * more;
+                row[at + 1] = LOSS * ((own + more).abs() - own.abs()) * self.direction[[k, j]];
+            }
+        }
+    }
+
+    /// Lets each joint's torque be wrong by a function of its position and direction of this size, N·m (N): a constant
+    /// and harmonics, each of which may alone be so large.
+    pub(super) fn misfit(&mut self, size: &[f64]) {
+        let first = self.width() - EXTRA * self.joints.len();
+        for (j, columns) in self.joints.iter_mut().enumerate() {
+            for (k, mut row) in columns.rows_mut().into_iter().enumerate() {
+                let (q, way) = (self.position[[k, j]], self.direction[[k, j]]);
+                let mut at = first + EXTRA * j + 2;
+                let mut put = |value: f64| {
+                    row[at] = value;
+                    row[at + 1] = value * way;
+                    at += 2;
+                };
+                put(size[j]);
+                for h in 1..=HARMONICS {
+                    let (sin, cos) = (h as f64 * q).sin_cos();
+                    put(size[j] * sin);
+                    put(size[j] * cos);
+                }
+            }
+        }
+    }
+
+    /// Whether any torque depends on the body.
+    pub(super) fn sees_anything(&self) -> bool {
+        let mut columns = self
+            .joints
+            .iter()
+            .flat_map(|t| t.columns().into_iter().take(PARAMETERS_PER_LINK));
+        columns.any(|c| c.iter().any(|v| v.abs() > 1e-9))
+    }
+
+    /// Torque of a body, shape (samples, joints).
+    pub(super) fn torque(&self, body: &[f64; PARAMETERS_PER_LINK]) -> Array2<f64> {
+        let mut unknowns = vec![0.0; self.width()];
+        unknowns[..PARAMETERS_PER_LINK].copy_from_slice(body);
+        self.of(&unknowns)
+    }
+
+    /// What unknowns leave of a target, shape (samples, joints).
+    pub(super) fn left(&self, target: &Array2<f64>, unknowns: &[f64]) -> Array2<f64> {
+        target - &self.of(unknowns)
+    }
+
+    /// The weighted rows of all joints folded into one triangle, and block by block of time.
+    pub(super) fn rows(
+        &self,
+        target: &Array2<f64>,
+        scale: &Array2<f64>,
+    ) -> Result<(Triangle, Vec<Gram>), LeastSquaresError> {
+        let (samples, width) = (target.nrows(), self.width());
+        let size = samples.div_ceil(BLOCKS).max(1);
+        let mut parts = Vec::new();
+        for start in (0..samples).step_by(size) {
+            let mut rows = Accumulator::new(width);
+            for k in start..(start + size).min(samples) {
+                for (j, columns) in self.joints.iter().enumerate() {
+                    let row: Vec<f64> = columns.row(k).to_vec();
+                    rows.push(&row, target[[k, j]], scale[[k, j]])?;
+                }
+            }
+            parts.push(rows.finish()?);
+        }
+        let blocks = parts.iter().map(Gram::from).collect();
+        Ok((Triangle::stack(&parts)?, blocks))
+    }
+
+    fn width(&self) -> usize {
+        self.joints.first().map_or(0, Array2::ncols)
+    }
+
+    fn of(&self, unknowns: &[f64]) -> Array2<f64> {
+        let x = Array1::from(unknowns.to_vec());
+        let columns: Vec<Array1<f64>> = self.joints.iter().map(|c| c.dot(&x)).collect();
+        let rows = columns.first().map_or(0, Array1::len);
+        Array2::from_shape_fn((rows, columns.len()), |(k, j)| columns[j][k])
+    }
+}
+
+/// The stored covariance, with the variance of each coefficient of friction raised by a relative change.
+fn with_friction_change(file: &ModelFile, model: &TorqueModel, change: f64) -> Array2<f64> {
+    let mut covariance = file.covariance_table();
+    let lists = model.terms().iter().flatten();
+    let fitted = lists.filter(|w| w.term.passive().is_none());
+    for (k, w) in fitted.enumerate() {
+        if !matches!(w.term, Term::RotorInertia) {
+            let place = file.base_parameters.len() + k;
+            covariance[[place, place]] += (change * w.value).powi(2);
+        }
+    }
+    covariance
+}
+
+/// L with L Lᵀ = Σ, one column for each direction that varies, shape (parameters, directions).
+fn root_of(covariance: &Array2<f64>) -> Array2<f64> {
+    let n = covariance.nrows();
+    let deviation: Vec<f64> = covariance
+        .diag()
+        .iter()
+        .map(|v| v.max(0.0).sqrt())
+        .collect();
+    // Correlations: units differ by orders of magnitude.
+    let correlation = Mat::from_fn(n, n, |i, j| {
+        let scale = deviation[i] * deviation[j];
+        if scale > 0.0 {
+            covariance[[i, j]] / scale
+        } else {
+            0.0
+        }
+    });
+    let Ok(eigen) = correlation.self_adjoint_eigen(Side::Lower) else {
+        // Without a decomposition the parameters count as independent.
+        return Array2::from_diag(&Array1::from(deviation));
+    };
+    let (values, vectors) = (eigen.S(), eigen.U());
+    let kept: Vec<usize> = (0..n).filter(|&k| values[k] > 1e-12).collect();
+    Array2::from_shape_fn((n, kept.len()), |(i, c)| {
+        deviation[i] * vectors[(i, kept[c])] * values[kept[c]].sqrt()
+    })
+}

@@ -1,0 +1,50 @@
+//! The command line.
+
+use clap::Parser;
+use std::path::PathBuf;
+
+/// Tells mass, centre of mass and inertia of a body on the last link, from a recording with it and a model without it.
+#[derive(Debug, Parser)]
+#[command(name = "payload", version)]
+pub struct Arguments {
+    /// Model directory of the robot without the body.
+    #[arg(long, value_name = "DIR")]
+    pub model: PathBuf,
+    /// Recording of the robot with the body (.csv, .parquet, .npz).
+    #[arg(long, value_name = "REC")]
+    pub data: PathBuf,
+    /// Drive file: names and units of the recording's columns, gear ratios, torque constants.
+    #[arg(long, value_name = "FILE.toml")]
+    pub drive: Option<PathBuf>,
+    /// Cut-off of the zero-phase low-pass of the motion, Hz [default: the model's own].
+    #[arg(long, value_name = "F")]
+    pub cutoff_hz: Option<f64>,
+    /// How far friction may have changed since the model was made: one standard deviation, relative.
+    #[arg(long, value_name = "PART", default_value_t = 0.1, value_parser = part)]
+    pub friction_change: f64,
+    /// Write the figures as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+fn part(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("a number from 0 to 1 is needed".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+        assert!(part("0.3").is_ok() && part("1.2").is_err() && part("nan").is_err());
+    }
+}

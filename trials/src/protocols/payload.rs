@@ -1,0 +1,172 @@
+//! An arm recorded twice: as it is, and with a body on its last link.
+
+use super::runs::{JointEffects, Machine, Plan};
+use super::ur5;
+use crate::SimulateError;
+use crate::cases::write_whole;
+use datasets::Recording;
+use nalgebra::{Matrix3, Vector3};
+use physics::robot::{Inertia, Robot, to_urdf};
+use plant::families;
+use plant::measure::Errors;
+use plant::random::unit_vector;
+use plant::reference::{Multisine, Pace, Segment, Session};
+use plant::run::Clock;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Which arm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadedArm {
+    /// The UR5 of the uncertainty-compensation paper's protocol.
+    Ur5,
+    /// A seven-joint arm of the family of simulated cases.
+    Seven,
+}
+
+impl LoadedArm {
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ur5 => "ur5",
+            Self::Seven => "seven",
+        }
+    }
+
+    fn machine(self) -> Result<Machine, SimulateError> {
+        match self {
+            Self::Ur5 => ur5::machine(),
+            Self::Seven => Ok(seven()),
+        }
+    }
+}
+
+/// Recordings of one arm without and with a body.
+#[derive(Debug, Clone)]
+pub struct Loaded {
+    /// The arm as its description has it.
+    pub robot: Robot,
+    /// Four excitations without the body.
+    pub without: Recording,
+    /// One excitation of 25 s with it.
+    pub with: Recording,
+    /// The body, in the last joint's frame.
+    pub body: Inertia,
+}
+
+/// Trajectories without the body, and the length of all, s.
+const RUNS: usize = 4;
+const LENGTH: f64 = 25.0;
+
+/// Simulates both recordings; `plain`: the arm without anything that a rigid model with viscous and Coulomb friction lacks.
+///
+/// # Errors
+/// The simulated robot is not a possible one.
+pub fn loaded(arm: LoadedArm, plain: bool, seed: u64) -> Result<Loaded, SimulateError> {
+    let machine = arm.machine()?;
+    let machine = if plain { machine.plain() } else { machine };
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let body = body(&mut rng);
+    let mut carrying = machine.clone();
+    carrying.arm.attach(&body);
+    let n = machine.arm.dof();
+    let mut plan = |index: usize| {
+        let series = Multisine::draw(&machine.arm, &Pace::lively(), LENGTH, &mut rng);
+        Plan {
+            session: Session::new(vec![(Segment::Multisine(series), LENGTH)], 2.0, n),
+            offset: index as f64 * (LENGTH + 2.0),
+            labels: vec![format!("{}", index + 1)],
+            clock: Clock {
+                step: 5e-4,
+                control: 2,
+                sample: 10,
+            },
+            part: 0,
+        }
+    };
+    let without: Vec<Plan> = (0..RUNS).map(&mut plan).collect();
+    let with = [plan(RUNS)];
+    let one = |recordings: Vec<Recording>| {
+        let [recording] = <[Recording; 1]>::try_from(recordings)
+            .unwrap_or_else(|_| unreachable!("one part was asked for"));
+        recording
+    };
+    Ok(Loaded {
+        robot: machine.arm.robot()?,
+        without: one(machine.record(&without, 1, seed, &|_| {})?),
+        with: one(carrying.record(&with, 1, seed ^ 0x9e37_79b9, &|_| {})?),
+        body,
+    })
+}
+
+/// A body of 1 to 4 kg up to 0.25 m beyond the flange, not a point.
+fn body(rng: &mut ChaCha8Rng) -> Inertia {
+    let mass = rng.random_range(1.0..4.0);
+    let com = Vector3::new(0.0, 0.0, rng.random_range(0.05..0.2)) + 0.06 * unit_vector(rng);
+    let gyration = Vector3::from_fn(|_, _| rng.random_range(0.04..0.1));
+    let about_com = Matrix3::from_diagonal(&gyration.component_mul(&gyration)) * mass;
+    Inertia::from_com(mass, com, about_com)
+}
+
+/// A seven-joint arm whose gears have the usual effects at a moderate size.
+fn seven() -> Machine {
+    let arm = families::panda_like7();
+    let torque: Vec<f64> = arm.friction().iter().map(|c| 0.06 * c).collect();
+    let effects = arm.joints.iter().map(|joint| JointEffects {
+        ripple: 0.05 * joint.friction,
+        order: 11.3,
+        stribeck: 0.25 * joint.friction,
+        stribeck_speed: 0.12,
+        flow: 0.0,
+        loss: 0.05,
+        deflection: 0.01,
+        cold: 0.2,
+    });
+    Machine {
+        effects: effects.collect(),
+        warm_up: (700.0, vec![3.0, 3.0, 2.5, 2.5, 1.2, 1.2, 1.0]),
+        more: |_| Vec::new(),
+        errors: Errors {
+            count: vec![TAU / f64::from(1 << 18); 7],
+            velocity: vec![0.002; 7],
+            torque,
+        },
+        gears: Vec::new(),
+        bandwidth: 8.0,
+        arm,
+    }
+}
+
+impl Loaded {
+    /// Writes `robot.urdf`, `without.parquet`, `with.parquet` and `truth.json` into `folder`; returns the files.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {
+        fs::create_dir_all(folder).map_err(|source| SimulateError::Write {
+            path: folder.to_owned(),
+            source,
+        })?;
+        let [urdf, without, with, truth] = [
+            "robot.urdf",
+            "without.parquet",
+            "with.parquet",
+            "truth.json",
+        ]
+        .map(|n| folder.join(n));
+        write_whole(&urdf, &to_urdf(&self.robot))?;
+        datasets::write(&self.without, &without)?;
+        datasets::write(&self.with, &with)?;
+        let about = self.body.about_com();
+        let value = serde_json::json!({
+            "mass": self.body.mass,
+            "com": self.body.com().as_slice(),
+            "inertia": [about.m11, about.m12, about.m22, about.m13, about.m23, about.m33],
+        });
+        write_whole(&truth, &format!("{value:#}\n"))?;
+        Ok(vec![urdf, without, with, truth])
+    }
+}
