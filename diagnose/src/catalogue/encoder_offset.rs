@@ -6,7 +6,8 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
-use crate::motion::scene::{Scene, rigid_torque};
+use crate::motion::rigid::rigid_torque;
+use crate::motion::scene::Scene;
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {

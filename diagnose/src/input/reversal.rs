@@ -5,7 +5,8 @@
 
 use crate::algebra::cholesky::Cholesky;
 use crate::motion::frame::Frame;
-use crate::motion::scene::{SOFT_SIGN, rigid_torque};
+use crate::motion::rigid::rigid_torque;
+use crate::motion::scene::SOFT_SIGN;
 use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2, ArrayView1, Axis};

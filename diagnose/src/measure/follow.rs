@@ -12,7 +12,7 @@
 //!   the recorded motion with u = τ̂ + M(q_r) (ω² (q_r − q) + 2 ζ ω (q̇_r − q̇)), and the gap is what its feedback must make up.
 
 use crate::motion::frame::Frame;
-use crate::motion::scene::rigid_torque;
+use crate::motion::rigid::rigid_torque;
 use crate::schema::{ClosedLoop, Free, Simulation};
 use ndarray::Array2;
 use physics::dynamics::{Workspace, mass_matrix};

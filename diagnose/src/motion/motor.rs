@@ -1,6 +1,6 @@
 //! How the rigid torque changes with one joint's motion, and what drives that joint's transmission.
 
-use super::scene::rigid_torque;
+use super::rigid::rigid_torque;
 use ndarray::{Array2, ArrayView1};
 use physics::robot::Robot;
 use signal::Motion;

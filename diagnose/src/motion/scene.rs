@@ -3,12 +3,12 @@
 
 use crate::motion::motor::{Motor, Tangent, Wide, tangents};
 use crate::motion::passage::Passage;
+use crate::motion::rigid::{rigid_torque, rows};
 use nalgebra::Vector3;
 use ndarray::{Array1, Array2, Axis};
-use physics::dynamics::{Workspace, inverse_dynamics, inverse_dynamics_with_gravity};
+use physics::dynamics::inverse_dynamics_with_gravity;
 use physics::effects::{Coupling, FrictionShape, Harmonic, PositionFriction, Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
-use rayon::prelude::*;
 use signal::Motion;
 
 /// Velocity below which the sign of a motion is softened, rad/s (m/s), where the recording does not say better: well
@@ -308,58 +308,4 @@ impl<'a> Scene<'a> {
 /// tanh(q̇/ε): the sign, softened below [`SOFT_SIGN`], of what is no single joint's motion.
 pub fn soft_sign(qd: f64) -> f64 {
     (qd / SOFT_SIGN).tanh()
-}
-
-/// Torque of the rigid body over tables of shape (samples, joints).
-pub fn rigid_torque(
-    robot: &Robot,
-    q: &Array2<f64>,
-    qd: &Array2<f64>,
-    qdd: &Array2<f64>,
-) -> Array2<f64> {
-    rows(robot, q, qd, qdd, inverse_dynamics)
-}
-
-/// Applies an algorithm row by row, both cores at work.
-fn rows(
-    robot: &Robot,
-    q: &Array2<f64>,
-    qd: &Array2<f64>,
-    qdd: &Array2<f64>,
-    algorithm: impl Fn(&Robot, &mut Workspace, &[f64], &[f64], &[f64], &mut [f64]) + Sync,
-) -> Array2<f64> {
-    const BLOCK: usize = 512;
-    let n = robot.dof();
-    let mut out = Array2::zeros(q.dim());
-    let chunk = |table: &Array2<f64>, b: usize| {
-        let end = ((b + 1) * BLOCK).min(table.nrows());
-        table
-            .slice_axis(Axis(0), (b * BLOCK..end).into())
-            .as_standard_layout()
-            .into_owned()
-    };
-    out.as_slice_mut()
-        .expect("a new table is in standard layout")
-        .par_chunks_mut(BLOCK * n)
-        .enumerate()
-        .for_each(|(b, tau)| {
-            let mut workspace = Workspace::new(robot);
-            let (q, qd, qdd) = (chunk(q, b), chunk(qd, b), chunk(qdd, b));
-            let (q, qd, qdd) = (q.as_slice(), qd.as_slice(), qdd.as_slice());
-            let (Some(q), Some(qd), Some(qdd)) = (q, qd, qdd) else {
-                unreachable!("standard layout")
-            };
-            for (i, tau) in tau.chunks_mut(n).enumerate() {
-                let r = i * n..(i + 1) * n;
-                algorithm(
-                    robot,
-                    &mut workspace,
-                    &q[r.clone()],
-                    &qd[r.clone()],
-                    &qdd[r],
-                    tau,
-                );
-            }
-        });
-    out
 }

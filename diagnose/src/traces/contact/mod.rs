@@ -36,6 +36,8 @@ pub struct Burst {
     pub last_joint: usize,
     /// Largest torque over its usual level.
     pub height: f64,
+    /// Whether a joint that it loads stood.
+    pub at_rest: bool,
 }
 
 /// Bursts of a recording and the torque that they stand for.
@@ -134,7 +136,6 @@ pub fn detect(
     });
     // What comes again with the motion is the robot's own.
     bursts.retain(|b| !repeats(frame, &left.departure, &samples(b), &usual, settings.again));
-    let rests = bursts.iter().any(at_rest);
     let inside: usize = bursts.iter().map(Range::len).sum();
     let energy = |w: usize| (0..dof).map(|j| relative(w, j).powi(2)).sum::<f64>();
     let all: f64 = (0..n).map(energy).sum();
@@ -167,6 +168,7 @@ pub fn detect(
                 samples,
                 last_joint: last,
                 height: highest,
+                at_rest: at_rest(&b),
             }
         })
         .collect();
@@ -180,8 +182,7 @@ pub fn detect(
     if dof > 1 && part.iter().any(|p| *p > settings.alone * size) {
         return None;
     }
-    // A joint at rest shows a push that the noise of those in motion hides.
-    if dof > 1 && !rests && together(&torque, &bursts, frame, settings.alone) < settings.several {
+    if dof > 1 && together(&torque, &bursts, frame, settings.alone) < settings.several {
         return None;
     }
     let pushed: Vec<Range<usize>> = bursts.iter().map(|b| b.samples.clone()).collect();
@@ -202,10 +203,10 @@ pub fn detect(
         return None;
     }
     Some(Contact {
+        at_rest: bursts.iter().any(|b| b.at_rest),
         bursts,
         torque,
         size,
-        at_rest: rests,
     })
 }
 
@@ -222,7 +223,8 @@ fn together(torque: &Array2<f64>, bursts: &[Burst], frame: &Frame, alone: f64) -
         let parts: Vec<f64> = (0..torque.ncols()).map(part).collect();
         let sum: f64 = parts.iter().sum();
         all += sum;
-        if parts.iter().all(|p| *p <= alone * sum) {
+        // A joint at rest shows a push that the noise of those in motion hides.
+        if burst.at_rest || parts.iter().all(|p| *p <= alone * sum) {
             several += sum;
         }
     }
@@ -358,6 +360,7 @@ mod tests {
             samples: 100..300,
             last_joint: 1,
             height: 50.0,
+            at_rest: false,
         };
         let of = |f: &dyn Fn(f64) -> f64| {
             let torque = Array2::from_shape_fn((n, 2), |(i, j)| {
@@ -381,6 +384,7 @@ mod tests {
             samples,
             last_joint: 1,
             height: 20.0,
+            at_rest: false,
         });
         let of = |loads: [[f64; 2]; 2]| {
             let mut torque = Array2::zeros((n, 2));
