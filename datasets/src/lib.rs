@@ -18,6 +18,7 @@ pub mod error;
 pub mod folds;
 pub mod metrics;
 mod options;
+pub mod periods;
 pub mod prepare;
 pub mod read;
 pub mod recording;

@@ -107,6 +107,11 @@ impl Recording {
         self.trajectories.iter().map(|t| t.range.clone()).collect()
     }
 
+    /// First row of each trajectory.
+    pub fn starts(&self) -> Vec<usize> {
+        self.trajectories.iter().map(|t| t.range.start).collect()
+    }
+
     /// Median time step within trajectories in s; NaN when no trajectory has two samples.
     pub fn median_step(&self) -> f64 {
         let mut steps: Vec<f64> = self

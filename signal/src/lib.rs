@@ -19,6 +19,8 @@ pub mod correlation;
 pub mod delay;
 pub mod differences;
 pub mod filter;
+pub mod harmonics;
+pub mod loess;
 pub mod motion;
 pub mod proportion;
 pub mod quantile;

@@ -1,0 +1,352 @@
+//! Motion that comes round: averages over its periods, the series of its harmonics, and smoothed torque.
+
+use crate::{Recording, Trajectory, repeats};
+use ndarray::Array2;
+use signal::harmonics::{Harmonics, HarmonicsError};
+use signal::loess::{Loess, LoessError};
+
+/// Why periods cannot be taken.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PeriodError {
+    /// A period that is no whole number of samples.
+    #[error(
+        "{file}: a period of {period} s is {samples:.2} samples; runs are averaged sample by sample, so it has to be a whole number"
+    )]
+    Samples {
+        /// The recording.
+        file: String,
+        /// Period, s.
+        period: f64,
+        /// It in samples.
+        samples: f64,
+    },
+    /// A trajectory of less than one period.
+    #[error("{file}, trajectory {label:?}: {seconds:.2} s are less than a period of {period} s")]
+    Short {
+        /// The recording.
+        file: String,
+        /// Label of the trajectory.
+        label: String,
+        /// Its length, s.
+        seconds: f64,
+        /// Period, s.
+        period: f64,
+    },
+    /// No series fits.
+    #[error(transparent)]
+    Harmonics(#[from] HarmonicsError),
+    /// No smoother fits.
+    #[error(transparent)]
+    Loess(#[from] LoessError),
+}
+
+/// A recording of one run for each motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Averaged {
+    /// The averages.
+    pub recording: Recording,
+    /// Runs of each motion.
+    pub runs: Vec<usize>,
+    /// Deviation of one run's position from the average of all, per joint, rad or m; none where no motion has two runs.
+    pub position: Option<Vec<f64>>,
+    /// The same of torque, N·m or N.
+    pub torque: Option<Vec<f64>>,
+}
+
+/// Averages the runs of each motion, sample by sample: x̄(k) = Σ x_s(k)/S (UR5 paper, eq. 13, there with eight runs; COMAU
+/// paper, section 3.4, with 25), and the variance Σ (x_s(k) − x̄(k))²/(S − 1) over all k, which is that of the noise where the
+/// motion repeats. Runs are the whole periods of `period` seconds within each trajectory, where one is given, and trajectories that
+/// repeat a motion ([`repeats::find`]). What is left of a last period is not used.
+///
+/// # Errors
+/// A period that is no whole number of samples, or a trajectory of less than one.
+pub fn average(recording: &Recording, period: Option<f64>) -> Result<Averaged, PeriodError> {
+    let groups = groups(recording, period)?;
+    let runs: Vec<usize> = groups.iter().map(|g| g.starts.len()).collect();
+    let rows: usize = groups.iter().map(|g| g.length).sum();
+    let mean = |table: &Array2<f64>| {
+        let mut out = Array2::zeros((rows, table.ncols()));
+        let mut first = 0;
+        for group in &groups {
+            for k in 0..group.length {
+                for start in &group.starts {
+                    let mut row = out.row_mut(first + k);
+                    row += &table.row(start + k);
+                }
+                out.row_mut(first + k)
+                    .mapv_inplace(|v| v / group.starts.len() as f64);
+            }
+            first += group.length;
+        }
+        out
+    };
+    let freedom: usize = groups.iter().map(|g| g.length * (g.starts.len() - 1)).sum();
+    let deviation = |table: &Array2<f64>, mean: &Array2<f64>| {
+        (freedom > 0).then(|| {
+            let mut squares = vec![0.0; table.ncols()];
+            let mut first = 0;
+            for group in &groups {
+                for (start, k) in group
+                    .starts
+                    .iter()
+                    .flat_map(|start| (0..group.length).map(move |k| (start, k)))
+                {
+                    let middle = mean.row(first + k);
+                    let one = table.row(start + k);
+                    for (sum, (x, m)) in squares.iter_mut().zip(one.iter().zip(&middle)) {
+                        *sum += (x - m) * (x - m);
+                    }
+                }
+                first += group.length;
+            }
+            let of = |sum: &f64| (sum / freedom as f64).sqrt();
+            squares.iter().map(of).collect::<Vec<f64>>()
+        })
+    };
+    let table = |table: &Option<Array2<f64>>| table.as_ref().map(mean);
+    let (mut time, mut trajectories) = (Vec::with_capacity(rows), Vec::new());
+    for group in &groups {
+        trajectories.push(Trajectory {
+            label: group.label.clone(),
+            range: time.len()..time.len() + group.length,
+        });
+        let first = group.starts[0];
+        time.extend_from_slice(&recording.time[first..first + group.length]);
+    }
+    let averaged = Recording {
+        source: recording.source.clone(),
+        time,
+        trajectories,
+        q: mean(&recording.q),
+        ql: table(&recording.ql),
+        qd: table(&recording.qd),
+        qdd: table(&recording.qdd),
+        tau: table(&recording.tau),
+        q_ref: table(&recording.q_ref),
+        qd_ref: table(&recording.qd_ref),
+        temp: table(&recording.temp),
+        torque_filter: recording.torque_filter,
+    };
+    let torque = recording.tau.as_ref().zip(averaged.tau.as_ref());
+    Ok(Averaged {
+        position: deviation(&recording.q, &averaged.q),
+        torque: torque.and_then(|(all, mean)| deviation(all, mean)),
+        recording: averaged,
+        runs,
+    })
+}
+
+/// Runs of one motion: rows where each starts, and how many samples all have.
+struct Group {
+    label: String,
+    starts: Vec<usize>,
+    length: usize,
+}
+
+fn groups(recording: &Recording, period: Option<f64>) -> Result<Vec<Group>, PeriodError> {
+    let each = period
+        .map(|period| samples_of(recording, period))
+        .transpose()?;
+    let pairs = repeats::find(recording);
+    let mut groups: Vec<Group> = Vec::new();
+    let mut place: Vec<usize> = Vec::new();
+    for (index, trajectory) in recording.trajectories.iter().enumerate() {
+        let range = &trajectory.range;
+        let length = each.unwrap_or(range.len());
+        let count = range.len() / length;
+        if let (0, Some(period)) = (count, period) {
+            return Err(PeriodError::Short {
+                file: recording.source.clone(),
+                label: trajectory.label.clone(),
+                seconds: range.len() as f64 * recording.median_step(),
+                period,
+            });
+        }
+        let own = (0..count).map(|run| range.start + run * length);
+        // The trajectory before that this one repeats.
+        match pairs.iter().find(|(_, later)| *later == index) {
+            Some(&(earlier, _)) => {
+                let group = &mut groups[place[earlier]];
+                group.length = group.length.min(length);
+                group.starts.extend(own);
+                place.push(place[earlier]);
+            }
+            None => {
+                place.push(groups.len());
+                groups.push(Group {
+                    label: trajectory.label.clone(),
+                    starts: own.collect(),
+                    length,
+                });
+            }
+        }
+    }
+    Ok(groups)
+}
+
+/// A period in samples.
+fn samples_of(recording: &Recording, period: f64) -> Result<usize, PeriodError> {
+    let samples = period / recording.median_step();
+    let each = samples.round();
+    if samples.is_finite() && each >= 2.0 && (samples - each).abs() < 0.01 {
+        return Ok(each as usize);
+    }
+    Err(PeriodError::Samples {
+        file: recording.source.clone(),
+        period,
+        samples,
+    })
+}
+
+/// Position, velocity and acceleration of every trajectory as the series of `harmonics` harmonics of its period (none: its own
+/// length) nearest to the recorded positions: derivatives without differences of noise (COMAU paper, section 3.3).
+///
+/// # Errors
+/// A trajectory that does not tell such a series.
+pub fn as_series(
+    recording: &Recording,
+    period: Option<f64>,
+    harmonics: usize,
+) -> Result<Recording, PeriodError> {
+    let step = recording.median_step();
+    let mut made = recording.clone();
+    let shape = recording.q.raw_dim();
+    let (mut qd, mut qdd) = (Array2::zeros(shape), Array2::zeros(shape));
+    for range in recording.segments() {
+        let time = &recording.time[range.clone()];
+        let period = period.unwrap_or(range.len() as f64 * step);
+        for j in 0..recording.dof() {
+            let q: Vec<f64> = range.clone().map(|row| recording.q[(row, j)]).collect();
+            let series = Harmonics::fit(time, &q, period, harmonics)?;
+            for (row, t) in range.clone().zip(time) {
+                let at = (row, j);
+                [made.q[at], qd[at], qdd[at]] = series.at(*t);
+            }
+        }
+    }
+    (made.qd, made.qdd) = (Some(qd), Some(qdd));
+    Ok(made)
+}
+
+/// Torque of every trajectory behind robust local regression of degree 2 over `span` samples with five robust passes (UR5 paper,
+/// section IV-C: RLOESS of the motor currents, whose span it does not state).
+///
+/// # Errors
+/// A span that does not fit a trajectory.
+pub fn smooth_torque(recording: &Recording, span: usize) -> Result<Recording, PeriodError> {
+    let mut made = recording.clone();
+    let loess = Loess {
+        span,
+        degree: 2,
+        robust: 5,
+    };
+    if let Some(tau) = &mut made.tau {
+        for range in recording.segments() {
+            let time = &recording.time[range.clone()];
+            for mut column in tau.columns_mut() {
+                let raw: Vec<f64> = range.clone().map(|row| column[row]).collect();
+                let smooth = loess.smooth(time, &raw)?;
+                for (row, value) in range.clone().zip(smooth) {
+                    column[row] = value;
+                }
+            }
+        }
+    }
+    Ok(made)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// Two runs of a period of four samples and a rest: means, and variances with one degree of freedom, by hand.
+    #[test]
+    fn by_hand() {
+        let q = vec![1.0, 2.0, 3.0, 4.0, 3.0, 2.0, 1.0, 4.0, 9.0];
+        let tau = Array2::from_shape_vec((9, 1), vec![2.0; 9]).unwrap();
+        let time = (0..9).map(|k| 0.5 * f64::from(k)).collect();
+        let q = Array2::from_shape_vec((9, 1), q).unwrap();
+        let recording = Recording::new("test", time, q, Some(tau));
+        let averaged = average(&recording, Some(2.0)).unwrap();
+        assert_eq!(averaged.runs, [2]);
+        assert_eq!(
+            averaged.recording.q.as_slice().unwrap(),
+            [2.0, 2.0, 2.0, 4.0]
+        );
+        assert_eq!(averaged.recording.time, [0.0, 0.5, 1.0, 1.5]);
+        // Squares 1 + 1 + 1 + 1 over four degrees of freedom.
+        assert_eq!(averaged.position, Some(vec![1.0]));
+        assert_eq!(averaged.torque, Some(vec![0.0]));
+        averaged.recording.validate().unwrap();
+        assert!(matches!(
+            average(&recording, Some(0.7)),
+            Err(PeriodError::Samples { .. })
+        ));
+        assert!(matches!(
+            average(&recording, Some(20.0)),
+            Err(PeriodError::Short { .. })
+        ));
+    }
+
+    /// Three trajectories, the last of which repeats the first: two motions, and half the difference of the two is the deviation over √2.
+    #[test]
+    fn trajectories_that_repeat_are_runs() {
+        let wave = |k: usize| (0.1 * (k % 60) as f64).sin();
+        let other = |k: usize| (0.17 * (k % 60) as f64).cos();
+        let q = Array2::from_shape_fn((180, 1), |(k, _)| match k / 60 {
+            0 => wave(k),
+            1 => other(k),
+            _ => wave(k) + 0.002,
+        });
+        let time = (0..180).map(|k| 0.01 * f64::from(k)).collect();
+        let mut recording = Recording::new("test", time, q, None);
+        recording.trajectories = (0..3)
+            .map(|k| Trajectory {
+                label: k.to_string(),
+                range: 60 * k..60 * (k + 1),
+            })
+            .collect();
+        let averaged = average(&recording, None).unwrap();
+        assert_eq!(averaged.runs, [2, 1]);
+        averaged.recording.validate().unwrap();
+        assert!((averaged.recording.q[(7, 0)] - wave(7) - 0.001).abs() < 1e-12);
+        let deviation = averaged.position.unwrap()[0];
+        assert!(
+            (deviation - 0.002 / 2f64.sqrt()).abs() < 1e-12,
+            "{deviation}"
+        );
+    }
+
+    #[test]
+    fn a_series_has_its_derivatives() {
+        let w = TAU / 2.0;
+        let time: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+        let q = Array2::from_shape_fn((200, 1), |(k, _)| (w * time[k]).sin() + 0.2);
+        let recording = Recording::new("test", time.clone(), q, None);
+        let made = as_series(&recording, None, 3).unwrap();
+        let (qd, qdd) = (made.qd.unwrap(), made.qdd.unwrap());
+        for (k, t) in time.iter().enumerate() {
+            assert!((qd[(k, 0)] - w * (w * t).cos()).abs() < 1e-9);
+            assert!((qdd[(k, 0)] + w * w * (w * t).sin()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn an_outlier_of_torque_goes() {
+        let time: Vec<f64> = (0..60).map(|k| 0.01 * f64::from(k)).collect();
+        // What a torque has besides, by which the residual of an outlier is judged.
+        let noise = |k: usize| 1e-3 * (7.0 * k as f64).sin();
+        let of = |(k, _): (usize, usize)| (3.0 * time[k]).sin() + noise(k);
+        let mut tau = Array2::from_shape_fn((60, 1), of);
+        tau[(30, 0)] += 50.0;
+        let recording = Recording::new("test", time, Array2::zeros((60, 1)), Some(tau));
+        let smooth = smooth_torque(&recording, 11).unwrap().tau.unwrap();
+        assert!(
+            (smooth[(30, 0)] - 0.9_f64.sin()).abs() < 1e-2,
+            "{}",
+            smooth[(30, 0)]
+        );
+        assert!(smooth_torque(&recording, 2).is_err());
+    }
+}
