@@ -46,6 +46,12 @@ pub enum DecoupledError {
         /// The estimator.
         estimator: &'static str,
     },
+    /// Periods that cannot be averaged.
+    #[error(transparent)]
+    Period(#[from] datasets::periods::PeriodError),
+    /// A filter that does not fit the recording's rate.
+    #[error(transparent)]
+    Filter(#[from] signal::sos::DesignError),
     /// Least squares.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),

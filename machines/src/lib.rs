@@ -6,6 +6,7 @@
 //! - [`machine`]: a description with its model and the friction of its axes;
 //! - [`identification`]: from a recording to parameters, errors and success, as the softMC manual has it;
 //! - [`reasons`]: what of a recording explains a poor result;
+//! - [`payload`]: a body on the last axis, against an identified machine without it;
 //! - [`program`], [`recorder`], [`store`]: results in the controller's program layout, in its recorder's columns, as JSON;
 //! - [`plant`]: simulated machines by *other* equations than the models.
 //!
@@ -17,6 +18,7 @@ pub mod error;
 pub mod identification;
 pub mod machine;
 pub mod models;
+pub mod payload;
 pub mod plant;
 pub mod prediction;
 pub mod program;

@@ -25,6 +25,8 @@ enum Command {
     Identify(command::identify::Arguments),
     /// Scores and predictions of an identified machine on a recording.
     Eval(command::eval::Arguments),
+    /// A body on the last axis, from a recording with it and an identified machine without it.
+    Payload(command::payload::Arguments),
     /// Recordings of a simulated machine: one to identify with, one to judge by.
     Simulate(command::simulate::Arguments),
 }
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
         Command::List(arguments) => command::list::run(&arguments),
         Command::Identify(arguments) => command::identify::run(&arguments),
         Command::Eval(arguments) => command::eval::run(&arguments),
+        Command::Payload(arguments) => command::payload::run(&arguments),
         Command::Simulate(arguments) => command::simulate::run(&arguments),
     };
     match result {

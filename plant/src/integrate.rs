@@ -218,6 +218,49 @@ impl Plant {
         self.v.copy_from_slice(&self.end);
         self.a.copy_from_slice(&self.rest);
     }
+
+    /// Motor torques (N·m, into `torque`) that carry the arm with velocities `v` and accelerations `a` through the positions `q`
+    /// at time `t`: the equations of motion solved for the other side. States of the mechanisms go on by `dt`; those of
+    /// [`Plant::step`] are left alone.
+    pub fn invert(&mut self, [t, dt]: [f64; 2], [q, v, a]: [&[f64]; 3], torque: &mut [f64]) {
+        let n = self.dof();
+        self.bodies.mass(q, &mut self.mass);
+        self.bodies.bias(q, v, &mut self.bias);
+        let rows = self.mass.chunks_exact(n).enumerate();
+        for ((j, row), torque) in rows.zip(torque.iter_mut()) {
+            let inertial: f64 = row.iter().zip(a).map(|(m, a)| m * a).sum();
+            *torque = inertial + self.bias[j] + self.armature[j] * a[j];
+        }
+        let now = Instant {
+            t,
+            dt,
+            q,
+            v,
+            a,
+            load: &self.load,
+        };
+        self.force.fill(0.0);
+        for m in &mut self.mechanisms {
+            m.push(&now, &mut self.force);
+        }
+        for (j, torque) in torque.iter_mut().enumerate() {
+            *torque -= self.force[j];
+        }
+        self.rest.copy_from_slice(torque);
+        let now = Instant {
+            load: &self.rest,
+            ..now
+        };
+        for (j, torque) in torque.iter_mut().enumerate() {
+            *torque += self.friction[j].torque(v[j]);
+        }
+        for m in &mut self.mechanisms {
+            if let Some(j) = m.joint() {
+                torque[j] += m.resist(&now, v[j]);
+            }
+            m.advance(&now, v);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -297,6 +340,37 @@ mod tests {
         }
         for (a, b) in p.q.iter().zip(&start) {
             assert!((a - b).abs() < 2e-3, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn what_was_driven_is_found_again() {
+        let mut driven = plant(1.0, 0.5);
+        let mut asked = plant(1.0, 0.5);
+        let dt = 2e-4;
+        let mut torque = [0.0; 7];
+        for k in 0..2000 {
+            let t = k as f64 * dt;
+            let u: Vec<f64> = (0..7).map(|j| 3.0 * (4.0 * t + j as f64).sin()).collect();
+            let before = (driven.q.clone(), driven.v.clone());
+            driven.step(t, dt, &u);
+            // The step takes bodies at its middle and friction at its end.
+            let middle = |a: &[f64], b: &[f64]| -> Vec<f64> {
+                a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
+            };
+            let (q, v) = (middle(&before.0, &driven.q), middle(&before.1, &driven.v));
+            asked.invert([t, dt], [&q, &v, &driven.a], &mut torque);
+            for j in 0..7 {
+                // Slow joints apart, for there friction changes within a step.
+                if v[j].abs() > 0.05 {
+                    assert!(
+                        (torque[j] - u[j]).abs() < 0.02,
+                        "joint {j}: {} {}",
+                        torque[j],
+                        u[j]
+                    );
+                }
+            }
         }
     }
 }

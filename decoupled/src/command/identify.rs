@@ -26,6 +26,9 @@ pub struct Arguments {
     /// Gravity does no work about the joint: its axis is upright.
     #[arg(long)]
     upright: bool,
+    /// Average over the periods, Chebyshev low-pass at 80 Hz, thinned to 200 Hz, as the paper does.
+    #[arg(long)]
+    as_published: bool,
     /// Write the estimates as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -54,6 +57,11 @@ pub fn run(arguments: &Arguments) -> Result<(), DecoupledError> {
         arguments.fundamental_hz,
         harmonics,
     )?;
+    let (run, repeats) = if arguments.as_published {
+        run.as_published()?
+    } else {
+        (run, None)
+    };
     let columns = Columns {
         gravity: !arguments.upright,
     };
@@ -78,6 +86,11 @@ pub fn run(arguments: &Arguments) -> Result<(), DecoupledError> {
         run.len(),
         arguments.axis
     );
+    if let Some([position, torque]) = repeats {
+        say!(
+            "One period differs from the average by {position:.2e} rad and {torque:.2e} N·m (deviation).\n"
+        );
+    }
     let heads = estimates.iter().map(|(e, _)| Column::number(e.name()));
     let mut table = Table::new([Column::text("parameter")].into_iter().chain(heads));
     for (j, (name, unit)) in columns.names().into_iter().enumerate() {

@@ -74,81 +74,82 @@ fn biases(made: &[AxisStudy]) -> Table {
     table
 }
 
+/// Columns of what each axis's parameters came to over the runs, `from` naming where the true values are from, then `more`.
+fn columns(from: &str, more: &[&str]) -> Vec<Column> {
+    let truth = format!("true ({from})");
+    let numbers = [truth.as_str(), "mean", "σ"];
+    let numbers = numbers.iter().chain(more).map(|head| Column::number(*head));
+    let named = ["axis", "parameter"].map(Column::text);
+    named.into_iter().chain(numbers).collect()
+}
+
+/// Cells of those columns for one parameter, then `more`.
+fn cells(axis: usize, name: &str, truth: f64, repeats: &Repeats, more: &[Cell]) -> Vec<Cell> {
+    let mut cells = vec![
+        Cell::text(axis.to_string()),
+        Cell::text(name),
+        Cell::number(truth, 4),
+        Cell::number(repeats.mean, 4),
+        Cell::number(repeats.std, 4),
+    ];
+    cells.extend_from_slice(more);
+    cells
+}
+
+/// Bias over the runs' deviation.
+fn bias(truth: f64, repeats: &Repeats) -> Cell {
+    Cell::number((repeats.mean - truth) / repeats.std, 2)
+}
+
 fn table_3(made: &[AxisStudy]) -> Table {
-    let mut table = Table::new([
-        Column::text("axis"),
-        Column::text("parameter"),
-        Column::number("true (Table 3)"),
-        Column::number("mean"),
-        Column::number("σ"),
-        Column::number("half-width"),
-        Column::number("stated σ"),
-        Column::number("Table 3: σ"),
-        Column::number("half-width"),
-    ]);
+    let more = ["half-width", "stated σ", "Table 3: σ", "half-width"];
+    let mut table = Table::new(columns("Table 3", &more));
     for (axis, published) in made.iter().zip(TABLE_3_SPREAD) {
         let Some(likelihood) = axis.estimators.last() else {
             continue;
         };
         for (j, [std, half]) in published.iter().enumerate() {
-            let repeats = likelihood.repeats[j];
+            let repeats = &likelihood.repeats[j];
             let (name, unit) = axis.names[j];
-            table.push([
-                Cell::text(axis.axis.to_string()),
-                Cell::text(format!("{name} / {unit}")),
-                Cell::number(axis.truth[j], 4),
-                Cell::number(repeats.mean, 4),
-                Cell::number(repeats.std, 4),
+            let more = [
                 Cell::optional(repeats.half_width(LEVEL), 4),
                 Cell::number(likelihood.stated[j], 4),
                 Cell::number(*std, 4),
                 Cell::number(*half, 4),
-            ]);
+            ];
+            let name = format!("{name} / {unit}");
+            table.push(cells(axis.axis, &name, axis.truth[j], repeats, &more));
         }
     }
     table
 }
 
 fn table_2(made: &[AxisStudy]) -> Table {
-    let mut table = Table::new([
-        Column::text("axis"),
-        Column::text("parameter"),
-        Column::number("true (Table 2)"),
-        Column::number("mean"),
-        Column::number("σ"),
-        Column::number("bias / σ"),
-    ]);
+    let mut table = Table::new(columns("Table 2", &["bias / σ"]));
     for axis in made {
         let first = axis.truth.len() - 4;
         for (j, repeats) in axis.friction[1..].iter().enumerate() {
             let (name, unit) = axis.names[first + j];
-            table.push(row(
-                axis.axis,
-                &format!("{name} / {unit}"),
-                axis.truth[first + j],
-                repeats,
-            ));
+            let name = format!("{name} / {unit}");
+            let truth = axis.truth[first + j];
+            let more = [bias(truth, repeats)];
+            table.push(cells(axis.axis, &name, truth, repeats, &more));
         }
     }
     table
 }
 
 fn table_1(made: &[AxisStudy]) -> Table {
-    let mut table = Table::new([
-        Column::text("axis"),
-        Column::text("parameter"),
-        Column::number("true (Table 3)"),
-        Column::number("mean"),
-        Column::number("σ"),
-        Column::number("bias / σ"),
-    ]);
+    let mut table = Table::new(columns("Table 3", &["bias / σ"]));
     for axis in made {
         let Some(moments) = &axis.gravity else {
             continue;
         };
         for (k, repeats) in moments.iter().enumerate() {
             let name = ["mx / kg·m", "my / kg·m"][k];
-            table.push(row(axis.axis, name, axis.truth[1 + k], repeats));
+            let truth = axis.truth[1 + k];
+            let more = [bias(truth, repeats)];
+            table.push(cells(axis.axis, name, truth, repeats, &more));
         }
         if let Some((_, offset)) = TABLE_1_OFFSET.iter().find(|(a, _)| *a == axis.axis) {
             // Within a quarter of a turn, as the paper has it for either axis.
@@ -165,15 +166,4 @@ fn table_1(made: &[AxisStudy]) -> Table {
         }
     }
     table
-}
-
-fn row(axis: usize, name: &str, truth: f64, repeats: &Repeats) -> [Cell; 6] {
-    [
-        Cell::text(axis.to_string()),
-        Cell::text(name),
-        Cell::number(truth, 4),
-        Cell::number(repeats.mean, 4),
-        Cell::number(repeats.std, 4),
-        Cell::number((repeats.mean - truth) / repeats.std, 2),
-    ]
 }

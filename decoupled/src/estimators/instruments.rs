@@ -37,6 +37,8 @@ impl Estimator for Instruments {
                 0.0
             }
         });
-        with_noise(&rows, &z, metric.as_ref(), self.name())
+        let moments = rows.moments(&z);
+        let (found, _) = with_noise(&rows, &z, &moments, metric.as_ref(), self.name())?;
+        Ok(found)
     }
 }

@@ -1,9 +1,9 @@
 //! Maximum likelihood with noise of position and of torque.
 
-use super::{Estimate, Estimator, RIDGE, TAPS, estimate};
+use super::{Estimate, Estimator, RIDGE, TAPS, with_noise};
 use crate::DecoupledError;
 use crate::joint::Columns;
-use crate::moments::{Noise, Rows, regularised};
+use crate::moments::{Rows, regularised};
 use crate::run::Run;
 
 /// Passes in which S(θ) follows the parameters.
@@ -37,22 +37,9 @@ impl Estimator for MaximumLikelihood {
         let mut metric = regularised(z.transpose() * &z, RIDGE);
         let mut found = None;
         for _ in 0..PASSES {
-            let mut noise = Noise {
-                position: 0.0,
-                torque: 0.0,
-            };
-            let mut next = metric.clone();
-            let solved = moments
-                .solve(metric.as_ref(), |parameters| {
-                    noise = rows.level(parameters);
-                    next = rows.noise(&z, parameters, noise);
-                    next.clone()
-                })
-                .ok_or(DecoupledError::Singular {
-                    estimator: self.name(),
-                })?;
-            metric = regularised(next, NOISE_RIDGE);
-            found = Some(estimate(&solved, noise));
+            let (estimate, spread) = with_noise(&rows, &z, &moments, metric.as_ref(), self.name())?;
+            metric = regularised(spread, NOISE_RIDGE);
+            found = Some(estimate);
         }
         found.ok_or(DecoupledError::Singular {
             estimator: self.name(),

@@ -12,8 +12,9 @@ pub use projection::Projection;
 
 use crate::DecoupledError;
 use crate::joint::Columns;
-use crate::moments::{Noise, Rows};
+use crate::moments::{Moments, Noise, Rows, Solved};
 use crate::run::Run;
+use faer::{Mat, MatRef};
 use serde::Serialize;
 
 /// Parameters of a joint, as one estimator finds them.
@@ -60,7 +61,7 @@ const TAPS: usize = 12;
 const RIDGE: f64 = 1e-11;
 
 /// The estimate of solved moments.
-fn estimate(solved: &crate::moments::Solved, noise: Noise) -> Estimate {
+fn estimate(solved: &Solved, noise: Noise) -> Estimate {
     let diagonal = (0..solved.parameters.len()).map(|j| solved.covariance[(j, j)]);
     Estimate {
         parameters: solved.parameters.clone(),
@@ -70,22 +71,24 @@ fn estimate(solved: &crate::moments::Solved, noise: Noise) -> Estimate {
     }
 }
 
-/// Solves moments twice: for the parameters, and with the noise that these leave.
+/// Solves moments for the parameters, and with the noise that these leave; beside the estimate the covariance of the moments by
+/// that noise.
 fn with_noise(
     rows: &Rows,
-    z: &faer::Mat<f64>,
-    metric: faer::MatRef<f64>,
+    z: &Mat<f64>,
+    moments: &Moments,
+    metric: MatRef<f64>,
     name: &'static str,
-) -> Result<Estimate, DecoupledError> {
-    let moments = rows.moments(z);
-    let mut noise = Noise {
-        position: 0.0,
-        torque: 0.0,
-    };
+) -> Result<(Estimate, Mat<f64>), DecoupledError> {
+    let mut left = None;
     let solved = moments.solve(metric, |parameters| {
-        noise = rows.level(parameters);
-        rows.noise(z, parameters, noise)
+        let noise = rows.level(parameters);
+        let spread = rows.noise(z, parameters, noise);
+        left = Some((noise, spread.clone()));
+        spread
     });
-    let solved = solved.ok_or(DecoupledError::Singular { estimator: name })?;
-    Ok(estimate(&solved, noise))
+    let (solved, (noise, spread)) = solved
+        .zip(left)
+        .ok_or(DecoupledError::Singular { estimator: name })?;
+    Ok((estimate(&solved, noise), spread))
 }

@@ -34,7 +34,8 @@ impl Estimator for Projection {
         let rows = Rows::new(run, columns, known);
         let z = rows.lagged(TAPS);
         let metric = regularised(z.transpose() * &z, RIDGE);
-        let mut found = with_noise(&rows, &z, metric.as_ref(), self.name())?;
+        let moments = rows.moments(&z);
+        let (mut found, _) = with_noise(&rows, &z, &moments, metric.as_ref(), self.name())?;
         found.correlation = correlation(&z, &metric, &rows.torque);
         Ok(found)
     }

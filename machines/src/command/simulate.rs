@@ -2,7 +2,7 @@
 
 use machines::MachineError;
 use machines::description::Description;
-use machines::plant::{Options, simulate};
+use machines::plant::{Carried, Options, simulate};
 use report::say;
 use std::path::PathBuf;
 
@@ -48,6 +48,9 @@ pub struct Arguments {
     /// The machine as its model idealises it: a Delta's forearms as points at their ends.
     #[arg(long)]
     ideal: bool,
+    /// A body on the last axis: its mass, kg, and inertia, kg·m².
+    #[arg(long, value_name = "MASS[,INERTIA]", value_parser = super::body)]
+    payload: Option<Carried>,
 }
 
 /// Simulates and writes both recordings.
@@ -67,6 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), MachineError> {
         factors: arguments.factor.clone(),
         limits: arguments.limit.clone(),
         ideal: arguments.ideal,
+        carried: arguments.payload.unwrap_or_default(),
     };
     let recordings = simulate(&description, &options)?;
     super::folder(&arguments.out)?;

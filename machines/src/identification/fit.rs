@@ -4,9 +4,9 @@ use super::signals::out_of_reach;
 use super::{Band, Signals};
 use crate::{Machine, MachineError};
 use identify::least_squares::{
-    Accumulator, Gram, LeastSquaresError, SolveOptions, Triangle, block_covariance, solve,
+    Accumulator, Gram, LeastSquaresError, Prior, SolveOptions, Triangle, block_covariance, solve,
 };
-use ndarray::Array2;
+use ndarray::{Array1, Array2};
 
 /// Passes of the weights: residuals of the axes hardly change after the second.
 const PASSES: usize = 4;
@@ -44,12 +44,32 @@ impl AxisRows {
     /// # Errors
     /// Positions that the machine cannot take.
     pub fn of(machine: &Machine, signals: &Signals, bands: &[Band]) -> Result<Self, MachineError> {
+        let width = machine.parameters().len();
+        Self::with(machine, signals, bands, width, |row, torque, equation| {
+            equation.copy_from_slice(row);
+            torque
+        })
+    }
+
+    /// Equations of `columns` unknowns that `equation` writes from the machine's own row (C values) and the torque of a sample; it
+    /// gives the right-hand side.
+    ///
+    /// # Errors
+    /// Positions that the machine cannot take.
+    pub fn with(
+        machine: &Machine,
+        signals: &Signals,
+        bands: &[Band],
+        columns: usize,
+        equation: impl Fn(&[f64], f64, &mut [f64]) -> f64,
+    ) -> Result<Self, MachineError> {
         let (n, width) = (machine.dof(), machine.parameters().len());
+        let mut unknowns = vec![0.0; columns];
         let (total, motion) = (signals.motion.len(), &signals.motion);
         let mut blocks: Vec<Vec<Triangle>> = vec![Vec::with_capacity(BLOCKS); n];
         let mut rows = vec![0.0; n * width];
         for block in 0..BLOCKS {
-            let mut axes: Vec<Accumulator> = (0..n).map(|_| Accumulator::new(width)).collect();
+            let mut axes: Vec<Accumulator> = (0..n).map(|_| Accumulator::new(columns)).collect();
             let part = block * total / BLOCKS..(block + 1) * total / BLOCKS;
             for row in part.filter(|&row| signals.kept[row]) {
                 let at = |table: &Array2<f64>| table.row(row).to_vec();
@@ -62,8 +82,9 @@ impl AxisRows {
                     .rows(&q, &qd, &qdd, &mut rows)
                     .map_err(|_| out_of_reach(&signals.source, row, &q))?;
                 for j in moving {
-                    let equation = &rows[j * width..][..width];
-                    axes[j].push(equation, signals.torque[(row, j)], 1.0)?;
+                    let own = &rows[j * width..][..width];
+                    let right = equation(own, signals.torque[(row, j)], &mut unknowns);
+                    axes[j].push(&unknowns, right, 1.0)?;
                 }
             }
             for (triangles, axis) in blocks.iter_mut().zip(axes) {
@@ -93,13 +114,38 @@ impl AxisRows {
 /// # Errors
 /// Nothing to fit.
 pub fn fit(rows: &AxisRows) -> Result<Estimate, LeastSquaresError> {
+    fit_towards(rows, None)
+}
+
+/// The same with what is known beforehand of the unknowns.
+///
+/// # Errors
+/// Nothing to fit.
+pub fn fit_towards(rows: &AxisRows, prior: Option<Prior>) -> Result<Estimate, LeastSquaresError> {
     let size = |axis: &Triangle| (axis.target_sum_of_squares() / axis.rows() as f64).sqrt();
     let mut residual: Vec<f64> = rows.whole.iter().map(size).collect();
     let floor: Vec<f64> = residual
         .iter()
         .map(|s| (FLOOR * s).max(f64::MIN_POSITIVE))
         .collect();
-    let options = SolveOptions::default();
+    // Rows of the prior, which every fit without a block keeps.
+    let held = match &prior {
+        Some(prior) => {
+            let root: Array1<f64> = prior.std.iter().map(|s| 1.0 / s).collect();
+            let target = &root * &Array1::from(prior.mean.clone());
+            Some(Triangle::of(
+                Array2::from_diag(&root).view(),
+                target.view(),
+            )?)
+        }
+        None => None,
+    };
+    let options = SolveOptions {
+        // A prior's deviations are in units: rows are weighted to a variance of one.
+        sigma2: prior.as_ref().map(|_| 1.0),
+        prior,
+        ..SolveOptions::default()
+    };
     let mut best = None;
     for _ in 0..PASSES {
         let weighted: Vec<Triangle> = std::iter::zip(&rows.whole, &residual)
@@ -124,7 +170,8 @@ pub fn fit(rows: &AxisRows) -> Result<Estimate, LeastSquaresError> {
             Ok(Gram::from(&Triangle::stack(&axes)?))
         })
         .collect::<Result<Vec<Gram>, LeastSquaresError>>()?;
-    let covariance = block_covariance(&blocks, &estimate, options.ridge, None)?;
+    let held = held.as_ref().map(Gram::from);
+    let covariance = block_covariance(&blocks, &estimate, options.ridge, held.as_ref())?;
     let rank = estimate.rank;
     let estimate = estimate.with_covariance(covariance)?;
     Ok(Estimate {

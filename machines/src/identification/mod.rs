@@ -9,7 +9,7 @@ mod settings;
 mod signals;
 
 pub use band::Band;
-pub use fit::{AxisRows, Estimate, fit};
+pub use fit::{AxisRows, Estimate, fit, fit_towards};
 pub use moving::bands;
 pub use settings::{FILTER_HZ, SHARE, SLOW, Settings};
 pub use signals::Signals;

@@ -68,6 +68,15 @@ impl TorqueModel for LinearAxis {
         vec![("angle from the vertical".into(), angle, "°".into())]
     }
 
+    /// Its mass, which weighs as much of itself along the axis as the carriage does.
+    fn payload(&self, values: &[f64]) -> Vec<(Parameter, Vec<f64>)> {
+        let mut column = vec![1.0];
+        if self.tilted {
+            column.push(values[1] / values[0]);
+        }
+        vec![(Parameter::new("mass", "kg"), column)]
+    }
+
     fn positive(&self) -> Vec<usize> {
         vec![0]
     }

@@ -146,4 +146,29 @@ impl TorqueModel for Puma {
     fn is_semi_static(&self) -> bool {
         self.semi_static
     }
+
+    /// The ten standard parameters in the last joint's frame; of the semi-static model mass and first moments, as weights.
+    fn payload(&self, _values: &[f64]) -> Vec<(Parameter, Vec<f64>)> {
+        let n = self.robot.dof();
+        let (told, extra, weight) = if self.semi_static {
+            (4, 0, self.robot.gravity().norm())
+        } else {
+            (PARAMETERS_PER_LINK, n, 1.0)
+        };
+        let names = [
+            "mass", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz",
+        ];
+        let unit = |k: usize| match k {
+            0 => "kg",
+            1..=3 => "kg·m",
+            _ => "kg·m²",
+        };
+        (0..told)
+            .map(|k| {
+                let mut all = vec![0.0; PARAMETERS_PER_LINK * n + extra];
+                all[PARAMETERS_PER_LINK * (n - 1) + k] = weight;
+                (Parameter::new(names[k], unit(k)), self.base.base_from(&all))
+            })
+            .collect()
+    }
 }

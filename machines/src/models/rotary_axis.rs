@@ -80,6 +80,27 @@ impl TorqueModel for RotaryAxis {
         ]
     }
 
+    /// A mass at the end of the crank, level at zero; without a crank's length inertia and first moments about the axis.
+    fn payload(&self, _values: &[f64]) -> Vec<(Parameter, Vec<f64>)> {
+        let upright = |inertia: f64, along: f64, across: f64| {
+            if self.vertical() {
+                vec![inertia, GRAVITY * along, -GRAVITY * across]
+            } else {
+                vec![inertia]
+            }
+        };
+        let mass = |r: f64| (Parameter::new("mass", "kg"), upright(r * r, r, 0.0));
+        match self.crank.filter(|r| *r > 0.0 && self.number > 1) {
+            Some(r) => vec![mass(r)],
+            None if self.vertical() => vec![
+                (Parameter::new("inertia", "kg·m²"), upright(1.0, 0.0, 0.0)),
+                (Parameter::new("mx", "kg·m"), upright(0.0, 1.0, 0.0)),
+                (Parameter::new("my", "kg·m"), upright(0.0, 0.0, 1.0)),
+            ],
+            None => vec![(Parameter::new("inertia", "kg·m²"), upright(1.0, 0.0, 0.0))],
+        }
+    }
+
     fn positive(&self) -> Vec<usize> {
         vec![0]
     }

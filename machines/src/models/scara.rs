@@ -1,5 +1,6 @@
 //! SCARA: two parallel rotating axes, a sliding one, and a rotating one about the same line.
 
+use super::rotary_axis::GRAVITY;
 use super::{OutOfReach, Parameter, TorqueModel};
 use std::f64::consts::TAU;
 
@@ -103,6 +104,33 @@ impl TorqueModel for Scara {
             -TAU * lift,
             "m".into(),
         )]
+    }
+
+    /// Mass and, with four axes, inertia of a body whose centre is on the quill's line, and what it adds to the arms: a₁² m, a₂² m and
+    /// a₁ a₂ m, whose lengths no description has.
+    fn payload(&self, values: &[f64]) -> Vec<(Parameter, Vec<f64>)> {
+        let width = self.parameters().len();
+        let column = |entries: &[(usize, f64)]| {
+            let mut column = vec![0.0; width];
+            entries.iter().for_each(|&(k, v)| column[k] = v);
+            column
+        };
+        let mut mass = vec![(4, 1.0), (5, GRAVITY)];
+        if self.coupled && values[5] != 0.0 {
+            let lift = -values[9] / values[5];
+            mass.extend([(8, -lift), (9, -lift * GRAVITY)]);
+            mass.push((7, lift * lift));
+        }
+        let mut all = vec![
+            (Parameter::new("mass", "kg"), column(&mass)),
+            (Parameter::new("inertia_1", "kg·m²"), column(&[(0, 1.0)])),
+            (Parameter::new("inertia_2", "kg·m²"), column(&[(1, 1.0)])),
+            (Parameter::new("product", "kg·m²"), column(&[(2, 1.0)])),
+        ];
+        if self.rotates {
+            all.push((Parameter::new("inertia_4", "kg·m²"), column(&[(6, 1.0)])));
+        }
+        all
     }
 
     fn positive(&self) -> Vec<usize> {

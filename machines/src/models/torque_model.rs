@@ -55,6 +55,10 @@ pub trait TorqueModel: Send + Sync {
         Vec::new()
     }
 
+    /// What of a body on the last axis the model can tell, and what each unit of it adds to the parameters (P values), the machine's
+    /// own being `values`.
+    fn payload(&self, values: &[f64]) -> Vec<(Parameter, Vec<f64>)>;
+
     /// Columns whose value cannot be negative: masses and inertias. A negative one means a sign or factor of the torque.
     fn positive(&self) -> Vec<usize> {
         Vec::new()

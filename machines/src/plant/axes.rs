@@ -1,5 +1,6 @@
 //! Single axes as point masses: force from acceleration, torque from force and lever, as vectors.
 
+use super::carried::Carried;
 use super::mechanics::{Friction, Plant};
 use nalgebra::{Vector2, Vector3};
 
@@ -13,15 +14,17 @@ pub(super) struct Crank {
 
 impl Crank {
     /// For model 1 (balanced), 2 (turns in the horizontal plane) or 3 (vertical plane).
-    pub fn new(model: usize) -> Self {
-        let bodies = if model == 1 {
+    pub fn new(model: usize, carried: &Carried) -> Self {
+        let mut bodies = if model == 1 {
             vec![(3.0, 0.15, 0.0), (3.0, 0.15, std::f64::consts::PI)]
         } else {
             vec![(2.5, 0.35, 0.0), (1.5, 0.12, 2.6)]
         };
+        let at_end = if model == 1 { 0.0 } else { 0.35 };
+        bodies.push((carried.mass, at_end, 0.0));
         Self {
             bodies,
-            rotor: 0.08,
+            rotor: 0.08 + carried.inertia,
             gravity: if model == 3 { 9.806_65 } else { 0.0 },
         }
     }
@@ -59,7 +62,7 @@ pub(super) struct Carriage {
 
 impl Carriage {
     /// For model 1 (horizontal) or 2 (tilted).
-    pub fn new(model: usize) -> Self {
+    pub fn new(model: usize, carried: &Carried) -> Self {
         let rail = if model == 1 {
             Vector3::x()
         } else {
@@ -68,7 +71,7 @@ impl Carriage {
         };
         Self {
             rail,
-            mass: 25.0,
+            mass: 25.0 + carried.mass,
             spindle: 0.0,
         }
     }

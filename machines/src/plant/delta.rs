@@ -1,6 +1,7 @@
 //! Delta by Lagrange's equations with energies of all its bodies, differentiated by differences; its kinematics by Newton's
 //! method on the forearms' lengths.
 
+use super::carried::Carried;
 use super::mechanics::{Friction, Plant};
 use crate::MachineError;
 use crate::description::Description;
@@ -19,6 +20,8 @@ pub(super) struct Delta {
     /// Forearms with the inertia of rods, or as points at their ends.
     rods: bool,
     axes: usize,
+    plate: f64,
+    shaft: f64,
 }
 
 /// Arm with rotor about its axis, kg·m²; its weight's moment, kg·m; one forearm (two rods), kg; radius of inertia of its
@@ -33,7 +36,11 @@ const GRAVITY: f64 = 9.81;
 
 impl Delta {
     /// With the description's lengths.
-    pub fn new(description: &Description, ideal: bool) -> Result<Self, MachineError> {
+    pub fn new(
+        description: &Description,
+        ideal: bool,
+        carried: &Carried,
+    ) -> Result<Self, MachineError> {
         let geometry = &description.geometry;
         let length = |value, name| description.length(value, name);
         Ok(Self {
@@ -43,6 +50,8 @@ impl Delta {
             forearm: length(geometry.forearm, "forearm")?,
             rods: !ideal,
             axes: description.axis.len(),
+            plate: PLATE + carried.mass,
+            shaft: SHAFT + carried.inertia,
         })
     }
 
@@ -99,7 +108,7 @@ impl Delta {
             (get(0) - get(1) * 8.0 + get(2) * 8.0 - get(3)) / (12.0 * h)
         };
         let plate = rate(&|k| seen[k].0);
-        let mut energy = 0.5 * PLATE * plate.norm_squared();
+        let mut energy = 0.5 * self.plate * plate.norm_squared();
         for (i, velocity) in qd.iter().enumerate() {
             energy += 0.5 * ARM_INERTIA * velocity * velocity;
             let [elbow, joint] = [0, 1].map(|end| rate(&|k| seen[k].1[i][end]));
@@ -118,7 +127,7 @@ impl Delta {
 
     fn potential(&self, q: [f64; 3]) -> f64 {
         let plate = self.plate(q);
-        let mut height = PLATE * plate.z;
+        let mut height = self.plate * plate.z;
         for (i, &q) in q.iter().enumerate() {
             let [elbow, joint] = self.ends(i, q, &plate);
             height += -ARM_MOMENT * q.sin() + FOREARM * (elbow.z + joint.z) / 2.0;
@@ -168,7 +177,7 @@ impl Plant for Delta {
             })
             .collect();
         if self.axes == 4 {
-            all.push(SHAFT * qdd[3]);
+            all.push(self.shaft * qdd[3]);
         }
         all
     }
@@ -201,7 +210,7 @@ mod tests {
     #[test]
     fn points_at_the_ends_are_the_model_1() {
         let description = Description::load("delta3").expect("built in");
-        let plant = Delta::new(&description, true).expect("lengths are given");
+        let plant = Delta::new(&description, true, &Carried::default()).expect("lengths are given");
         let shape = Shape {
             offset: plant.base_radius - plant.plate_radius,
             arm: plant.arm,

@@ -5,6 +5,7 @@
 //! Numbers are plausible for a machine of the described size unless a file names their source; the manual gives none.
 
 mod axes;
+mod carried;
 mod delta;
 mod mechanics;
 mod motion;
@@ -13,6 +14,7 @@ mod scara;
 
 use crate::MachineError;
 use crate::description::{Description, Kind};
+pub use carried::Carried;
 use datasets::{Recording, Trajectory};
 pub use mechanics::{Friction, Plant};
 use motion::Course;
@@ -43,6 +45,8 @@ pub struct Options {
     pub limits: Vec<(usize, f64)>,
     /// The machine as its torque model 1 idealises it: a Delta's forearms as points at their ends.
     pub ideal: bool,
+    /// A body on the last axis.
+    pub carried: Carried,
 }
 
 impl Default for Options {
@@ -57,6 +61,7 @@ impl Default for Options {
             factors: Vec::new(),
             limits: Vec::new(),
             ideal: false,
+            carried: Carried::default(),
         }
     }
 }
@@ -73,7 +78,7 @@ pub fn simulate(
     description: &Description,
     options: &Options,
 ) -> Result<[Recording; 2], MachineError> {
-    let plant = plant(description, options.ideal)?;
+    let plant = plant(description, options.ideal, &options.carried)?;
     let Some(waves) = &description.motion else {
         return Err(description.wrong("has no motion to simulate; add a table [motion]".to_owned()));
     };
@@ -86,6 +91,10 @@ pub fn simulate(
         if !(value.is_finite() && value > 0.0) {
             return Err(description.wrong(format!("{name} of the simulation has to be positive")));
         }
+    }
+    let Carried { mass, inertia } = options.carried;
+    if !(mass >= 0.0 && inertia >= 0.0 && mass.is_finite() && inertia.is_finite()) {
+        return Err(description.wrong("carries a body of negative mass or inertia".to_owned()));
     }
     let n = description.axis.len();
     let named = options.factors.iter().chain(&options.limits);
@@ -100,18 +109,22 @@ pub fn simulate(
     Ok(courses.map(|course| record(description, plant.as_ref(), &course, options, &mut rng)))
 }
 
-/// The plant of a description; `ideal` as [`Options::ideal`].
+/// The plant of a description with a body on its last axis; `ideal` as [`Options::ideal`].
 ///
 /// # Errors
 /// A number that a plant needs is missing.
-pub fn plant(description: &Description, ideal: bool) -> Result<Box<dyn Plant>, MachineError> {
+pub fn plant(
+    description: &Description,
+    ideal: bool,
+    carried: &Carried,
+) -> Result<Box<dyn Plant>, MachineError> {
     let axes = description.axis.len();
     Ok(match description.kind {
-        Kind::RotaryAxis => Box::new(axes::Crank::new(description.dynamic_model)),
-        Kind::LinearAxis => Box::new(axes::Carriage::new(description.dynamic_model)),
-        Kind::Scara => Box::new(scara::Scara::new(axes, description.dynamic_model)),
-        Kind::Delta => Box::new(delta::Delta::new(description, ideal)?),
-        Kind::Puma => Box::new(puma::Puma::new(description)?),
+        Kind::RotaryAxis => Box::new(axes::Crank::new(description.dynamic_model, carried)),
+        Kind::LinearAxis => Box::new(axes::Carriage::new(description.dynamic_model, carried)),
+        Kind::Scara => Box::new(scara::Scara::new(axes, description.dynamic_model, carried)),
+        Kind::Delta => Box::new(delta::Delta::new(description, ideal, carried)?),
+        Kind::Puma => Box::new(puma::Puma::new(description, carried)?),
     })
 }
 

@@ -1,5 +1,6 @@
 //! SCARA as a serial chain by recursive Newton–Euler, with rotors, and with the spindle's coupling where it has one.
 
+use super::carried::Carried;
 use super::mechanics::{Friction, Plant};
 use nalgebra::{Matrix3, Vector3};
 use physics::dynamics::{Workspace, inverse_dynamics};
@@ -24,7 +25,7 @@ const ROTORS: [f64; 4] = [0.35, 0.12, 2.0, 0.004];
 
 impl Scara {
     /// With 3 or 4 axes; model 2 couples the third and fourth by a spindle of 20 mm lead.
-    pub fn new(axes: usize, model: usize) -> Self {
+    pub fn new(axes: usize, model: usize, carried: &Carried) -> Self {
         let body = |mass: f64, com: [f64; 3], [xx, yy, zz]: [f64; 3]| {
             let moments = Matrix3::from_diagonal(&Vector3::new(xx, yy, zz));
             Inertia::from_com(mass, com.into(), moments)
@@ -49,6 +50,7 @@ impl Scara {
         let turns = JointKind::Continuous;
         let quill = body(1.1, [0.0, 0.0, 0.05], [0.012, 0.012, 0.0006]);
         let tool = body(0.5, [0.0, 0.0, -0.12], [0.0008, 0.0008, 0.0018]);
+        let tool = tool.plus(&body(carried.mass, [0.0, 0.0, -0.2], [carried.inertia; 3]));
         let mut joints = vec![
             joint(
                 "A1",

@@ -86,6 +86,20 @@ impl TorqueModel for Delta {
         Ok(())
     }
 
+    /// Mass on the plate, which stays level, and with four axes inertia on the shaft.
+    fn payload(&self, _values: &[f64]) -> Vec<(Parameter, Vec<f64>)> {
+        let width = self.width();
+        let mut mass = vec![0.0; width];
+        mass[2..4].fill(1.0);
+        let mut all = vec![(Parameter::new("mass", "kg"), mass)];
+        if self.rotates {
+            let mut shaft = vec![0.0; width];
+            shaft[width - 1] = 1.0;
+            all.push((Parameter::new("inertia_4", "kg·m²"), shaft));
+        }
+        all
+    }
+
     fn positive(&self) -> Vec<usize> {
         vec![0, 2]
     }

@@ -1,0 +1,87 @@
+//! `machine payload`.
+
+use machines::payload::{MachinePayload, estimate};
+use machines::store::MachineFile;
+use machines::{MachineError, recording};
+use report::{Cell, Column, Table, say, say_text};
+use std::path::PathBuf;
+
+/// Which machine, with what.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Folder that machine identify has written, without the body.
+    #[arg(long)]
+    model: PathBuf,
+    /// Recording with it (.csv, .parquet, .npz).
+    #[arg(long)]
+    data: PathBuf,
+    /// Drive file: names and units of columns, torque factors.
+    #[arg(long)]
+    drive: Option<PathBuf>,
+    /// Write the figures as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Estimates, writes, prints.
+pub fn run(arguments: &Arguments) -> Result<(), MachineError> {
+    let file = MachineFile::load(&arguments.model)?;
+    let drive = arguments
+        .drive
+        .as_deref()
+        .map(|path| recording::drive(path, &file.machine))
+        .transpose()?;
+    let data = recording::recording(&arguments.data, &file.machine, drive.as_ref(), true)?;
+    let found = estimate(&file, &data)?;
+    if let Some(path) = &arguments.json {
+        let mut text = serde_json::to_string_pretty(&found).unwrap_or_default();
+        text.push('\n');
+        report::write_atomic(path, text)?;
+    }
+    if !arguments.quiet {
+        print(&file, &found, &data.source);
+    }
+    Ok(())
+}
+
+fn print(file: &MachineFile, found: &MachinePayload, source: &str) {
+    say!(
+        "{source}: the body on the last axis of {}, dynamic model {}\n",
+        found.machine,
+        found.dynamic_model
+    );
+    let mut table = Table::new([
+        Column::text("figure"),
+        Column::number("value"),
+        Column::number("deviation"),
+        Column::text("unit"),
+    ]);
+    for figure in &found.body {
+        table.push([
+            Cell::text(&figure.name),
+            Cell::significant(figure.value, 4),
+            Cell::significant(figure.std, 2),
+            Cell::text(&figure.unit),
+        ]);
+    }
+    say_text!(table.to_text());
+    say!();
+    let mut table = Table::new([
+        Column::text("axis"),
+        Column::number("RMS left without it"),
+        Column::number("with it"),
+        Column::text("unit"),
+    ]);
+    for (j, axis) in file.machine.axis.iter().enumerate() {
+        table.push([
+            Cell::text(&axis.name),
+            Cell::significant(found.rms_without[j], 3),
+            Cell::significant(found.rms_with[j], 3),
+            Cell::text(axis.effort_unit()),
+        ]);
+    }
+    say_text!(table.to_text());
+}
