@@ -29,6 +29,14 @@ pub enum ControlError {
     /// A line that a machine cannot follow.
     #[error("{0}: the tool cannot follow the line; its ends or its middle are out of reach")]
     OutOfReach(String),
+    /// A loop that ran away.
+    #[error("{robot}, {mode}: the simulated loop is unstable")]
+    Unstable {
+        /// The robot.
+        robot: String,
+        /// What the controller added.
+        mode: &'static str,
+    },
     /// A recording too short for a threshold.
     #[error(
         "{file}: {seconds:.1} s of torque and motion; thresholds take at least {needed:.0} s, record longer"
@@ -51,6 +59,9 @@ impl From<ControlError> for Failure {
             }
             ControlError::Load(_) | ControlError::Model(_) => {
                 "Give a directory that train has written, whole and by this version."
+            }
+            ControlError::Unstable { .. } => {
+                "Try --withheld friction or nothing: stiff gears; a model that fits its robot keeps it stable."
             }
             _ => "",
         };

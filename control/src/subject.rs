@@ -2,6 +2,7 @@
 
 use crate::ControlError;
 use machines::description::{Description, Moves};
+use machines::plant::Carried;
 use plant::bodies::Bodies;
 use plant::{Friction, Plant};
 use trials::protocols::Machine as Arm;
@@ -29,8 +30,8 @@ pub struct Subject {
     plant: Plant,
     /// Plant joint of each motor.
     motors: Vec<usize>,
-    /// Whether the plant joint after a motor's is its gear's deflection.
-    elastic: bool,
+    /// Whether the plant joint after each motor's is its gear's deflection.
+    elastic: Vec<bool>,
     /// Largest torque of each motor, N·m or N; infinite where there is no limit.
     effort: Vec<f64>,
     torque: Vec<f64>,
@@ -52,8 +53,10 @@ impl Subject {
             axes: axes.collect(),
             torque: vec![0.0; plant.dof()],
             plant,
+            elastic: (0..motors.len())
+                .map(|j| arm.gears.get(j).is_some_and(Option::is_some))
+                .collect(),
             motors,
-            elastic: !arm.gears.is_empty(),
             effort: joints.iter().map(|j| j.limits.effort).collect(),
         })
     }
@@ -63,7 +66,7 @@ impl Subject {
     /// # Errors
     /// A description that no plant has.
     pub fn machine(description: &Description, q: &[f64]) -> Result<Self, ControlError> {
-        let machine = machines::plant::plant(description, false)?;
+        let machine = machines::plant::plant(description, false, &Carried::default())?;
         let friction = machine.friction().into_iter().map(|f| Friction {
             viscous: f.viscous,
             coulomb: f.coulomb,
@@ -81,7 +84,7 @@ impl Subject {
             axes: axes.collect(),
             plant: Plant::of(bodies, vec![0.0; n], friction, Vec::new(), q.to_vec()),
             motors: (0..n).collect(),
-            elastic: false,
+            elastic: vec![false; n],
             effort: description.axis.iter().map(|a| a.effort).collect(),
             torque: vec![0.0; n],
         })
@@ -102,8 +105,8 @@ impl Subject {
 
     /// Positions of the links: of the motors and what their gears wind up, N values.
     pub fn links(&self, q: &mut [f64]) {
-        for (q, &joint) in q.iter_mut().zip(&self.motors) {
-            let wound = if self.elastic {
+        for (j, (q, &joint)) in q.iter_mut().zip(&self.motors).enumerate() {
+            let wound = if self.elastic[j] {
                 self.plant.q[joint + 1]
             } else {
                 0.0
@@ -125,7 +128,7 @@ impl Subject {
         for (j, &joint) in self.motors.iter().enumerate() {
             self.torque[joint] = u[j] + push[j];
             // A torque on the link does work on the motor's turn and on the gear's deflection alike.
-            if self.elastic {
+            if self.elastic[j] {
                 self.torque[joint + 1] = push[j];
             }
         }

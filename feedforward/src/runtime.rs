@@ -179,14 +179,27 @@ impl Feedforward {
     pub fn reset(&mut self, clock: Option<f64>) {
         let known = clock.and_then(|now| {
             let index = last_before(&self.known, now)?;
-            Some((now - self.known[index][1], self.memory.get(index)?))
+            self.memory.get(index)?;
+            Some((now - self.known[index][1], index))
         });
+        self.begin(clock, known);
+    }
+
+    /// Starts where the joints have been moved since the training: friction memory and windows are neutral; `clock` is the time of
+    /// the next sample on the session clock of the training recordings in s, by which the gears have been warming.
+    pub fn start(&mut self, clock: Option<f64>) {
+        self.begin(clock, None);
+    }
+
+    /// Goes on from `known`: the time since it was remembered, s, and what.
+    fn begin(&mut self, clock: Option<f64>, known: Option<(f64, usize)>) {
+        let memory = known.and_then(|(_, index)| self.memory.get(index));
         self.clock = clock;
         self.elapsed = known.map_or(0.0, |(elapsed, _)| elapsed);
         self.predictor
-            .restore(known.map_or(&[], |(_, memory)| &memory.physics));
+            .restore(memory.map_or(&[], |memory| &memory.physics));
         if let Some(residual) = &mut self.residual {
-            residual.restore(known.map_or(&[], |(_, memory)| &memory.inputs));
+            residual.restore(memory.map_or(&[], |memory| &memory.inputs));
         }
     }
 

@@ -11,6 +11,11 @@ pub enum SimulateError {
     /// A built-in robot is missing.
     #[error("no built-in robot `{0}`")]
     NoRobot(&'static str),
+    /// A motor's motion alone does not tell its torque.
+    #[error(
+        "the simulated robot has elastic gears: the motion of its motors does not tell their torque"
+    )]
+    Elastic,
     /// No random robot suited the case.
     #[error("case {index} ({kind}): no random robot suits it")]
     NoCase {

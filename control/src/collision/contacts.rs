@@ -1,8 +1,8 @@
-//! Simulated contacts: what both detectors find of them, and what they find where there is nothing.
+//! Simulated contacts: what the detectors find of them, and what they find where there is nothing.
 
 use super::residual::Signal;
 use super::threshold::{alarms, thresholds};
-use super::{Momentum, TIME_CONSTANT, TorqueError};
+use super::{DETECTORS, Momentum, SLOW, Sudden, TIME_CONSTANT, TorqueError};
 use crate::ControlError;
 use crate::model::Model;
 use crate::motion::{Fourier, Motion};
@@ -51,7 +51,7 @@ const WITHIN: f64 = 0.05;
 /// What one detector found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Found {
-    /// `torque_error` or `momentum_observer`.
+    /// One of [`DETECTORS`].
     pub name: &'static str,
     /// Threshold of every joint, N·m or N.
     pub thresholds: Vec<f64>,
@@ -72,17 +72,20 @@ pub struct Contacts {
     pub size: Vec<f64>,
     /// Hours without contact.
     pub clean_hours: f64,
-    /// Torque error and momentum observer.
-    pub detectors: [Found; 2],
+    /// Each of [`DETECTORS`].
+    pub detectors: [Found; 3],
 }
 
 impl Found {
+    /// Contacts found within 50 ms, and all.
+    pub fn count(&self) -> [usize; 2] {
+        let joints = self.by_joint.iter();
+        joints.fold([0, 0], |s, b| [s[0] + b[0], s[1] + b[1]])
+    }
+
     /// Part of the contacts that was found within 50 ms.
     pub fn share(&self) -> f64 {
-        let [found, all] = self
-            .by_joint
-            .iter()
-            .fold([0, 0], |s, b| [s[0] + b[0], s[1] + b[1]]);
+        let [found, all] = self.count();
         found as f64 / all.max(1) as f64
     }
 }
@@ -95,7 +98,10 @@ struct Contact {
     size: f64,
 }
 
-/// Both detectors beside a loop.
+/// The residual, then what each detector shows.
+type Signals = [Signal; 1 + DETECTORS.len()];
+
+/// The detectors beside a loop.
 struct Watch<'a> {
     contact: Option<Contact>,
     model: &'a mut dyn Model,
@@ -104,8 +110,8 @@ struct Watch<'a> {
     period: f64,
     error: TorqueError,
     observer: Momentum,
-    /// Residual, torque error, momentum.
-    signals: [Signal; 3],
+    sudden: Sudden,
+    signals: Signals,
 }
 
 impl Surroundings for Watch<'_> {
@@ -132,7 +138,8 @@ impl Surroundings for Watch<'_> {
         let seen = self
             .observer
             .step(self.model, now.q, now.v, &net, self.period);
-        // While the arm takes up its load before the motion both settle.
+        let jump = self.sudden.step(seen);
+        // While the arm takes up its load before the motion they settle.
         if now.time < 0.0 {
             return;
         }
@@ -145,6 +152,7 @@ impl Surroundings for Watch<'_> {
         self.signals[0].push(now.time, &left, first);
         self.signals[1].push(now.time, shown, first);
         self.signals[2].push(now.time, seen, first);
+        self.signals[3].push(now.time, jump, first);
     }
 }
 
@@ -160,7 +168,7 @@ pub fn contacts<M: Model>(
     plan: &Plan,
 ) -> Result<Contacts, ControlError> {
     let n = machine.arm.dof();
-    let run_of = |index: usize, contact: Option<Contact>| -> Result<[Signal; 3], ControlError> {
+    let run_of = |index: usize, contact: Option<Contact>| -> Result<Signals, ControlError> {
         let seed = plan.seed.wrapping_mul(1_000_003).wrapping_add(index as u64);
         let motion = Fourier::draw(limits.to_vec(), PERIOD, seed)?;
         let mut begin = Command::new(n);
@@ -176,6 +184,7 @@ pub fn contacts<M: Model>(
             period,
             error: TorqueError::new(n, TorqueError::filter(TIME_CONSTANT, period)),
             observer: Momentum::new(n, 1.0 / TIME_CONSTANT),
+            sudden: Sudden::new(n, TorqueError::filter(SLOW, period)),
             signals: std::array::from_fn(|_| Signal::new(n)),
         };
         run(
@@ -188,7 +197,7 @@ pub fn contacts<M: Model>(
         );
         Ok(watch.signals)
     };
-    let runs = |first: usize, count: usize| -> Result<Vec<[Signal; 3]>, ControlError> {
+    let runs = |first: usize, count: usize| -> Result<Vec<Signals>, ControlError> {
         (first..first + count)
             .into_par_iter()
             .map(|index| run_of(index, None))
@@ -196,7 +205,8 @@ pub fn contacts<M: Model>(
     };
     let calm = joined(&runs(0, plan.calibration)?, n);
     let residual_rms = calm[0].rms();
-    let chosen = [&calm[1], &calm[2]].map(|signal| thresholds(signal, plan.per_hour));
+    let chosen: [Vec<f64>; DETECTORS.len()] =
+        std::array::from_fn(|d| thresholds(&calm[1 + d], plan.per_hour));
     let size: Vec<f64> = residual_rms.iter().map(|r| plan.factor * r).collect();
 
     let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
@@ -212,29 +222,31 @@ pub fn contacts<M: Model>(
         })
         .collect();
     // Time to the first alarm of each detector.
-    let latencies: Vec<[Option<f64>; 2]> = touched
+    let latencies: Vec<[Option<f64>; DETECTORS.len()]> = touched
         .par_iter()
         .enumerate()
         .map(|(k, contact)| {
             let signals = run_of(plan.calibration + k, Some(*contact))?;
-            Ok([0, 1].map(|d| latency(&signals[d + 1], &chosen[d], contact.start)))
+            Ok(std::array::from_fn(|d| {
+                latency(&signals[1 + d], &chosen[d], contact.start)
+            }))
         })
         .collect::<Result<_, ControlError>>()?;
 
     // In parts, for signals of hours would fill the memory.
     const PART: usize = 60;
-    let mut false_alarms = [0usize; 2];
+    let mut false_alarms = [0usize; DETECTORS.len()];
     let mut done = 0;
     while done < plan.clean {
         let count = PART.min(plan.clean - done);
         for signals in runs(plan.calibration + plan.contacts + done, count)? {
-            for d in 0..2 {
-                false_alarms[d] += alarms(&signals[d + 1], &chosen[d]).len();
+            for (d, count) in false_alarms.iter_mut().enumerate() {
+                *count += alarms(&signals[1 + d], &chosen[d]).len();
             }
         }
         done += count;
     }
-    let found = |d: usize, name| {
+    let found = |d: usize| {
         let mut by_joint = vec![[0, 0]; n];
         let mut times: Vec<f64> = Vec::new();
         for (contact, latency) in touched.iter().zip(&latencies) {
@@ -246,7 +258,7 @@ pub fn contacts<M: Model>(
         }
         times.sort_by(f64::total_cmp);
         Found {
-            name,
+            name: DETECTORS[d],
             thresholds: chosen[d].clone(),
             by_joint,
             latency: times.get(times.len() / 2).copied().unwrap_or(f64::NAN),
@@ -256,13 +268,13 @@ pub fn contacts<M: Model>(
     Ok(Contacts {
         size,
         clean_hours: plan.clean as f64 * (PERIOD + plan.settings.after) / 3600.0,
-        detectors: [found(0, "torque_error"), found(1, "momentum_observer")],
+        detectors: std::array::from_fn(found),
         residual_rms,
     })
 }
 
 /// Signals of runs one behind the other.
-fn joined(runs: &[[Signal; 3]], dof: usize) -> [Signal; 3] {
+fn joined(runs: &[Signals], dof: usize) -> Signals {
     std::array::from_fn(|k| {
         let mut all = Signal::new(dof);
         runs.iter().for_each(|signals| all.append(&signals[k]));

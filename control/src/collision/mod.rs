@@ -2,8 +2,9 @@
 //!
 //! - `torque_error`: the softMC manual's: model minus measured torque behind an exponential filter;
 //! - `momentum`: the observer of generalised momentum (De Luca and Mattone, ICRA 2005; De Luca et al., IROS 2006);
+//! - `sudden`: what of the observer's residual comes suddenly;
 //! - `threshold`: thresholds for a wanted rate of false alarms, and alarms;
-//! - `recording`: both on a recording of a stored model's robot: `eval --collision`;
+//! - `recording`: all of them on a recording of a stored model's robot: `eval --collision`;
 //! - `contacts`: simulated contacts.
 
 mod contacts;
@@ -11,6 +12,7 @@ mod momentum;
 mod page;
 mod recording;
 mod residual;
+mod sudden;
 mod threshold;
 mod torque_error;
 
@@ -19,9 +21,15 @@ pub use momentum::Momentum;
 pub use page::{page, tables};
 pub use recording::{Collisions, Detector, of_recording};
 pub use residual::Signal;
+pub use sudden::Sudden;
 pub use threshold::{Alarm, SHORTEST, alarms, thresholds};
 pub use torque_error::TorqueError;
 
-/// Time constant of both detectors, s: of the filter, and the inverse of the observer's gain. Three of them are within the 50 ms
+/// Time constant of the detectors, s: of the filter, and the inverse of the observer's gain. Three of them are within the 50 ms
 /// in which a contact is to be found.
 pub const TIME_CONSTANT: f64 = 0.012;
+/// Time constant of the mean that a sudden momentum is less by, s: twice the 50 ms, in which it takes a third of a contact away.
+pub const SLOW: f64 = 0.1;
+
+/// The detectors, in the order of tables and signals.
+pub const DETECTORS: [&str; 3] = ["torque_error", "momentum_observer", "sudden_momentum"];

@@ -1,8 +1,8 @@
-//! Both detectors on a recording of a stored model's robot.
+//! The detectors on a recording of a stored model's robot.
 
 use super::residual::Signal;
 use super::threshold::{Alarm, SHORTEST, alarms, thresholds};
-use super::{Momentum, TIME_CONSTANT, TorqueError};
+use super::{DETECTORS, Momentum, SLOW, Sudden, TIME_CONSTANT, TorqueError};
 use crate::ControlError;
 use crate::model::{DirectoryModel, Model};
 use ::model::directory::ModelFile;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// A detector on a recording.
 #[derive(Debug, Clone, Serialize)]
 pub struct Detector {
-    /// `torque_error` or `momentum_observer`.
+    /// One of [`DETECTORS`].
     pub name: &'static str,
     /// Threshold of every joint (TorqueErrorMax), N·m or N.
     pub thresholds: Vec<f64>,
@@ -53,8 +53,8 @@ pub struct Collisions {
     pub torque_error_filter: f64,
     /// RMS of measured minus model torque of every joint, N·m or N.
     pub residual_rms: Vec<f64>,
-    /// Torque error and momentum observer.
-    pub detectors: [Detector; 2],
+    /// Each of [`DETECTORS`].
+    pub detectors: [Detector; 3],
     /// What the figures depend on.
     pub notes: Vec<String>,
 }
@@ -77,8 +77,9 @@ pub fn of_recording(
         None => &seen,
     };
     let labels = &recording.recording.trajectories;
-    let detector = |name, signal: &Signal, calibration: &Signal| {
-        let thresholds = thresholds(calibration, per_hour);
+    let detector = |d: usize| {
+        let signal = &seen.shown[d];
+        let thresholds = thresholds(&chosen_from.shown[d], per_hour);
         let found = alarms(signal, &thresholds).into_iter().map(|alarm| {
             let of = labels.iter().find(|t| t.range.contains(&alarm.row));
             Recorded {
@@ -88,16 +89,17 @@ pub fn of_recording(
             }
         });
         Detector {
-            name,
+            name: DETECTORS[d],
             alarms: found.collect(),
             thresholds,
             signal: signal.clone(),
         }
     };
     let mut notes = vec![format!(
-        "Motion as eval prepares it (a zero-phase low-pass, not causal): in a loop, choose thresholds from the loop's own signals. Both \
-         detectors have a time constant of {:.0} ms.",
-        1e3 * TIME_CONSTANT
+        "Motion as eval prepares it (a zero-phase low-pass, not causal): in a loop, choose thresholds from the loop's own signals. The \
+         detectors have a time constant of {:.0} ms; a sudden momentum is what is left of the observer's residual after a mean over {:.0} ms.",
+        1e3 * TIME_CONSTANT,
+        1e3 * SLOW
     )];
     if calibration.is_none() {
         notes.push("The thresholds were chosen from this very recording; give --calibration to judge one that they have not seen.".to_owned());
@@ -105,15 +107,12 @@ pub fn of_recording(
     Ok(Collisions {
         schema: "collision/1",
         joints: file.joints.clone(),
-        seconds: seen.filtered.seconds(),
-        calibration_seconds: chosen_from.filtered.seconds(),
+        seconds: seen.raw.seconds(),
+        calibration_seconds: chosen_from.raw.seconds(),
         false_alarms: per_hour,
         torque_error_filter: seen.filter,
         residual_rms: seen.raw.rms(),
-        detectors: [
-            detector("torque_error", &seen.filtered, &chosen_from.filtered),
-            detector("momentum_observer", &seen.observed, &chosen_from.observed),
-        ],
+        detectors: std::array::from_fn(detector),
         notes,
     })
 }
@@ -121,8 +120,8 @@ pub fn of_recording(
 /// Residuals of a recording.
 struct Residuals {
     raw: Signal,
-    filtered: Signal,
-    observed: Signal,
+    /// What each of [`DETECTORS`] shows.
+    shown: [Signal; DETECTORS.len()],
     filter: f64,
 }
 
@@ -136,10 +135,10 @@ impl Residuals {
         let filter = TorqueError::filter(TIME_CONSTANT, step);
         let mut error = TorqueError::new(n, filter);
         let mut observer = Momentum::new(n, 1.0 / TIME_CONSTANT);
+        let mut sudden = Sudden::new(n, TorqueError::filter(SLOW, step));
         let mut all = Self {
             raw: Signal::new(n),
-            filtered: Signal::new(n),
-            observed: Signal::new(n),
+            shown: std::array::from_fn(|_| Signal::new(n)),
             filter,
         };
         let mut rigid = vec![0.0; n];
@@ -154,6 +153,7 @@ impl Residuals {
         {
             error.reset();
             observer.reset();
+            sudden.reset();
             for row in range.clone() {
                 let first = row == range.start;
                 let dt = if first {
@@ -167,13 +167,15 @@ impl Residuals {
                 let left: Vec<f64> = measured.iter().zip(&whole).map(|(m, w)| m - w).collect();
                 all.raw.push(recording.time[row], &left, first);
                 let shown = error.step(&whole, &measured);
-                all.filtered.push(recording.time[row], shown, first);
+                all.shown[0].push(recording.time[row], shown, first);
                 model.rigid(&q, &qd, &qdd, &mut rigid);
                 let net: Vec<f64> = (0..n)
                     .map(|j| measured[j] - (whole[j] - rigid[j]))
                     .collect();
                 let shown = observer.step(&mut model, &q, &qd, &net, dt);
-                all.observed.push(recording.time[row], shown, first);
+                all.shown[1].push(recording.time[row], shown, first);
+                let jump = sudden.step(shown);
+                all.shown[2].push(recording.time[row], jump, first);
             }
         }
         let seconds = all.raw.seconds();

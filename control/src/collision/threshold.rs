@@ -8,8 +8,9 @@ pub const SHORTEST: f64 = 20.0;
 
 /// Length of a block, s: largest values of different blocks count as independent.
 const BLOCK: f64 = 0.5;
-/// Part of the blocks that makes the tail.
+/// Part of the blocks that makes the tail, and the most of them: a longer recording is extrapolated from farther out.
 const TAIL: f64 = 0.1;
+const MOST: usize = 100;
 /// Time below its threshold after which a joint's next alarm is another one, s.
 const APART: f64 = 0.5;
 
@@ -29,15 +30,15 @@ pub struct Alarm {
 
 /// Threshold of every joint for `per_hour` false alarms of all joints together, N·m or N.
 ///
-/// Of the largest |value| in blocks of half a second, the excesses of the highest tenth over its lowest are taken as exponential
-/// (peaks over threshold with shape zero), and the threshold is where a joint's share of the rate lies on that tail; but no
+/// Of the largest |value| in blocks of half a second, the excesses of the highest tenth (at most a hundred) over the next are taken as
+/// exponential (peaks over threshold with shape zero), and the threshold is where a joint's share of the rate lies on that tail; but no
 /// lower than what keeps the recording itself within the rate.
 pub fn thresholds(signal: &Signal, per_hour: f64) -> Vec<f64> {
     let share = per_hour / signal.dof.max(1) as f64;
     let of = |joint: usize| {
         let mut tops = blocks(signal, joint);
         tops.sort_by(|a, b| b.total_cmp(a));
-        let tail = ((TAIL * tops.len() as f64) as usize).clamp(1, tops.len().max(1));
+        let tail = ((TAIL * tops.len() as f64) as usize).clamp(1, MOST);
         let Some(&edge) = tops.get(tail).or(tops.last()) else {
             return 0.0;
         };

@@ -39,6 +39,9 @@ const CROSSOVER: f64 = 5.0;
 /// That frequency of every joint with all others held, Hz, and the gear's damping ratio.
 const ANTIRESONANCE: f64 = 12.0;
 const DAMPING: f64 = 0.05;
+/// Least inertia behind an elastic gear relative to the rotor's: the KR300's last link is a point on its joint's axis in its
+/// description, so that nothing would swing behind that gear.
+const CARRIED: f64 = 1e-3;
 
 /// Length of the Fourier motion, s; part of the joints' room and of their speeds that it uses; its acceleration over its speed, 1/s.
 const PERIOD: f64 = 10.0;
@@ -148,10 +151,10 @@ pub fn machine(file: &ModelFile, withheld: Withheld) -> Result<Machine, ControlE
     let w = TAU * ANTIRESONANCE;
     let gears = (0..n).map(|j| {
         let inertia = mass[j * n + j];
-        Gear {
+        (inertia > CARRIED * robot.joints()[j].rotor_inertia).then_some(Gear {
             stiffness: inertia * w * w,
             damping: 2.0 * DAMPING * inertia * w,
-        }
+        })
     });
     Ok(Machine {
         gears: gears.collect(),

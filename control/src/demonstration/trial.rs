@@ -48,6 +48,12 @@ impl Trial<'_> {
                 self.tool,
                 &self.settings,
             );
+            if trace.error.iter().any(|e| !e.is_finite()) {
+                return Err(ControlError::Unstable {
+                    robot: self.robot.to_owned(),
+                    mode: mode.words(),
+                });
+            }
             trace.from = self.from;
             outcomes.push(Outcome {
                 mode,

@@ -6,21 +6,20 @@ use ::model::directory::ModelFile;
 use feedforward::Feedforward;
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::effects::Term;
-use physics::torque_model::{Predictor, TorqueModel};
+use physics::torque_model::TorqueModel;
 use plant::reference::Command;
 use std::path::Path;
 
-/// Physics and compensator on the clock of their training: they go on where its last recording ended.
+/// Physics, and physics with compensator, on the clock of their training: it goes on where its last recording ended. Friction
+/// memory starts neutral, for the robot has been moved to where the loop starts.
 pub struct DirectoryModel {
     model: TorqueModel,
     workspace: Workspace,
-    predictor: Predictor,
+    physics: Feedforward,
     whole: Feedforward,
     compensator: bool,
-    period: f64,
     /// Session time of a loop's start, s; none where the training recordings had no common clock.
     start: Option<f64>,
-    clock: Option<f64>,
 }
 
 /// Time between the last recording of the training and the loop, s.
@@ -36,12 +35,10 @@ impl DirectoryModel {
         let whole = Feedforward::load(directory, Some(period))?;
         let mut loaded = Self {
             workspace: Workspace::new(model.robot()),
-            predictor: model.predictor(),
+            physics: whole.clone().without_compensator(),
             whole,
             compensator: file.compensator.is_some(),
-            period,
             start: file.clock.last().map(|span| span[1] + PAUSE),
-            clock: None,
             model,
         };
         loaded.reset();
@@ -82,12 +79,7 @@ impl Model for DirectoryModel {
     }
 
     fn physics(&mut self, motion: &Command, tau: &mut [f64]) {
-        let Command { q, qd, qdd } = motion;
-        self.predictor
-            .step(self.clock, self.period, q, qd, qdd, tau);
-        if let Some(clock) = &mut self.clock {
-            *clock += self.period;
-        }
+        self.physics.torque(&motion.q, &motion.qd, &motion.qdd, tau);
     }
 
     fn compensated(&mut self, motion: &Command, tau: &mut [f64]) {
@@ -99,8 +91,7 @@ impl Model for DirectoryModel {
     }
 
     fn reset(&mut self) {
-        self.predictor.reset();
-        self.whole.reset(self.start);
-        self.clock = self.start;
+        self.physics.start(self.start);
+        self.whole.start(self.start);
     }
 }

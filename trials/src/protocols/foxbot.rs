@@ -1,7 +1,8 @@
 //! Foxbot A05, as in "An Iterative Approach for Accurate Dynamic Model Identification of Industrial Robots" (2020).
 
+use super::effects::JointEffects;
 use super::recorded::{Protocol, Simulated};
-use super::runs::{JointEffects, Machine, Plan, arm};
+use super::runs::{Machine, Plan, arm};
 use crate::SimulateError;
 use datasets::Recording;
 use physics::robot::Robot;

@@ -1,7 +1,8 @@
 //! KR300, as in the benchmark of Weigand, Götz, Ulmen and Ruskowski (2022).
 
+use super::effects::JointEffects;
 use super::recorded::{Protocol, Simulated};
-use super::runs::{JointEffects, Machine, Plan, arm};
+use super::runs::{Machine, Plan, arm};
 use crate::SimulateError;
 use datasets::{Recording, TorqueFilter, Trajectory};
 use ndarray::{Array2, Axis};

@@ -1,14 +1,17 @@
 //! Recordings made as the source papers made theirs, of simulated robots whose parameters are known.
 
+mod effects;
 mod foxbot;
 mod kr300;
 pub mod payload;
 mod recorded;
 mod runs;
+mod truth;
 mod ur5;
 
+pub use effects::{Effect, JointEffects};
 pub use recorded::{Protocol, Simulated};
-pub use runs::{Gear, JointEffects, Machine};
+pub use runs::{Gear, Machine};
 
 use crate::SimulateError;
 use datasets::ReadOptions;

@@ -1,6 +1,7 @@
 //! An arm recorded twice: as it is, and with a body on its last link.
 
-use super::runs::{JointEffects, Machine, Plan};
+use super::effects::JointEffects;
+use super::runs::{Machine, Plan};
 use super::ur5;
 use crate::SimulateError;
 use crate::cases::write_whole;

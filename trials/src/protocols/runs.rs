@@ -1,5 +1,6 @@
 //! Runs of one robot, simulated side by side.
 
+use super::effects::JointEffects;
 use crate::SimulateError;
 use datasets::{Recording, Trajectory};
 use ndarray::{Axis, concatenate};
@@ -35,27 +36,6 @@ pub struct Plan {
     pub part: usize,
 }
 
-/// What a joint does beyond viscous and Coulomb friction. Zero switches an effect off.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-pub struct JointEffects {
-    /// Ripple: amplitude of the first wave, N·m; a second has 40 % of it at 2.7 times the order.
-    pub ripple: f64,
-    /// Order of the first wave, rad⁻¹.
-    pub order: f64,
-    /// Extra friction of a starting joint, N·m (Lorentz).
-    pub stribeck: f64,
-    /// Speed at which half of it has gone, rad/s.
-    pub stribeck_speed: f64,
-    /// Drag of activated flow at 3 rad/s, N·m.
-    pub flow: f64,
-    /// Lost share of the transmitted torque.
-    pub loss: f64,
-    /// Deflection of the bristles that carry the Coulomb friction, rad.
-    pub deflection: f64,
-    /// Extra friction of the cold gear over the warm one.
-    pub cold: f64,
-}
-
 /// An elastic gear.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gear {
@@ -74,8 +54,8 @@ pub struct Machine {
     pub effects: Vec<JointEffects>,
     /// Warming: time constant, s, and power at the steady state of each joint, W.
     pub warm_up: (f64, Vec<f64>),
-    /// Elastic gears, one per joint; none: gears are stiff, as in every recording of the protocols.
-    pub gears: Vec<Gear>,
+    /// The elastic gear of each joint, none where it is stiff; empty: all are, as in every recording of the protocols.
+    pub gears: Vec<Option<Gear>>,
     /// Further mechanisms, given the plant's joints that have motors.
     pub more: fn(&[usize]) -> Vec<Box<dyn Mechanism>>,
     /// Errors of the recorded channels.
@@ -126,16 +106,20 @@ impl Machine {
         let mut build = Build::plain(&self.arm);
         build.armature = self.arm.joints.iter().map(|j| j.rotor_inertia).collect();
         // Tip first: discs are counted by motor, and nothing may be added before a joint that is still to be split.
-        for j in (0..self.gears.len()).rev() {
-            build.split(j);
+        for (j, gear) in self.gears.iter().enumerate().rev() {
+            if gear.is_some() {
+                build.split(j);
+            }
         }
         for (j, gear) in self.gears.iter().enumerate() {
-            build.add(GearSpring {
-                joint: build.axes[j] + 1,
-                stiffness: gear.stiffness,
-                hardening: 0.1,
-                damping: gear.damping,
-            });
+            if let Some(gear) = gear {
+                build.add(GearSpring {
+                    joint: build.axes[j] + 1,
+                    stiffness: gear.stiffness,
+                    hardening: 0.1,
+                    damping: gear.damping,
+                });
+            }
         }
         let axes = build.axes.clone();
         build.mechanisms.extend((self.more)(&axes));

@@ -1,7 +1,8 @@
 //! UR5, as in "Deep Learning Aided Dynamic Parameter Identification of 6-DOF Robot Manipulators" (2020).
 
+use super::effects::JointEffects;
 use super::recorded::{Protocol, Simulated};
-use super::runs::{JointEffects, Machine, Plan, arm};
+use super::runs::{Machine, Plan, arm};
 use crate::SimulateError;
 use physics::robot::Robot;
 use plant::arm::Arm;
