@@ -6,6 +6,7 @@
 
 pub mod assemble;
 pub mod baseline;
+pub mod cross_fit;
 pub mod directory;
 pub mod evaluation;
 pub mod failure;
@@ -18,6 +19,7 @@ pub mod predict;
 pub mod preparation;
 pub mod residual;
 pub mod session;
+pub mod spread;
 pub mod tables;
 pub mod torque_channel;
 pub mod urdf;

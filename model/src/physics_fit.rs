@@ -236,7 +236,7 @@ fn diagnose(
     let mut breaks = Vec::new();
     let mut first = 0;
     for recording in data {
-        breaks.extend(recording.trajectories.iter().map(|t| first + t.range.start));
+        breaks.extend(recording.starts().iter().map(|start| first + start));
         first += recording.len();
     }
     let column = |table: &dyn Fn(usize) -> Vec<f64>| -> Vec<f64> {

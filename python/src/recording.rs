@@ -26,11 +26,7 @@ pub fn read_recording<'py>(
     })?;
     let out = PyDict::new(py);
     let labels: Vec<&str> = recording.trajectories.iter().map(|t| &*t.label).collect();
-    let starts: Vec<usize> = recording
-        .trajectories
-        .iter()
-        .map(|t| t.range.start)
-        .collect();
+    let starts = recording.starts();
     out.set_item("labels", labels)?;
     out.set_item("starts", starts)?;
     out.set_item("time", recording.time.into_pyarray(py))?;

@@ -1,6 +1,7 @@
 //! Command line of `train`.
 
 use crate::estimator::EstimatorArguments;
+use crate::oracle::Oracle;
 use crate::study::Study;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -70,6 +71,15 @@ pub struct Arguments {
     /// Cut-off of the zero-phase low-pass of the motion, Hz [default: chosen from the data].
     #[arg(long)]
     pub cutoff_hz: Option<f64>,
+    /// Average the runs of each motion of --data: trajectories that repeat, and the periods of SECONDS within each, where given.
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, requires = "data")]
+    pub average: Option<Option<f64>>,
+    /// With --average: take the motion as a Fourier series of so many harmonics of the period, with its derivatives.
+    #[arg(long, value_name = "N", requires = "average")]
+    pub harmonics: Option<usize>,
+    /// Smooth the torque of --data by robust local regression over so many samples.
+    #[arg(long, value_name = "SAMPLES", requires = "data")]
+    pub rloess: Option<usize>,
     /// Threads; the result does not depend on it [default: all cores].
     #[arg(long)]
     pub threads: Option<usize>,
@@ -86,6 +96,8 @@ pub struct Arguments {
 pub enum Command {
     /// Reprint the published comparisons on the simulated UR5.
     Study(Study),
+    /// How far a model of a simulated robot is from what can be known: floor, attainable, and what is left by mechanism.
+    Oracle(Oracle),
 }
 
 /// Names of the presets.

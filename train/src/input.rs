@@ -1,6 +1,7 @@
 //! What is trained on: given recordings, or the simulated UR5.
 
 use crate::arguments::Arguments;
+use crate::periods;
 use datasets::{Part, Recording};
 use model::failure::Failure;
 use model::preparation::setup::Setup;
@@ -51,6 +52,7 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
         });
     }
     let data = setup.read_training(&arguments.data)?;
+    let data = periods::applied(data, arguments)?;
     let heldout = arguments
         .heldout
         .as_ref()

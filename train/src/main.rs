@@ -4,7 +4,7 @@
 use clap::Parser;
 use std::process::ExitCode;
 use train::arguments::{Arguments, Command};
-use train::{run, runtime, study};
+use train::{oracle, run, runtime, study};
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -17,6 +17,7 @@ fn main() -> ExitCode {
     let result = runtime::interruptible().and_then(|cancel| match &arguments.command {
         None => run(&arguments, &cancel, None),
         Some(Command::Study(study)) => study::run(study, &cancel),
+        Some(Command::Oracle(oracle)) => oracle::run(oracle),
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,14 +4,18 @@ use crate::arguments::{Arguments, PresetName};
 use crate::runtime::{pool, stop, threads};
 use crate::{checkpoint, input, output, progress, screen};
 use compensator::training::{Control, Progress};
+use datasets::Recording;
 use datasets::check::CheckReport;
 use datasets::prepare::PrepareOptions;
+use model::cross_fit::physics_out_of_fold;
 use model::directory::Timing;
 use model::failure::Failure;
 use model::identify::identification::IdentifyOptions;
-use model::physics_fit::{FitOptions, fit_physics};
+use model::physics_fit::{Fit, FitError, FitOptions, fit_physics};
 use model::preparation::check::check_recording;
 use model::residual::{Preset, ResidualOptions, train_residual};
+use model::spread::{LeftOut, by_regime};
+use ndarray::Array2;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -69,6 +73,7 @@ fn steps(
         input.heldout.as_ref(),
         &options,
     )?;
+    let apart = physics_out_of_fold(&fit, &input.data).map_err(FitError::from)?;
     let physics_s = begun.elapsed().as_secs_f64();
     spinner.finish_and_clear();
     stop(cancel, "Run the same command again.")?;
@@ -109,7 +114,7 @@ fn steps(
                 cancel: Some(cancel),
                 progress: Some(&show),
             };
-            let learned = train_residual(&fit, &input.data, &options, &control);
+            let learned = train_residual(&fit, &input.data, &apart, &options, &control);
             bar.finish();
             Some(learned?)
         }
@@ -119,6 +124,11 @@ fn steps(
         fit.file.compensator = Some(learned.record.clone());
         fit.file.memory.clone_from(&learned.memory);
     }
+    let left = match learned.as_ref().map(|l| &l.left) {
+        Some(left) if !left.is_empty() => left.clone(),
+        _ => left_out(&fit, &input.data, &apart),
+    };
+    fit.file.residual_std = by_regime(&left, &fit.file.residual_std);
     let metrics = output::metrics(&fit, learned.as_ref(), &input.data, input.heldout.as_ref())?;
     output::write(arguments, learned.as_ref(), &metrics, &fit)?;
     Timing::new(threads, physics_s, compensator_s, arguments.resume).save(&arguments.out)?;
@@ -134,6 +144,19 @@ fn steps(
         }
     }
     Ok(())
+}
+
+/// Errors of the physics where it was not fitted.
+fn left_out(fit: &Fit, data: &[Recording], apart: &[Array2<f64>]) -> Vec<LeftOut> {
+    let mut left = vec![LeftOut::default(); fit.file.joints.len()];
+    for (i, (recording, torque)) in data.iter().zip(apart).enumerate() {
+        let Some(tau) = &recording.tau else { continue };
+        let qd = &fit.session.parts[i].at_samples.qd;
+        for ((row, joint), tau) in tau.indexed_iter() {
+            left[joint].push(tau - torque[[row, joint]], qd[[row, joint]]);
+        }
+    }
+    left
 }
 
 fn checks(input: &input::Input, options: &PrepareOptions) -> Result<Vec<CheckReport>, Failure> {

@@ -324,6 +324,28 @@ pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
         .collect()
 }
 
+/// Scores a unit on the validation trajectories of `job`, which it need not have been trained by, and switches it off where it
+/// does not help.
+///
+/// # Errors
+/// As [`train`].
+pub fn judge(job: &Job, unit: Unit) -> Result<Trained, Error> {
+    let on = Unit {
+        enabled: true,
+        ..unit
+    };
+    let (unit, validation_rmse, validation_rmse_off) = Prepared::new(job)?.judge(on)?;
+    Ok(Trained {
+        unit,
+        report: Report {
+            history: Vec::new(),
+            best_epoch: Vec::new(),
+            validation_rmse,
+            validation_rmse_off,
+        },
+    })
+}
+
 fn describe(
     p: &Prepared,
     (job, member): (usize, usize),

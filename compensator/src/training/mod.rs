@@ -12,7 +12,7 @@ mod state;
 mod trainer;
 
 pub use crate::config::{Loss, Schedule, Training, UnitConfig};
-pub use ensemble::{Control, Job, Report, Trained, train};
+pub use ensemble::{Control, Job, Report, Trained, judge, train};
 pub use folds::{Fold, folds};
 pub use predict::predict;
 pub use progress::Progress;

@@ -55,7 +55,8 @@ pub struct ModelFile {
     /// SHA-256 of `covariance.json`; empty before it is written.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub covariance_sha256: String,
-    /// Deviation of the physics' residual on the training samples.
+    /// Deviation of the whole model's error by regime: in a model of `train`, on training samples left out of every fit, such
+    /// that ± 1.645 of it holds 90 %; of the physics' residual on the samples fitted where there were no folds to leave out.
     pub residual_std: ResidualStd,
     /// How the recordings were prepared.
     pub preprocessing: Preprocessing,

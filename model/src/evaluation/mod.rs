@@ -1,9 +1,12 @@
 //! `eval`: scores and predictions of a model directory on a recording.
 
 mod error;
+mod share;
 mod variants;
+mod worth;
 
 pub use error::EvaluateError;
+pub use share::Share;
 
 use crate::baseline::published::Published;
 use crate::directory::ModelFile;
@@ -13,7 +16,8 @@ use crate::preparation::setup::{self, Setup, SetupError};
 use crate::preparation::units::refuse_degrees;
 use crate::residual::{self};
 use crate::session::Session;
-use datasets::metrics::{MOVING, Row};
+use crate::spread::Coverage;
+use datasets::metrics::{MOVING, Row, Scope, Scores, deviations};
 use datasets::prepare::PrepareReport;
 use datasets::repeats::{self, Repeatability};
 use datasets::{Part, Recording, Trajectory};
@@ -44,6 +48,12 @@ pub struct EvalReport {
     /// Spread of repeated motions, where the recording has some: the floor in motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeatability: Option<Repeatability>,
+    /// Share of (physics² − repeatability²) that the compensator removes over all samples, where motions repeat.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share_of_repeatable: Option<Share>,
+    /// How much of the recorded torque the stated 90 % intervals hold; none without torque.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<Coverage>,
     /// What the figures depend on, in words.
     pub notes: Vec<String>,
 }
@@ -164,12 +174,34 @@ pub fn evaluate(
     }
     let mut notes = notes(&session, 0, file);
     notes.extend(of_variants);
+    let repeatability = repeats::repeatability(&recording, &motion.qd, &repeats::find(&recording));
+    let score = |name: &str| {
+        let of_all = rows
+            .iter()
+            .find(|r| r.name == name && r.scope == Scope::All);
+        of_all.map(|r| &r.scores)
+    };
+    let share_of_repeatable = repeatability.as_ref().and_then(|repeated| {
+        let tau = recording.tau.as_ref()?;
+        let deviations = deviations(tau.view(), motion.qd.view());
+        let floor = Scores::relative(
+            repeated.all.iter().copied().map(Some).collect(),
+            &deviations,
+        );
+        let (physics, whole) = (score("physics")?, score("physics+compensator")?);
+        Some(Share::of(physics, whole, &floor))
+    });
     let report = EvalReport {
+        share_of_repeatable,
+        coverage: recording.tau.as_ref().map(|tau| {
+            let errors = tau - &torque;
+            Coverage::of(errors.view(), deviation.view(), motion.qd.view())
+        }),
         schema: "eval/1",
         joints: file.joints.clone(),
         samples: recording.len(),
         rows,
-        repeatability: repeats::repeatability(&recording, &motion.qd, &repeats::find(&recording)),
+        repeatability,
         notes,
     };
     Ok(Evaluation {

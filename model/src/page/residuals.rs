@@ -14,12 +14,7 @@ const LAGS: usize = 50;
 const QUANTILES: usize = 200;
 
 pub(super) fn section(file: &ModelFile, subject: &Subject) -> Section {
-    let starts: Vec<usize> = subject
-        .recording
-        .trajectories
-        .iter()
-        .map(|t| t.range.start)
-        .collect();
+    let starts = subject.recording.starts();
     let mut tests = Vec::new();
     let (mut velocity, mut others) = (Vec::new(), Vec::new());
     for (j, name) in file.joints.iter().enumerate() {

@@ -10,11 +10,7 @@ use ndarray::Array2;
 /// motion or at rest and around reversals, times the root of how many neighbours tell the same (n over effective samples).
 pub(super) fn scale(left: &Array2<f64>, session: &Session, recording: &Recording) -> Array2<f64> {
     let qd = &session.parts[0].at_samples.qd;
-    let breaks: Vec<usize> = recording
-        .trajectories
-        .iter()
-        .map(|t| t.range.start)
-        .collect();
+    let breaks = recording.starts();
     let mut scale = Array2::zeros(left.raw_dim());
     for (j, mut target) in scale.columns_mut().into_iter().enumerate() {
         let (e, v) = (left.column(j).to_vec(), qd.column(j).to_vec());
@@ -44,11 +40,7 @@ pub(super) fn scale(left: &Array2<f64>, session: &Session, recording: &Recording
 /// Root mean square of the part of a residual that neighbouring samples share, joint by joint: what a model leaves that is no
 /// noise.
 pub(super) fn shared(left: &Array2<f64>, recording: &Recording) -> Vec<f64> {
-    let breaks: Vec<usize> = recording
-        .trajectories
-        .iter()
-        .map(|t| t.range.start)
-        .collect();
+    let breaks = recording.starts();
     let of = |column: ndarray::ArrayView1<f64>| {
         let e = column.to_vec();
         residual_tests(&e, &e, &e, &breaks)

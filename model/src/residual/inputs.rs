@@ -4,7 +4,7 @@ use crate::session::Session;
 use feedforward::clock::Memory;
 use feedforward::inputs::{Input, Signal};
 use ndarray::Array2;
-use physics::effects::{BankState, Dahl, LaggedSign, Sliding, Stop, Term};
+use physics::effects::{BankState, Dahl, Harmonic, LaggedSign, Phase, Sliding, Stop, Term};
 use serde::{Deserialize, Serialize};
 
 /// Which compensator is trained.
@@ -23,13 +23,14 @@ pub enum Preset {
 /// The default preset gives each joint its own motion, the size of its load, and friction states:
 /// on KR300, motion of the other joints lets a network recognise the 33 trajectories and memory is
 /// what generalises. `moving_only` takes a finer set of states, and two joints whose gears are `nested` in each
-/// other see each other's velocity. The warm-up clock is left to the
-/// physics: a network extrapolates it without bound.
+/// other see each other's velocity. `waves` are the orders of each joint's torque periodic in its position
+/// ([`super::waves::orders`]; empty: none). The warm-up clock is left to the physics: a network extrapolates it without bound.
 pub fn inputs(
     preset: Preset,
     joints: usize,
     moving_only: bool,
     nested: Option<[usize; 2]>,
+    waves: &[Vec<f64>],
 ) -> (Vec<Input>, Vec<Vec<usize>>) {
     let mut list: Vec<Input> = Vec::new();
     let mut seen = vec![Vec::new(); joints];
@@ -53,8 +54,12 @@ pub fn inputs(
                     Signal::Acceleration,
                     Signal::Load,
                 ];
-                let states = states(moving_only).into_iter().map(Signal::Term);
-                for signal in own.into_iter().chain(states) {
+                let orders = waves.get(joint).into_iter().flatten();
+                let periodic = orders.flat_map(|&order| {
+                    [Phase::Sin, Phase::Cos].map(|phase| Term::Harmonic(Harmonic { order, phase }))
+                });
+                let terms = states(moving_only).into_iter().chain(periodic);
+                for signal in own.into_iter().chain(terms.map(Signal::Term)) {
                     columns.push(list.len());
                     list.push(Input { joint, signal });
                 }

@@ -1,15 +1,20 @@
 //! The learned part of a model: inputs, training on the residual torque, prediction.
 
+mod examples;
 mod inputs;
 mod members;
 pub mod onnx;
 mod pace;
+mod task;
 mod train;
+mod trial;
+pub mod waves;
 
 pub use inputs::{Preset, input_table, inputs, remember};
 pub use members::member_torques;
 pub use pace::Pace;
-pub use train::{Learned, ResidualOptions, train_residual};
+pub use task::ResidualOptions;
+pub use train::{Learned, train_residual};
 
 use crate::directory::ModelFile;
 use crate::session::Session;

@@ -1,0 +1,143 @@
+//! What is trained: settings, jobs, and where a phase of the training keeps its checkpoints.
+
+use super::ResidualError;
+use super::examples::Examples;
+use super::inputs::Preset;
+use compensator::training::{Control, Job, Loss, Samples, Schedule, Split, Training, UnitConfig};
+use ndarray::{Array1, Array2};
+
+/// Settings of [`train_residual`](super::train_residual).
+#[derive(Clone, Debug)]
+pub struct ResidualOptions {
+    /// Which compensator.
+    pub preset: Preset,
+    /// Seed of the networks.
+    pub seed: u64,
+    /// Networks averaged per unit; None: the preset's number.
+    pub members: Option<usize>,
+    /// Passes over the data; None: the preset's number.
+    pub epochs: Option<usize>,
+    /// Train on moving samples alone.
+    pub moving_only: bool,
+}
+
+impl ResidualOptions {
+    /// Networks that a training of `joints` units goes through, the trial included.
+    pub fn networks(&self, joints: usize) -> usize {
+        joints * (1 + config(self, 1).members)
+    }
+}
+
+/// Settings of a unit for `samples` training samples.
+///
+/// The default's rates and widths were chosen on KR300 training groups alone; an epoch visits part of
+/// the samples so that long recordings do not take longer than they teach.
+fn config(options: &ResidualOptions, samples: usize) -> UnitConfig {
+    let mut config = match options.preset {
+        Preset::Ucm => {
+            let ucm = UnitConfig::ucm();
+            let training = Training {
+                share: (30_000.0 / samples as f32).min(1.0),
+                ..ucm.training.clone()
+            };
+            UnitConfig { training, ..ucm }
+        }
+        Preset::Default => {
+            let (learning_rate, epochs) = if options.moving_only {
+                (5e-3, 16)
+            } else {
+                (1e-2, 24)
+            };
+            UnitConfig {
+                members: 3,
+                training: Training {
+                    epochs,
+                    batch: 128,
+                    share: (20_000.0 / samples as f32).min(0.5),
+                    learning_rate,
+                    schedule: Schedule::OneCycle {
+                        warm_up: 0.15,
+                        start: 0.1,
+                        end: 1e-3,
+                    },
+                    dropout: 0.0,
+                    loss: Loss::Mse,
+                    patience: epochs,
+                    ..Training::default()
+                },
+                ..UnitConfig::default()
+            }
+        }
+    };
+    if let Some(members) = options.members {
+        config.members = members;
+    }
+    if let Some(epochs) = options.epochs {
+        config.training.epochs = epochs;
+    }
+    config
+}
+
+/// What jobs are made of.
+pub(super) struct Task<'a> {
+    /// Input columns of all rows.
+    pub(super) inputs: &'a Array2<f32>,
+    /// The rows.
+    pub(super) examples: &'a Examples,
+    /// Input columns of each joint's unit.
+    pub(super) seen: &'a [Vec<usize>],
+    pub(super) options: &'a ResidualOptions,
+}
+
+impl<'a> Task<'a> {
+    /// A job for each joint that has a sample that counts.
+    pub(super) fn jobs<'b>(
+        &self,
+        targets: &'b [Array1<f32>],
+        split: &Split,
+    ) -> Result<Vec<Job<'b>>, ResidualError>
+    where
+        'a: 'b,
+    {
+        let examples = self.examples;
+        let job = |joint: usize| {
+            Ok(Job {
+                joint,
+                columns: self.seen[joint].clone(),
+                samples: Samples::new(
+                    self.inputs.view(),
+                    targets[joint].view(),
+                    Some(examples.weights[joint].view()),
+                    &examples.segments,
+                )?,
+                split: split.clone(),
+                config: config(self.options, examples.len()),
+                seed: self.options.seed.wrapping_add(joint as u64),
+            })
+        };
+        (0..targets.len())
+            .filter(|&joint| examples.weights[joint].iter().any(|w| *w > 0.0))
+            .map(job)
+            .collect()
+    }
+}
+
+/// Checkpoints of one phase of the training.
+pub(super) struct Phase {
+    directory: Option<std::path::PathBuf>,
+}
+
+pub(super) fn within(control: &Control, phase: &str) -> Phase {
+    Phase {
+        directory: control.checkpoints.map(|c| c.join(phase)),
+    }
+}
+
+impl Phase {
+    pub(super) fn view<'a>(&'a self, control: &Control<'a>) -> Control<'a> {
+        Control {
+            checkpoints: self.directory.as_deref(),
+            ..*control
+        }
+    }
+}

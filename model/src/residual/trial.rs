@@ -1,0 +1,68 @@
+//! Whether units help: each trained once with folds held back.
+
+use super::ResidualError;
+use super::task::{Task, within};
+use crate::physics_fit::Fit;
+use crate::spread::LeftOut;
+use compensator::training::{Control, Split, Trained, judge, predict, train, train_ridge};
+use datasets::Recording;
+use ndarray::Array2;
+
+/// What became of the units on the folds held back; empty where there is one fold only.
+#[derive(Default)]
+pub(super) struct Trial {
+    /// In the order of the jobs, one network and a ridge regression on the same inputs.
+    pub units: Vec<(Trained, Trained)>,
+    /// By joint, errors of physics and network together where neither was fitted.
+    pub left: Vec<LeftOut>,
+}
+
+impl Trial {
+    /// Trains and judges; `apart` is the torque of the physics where it was not fitted.
+    pub fn run(
+        task: &Task,
+        fit: &Fit,
+        data: &[Recording],
+        apart: &[Array2<f64>],
+        control: &Control,
+    ) -> Result<Self, ResidualError> {
+        let examples = task.examples;
+        let Some(split) = hold_back(&examples.folds) else {
+            return Ok(Self::default());
+        };
+        let mut fitted = task.jobs(&examples.targets, &split)?;
+        for job in &mut fitted {
+            job.config.members = 1;
+        }
+        let networks = train(&fitted, &within(control, "validation").view(control))?;
+        let judges = task.jobs(&examples.targets, &split)?;
+        let places = examples.places();
+        let mut found = Self::default();
+        found
+            .left
+            .resize_with(examples.targets.len(), LeftOut::default);
+        for (job, network) in judges.iter().zip(networks) {
+            let network = judge(job, network.unit)?;
+            let learned = predict(&network.unit, &job.samples, &split.validation)?;
+            let physics = examples.left(data, apart, job.joint);
+            let held = split.validation.iter();
+            for row in held.flat_map(|&s| examples.segments[s].clone()) {
+                let (part, sample) = places[row];
+                let speed = fit.session.parts[part].at_samples.qd[[sample, job.joint]];
+                let error = physics[row] - learned[row];
+                found.left[job.joint].push(f64::from(error), speed);
+            }
+            found.units.push((network, train_ridge(job)?));
+        }
+        Ok(found)
+    }
+}
+
+/// The last fold validates, and where there are four or more the one two before it: one visit to the
+/// robot alone decides too little. None where there is one fold only.
+fn hold_back(folds: &[usize]) -> Option<Split> {
+    let last = folds.iter().copied().max().filter(|&last| last > 0)?;
+    let held = |fold: usize| fold == last || (last > 2 && fold + 2 == last);
+    let (validation, train) = (0..folds.len()).partition(|&i| held(folds[i]));
+    Some(Split { train, validation })
+}

@@ -1,0 +1,41 @@
+//! `train oracle`: how far a model of a simulated robot is from what can be known of its torque.
+
+mod arguments;
+mod figures;
+mod mechanisms;
+mod plant;
+mod tables;
+
+pub use arguments::Oracle;
+
+use crate::runtime::{pool, threads};
+use figures::Figures;
+use model::directory::{ModelFile, json};
+use model::evaluation::{EvaluateOptions, evaluate};
+use model::failure::Failure;
+use plant::Plant;
+
+/// Runs the command.
+///
+/// # Errors
+/// A model of no simulated robot, or files that cannot be read or written.
+pub fn run(arguments: &Oracle) -> Result<(), Failure> {
+    pool(threads(arguments.threads)?)?.install(|| steps(arguments))
+}
+
+fn steps(arguments: &Oracle) -> Result<(), Failure> {
+    let file = ModelFile::load(&arguments.model)?;
+    let plant = Plant::of(&file, arguments)?;
+    let options = EvaluateOptions::default();
+    let evaluation = evaluate(&arguments.model, &file, plant.recording.clone(), &options)?;
+    let attainable = plant.attainable(&file, &evaluation)?;
+    let left = mechanisms::left(&arguments.model, &file, &plant, &evaluation)?;
+    let figures = Figures::new(&file, &plant, &evaluation, attainable, left)?;
+    if let Some(path) = &arguments.json {
+        report::write_atomic(path, json(&figures))?;
+    }
+    if !arguments.quiet {
+        tables::print(&figures);
+    }
+    Ok(())
+}
