@@ -27,7 +27,7 @@ use crate::search::find::{Findings, find};
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::surrogates::{self, Null};
-use crate::traces::contact::detect;
+use crate::traces::contact::{detect, suspected};
 use crate::traces::unknown::{Left, examine};
 use datasets::Recording;
 use ndarray::Array2;
@@ -59,6 +59,9 @@ struct Search {
     /// Torque that the links need at the recorded samples, shape (samples, joints).
     load: Array2<f64>,
 }
+
+/// Passes in which pushes are found, each on the fit without those of the one before.
+const PASSES: usize = 2;
 
 /// Diagnoses the gap between a model and recordings.
 ///
@@ -115,18 +118,42 @@ pub fn diagnose(
         left.any(|l| l.structured() > judging.clear && l.learnable > pushes.learnable)
     };
     let look = (options.withheld != Some(Effect::ExternalContact)).then(|| !repeats(&found.left));
-    let contact = look.and_then(|moving| {
+    let pushed = |found: &Search, moving: bool| {
         detect(&frames.data, &found.judged, &found.load, moving, pushes)
             .filter(|c| c.at_rest || c.size > pushes.size * found.listing.given)
-    });
-    if let Some(contact) = &contact {
-        let margin = (pushes.margin * frames.data.report().rate_hz) as usize;
-        skipped = contact.pushed(skipped.len(), margin);
+    };
+    let without = |weight: &Array2<f64>, out: &[bool]| {
+        let mut weight = weight.clone();
         let rows = weight.rows_mut().into_iter();
-        let near = rows.zip(frames.data.pick(|i| skipped[i]));
+        let near = rows.zip(frames.data.pick(|i| out[i]));
         near.filter(|r| r.1).for_each(|(mut row, _)| row.fill(0.0));
-        found = search(&weight, &skipped, 0.0)?;
+        weight
+    };
+    let mut contact = look.and_then(|moving| pushed(&found, moving));
+    let unknown = |left: &[Option<Left>]| {
+        let mut left = left.iter().flatten();
+        left.any(|l| l.structured() > judging.clear)
+    };
+    // A push on few trajectories bends the fit until nothing stands out any more.
+    if contact.is_none() && look == Some(true) && unknown(&found.left) {
+        let suspected = suspected(&frames.data, &found.judged, pushes.suspected);
+        let clean = search(&without(&weight, &suspected), &suspected, 0.0)?;
+        contact = pushed(&clean, true);
     }
+    let margin = (pushes.margin * frames.data.report().rate_hz) as usize;
+    // Without the pushes the fit shows the rest of them.
+    for _ in 0..PASSES {
+        let Some(seen) = &contact else { break };
+        let before = skipped.iter().filter(|s| **s).count();
+        let near = seen.pushed(skipped.len(), margin);
+        skipped.iter_mut().zip(near).for_each(|(s, n)| *s |= n);
+        if skipped.iter().filter(|s| **s).count() == before {
+            break;
+        }
+        found = search(&without(&weight, &skipped), &skipped, 0.0)?;
+        contact = pushed(&found, true).or(contact);
+    }
+    let weight = without(&weight, &skipped);
     let mut drawn = (options.surrogates > 0 && moves).then(|| {
         surrogates::with(model, &frames, &found.findings, &weight, |source| {
             let null = source.null(0..options.surrogates);

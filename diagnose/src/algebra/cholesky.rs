@@ -58,6 +58,12 @@ impl Cholesky {
         Self { l, scale }
     }
 
+    /// ln |A|.
+    pub fn log_determinant(&self) -> f64 {
+        let each = self.scale.iter().enumerate();
+        each.map(|(i, s)| 2.0 * (self.l[(i, i)] / s).ln()).sum()
+    }
+
     /// x with A·x = b.
     pub fn solve(&self, b: ArrayView1<f64>) -> Array1<f64> {
         let mut x = b.to_vec();

@@ -84,6 +84,11 @@ impl<'a> Fit<'a> {
         }
     }
 
+    /// Products that are fitted.
+    pub fn grams(&self) -> &'a Grams {
+        self.grams
+    }
+
     /// Coefficients of the fit on all folds.
     pub fn beta(&self) -> &Array1<f64> {
         &self.all.beta
@@ -109,6 +114,12 @@ impl<'a> Fit<'a> {
     /// Coefficients drawn from their posterior, from as many independent unit normals.
     pub fn draw(&self, noise: ArrayView1<f64>) -> Array1<f64> {
         &self.all.beta + &self.all.factor.draw(noise)
+    }
+
+    /// ½ ln(|XᵀWX + Λ|/|Λ|): what the width of the priors costs where the data are sharper, nats.
+    pub fn width(&self) -> f64 {
+        let prior: f64 = self.variables.iter().map(|v| v.precision.ln()).sum();
+        0.5 * (self.all.factor.log_determinant() - prior)
     }
 
     /// Number of folds.

@@ -175,6 +175,17 @@ impl Column {
         }
     }
 
+    /// A column on the rows of some joints, one vector for each.
+    pub(super) fn several(
+        joints: Vec<usize>,
+        make: impl Fn(&Scene) -> Vec<Array1<f64>> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            joints,
+            torque: ColumnTorque::Made(Arc::new(make)),
+        }
+    }
+
     /// A term of the torque model on one joint.
     pub(super) fn term(joint: usize, term: Term) -> Self {
         Self::terms(joint, vec![(1.0, term)])

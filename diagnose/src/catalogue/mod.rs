@@ -82,6 +82,7 @@ pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
     all.extend(base_tilt::candidates(scene));
     all.extend(time_delay::candidates(scene));
     for joint in 0..scene.dof() {
+        all.extend(time_delay::own(scene, joint));
         all.extend(torque_channel::candidates(scene, joint));
         all.extend(encoder_offset::candidates(scene, joint));
         all.extend(counterbalance::candidates(scene, joint));

@@ -5,7 +5,7 @@
 //! motor although the description has it in the link (rotor, wave generator) is moved by no transmission: T and M are
 //! without it.
 
-use crate::motion::motor::Motor;
+use crate::motion::motor::{Band, Motor};
 use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2, Axis};
 
@@ -41,7 +41,7 @@ type Departure = [Array1<f64>; 3];
 impl Spring {
     /// Change of the rigid torque of all joints, shape (samples, joints).
     pub fn change(&self, scene: &Scene, joint: usize) -> Array2<f64> {
-        let motor = scene.motor(joint);
+        let motor = scene.motor(joint, Band::Motion);
         changed(&motor, 0.0, &self.follow(scene, &motor))
     }
 
@@ -77,7 +77,7 @@ impl Spring {
 impl Gap {
     /// Change of the rigid torque of all joints, shape (samples, joints), rounded as landings are known.
     pub fn change(&self, scene: &Scene, joint: usize) -> Array2<f64> {
-        let motor = scene.wide_motor(joint);
+        let motor = scene.motor(joint, Band::Rows);
         let mut out = changed(&motor, self.rotor, &self.cross(scene, &motor));
         for mut column in out.columns_mut() {
             let rounded = scene.rounded(&column.to_owned(), LANDING);
@@ -189,7 +189,7 @@ mod tests {
         for rotor in [0.0, 0.4] {
             let half_play = 0.004;
             let gap = Gap { half_play, rotor };
-            let [x, _, _] = gap.cross(&scene, &scene.wide_motor(0));
+            let [x, _, _] = gap.cross(&scene, &scene.motor(0, Band::Rows));
             assert!(x.iter().all(|x| x.abs() <= half_play));
             let sides = x.iter().zip(x.iter().skip(1));
             let crossings = sides.filter(|(a, b)| *a * *b < 0.0).count();

@@ -215,6 +215,9 @@ pub fn explain(
             ambiguous_with: cause
                 .or_else(|| suspected(found, part.effect))
                 .map_or_else(Vec::new, |a| ambiguous(found, &a.tried, a.candidate)),
+            right_to: cause
+                .and_then(|a| a.against.within)
+                .map(|factor| factor * settings.search.inertial_tolerance),
         });
     }
     causes.sort_by(|a, b| b.share_of_gap.total_cmp(&a.share_of_gap));

@@ -91,6 +91,8 @@ fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
                 p.unit = "N·m/rad".to_owned();
             }
         }
+        // Of a play found by its blows: how much of what it foretells is in the torque, no number of a simulator.
+        Effect::Backlash => parameters.retain(|p| p.name != "share"),
         _ => {}
     }
 }
@@ -232,7 +234,7 @@ pub fn ambiguous(found: &Findings, tried: &[Tried], own: usize) -> Vec<Effect> {
     // A free refit that leaves less is a rival, however many parameters it takes.
     let accepted = found.accepted.iter().find(|a| a.candidate == own);
     if accepted
-        .and_then(|a| a.over_refit)
+        .and_then(|a| a.against.over_refit)
         .is_some_and(|r| r > found.settings.search.as_good)
     {
         out.push(Effect::LinkParameters);

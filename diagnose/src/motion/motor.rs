@@ -26,6 +26,15 @@ pub(super) struct Wide<'a> {
     pub tangents: Vec<Tangent>,
 }
 
+/// Band of the motion that drives a transmission.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Band {
+    /// That of the motion: its cut-off suits the torque.
+    Motion,
+    /// The whole band of the fitted rows.
+    Rows,
+}
+
 /// What drives the transmission of one joint.
 pub struct Motor<'s> {
     /// The joint.

@@ -1,7 +1,7 @@
 //! What the columns of the dictionary see of one recording: motion at the fine rate and the torques that
 //! the present model predicts on it. Measured torque is no part of it.
 
-use crate::motion::motor::{Motor, Tangent, Wide, tangents};
+use crate::motion::motor::{Band, Motor, Tangent, Wide, tangents};
 use crate::motion::passage::Passage;
 use crate::motion::rigid::{rigid_torque, rows};
 use nalgebra::Vector3;
@@ -102,27 +102,19 @@ impl<'a> Scene<'a> {
         self
     }
 
-    /// What drives the transmission of a joint.
-    pub fn motor(&self, joint: usize) -> Motor<'_> {
+    /// What drives the transmission of a joint, in a band; where the motion's own cut-off is not below the rows' band, there is but one.
+    pub fn motor(&self, joint: usize, band: Band) -> Motor<'_> {
+        let wide = self.wide.as_ref().filter(|_| band == Band::Rows);
+        let (motion, rigid, tangents) = wide
+            .map_or((self.motion, &self.rigid, &self.tangents), |w| {
+                (w.motion, &w.rigid, &w.tangents)
+            });
         Motor {
             joint,
-            qdd: self.motion.qdd.column(joint),
-            rigid: self.rigid.column(joint),
-            tangent: &self.tangents[joint],
+            qdd: motion.qdd.column(joint),
+            rigid: rigid.column(joint),
+            tangent: &tangents[joint],
         }
-    }
-
-    /// The same in the whole band of the rows, where the motion's own cut-off lies below it.
-    pub fn wide_motor(&self, joint: usize) -> Motor<'_> {
-        self.wide.as_ref().map_or_else(
-            || self.motor(joint),
-            |w| Motor {
-                joint,
-                qdd: w.motion.qdd.column(joint),
-                rigid: w.rigid.column(joint),
-                tangent: &w.tangents[joint],
-            },
-        )
     }
 
     /// Number of samples.

@@ -197,6 +197,8 @@ pub struct Cause {
     pub pushes: Vec<Push>,
     /// What this recording cannot tell from it.
     pub ambiguous_with: Vec<Effect>,
+    /// Relative deviation of the description's inertial parameters up to which it is found; null where it is found at any.
+    pub right_to: Option<f64>,
 }
 
 /// A candidate that was tried.

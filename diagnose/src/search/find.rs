@@ -14,7 +14,7 @@ use crate::motion::scene::{Scale, Scene};
 use crate::search::dictionary::Dictionary;
 use crate::search::objective::Objective;
 use crate::search::select::Tried;
-use crate::search::simplest::{Answer, Simplest};
+use crate::search::simplest::{Against, Answer, Simplest};
 use crate::settings::Settings;
 use crate::simulator::NominalModel;
 use crate::traces::impacts;
@@ -33,9 +33,8 @@ pub struct Accepted {
     pub variables: std::ops::Range<usize>,
     /// Everything tried in its place, best first.
     pub tried: Vec<Tried>,
-    /// Squared error that it leaves over what the free refit in its place does, on folds left out; None where parameters
-    /// cannot take it over.
-    pub over_refit: Option<f64>,
+    /// How it stands against the parameters.
+    pub against: Against,
 }
 
 /// What the search came to.
@@ -181,22 +180,22 @@ pub fn find(
         steps,
         rest,
         base,
-        over_refit,
+        against,
     } = simplest.answer();
     let mut start = base.len();
     let accepted = selection
         .accepted
         .iter()
         .zip(steps)
-        .zip(over_refit)
-        .map(|((&candidate, tried), over_refit)| {
+        .zip(against)
+        .map(|((&candidate, tried), against)| {
             let variables = start..start + dictionary.members[candidate].len();
             start = variables.end;
             Accepted {
                 candidate,
                 variables,
                 tried,
-                over_refit,
+                against,
             }
         })
         .collect();

@@ -103,6 +103,16 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// What some causes are charged for, coefficients and places, nats.
+    pub fn charge(&self, accepted: &[usize]) -> f64 {
+        let places = self.places();
+        let each = accepted.iter().map(|&c| {
+            let place = places[&self.candidates[c].effect].ln();
+            place + self.objective.settings.cost * self.price(c) as f64
+        });
+        each.sum()
+    }
+
     /// Causes beyond parameters.
     fn named(&self, accepted: &[usize]) -> usize {
         accepted
@@ -376,7 +386,7 @@ fn least_fraction(candidate: &Candidate, settings: &SearchSettings) -> f64 {
         Effect::StribeckFriction if abrupt() => settings.plainly,
         Effect::PreslidingHysteresis if is_narrow(candidate, settings) => settings.narrow_part,
         // Blows and springs are late as well, and vibration of whatever kind is a spring's, for a part of their error.
-        effect if effect.info().dynamic => settings.plainly,
+        effect if effect.info().dynamic => settings.dynamic_part,
         effect => effect.info().least_fraction,
     }
 }

@@ -4,6 +4,9 @@
 //! Both are compared on trajectories left out, by squared error on the joints whose torque the cause changes. What leaves
 //! more than `rivalled` times the refit's stands in for a model that is wrong elsewhere: it is barred and the search
 //! runs again, the tolerances widened where nothing else brings the error down.
+//!
+//! How far the given parameters may be off nobody knows beforehand: of several factors on their tolerances, each with the causes that
+//! are found under it, the recording chooses the one under which it is likeliest.
 
 use crate::algebra::fit::{Fit, Variable};
 use crate::catalogue::Candidate;
@@ -27,9 +30,17 @@ pub struct Answer<'a> {
     pub rest: Vec<Tried>,
     /// Base variables with the priors of the answer.
     pub base: Vec<Variable>,
-    /// Squared error of each accepted cause over that of the free refit in its place; None for what parameters cannot
-    /// take over, and for parameters.
-    pub over_refit: Vec<Option<f64>>,
+    /// How each accepted cause stands against the parameters.
+    pub against: Vec<Against>,
+}
+
+/// How a cause stands against the parameters; nothing is said of what they cannot take over, and of parameters.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Against {
+    /// Squared error over that of the free refit in its place.
+    pub over_refit: Option<f64>,
+    /// Factor on the tolerances of the given parameters up to which it is found; None where it is found under any.
+    pub within: Option<f64>,
 }
 
 /// The comparison over one catalogue.
@@ -61,11 +72,18 @@ impl<'a> Simplest<'a> {
     /// The simplest causes that stand.
     pub fn answer(&self) -> Answer<'a> {
         let settings = self.objective.settings;
-        for freedom in settings.tolerant {
-            let tried = self.fewer(freedom);
-            if tried.stands() {
-                return tried.answer();
-            }
+        let runs: Vec<(f64, Run)> = settings.tolerant.map(|f| (f, self.fewer(f))).into();
+        let found: Vec<(f64, Vec<usize>)> = runs
+            .iter()
+            .map(|(f, run)| (*f, run.selection.accepted.clone()))
+            .collect();
+        // A recording of few joints says little of the tolerance: then the stated one stands.
+        let surprise = |(f, run): &(f64, Run)| run.surprise() + settings.widening * f.log2();
+        let standing = runs.into_iter().filter(|(_, run)| run.stands());
+        let likeliest = standing.min_by(|a, b| surprise(a).total_cmp(&surprise(b)));
+        if let Some((_, run)) = likeliest {
+            let within = |cause: usize| self.within(&found, cause);
+            return run.answer(within);
         }
         let mut last = None;
         for freedom in settings.wider {
@@ -73,7 +91,7 @@ impl<'a> Simplest<'a> {
             for _ in 0..ROUNDS {
                 let tried = self.run(freedom, barred.clone());
                 if tried.stands() {
-                    return tried.answer();
+                    return tried.answer(|_| None);
                 }
                 // Where no single one is beaten, all of them leave too much together.
                 let mut instead = tried.beaten();
@@ -88,7 +106,15 @@ impl<'a> Simplest<'a> {
             }
         }
         last.unwrap_or_else(|| self.run(1.0, HashSet::new()))
-            .answer()
+            .answer(|_| None)
+    }
+
+    /// The widest tolerance under which something like a cause is found, where that is not the widest of all.
+    fn within(&self, found: &[(f64, Vec<usize>)], cause: usize) -> Option<f64> {
+        let alike = self.alike(&[cause]);
+        let has = |accepted: &[usize]| accepted.iter().any(|c| alike.contains(c));
+        let widest = found.iter().rposition(|(_, accepted)| has(accepted))?;
+        (widest + 1 < found.len()).then(|| found[widest].0)
     }
 
     /// The search without a link's full set of parameters, where it needs fewer coefficients than the search with them and
@@ -242,19 +268,35 @@ impl<'a> Run<'a> {
         each.filter(|(_, r)| r.is_some()).map(|(&c, _)| c).collect()
     }
 
+    /// −ln of how likely the recording is under the tolerances and the causes, nats, but for a constant: J, and what the width of
+    /// the tolerances costs. A cause that parameters can absorb has to earn its name against wider tolerances, too.
+    fn surprise(&self) -> f64 {
+        let Selection { accepted, fit } = &self.selection;
+        let search = &self.search;
+        let base = Fit::new(fit.grams(), search.base.clone(), fit.weights.clone());
+        let absorbable = self.over_refit.iter().flatten().count() as f64;
+        let names = search.objective.settings.enough * absorbable;
+        search.objective.of_fit(fit, 0) + search.charge(accepted) + base.width() + names
+    }
+
     /// Whether nothing leaves too much.
     fn stands(&self) -> bool {
         self.enough && self.beaten().is_empty()
     }
 
-    fn answer(self) -> Answer<'a> {
+    fn answer(self, within: impl Fn(usize) -> Option<f64>) -> Answer<'a> {
         let (steps, rest) = self.search.alternatives(&self.selection);
+        let each = self.selection.accepted.iter().zip(&self.over_refit);
+        let against = each.map(|(&cause, &over_refit)| Against {
+            over_refit,
+            within: over_refit.and_then(|_| within(cause)),
+        });
         Answer {
+            against: against.collect(),
             selection: self.selection,
             steps,
             rest,
             base: self.search.base,
-            over_refit: self.over_refit,
         }
     }
 }

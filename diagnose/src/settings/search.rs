@@ -55,8 +55,10 @@ settings! {
         share: f64 = 0.015, tuned;
         /// Error below which a joint counts as explained, relative to its torque.
         floor: f64 = 0.006, tuned;
-        /// Part of the error that shows plainly: asked of what a wrong sign at reversals imitates, and of blows and springs.
+        /// Part of the error that shows plainly: asked of what a wrong sign at reversals imitates.
         plainly: f64 = 0.35, tuned;
+        /// Part of the error that delays, blows and springs have to remove: each is late, as what the catalogue lacks may be.
+        dynamic_part: f64 = 0.18, tuned;
         /// Velocity of a Stribeck law below which it has to show plainly, rad/s (m/s).
         abrupt: f64 = 0.012, tuned;
         /// Way over which friction has memory below which a wrong sign imitates it, rad (m).
@@ -69,9 +71,10 @@ settings! {
         rivalled: f64 = 2.0, contract;
         /// Part of the largest change that makes a joint one of the cause's in that comparison.
         touched: f64 = 0.35, tuned;
-        /// Factors on the tolerances under which few parameters may still be the answer: a description is rarely right to
-        /// a few percent.
-        tolerant: [f64; 2] = [1.0, 4.0], tuned;
+        /// Factors on the tolerances among which the recording chooses: a description is rarely right to a few percent.
+        tolerant: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0], tuned;
+        /// What each doubling of the tolerances costs, nats.
+        widening: f64 = 4.0, tuned;
         /// Factors under which what no few parameters explain is left to the parameters.
         wider: [f64; 4] = [1.0, 4.0, 16.0, 100.0], tuned;
         /// Most causes that are named.

@@ -20,6 +20,8 @@ settings! {
         least_height: f64 = 0.05, tuned;
         /// Gap between windows of one burst, s.
         gap: f64 = 0.4, tuned;
+        /// Time within which a pushed joint was quiet at rest before, and is again afterwards, s.
+        budging: f64 = 1.0, tuned;
         /// Longest push, s: what presses longer is a load.
         longest: f64 = 20.0, contract;
         /// Fewest windows of a burst in motion, where shorter ones may be reversals.
@@ -49,8 +51,14 @@ settings! {
         /// Part of the changes of sign of a joint's load that lie in bursts, and of its squared torque there that lies around
         /// them, from which they are the blows of its transmission.
         crossing: f64 = 0.6, tuned;
+        /// Part of the load's deviation that it has to reach around such a change for the change to count.
+        swing: f64 = 0.2, tuned;
+        /// Fewest changes that tell.
+        fewest_crossings: usize = 4, tuned;
         /// Part of the error that a learner may predict for the rest to count as contact in motion.
         learnable: f64 = 0.35, tuned;
+        /// Part of the recording that is left out, where nothing explains what is left, to see whether a push had bent the fit.
+        suspected: f64 = 0.25, tuned;
         /// Least part of the whole gap that contact in motion makes.
         size: f64 = 0.1, tuned;
         /// Time around a push that is not fitted either, s.

@@ -79,6 +79,10 @@ impl Recorded {
                 let of = candidate.quantities[0].joint.unwrap_or(joint);
                 self.channel.zero[of] += value(0).0;
             }
+            // The directory has one delay for all joints.
+            Effect::TimeDelay if candidate.joints.len() < self.channel.gain.len() => {
+                self.left_out.push(candidate.effect.name().to_owned());
+            }
             Effect::TimeDelay => {
                 let (seconds, std) = value(0);
                 let before = self.delay.and_then(|d| d.value).unwrap_or(0.0);

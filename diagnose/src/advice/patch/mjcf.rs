@@ -48,6 +48,9 @@ pub(super) fn snippet(patched: &Patched, zeros: &[f64]) -> String {
         let number = |name: &str| number(cause, name);
         let joint = cause.joints.first().map_or("", String::as_str);
         let said = match cause.effect {
+            Effect::TimeDelay if cause.joints.len() == 1 => {
+                format!("actuator of {joint}: delay=\"{}\"", number("delay"))
+            }
             Effect::TimeDelay => format!("every actuator: delay=\"{}\"", number("delay")),
             Effect::JointElasticity => format!(
                 "at {joint}: a second joint between rotor and link, stiffness=\"{}\"",

@@ -34,6 +34,7 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
         "Found in the data, not confirmed by the held-out recording",
         &rest,
     ));
+    out.extend(supposed(d));
     out.extend(d.bounds.as_ref().map(bounds));
     out.extend(remainder(d));
     out.extend(d.simulation.as_ref().map(|s| motion(s, &d.joints)));
@@ -130,6 +131,20 @@ fn ambiguities(d: &Diagnosis) -> Vec<String> {
         )
     };
     groups.into_iter().map(line).collect()
+}
+
+/// Causes that wider tolerances of the description would take over.
+fn supposed(d: &Diagnosis) -> Vec<String> {
+    let one = |cause: &Cause| {
+        let right_to = cause.right_to?;
+        Some(format!(
+            "Supposes that the description's inertial parameters are right to {:.0} %: {} on {}; were they further off, they would be the answer.",
+            100.0 * right_to,
+            plain(cause.effect),
+            place(cause),
+        ))
+    };
+    d.causes.iter().filter_map(one).collect()
 }
 
 /// What is wrong with the recordings, the worst alone: no cause can be trusted before it is put right.

@@ -2,29 +2,26 @@
 //! outside waits for it.
 
 use crate::motion::frame::Frame;
+use crate::settings::ContactSettings;
 use crate::traces::impacts::changes;
 use ndarray::ArrayView1;
 use std::ops::Range;
 
 /// Time before and after a change of sign in which the gap is left and crossed, s.
 const REACH: (f64, f64) = (0.1, 0.25);
-/// Part of the load's deviation that it reaches within [`REACH`] after a change that counts.
-const SWING: f64 = 0.2;
-/// Fewest changes that tell.
-const FEWEST: usize = 4;
 
-/// Whether the bursts (`samples`) come with the changes of sign of one joint's load: a part `most` of the changes lies in bursts, and
+/// Whether the bursts (`samples`) come with the changes of sign of one joint's load: a part `crossing` of the changes lies in bursts, and
 /// as much of the joint's squared `torque` in the bursts around them.
 pub(super) fn cross(
     frame: &Frame,
     torque: ArrayView1<f64>,
     load: ArrayView1<f64>,
     bursts: &[Range<usize>],
-    most: f64,
+    settings: &ContactSettings,
 ) -> bool {
     let rate = frame.report().rate_hz;
     let (before, after) = ((REACH.0 * rate) as usize, (REACH.1 * rate) as usize);
-    let swing = SWING * load.std(0.0);
+    let swing = settings.swing * load.std(0.0);
     let segments = &frame.samples().segments;
     let around = |i: usize| {
         let own = segments.iter().find(|s| s.contains(&i))?;
@@ -47,7 +44,10 @@ pub(super) fn cross(
         all += square;
         there += if near[i] { square } else { 0.0 };
     }
-    places.len() >= FEWEST && struck >= most * places.len() as f64 && there >= most * all
+    let most = settings.crossing;
+    places.len() >= settings.fewest_crossings
+        && struck >= most * places.len() as f64
+        && there >= most * all
 }
 
 #[cfg(test)]
@@ -70,7 +70,13 @@ mod tests {
             for b in &bursts {
                 b.clone().for_each(|i| torque[i] = 1.0);
             }
-            cross(&frame, torque.view(), load.view(), &bursts, 0.6)
+            cross(
+                &frame,
+                torque.view(),
+                load.view(),
+                &bursts,
+                &ContactSettings::default(),
+            )
         };
         let changes = super::changes(load.iter().copied(), &frame.samples().segments);
         assert!(changes.len() > 8);

@@ -21,6 +21,7 @@ use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
 use repeated::repeats;
 use std::ops::Range;
+pub use windows::suspected;
 use windows::{WINDOW, adjacent, windows};
 
 /// Half width of the running means that follow a burst, s, and their number.
@@ -96,16 +97,21 @@ pub fn detect(
         b.clone()
             .any(|w| (0..dof).any(|j| loaded(w, j) && windows.standing[[w, j]]))
     };
-    // A rest that is pushed was quiet before and is again afterwards; how a joint comes to rest is no push.
-    let quiet =
-        |w: usize| (0..dof).any(|j| windows.standing[[w, j]]) && highest(w) <= settings.height;
+    // A rest that is pushed was quiet before and is again afterwards; how a joint comes to rest is no push. Whoever pushes a standing joint
+    // hard makes it budge, and it stands again a little later.
+    let budging = ((settings.budging / WINDOW).round() as usize).max(1);
     let between = |b: &Range<usize>| {
-        b.start > 0
-            && adjacent(&windows.samples, b.start - 1, b.start)
-            && quiet(b.start - 1)
-            && b.end < n
-            && adjacent(&windows.samples, b.end - 1, b.end)
-            && quiet(b.end)
+        let pushed = |j: &usize| {
+            let mut each = b.clone();
+            each.any(|w| windows.standing[[w, *j]] && relative(w, *j) > settings.height)
+        };
+        let pushed: Vec<usize> = (0..dof).filter(pushed).collect();
+        let stands = |w: usize| pushed.iter().any(|&j| windows.standing[[w, j]]);
+        let quiet = |w: usize| stands(w) && highest(w) <= settings.height;
+        let mut before = b.start.saturating_sub(budging)..b.start;
+        let mut after = b.end..(b.end + budging).min(n);
+        before.any(|w| adjacent(&windows.samples, w, b.start) && quiet(w))
+            && after.any(|w| adjacent(&windows.samples, b.end - 1, w) && quiet(w))
     };
     bursts.retain(|b| {
         if at_rest(b) {
@@ -186,15 +192,7 @@ pub fn detect(
         return None;
     }
     let pushed: Vec<Range<usize>> = bursts.iter().map(|b| b.samples.clone()).collect();
-    let blows = |j: usize| {
-        cross(
-            frame,
-            torque.column(j),
-            load.column(j),
-            &pushed,
-            settings.crossing,
-        )
-    };
+    let blows = |j: usize| cross(frame, torque.column(j), load.column(j), &pushed, settings);
     let most = (0..dof).max_by(|&a, &b| part[a].total_cmp(&part[b]));
     if most.is_some_and(blows) {
         return None;

@@ -70,3 +70,25 @@ pub(super) fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
         standing,
     }
 }
+
+/// Samples of the part of the windows in which most is left, relative to the joints' usual level: where a force from outside may have
+/// bent the fit.
+pub fn suspected(frame: &Frame, left: &Judged, part: f64) -> Vec<bool> {
+    let windows = windows(frame, left, true);
+    let levels: Vec<f64> = (0..frame.dof())
+        .map(|j| windows.usual(j, false, 0.0))
+        .collect();
+    let energy = |w: usize| -> f64 {
+        let each = levels.iter().enumerate();
+        each.filter_map(|(j, level)| Some((windows.mean[[w, j]]? / level).powi(2)))
+            .sum()
+    };
+    let mut order: Vec<(usize, f64)> = (0..windows.samples.len()).map(|w| (w, energy(w))).collect();
+    order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let most = (part * order.len() as f64) as usize;
+    let mut out = vec![false; frame.tau.nrows()];
+    for &(w, _) in order.iter().take(most) {
+        out[windows.samples[w].clone()].fill(true);
+    }
+    out
+}
