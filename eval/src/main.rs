@@ -147,6 +147,9 @@ fn print(file: &ModelFile, evaluation: &Evaluation, verbose: bool) {
         say_text!(table.to_text());
         say!();
     }
+    for line in report.worth() {
+        say_text!(report::wrapped(&line, WIDTH, ""));
+    }
     let published = published(file);
     if !report.rows.is_empty() && !published.is_empty() {
         say!("Published, mean NRMSE:");
