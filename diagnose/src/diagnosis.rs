@@ -27,7 +27,7 @@ use crate::search::find::{Findings, find};
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::surrogates::{self, Null};
-use crate::traces::contact::{detect, suspected};
+use crate::traces::contact::{Contact, detect, suspected};
 use crate::traces::unknown::{Left, examine};
 use datasets::Recording;
 use ndarray::Array2;
@@ -59,9 +59,6 @@ struct Search {
     /// Torque that the links need at the recorded samples, shape (samples, joints).
     load: Array2<f64>,
 }
-
-/// Passes in which pushes are found, each on the fit without those of the one before.
-const PASSES: usize = 2;
 
 /// Diagnoses the gap between a model and recordings.
 ///
@@ -141,17 +138,17 @@ pub fn diagnose(
         contact = pushed(&clean, true);
     }
     let margin = (pushes.margin * frames.data.report().rate_hz) as usize;
-    // Without the pushes the fit shows the rest of them.
-    for _ in 0..PASSES {
-        let Some(seen) = &contact else { break };
-        let before = skipped.iter().filter(|s| **s).count();
-        let near = seen.pushed(skipped.len(), margin);
-        skipped.iter_mut().zip(near).for_each(|(s, n)| *s |= n);
-        if skipped.iter().filter(|s| **s).count() == before {
-            break;
-        }
+    // Without the pushes the fit shows the rest of them: what is said has been cut.
+    let mut near = contact.as_ref().map(|c| c.pushed(skipped.len(), margin));
+    while let Some(cut) = near.take() {
+        let first = skipped.iter().all(|s| !s);
+        skipped.iter_mut().zip(cut).for_each(|(s, n)| *s |= n);
         found = search(&without(&weight, &skipped), &skipped, 0.0)?;
-        contact = pushed(&found, true).or(contact);
+        let more = |c: &Contact| contact.as_ref().is_some_and(|known| c.size > known.size);
+        if first && let Some(all) = pushed(&found, !repeats(&found.left)).filter(more) {
+            near = Some(all.pushed(skipped.len(), margin));
+            contact = Some(all);
+        }
     }
     let weight = without(&weight, &skipped);
     let mut drawn = (options.surrogates > 0 && moves).then(|| {

@@ -84,11 +84,6 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Products that are fitted.
-    pub fn grams(&self) -> &'a Grams {
-        self.grams
-    }
-
     /// Coefficients of the fit on all folds.
     pub fn beta(&self) -> &Array1<f64> {
         &self.all.beta

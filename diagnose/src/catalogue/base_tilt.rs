@@ -116,6 +116,7 @@ mod tests {
         };
         let scale = Scale {
             softness: vec![0.01; 2],
+            lead: vec![0.0; 2],
             speed: vec![1.0; 2],
             range: vec![(-1.0, 1.0); 2],
             torque: vec![3.0, 1.0],

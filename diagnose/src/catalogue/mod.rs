@@ -124,6 +124,7 @@ mod tests {
         };
         let scale = Scale {
             softness: vec![0.01; dof],
+            lead: vec![0.0; dof],
             speed: vec![1.0; dof],
             range: vec![(-1.0, 1.0); dof],
             torque: vec![3.0; dof],

@@ -1,12 +1,15 @@
 //! `time_delay`: torque and motion recorded with a shift in time, τ(t) = τ̂(t − delay), by interpolation of the whole
 //! prediction, friction jumps included. All joints share it, but for a joint whose current is filtered more or less than the
-//! others'. A current's filter makes it late, too: a first-order lag, which rounds the friction jumps. Confounders: presliding (reversals only), elasticity (second derivative), viscous friction of the acceleration.
+//! others'. A current's filter makes it late, too: a first-order lag, which rounds the friction jumps. Confounders: presliding
+//! (reversals only), elasticity (second derivative), viscous friction of the acceleration.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::Info;
+use crate::motion::delay::delayed;
 use crate::motion::scene::Scene;
-use ndarray::Array1;
+use ndarray::{Array1, ArrayView1};
+use signal::Motion;
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -66,8 +69,8 @@ fn candidate(joints: Vec<usize>, late: Late) -> Candidate {
         let change = |&j: &usize| {
             let own = &s.rigid.column(j) + &s.drive.column(j);
             match late {
-                Late::Shift(delay) => delayed(s, &own, delay) - own,
-                Late::Filter(constant) => filtered(s, &own, constant) - own,
+                Late::Shift(delay) => delayed(s.motion, own.view(), delay) - own,
+                Late::Filter(constant) => filtered(s.motion, own.view(), constant) - own,
             }
         };
         of.iter().map(change).collect()
@@ -92,10 +95,10 @@ fn candidate(joints: Vec<usize>, late: Late) -> Candidate {
 }
 
 /// x behind a first-order filter, T·ẏ + y = x, settled at the start of each segment; x is taken as linear between samples.
-fn filtered(scene: &Scene, x: &Array1<f64>, constant: f64) -> Array1<f64> {
-    let time = &scene.motion.time;
-    let mut out = x.clone();
-    for s in &scene.motion.segments {
+fn filtered(motion: &Motion, x: ArrayView1<f64>, constant: f64) -> Array1<f64> {
+    let time = &motion.time;
+    let mut out = x.to_owned();
+    for s in &motion.segments {
         for i in s.start + 1..s.end {
             let h = (time[i] - time[i - 1]) / constant;
             let kept = (-h).exp();
@@ -107,42 +110,15 @@ fn filtered(scene: &Scene, x: &Array1<f64>, constant: f64) -> Array1<f64> {
     out
 }
 
-/// x(t − delay) by linear interpolation within each segment, held at its ends.
-pub(super) fn delayed(scene: &Scene, x: &Array1<f64>, delay: f64) -> Array1<f64> {
-    let time = &scene.motion.time;
-    let mut out = Array1::zeros(x.len());
-    for s in &scene.motion.segments {
-        let mut k = s.start;
-        for i in s.clone() {
-            let t = time[i] - delay;
-            while k + 2 < s.end && time[k + 1] < t {
-                k += 1;
-            }
-            let b = (k + 1).min(s.end - 1);
-            let share = if b > k {
-                ((t - time[k]) / (time[b] - time[k])).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            out[i] = x[k] + share * (x[b] - x[k]);
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::scene::Scale;
     use ndarray::Array2;
-    use physics::robot::Robot;
-    use signal::Motion;
 
     #[test]
     fn both_are_late_by_the_delay_and_only_the_filter_rounds() {
-        let robot = Robot::builtin("ur5").unwrap();
         let n = 500;
-        let rest = Array2::zeros((n, robot.dof()));
+        let rest = Array2::zeros((n, 1));
         let motion = Motion {
             time: (0..n).map(|i| 0.004 * i as f64).collect(),
             q: rest.clone(),
@@ -150,19 +126,15 @@ mod tests {
             qdd: rest,
             segments: std::iter::once(0..n).collect(),
         };
-        let scale = Scale {
-            softness: vec![0.01; robot.dof()],
-            speed: vec![1.0; robot.dof()],
-            range: vec![(-1.0, 1.0); robot.dof()],
-            torque: vec![1.0; robot.dof()],
-            session: (0.0, 2.0),
-            step: 0.004,
-        };
-        let scene = Scene::new(&robot, &motion, &scale);
         let ramp = Array1::from_shape_fn(n, |i| 3.0 * 0.004 * i as f64);
         let jump = Array1::from_shape_fn(n, |i| if i < 250 { -1.0 } else { 1.0 });
         let delay = 0.02;
-        let both = [delayed, filtered].map(|f| (f(&scene, &ramp, delay), f(&scene, &jump, delay)));
+        let both = [delayed, filtered].map(|f| {
+            (
+                f(&motion, ramp.view(), delay),
+                f(&motion, jump.view(), delay),
+            )
+        });
         for (late, _) in &both {
             assert!((ramp[n - 1] - late[n - 1] - 3.0 * delay).abs() < 1e-9);
         }

@@ -1,6 +1,6 @@
 //! Both recordings on their clocks.
 
-use super::reversal::softness;
+use super::reversal::signs;
 use crate::error::DiagnoseError;
 use crate::motion::frame::Frame;
 use crate::motion::passage::Passage;
@@ -64,7 +64,7 @@ impl Frames {
         // Where nothing else chose, the fitted recording's own noise does for both.
         options.cutoff_hz = options.cutoff_hz.or(data.report().cutoff_hz);
         let heldout = fresh(heldout, &cutoff::for_recording(&options, heldout))?;
-        let scale = data.scale(&[&heldout], softness(model, &data, &spread, settings));
+        let scale = data.scale(&[&heldout], &signs(model, &data, &spread, settings));
         Ok(Self {
             data,
             heldout,

@@ -1,30 +1,39 @@
-//! How sharply each joint's friction turns round, from the recording itself.
+//! How each joint's friction turns round, from the recording itself.
 //!
 //! Friction jumps where the filtered velocity changes its sign, but noise turns that sign at random, a real contact bends
-//! before it slides, and both round the jump: error that no parameter removes.
+//! before it slides, and both round the jump: error that no parameter removes. A simulator's friction may turn round early.
 
 use crate::algebra::cholesky::Cholesky;
+use crate::motion::delay::delayed;
 use crate::motion::frame::Frame;
 use crate::motion::rigid::rigid_torque;
 use crate::motion::scene::SOFT_SIGN;
 use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
-use ndarray::{Array1, Array2, ArrayView1, Axis};
+use ndarray::{Array1, Array2, ArrayView1, Axis, Zip};
+use physics::effects::EarlySign;
 
 /// Velocities tried below which the sign of a motion is softened, rad/s (m/s); docs/formats.md allows up to 0.005.
 const SOFTNESSES: [f64; 6] = [0.0004, 0.0007, 0.0012, 0.002, 0.0032, 0.005];
 
-/// Velocity below which each joint's sign is softened, rad/s (m/s): the one that leaves least error beyond a scaled model,
-/// viscous and Coulomb friction, own inertia and gravity of the joint, on some of the trajectories; [`SOFT_SIGN`] where none
-/// saves enough over it.
-pub fn softness(
+/// Those tried where friction turns round early: a constraint that simulates it is as soft as its impedance.
+const WITH_LEAD: [f64; 6] = [0.0007, 0.002, 0.005, 0.01, 0.02, 0.04];
+
+/// Times tried by which friction turns round early, and by which torque as a whole may be early instead, s.
+const LEADS: [f64; 6] = [0.001, 0.003, 0.006, 0.01, 0.015, 0.02];
+
+/// Sign of each joint's Coulomb friction: softened below the velocity, rad/s (m/s), that leaves least error beyond a scaled
+/// model, viscous and Coulomb friction, own inertia and gravity of the joint, on some of the trajectories; below
+/// [`SOFT_SIGN`] where none saves enough over it. It turns round early where that saves enough over a sign that is as soft, and
+/// over all joints more than torque does that is early as a whole.
+pub fn signs(
     model: &NominalModel,
     frame: &Frame,
     trajectories: &[usize],
     settings: &InputSettings,
-) -> Vec<f64> {
+) -> Vec<EarlySign> {
     let m = frame.motion();
-    let rigid = frame.table_to_samples(&rigid_torque(&model.robot, &m.q, &m.qd, &m.qdd));
+    let rigid = rigid_torque(&model.robot, &m.q, &m.qd, &m.qdd);
     let at = frame.samples();
     let rows: Vec<usize> = trajectories
         .iter()
@@ -32,32 +41,87 @@ pub fn softness(
         .flatten()
         .collect();
     let some = |x: ArrayView1<f64>| x.select(Axis(0), &rows);
-    (0..frame.dof())
-        .map(|j| {
-            let tau = some(frame.tau.column(j));
-            let q = some(at.q.column(j));
-            let smooth = [
-                some(rigid.column(j)),
-                some(at.qd.column(j)),
-                some(at.qdd.column(j)),
-                q.mapv(f64::sin),
-                q.mapv(f64::cos),
-                Array1::ones(q.len()),
-            ];
-            let error = |soft: f64| {
-                let sign = m.qd.column(j).mapv(|v| (v / soft).tanh());
-                let sign = Array1::from(frame.to_samples(&sign));
-                left(&smooth, &some(sign.view()), &tau)
+    let one = |joint: usize| {
+        let tau = some(frame.tau.column(joint));
+        let [q, qd, qdd] = [&m.q, &m.qd, &m.qdd].map(|t| t.column(joint));
+        let smooth = [
+            rigid.column(joint).to_owned(),
+            qd.to_owned(),
+            qdd.to_owned(),
+            q.mapv(f64::sin),
+            q.mapv(f64::cos),
+        ];
+        let rows = |fine: &Array1<f64>| some(Array1::from(frame.to_samples(fine)).view());
+        let columns = |late: f64| -> Vec<Array1<f64>> {
+            let moved = |x: &Array1<f64>| match late {
+                0.0 => rows(x),
+                late => rows(&delayed(m, x.view(), late)),
             };
-            let usual = error(SOFT_SIGN);
-            SOFTNESSES
-                .into_iter()
-                .map(|s| (s, error(s)))
+            let ones = Array1::ones(tau.len());
+            smooth.iter().map(moved).chain([ones]).collect()
+        };
+        let sign = |own: EarlySign, qd: &Array1<f64>, qdd: &Array1<f64>| {
+            let mut sign = Array1::zeros(qd.len());
+            let each = Zip::from(&mut sign).and(qd).and(qdd);
+            each.for_each(|s, &qd, &qdd| *s = own.at(qd, qdd));
+            rows(&sign)
+        };
+        let now = columns(0.0);
+        let error = |own: EarlySign| left(&now, &sign(own, &smooth[1], &smooth[2]), &tau);
+        let plain = |velocity: f64| EarlySign {
+            velocity,
+            lead: 0.0,
+        };
+        let least = |some: &mut dyn Iterator<Item = EarlySign>| {
+            some.map(|s| (s, error(s)))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
-                .filter(|(_, e)| *e < (1.0 - settings.softness) * usual)
-                .map_or(SOFT_SIGN, |b| b.0)
-        })
-        .collect()
+                .expect("some are tried")
+        };
+        let enough = 1.0 - settings.softness;
+        let usual = (plain(SOFT_SIGN), error(plain(SOFT_SIGN)));
+        let softer = least(&mut SOFTNESSES.map(plain).into_iter());
+        let best = Some(softer).filter(|(_, e)| *e < enough * usual.1);
+        let best = best.unwrap_or(usual);
+        let early = LEADS
+            .iter()
+            .flat_map(|&lead| WITH_LEAD.map(|velocity| EarlySign { velocity, lead }));
+        let early = least(&mut { early });
+        let as_soft = WITH_LEAD.map(plain);
+        let as_a_whole = LEADS.iter().flat_map(|lead| {
+            let now = columns(-lead);
+            let [qd, qdd] = [qd, qdd].map(|x| delayed(m, x, -lead));
+            as_soft.map(|own| left(&now, &sign(own, &qd, &qdd), &tau))
+        });
+        let at_once = as_soft.map(error).into_iter().fold(best.1, f64::min);
+        Turn {
+            best: best.0,
+            at_once,
+            early,
+            as_a_whole: as_a_whole.fold(at_once, f64::min),
+        }
+    };
+    let turns: Vec<Turn> = (0..frame.dof()).map(one).collect();
+    // What makes friction early, or torque, is no matter of one joint: where a joint cannot tell them apart others do.
+    let enough = 1.0 - settings.softness;
+    let over_whole = |t: &Turn| (t.early.1 / t.as_a_whole).ln();
+    let early = turns.iter().map(over_whole).sum::<f64>() < turns.len() as f64 * enough.ln();
+    let of = |t: &Turn| match early && t.early.1 < enough * t.at_once {
+        true => t.early.0,
+        false => t.best,
+    };
+    turns.iter().map(of).collect()
+}
+
+/// How one joint's friction turns round, and the squared errors of the alternatives.
+struct Turn {
+    /// Without lead.
+    best: EarlySign,
+    /// Least error without lead.
+    at_once: f64,
+    /// With lead, and its error.
+    early: (EarlySign, f64),
+    /// Least error with torque that is early as a whole, or not at all.
+    as_a_whole: f64,
 }
 
 /// Squared error of a least-squares fit of some columns and one more.
@@ -77,6 +141,9 @@ fn left(smooth: &[Array1<f64>], last: &Array1<f64>, y: &Array1<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use physics::robot::Robot;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn least_squares_by_hand() {
@@ -85,5 +152,53 @@ mod tests {
         let y = &one * 2.0 + &x * 3.0;
         assert!(left(std::slice::from_ref(&one), &x, &y) < 1e-6);
         assert!((left(std::slice::from_ref(&one), &one, &y) - 18.0).abs() < 1e-6);
+    }
+
+    /// A UR5 that moves as sines, with 8 N·m of Coulomb friction that turns round `lead` before the motion, its torque
+    /// `early` as a whole, and what is made of it.
+    fn of_ur5(lead: f64, early: f64) -> Vec<EarlySign> {
+        let robot = Robot::builtin("ur5").unwrap();
+        let n = 4000;
+        let angle = |j: usize, t: f64, k: i32| {
+            let [a, b] =
+                [0.31 + 0.05 * j as f64, 0.73 - 0.04 * j as f64].map(|f| f * std::f64::consts::TAU);
+            // k-th derivative of 0.4 sin(a t) + 0.2 sin(b t + 1).
+            let turn = f64::from(k) * std::f64::consts::FRAC_PI_2;
+            0.4 * a.powi(k) * (a * t + turn).sin() + 0.2 * b.powi(k) * (b * t + 1.0 + turn).sin()
+        };
+        let table = |shift: f64, k: i32| {
+            Array2::from_shape_fn((n, robot.dof()), |(i, j)| {
+                angle(j, 0.004 * i as f64 + shift, k)
+            })
+        };
+        let [q, qd, qdd] = [0, 1, 2].map(|k| table(early, k));
+        let own = EarlySign {
+            velocity: 0.01,
+            lead,
+        };
+        let mut tau = rigid_torque(&robot, &q, &qd, &qdd);
+        Zip::from(&mut tau)
+            .and(&qd)
+            .and(&qdd)
+            .for_each(|t, &qd, &qdd| *t += 8.0 * own.at(qd, qdd));
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        tau.mapv_inplace(|t| t + rng.random_range(-0.2..0.2));
+        let time = (0..n).map(|i| 0.004 * i as f64).collect();
+        let recording = datasets::Recording::new("r", time, table(0.0, 0), Some(tau.clone()));
+        let options = datasets::PrepareOptions::low_passed(40.0);
+        let frame = Frame::new(&recording, tau, &options).unwrap();
+        let model = NominalModel::new(robot);
+        signs(&model, &frame, &[0], &InputSettings::default())
+    }
+
+    #[test]
+    fn friction_that_is_early_is_told_from_torque_that_is() {
+        assert!(of_ur5(0.0, 0.0).iter().all(|s| s.lead == 0.0));
+        assert!(of_ur5(0.0, 0.01).iter().all(|s| s.lead == 0.0));
+        let early = of_ur5(0.01, 0.0);
+        assert!(
+            early.iter().all(|s| (s.lead, s.velocity) == (0.01, 0.01)),
+            "{early:?}"
+        );
     }
 }

@@ -90,7 +90,8 @@ pub fn explain(
         judged(&gap_held - &columns.torque(shape, &fit.variables, fit.beta()))
     };
     let structure = found.structure();
-    let mut ladder = vec![whole.step("as_given", &gap_held, held)];
+    let as_given = judged(gap(model, held, &frames.scale.at_once()));
+    let mut ladder = vec![whole.step("as_given", &as_given, held)];
     let mut residual = left(&[], Free::All);
     ladder.push(whole.step("reidentified", &residual, held));
     for n in 1..=structure.len() {

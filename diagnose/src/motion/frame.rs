@@ -6,6 +6,7 @@ use crate::settings::MotionSettings;
 use datasets::prepare::{PrepareError, PrepareReport};
 use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
 use ndarray::{Array1, Array2, ArrayView1};
+use physics::effects::EarlySign;
 use signal::Motion;
 use signal::filter::filtfilt;
 use signal::sos::{Section, butterworth};
@@ -245,9 +246,9 @@ impl Frame {
         self.slow(speed, 0).mapv(|r| if r { weight } else { 1.0 })
     }
 
-    /// Sizes for grids of shape parameters; `others` are recordings of the same session, `softness` is the velocity
-    /// below which each joint's sign is softened.
-    pub fn scale(&self, others: &[&Frame], softness: Vec<f64>) -> Scale {
+    /// Sizes for grids of shape parameters; `others` are recordings of the same session, `signs` how each joint's
+    /// friction turns round.
+    pub fn scale(&self, others: &[&Frame], signs: &[EarlySign]) -> Scale {
         let m = self.samples();
         let rms = |x: ArrayView1<f64>| (x.dot(&x) / x.len().max(1) as f64).sqrt().max(1e-9);
         let spread = |x: ArrayView1<f64>| x.std(0.0).max(1e-9);
@@ -259,7 +260,8 @@ impl Frame {
         let frames = || std::iter::once(self).chain(others.iter().copied());
         let fine = &self.motion().time;
         Scale {
-            softness,
+            softness: signs.iter().map(|s| s.velocity).collect(),
+            lead: signs.iter().map(|s| s.lead).collect(),
             speed: m.qd.columns().into_iter().map(rms).collect(),
             range: m
                 .q

@@ -5,9 +5,11 @@ use crate::motion::motor::{Band, Motor, Tangent, Wide, tangents};
 use crate::motion::passage::Passage;
 use crate::motion::rigid::{rigid_torque, rows};
 use nalgebra::Vector3;
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Array2, Axis, Zip};
 use physics::dynamics::inverse_dynamics_with_gravity;
-use physics::effects::{Coupling, FrictionShape, Harmonic, PositionFriction, Sliding, Term};
+use physics::effects::{
+    Coupling, EarlySign, FrictionShape, Harmonic, PositionFriction, Sliding, Term,
+};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use signal::Motion;
 
@@ -15,11 +17,16 @@ use signal::Motion;
 /// below what docs/formats.md allows, so that the reversal keeps its shape.
 pub const SOFT_SIGN: f64 = 0.001;
 
+/// Highest velocity below which docs/formats.md lets the sign of the model as given be softened, rad/s (m/s).
+const SOFTEST: f64 = 0.005;
+
 /// Sizes that grids of shape parameters are relative to, one value per joint.
 #[derive(Clone, Debug)]
 pub struct Scale {
     /// Velocity below which the sign is softened.
     pub softness: Vec<f64>,
+    /// Time by which Coulomb friction turns round before the motion, s.
+    pub lead: Vec<f64>,
     /// Root mean square velocity.
     pub speed: Vec<f64>,
     /// Lowest and highest position.
@@ -32,6 +39,16 @@ pub struct Scale {
     pub step: f64,
 }
 
+impl Scale {
+    /// With signs as docs/formats.md has them for the model as given: none is early, none softer than it allows.
+    pub fn at_once(&self) -> Self {
+        let mut own = self.clone();
+        own.lead.fill(0.0);
+        own.softness.iter_mut().for_each(|s| *s = s.min(SOFTEST));
+        own
+    }
+}
+
 /// One recording with the present model evaluated on it. Tables have shape (samples, joints).
 pub struct Scene<'a> {
     /// The present model.
@@ -40,7 +57,7 @@ pub struct Scene<'a> {
     pub motion: &'a Motion,
     /// Sizes of the recording that is fitted.
     pub scale: &'a Scale,
-    /// Softened sign of the velocity.
+    /// Softened sign that Coulomb friction has.
     pub sign: Array2<f64>,
     /// Torque of the rigid body.
     pub rigid: Array2<f64>,
@@ -57,9 +74,16 @@ impl<'a> Scene<'a> {
     pub fn new(robot: &'a Robot, passage: impl Into<Passage<'a>>, scale: &'a Scale) -> Self {
         let passage = passage.into();
         let motion = passage.motion();
-        let mut sign = motion.qd.clone();
-        for (mut column, &soft) in sign.columns_mut().into_iter().zip(&scale.softness) {
-            column.mapv_inplace(|v| (v / soft).tanh());
+        let mut sign = Array2::zeros(motion.qd.dim());
+        for (j, column) in sign.columns_mut().into_iter().enumerate() {
+            let own = EarlySign {
+                velocity: scale.softness[j],
+                lead: scale.lead[j],
+            };
+            Zip::from(column)
+                .and(motion.qd.column(j))
+                .and(motion.qdd.column(j))
+                .for_each(|s, &qd, &qdd| *s = own.at(qd, qdd));
         }
         let rigid = rigid_torque(robot, &motion.q, &motion.qd, &motion.qdd);
         let mut drive = Array2::zeros(motion.q.dim());
@@ -172,7 +196,9 @@ impl<'a> Scene<'a> {
         let q = m.q.column(joint);
         let sliding = |of: usize, shape: &Sliding| match *shape {
             // Every friction of a joint needs its sign.
-            Sliding::SoftCoulomb { velocity } if velocity == self.scale.softness[of] => {
+            Sliding::SoftCoulomb { velocity }
+                if velocity == self.scale.softness[of] && self.scale.lead[of] == 0.0 =>
+            {
                 self.sign.column(of).to_owned()
             }
             shape => m.qd.column(of).mapv(|v| shape.at(v)),

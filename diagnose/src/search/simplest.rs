@@ -273,7 +273,8 @@ impl<'a> Run<'a> {
     fn surprise(&self) -> f64 {
         let Selection { accepted, fit } = &self.selection;
         let search = &self.search;
-        let base = Fit::new(fit.grams(), search.base.clone(), fit.weights.clone());
+        let grams = search.objective.grams;
+        let base = Fit::new(grams, search.base.clone(), fit.weights.clone());
         let absorbable = self.over_refit.iter().flatten().count() as f64;
         let names = search.objective.settings.enough * absorbable;
         search.objective.of_fit(fit, 0) + search.charge(accepted) + base.width() + names

@@ -21,6 +21,7 @@ pub fn basic() -> Vec<Term> {
 pub fn is_friction_shape(term: &Term) -> bool {
     match term {
         Term::Sliding(_)
+        | Term::EarlySign(_)
         | Term::Stop(_)
         | Term::Dahl(_)
         | Term::DahlRate(_)

@@ -96,6 +96,7 @@ fn value(term: &Term, z: &mut f64, joint: usize, dq: f64, s: &Sample) -> f64 {
         Term::Offset => 1.0,
         Term::RotorInertia => s.qdd[joint],
         Term::Sliding(f) => f.at(s.qd[joint]),
+        Term::EarlySign(e) => e.at(s.qd[joint], s.qdd[joint]),
         Term::Stop(stop) => {
             *z = stop.next(*z, dq);
             *z

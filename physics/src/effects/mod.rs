@@ -9,6 +9,7 @@
 mod bank;
 mod coupling;
 mod drift;
+mod early_sign;
 mod harmonic;
 mod hysteresis;
 mod load;
@@ -23,6 +24,7 @@ pub use crate::robot::{Counterbalance, Spring};
 pub use bank::{BankState, Sample, TermBank, columns};
 pub use coupling::Coupling;
 pub use drift::Drift;
+pub use early_sign::EarlySign;
 pub use harmonic::{Harmonic, Phase};
 pub use hysteresis::{Dahl, Stop};
 pub use load::LoadFriction;
@@ -46,6 +48,8 @@ pub enum Term {
     RotorInertia,
     /// Friction that depends on the present velocity alone.
     Sliding(Sliding),
+    /// Coulomb friction that turns round before the motion does.
+    EarlySign(EarlySign),
     /// Maxwell-slip element: a spring that slides at a given displacement.
     Stop(Stop),
     /// Dahl's friction state.
@@ -81,6 +85,7 @@ impl Term {
             Term::Offset => "torque_offset",
             Term::RotorInertia => "rotor_inertia",
             Term::Sliding(s) => s.effect(),
+            Term::EarlySign(_) => "friction_parameters",
             Term::Stop(_) | Term::Dahl(_) | Term::DahlRate(_) | Term::LaggedSign(_) => {
                 "presliding_hysteresis"
             }
@@ -124,6 +129,7 @@ impl Term {
             Term::Offset
             | Term::RotorInertia
             | Term::Sliding(_)
+            | Term::EarlySign(_)
             | Term::Harmonic(_)
             | Term::Polynomial(_)
             | Term::Coupling(_)
@@ -141,6 +147,7 @@ impl Term {
             Term::Offset
             | Term::RotorInertia
             | Term::Sliding(_)
+            | Term::EarlySign(_)
             | Term::Stop(_)
             | Term::Dahl(_)
             | Term::DahlRate(_)
@@ -160,6 +167,7 @@ impl Term {
             Term::Offset => "offset".into(),
             Term::RotorInertia => "rotor_inertia".into(),
             Term::Sliding(s) => s.label(),
+            Term::EarlySign(e) => format!("coulomb({:.3}, {:.4} s early)", e.velocity, e.lead),
             Term::Stop(s) => format!("stop({:.3e})", s.width),
             Term::Dahl(d) => format!("dahl({:.3e})", d.stiffness),
             Term::LaggedSign(l) => format!("lagged_sign({:.3} s)", l.time_constant),

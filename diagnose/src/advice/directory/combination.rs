@@ -6,7 +6,9 @@ use crate::motion::scene::Scale;
 use crate::simulator::NominalModel;
 use identify::base::BaseParameters;
 use ndarray::{Array1, Array2};
-use physics::effects::{Coupling, Harmonic, Phase, Polynomial, PositionFriction, Sliding, Term};
+use physics::effects::{
+    Coupling, EarlySign, Harmonic, Phase, Polynomial, PositionFriction, Sliding, Term,
+};
 use physics::torque_model::WeightedTerm;
 
 /// One parameter: its given value and the coefficients that move it, each with its factor.
@@ -34,6 +36,7 @@ pub(super) struct Combination {
     rigid: Vec<Sum>,
     terms: Vec<Vec<(Term, Sum)>>,
     softness: Vec<f64>,
+    lead: Vec<f64>,
     zeros: Vec<f64>,
 }
 
@@ -49,6 +52,7 @@ impl Combination {
             rigid: rigid.collect(),
             terms: vec![Vec::new(); robot.dof()],
             softness: scale.softness.clone(),
+            lead: scale.lead.clone(),
             zeros: zeros.to_vec(),
         };
         match given.file() {
@@ -80,8 +84,12 @@ impl Combination {
     }
 
     fn coulomb(&self, joint: usize) -> Term {
-        let velocity = self.softness[joint];
-        Term::Sliding(Sliding::SoftCoulomb { velocity })
+        let (velocity, lead) = (self.softness[joint], self.lead[joint]);
+        if lead == 0.0 {
+            Term::Sliding(Sliding::SoftCoulomb { velocity })
+        } else {
+            Term::EarlySign(EarlySign { velocity, lead })
+        }
     }
 
     fn entry(&mut self, joint: usize, term: Term) -> &mut Sum {

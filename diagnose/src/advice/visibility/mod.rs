@@ -114,6 +114,7 @@ fn scale(robot: &Robot, motion: &Motion, rate: f64) -> Scale {
     let rms = |x: ArrayView1<f64>| (x.dot(&x) / x.len().max(1) as f64).sqrt().max(1e-9);
     let mut scale = Scale {
         softness: vec![SOFT_SIGN; n],
+        lead: vec![0.0; n],
         speed: motion.qd.columns().into_iter().map(rms).collect(),
         range: motion.q.columns().into_iter().map(seen).collect(),
         torque: vec![1.0; n],

@@ -85,6 +85,7 @@ pub(super) fn is_plain(terms: &[Term]) -> bool {
             t,
             Term::Offset
                 | Term::RotorInertia
+                | Term::EarlySign(_)
                 | Term::Sliding(
                     Sliding::Viscous
                         | Sliding::Coulomb

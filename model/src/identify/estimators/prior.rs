@@ -68,7 +68,10 @@ impl Known {
         for (list, known) in terms.iter().zip(&self.terms) {
             mean.extend(list.iter().map(|term| {
                 // However soft its sign, it is the same coefficient.
-                let coulomb = |t: &Term| matches!(t, Term::Sliding(s) if s.is_coulomb());
+                let coulomb = |t: &Term| match t {
+                    Term::Sliding(s) => s.is_coulomb(),
+                    t => matches!(t, Term::EarlySign(_)),
+                };
                 let same = |t: &Term| t == term || coulomb(t) && coulomb(term);
                 let value = known.iter().find(|(t, _)| same(t));
                 value.map_or(0.0, |(_, v)| *v)
