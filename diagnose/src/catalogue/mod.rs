@@ -20,7 +20,7 @@ pub mod position_dependent_friction;
 mod presliding_hysteresis;
 pub mod saturation;
 mod stribeck_friction;
-mod time_delay;
+pub mod time_delay;
 mod torque_channel;
 pub mod torque_ripple;
 mod transmission;
@@ -92,6 +92,7 @@ pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
         all.extend(load_dependent_friction::candidates(scene, joint));
         all.extend(presliding_hysteresis::candidates(scene, joint));
         all.extend(friction_drift::candidates(scene, joint));
+        all.extend(torque_ripple::slow(scene, joint));
         all.extend(joint_coupling::candidates(scene, joint));
         all.extend(joint_elasticity::candidates(scene, joint));
         all.extend(backlash::candidates(scene, joint));

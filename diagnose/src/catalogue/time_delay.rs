@@ -55,6 +55,25 @@ pub(super) fn own(scene: &Scene, joint: usize) -> Vec<Candidate> {
     }
 }
 
+/// How a joint's torque changes where it is early or late by about an interval, or several: what any lateness of its own is
+/// made of.
+pub fn changes(scene: &Scene, joint: usize) -> Vec<Array1<f64>> {
+    let step = scene.scale.step;
+    let shifts = [-3.0, -1.0, 1.0, 3.0, 6.0].map(|s| Late::Shift(s * step));
+    let filters = [1.5, 4.0].map(|s| Late::Filter(s * step));
+    let each = shifts.into_iter().chain(filters);
+    each.map(|late| change(scene, joint, late)).collect()
+}
+
+/// How a joint's torque changes where it is late.
+fn change(scene: &Scene, joint: usize, late: Late) -> Array1<f64> {
+    let own = &scene.rigid.column(joint) + &scene.drive.column(joint);
+    match late {
+        Late::Shift(delay) => delayed(scene.motion, own.view(), delay) - own,
+        Late::Filter(constant) => filtered(scene.motion, own.view(), constant) - own,
+    }
+}
+
 fn all(scene: &Scene, joints: Vec<usize>, shifts: &[f64]) -> Vec<Candidate> {
     let step = scene.scale.step;
     let shifts = shifts.iter().map(|s| Late::Shift(s * step));
@@ -66,14 +85,7 @@ fn all(scene: &Scene, joints: Vec<usize>, shifts: &[f64]) -> Vec<Candidate> {
 fn candidate(joints: Vec<usize>, late: Late) -> Candidate {
     let of = joints.clone();
     let column = Column::several(joints.clone(), move |s| {
-        let change = |&j: &usize| {
-            let own = &s.rigid.column(j) + &s.drive.column(j);
-            match late {
-                Late::Shift(delay) => delayed(s.motion, own.view(), delay) - own,
-                Late::Filter(constant) => filtered(s.motion, own.view(), constant) - own,
-            }
-        };
-        of.iter().map(change).collect()
+        of.iter().map(|&j| change(s, j, late)).collect()
     });
     let joint = joints.first().copied().filter(|_| joints.len() == 1);
     let (Late::Shift(delay) | Late::Filter(delay)) = late;

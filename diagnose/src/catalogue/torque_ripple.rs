@@ -1,12 +1,14 @@
 //! `torque_ripple`: torque periodic in the joint's position (cogging, gear meshing). The orders come from the
 //! periodogram over position of what a first fit leaves, on unfiltered torque at the recorded rate: a low-pass
-//! would remove the ripple of a fast joint. Orders need not be whole.
+//! would remove the ripple of a fast joint; lateness of the torque is taken out of it before. Orders need not be whole.
 //! Confounders: none at high orders; below a few cycles per range, gravity and counterbalance.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
+use crate::motion::scene::Scene;
 use physics::effects::{Harmonic, Phase, Term};
+use std::f64::consts::TAU;
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -27,6 +29,18 @@ const NAMES: [(&str, &str); LINES] = [
     ("sine_2", "cosine_2"),
     ("sine_3", "cosine_3"),
 ];
+
+/// Cycles over the recorded range that are tried beside the lines of the periodogram, which has none so slow.
+const SLOW: [f64; 4] = [1.5, 1.75, 2.0, 2.25];
+
+/// Candidates of a joint with one slow line each.
+pub(super) fn slow(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let (low, high) = scene.scale.range[joint];
+    let order = |cycles: f64| cycles * TAU / (high - low);
+    let moves = high - low >= 1e-4;
+    let orders = SLOW.into_iter().filter(|_| moves).map(order);
+    orders.flat_map(|k| candidates(joint, &[k])).collect()
+}
 
 /// Candidates of a joint with one, two and three lines.
 pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {

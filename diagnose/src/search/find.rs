@@ -13,6 +13,7 @@ use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
 use crate::search::dictionary::Dictionary;
 use crate::search::objective::Objective;
+use crate::search::on_time::on_time;
 use crate::search::select::Tried;
 use crate::search::simplest::{Against, Answer, Simplest};
 use crate::settings::Settings;
@@ -145,16 +146,17 @@ pub fn find(
     let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
     let mut candidates = catalogue::catalogue(&scene);
     candidates.retain(|c| Some(c.effect) != withheld);
+    let on_time = on_time(&scene, data, &residual, weight);
     for j in 0..data.dof() {
         let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));
         let lines = |residual: ArrayView1<f64>, most| {
             Orders::new(residual, q, scale.speed[j], data.report().rate_hz)
                 .map_or_else(Vec::new, |o| o.lines(most))
         };
-        let orders = lines(residual.column(j), torque_ripple::LINES);
+        let orders = lines(on_time.column(j), torque_ripple::LINES);
         candidates.extend(torque_ripple::candidates(j, &orders));
         // What resists the motion turns with it.
-        let resisting = &residual.column(j) * &qd.mapv(|v| (v / scale.softness[j]).tanh());
+        let resisting = &on_time.column(j) * &qd.mapv(|v| (v / scale.softness[j]).tanh());
         let orders = lines(resisting.view(), position_dependent_friction::LINES);
         candidates.extend(position_dependent_friction::candidates(&scene, j, &orders));
         let flat = plateau(&data.tau.column(j).to_vec());

@@ -3,5 +3,6 @@
 pub(crate) mod dictionary;
 pub(crate) mod find;
 pub(crate) mod objective;
+mod on_time;
 pub(crate) mod select;
 pub(crate) mod simplest;

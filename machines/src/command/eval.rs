@@ -1,8 +1,9 @@
 //! `machine eval`.
 
+use super::Given;
+use machines::MachineError;
 use machines::prediction::{Prediction, Scores, predict, score};
 use machines::store::MachineFile;
-use machines::{MachineError, recording};
 use report::{Cell, Column, Table, say, say_text};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -10,15 +11,8 @@ use std::path::PathBuf;
 /// Which machine, on what.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Folder that machine identify has written.
-    #[arg(long)]
-    model: PathBuf,
-    /// Recording (.csv, .parquet, .npz).
-    #[arg(long)]
-    data: PathBuf,
-    /// Drive file: names and units of columns, torque factors.
-    #[arg(long)]
-    drive: Option<PathBuf>,
+    #[command(flatten)]
+    given: Given,
     /// Write the scores as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -32,14 +26,7 @@ pub struct Arguments {
 
 /// Predicts, scores where there is torque, writes, prints.
 pub fn run(arguments: &Arguments) -> Result<(), MachineError> {
-    let file = MachineFile::load(&arguments.model)?;
-    let drive = arguments
-        .drive
-        .as_deref()
-        .map(|path| recording::drive(path, &file.machine))
-        .transpose()?;
-    let needed = arguments.predict.is_none();
-    let data = recording::recording(&arguments.data, &file.machine, drive.as_ref(), needed)?;
+    let (file, data) = arguments.given.read(arguments.predict.is_none())?;
     let prediction = predict(&file, &data)?;
     let scores = match data.tau {
         Some(_) => Some(score(&file, &data, &prediction)?),

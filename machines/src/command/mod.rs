@@ -6,9 +6,39 @@ pub mod list;
 pub mod payload;
 pub mod simulate;
 
-use machines::MachineError;
+use datasets::Recording;
 use machines::plant::Carried;
-use std::path::Path;
+use machines::store::MachineFile;
+use machines::{MachineError, recording};
+use std::path::{Path, PathBuf};
+
+/// An identified machine and a recording of it.
+#[derive(Debug, clap::Args)]
+struct Given {
+    /// Folder that machine identify has written.
+    #[arg(long)]
+    model: PathBuf,
+    /// Recording (.csv, .parquet, .npz).
+    #[arg(long)]
+    data: PathBuf,
+    /// Drive file: names and units of columns, torque factors.
+    #[arg(long)]
+    drive: Option<PathBuf>,
+}
+
+impl Given {
+    /// Reads both; whether the recording needs torque.
+    fn read(&self, torque: bool) -> Result<(MachineFile, Recording), MachineError> {
+        let file = MachineFile::load(&self.model)?;
+        let drive = self
+            .drive
+            .as_deref()
+            .map(|path| recording::drive(path, &file.machine))
+            .transpose()?;
+        let data = recording::recording(&self.data, &file.machine, drive.as_ref(), torque)?;
+        Ok((file, data))
+    }
+}
 
 /// Makes a folder and those above it.
 fn folder(path: &Path) -> Result<(), MachineError> {

@@ -1,23 +1,17 @@
-//! `machine payload`.
+//! `machine payload`: the folder is of the machine without the body, the recording with it.
 
+use super::Given;
+use machines::MachineError;
 use machines::payload::{MachinePayload, estimate};
 use machines::store::MachineFile;
-use machines::{MachineError, recording};
 use report::{Cell, Column, Table, say, say_text};
 use std::path::PathBuf;
 
 /// Which machine, with what.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Folder that machine identify has written, without the body.
-    #[arg(long)]
-    model: PathBuf,
-    /// Recording with it (.csv, .parquet, .npz).
-    #[arg(long)]
-    data: PathBuf,
-    /// Drive file: names and units of columns, torque factors.
-    #[arg(long)]
-    drive: Option<PathBuf>,
+    #[command(flatten)]
+    given: Given,
     /// Write the figures as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -28,13 +22,7 @@ pub struct Arguments {
 
 /// Estimates, writes, prints.
 pub fn run(arguments: &Arguments) -> Result<(), MachineError> {
-    let file = MachineFile::load(&arguments.model)?;
-    let drive = arguments
-        .drive
-        .as_deref()
-        .map(|path| recording::drive(path, &file.machine))
-        .transpose()?;
-    let data = recording::recording(&arguments.data, &file.machine, drive.as_ref(), true)?;
+    let (file, data) = arguments.given.read(true)?;
     let found = estimate(&file, &data)?;
     if let Some(path) = &arguments.json {
         let mut text = serde_json::to_string_pretty(&found).unwrap_or_default();

@@ -22,6 +22,14 @@ pub enum DirectoryError {
         /// Why.
         reason: String,
     },
+    /// The directory is of `machine identify`.
+    #[error(
+        "{path}: a machine of the motion controller's kinds, not a serial arm; machine eval and machine payload read it"
+    )]
+    Machine {
+        /// Its file.
+        path: PathBuf,
+    },
     /// The model was written by another version.
     #[error("{path}: schema {found:?}, this program reads {read:?}; train the model again")]
     Schema {

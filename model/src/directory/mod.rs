@@ -224,9 +224,16 @@ impl ModelFile {
     /// A missing or damaged file, or one of another version.
     pub fn load(directory: &Path) -> Result<Self, DirectoryError> {
         let path = directory.join("model.json");
-        let text = std::fs::read_to_string(&path).map_err(|source| DirectoryError::Read {
-            path: path.clone(),
-            source,
+        let text = std::fs::read_to_string(&path).map_err(|source| {
+            let machine = directory.join("machine.json");
+            if machine.is_file() {
+                DirectoryError::Machine { path: machine }
+            } else {
+                DirectoryError::Read {
+                    path: path.clone(),
+                    source,
+                }
+            }
         })?;
         let mut file = Self::parse(&text, path.clone())?;
         if file.covariance.is_empty() {

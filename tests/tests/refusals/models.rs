@@ -22,6 +22,10 @@ fn altered_models() {
 
     let nothing = place.path().join("nothing");
     eval_refuses(&nothing, &data, &["model.json"]);
+    let machine = place.path().join("machine");
+    std::fs::create_dir(&machine).expect("a folder");
+    std::fs::write(machine.join("machine.json"), "{}").expect("writable");
+    eval_refuses(&machine, &data, &["machine.json", "machine eval"]);
 
     let altered = |change: &dyn Fn(&Path), fragments: &[&str]| {
         let place = folder();

@@ -1,0 +1,40 @@
+//! What a first fit leaves, without what is only early or late.
+
+use crate::algebra::cholesky::Cholesky;
+use crate::catalogue::time_delay;
+use crate::motion::frame::Frame;
+use crate::motion::scene::Scene;
+use ndarray::{Array1, Array2, ArrayView1};
+
+/// A residual without what each joint's torque leaves by being late or early, at the recorded samples, shape (samples,
+/// joints): a few milliseconds at every reversal hide a line over position.
+pub(super) fn on_time(
+    scene: &Scene,
+    data: &Frame,
+    residual: &Array2<f64>,
+    weight: &Array2<f64>,
+) -> Array2<f64> {
+    let mut out = residual.clone();
+    for (joint, mut own) in out.columns_mut().into_iter().enumerate() {
+        let fine = time_delay::changes(scene, joint);
+        let columns: Vec<Array1<f64>> = fine
+            .iter()
+            .map(|c| Array1::from(data.to_samples(c)))
+            .collect();
+        let weighed = |a: &Array1<f64>, b: ArrayView1<f64>| {
+            let each = a.iter().zip(b).zip(weight.column(joint));
+            each.map(|((a, b), w)| a * b * w).sum::<f64>()
+        };
+        let k = columns.len();
+        let mut a = Array2::from_shape_fn((k, k), |(i, j)| weighed(&columns[i], columns[j].view()));
+        for i in 0..k {
+            a[[i, i]] = a[[i, i]] * (1.0 + 1e-6) + f64::MIN_POSITIVE;
+        }
+        let b: Array1<f64> = columns.iter().map(|c| weighed(c, own.view())).collect();
+        let sizes = Cholesky::new(&a).solve(b.view());
+        for (column, size) in columns.iter().zip(sizes) {
+            own.scaled_add(-size, column);
+        }
+    }
+    out
+}
