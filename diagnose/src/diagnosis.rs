@@ -8,7 +8,7 @@ use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
 use crate::input::recordings::{checked, not_identifiable, notes};
 use crate::ladder::listing::{Listing, list};
-use crate::ladder::scores::{Scored, repeatability};
+use crate::ladder::scores::{Scored, repeatability, total};
 use crate::measure::bounds::hold;
 use crate::measure::explain::{Explanation, Said, explain};
 use crate::measure::follow;
@@ -30,6 +30,7 @@ use crate::surrogates::{self, Null};
 use crate::traces::contact::{Contact, detect, suspected};
 use crate::traces::unknown::{Left, examine};
 use datasets::Recording;
+use datasets::metrics::Scope;
 use ndarray::Array2;
 use physics::robot::Robot;
 
@@ -115,9 +116,12 @@ pub fn diagnose(
         left.any(|l| l.structured() > judging.clear && l.learnable > pushes.learnable)
     };
     let look = (options.withheld != Some(Effect::ExternalContact)).then(|| !repeats(&found.left));
+    let whole = Scored::new(&dead, vec![true; skipped.len()]);
     let pushed = |found: &Search, moving: bool| {
+        let rest = whole.figures(&found.listing.residual, &frames.data, Scope::All);
+        let least = pushes.size * total(&rest);
         detect(&frames.data, &found.judged, &found.load, moving, pushes)
-            .filter(|c| c.at_rest || c.size > pushes.size * found.listing.given)
+            .filter(|c| c.at_rest || c.size > least)
     };
     let without = |weight: &Array2<f64>, out: &[bool]| {
         let mut weight = weight.clone();

@@ -19,6 +19,7 @@ use crate::simulator::NominalModel;
 use crate::surrogates::{Naming, Null};
 use crate::traces::contact::{Contact, detect};
 use crate::traces::unknown::Left;
+use datasets::metrics::Scope;
 use datasets::metrics::deviations;
 use ndarray::{Array1, Array2};
 use physics::robot::PARAMETERS_PER_LINK;
@@ -109,11 +110,11 @@ pub fn explain(
             torque: said.listing.coulomb.clone(),
             sign: held.table_to_samples(&scene.sign),
         };
-        let given = total(&ladder[0].all);
+        let rest = total(&whole.figures(&residual, held, Scope::All));
         let judged = judge(held, &residual, &coulomb, &settings.motion);
         let load = held.table_to_samples(&scene.rigid);
         detect(held, &judged, &load, moving, &settings.traces.contact)
-            .filter(|c| c.at_rest || c.size > settings.traces.contact.size * given)
+            .filter(|c| c.at_rest || c.size > settings.traces.contact.size * rest)
     });
     let cut = here
         .as_ref()

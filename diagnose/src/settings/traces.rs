@@ -59,7 +59,7 @@ settings! {
         learnable: f64 = 0.35, tuned;
         /// Part of the recording that is left out, where nothing explains what is left, to see whether a push had bent the fit.
         suspected: f64 = 0.25, tuned;
-        /// Least part of the whole gap that contact in motion makes.
+        /// Least part that contact in motion makes of what the causes leave, pushes included.
         size: f64 = 0.1, tuned;
         /// Time around a push that is not fitted either, s.
         margin: f64 = 0.1, tuned;
