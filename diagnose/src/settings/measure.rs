@@ -40,7 +40,7 @@ settings! {
     ConfidenceSettings {
         /// Weights of a constant, ln(1 + lead), likeness, ln(1 + gain over chance), ln(1 + structure left in %) in the logarithm
         /// of the odds; without them no confidence is given.
-        weights: Option<[f64; 5]> = None, tuned;
+        weights: Option<[f64; 5]> = Some([1.414, 1.057, -0.090, 0.037, -1.532]), tuned;
     }
 }
 

@@ -23,15 +23,18 @@ pub(super) fn place(cause: &Cause) -> String {
     format!("{}{driver}", cause.joints.join(", "))
 }
 
-/// How much of the gap it closes.
+/// How much of the gap it closes, and how sure its name is.
 pub fn closes(cause: &Cause) -> String {
     let interval = cause
         .gap_closed_interval
         .map_or(String::new(), |[low, high]| {
             format!(" ({:.0}–{:.0} %)", 100.0 * low, 100.0 * high)
         });
+    let sure = cause.confidence.map_or(String::new(), |c| {
+        format!(", rightly named with a probability of {c:.2}")
+    });
     format!(
-        "closes {:.0} % of the gap of {} on held-out data{interval}",
+        "closes {:.0} % of the gap of {} on held-out data{interval}{sure}",
         100.0 * cause.gap_closed,
         cause.joints.join(", ")
     )
