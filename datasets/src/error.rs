@@ -66,9 +66,12 @@ pub enum Problem {
     /// A table where a bag was asked for.
     #[error("is a table, not a bag of topics")]
     NoTopics,
-    /// A bag in SQLite.
-    #[error("is a bag in SQLite, which is not read")]
-    Sqlite,
+    /// An SQLite file of something else.
+    #[error("is an SQLite file without the tables `topics` and `messages` of a bag")]
+    NoBagTables,
+    /// An SQLite file whose last messages are not in it yet.
+    #[error("was not closed: its last messages are in the file ending in -wal beside it")]
+    Unfinished,
     /// A topic that is needed is not in the bag.
     #[error("topic `{missing}` is missing (the bag has: {present})")]
     MissingTopic {
@@ -244,7 +247,7 @@ impl Problem {
         match self {
             Self::Io(_) => "Check the path and its permissions.",
             Self::UnknownFormat(_) => {
-                "Give a .csv, .parquet, .npz, .mcap or (KR300) .mat file, or a rosbag2 folder."
+                "Give a .csv, .parquet, .npz, .mcap, .db3 or (KR300) .mat file, or a rosbag2 folder."
             }
             Self::CutOff { .. } => {
                 "Copy the file again, or save what it holds with `mcap recover`."
@@ -252,7 +255,10 @@ impl Problem {
             Self::Compression(_) => "Write it with lz4, zstd or none (`mcap compress`).",
             Self::NoTopics => "Look at its header.",
             Self::NoBag => "Give the folder that `ros2 bag record` has written, or a file.",
-            Self::Sqlite => "Convert it to MCAP with `ros2 bag convert`.",
+            Self::NoBagTables => "Give a file that `ros2 bag record` has written.",
+            Self::Unfinished => {
+                "Run `ros2 bag reindex` on the folder, or convert it with `ros2 bag convert`."
+            }
             Self::MissingTopic { .. } => {
                 "Name one of them in the [columns] table of --drive (q = \"/TOPIC:FIELD\"), or record it."
             }

@@ -67,6 +67,8 @@ fn values_by_name_from_every_container() {
         "unchunked.mcap",
         "mcap_ros2.mcap",
         "rosbag2_mcap",
+        "rosbag2_db3",
+        "rosbag2_db3/rosbag2_db3.db3",
     ] {
         let r = read(&path(name), &arm()).unwrap_or_else(|e| panic!("{e}"));
         holds(&r, [0, 1]);
@@ -283,8 +285,36 @@ fn empty_bags_and_empty_folders_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let e = read(folder.path(), &arm()).unwrap_err();
     assert!(matches!(e.problem, Problem::NoBag), "{e}");
-    let e = read(&path("rosbag2_db3"), &arm()).unwrap_err().to_string();
-    assert!(e.contains("ros2 bag convert"), "{e}");
+}
+
+#[test]
+fn sqlite_files_that_cannot_be_used_are_refused() {
+    let whole = bytes("rosbag2_db3/rosbag2_db3.db3");
+    assert_eq!(refused_or_read(&whole).unwrap().len(), MESSAGES);
+    for cut in (0..whole.len()).step_by(997).filter(|&c| c > 6) {
+        let e = refused_or_read(&whole[..cut]).unwrap_err();
+        assert!(matches!(e.problem, Problem::CutOff { .. }), "{cut}: {e}");
+    }
+    let mut pages = whole.clone();
+    pages[4096..]
+        .iter_mut()
+        .step_by(4096)
+        .for_each(|kind| *kind = 0x77);
+    let e = refused_or_read(&pages).unwrap_err();
+    assert!(matches!(e.problem, Problem::Damaged { .. }), "{e}");
+    let other = replaced(&whole, b"messages", b"massages");
+    let e = refused_or_read(&other).unwrap_err();
+    assert!(matches!(e.problem, Problem::NoBagTables), "{e}");
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("run.db3");
+    std::fs::write(&bag, &whole).unwrap();
+    std::fs::write(folder.path().join("run.db3-wal"), "more").unwrap();
+    let e = read(&bag, &arm()).unwrap_err();
+    assert!(matches!(e.problem, Problem::Unfinished), "{e}");
+}
+
+fn refused_or_read(bytes: &[u8]) -> Result<Recording, ReadError> {
+    read_bytes(bytes, Format::Bag, Path::new("run.db3"), &arm())
 }
 
 #[test]

@@ -88,9 +88,9 @@ fn mat() -> Vec<u8> {
 }
 
 /// Without chunks, so that damage reaches the messages, and of two joints.
-fn bag() -> Vec<u8> {
+fn bag(name: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    std::fs::read(folder.join("tests/fixtures/bags/unchunked.mcap")).unwrap()
+    std::fs::read(folder.join("tests/fixtures/bags").join(name)).unwrap()
 }
 
 fn parse(bytes: &[u8], format: Format) -> Result<Recording, datasets::ReadError> {
@@ -179,13 +179,27 @@ proptest! {
     }
 
     #[test]
+    fn damaged_sqlite_bag(edits in edits()) {
+        survives(written_once(5), Format::Bag, &edits);
+    }
+
+    #[test]
     fn damaged_mat(edits in edits()) {
         survives(written_once(3), Format::Mat, &edits);
     }
 }
 
 fn written_once(which: usize) -> Vec<u8> {
-    static FILES: std::sync::OnceLock<[Vec<u8>; 5]> = std::sync::OnceLock::new();
-    FILES.get_or_init(|| [written("a.csv"), written("a.parquet"), npz(), mat(), bag()])[which]
+    static FILES: std::sync::OnceLock<[Vec<u8>; 6]> = std::sync::OnceLock::new();
+    FILES.get_or_init(|| {
+        [
+            written("a.csv"),
+            written("a.parquet"),
+            npz(),
+            mat(),
+            bag("unchunked.mcap"),
+            bag("rosbag2_db3/rosbag2_db3.db3"),
+        ]
+    })[which]
         .clone()
 }

@@ -20,7 +20,7 @@ pub struct Arguments {
     /// Joints of the robot, base first, where an MJCF holds more than one chain [default: the one actuated chain].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub joints: Vec<String>,
-    /// Recordings to learn from (.csv, .parquet, .npz, .mcap, rosbag2 folders; .mat with --robot kr300).
+    /// Recordings to learn from (.csv, .parquet, .npz, .mcap, .db3, rosbag2 folders; .mat with --robot kr300).
     #[arg(long, num_args = 1..)]
     pub data: Vec<PathBuf>,
     /// Recording that is scored and nothing else; its torque chooses and fits nothing.

@@ -52,7 +52,7 @@ pub enum Format {
     Npz,
     /// The KR300 benchmark's MATLAB files.
     Mat,
-    /// MCAP file, or rosbag2 folder (of which there is none in memory).
+    /// MCAP file, or rosbag2's SQLite file or folder (of which there is none in memory).
     Bag,
 }
 

@@ -33,7 +33,10 @@ pub(super) fn read(input: impl Read + Seek, sink: &mut dyn Sink) -> Result<(), P
             id: id as u64,
             topic: row[0].text().unwrap_or_default(),
             encoding: row[2].text().unwrap_or_default(),
-            definition: definitions.get(&kind).cloned().unwrap_or(Definition::Missing),
+            definition: definitions
+                .get(&kind)
+                .cloned()
+                .unwrap_or(Definition::Missing),
             kind,
         })
     })?;

@@ -1,4 +1,4 @@
-//! Bags: MCAP files and rosbag2 folders, whose messages are brought to the columns of a recording.
+//! Bags: MCAP and SQLite files and rosbag2 folders, whose messages are brought to the columns of a recording.
 //!
 //! One pass over the file; of the messages only the columns that are needed stay in memory.
 
@@ -6,12 +6,14 @@ mod align;
 mod bytes;
 mod clock;
 mod collect;
+mod db3;
 mod definition;
 mod folder;
 mod mcap;
 mod message;
 mod plan;
 mod source;
+mod sqlite;
 mod topic;
 mod topics;
 mod wanted;
@@ -25,7 +27,7 @@ use clock::Times;
 use collect::{Collected, Collector};
 use source::Sink;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Cursor};
 use std::path::Path;
 use topics::Listing;
 use wanted::{Want, Wanted};
@@ -37,7 +39,7 @@ pub use topics::TopicSummary;
 pub(super) enum Input<'a> {
     /// A file or folder.
     Path(&'a Path),
-    /// An MCAP file in memory.
+    /// An MCAP or SQLite file in memory.
     Bytes(&'a [u8]),
 }
 
@@ -47,7 +49,11 @@ impl Input<'_> {
         match self {
             Self::Bytes(bytes) => {
                 sink.file();
-                mcap::read(bytes, sink).map_err(|p| p.in_file(name))
+                match bytes.starts_with(b"SQLite") {
+                    true => db3::read(Cursor::new(bytes), sink),
+                    false => mcap::read(bytes, sink),
+                }
+                .map_err(|p| p.in_file(name))
             }
             Self::Path(path) if path.is_dir() => folder::files(path)?
                 .iter()
@@ -64,10 +70,20 @@ fn scan_file(path: &Path, sink: &mut dyn Sink) -> Result<(), ReadError> {
         "mcap" => File::open(path)
             .map_err(Problem::Io)
             .and_then(|file| mcap::read(BufReader::with_capacity(1 << 18, file), sink)),
-        "db3" => Err(Problem::Sqlite),
+        "db3" if unfinished(path) => Err(Problem::Unfinished),
+        "db3" => File::open(path)
+            .map_err(Problem::Io)
+            .and_then(|file| db3::read(file, sink)),
         _ => Err(Problem::UnknownFormat(ending.to_owned())),
     }
     .map_err(|p| p.in_file(path))
+}
+
+/// Whether the last messages of an SQLite file are still in its log beside it.
+fn unfinished(path: &Path) -> bool {
+    let mut log = path.as_os_str().to_owned();
+    log.push("-wal");
+    std::fs::metadata(log).is_ok_and(|log| log.len() > 0)
 }
 
 /// Reads a bag.
@@ -76,7 +92,7 @@ pub(super) fn read(
     name: &Path,
     options: &ReadOptions,
 ) -> Result<Recording, ReadError> {
-    contained("MCAP", name, || {
+    contained("bag", name, || {
         let wanted = wanted(input, name, options)?;
         let mut collector = Collector::new(wanted.clone());
         input.scan(name, &mut collector)?;
@@ -93,7 +109,7 @@ pub(super) fn read(
 
 /// What a bag holds.
 pub(super) fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
-    contained("MCAP", path, || {
+    contained("bag", path, || {
         let mut listing = Listing::default();
         Input::Path(path).scan(path, &mut listing)?;
         Ok(listing.finish())

@@ -141,7 +141,11 @@ impl<R: Read + Seek> Database<R> {
         let index = u64::from(number)
             .checked_sub(1)
             .filter(|&i| i < self.pages)
-            .ok_or_else(|| damaged(format!("it refers to page {number}, which it does not have")))?;
+            .ok_or_else(|| {
+                damaged(format!(
+                    "it refers to page {number}, which it does not have"
+                ))
+            })?;
         self.input.seek(SeekFrom::Start(index * self.size as u64))?;
         let mut page = vec![0; self.size];
         self.input.read_exact(&mut page)?;
@@ -200,7 +204,8 @@ impl<R: Read + Seek> Database<R> {
         into.clear();
         let mut at = at;
         let head = (|| Some((varint(page, &mut at)?, varint(page, &mut at)?)))();
-        let Some((length, row)) = head.filter(|(length, _)| *length <= LARGEST) else {
+        let longest = LARGEST.min(self.pages * self.size as u64);
+        let Some((length, row)) = head.filter(|(length, _)| *length <= longest) else {
             return Ok(None);
         };
         let length = length as usize;

@@ -8,7 +8,7 @@ use crate::{ColumnMap, ReadOptions};
 pub(super) struct Want {
     pub group: Group,
     pub joint: usize,
-    /// `None`: the topic that the positions come from.
+    /// `None`: that of the joint states.
     pub topic: Option<String>,
     pub field: String,
     /// Element of the field, from 0, where a drive file says it.
@@ -36,10 +36,15 @@ impl Wanted {
     /// What the options ask for, of a robot with `dof` joints; `found` are joints of the bag for a robot that is not known.
     pub fn new(options: &ReadOptions, dof: usize, found: Option<&[String]>) -> Self {
         let map = &options.columns;
-        let columns = Group::ALL
+        let mut columns: Vec<Want> = Group::ALL
             .into_iter()
             .flat_map(|group| (0..dof).filter_map(move |joint| want(options, group, joint)))
             .collect();
+        // Positions come first: what names no topic stands beside its joint's.
+        let topics: Vec<Option<String>> = columns[..dof].iter().map(|w| w.topic.clone()).collect();
+        for column in &mut columns {
+            column.topic = column.topic.take().or_else(|| topics[column.joint].clone());
+        }
         let known = if options.joints.is_empty() {
             found.unwrap_or_default()
         } else {
@@ -122,5 +127,38 @@ mod tests {
         assert_eq!(place("/a:"), (Some("/a"), None, None));
         assert_eq!(place("effort"), (None, Some("effort"), None));
         assert_eq!(place("q[x]"), (None, Some("q[x]"), None));
+    }
+
+    #[test]
+    fn a_topic_for_each_joint() {
+        let mut options = ReadOptions::for_robot(2);
+        options.torque_needed = false;
+        let names = &mut options.columns.names;
+        names.insert("q".into(), "/joint_{}/state:angle".into());
+        names.insert("tau2".into(), "/torques:data[7]".into());
+        let wanted = Wanted::new(&options, 2, None);
+        let found: Vec<(Group, &str, &str, bool)> = wanted
+            .columns
+            .iter()
+            .map(|w| {
+                (
+                    w.group,
+                    w.topic.as_deref().unwrap(),
+                    w.field.as_str(),
+                    w.needed,
+                )
+            })
+            .collect();
+        let expected = [
+            (Group::Q, "/joint_1/state", "angle", true),
+            (Group::Q, "/joint_2/state", "angle", true),
+            (Group::Qd, "/joint_1/state", "velocity", false),
+            (Group::Qd, "/joint_2/state", "velocity", false),
+            (Group::Tau, "/joint_1/state", "effort", false),
+            (Group::Tau, "/torques", "data", true),
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(wanted.base(), Some("/joint_1/state"));
+        assert_eq!(wanted.columns[5].index, Some(7));
     }
 }
