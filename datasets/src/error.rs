@@ -90,11 +90,11 @@ pub enum Problem {
     #[error("topic `{topic}` of the type {kind} cannot be read: {reason}")]
     MessageType {
         /// The topic.
-        topic: String,
+        topic: Box<str>,
         /// Type of its messages.
-        kind: String,
+        kind: Box<str>,
         /// Why.
-        reason: String,
+        reason: Box<str>,
     },
     /// A field that is needed is not in the messages.
     #[error("field `{missing}` with such values is missing (the messages have: {present})")]

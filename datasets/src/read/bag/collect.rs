@@ -199,9 +199,9 @@ impl Sink for Collector {
 
 fn plan(channel: &Channel, wants: &[Want], wanted: &Wanted) -> Result<Plan, Problem> {
     let unreadable = |reason: String| Problem::MessageType {
-        topic: channel.topic.clone(),
-        kind: channel.kind.clone(),
-        reason,
+        topic: channel.topic.as_str().into(),
+        kind: channel.kind.as_str().into(),
+        reason: reason.into(),
     };
     if channel.encoding != "cdr" {
         return Err(unreadable(format!(
