@@ -118,6 +118,15 @@ impl ColumnMap {
         }
     }
 
+    /// The names of the columns of a text that has no header, from the key `header`: in order, between commas or blanks.
+    pub(crate) fn header(&self) -> Option<Vec<String>> {
+        let names = self.names.get("header")?;
+        let names = names
+            .split([',', ' ', '\t', '\n'])
+            .filter(|n| !n.is_empty());
+        Some(names.map(str::to_owned).collect())
+    }
+
     /// The file's name of `time` or `trajectory`.
     pub(crate) fn single(&self, key: &str) -> String {
         self.names

@@ -287,7 +287,9 @@ impl Problem {
             }
             Self::Damaged { .. } => "Export or copy the file again.",
             Self::Empty => "Record some motion, or give another file.",
-            Self::NoHeader(_) => "Write the column names (time, q1, …, tau1, …) in the first line.",
+            Self::NoHeader(_) => {
+                "Write the column names (time, q1, …, tau1, …) in the first line, or under columns.header in --drive."
+            }
             Self::DuplicateColumn(_) => "Rename or remove all but one of them.",
             Self::MissingColumn { .. } => {
                 "Add the column, or name the file's own column in the [columns] table of --drive."
