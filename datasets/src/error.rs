@@ -257,7 +257,7 @@ impl Problem {
             Self::NoBag => "Give the folder that `ros2 bag record` has written, or a file.",
             Self::NoBagTables => "Give a file that `ros2 bag record` has written.",
             Self::Unfinished => {
-                "Run `ros2 bag reindex` on the folder, or convert it with `ros2 bag convert`."
+                "Convert it with `ros2 bag convert`, which reads both."
             }
             Self::MissingTopic { .. } => {
                 "Name one of them in the [columns] table of --drive (q = \"/TOPIC:FIELD\"), or record it."
