@@ -256,9 +256,7 @@ impl Problem {
             Self::NoTopics => "Look at its header.",
             Self::NoBag => "Give the folder that `ros2 bag record` has written, or a file.",
             Self::NoBagTables => "Give a file that `ros2 bag record` has written.",
-            Self::Unfinished => {
-                "Convert it with `ros2 bag convert`, which reads both."
-            }
+            Self::Unfinished => "Convert it with `ros2 bag convert`, which reads both.",
             Self::MissingTopic { .. } => {
                 "Name one of them in the [columns] table of --drive (q = \"/TOPIC:FIELD\"), or record it."
             }
