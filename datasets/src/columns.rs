@@ -82,7 +82,8 @@ impl Affine {
 pub struct ColumnMap {
     /// The file's name for a column: the key is `time`, `trajectory`, one column
     /// (`tau3`) or a group (`tau`); the value of a group holds `{}` where the joint's number,
-    /// from 1, stands (`motor_current_{}`).
+    /// from 1, stands (`motor_current_{}`). Of a bag: `/TOPIC:FIELD`, and under the keys `joint` or `joint3`
+    /// the names that its messages give the joints, under `names` the field that holds them.
     pub names: BTreeMap<String, String>,
     /// Conversion to SI link-side units, one entry per joint, base first. A group that is not
     /// here, or a list that is too short, means no conversion.
@@ -115,6 +116,15 @@ impl ColumnMap {
             units: units.map(|(group, list)| (group, list.clone())).into(),
             time_scale: Some(time_scale),
         }
+    }
+
+    /// The names of the columns of a text that has no header, from the key `header`: in order, between commas or blanks.
+    pub(crate) fn header(&self) -> Option<Vec<String>> {
+        let names = self.names.get("header")?;
+        let names = names
+            .split([',', ' ', '\t', '\n'])
+            .filter(|n| !n.is_empty());
+        Some(names.map(str::to_owned).collect())
     }
 
     /// The file's name of `time` or `trajectory`.

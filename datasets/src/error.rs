@@ -51,6 +51,106 @@ pub enum Problem {
         /// What the decoder said.
         detail: String,
     },
+    /// A file that ends before it is complete.
+    #[error("ends at byte {at}, in the middle of a record")]
+    CutOff {
+        /// Its length.
+        at: u64,
+    },
+    /// A chunk that is packed in a way that is not known.
+    #[error("has chunks of the compression `{0}`, which is not known")]
+    Compression(String),
+    /// A folder without recording.
+    #[error("is a folder without .mcap or .db3 file")]
+    NoBag,
+    /// A table where a bag was asked for.
+    #[error("is a table, not a bag of topics")]
+    NoTopics,
+    /// An SQLite file of something else.
+    #[error("is an SQLite file without the tables `topics` and `messages` of a bag")]
+    NoBagTables,
+    /// An SQLite file whose last messages are not in it yet.
+    #[error("was not closed: its last messages are in the file ending in -wal beside it")]
+    Unfinished,
+    /// A topic that is needed is not in the bag.
+    #[error("topic `{missing}` is missing (the bag has: {present})")]
+    MissingTopic {
+        /// The topic looked for.
+        missing: String,
+        /// The topics there are, with their types.
+        present: String,
+    },
+    /// No topic of joint states.
+    #[error("has no topic of the type sensor_msgs/JointState (the bag has: {0})")]
+    NoJointStates(String),
+    /// More than one topic could be meant.
+    #[error("has the joints in several topics: {0}")]
+    SeveralTopics(String),
+    /// Messages that cannot be read for their type.
+    #[error("topic `{topic}` of the type {kind} cannot be read: {reason}")]
+    MessageType {
+        /// The topic.
+        topic: Box<str>,
+        /// Type of its messages.
+        kind: Box<str>,
+        /// Why.
+        reason: Box<str>,
+    },
+    /// A field that is needed is not in the messages.
+    #[error("field `{missing}` with such values is missing (the messages have: {present})")]
+    MissingField {
+        /// The field looked for.
+        missing: String,
+        /// The fields there are.
+        present: String,
+    },
+    /// A field that is needed is there and empty.
+    #[error("field `{0}` is empty")]
+    EmptyField(String),
+    /// A field without names that has another number of elements than the robot has joints.
+    #[error("field `{field}` has {found} elements, in which the {dof} joints have no place")]
+    Elements {
+        /// The field.
+        field: String,
+        /// Its elements.
+        found: usize,
+        /// Joints of the robot.
+        dof: usize,
+    },
+    /// A joint of the robot that the messages do not name.
+    #[error("joint `{missing}` is missing (the messages have: {present})")]
+    MissingJoint {
+        /// The joint, or all of them.
+        missing: String,
+        /// The names there are.
+        present: String,
+    },
+    /// A message that is damaged.
+    #[error("a message of `{topic}` {detail}")]
+    Message {
+        /// The topic.
+        topic: String,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// The clock of a topic that goes back.
+    #[error("the time of `{topic}` goes from {from} s to {to} s after its first message")]
+    Backwards {
+        /// The topic.
+        topic: String,
+        /// Time of the message before, from the first.
+        from: f64,
+        /// Time of this message.
+        to: f64,
+    },
+    /// Topics that are to be joined and were recorded at different times.
+    #[error("topics `{base}` and `{other}` have no time in common")]
+    NoOverlap {
+        /// The topic of the positions.
+        base: String,
+        /// The other.
+        other: String,
+    },
     /// No rows.
     #[error("has no samples")]
     Empty,
@@ -146,10 +246,48 @@ impl Problem {
     pub fn advice(&self) -> &'static str {
         match self {
             Self::Io(_) => "Check the path and its permissions.",
-            Self::UnknownFormat(_) => "Give a .csv, .parquet, .npz or (KR300) .mat file.",
+            Self::UnknownFormat(_) => {
+                "Give a .csv, .parquet, .npz, .mcap, .db3 or (KR300) .mat file, or a rosbag2 folder."
+            }
+            Self::CutOff { .. } => {
+                "Copy the file again, or save what it holds with `mcap recover`."
+            }
+            Self::Compression(_) => "Write it with lz4, zstd or none (`mcap compress`).",
+            Self::NoTopics => "Look at its header.",
+            Self::NoBag => "Give the folder that `ros2 bag record` has written, or a file.",
+            Self::NoBagTables => "Give a file that `ros2 bag record` has written.",
+            Self::Unfinished => "Convert it with `ros2 bag convert`, which reads both.",
+            Self::MissingTopic { .. } => {
+                "Name one of them in the [columns] table of --drive (q = \"/TOPIC:FIELD\"), or record it."
+            }
+            Self::NoJointStates(_) => {
+                "Name topic and field in the [columns] table of --drive (q = \"/TOPIC:FIELD\")."
+            }
+            Self::SeveralTopics(_) => {
+                "Choose one in the [columns] table of --drive (q = \"/TOPIC\")."
+            }
+            Self::MessageType { .. } => {
+                "Record it as MCAP with the definitions of its types, or name another topic in the [columns] table of --drive."
+            }
+            Self::MissingField { .. } | Self::EmptyField(_) => {
+                "Name the field, or another topic's (\"/TOPIC:FIELD\"), in the [columns] table of --drive."
+            }
+            Self::Elements { .. } => {
+                "Name each joint's element in the [columns] table of --drive (q1 = \"/TOPIC:FIELD[0]\", …)."
+            }
+            Self::MissingJoint { .. } => {
+                "Give the robot that made the recording, or its own names of the joints in the [columns] table of --drive (joint1 = \"…\")."
+            }
+            Self::Message { .. } => "Record it again, or cut the bag before this message.",
+            Self::Backwards { .. } => "Cut the bag there into one for each run.",
+            Self::NoOverlap { .. } => {
+                "Record them together, on one clock (their stamps may come from different machines)."
+            }
             Self::Damaged { .. } => "Export or copy the file again.",
             Self::Empty => "Record some motion, or give another file.",
-            Self::NoHeader(_) => "Write the column names (time, q1, …, tau1, …) in the first line.",
+            Self::NoHeader(_) => {
+                "Write the column names (time, q1, …, tau1, …) in the first line, or under columns.header in --drive."
+            }
             Self::DuplicateColumn(_) => "Rename or remove all but one of them.",
             Self::MissingColumn { .. } => {
                 "Add the column, or name the file's own column in the [columns] table of --drive."

@@ -17,6 +17,8 @@ pub enum Part {
 pub struct ReadOptions {
     /// Joints of the robot; `None` takes what the file has.
     pub dof: Option<usize>,
+    /// Names of the robot's joints, base first: bags name the joints in their messages. Empty where they are not known.
+    pub joints: Vec<String>,
     /// Part of a .mat file.
     pub part: Part,
     /// Whether a recording without torque is refused. Prediction alone does without.

@@ -126,6 +126,7 @@ pub fn average(recording: &Recording, period: Option<f64>) -> Result<Averaged, P
         qd_ref: table(&recording.qd_ref),
         temp: table(&recording.temp),
         torque_filter: recording.torque_filter,
+        notes: recording.notes.clone(),
     };
     let torque = recording.tau.as_ref().zip(averaged.tau.as_ref());
     Ok(Averaged {

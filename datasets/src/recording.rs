@@ -45,6 +45,8 @@ pub struct Recording {
     pub temp: Option<Array2<f64>>,
     /// Low-pass that `tau` went through before it was stored.
     pub torque_filter: Option<TorqueFilter>,
+    /// What the reader had to choose and the user should know.
+    pub notes: Vec<String>,
 }
 
 /// Why a recording made in code is not one.
@@ -84,6 +86,7 @@ impl Recording {
             qd_ref: None,
             temp: None,
             torque_filter: None,
+            notes: Vec::new(),
         }
     }
 
@@ -223,6 +226,7 @@ impl Recording {
             qd_ref: pick_some(&self.qd_ref),
             temp: pick_some(&self.temp),
             torque_filter: self.torque_filter,
+            notes: self.notes.clone(),
         }
     }
 

@@ -87,13 +87,21 @@ fn mat() -> Vec<u8> {
     bytes
 }
 
+/// Without chunks, so that damage reaches the messages, and of two joints.
+fn bag(name: &str) -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    std::fs::read(folder.join("tests/fixtures/bags").join(name)).unwrap()
+}
+
 fn parse(bytes: &[u8], format: Format) -> Result<Recording, datasets::ReadError> {
-    read_bytes(
-        bytes,
-        format,
-        Path::new("damaged"),
-        &ReadOptions::kr300(Part::Train),
-    )
+    let options = match format {
+        Format::Bag => ReadOptions {
+            joints: vec!["shoulder".into(), "elbow".into()],
+            ..ReadOptions::for_robot(2)
+        },
+        _ => ReadOptions::kr300(Part::Train),
+    };
+    read_bytes(bytes, format, Path::new("damaged"), &options)
 }
 
 #[test]
@@ -166,12 +174,32 @@ proptest! {
     }
 
     #[test]
+    fn damaged_bag(edits in edits()) {
+        survives(written_once(4), Format::Bag, &edits);
+    }
+
+    #[test]
+    fn damaged_sqlite_bag(edits in edits()) {
+        survives(written_once(5), Format::Bag, &edits);
+    }
+
+    #[test]
     fn damaged_mat(edits in edits()) {
         survives(written_once(3), Format::Mat, &edits);
     }
 }
 
 fn written_once(which: usize) -> Vec<u8> {
-    static FILES: std::sync::OnceLock<[Vec<u8>; 4]> = std::sync::OnceLock::new();
-    FILES.get_or_init(|| [written("a.csv"), written("a.parquet"), npz(), mat()])[which].clone()
+    static FILES: std::sync::OnceLock<[Vec<u8>; 6]> = std::sync::OnceLock::new();
+    FILES.get_or_init(|| {
+        [
+            written("a.csv"),
+            written("a.parquet"),
+            npz(),
+            mat(),
+            bag("unchunked.mcap"),
+            bag("rosbag2_db3/rosbag2_db3.db3"),
+        ]
+    })[which]
+        .clone()
 }

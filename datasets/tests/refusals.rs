@@ -318,3 +318,39 @@ fn names_and_units_of_the_columns_can_be_given() {
     assert_eq!((r.time[1], r.q[(0, 0)], r.q[(0, 1)]), (1e-5, 0.5, -1.0));
     assert_eq!(r.tau.unwrap()[(3, 0)], 18.0);
 }
+
+#[test]
+fn a_text_without_header_is_read_by_the_names_of_the_drive_file() {
+    let mut named = options();
+    let header = "time, q1 q2 - tau1 tau2".to_owned();
+    named.columns.names.insert("header".into(), header);
+    for separator in [",", ";", "\t"] {
+        let row = |i: usize| [0.1 * i as f64, i as f64, 2.0, 9.0, 3.0 + i as f64, 4.0];
+        let line = |i: usize| row(i).map(|v| v.to_string()).join(separator);
+        let text = (0..24).map(line).collect::<Vec<_>>().join("\n");
+        let r = read_as("run.csv", text.as_bytes(), &named).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((r.len(), r.q[[23, 0]], r.q[[23, 1]]), (24, 23.0, 2.0));
+        assert_eq!(r.tau.unwrap().row(0).to_vec(), [3.0, 4.0]);
+        // A cell too few throughout, and in one row.
+        let narrow = text.replace(&format!("{separator}9{separator}"), separator);
+        let e = read_as("run.csv", narrow.as_bytes(), &named).unwrap_err();
+        let expected = matches!(
+            e.problem,
+            Problem::RowLength {
+                expected: 6,
+                found: 5
+            }
+        );
+        assert!(expected && e.line == Some(1), "{e}");
+        let e = read_as(
+            "run.csv",
+            format!("{text}\n1{separator}2").as_bytes(),
+            &named,
+        );
+        let e = e.unwrap_err();
+        assert!(
+            matches!(e.problem, Problem::RowLength { .. }) && e.row == Some(25),
+            "{e}"
+        );
+    }
+}

@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Compare models of one robot on the recording, beside published results; --html, --markdown and --json then write that page.
     #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["model", "onnx", "predict", "verbose", "closed_loop", "collision"])]
     pub leaderboard: Vec<PathBuf>,
-    /// Recording (.csv, .parquet, .npz, or the KR300 benchmark's .mat: its test part).
+    /// Recording (.csv, .parquet, .npz, .mcap, rosbag2 folder, or the KR300 benchmark's .mat: its test part).
     #[arg(long, required_unless_present_any = ["sources", "closed_loop", "onnx"])]
     pub data: Option<PathBuf>,
     /// Write the scores as JSON.

@@ -26,6 +26,7 @@ pub fn recording(
 ) -> Result<Recording, MachineError> {
     let mut options = ReadOptions {
         torque_needed,
+        joints: description.axis.iter().map(|a| a.name.clone()).collect(),
         ..ReadOptions::for_robot(description.axis.len())
     };
     if let Some(drive) = drive {

@@ -10,7 +10,7 @@ pub struct Arguments {
     /// Model directory of the robot without the body.
     #[arg(long, value_name = "DIR")]
     pub model: PathBuf,
-    /// Recording of the robot with the body (.csv, .parquet, .npz).
+    /// Recording of the robot with the body (.csv, .parquet, .npz, .mcap, rosbag2 folder).
     #[arg(long, value_name = "REC")]
     pub data: PathBuf,
     /// Drive file: names and units of the recording's columns, gear ratios, torque constants.

@@ -67,7 +67,7 @@ class Recording:
 
     @classmethod
     def read(cls, path: Union[str, os.PathLike], robot: Optional[_residyn.Robot] = None) -> "Recording":
-        """Reads .csv, .parquet, .npz (.mat of the KR300 benchmark); `robot` says names and units of columns."""
+        """Reads .csv, .parquet, .npz, .mcap, rosbag2 folders (.mat of the KR300 benchmark); `robot` says names and units of columns."""
         path = Path(path)
         return cls(**_residyn.read_recording(path, robot), source=path)
 

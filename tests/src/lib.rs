@@ -4,6 +4,7 @@
 //! `cargo build --release --bins`.
 #![forbid(unsafe_code)]
 
+pub mod bag;
 pub mod csv;
 pub mod program;
 pub mod shared;

@@ -20,7 +20,7 @@ pub struct Arguments {
     /// Joints of the robot, base first, where an MJCF holds more than one chain [default: the one actuated chain].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub joints: Vec<String>,
-    /// Recordings to learn from (.csv, .parquet, .npz; .mat with --robot kr300).
+    /// Recordings to learn from (.csv, .parquet, .npz, .mcap, .db3, rosbag2 folders; .mat with --robot kr300).
     #[arg(long, num_args = 1..)]
     pub data: Vec<PathBuf>,
     /// Recording that is scored and nothing else; its torque chooses and fits nothing.
@@ -59,6 +59,9 @@ pub struct Arguments {
     /// Stop after the check of the recordings.
     #[arg(long)]
     pub check_only: bool,
+    /// List the topics of the bags of --data, with types, rates, joints and fields, and stop.
+    #[arg(long, requires = "data")]
+    pub list: bool,
     /// With --check-only: print the check as JSON.
     #[arg(long)]
     pub json: bool,

@@ -15,6 +15,7 @@ mod run;
 pub mod runtime;
 mod screen;
 pub mod study;
+mod topics;
 
 pub use compensator::training::Progress;
 pub use run::run;

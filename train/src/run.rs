@@ -2,7 +2,7 @@
 
 use crate::arguments::{Arguments, PresetName};
 use crate::runtime::{pool, stop, threads};
-use crate::{checkpoint, input, output, progress, screen};
+use crate::{checkpoint, input, output, progress, screen, topics};
 use compensator::training::{Control, Progress};
 use datasets::Recording;
 use datasets::check::CheckReport;
@@ -28,6 +28,9 @@ pub fn run(
     cancel: &AtomicBool,
     watch: Option<&(dyn Fn(&Progress) + Sync)>,
 ) -> Result<(), Failure> {
+    if arguments.list {
+        return topics::list(&arguments.data);
+    }
     let threads = threads(arguments.threads)?;
     pool(threads)?.install(|| steps(arguments, cancel, watch, threads))
 }

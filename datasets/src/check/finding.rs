@@ -56,6 +56,8 @@ pub enum Kind {
     TorqueShift,
     /// The motion does not tell some parameters from others.
     PoorConditioning,
+    /// The reader had to choose.
+    Reading,
 }
 
 /// One finding.
@@ -98,4 +100,19 @@ pub struct JointFigures {
     /// Recorded velocity behind the derivative of the position, s, where velocity was recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity_delay: Option<Estimate95>,
+}
+
+impl Finding {
+    /// A note of the reader.
+    pub(super) fn reading(note: &str) -> Self {
+        Self {
+            kind: Kind::Reading,
+            severity: Severity::Note,
+            joint: None,
+            row: None,
+            value: 0.0,
+            parameters: Vec::new(),
+            message: format!("{note}."),
+        }
+    }
 }

@@ -81,6 +81,7 @@ pub fn check(
         findings.extend(view.findings(&figures, options));
         joints.push(figures);
     }
+    findings.extend(recording.notes.iter().map(|note| Finding::reading(note)));
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     let pairs = repeats::find(recording);
     let time = &recording.time;

@@ -7,7 +7,8 @@ use csv::{ByteRecord, ErrorKind, ReaderBuilder, Trim};
 use std::path::Path;
 
 /// Reads CSV text. Commas, a header line, any order of columns; columns that are not used may
-/// hold anything.
+/// hold anything. Where a drive file gives the header, there is none in the text, and tabs or semicolons
+/// may stand for the commas.
 pub(crate) fn read(
     bytes: &[u8],
     file: &Path,
@@ -17,8 +18,16 @@ pub(crate) fn read(
     if text.iter().all(u8::is_ascii_whitespace) {
         return Err(Problem::Empty.in_file(file));
     }
-    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(text);
-    let header = header(&mut reader, file)?;
+    let given = options.columns.header();
+    let mut reader = ReaderBuilder::new()
+        .trim(Trim::All)
+        .has_headers(given.is_none())
+        .delimiter(given.as_ref().map_or(b',', |_| delimiter(text)))
+        .from_reader(text);
+    let header = match given {
+        Some(names) => names,
+        None => header(&mut reader, file)?,
+    };
     let layout = Layout::resolve(
         &header,
         &options.columns,
@@ -44,6 +53,15 @@ pub(crate) fn read(
             Err(e) => return Err(broken_row(e, row, file)),
         }
         let line = record.position().map_or(0, csv::Position::line);
+        if record.len() != header.len() {
+            let problem = Problem::RowLength {
+                expected: header.len() as u64,
+                found: record.len() as u64,
+            };
+            let mut error = problem.in_file(file).at_row(row);
+            error.line = Some(line);
+            return Err(error);
+        }
         for (column, values) in numeric.iter().zip(&mut numbers) {
             let cell = record.get(column.index).unwrap_or_default();
             let value = number(cell).map_err(|problem| {
@@ -67,6 +85,13 @@ pub(crate) fn read(
         torque_filter: None,
     };
     assemble(&layout, columns, options, file)
+}
+
+/// What separates the cells of the first line.
+fn delimiter(text: &[u8]) -> u8 {
+    let mut first = text.iter().take_while(|b| **b != b'\n');
+    let separator = first.find(|b| matches!(b, b',' | b';' | b'\t'));
+    separator.copied().unwrap_or(b',')
 }
 
 fn header(reader: &mut csv::Reader<&[u8]>, file: &Path) -> Result<Vec<String>, ReadError> {

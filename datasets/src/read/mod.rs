@@ -1,5 +1,6 @@
 //! Readers: one per file format, all with the same checks behind them.
 
+mod bag;
 mod contained;
 mod csv;
 mod footer;
@@ -11,6 +12,7 @@ mod parquet;
 use crate::{Problem, ReadError, ReadOptions, Recording};
 use std::path::Path;
 
+pub use bag::TopicSummary;
 pub use mat::GEAR_RATIOS as KR300_GEAR_RATIOS;
 pub(crate) use parquet::TORQUE_FILTER_KEY;
 
@@ -21,8 +23,22 @@ pub(crate) use parquet::TORQUE_FILTER_KEY;
 /// repaired: no value is made up and no row is left out.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
     let format = Format::of(path)?;
+    if format == Format::Bag {
+        return bag::read(bag::Input::Path(path), path, options);
+    }
     let bytes = std::fs::read(path).map_err(|e| Problem::Io(e).in_file(path))?;
     read_bytes(&bytes, format, path, options)
+}
+
+/// Lists the topics of a bag.
+///
+/// # Errors
+/// [`ReadError`] for a file that cannot be read, or is no bag.
+pub fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
+    match Format::of(path)? {
+        Format::Bag => bag::topics(path),
+        _ => Err(Problem::NoTopics.in_file(path)),
+    }
 }
 
 /// A format of recordings.
@@ -36,6 +52,8 @@ pub enum Format {
     Npz,
     /// The KR300 benchmark's MATLAB files.
     Mat,
+    /// MCAP file, or rosbag2's SQLite file or folder (of which there is none in memory).
+    Bag,
 }
 
 impl Format {
@@ -44,6 +62,9 @@ impl Format {
     /// # Errors
     /// An ending that is none of them.
     pub fn of(path: &Path) -> Result<Self, ReadError> {
+        if path.is_dir() {
+            return Ok(Self::Bag);
+        }
         let ending = path
             .extension()
             .and_then(|e| e.to_str())
@@ -54,6 +75,7 @@ impl Format {
             "parquet" => Ok(Self::Parquet),
             "npz" => Ok(Self::Npz),
             "mat" => Ok(Self::Mat),
+            "mcap" | "db3" => Ok(Self::Bag),
             _ => Err(Problem::UnknownFormat(ending).in_file(path)),
         }
     }
@@ -74,5 +96,6 @@ pub fn read_bytes(
         Format::Parquet => parquet::read(bytes, name, options),
         Format::Npz => npz::read(bytes, name, options),
         Format::Mat => mat::read(bytes, name, options),
+        Format::Bag => bag::read(bag::Input::Bytes(bytes), name, options),
     }
 }

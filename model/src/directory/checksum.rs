@@ -1,9 +1,58 @@
-//! What ties the files of a model directory to each other.
+//! What ties the files of a model directory to each other and to the recordings behind them.
 
 use sha2::{Digest, Sha256};
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 /// SHA-256 in lower-case hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// SHA-256 of a file, or of the files of a folder one behind the other by name; read in pieces, for recordings may be large.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn sha256_of(path: &Path) -> std::io::Result<String> {
+    let mut files = vec![path.to_owned()];
+    if path.is_dir() {
+        let entries: Result<Vec<_>, _> = std::fs::read_dir(path)?.collect();
+        files = entries?.into_iter().map(|e| e.path()).collect();
+        files.retain(|file: &PathBuf| file.is_file());
+        files.sort();
+    }
+    let mut hash = Sha256::new();
+    let mut piece = vec![0; 1 << 16];
+    for file in files {
+        let mut file = std::fs::File::open(file)?;
+        loop {
+            let count = file.read(&mut piece)?;
+            if count == 0 {
+                break;
+            }
+            hash.update(&piece[..count]);
+        }
+    }
+    Ok(hexadecimal(&hash.finalize()))
+}
+
+fn hexadecimal(digest: &[u8]) -> String {
     digest.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_and_folders() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in [("b", "second"), ("a", "first")] {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let file = sha256_of(&folder.path().join("a")).unwrap();
+        assert_eq!(file, sha256(b"first"));
+        assert_eq!(sha256_of(folder.path()).unwrap(), sha256(b"firstsecond"));
+        assert!(sha256_of(&folder.path().join("c")).is_err());
+    }
 }

@@ -10,7 +10,7 @@ mod text;
 mod timing;
 
 pub use base_parameter::BaseParameter;
-pub use checksum::sha256;
+pub use checksum::{sha256, sha256_of};
 pub use error::DirectoryError;
 pub use text::json;
 pub use timing::Timing;
@@ -138,7 +138,7 @@ pub struct Provenance {
 pub struct Source {
     /// File name without its folder, or the name of a simulation.
     pub name: String,
-    /// SHA-256 of the file; empty for a simulation.
+    /// SHA-256 of the file (of a folder: of its files one behind the other, by name); empty for a simulation.
     pub sha256: String,
     /// Number of samples.
     pub samples: usize,
@@ -156,7 +156,7 @@ impl Source {
                 || recording.source.clone(),
                 |n| n.to_string_lossy().into_owned(),
             ),
-            sha256: std::fs::read(path).map_or_else(|_| String::new(), |bytes| sha256(&bytes)),
+            sha256: sha256_of(path).unwrap_or_default(),
             samples: recording.len(),
             trajectories: recording.trajectories.len(),
         }

@@ -128,6 +128,12 @@ impl Setup {
             }
         };
         options.torque_needed = torque_needed;
+        options.joints = self
+            .robot
+            .joints()
+            .iter()
+            .map(|joint| joint.name.clone())
+            .collect();
         options.torque_filter = options.torque_filter.or(self.recognised);
         if let Some(drive) = &self.drive {
             options.columns = column_map(drive, &self.robot)?;

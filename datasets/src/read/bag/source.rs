@@ -1,0 +1,57 @@
+//! What every container of messages tells, whatever its format.
+
+use crate::Problem;
+
+/// A stream of messages of one type.
+#[derive(Clone, Debug)]
+pub(super) struct Channel {
+    /// Number by which messages refer to it, within one file.
+    pub id: u64,
+    /// Topic.
+    pub topic: String,
+    /// Type as `package/Name`.
+    pub kind: String,
+    /// How messages are encoded; `cdr` is what ROS 2 writes.
+    pub encoding: String,
+    /// What the container says of the type.
+    pub definition: Definition,
+}
+
+/// Definition of a message type.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Definition {
+    /// Text in the format of .msg files, nested types behind it.
+    Ros2(String),
+    /// In another language, by its name.
+    Other(String),
+    /// None.
+    Missing,
+}
+
+/// Takes what a container holds, in the order of the file.
+pub(super) trait Sink {
+    /// Another file begins: numbers of channels start anew.
+    fn file(&mut self);
+
+    /// A channel, before its first message; containers may repeat it.
+    fn channel(&mut self, channel: Channel) -> Result<(), Problem>;
+
+    /// A message, with the time at which it was logged, ns.
+    fn message(&mut self, channel: u64, logged: i64, data: &[u8]) -> Result<(), Problem>;
+}
+
+/// `package/msg/Name` as `package/Name`.
+pub(super) fn short(kind: &str) -> String {
+    kind.replacen("/msg/", "/", 1)
+}
+
+/// Names in one line, shortened.
+pub(super) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    const SHOWN: usize = 30;
+    let names: Vec<&str> = names.into_iter().collect();
+    match names.len() {
+        0 => "none".to_owned(),
+        all if all > SHOWN => format!("{}, and {} more", names[..SHOWN].join(", "), all - SHOWN),
+        _ => names.join(", "),
+    }
+}
