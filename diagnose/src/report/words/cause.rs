@@ -28,16 +28,27 @@ pub fn closes(cause: &Cause) -> String {
     let interval = cause
         .gap_closed_interval
         .map_or(String::new(), |[low, high]| {
-            format!(" ({:.0}–{:.0} %)", 100.0 * low, 100.0 * high)
+            format!(" ({}–{} %)", percent(low), percent(high))
         });
     let sure = cause.confidence.map_or(String::new(), |c| {
-        format!(", rightly named with a probability of {c:.2}")
+        // Sixty cases show no certainty.
+        let least = if c > 0.99 {
+            "over 0.99".to_owned()
+        } else {
+            format!("{c:.2}")
+        };
+        format!(", rightly named with a probability of {least}")
     });
     format!(
-        "closes {:.0} % of the gap of {} on held-out data{interval}{sure}",
-        100.0 * cause.gap_closed,
+        "closes {} % of the gap of {} on held-out data{interval}{sure}",
+        percent(cause.gap_closed),
         cause.joints.join(", ")
     )
+}
+
+/// A part in whole per cent, none of them negative zeros.
+fn percent(part: f64) -> f64 {
+    (100.0 * part).round() + 0.0
 }
 
 /// The effect's name as a heading.
