@@ -119,7 +119,7 @@ pub fn diagnose(
     let whole = Scored::new(&dead, vec![true; skipped.len()]);
     let pushed = |found: &Search, moving: bool| {
         let rest = whole.figures(&found.listing.residual, &frames.data, Scope::All);
-        let least = pushes.size * total(&rest);
+        let least = pushes.least(found.listing.given, total(&rest));
         detect(&frames.data, &found.judged, &found.load, moving, pushes)
             .filter(|c| c.at_rest || c.size > least)
     };

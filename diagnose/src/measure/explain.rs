@@ -111,10 +111,11 @@ pub fn explain(
             sign: held.table_to_samples(&scene.sign),
         };
         let rest = total(&whole.figures(&residual, held, Scope::All));
+        let least = settings.traces.contact.least(total(&ladder[0].all), rest);
         let judged = judge(held, &residual, &coulomb, &settings.motion);
         let load = held.table_to_samples(&scene.rigid);
         detect(held, &judged, &load, moving, &settings.traces.contact)
-            .filter(|c| c.at_rest || c.size > settings.traces.contact.size * rest)
+            .filter(|c| c.at_rest || c.size > least)
     });
     let cut = here
         .as_ref()

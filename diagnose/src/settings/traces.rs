@@ -59,7 +59,7 @@ settings! {
         learnable: f64 = 0.35, tuned;
         /// Part of the recording that is left out, where nothing explains what is left, to see whether a push had bent the fit.
         suspected: f64 = 0.25, tuned;
-        /// Least part that contact in motion makes of what the causes leave, pushes included.
+        /// Least part that contact in motion makes of the whole gap, and of what the causes leave, pushes included.
         size: f64 = 0.1, tuned;
         /// Time around a push that is not fitted either, s.
         margin: f64 = 0.1, tuned;
@@ -83,5 +83,15 @@ settings! {
     StructureSettings {
         /// Fewest rows away from reversals.
         fewest_rows: usize = 50, tuned;
+    }
+}
+
+/// Gap as given, sum over joints of the squared NRMSE, beyond which it says more of the description than of a push.
+const FAR_OFF: f64 = 0.1;
+
+impl ContactSettings {
+    /// Least size of contact in motion, where the gap as given and what the causes leave are sums over joints of squared NRMSE.
+    pub fn least(&self, given: f64, rest: f64) -> f64 {
+        self.size * given.min(FAR_OFF).max(rest)
     }
 }
