@@ -7,7 +7,7 @@ use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2, ArrayView1};
 
 /// A residual without what each joint's torque leaves by being late or early, at the recorded samples, shape (samples,
-/// joints): a few milliseconds at every reversal hide a line over position.
+/// joints): a few milliseconds at every reversal hide a line over position. `weight` on the fitted rows, shape (rows, joints).
 pub(super) fn on_time(
     scene: &Scene,
     data: &Frame,
@@ -17,23 +17,21 @@ pub(super) fn on_time(
     let mut out = residual.clone();
     for (joint, mut own) in out.columns_mut().into_iter().enumerate() {
         let fine = time_delay::changes(scene, joint);
-        let columns: Vec<Array1<f64>> = fine
-            .iter()
-            .map(|c| Array1::from(data.to_samples(c)))
-            .collect();
-        let weighed = |a: &Array1<f64>, b: ArrayView1<f64>| {
-            let each = a.iter().zip(b).zip(weight.column(joint));
-            each.map(|((a, b), w)| a * b * w).sum::<f64>()
-        };
-        let k = columns.len();
-        let mut a = Array2::from_shape_fn((k, k), |(i, j)| weighed(&columns[i], columns[j].view()));
+        let columns: Vec<Vec<f64>> = fine.iter().map(|c| data.to_samples(c)).collect();
+        // Sizes are fitted where the search fits, on its rows and in their band.
+        let rows: Vec<Array1<f64>> = columns.iter().map(|c| data.thin(c)).collect();
+        let y = data.thin(&own.to_vec());
+        let weight = weight.column(joint);
+        let weighed = |a: &Array1<f64>, b: &Array1<f64>| (a * b).dot(&weight);
+        let k = rows.len();
+        let mut a = Array2::from_shape_fn((k, k), |(i, j)| weighed(&rows[i], &rows[j]));
         for i in 0..k {
             a[[i, i]] = a[[i, i]] * (1.0 + 1e-6) + f64::MIN_POSITIVE;
         }
-        let b: Array1<f64> = columns.iter().map(|c| weighed(c, own.view())).collect();
+        let b: Array1<f64> = rows.iter().map(|c| weighed(c, &y)).collect();
         let sizes = Cholesky::new(&a).solve(b.view());
         for (column, size) in columns.iter().zip(sizes) {
-            own.scaled_add(-size, column);
+            own.scaled_add(-size, &ArrayView1::from(column));
         }
     }
     out
