@@ -58,6 +58,14 @@ impl Cholesky {
         Self { l, scale }
     }
 
+    /// Factorises `a` with its diagonal raised by a part of itself: columns that repeat one another share what they
+    /// explain, and one that is zero explains nothing.
+    pub fn raised(mut a: Array2<f64>, part: f64) -> Self {
+        a.diag_mut()
+            .mapv_inplace(|d| d * (1.0 + part) + f64::MIN_POSITIVE);
+        Self::new(&a)
+    }
+
     /// ln |A|.
     pub fn log_determinant(&self) -> f64 {
         let each = self.scale.iter().enumerate();

@@ -128,13 +128,9 @@ struct Turn {
 fn left(smooth: &[Array1<f64>], last: &Array1<f64>, y: &Array1<f64>) -> f64 {
     let columns: Vec<&Array1<f64>> = smooth.iter().chain([last]).collect();
     let k = columns.len();
-    let mut a = Array2::from_shape_fn((k, k), |(i, j)| columns[i].dot(columns[j]));
-    for i in 0..k {
-        a[[i, i]] *= 1.0 + 1e-9;
-        a[[i, i]] += f64::MIN_POSITIVE;
-    }
+    let a = Array2::from_shape_fn((k, k), |(i, j)| columns[i].dot(columns[j]));
     let b: Array1<f64> = columns.iter().map(|c| c.dot(y)).collect();
-    let x = Cholesky::new(&a).solve(b.view());
+    let x = Cholesky::raised(a, 1e-9).solve(b.view());
     (y.dot(y) - x.dot(&b)).max(0.0)
 }
 

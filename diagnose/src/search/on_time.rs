@@ -24,12 +24,9 @@ pub(super) fn on_time(
         let weight = weight.column(joint);
         let weighed = |a: &Array1<f64>, b: &Array1<f64>| (a * b).dot(&weight);
         let k = rows.len();
-        let mut a = Array2::from_shape_fn((k, k), |(i, j)| weighed(&rows[i], &rows[j]));
-        for i in 0..k {
-            a[[i, i]] = a[[i, i]] * (1.0 + 1e-6) + f64::MIN_POSITIVE;
-        }
+        let a = Array2::from_shape_fn((k, k), |(i, j)| weighed(&rows[i], &rows[j]));
         let b: Array1<f64> = rows.iter().map(|c| weighed(c, &y)).collect();
-        let sizes = Cholesky::new(&a).solve(b.view());
+        let sizes = Cholesky::raised(a, 1e-6).solve(b.view());
         for (column, size) in columns.iter().zip(sizes) {
             own.scaled_add(-size, &ArrayView1::from(column));
         }
