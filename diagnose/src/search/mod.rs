@@ -6,3 +6,4 @@ pub(crate) mod objective;
 mod on_time;
 pub(crate) mod select;
 pub(crate) mod simplest;
+mod worth;

@@ -4,7 +4,6 @@ use crate::algebra::fit::{Fit, Trial, Variable};
 use crate::catalogue::effect::Effect;
 use crate::catalogue::{Bound, Candidate};
 use crate::search::objective::Objective;
-use crate::settings::SearchSettings;
 use physics::robot::Robot;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -228,7 +227,7 @@ impl<'a> Search<'a> {
             let best = tried
                 .iter()
                 .find(|t| {
-                    self.worth(&fit, t)
+                    self.worth(&fit, t, &accepted)
                         && (self.plain(&fit, t)
                             || t.gain > self.relative_price(&accepted, &gains, t.candidate))
                 })
@@ -264,75 +263,7 @@ impl<'a> Search<'a> {
     pub fn accepts(&self, candidate: usize) -> bool {
         let fit = self.fit(&[]);
         let tried = self.judged(&fit, &[], &[candidate], |f, v| f.trial(v));
-        tried.first().is_some_and(|t| self.worth(&fit, t))
-    }
-
-    /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
-    /// visible on some joint and in the whole gap.
-    fn worth(&self, fit: &Fit, tried: &Tried) -> bool {
-        let s = self.objective.settings;
-        let c = &self.candidates[tried.candidate];
-        // What else speaks for a candidate helps it against other names; it has to pay by itself.
-        let gain = tried.gain - c.evidence;
-        if gain < s.enough || (!c.effect.info().parameter && gain <= self.chance) {
-            return false;
-        }
-        let before = self.objective.relative(&fit.error());
-        let after = self.objective.relative(&tried.error);
-        let removed: Vec<f64> = before
-            .iter()
-            .zip(&after)
-            .map(|(b, a)| b * b - a * a)
-            .collect();
-        let visible = removed.iter().any(|r| *r > s.visible * s.visible);
-        let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
-        let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
-        let memory = c.effect == Effect::PreslidingHysteresis;
-        let part = fraction(&before, &after, &c.joints);
-        let sure = c.effect.info().dynamic && gain > s.enough_dynamic * s.enough;
-        if part < least_fraction(c, s) && !sure {
-            return false;
-        }
-        // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
-        let clear = match c.effect {
-            Effect::PreslidingHysteresis if is_narrow(c, s) && part < s.plainly => {
-                s.enough_narrow * s.enough
-            }
-            Effect::PreslidingHysteresis => s.enough_memory * s.enough,
-            Effect::LoadDependentFriction => s.enough,
-            effect if effect.info().absorbable => s.enough,
-            _ => s.enough_unseen * s.enough,
-        };
-        (misfit && !memory) || gain > clear
-    }
-
-    /// Whether a trial removes so much of its own joints' error that it can be nobody's leftover.
-    fn plain(&self, fit: &Fit, tried: &Tried) -> bool {
-        let before = self.objective.relative(&fit.error());
-        let after = self.objective.relative(&tried.error);
-        let joints = &self.candidates[tried.candidate].joints;
-        let s = self.objective.settings;
-        fraction(&before, &after, joints) > s.plain_part && tried.gain > s.plain_gain
-    }
-
-    /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form
-    /// leaves behind looks like a small effect, most of all like its own effect next door.
-    fn relative_price(&self, accepted: &[usize], gains: &[f64], candidate: usize) -> f64 {
-        let s = self.objective.settings;
-        let new = &self.candidates[candidate];
-        let price = |(&a, &gain): (&usize, &f64)| {
-            let earlier = &self.candidates[a];
-            if earlier.effect.info().parameter {
-                0.0
-            } else if earlier.effect == new.effect {
-                s.leftover_same * gain
-            } else if earlier.shares_rows(new) {
-                s.leftover * gain
-            } else {
-                0.0
-            }
-        };
-        accepted.iter().zip(gains).map(price).fold(0.0, f64::max)
+        tried.first().is_some_and(|t| self.worth(&fit, t, &[]))
     }
 
     /// One round over all but the newest choice: each is replaced by what explains more in its place.
@@ -359,42 +290,13 @@ impl<'a> Search<'a> {
             let others = without(accepted, i);
             let fit = self.fit(&others);
             let tried = self.judged(&fit, &others, &[accepted[i]], |f, v| f.trial(v));
-            if tried.first().is_some_and(|t| self.worth(&fit, t)) {
+            if tried.first().is_some_and(|t| self.worth(&fit, t, &others)) {
                 i += 1;
             } else {
                 accepted.remove(i);
             }
         }
     }
-}
-
-/// Part of the joints' squared relative error that a trial removes.
-fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
-    let squares = |e: &[f64]| joints.iter().map(|&j| e[j] * e[j]).sum::<f64>();
-    1.0 - squares(after) / squares(before).max(1e-300)
-}
-
-/// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
-/// spare them a bend instead. What the sign of a filtered velocity gets wrong at reversals looks like memory over
-/// less than a milliradian, or like friction that falls at once, which therefore have to show plainly.
-fn least_fraction(candidate: &Candidate, settings: &SearchSettings) -> f64 {
-    let abrupt = || {
-        let shape = candidate.shape.first();
-        shape.is_some_and(|s| s.1 < settings.abrupt)
-    };
-    match candidate.effect {
-        Effect::StribeckFriction if abrupt() => settings.plainly,
-        Effect::PreslidingHysteresis if is_narrow(candidate, settings) => settings.narrow_part,
-        // Blows and springs are late as well, and vibration of whatever kind is a spring's, for a part of their error.
-        effect if effect.info().dynamic => settings.dynamic_part,
-        effect => effect.info().least_fraction,
-    }
-}
-
-/// Whether memory reaches no further than what a wrong sign at reversals imitates.
-fn is_narrow(candidate: &Candidate, settings: &SearchSettings) -> bool {
-    let shape = candidate.shape.first();
-    shape.is_some_and(|s| s.1 < settings.narrow)
 }
 
 /// All but one.

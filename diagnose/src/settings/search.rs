@@ -55,10 +55,12 @@ settings! {
         share: f64 = 0.015, tuned;
         /// Error below which a joint counts as explained, relative to its torque.
         floor: f64 = 0.006, tuned;
-        /// Part of the error that shows plainly: asked of what a wrong sign at reversals imitates.
+        /// Part of the error that shows plainly: asked of what a wrong sign at reversals imitates, and of springs.
         plainly: f64 = 0.35, tuned;
-        /// Part of the error that delays, blows and springs have to remove: each is late, as what the catalogue lacks may be.
-        dynamic_part: f64 = 0.18, tuned;
+        /// Part of the error that a delay has to remove: what the catalogue lacks may be late, too.
+        late_part: f64 = 0.18, tuned;
+        /// The same of one joint where no other is late.
+        late_alone: f64 = 0.75, tuned;
         /// Velocity of a Stribeck law below which it has to show plainly, rad/s (m/s).
         abrupt: f64 = 0.012, tuned;
         /// Way over which friction has memory below which a wrong sign imitates it, rad (m).

@@ -1,0 +1,118 @@
+//! What a trial has to earn before it is named.
+
+use super::select::{Search, Tried};
+use crate::algebra::fit::Fit;
+use crate::catalogue::Candidate;
+use crate::catalogue::effect::Effect;
+use crate::settings::SearchSettings;
+
+impl Search<'_> {
+    /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
+    /// visible on some joint and in the whole gap.
+    pub(super) fn worth(&self, fit: &Fit, tried: &Tried, others: &[usize]) -> bool {
+        let s = self.objective.settings;
+        let c = &self.candidates[tried.candidate];
+        // What else speaks for a candidate helps it against other names; it has to pay by itself.
+        let gain = tried.gain - c.evidence;
+        if gain < s.enough || (!c.effect.info().parameter && gain <= self.chance) {
+            return false;
+        }
+        let before = self.objective.relative(&fit.error());
+        let after = self.objective.relative(&tried.error);
+        let removed: Vec<f64> = before
+            .iter()
+            .zip(&after)
+            .map(|(b, a)| b * b - a * a)
+            .collect();
+        let visible = removed.iter().any(|r| *r > s.visible * s.visible);
+        let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
+        let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
+        let memory = c.effect == Effect::PreslidingHysteresis;
+        let part = fraction(&before, &after, &c.joints);
+        let sure = c.effect.info().dynamic && gain > s.enough_dynamic * s.enough;
+        if part < self.least_fraction(c, others) && !sure {
+            return false;
+        }
+        // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
+        let clear = match c.effect {
+            Effect::PreslidingHysteresis if is_narrow(c, s) && part < s.plainly => {
+                s.enough_narrow * s.enough
+            }
+            Effect::PreslidingHysteresis => s.enough_memory * s.enough,
+            Effect::LoadDependentFriction => s.enough,
+            effect if effect.info().absorbable => s.enough,
+            _ => s.enough_unseen * s.enough,
+        };
+        (misfit && !memory) || gain > clear
+    }
+
+    /// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
+    /// spare them a bend instead. What the sign of a filtered velocity gets wrong at reversals looks like memory over
+    /// less than a milliradian, or like friction that falls at once, which therefore have to show plainly.
+    fn least_fraction(&self, candidate: &Candidate, others: &[usize]) -> f64 {
+        let s = self.objective.settings;
+        let abrupt = || {
+            let shape = candidate.shape.first();
+            shape.is_some_and(|shape| shape.1 < s.abrupt)
+        };
+        let late = |c: &usize| self.candidates[*c].effect == Effect::TimeDelay;
+        match candidate.effect {
+            Effect::StribeckFriction if abrupt() => s.plainly,
+            Effect::PreslidingHysteresis if is_narrow(candidate, s) => s.narrow_part,
+            // One joint alone that is late, where no other is, is rather friction of another law, or a spring.
+            Effect::TimeDelay if candidate.joints.len() == 1 && !others.iter().any(late) => {
+                s.late_alone
+            }
+            Effect::TimeDelay => s.late_part,
+            // Vibration of whatever kind is a spring's, for a part of its error.
+            Effect::JointElasticity => s.plainly,
+            effect => effect.info().least_fraction,
+        }
+    }
+
+    /// Whether a trial removes so much of its own joints' error that it can be nobody's leftover.
+    pub(super) fn plain(&self, fit: &Fit, tried: &Tried) -> bool {
+        let before = self.objective.relative(&fit.error());
+        let after = self.objective.relative(&tried.error);
+        let joints = &self.candidates[tried.candidate].joints;
+        let s = self.objective.settings;
+        fraction(&before, &after, joints) > s.plain_part && tried.gain > s.plain_gain
+    }
+
+    /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form
+    /// leaves behind looks like a small effect, most of all like its own effect next door.
+    pub(super) fn relative_price(
+        &self,
+        accepted: &[usize],
+        gains: &[f64],
+        candidate: usize,
+    ) -> f64 {
+        let s = self.objective.settings;
+        let new = &self.candidates[candidate];
+        let price = |(&a, &gain): (&usize, &f64)| {
+            let earlier = &self.candidates[a];
+            if earlier.effect.info().parameter {
+                0.0
+            } else if earlier.effect == new.effect {
+                s.leftover_same * gain
+            } else if earlier.shares_rows(new) {
+                s.leftover * gain
+            } else {
+                0.0
+            }
+        };
+        accepted.iter().zip(gains).map(price).fold(0.0, f64::max)
+    }
+}
+
+/// Part of the joints' squared relative error that a trial removes.
+fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
+    let squares = |e: &[f64]| joints.iter().map(|&j| e[j] * e[j]).sum::<f64>();
+    1.0 - squares(after) / squares(before).max(1e-300)
+}
+
+/// Whether memory reaches no further than what a wrong sign at reversals imitates.
+fn is_narrow(candidate: &Candidate, settings: &SearchSettings) -> bool {
+    let shape = candidate.shape.first();
+    shape.is_some_and(|s| s.1 < settings.narrow)
+}
