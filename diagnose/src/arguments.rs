@@ -1,7 +1,9 @@
 //! Command line of `diagnose`.
 
+use clap::builder::PossibleValuesParser;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use std::path::PathBuf;
+use trials::cases::EFFECTS;
 
 /// Diagnoses the gap between a simulator's torque and a real robot's: where it lies, which unmodelled
 /// effect causes it, and how far it shrinks on held-out data.
@@ -34,6 +36,9 @@ pub enum Proof {
         /// Cases of this kind alone: an effect's name, none, outside or two (with --hard two_same_joint or contact_at_rest).
         #[arg(long)]
         only: Option<String>,
+        /// Draw none of this effect, as before it entered the catalogue.
+        #[arg(long, conflicts_with_all = ["hard", "leave_one_out"], value_parser = PossibleValuesParser::new(EFFECTS))]
+        without: Option<String>,
         /// Also take each case's effect out of the catalogue, and say what is named instead.
         #[arg(long)]
         leave_one_out: bool,

@@ -152,6 +152,7 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         seed,
         hard,
         only,
+        without,
         leave_one_out,
         calibrate,
         fast,
@@ -168,6 +169,7 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         seed: *seed,
         hard: *hard,
         only,
+        without: without.as_deref().and_then(trials::cases::place),
     };
     let scores = prove::prove(&draw, &options, out, || bar.inc(1))?;
     bar.finish_and_clear();

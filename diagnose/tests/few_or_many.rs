@@ -17,6 +17,7 @@ fn clean(index: u64, seed: u64) -> Case {
         index,
         kind: Kind::None,
         hard: false,
+        without: None,
     };
     generate(&spec, seed).unwrap()
 }

@@ -21,6 +21,7 @@ fn round_trip(effect: &str, index: u64) {
             index,
             kind,
             hard: false,
+            without: None,
         },
         77,
     )

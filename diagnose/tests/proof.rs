@@ -12,6 +12,7 @@ fn a_few_sealed_cases() {
         seed: 11,
         hard: false,
         only: None,
+        without: None,
     };
     let scores = prove(&draw, &Options::default(), Some(folder.path()), || ()).unwrap();
     println!("{}", table(&scores).to_text());
@@ -59,6 +60,7 @@ fn friction_that_changes_with_position_has_its_name() {
         seed: 21,
         hard: false,
         only: Some("position_dependent_friction"),
+        without: None,
     };
     let scores = prove(&draw, &Options::default(), None, || ()).unwrap();
     println!("{}", table(&scores).to_text());

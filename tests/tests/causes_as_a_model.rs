@@ -21,6 +21,7 @@ fn case(effect: &str, index: u64) -> Case {
         index,
         kind: Kind::Single(kind),
         hard: false,
+        without: None,
     };
     generate(&spec, SEED).expect("a case")
 }

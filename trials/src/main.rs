@@ -2,6 +2,7 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -40,6 +41,9 @@ enum What {
         /// other rates, days and stamps, two effects on one joint, pushes at rest.
         #[arg(long)]
         hard: bool,
+        /// Draw none of this effect, as before it entered the catalogue.
+        #[arg(long, conflicts_with = "hard", value_parser = PossibleValuesParser::new(cases::EFFECTS))]
+        without: Option<String>,
     },
     /// Raw recordings as a controller logs them: robot.urdf, train.csv and test.csv for each, and truth/ID.json with delay,
     /// scale and offset of the torque.
@@ -128,10 +132,15 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
             cases,
             seed,
             hard,
+            without,
         } => {
             let bar = bar(*cases, arguments.quiet);
-            let draw = if *hard { cases::draw_hard } else { cases::draw };
-            let specs: Vec<_> = (0..*cases).map(|index| draw(index, *seed)).collect();
+            let without = without.as_deref().and_then(cases::place);
+            let draw = |index| match hard {
+                true => cases::draw_hard(index, *seed),
+                false => cases::draw_without(index, *seed, without),
+            };
+            let specs: Vec<_> = (0..*cases).map(draw).collect();
             cases::write_all(&specs, *seed, out, |id, _| {
                 bar.set_message(id.to_owned());
                 bar.inc(1);

@@ -135,6 +135,7 @@ fn without_effect_torque_is_that_of_the_plant() {
         index: 5,
         kind: Kind::None,
         hard: false,
+        without: None,
     };
     let truth = generate(&spec, 8).unwrap().truth;
     for (left, torque) in truth.effect_rms.iter().zip(&truth.torque_rms) {

@@ -17,7 +17,9 @@ use serde::Serialize;
 use serde_json::Value;
 use signal::quantile::median;
 use std::path::Path;
-use trials::cases::{Case, CaseSpec, EFFECTS, Kind, draw, draw_hard, generate, name, write};
+use trials::cases::{
+    Case, CaseSpec, EFFECTS, Kind, draw, draw_hard, draw_without, generate, name, write,
+};
 
 pub use calibration::{left_out, table as weights_table};
 pub use named::Named;
@@ -75,6 +77,8 @@ pub struct Draw<'a> {
     pub hard: bool,
     /// Kind of case, by name, to which the run is limited: as many of that kind, as a longer run of the same seed has them.
     pub only: Option<&'a str>,
+    /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
+    pub without: Option<usize>,
 }
 
 /// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it, and scores a report
@@ -93,8 +97,12 @@ pub fn prove(
         seed,
         hard,
         only,
+        without,
     } = *wanted;
-    let draw = if hard { draw_hard } else { draw };
+    let draw = |index| match hard {
+        true => draw_hard(index, seed),
+        false => draw_without(index, seed, without),
+    };
     let kinds: &[&str] = if hard {
         &["none", "outside", "two_same_joint", "contact_at_rest"]
     } else {
@@ -108,7 +116,7 @@ pub fn prove(
         });
     }
     let specs: Vec<CaseSpec> = (0..)
-        .map(|index| draw(index, seed))
+        .map(draw)
         .filter(|spec| only.is_none_or(|name| spec.kind.name() == name))
         .take(cases as usize)
         .collect();

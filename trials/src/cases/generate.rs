@@ -66,7 +66,7 @@ pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
         let case = if spec.hard {
             hard::attempt(spec.kind, &id, &mut rng)
         } else {
-            attempt_case(spec.kind, &id, &mut rng)
+            attempt_case(spec, &id, &mut rng)
         };
         // A rotor that its joint's link has no room for suits no gear.
         let case = match case {
@@ -85,7 +85,11 @@ pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
     })
 }
 
-fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Case>, SimulateError> {
+fn attempt_case(
+    spec: &CaseSpec,
+    id: &str,
+    rng: &mut ChaCha8Rng,
+) -> Result<Option<Case>, SimulateError> {
     let nominal = relative(rng);
     let plain = nearly(&nominal, rng);
     let n = nominal.dof();
@@ -98,7 +102,7 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
         demand: &rehearsal.demand,
         inertia: &inertia,
     };
-    let Some(mut withheld) = effects(kind, &scene, &rehearsal, rng)? else {
+    let Some(mut withheld) = effects(spec, &scene, &rehearsal, rng)? else {
         return Ok(None);
     };
     let errors = Errors {
@@ -145,20 +149,23 @@ fn attempt_case(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Cas
             withheld: &withheld,
             ..bare
         };
-        return finish(kind, id, &experiment, &run, &found, rng).map(Some);
+        return finish(spec.kind, id, &experiment, &run, &found, rng).map(Some);
     }
     Ok(None)
 }
 
 /// Draws the effects of a case; none if the arm has no place for them.
 fn effects(
-    kind: Kind,
+    spec: &CaseSpec,
     scene: &Scene,
     rehearsal: &Rehearsal,
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Vec<Chosen>>, RobotError> {
-    let mut any = || Effect::listed(rng.random_range(0..EFFECTS.len()));
-    let drawn = match kind {
+    let listed: Vec<usize> = (0..EFFECTS.len())
+        .filter(|e| Some(*e) != spec.without)
+        .collect();
+    let mut any = || Effect::listed(listed[rng.random_range(0..listed.len())]);
+    let drawn = match spec.kind {
         Kind::None => vec![],
         Kind::Single(e) => vec![Effect::listed(e)],
         Kind::Outside => vec![Effect::OUTSIDE],

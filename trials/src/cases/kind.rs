@@ -46,6 +46,13 @@ pub struct CaseSpec {
     pub kind: Kind,
     /// Whether it is drawn nearer to real recordings.
     pub hard: bool,
+    /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
+    pub without: Option<usize>,
+}
+
+/// Index into [`EFFECTS`] of the effect with a name.
+pub fn place(name: &str) -> Option<usize> {
+    EFFECTS.iter().position(|e| *e == name)
 }
 
 /// Cases after which kinds are balanced: 30 without effect, 30 outside the catalogue, 16 with two, 164 with one (every
@@ -54,12 +61,17 @@ pub const ROUND: u64 = 240;
 
 /// The case at `index` of the run with this seed.
 pub fn draw(index: u64, seed: u64) -> CaseSpec {
+    draw_without(index, seed, None)
+}
+
+/// The same from a catalogue that lacks an effect, an index into [`EFFECTS`]: what a run of this seed was before the effect entered.
+pub fn draw_without(index: u64, seed: u64, without: Option<usize>) -> CaseSpec {
     let mut kinds = vec![Kind::None; 30];
     kinds.extend([Kind::Outside; 30]);
     kinds.extend([Kind::Two; 16]);
     let round = index / ROUND;
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ round.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-    let mut effects: Vec<usize> = (0..EFFECTS.len()).collect();
+    let mut effects: Vec<usize> = (0..EFFECTS.len()).filter(|e| Some(*e) != without).collect();
     effects.shuffle(&mut rng);
     kinds.extend(effects.iter().cycle().take(164).map(|&e| Kind::Single(e)));
     kinds.shuffle(&mut rng);
@@ -67,6 +79,7 @@ pub fn draw(index: u64, seed: u64) -> CaseSpec {
         index,
         kind: kinds[(index % ROUND) as usize],
         hard: false,
+        without,
     }
 }
 
@@ -76,7 +89,6 @@ pub const HARD_ROUND: u64 = 500;
 
 /// The hard case at `index` of the run with this seed.
 pub fn draw_hard(index: u64, seed: u64) -> CaseSpec {
-    let place = |name: &str| EFFECTS.iter().position(|e| *e == name);
     let mut kinds = vec![Kind::None; 60];
     kinds.extend([Kind::Outside; 60]);
     kinds.extend([Kind::ContactAtRest; 24]);
@@ -104,6 +116,7 @@ pub fn draw_hard(index: u64, seed: u64) -> CaseSpec {
         index,
         kind: kinds[(index % HARD_ROUND) as usize],
         hard: true,
+        without: None,
     }
 }
 
@@ -149,5 +162,8 @@ mod tests {
             }
         );
         assert_eq!(draw(17, 7), draw(17, 7));
+        let lacks = |i| draw_without(i, 7, Some(3)).kind;
+        assert!((0..ROUND).all(|i| lacks(i) != Kind::Single(3)));
+        assert!((0..ROUND).any(|i| lacks(i) == Kind::Single(4)));
     }
 }
