@@ -103,7 +103,6 @@ pub fn average(recording: &Recording, period: Option<f64>) -> Result<Averaged, P
             squares.iter().map(of).collect::<Vec<f64>>()
         })
     };
-    let table = |table: &Option<Array2<f64>>| table.as_ref().map(mean);
     let (mut time, mut trajectories) = (Vec::with_capacity(rows), Vec::new());
     for group in &groups {
         trajectories.push(Trajectory {
@@ -113,21 +112,7 @@ pub fn average(recording: &Recording, period: Option<f64>) -> Result<Averaged, P
         let first = group.starts[0];
         time.extend_from_slice(&recording.time[first..first + group.length]);
     }
-    let averaged = Recording {
-        source: recording.source.clone(),
-        time,
-        trajectories,
-        q: mean(&recording.q),
-        ql: table(&recording.ql),
-        qd: table(&recording.qd),
-        qdd: table(&recording.qdd),
-        tau: table(&recording.tau),
-        q_ref: table(&recording.q_ref),
-        qd_ref: table(&recording.qd_ref),
-        temp: table(&recording.temp),
-        torque_filter: recording.torque_filter,
-        notes: recording.notes.clone(),
-    };
+    let averaged = recording.map_tables(time, trajectories, mean);
     let torque = recording.tau.as_ref().zip(averaged.tau.as_ref());
     Ok(Averaged {
         position: deviation(&recording.q, &averaged.q),

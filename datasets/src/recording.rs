@@ -211,20 +211,30 @@ impl Recording {
                 }
             })
             .collect();
-        let pick = |table: &Array2<f64>| table.select(Axis(0), &rows);
-        let pick_some = |table: &Option<Array2<f64>>| table.as_ref().map(pick);
+        let time = rows.iter().map(|&r| self.time[r]).collect();
+        self.map_tables(time, kept, |table| table.select(Axis(0), &rows))
+    }
+
+    /// The recording with each of its tables mapped, whose rows are then at `time` and in `trajectories`.
+    pub(crate) fn map_tables(
+        &self,
+        time: Vec<f64>,
+        trajectories: Vec<Trajectory>,
+        map: impl Fn(&Array2<f64>) -> Array2<f64>,
+    ) -> Self {
+        let some = |table: &Option<Array2<f64>>| table.as_ref().map(&map);
         Self {
             source: self.source.clone(),
-            time: rows.iter().map(|&r| self.time[r]).collect(),
-            trajectories: kept,
-            q: pick(&self.q),
-            ql: pick_some(&self.ql),
-            qd: pick_some(&self.qd),
-            qdd: pick_some(&self.qdd),
-            tau: pick_some(&self.tau),
-            q_ref: pick_some(&self.q_ref),
-            qd_ref: pick_some(&self.qd_ref),
-            temp: pick_some(&self.temp),
+            time,
+            trajectories,
+            q: map(&self.q),
+            ql: some(&self.ql),
+            qd: some(&self.qd),
+            qdd: some(&self.qdd),
+            tau: some(&self.tau),
+            q_ref: some(&self.q_ref),
+            qd_ref: some(&self.qd_ref),
+            temp: some(&self.temp),
             torque_filter: self.torque_filter,
             notes: self.notes.clone(),
         }
