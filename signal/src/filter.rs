@@ -9,7 +9,7 @@ use crate::sos::Section;
 #[derive(Clone, Debug)]
 pub struct Causal {
     sections: Vec<Section>,
-    state: Vec<[f64; 2]>,
+    state: Vec<[[f64; 1]; 2]>,
     started: bool,
 }
 
@@ -18,7 +18,7 @@ impl Causal {
     pub fn new(sections: &[Section]) -> Self {
         Self {
             sections: sections.to_vec(),
-            state: vec![[0.0; 2]; sections.len()],
+            state: vec![[[0.0]; 2]; sections.len()],
             started: false,
         }
     }
@@ -27,21 +27,22 @@ impl Causal {
     pub fn step(&mut self, x: f64) -> f64 {
         if !self.started {
             self.started = true;
-            self.state = steady_state(&self.sections, x);
+            let steady = steady_state(&self.sections, x);
+            self.state = steady.into_iter().map(|z| z.map(|z| [z])).collect();
         }
-        self.sections
-            .iter()
-            .zip(&mut self.state)
-            .fold(x, |x, (s, z)| advance(s, z, x))
+        let each = self.sections.iter().zip(&mut self.state);
+        let [y] = each.fold([x], |x, (s, z)| advance(s, z, x));
+        y
     }
 }
 
-/// One sample through one section.
+/// One sample of each of N signals through one section.
 #[inline]
-fn advance(s: &Section, z: &mut [f64; 2], x: f64) -> f64 {
-    let y = s.b[0] * x + z[0];
-    z[0] = s.b[1] * x - s.a[0] * y + z[1];
-    z[1] = s.b[2] * x - s.a[1] * y;
+fn advance<const N: usize>(s: &Section, z: &mut [[f64; N]; 2], x: [f64; N]) -> [f64; N] {
+    let y = std::array::from_fn(|k| s.b[0] * x[k] + z[0][k]);
+    // In this order the next sample waits for one product and one difference.
+    z[0] = std::array::from_fn(|k| (s.b[1] * x[k] + z[1][k]) - s.a[0] * y[k]);
+    z[1] = std::array::from_fn(|k| s.b[2] * x[k] - s.a[1] * y[k]);
     y
 }
 
@@ -81,31 +82,52 @@ pub fn padding(sections: &[Section]) -> usize {
 /// passes start in the steady state. A signal that is not longer than the padding is extended
 /// by all it has.
 pub fn filtfilt(sections: &[Section], x: &[f64]) -> Vec<f64> {
-    let (Some(&first), Some(&last)) = (x.first(), x.last()) else {
-        return Vec::new();
-    };
-    let n = x.len();
-    let pad = padding(sections).min(n - 1);
-    let mut y: Vec<f64> = Vec::with_capacity(n + 2 * pad);
-    y.extend((1..=pad).rev().map(|k| 2.0 * first - x[k]));
-    y.extend_from_slice(x);
-    y.extend((1..=pad).map(|k| 2.0 * last - x[n - 1 - k]));
-    run(sections, &mut y);
-    y.reverse();
-    run(sections, &mut y);
-    y.reverse();
-    y.truncate(n + pad);
-    y.drain(..pad);
+    let [y] = both_ways(sections, [x]);
     y
 }
 
-/// One causal pass in place, section by section.
-fn run(sections: &[Section], y: &mut [f64]) {
+/// [`filtfilt`] of several signals of one length, four at a time: what one waits for, the others use. To the bit what each gives alone.
+///
+/// # Panics
+/// When the signals differ in length.
+pub fn filtfilt_each(sections: &[Section], signals: &[&[f64]]) -> Vec<Vec<f64>> {
+    let (fours, rest) = signals.as_chunks::<4>();
+    let fours = fours.iter().flat_map(|x| both_ways(sections, *x));
+    fours
+        .chain(rest.iter().map(|x| filtfilt(sections, x)))
+        .collect()
+}
+
+/// N signals of one length, forwards and backwards.
+fn both_ways<const N: usize>(sections: &[Section], x: [&[f64]; N]) -> [Vec<f64>; N] {
+    let n = x[0].len();
+    assert!(x.iter().all(|x| x.len() == n), "signals of one length");
+    if n == 0 {
+        return [const { Vec::new() }; N];
+    }
+    let pad = padding(sections).min(n - 1);
+    let before = (1..=pad).rev().map(|k| x.map(|x| 2.0 * x[0] - x[k]));
+    let after = (1..=pad).map(|k| x.map(|x| 2.0 * x[n - 1] - x[n - 1 - k]));
+    let mut y: Vec<[f64; N]> = before
+        .chain((0..n).map(|i| x.map(|x| x[i])))
+        .chain(after)
+        .collect();
+    run(sections, &mut y);
+    y.reverse();
+    run(sections, &mut y);
+    std::array::from_fn(|k| y.iter().rev().skip(pad).take(n).map(|y| y[k]).collect())
+}
+
+/// One causal pass in place. All sections take a sample before the next one comes: each works beside the others, where a
+/// pass of its own would wait for itself.
+fn run<const N: usize>(sections: &[Section], y: &mut [[f64; N]]) {
     let Some(&first) = y.first() else { return };
-    let states = steady_state(sections, first);
-    for (s, mut z) in sections.iter().zip(states) {
-        for v in y.iter_mut() {
-            *v = advance(s, &mut z, *v);
+    let steady = first.map(|level| steady_state(sections, level));
+    let state = |i: usize| [0, 1].map(|z| std::array::from_fn(|k| steady[k][i][z]));
+    let mut states: Vec<[[f64; N]; 2]> = (0..sections.len()).map(state).collect();
+    for y in y {
+        for (s, z) in sections.iter().zip(&mut states) {
+            *y = advance(s, z, *y);
         }
     }
 }

@@ -1,12 +1,10 @@
-//! A penalised least-squares fit with its leave-one-fold-out errors, and the effect of adding
-//! columns to it without touching a sample.
+//! A penalised least-squares fit with its leave-one-fold-out errors.
 //!
 //! With weights w_j (one per joint) and prior precisions λ the fit minimises
-//! Σ_j w_j ‖y_j − X_j β‖² + Σ λ β². Adding the columns C to fitted columns X uses the Schur
-//! complement S = CᵀWC + Λ − CᵀWX (XᵀWX + Λ)⁻¹ XᵀWC.
+//! Σ_j w_j ‖y_j − X_j β‖² + Σ λ β².
 
 use crate::algebra::cholesky::Cholesky;
-use crate::algebra::gram::{Grams, JointGram};
+use crate::algebra::gram::Grams;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
@@ -26,9 +24,9 @@ pub(super) struct Part {
     pub(super) factor: Cholesky,
     pub(super) beta: Array1<f64>,
     /// Xᵀ(y − Xβ) on the scored rows, over all active columns, by joint.
-    correlation: Vec<Array1<f64>>,
+    pub(super) correlation: Vec<Array1<f64>>,
     /// ‖y − Xβ‖² on the scored rows, by joint.
-    error: Vec<f64>,
+    pub(super) error: Vec<f64>,
     /// XᵀX of the fitted columns on the scored rows, by joint, in the order of [`Fit::places`].
     pub(super) products: Vec<Array2<f64>>,
 }
@@ -45,17 +43,6 @@ pub struct Fit<'a> {
     pub(super) all: Part,
     /// Fitted variables that touch each joint: (variable, place among the joint's active columns).
     pub(super) places: Vec<Vec<(usize, usize)>>,
-}
-
-/// What adding columns to a fit would give.
-#[derive(Clone, Debug)]
-pub struct Trial {
-    /// Leave-one-fold-out squared error, by joint, (N·m)².
-    pub error: Vec<f64>,
-    /// Σ λ β² of the fit on all folds.
-    pub penalty: f64,
-    /// Coefficients of the added columns.
-    pub gamma: Vec<f64>,
 }
 
 impl<'a> Fit<'a> {
@@ -158,129 +145,10 @@ impl<'a> Fit<'a> {
     pub fn penalty(&self) -> f64 {
         penalty(&self.variables, &self.all.beta)
     }
-
-    /// The same fit with `added` columns as well.
-    pub fn trial(&self, added: &[Variable]) -> Trial {
-        let mut error = vec![0.0; self.grams.dof()];
-        for (f, part) in self.parts.iter().enumerate() {
-            let (direction, gamma) = self.step(part, added, Some(f));
-            for (j, e) in error.iter_mut().enumerate() {
-                *e += part.error[j]
-                    + self.change(&self.grams.folds[f][j], part, j, added, &direction, &gamma);
-            }
-        }
-        let (direction, gamma) = self.step(&self.all, added, None);
-        self.tried(added, error, &direction, gamma)
-    }
-
-    /// The same with the errors of the rows that were fitted: what a trial gives at a glance, at a fraction of its price.
-    pub fn glance(&self, added: &[Variable]) -> Trial {
-        let (direction, gamma) = self.step(&self.all, added, None);
-        let each = self.grams.total.iter().zip(&self.all.error).enumerate();
-        let error = each
-            .map(|(j, (gram, e))| e + self.change(gram, &self.all, j, added, &direction, &gamma))
-            .collect();
-        self.tried(added, error, &direction, gamma)
-    }
-
-    fn tried(
-        &self,
-        added: &[Variable],
-        error: Vec<f64>,
-        direction: &Array1<f64>,
-        gamma: Array1<f64>,
-    ) -> Trial {
-        let beta = &self.all.beta + direction;
-        let extra: f64 = added
-            .iter()
-            .zip(&gamma)
-            .map(|(v, g)| v.precision * g * g)
-            .sum();
-        Trial {
-            error,
-            penalty: penalty(&self.variables, &beta) + extra,
-            gamma: gamma.to_vec(),
-        }
-    }
-
-    /// Change of the fitted coefficients and value of the new ones.
-    fn step(
-        &self,
-        part: &Part,
-        added: &[Variable],
-        left_out: Option<usize>,
-    ) -> (Array1<f64>, Array1<f64>) {
-        let k = added.len();
-        let mut cross = Array2::<f64>::zeros((k, self.variables.len()));
-        let mut own = Array2::<f64>::zeros((k, k));
-        let mut right = Array1::<f64>::zeros(k);
-        for (a, v) in added.iter().enumerate() {
-            for (j, &w) in self.weights.iter().enumerate() {
-                let Some(row) = self.grams.layout.position(j, v.column) else {
-                    continue;
-                };
-                let total = &self.grams.total[j];
-                let out = left_out.map(|f| &self.grams.folds[f][j]);
-                let product =
-                    |p: usize| w * (total.xx[[row, p]] - out.map_or(0.0, |g| g.xx[[row, p]]));
-                for &(i, p) in &self.places[j] {
-                    cross[[a, i]] += product(p);
-                }
-                for (b, x) in added.iter().enumerate().take(a + 1) {
-                    if let Some(p) = self.grams.layout.position(j, x.column) {
-                        own[[a, b]] += product(p);
-                    }
-                }
-                right[a] += w * (total.xy[row] - out.map_or(0.0, |g| g.xy[row]));
-            }
-            own[[a, a]] += v.precision;
-        }
-        let solved = part.factor.solve_rows(&cross);
-        for a in 0..k {
-            right[a] -= cross.row(a).dot(&part.beta);
-            for b in 0..=a {
-                own[[a, b]] -= cross.row(a).dot(&solved.row(b));
-            }
-        }
-        let gamma = Cholesky::new(&own).solve(right.view());
-        let direction = -solved.t().dot(&gamma);
-        (direction, gamma)
-    }
-
-    /// Change of ‖y − Xβ‖² on the rows of `gram` when the coefficients move.
-    fn change(
-        &self,
-        gram: &JointGram,
-        part: &Part,
-        joint: usize,
-        added: &[Variable],
-        direction: &Array1<f64>,
-        gamma: &Array1<f64>,
-    ) -> f64 {
-        let place = &self.places[joint];
-        let old: Array1<f64> = place.iter().map(|&(i, _)| direction[i]).collect();
-        let mut change = old.dot(&part.products[joint].dot(&old));
-        change -= 2.0
-            * place
-                .iter()
-                .map(|&(i, p)| direction[i] * part.correlation[joint][p])
-                .sum::<f64>();
-        let new: Vec<(usize, f64)> = added
-            .iter()
-            .zip(gamma)
-            .filter_map(|(v, &g)| Some((self.grams.layout.position(joint, v.column)?, g)))
-            .collect();
-        for &(p, g) in &new {
-            let row = gram.xx.row(p);
-            let with_old: f64 = place.iter().zip(&old).map(|(&(_, r), d)| row[r] * d).sum();
-            let with_new: f64 = new.iter().map(|&(r, h)| row[r] * h).sum();
-            change += g * (2.0 * with_old + with_new - 2.0 * part.correlation[joint][p]);
-        }
-        change
-    }
 }
 
-fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
+/// Σ λ β².
+pub(super) fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
     variables
         .iter()
         .zip(beta)
@@ -345,48 +213,5 @@ fn part(
         correlation,
         error,
         products,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::algebra::gram::Layout;
-    use proptest::prelude::*;
-
-    fn grams(values: &[f64]) -> Grams {
-        // Two joints; column 0 on both, 1 on the first, 2 on the second, 3 on both.
-        let layout = Layout::new(2, &[vec![0, 1], vec![0], vec![1], vec![0, 1]]);
-        let folds = values
-            .chunks(64)
-            .map(|c| {
-                let half = |x: &[f64]| {
-                    let rows = Array2::from_shape_vec((8, 4), x.to_vec()).expect("32 values");
-                    let ones = Array1::ones(8);
-                    JointGram::new(
-                        rows.slice_axis(ndarray::Axis(1), (0..3).into()),
-                        rows.column(3),
-                        ones.view(),
-                    )
-                };
-                vec![half(&c[..32]), half(&c[32..])]
-            })
-            .collect();
-        Grams::new(layout, folds)
-    }
-
-    proptest! {
-        #[test]
-        fn a_trial_is_the_fit_with_the_columns(values in prop::collection::vec(-1.0..1.0f64, 192)) {
-            let grams = grams(&values);
-            let v = |column| Variable { column, precision: 0.1 };
-            let trial = Fit::new(&grams, vec![v(0), v(1)], vec![1.0, 2.0]).trial(&[v(2), v(3)]);
-            let full = Fit::new(&grams, vec![v(0), v(1), v(2), v(3)], vec![1.0, 2.0]);
-            for (a, b) in trial.error.iter().zip(full.error()) {
-                prop_assert!((a - b).abs() < 1e-9);
-            }
-            prop_assert!((trial.penalty - full.penalty()).abs() < 1e-9);
-            prop_assert!((trial.gamma[1] - full.beta()[3]).abs() < 1e-9);
-        }
     }
 }

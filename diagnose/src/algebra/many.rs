@@ -5,7 +5,8 @@
 //! scored on the squared error of joint j changes by γᵀQ_jγ − 2 γᵀ(C − XVᵀ)ᵀ(y − Xβ), where Q_j = (C − XVᵀ)ᵀ(C − XVᵀ) on its rows.
 
 use crate::algebra::cholesky::Cholesky;
-use crate::algebra::fit::{Fit, Part, Trial, Variable};
+use crate::algebra::fit::{Fit, Part, Variable};
+use crate::algebra::trial::Trial;
 use ndarray::{Array1, Array2, Axis, Zip};
 use rayon::prelude::*;
 
@@ -292,6 +293,7 @@ fn state(fit: &Fit, which: Which, y: &RightHands) -> State {
 mod tests {
     use super::*;
     use crate::algebra::gram::{Grams, JointGram, Layout};
+    use crate::algebra::trial::{Beside, Scored};
     use proptest::prelude::*;
 
     /// Three folds of two joints; the torque and a second one, three times as large, with the products of both.
@@ -347,7 +349,8 @@ mod tests {
                 prop_assert!((a - b).abs() < 1e-9);
             }
             for set in [vec![v(2), v(3)], vec![v(2)]] {
-                let (many, own) = (fitted.trials(&set), fit.trial(&set));
+                let own = Beside::new(&fit, &[2, 3], Scored::LeftOut).trial(&set);
+                let many = fitted.trials(&set);
                 for ((a, c), b) in many[0].error.iter().zip(&many[1].error).zip(&own.error) {
                     prop_assert!((a - b).abs() < 1e-9 && (c - 9.0 * b).abs() < 1e-8, "{} {} {}", a, c, b);
                 }

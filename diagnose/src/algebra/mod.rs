@@ -5,3 +5,4 @@ pub(crate) mod fit;
 pub(crate) mod folds;
 pub(crate) mod gram;
 pub(crate) mod many;
+pub(crate) mod trial;

@@ -8,7 +8,7 @@ use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
 use ndarray::{Array1, Array2, ArrayView1};
 use physics::effects::EarlySign;
 use signal::Motion;
-use signal::filter::filtfilt;
+use signal::filter::{filtfilt, filtfilt_each};
 use signal::sos::{Section, butterworth};
 use std::ops::Range;
 
@@ -181,9 +181,20 @@ impl Frame {
         self.prepared.to_samples(values)
     }
 
-    /// A column at the fine rate on the rows that are fitted.
-    pub fn reduce(&self, fine: &Array1<f64>) -> Array1<f64> {
-        self.thin(&self.to_samples(fine))
+    /// Columns at the fine rate on the rows that are fitted; the low-pass takes them together.
+    pub fn reduce_each(&self, fine: &[&Array1<f64>]) -> Vec<Array1<f64>> {
+        let samples: Vec<Vec<f64>> = fine.iter().map(|c| self.to_samples(c)).collect();
+        let Some(lowpass) = &self.lowpass else {
+            return samples.into_iter().map(Array1::from).collect();
+        };
+        let mut out = vec![Vec::with_capacity(self.len()); fine.len()];
+        for s in &self.samples().segments {
+            let parts: Vec<&[f64]> = samples.iter().map(|x| &x[s.clone()]).collect();
+            for (out, y) in out.iter_mut().zip(filtfilt_each(lowpass, &parts)) {
+                out.extend(y.into_iter().step_by(self.stride));
+            }
+        }
+        out.into_iter().map(Array1::from).collect()
     }
 
     /// A table at the fine rate on the recorded samples.

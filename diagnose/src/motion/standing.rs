@@ -1,8 +1,9 @@
 //! How joints move at each sample, and what of a residual at rest is a gap.
 //!
 //! A joint at rest holds anything up to its Coulomb torque: what is constant within one rest and below that torque is
-//! friction, not a gap. What changes within the rest, or exceeds it, is one. A reversal in passing is exempt: there not
-//! even the true plant's model reaches the noise.
+//! friction, not a gap. What changes within the rest, or exceeds it, is one, but for a joint that creeps: friction then turns
+//! against the creep and holds what it came to. A push that moves a joint leaves torque of the other sign. A reversal in
+//! passing is exempt: there not even the true plant's model reaches the noise.
 
 use crate::motion::frame::Frame;
 use crate::settings::MotionSettings;
@@ -68,18 +69,26 @@ pub fn states(frame: &Frame, settings: &MotionSettings) -> Array2<State> {
 
 /// Part of the samples around which a joint stays where it is.
 fn stays(frame: &Frame, joint: usize, rest: &Range<usize>, settings: &MotionSettings) -> f64 {
+    let creep = creep(frame, joint, rest, settings);
+    creep.iter().filter(|c| c.is_none()).count() as f64 / rest.len() as f64
+}
+
+/// Which way a joint creeps around each sample of a rest: the sign of its velocity; none where it stays.
+fn creep(
+    frame: &Frame,
+    joint: usize,
+    rest: &Range<usize>,
+    settings: &MotionSettings,
+) -> Vec<Option<f64>> {
     let (speed, time) = (settings.stays_speed, settings.stays_time);
     let q = frame.samples().q.column(joint);
     let half = ((0.5 * time * frame.report().rate_hz).round() as usize).max(1);
-    let travel = |i: usize| {
-        let (a, b) = (
-            i.saturating_sub(half).max(rest.start),
-            (i + half).min(rest.end - 1),
-        );
-        (q[b] - q[a]).abs()
+    let way = |i: usize| {
+        let a = i.saturating_sub(half).max(rest.start);
+        let travel = q[(i + half).min(rest.end - 1)] - q[a];
+        (travel.abs() >= speed * time).then(|| travel.signum())
     };
-    let still = rest.clone().filter(|&i| travel(i) < speed * time).count();
-    still as f64 / rest.len() as f64
+    rest.clone().map(way).collect()
 }
 
 /// Samples in a row in which a joint is slower than a reversal, or budges only.
@@ -139,11 +148,20 @@ pub fn judge(
                 .map(|i| residual[[i, j]] + coulomb.torque[j] * coulomb.sign[[i, j]])
                 .collect();
             let usual = usual(&held, most, settings);
+            let creep = creep(frame, j, &(start..end), settings);
+            let lead = (settings.stays_time * frame.report().rate_hz).round() as usize;
+            let (mut least, mut largest) = (usual, usual);
             for (i, x) in (start..end).zip(&held) {
+                // Friction of a joint that is about to creep, creeps or has crept has turned towards its creep.
+                let about = &creep[i - start..(i + lead + 1).min(end) - start];
+                if let Some(way) = about.iter().flatten().next() {
+                    let turned = way * settings.breakaway * most;
+                    (least, largest) = (least.min(turned), largest.max(turned));
+                }
+                let change = x - x.clamp(least, largest);
                 // What counts as constant is no change.
-                let change = x - usual;
                 let constant = change.clamp(-settings.constant * most, settings.constant * most);
-                gap[[i, j]] = x - usual.clamp(-most, most) - constant;
+                gap[[i, j]] = usual - usual.clamp(-most, most) + change - constant;
                 departure[[i, j]] = change;
             }
             let stands = plateau(&held, usual, most, settings);

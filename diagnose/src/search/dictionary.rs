@@ -10,8 +10,11 @@ use physics::robot::PARAMETERS_PER_LINK;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Columns that are in memory at the fine rate together.
+/// Columns that are in memory at the fine rate together, beside the inertial ones, which one pass over the motion gives.
 const BATCH: usize = 32;
+
+/// Columns that the low-pass takes together.
+const TOGETHER: usize = 8;
 
 /// What a fit leaves, by stretch of time.
 pub struct Stretches {
@@ -105,6 +108,34 @@ impl Dictionary {
         out
     }
 
+    /// Numbers of all columns: the inertial ones, then the others by the batch.
+    fn batches(&self, dof: usize) -> Vec<Vec<usize>> {
+        let (inertial, others): (Vec<usize>, Vec<usize>) =
+            (0..self.len()).partition(|&c| c < PARAMETERS_PER_LINK * dof);
+        let others = others.chunks(BATCH).map(<[usize]>::to_vec);
+        std::iter::once(inertial).chain(others).collect()
+    }
+
+    /// Columns named by `ids` on the rows that are fitted: (column, joint, values).
+    fn reduced(
+        &self,
+        scene: &Scene,
+        frame: &Frame,
+        ids: &[usize],
+    ) -> Vec<(usize, usize, Array1<f64>)> {
+        let fine = self.evaluate(scene, ids);
+        let together = |some: &[(usize, usize, Array1<f64>)]| {
+            let columns: Vec<&Array1<f64>> = some.iter().map(|c| &c.2).collect();
+            let rows = frame.reduce_each(&columns).into_iter();
+            let named = some
+                .iter()
+                .zip(rows)
+                .map(|((c, j, _), rows)| (*c, *j, rows));
+            named.collect::<Vec<_>>()
+        };
+        fine.par_chunks(TOGETHER).flat_map_iter(together).collect()
+    }
+
     /// Products of all columns with what a fit leaves of the fitted rows, by stretch of time; each stretch lies in one fold.
     pub fn by_stretch(
         &self,
@@ -120,13 +151,11 @@ impl Dictionary {
         let size = |a: &Vec<usize>| Array2::zeros((a.len(), stretches.len()));
         let mut products: Vec<Array2<f64>> = layout.active.iter().map(size).collect();
         let weighted = residual * weight;
-        let ids: Vec<usize> = (0..self.len()).collect();
-        for batch in ids.chunks(BATCH) {
+        for batch in self.batches(dof) {
             let sums: Vec<(usize, usize, Array1<f64>)> = self
-                .evaluate(scene, batch)
+                .reduced(scene, frame, &batch)
                 .into_par_iter()
-                .map(|(c, j, fine)| {
-                    let rows = frame.reduce(&fine);
+                .map(|(c, j, rows)| {
                     let of = |(_, r): &(usize, Range<usize>)| -> f64 {
                         r.clone().map(|i| rows[i] * weighted[[i, j]]).sum()
                     };
@@ -168,14 +197,8 @@ impl Dictionary {
             .iter()
             .map(|a| Array2::zeros((frame.len(), a.len())))
             .collect();
-        let ids: Vec<usize> = (0..self.len()).collect();
-        for batch in ids.chunks(BATCH) {
-            let reduced: Vec<(usize, usize, Array1<f64>)> = self
-                .evaluate(scene, batch)
-                .into_par_iter()
-                .map(|(c, j, fine)| (c, j, frame.reduce(&fine)))
-                .collect();
-            for (c, j, values) in reduced {
+        for batch in self.batches(dof) {
+            for (c, j, values) in self.reduced(scene, frame, &batch) {
                 let p = layout
                     .position(j, c)
                     .expect("a column touches the joints that it names");
@@ -207,6 +230,9 @@ impl Dictionary {
 
 /// Columns of inertial parameters, joints below their link.
 fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
+    if wanted.is_empty() {
+        return Vec::new();
+    }
     let (dof, n) = (scene.dof(), scene.len());
     let mut out: Vec<(usize, usize, Array1<f64>)> = wanted
         .iter()

@@ -5,8 +5,9 @@
 //! is what the given parameters must be bent for the explanation to hold, so that an explanation by few
 //! parameters beats the same torque explained by bending many.
 
-use crate::algebra::fit::{Fit, Trial, Variable};
+use crate::algebra::fit::{Fit, Variable};
 use crate::algebra::gram::Grams;
+use crate::algebra::trial::Trial;
 use crate::motion::scene::Scale;
 use crate::settings::SearchSettings;
 use crate::simulator::{NominalModel, link_sizes};

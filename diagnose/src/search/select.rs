@@ -1,6 +1,7 @@
 //! Forward selection of causes with a backward check.
 
-use crate::algebra::fit::{Fit, Trial, Variable};
+use crate::algebra::fit::{Fit, Variable};
+use crate::algebra::trial::{Beside, Scored, Trial};
 use crate::catalogue::effect::Effect;
 use crate::catalogue::{Bound, Candidate};
 use crate::search::objective::Objective;
@@ -123,34 +124,30 @@ impl<'a> Search<'a> {
     /// Every admissible candidate tried on top of a fit, best first.
     pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<Tried> {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
-        self.judged(fit, accepted, &all, |f, v| f.trial(v))
+        self.judged(fit, accepted, &all, Scored::LeftOut)
     }
 
     /// The best candidates on top of a fit, of those that look best on the fitted rows, and `own` in any case.
     fn contenders(&self, fit: &Fit, accepted: &[usize], own: usize) -> Vec<Tried> {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
-        let seen = self.judged(fit, accepted, &all, |f, v| f.glance(v));
+        let seen = self.judged(fit, accepted, &all, Scored::Fitted);
         let best = seen.iter().map(|t| t.candidate).filter(|c| *c != own);
         let few: Vec<usize> = best.take(CONTENDERS).chain([own]).collect();
-        self.judged(fit, accepted, &few, |f, v| f.trial(v))
+        self.judged(fit, accepted, &few, Scored::LeftOut)
     }
 
     /// Those of some candidates that are admissible, tried on top of a fit, best first.
-    fn judged(
-        &self,
-        fit: &Fit,
-        accepted: &[usize],
-        some: &[usize],
-        trial: impl Fn(&Fit, &[Variable]) -> Trial + Sync,
-    ) -> Vec<Tried> {
+    fn judged(&self, fit: &Fit, accepted: &[usize], some: &[usize], scored: Scored) -> Vec<Tried> {
         let before = self.objective.of_fit(fit, 0);
         let places = self.places();
-        let mut all: Vec<Tried> = some
-            .par_iter()
-            .copied()
-            .filter(|&c| self.open(c, accepted))
+        let open = some.iter().filter(|&&c| self.open(c, accepted));
+        let open: Vec<usize> = open.copied().collect();
+        let columns: Vec<usize> = open.iter().flat_map(|&c| self.members[c].clone()).collect();
+        let beside = Beside::new(fit, &columns, scored);
+        let mut all: Vec<Tried> = open
+            .into_par_iter()
             .filter_map(|c| {
-                let trial = trial(fit, &self.variables(c));
+                let trial = beside.trial(&self.variables(c));
                 let gain = self.gain_among(c, before, &trial, &places)?;
                 Some(Tried {
                     candidate: c,
@@ -262,7 +259,7 @@ impl<'a> Search<'a> {
     /// Whether a candidate would be named first, beside nothing but the base.
     pub fn accepts(&self, candidate: usize) -> bool {
         let fit = self.fit(&[]);
-        let tried = self.judged(&fit, &[], &[candidate], |f, v| f.trial(v));
+        let tried = self.judged(&fit, &[], &[candidate], Scored::LeftOut);
         tried.first().is_some_and(|t| self.worth(&fit, t, &[]))
     }
 
@@ -289,7 +286,7 @@ impl<'a> Search<'a> {
         while i < accepted.len() {
             let others = without(accepted, i);
             let fit = self.fit(&others);
-            let tried = self.judged(&fit, &others, &[accepted[i]], |f, v| f.trial(v));
+            let tried = self.judged(&fit, &others, &[accepted[i]], Scored::LeftOut);
             if tried.first().is_some_and(|t| self.worth(&fit, t, &others)) {
                 i += 1;
             } else {
