@@ -169,7 +169,7 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         seed: *seed,
         hard: *hard,
         only,
-        without: without.as_deref().and_then(trials::cases::place),
+        without: without.as_deref().and_then(trials::cases::effect_index),
     };
     let scores = prove::prove(&draw, &options, out, || bar.inc(1))?;
     bar.finish_and_clear();
@@ -178,6 +178,7 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         report::say!("{stored} of the reports were there already.");
     }
     report::say!("{}", prove::table(&scores).to_text());
+    report::say!("{}", prove::rates_table(&scores).to_text());
     let said = prove::said(&scores, &options.settings.measure.confidence);
     if !said.is_empty() {
         report::say!("{}", prove::reliability_table(&said).to_text());

@@ -135,7 +135,7 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
             without,
         } => {
             let bar = bar(*cases, arguments.quiet);
-            let without = without.as_deref().and_then(cases::place);
+            let without = without.as_deref().and_then(cases::effect_index);
             let draw = |index| match hard {
                 true => cases::draw_hard(index, *seed),
                 false => cases::draw_without(index, *seed, without),

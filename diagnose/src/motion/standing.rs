@@ -218,12 +218,13 @@ mod tests {
     use super::*;
     use datasets::Recording;
 
-    /// A joint that turns for 4 s, then rests for 4 s.
-    fn frame() -> Frame {
+    /// A joint that turns for 4 s, then rests for 4 s, but for the way that it creeps from 5 to 6.5 s, rad/s.
+    fn frame(creep: f64) -> Frame {
         let time: Vec<f64> = (0..800).map(|i| 0.01 * f64::from(i)).collect();
         let q = Array2::from_shape_fn((800, 1), |(i, _)| {
             let t = time[i].min(4.0);
-            1.0 - (std::f64::consts::TAU * t / 4.0).cos()
+            let crept = creep * (time[i].min(6.5) - 5.0).max(0.0);
+            1.0 - (std::f64::consts::TAU * t / 4.0).cos() + crept
         });
         let tau = Array2::from_shape_fn((800, 1), |(i, _)| (0.3 * time[i]).sin());
         let recording = Recording::new("r", time, q, Some(tau.clone()));
@@ -232,7 +233,7 @@ mod tests {
 
     #[test]
     fn friction_at_rest_is_no_gap_and_a_push_is() {
-        let frame = frame();
+        let frame = frame(0.0);
         let coulomb = Coulomb {
             torque: vec![2.0],
             sign: Array2::zeros((800, 1)),
@@ -259,9 +260,37 @@ mod tests {
         );
     }
 
+    /// A joint that creeps down turns its friction down, before the way shows and after it has ended; a push that moves it down leaves
+    /// torque upwards.
+    #[test]
+    fn friction_that_turns_towards_a_creep_is_no_departure() {
+        let coulomb = Coulomb {
+            torque: vec![2.0],
+            sign: Array2::zeros((800, 1)),
+        };
+        let departure = |creep: f64, crept: f64| {
+            let residual =
+                Array2::from_shape_fn((800, 1), |(i, _)| if i < 490 { 1.5 } else { crept });
+            let judged = judge(
+                &frame(creep),
+                &residual,
+                &coulomb,
+                &MotionSettings::default(),
+            );
+            assert_eq!(judged.state[[600, 0]], State::Standing);
+            [600, 700].map(|i| judged.departure[[i, 0]])
+        };
+        assert_eq!(departure(-0.004, -2.2), [0.0, 0.0]);
+        let pushed = departure(-0.004, 6.0);
+        let still = departure(0.0, -2.2);
+        for size in [pushed, still].concat() {
+            assert!(size.abs() > 3.0, "{pushed:?} {still:?}");
+        }
+    }
+
     #[test]
     fn how_long_a_rest_is_judged_is_a_setting() {
-        let frame = frame();
+        let frame = frame(0.0);
         let longer = MotionSettings {
             rest: 5.0,
             ..MotionSettings::default()

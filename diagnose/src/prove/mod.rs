@@ -2,6 +2,7 @@
 
 mod calibration;
 mod named;
+mod rates;
 mod reliability;
 mod score;
 mod sizes;
@@ -23,6 +24,7 @@ use trials::cases::{
 
 pub use calibration::{left_out, table as weights_table};
 pub use named::Named;
+pub use rates::table as rates_table;
 pub use reliability::{said, table as reliability_table};
 pub use score::{Score, judge, mean};
 pub use sizes::detected_from;

@@ -51,7 +51,7 @@ pub struct CaseSpec {
 }
 
 /// Index into [`EFFECTS`] of the effect with a name.
-pub fn place(name: &str) -> Option<usize> {
+pub fn effect_index(name: &str) -> Option<usize> {
     EFFECTS.iter().position(|e| *e == name)
 }
 
@@ -101,7 +101,7 @@ pub fn draw_hard(index: u64, seed: u64) -> CaseSpec {
     let mut few: Vec<usize> = (0..EFFECTS.len()).collect();
     for (effect, count) in many
         .iter()
-        .filter_map(|(name, count)| Some((place(name)?, *count)))
+        .filter_map(|(name, count)| Some((effect_index(name)?, *count)))
     {
         kinds.extend(std::iter::repeat_n(Kind::Single(effect), count));
         few.retain(|e| *e != effect);

@@ -1,0 +1,237 @@
+//! The whole diagnosis of a pair of recordings.
+
+mod searched;
+mod units;
+
+pub use crate::outcome::Outcome;
+
+use crate::advice::patch;
+use crate::catalogue::effect::Effect;
+use crate::error::DiagnoseError;
+use crate::input::frames::Frames;
+use crate::input::recordings::{checked, not_identifiable, notes};
+use crate::ladder::scores::repeatability;
+use crate::measure::bounds::hold;
+use crate::measure::explain::{Explanation, Said, explain};
+use crate::measure::follow;
+use crate::measure::friction::friction;
+use crate::measure::learned::learned;
+use crate::measure::locate::locate;
+use crate::measure::moved::moved;
+use crate::measure::resonance::{resonances, standing_out};
+use crate::measure::verdict::{Evidence, remainder, verdict};
+use crate::motion::floor::floor;
+use crate::motion::rigid::rigid_torque;
+use crate::schema::{Cause, Diagnosis, Place, Simulation, Tested};
+use crate::search::find::Findings;
+use crate::settings::Settings;
+use crate::simulator::{NominalModel, possible};
+use crate::surrogates::Null;
+use datasets::Recording;
+use searched::{Channels, Searched, Searcher};
+
+/// What a diagnosis is to do.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// How gaps are weighed.
+    pub settings: Settings,
+    /// Effect that is left out of the catalogue, for the proof.
+    pub withheld: Option<Effect>,
+    /// Cut-off of the motion's low-pass, Hz; chosen from the fitted recording where none is given.
+    pub cutoff_hz: Option<f64>,
+    /// Train a compensator on what the causes leave.
+    pub learn: bool,
+    /// Simulate motion with the model as given and with the causes.
+    pub simulate: bool,
+    /// Surrogates of the recording that chance is told by; none are drawn for zero.
+    pub surrogates: u64,
+}
+
+/// Diagnoses the gap between a model and recordings.
+///
+/// # Errors
+/// A recording that cannot be used.
+pub fn diagnose(
+    model: &NominalModel,
+    data: &Recording,
+    heldout: &Recording,
+    options: &Options,
+) -> Result<Outcome, DiagnoseError> {
+    let settings = &options.settings;
+    let frames = Frames::new(model, data, heldout, options.cutoff_hz, &settings.input)?;
+    let channels = Channels::new(&frames, settings);
+    let Searched {
+        mut findings,
+        listing,
+        left,
+        judged,
+        contact,
+        look,
+        skipped,
+        null,
+        namings,
+    } = Searcher::new(model, &frames, &channels, options).searched()?;
+    let bounds = hold(model, &mut findings, &frames.scale);
+    let said = Said {
+        listing: &listing,
+        contact: contact.as_ref(),
+        dead: &channels.dead,
+        null: null.as_ref(),
+        namings: &namings,
+        left: &left,
+        look,
+    };
+    let explanation = explain(model, &frames, &findings, &said);
+    let names = model.robot.joint_names();
+    let floors = floor(
+        &model.robot,
+        data,
+        &frames.data,
+        &judged.state,
+        &settings.motion,
+    );
+    let judging = &settings.measure.verdict;
+    let dead = &channels.dead;
+    let rest = remainder(&floors, &judged, &skipped, &left, &names, dead, judging);
+    let pushed = |c: &Cause| c.effect == Effect::ExternalContact;
+    let evidence = Evidence {
+        dead,
+        moves: channels.moves,
+        given: listing.given,
+        left: &left,
+        rest: &rest,
+        causes: !explanation.causes.is_empty(),
+        pushed: explanation.causes.iter().any(pushed),
+        cut: explanation.cut,
+    };
+    let (verdict, reason) = verdict(&evidence, judging);
+    let mut quiet = listing.residual;
+    for (mut row, _) in quiet.rows_mut().into_iter().zip(&skipped).filter(|r| *r.1) {
+        row.fill(0.0);
+    }
+    let recordings = checked(model, &frames, [data, heldout]);
+    let mut ladder = explanation.ladder.clone();
+    let learned = if options.learn {
+        learned(&frames, &quiet, &findings.present, &settings.measure.said)?
+    } else {
+        None
+    };
+    if let Some(learned) = &learned {
+        let rest = &explanation.residual - &learned.torque;
+        let scored = &explanation.scored;
+        ladder.push(scored.step("learned", &rest, &frames.heldout));
+    }
+    ladder.extend(repeatability(heldout, &frames.heldout));
+    let simulation = if options.simulate {
+        simulated(model, &frames, &findings, &explanation)?
+    } else {
+        None
+    };
+    let mut unknowable = not_identifiable(&frames, recordings.first(), &names, &settings.input);
+    unknowable.extend(channels.unusable(&names));
+    let diagnosis = Diagnosis {
+        schema: "diagnosis/1",
+        joints: names.clone(),
+        verdict,
+        reason,
+        ladder,
+        places: places(model, &frames, &explanation, settings),
+        causes: units::of_causes(explanation.causes.clone(), &model.robot),
+        resonances: resonances(
+            &frames.data,
+            &standing_out(model, &frames, &findings),
+            &names,
+            &settings.measure.resonance,
+        ),
+        friction: friction(model, &frames, &findings),
+        moved_parameters: moved(model, &findings),
+        bounds,
+        candidates: tested(&findings, &names, null.as_ref()),
+        not_identifiable: unknowable,
+        recordings,
+        simulation,
+        next_experiment: None,
+        unexplained: rest,
+        notes: notes(&frames, &settings.input),
+    };
+    Ok(Outcome {
+        diagnosis,
+        findings,
+        frames,
+        explanation,
+        learned,
+        left,
+    })
+}
+
+/// Where the gap lies in the held-out recording.
+fn places(
+    model: &NominalModel,
+    frames: &Frames,
+    explanation: &Explanation,
+    settings: &Settings,
+) -> Vec<Place> {
+    let (robot, held) = (&model.robot, &frames.heldout);
+    let samples = held.samples();
+    let load = rigid_torque(robot, &samples.q, &samples.qd, &samples.qdd);
+    let places = locate(
+        &explanation.gap,
+        &held.tau,
+        &load,
+        samples,
+        &robot.joint_names(),
+        held.report().rate_hz,
+        settings,
+    );
+    units::of_places(places, robot)
+}
+
+/// Motion with the model as given and with the causes, where its links can be made possible bodies.
+fn simulated(
+    model: &NominalModel,
+    frames: &Frames,
+    findings: &Findings,
+    explanation: &Explanation,
+) -> Result<Option<Simulation>, DiagnoseError> {
+    let given = possible::robot(model.sizes(), &model.robot)?;
+    let patched = patch::robot(model, findings, &explanation.causes)?;
+    let held = &frames.heldout;
+    let before = follow::Model {
+        robot: &given,
+        torque: &(&held.tau - &explanation.gap),
+    };
+    let after = follow::Model {
+        robot: &patched,
+        torque: &(&held.tau - &explanation.residual),
+    };
+    Ok(follow::compare(held, &before, &after))
+}
+
+/// The best candidate of each effect and place beyond the accepted causes.
+fn tested(findings: &Findings, names: &[String], null: Option<&Null>) -> Vec<Tested> {
+    let most = findings.settings.measure.said.candidates;
+    let mut seen: Vec<(Effect, Vec<usize>, Option<usize>)> = Vec::new();
+    let mut out = Vec::new();
+    for t in findings
+        .accepted
+        .iter()
+        .flat_map(|a| &a.tried)
+        .chain(&findings.rest)
+    {
+        let c = &findings.candidates[t.candidate];
+        let key = (c.effect, c.joints.clone(), c.driver);
+        if seen.contains(&key) || out.len() >= most {
+            continue;
+        }
+        seen.push(key);
+        let given: f64 = c.joints.iter().map(|&j| findings.grams.total[j].yy).sum();
+        let now: f64 = c.joints.iter().map(|&j| t.error[j]).sum();
+        out.push(Tested {
+            effect: c.effect,
+            joints: c.joints.iter().map(|&j| names[j].clone()).collect(),
+            gap_closed: 1.0 - now / given.max(1e-300),
+            p_value: null.and_then(|n| n.p_value(c.effect, findings.earned(t))),
+        });
+    }
+    out
+}

@@ -1,0 +1,286 @@
+//! The search on the fitted recording, again and again: without what was pushed, and above what chance earns.
+
+use super::Options;
+use crate::catalogue::effect::Effect;
+use crate::error::DiagnoseError;
+use crate::input::frames::Frames;
+use crate::ladder::listing::{Listing, list};
+use crate::ladder::scores::{Scored, total};
+use crate::measure::verdict::{dead, moves};
+use crate::motion::scene::Scene;
+use crate::motion::standing::{Coulomb, Judged, judge, states};
+use crate::schema::NotIdentifiable;
+use crate::search::find::{Findings, find};
+use crate::settings::Settings;
+use crate::simulator::NominalModel;
+use crate::surrogates::{self, Naming, Null};
+use crate::traces::contact::{Contact, detect, suspected};
+use crate::traces::unknown::{Left, examine};
+use datasets::metrics::Scope;
+use ndarray::Array2;
+
+/// Which joints of the fitted recording can be judged.
+pub(super) struct Channels {
+    /// Joints without a usable torque channel.
+    pub dead: Vec<bool>,
+    /// Whether any of the others moves.
+    pub moves: bool,
+}
+
+impl Channels {
+    pub(super) fn new(frames: &Frames, settings: &Settings) -> Self {
+        let judging = &settings.measure.verdict;
+        let dead = dead(&frames.data, judging);
+        let states = states(&frames.data, &settings.motion);
+        Self {
+            moves: moves(&frames.data, &states, &dead, judging),
+            dead,
+        }
+    }
+
+    /// What the joints without a usable channel cannot show.
+    pub(super) fn unusable(&self, names: &[String]) -> Vec<NotIdentifiable> {
+        let dead = names.iter().zip(&self.dead).filter(|(_, dead)| **dead);
+        let said = dead.map(|(name, _)| NotIdentifiable {
+            effect: None,
+            joints: vec![name.clone()],
+            reason: format!(
+                "{name} has no usable torque channel: nearly every sample has one value"
+            ),
+        });
+        said.collect()
+    }
+}
+
+/// What one search says, some samples left out.
+struct Search {
+    findings: Findings,
+    listing: Listing,
+    left: Vec<Option<Left>>,
+    judged: Judged,
+    /// Torque that the links need at the recorded samples, shape (samples, joints).
+    load: Array2<f64>,
+}
+
+/// What the search came to.
+pub(super) struct Searched {
+    /// Accepted causes.
+    pub findings: Findings,
+    /// The same as they are listed.
+    pub listing: Listing,
+    /// Structure in what they leave, by joint.
+    pub left: Vec<Option<Left>>,
+    /// What they leave, by how the joints move.
+    pub judged: Judged,
+    /// Pushes in the fitted recording.
+    pub contact: Option<Contact>,
+    /// Whether pushes are looked for in the held-out recording; if so, whether in motion, too.
+    pub look: Option<bool>,
+    /// Recorded samples in a push or near one: fitted and scored nowhere.
+    pub skipped: Vec<bool>,
+    /// What chance earns on this recording, where surrogates were drawn.
+    pub null: Option<Null>,
+    /// How surely each accepted cause is named; empty where no surrogates were drawn.
+    pub namings: Vec<Option<Naming>>,
+}
+
+/// What all searches of one diagnosis share.
+pub(super) struct Searcher<'a> {
+    model: &'a NominalModel,
+    frames: &'a Frames,
+    channels: &'a Channels,
+    options: &'a Options,
+    /// Weights of the fitted rows, shape (rows, joints).
+    weight: Array2<f64>,
+}
+
+impl<'a> Searcher<'a> {
+    pub(super) fn new(
+        model: &'a NominalModel,
+        frames: &'a Frames,
+        channels: &'a Channels,
+        options: &'a Options,
+    ) -> Self {
+        let mut weight = frames.data.weights(&options.settings.motion);
+        let columns = weight.columns_mut().into_iter().zip(&channels.dead);
+        for (mut column, _) in columns.filter(|d| *d.1) {
+            column.fill(0.0);
+        }
+        Self {
+            model,
+            frames,
+            channels,
+            options,
+            weight,
+        }
+    }
+
+    /// Causes and pushes.
+    pub(super) fn searched(&self) -> Result<Searched, DiagnoseError> {
+        let samples = self.frames.data.tau.nrows();
+        let found = self.search(&self.weight, &vec![false; samples], 0.0)?;
+        let look = (self.options.withheld != Some(Effect::ExternalContact))
+            .then(|| !self.repeats(&found.left));
+        let contact = self.contact(&found, look)?;
+        let (found, contact, skipped) = self.apart(found, contact)?;
+        let weight = self.without(&skipped);
+        let (found, null, namings) = self.above_chance(found, &weight, &skipped)?;
+        Ok(Searched {
+            look: look.map(|_| !self.repeats(&found.left)),
+            findings: found.findings,
+            listing: found.listing,
+            left: found.left,
+            judged: found.judged,
+            contact,
+            skipped,
+            null,
+            namings,
+        })
+    }
+
+    /// One search without the samples that are `skipped`, which have no weight either.
+    fn search(
+        &self,
+        weight: &Array2<f64>,
+        skipped: &[bool],
+        chance: f64,
+    ) -> Result<Search, DiagnoseError> {
+        let (model, frames, settings) = (self.model, self.frames, &self.options.settings);
+        let (data, own) = (&frames.data, settings.clone());
+        let mut findings = find(model, frames, weight, own, self.options.withheld, chance)?;
+        let scored = Scored::new(&self.channels.dead, skipped.iter().map(|s| !s).collect());
+        let moves = self.channels.moves;
+        let listing = list(model, frames, &mut findings, weight, &scored, moves);
+        let left = examine(
+            data,
+            &listing.residual,
+            &data.pick(|i| skipped[i]),
+            settings,
+        );
+        let scene = Scene::new(&findings.present, frames.passage(), &frames.scale);
+        let load = data.table_to_samples(&scene.rigid);
+        let coulomb = Coulomb {
+            torque: listing.coulomb.clone(),
+            sign: data.table_to_samples(&scene.sign),
+        };
+        let judged = judge(data, &listing.residual, &coulomb, &settings.motion);
+        Ok(Search {
+            findings,
+            listing,
+            left,
+            judged,
+            load,
+        })
+    }
+
+    /// Weights without the samples that are `out`.
+    fn without(&self, out: &[bool]) -> Array2<f64> {
+        let mut weight = self.weight.clone();
+        let rows = weight.rows_mut().into_iter();
+        let near = rows.zip(self.frames.data.pick(|i| out[i]));
+        near.filter(|r| r.1).for_each(|(mut row, _)| row.fill(0.0));
+        weight
+    }
+
+    /// Whether what is left has structure, `learnable` or not.
+    fn structured(&self, left: &[Option<Left>], learnable: impl Fn(&Left) -> bool) -> bool {
+        let clear = self.options.settings.measure.verdict.clear;
+        let mut left = left.iter().flatten();
+        left.any(|l| l.structured() > clear && learnable(l))
+    }
+
+    /// Whether a learner predicts what is left from motion: that repeats, and is no contact.
+    fn repeats(&self, left: &[Option<Left>]) -> bool {
+        let most = self.options.settings.traces.contact.learnable;
+        self.structured(left, |l| l.learnable > most)
+    }
+
+    /// Pushes in what a search leaves; of joints in motion where `moving`.
+    fn pushed(&self, found: &Search, moving: bool) -> Option<Contact> {
+        let pushes = &self.options.settings.traces.contact;
+        let data = &self.frames.data;
+        let whole = Scored::new(&self.channels.dead, vec![true; data.tau.nrows()]);
+        let rest = whole.figures(&found.listing.residual, data, Scope::All);
+        let least = pushes.least(found.listing.given, total(&rest));
+        detect(data, &found.judged, &found.load, moving, pushes)
+            .filter(|c| c.at_rest || c.size > least)
+    }
+
+    /// Pushes of the whole recording, where they are looked for.
+    fn contact(
+        &self,
+        found: &Search,
+        look: Option<bool>,
+    ) -> Result<Option<Contact>, DiagnoseError> {
+        let contact = look.and_then(|moving| self.pushed(found, moving));
+        // A push on few trajectories bends the fit until nothing stands out any more.
+        if contact.is_some() || look != Some(true) || !self.structured(&found.left, |_| true) {
+            return Ok(contact);
+        }
+        let part = self.options.settings.traces.contact.suspected;
+        let suspected = suspected(&self.frames.data, &found.judged, part);
+        let clean = self.search(&self.without(&suspected), &suspected, 0.0)?;
+        Ok(self.pushed(&clean, true))
+    }
+
+    /// The search without the pushes, all pushes that it shows, and the samples left out for them: without the pushes the fit
+    /// shows the rest of them, and what is said has been cut.
+    fn apart(
+        &self,
+        mut found: Search,
+        mut contact: Option<Contact>,
+    ) -> Result<(Search, Option<Contact>, Vec<bool>), DiagnoseError> {
+        let data = &self.frames.data;
+        let mut skipped = vec![false; data.tau.nrows()];
+        let margin = self.options.settings.traces.contact.margin;
+        let margin = (margin * data.report().rate_hz) as usize;
+        let mut near = contact.as_ref().map(|c| c.pushed(skipped.len(), margin));
+        while let Some(cut) = near.take() {
+            let first = skipped.iter().all(|s| !s);
+            skipped.iter_mut().zip(cut).for_each(|(s, n)| *s |= n);
+            found = self.search(&self.without(&skipped), &skipped, 0.0)?;
+            let more = |c: &Contact| contact.as_ref().is_some_and(|known| c.size > known.size);
+            let again = || self.pushed(&found, !self.repeats(&found.left)).filter(more);
+            if first && let Some(all) = again() {
+                near = Some(all.pushed(skipped.len(), margin));
+                contact = Some(all);
+            }
+        }
+        Ok((found, contact, skipped))
+    }
+
+    /// What chance earns as well on this recording is no cause.
+    #[expect(
+        clippy::type_complexity,
+        reason = "a search, what chance earns, and namings: one call"
+    )]
+    fn above_chance(
+        &self,
+        mut found: Search,
+        weight: &Array2<f64>,
+        skipped: &[bool],
+    ) -> Result<(Search, Option<Null>, Vec<Option<Naming>>), DiagnoseError> {
+        let (model, frames, surrogates) = (self.model, self.frames, self.options.surrogates);
+        if surrogates == 0 || !self.channels.moves {
+            return Ok((found, None, Vec::new()));
+        }
+        let (null, namings) = surrogates::with(model, frames, &found.findings, weight, |source| {
+            let null = source.null(0..surrogates);
+            let stand = found.findings.least_earned() > null.level();
+            let namings = stand.then(|| source.namings(&found.findings));
+            (null, namings)
+        });
+        if let Some(namings) = namings {
+            return Ok((found, Some(null), namings));
+        }
+        found = self.search(weight, skipped, null.level())?;
+        // Where a cause is left beside parameters, it has to be named again.
+        let mut namings = Vec::new();
+        if found.findings.least_earned().is_finite() {
+            namings = surrogates::with(model, frames, &found.findings, weight, |source| {
+                source.namings(&found.findings)
+            });
+        }
+        Ok((found, Some(null), namings))
+    }
+}
