@@ -1,9 +1,11 @@
 //! The whole diagnosis of a pair of recordings.
 
+mod options;
 mod searched;
 mod units;
 
 pub use crate::outcome::Outcome;
+pub use options::Options;
 
 use crate::advice::patch;
 use crate::catalogue::effect::Effect;
@@ -29,23 +31,6 @@ use crate::simulator::{NominalModel, possible};
 use crate::surrogates::Null;
 use datasets::Recording;
 use searched::{Channels, Searched, Searcher};
-
-/// What a diagnosis is to do.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// How gaps are weighed.
-    pub settings: Settings,
-    /// Effect that is left out of the catalogue, for the proof.
-    pub withheld: Option<Effect>,
-    /// Cut-off of the motion's low-pass, Hz; chosen from the fitted recording where none is given.
-    pub cutoff_hz: Option<f64>,
-    /// Train a compensator on what the causes leave.
-    pub learn: bool,
-    /// Simulate motion with the model as given and with the causes.
-    pub simulate: bool,
-    /// Surrogates of the recording that chance is told by; none are drawn for zero.
-    pub surrogates: u64,
-}
 
 /// Diagnoses the gap between a model and recordings.
 ///

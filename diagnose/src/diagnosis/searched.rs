@@ -1,6 +1,6 @@
 //! The search on the fitted recording, again and again: without what was pushed, and above what chance earns.
 
-use super::Options;
+use super::options::Options;
 use crate::catalogue::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
