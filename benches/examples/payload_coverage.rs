@@ -3,13 +3,16 @@
 //! `cargo run --release -p benches --example payload_coverage -- --draws 40 --arm ur5|seven` simulates an arm without and with
 //! a random body, identifies the first recording as `train --physics-only` does, estimates the body from the second, and
 //! prints by figure the mean error in deviations, its spread, and how many of the figures lie within two and three deviations.
+//! `--gains` does the same of the gains of drives whose torque constants are wrong, with the body as a known one.
 
 use clap::Parser;
+use model::directory::ModelFile;
 use model::identify::identification::IdentifyOptions;
+use model::payload::gains::{self, GainOptions, KnownBody};
 use model::payload::{Figure, PayloadOptions, estimate};
 use model::physics_fit::{FitOptions, fit_physics};
 use rayon::prelude::*;
-use trials::protocols::payload::{LoadedArm, loaded};
+use trials::protocols::payload::{Loaded, LoadedArm, loaded};
 
 /// Coverage of the payload's deviations on a simulated arm.
 #[derive(Parser)]
@@ -29,6 +32,9 @@ struct Arguments {
     /// The stored model has viscous and Coulomb friction alone, as train --basic.
     #[arg(long)]
     basic: bool,
+    /// The gains of drives with wrong torque constants, from the body as one that is known, instead of the body.
+    #[arg(long)]
+    gains: bool,
     /// A line for every body.
     #[arg(long)]
     each: bool,
@@ -40,7 +46,10 @@ const NAMES: [&str; 10] = [
 
 /// Estimate and truth of each figure of one body.
 fn one(arm: LoadedArm, arguments: &Arguments, seed: u64) -> Vec<(Option<Figure>, f64)> {
-    let made = loaded(arm, arguments.plain, seed).expect("the arm is possible");
+    let mut made = loaded(arm, arguments.plain, seed).expect("the arm is possible");
+    if arguments.gains {
+        made = made.with_wrong_drives(seed);
+    }
     let options = FitOptions {
         identify: IdentifyOptions {
             select: !arguments.basic,
@@ -55,6 +64,9 @@ fn one(arm: LoadedArm, arguments: &Arguments, seed: u64) -> Vec<(Option<Figure>,
         &options,
     )
     .expect("the recording can be fitted");
+    if arguments.gains {
+        return drives(&fit.file, &made);
+    }
     let found = estimate(&fit.file, &made.with, &PayloadOptions::default())
         .expect("the body can be estimated");
     let (about, com) = (made.body.about_com(), made.body.com());
@@ -69,6 +81,25 @@ fn one(arm: LoadedArm, arguments: &Arguments, seed: u64) -> Vec<(Option<Figure>,
     figures.zip(truth).collect()
 }
 
+/// Estimate and truth of the gain of each joint's drive.
+fn drives(file: &ModelFile, made: &Loaded) -> Vec<(Option<Figure>, f64)> {
+    let (about, com) = (made.body.about_com(), made.body.com());
+    let inertia = [
+        about.m11, about.m12, about.m22, about.m13, about.m23, about.m33,
+    ];
+    let known = KnownBody::new(made.body.mass, Some(com.into()), Some(inertia))
+        .expect("the body is a possible one");
+    let found = gains::estimate(
+        file,
+        &made.without,
+        &made.with,
+        &known,
+        &GainOptions::default(),
+    )
+    .expect("some gain is told");
+    std::iter::zip(found.gain, made.gains.iter().copied()).collect()
+}
+
 fn main() {
     let arguments = Arguments::parse();
     let arm = match arguments.arm.as_str() {
@@ -80,7 +111,7 @@ fn main() {
         .into_par_iter()
         .map(|seed| one(arm, &arguments, seed))
         .collect();
-    if arguments.each {
+    if arguments.each && !arguments.gains {
         for figures in &all {
             if let (Some(mass), truth) = &figures[0] {
                 println!(
@@ -104,7 +135,11 @@ fn main() {
         "in 2σ",
         "in 3σ"
     );
-    for (k, name) in NAMES.iter().enumerate() {
+    let names: Vec<String> = match arguments.gains {
+        true => (1..=all[0].len()).map(|j| format!("gain {j}")).collect(),
+        false => NAMES.map(str::to_owned).to_vec(),
+    };
+    for (k, name) in names.iter().enumerate() {
         let told: Vec<(f64, f64)> = all
             .iter()
             .filter_map(|figures| {

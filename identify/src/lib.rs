@@ -2,7 +2,8 @@
 //!
 //! The numerics alone, on rows or on sums of products; which rows a recording gives is the caller's business. In the
 //! order of use: [`excitation`] finds a motion, [`base`] which parameters a motion can tell at all, [`least_squares`]
-//! and [`iterative`] estimate them, [`feasible`] holds links to possible bodies, [`residuals`] judges what is left.
+//! and [`iterative`] estimate them, [`total_least_squares`] does where columns are noisy too, [`feasible`] holds links to
+//! possible bodies, [`residuals`] judges what is left.
 #![forbid(unsafe_code)]
 
 pub mod base;
@@ -11,3 +12,4 @@ pub mod feasible;
 pub mod iterative;
 pub mod least_squares;
 pub mod residuals;
+pub mod total_least_squares;

@@ -180,7 +180,13 @@ impl From<PayloadError> for Failure {
     fn from(error: PayloadError) -> Self {
         match error {
             PayloadError::Evaluate(e) => e.into(),
-            PayloadError::LeastSquares(_) => Self::other(error.to_string()),
+            PayloadError::LeastSquares(_) | PayloadError::Feasibility(_) => {
+                Self::other(error.to_string())
+            }
+            PayloadError::NoGain { .. } => Self::input(
+                error.to_string(),
+                "Carry a heavier body, farther from the joints, and record a longer motion of all of them.",
+            ),
             PayloadError::NoTorque(_) => Self::input(
                 error.to_string(),
                 "Record torque or current beside the motion; a drive file names other columns.",

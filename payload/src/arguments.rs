@@ -1,9 +1,11 @@
 //! The command line.
 
 use clap::Parser;
+use model::payload::gains::KnownBody;
 use std::path::PathBuf;
 
-/// Tells mass, centre of mass and inertia of a body on the last link, from a recording with it and a model without it.
+/// Tells mass, centre of mass and inertia of a body on the last link, from a recording with it and a model without it; with --known
+/// and --without the gains of the joints' drives, from a body that is known.
 #[derive(Debug, Parser)]
 #[command(name = "payload", version)]
 pub struct Arguments {
@@ -22,6 +24,23 @@ pub struct Arguments {
     /// How far friction may have changed since the model was made: one standard deviation, relative.
     #[arg(long, value_name = "PART", default_value_t = 0.1, value_parser = part)]
     pub friction_change: f64,
+    /// What is known of the body, in the last joint's frame: MASS, MASS,X,Y,Z or MASS,X,Y,Z,Ixx,Ixy,Iyy,Ixz,Iyz,Izz (kg, m, kg·m²
+    /// about the centre of mass). The gains of the drives are told instead of the body.
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        requires = "without",
+        allow_hyphen_values = true
+    )]
+    pub known: Option<KnownBody>,
+    /// Recording of the robot without the body, for --known.
+    #[arg(
+        long,
+        value_name = "REC",
+        requires = "known",
+        conflicts_with = "friction_change"
+    )]
+    pub without: Option<PathBuf>,
     /// Write the figures as JSON.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

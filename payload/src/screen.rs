@@ -1,5 +1,6 @@
 //! What a person reads.
 
+use model::payload::gains::DriveGains;
 use model::payload::{Figure, Payload};
 use report::{Cell, Column, Table, say, say_text};
 
@@ -49,8 +50,44 @@ pub fn print(found: &Payload, source: &str) {
         table = table.row([Cell::text(joint), without, with]);
     }
     say_text!(table.to_text());
+    say_notes(&found.notes);
+}
+
+/// Prints the gains of all joints; `sources`: recordings without and with the body.
+pub fn print_gains(found: &DriveGains, sources: [&str; 2]) {
+    let [without, with] = found.samples;
+    let [free, carrying] = sources;
+    say!("{free}: {without} samples without, {carrying}: {with} samples with the known body\n");
+    let mut table = Table::new([
+        Column::text("joint"),
+        Column::number("gain"),
+        Column::number("possible links"),
+        Column::number("ordinary least squares"),
+        Column::number("left / N·m"),
+    ]);
+    let cell = |value: Option<f64>, digits: usize| {
+        value.map_or_else(|| Cell::text("–"), |v| Cell::significant(v, digits))
+    };
+    for (j, joint) in found.joints.iter().enumerate() {
+        let gain = found.gain[j].map_or_else(
+            || Cell::text("not told"),
+            |f: Figure| Cell::with_std(f.value, f.std),
+        );
+        table = table.row([
+            Cell::text(joint),
+            gain,
+            cell(found.possible[j], 4),
+            cell(found.ordinary[j], 4),
+            cell(found.rmse[j], 3),
+        ]);
+    }
+    say_text!(table.to_text());
+    say_notes(&found.notes);
+}
+
+fn say_notes(notes: &[String]) {
     say!();
-    for note in &found.notes {
+    for note in notes {
         say_text!(report::wrapped(note, WIDTH, ""));
     }
 }

@@ -79,6 +79,9 @@ enum What {
         /// The arm without anything that a rigid model with viscous and Coulomb friction lacks.
         #[arg(long)]
         plain: bool,
+        /// Torque as drives with wrong torque constants record it; truth.json holds the gains that undo it.
+        #[arg(long)]
+        wrong_drives: bool,
     },
 }
 
@@ -167,8 +170,13 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
             arm,
             seed,
             plain,
+            wrong_drives,
         } => {
-            for file in loaded(*arm, *plain, *seed)?.write(out)? {
+            let mut made = loaded(*arm, *plain, *seed)?;
+            if *wrong_drives {
+                made = made.with_wrong_drives(*seed);
+            }
+            for file in made.write(out)? {
                 report::say!("{}", file.display());
             }
             Ok(())

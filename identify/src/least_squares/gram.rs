@@ -131,6 +131,27 @@ impl Gram {
         })
     }
 
+    /// The sums over the rows of all.
+    ///
+    /// # Errors
+    /// None at all, or different numbers of columns.
+    pub fn sum(all: &[Gram]) -> Result<Gram, LeastSquaresError> {
+        let (first, rest) = all.split_first().ok_or(LeastSquaresError::NoRows)?;
+        rest.iter().try_fold(first.clone(), |sum, g| sum.plus(g))
+    }
+
+    /// The sums over these rows without those of `other`, which are among them.
+    ///
+    /// # Errors
+    /// Different numbers of columns.
+    pub fn less(&self, other: &Gram) -> Result<Gram, LeastSquaresError> {
+        check_size("the other system", other.columns(), self.columns())?;
+        Ok(Gram {
+            products: &self.products - &other.products,
+            rows: self.rows.saturating_sub(other.rows),
+        })
+    }
+
     /// Least squares on the columns of `subset`, with `ridge` relative to the norm of each column (1e-6 is the
     /// least that squared condition numbers leave room for; smaller values are raised to it). `None` where
     /// the columns are numerically dependent all the same.

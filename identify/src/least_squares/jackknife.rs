@@ -47,13 +47,7 @@ pub fn block_covariance(
         .map(|i| estimate.covariance[(i, i)].max(finest[(i, i)]))
         .collect();
     while level.len() / 2 >= FEWEST {
-        level = level
-            .chunks(2)
-            .map(|pair| match pair {
-                [a, b] => a.plus(b),
-                one => Ok(one[0].clone()),
-            })
-            .collect::<Result<_, _>>()?;
+        level = joined(&level)?;
         let variance = jackknife(&level, estimate, ridge, held)?;
         for (largest, new) in std::iter::zip(&mut largest, variance.diag()) {
             *largest = largest.max(*new);
@@ -70,6 +64,47 @@ pub fn block_covariance(
             0.0
         }
     }))
+}
+
+/// Deviations of any estimate from the sums of blocks of rows that follow each other: it is made again without each of them.
+///
+/// Blocks are joined two by two, and each value keeps its largest deviation, as in [`block_covariance`]; none where there are fewer than
+/// 24 blocks.
+///
+/// # Errors
+/// Blocks of different numbers of columns; whatever the estimate fails with.
+pub fn refitted_deviations<E: From<LeastSquaresError>>(
+    blocks: &[Gram],
+    estimate: impl Fn(&Gram) -> Result<Vec<f64>, E>,
+) -> Result<Option<Vec<f64>>, E> {
+    let mut level: Vec<Gram> = blocks.iter().filter(|b| b.rows() > 0).cloned().collect();
+    let mut largest: Option<Vec<f64>> = None;
+    while level.len() >= FEWEST {
+        let whole = Gram::sum(&level)?;
+        let made: Vec<Vec<f64>> = level
+            .iter()
+            .map(|block| estimate(&whole.less(block)?))
+            .collect::<Result<_, E>>()?;
+        let count = made.len() as f64;
+        let deviations = (0..made[0].len()).map(|i| {
+            let mean = made.iter().map(|m| m[i]).sum::<f64>() / count;
+            let squares: f64 = made.iter().map(|m| (m[i] - mean).powi(2)).sum();
+            ((count - 1.0) / count * squares).sqrt()
+        });
+        largest = Some(match largest {
+            None => deviations.collect(),
+            Some(before) => std::iter::zip(before, deviations)
+                .map(|(a, b)| a.max(b))
+                .collect(),
+        });
+        level = joined(&level)?;
+    }
+    Ok(largest)
+}
+
+/// Neighbouring blocks joined two by two.
+fn joined(blocks: &[Gram]) -> Result<Vec<Gram>, LeastSquaresError> {
+    blocks.chunks(2).map(Gram::sum).collect()
 }
 
 fn jackknife(

@@ -17,7 +17,7 @@ mod tests;
 
 pub use condition::{SubRegressors, condition_number};
 pub use gram::{Gram, GramFit};
-pub use jackknife::block_covariance;
+pub use jackknife::{block_covariance, refitted_deviations};
 pub use solve::{Estimate, Prior, SolveOptions, solve};
 pub use triangle::{Accumulator, Triangle};
 
@@ -52,6 +52,12 @@ pub enum LeastSquaresError {
     #[error("the prior standard deviation of column {column} is not positive")]
     BadPrior {
         /// The column.
+        column: usize,
+    },
+    /// A noise whose standard deviation is not positive.
+    #[error("the noise of column {column} has no positive standard deviation")]
+    BadNoise {
+        /// The column, among the noisy ones.
         column: usize,
     },
     /// The iteration of a decomposition did not converge.

@@ -10,6 +10,7 @@
 //! zᵀ Σ⁻¹ z, so that its deviations hold both.
 
 mod body;
+pub mod gains;
 mod noise;
 mod size;
 mod system;
@@ -21,6 +22,7 @@ use crate::evaluation::EvaluateError;
 use crate::predict::predict_noted;
 use crate::preparation::units::{Degrees, refuse_degrees};
 use crate::session::Session;
+use ::identify::feasible::FeasibilityError;
 use ::identify::least_squares::LeastSquaresError;
 use datasets::Recording;
 use datasets::prepare::PrepareError;
@@ -84,9 +86,22 @@ pub enum PayloadError {
     /// Nothing in the recording moves or weighs.
     #[error("{0}: no torque of this motion depends on the payload's mass or its moments")]
     Nothing(String),
+    /// No drive's gain can be told.
+    #[error(
+        "{file}: no joint's gain is told to {percent:.0} %: the known body's torque is too small beside what the model leaves"
+    )]
+    NoGain {
+        /// The recording with the body.
+        file: String,
+        /// Deviation asked for, %.
+        percent: f64,
+    },
     /// Least squares.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),
+    /// Possible links.
+    #[error(transparent)]
+    Feasibility(#[from] FeasibilityError),
 }
 
 impl From<TorqueModelError> for PayloadError {
@@ -113,14 +128,7 @@ pub fn estimate(
     recording: &Recording,
     options: &PayloadOptions,
 ) -> Result<Payload, PayloadError> {
-    if recording.dof() != file.joints.len() {
-        return Err(PayloadError::Evaluate(EvaluateError::Joints {
-            found: recording.dof(),
-            file: recording.source.clone(),
-            expected: file.joints.len(),
-            robot: file.physics.robot.clone(),
-        }));
-    }
+    refuse_joints(file, recording)?;
     let tau = recording
         .tau
         .as_ref()
@@ -179,6 +187,18 @@ pub fn estimate(
         rmse_without: rms(&without),
         rmse_with: rms(&residual),
     })
+}
+
+fn refuse_joints(file: &ModelFile, recording: &Recording) -> Result<(), PayloadError> {
+    if recording.dof() == file.joints.len() {
+        return Ok(());
+    }
+    Err(PayloadError::Evaluate(EvaluateError::Joints {
+        found: recording.dof(),
+        file: recording.source.clone(),
+        expected: file.joints.len(),
+        robot: file.physics.robot.clone(),
+    }))
 }
 
 /// Recorded torque less that of the model, with the body on its last link where one is given.

@@ -4,44 +4,62 @@ use crate::session::Session;
 use ::identify::residuals::residual_tests;
 use datasets::Recording;
 use datasets::metrics::MOVING;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 
-/// What each row is multiplied by, shape (samples, joints): one over the deviation of what the fit leaves on its joint, in
-/// motion or at rest and around reversals, times the root of how many neighbours tell the same (n over effective samples).
+/// What each row is multiplied by, shape (samples, joints): see [`weights`].
 pub(super) fn scale(left: &Array2<f64>, session: &Session, recording: &Recording) -> Array2<f64> {
     let qd = &session.parts[0].at_samples.qd;
-    let breaks = recording.starts();
-    let mut scale = Array2::zeros(left.raw_dim());
-    for (j, mut target) in scale.columns_mut().into_iter().enumerate() {
-        let (e, v) = (left.column(j).to_vec(), qd.column(j).to_vec());
-        let deviation = |moving: bool| {
-            let mine = e
-                .iter()
-                .zip(&v)
-                .filter(|(_, v)| (v.abs() > MOVING) == moving);
+    let weights = weights(left, qd, &recording.starts());
+    Array2::from_shape_fn(left.raw_dim(), |(k, j)| weights[j][moving(qd[[k, j]])])
+}
+
+/// What the rows of each joint are multiplied by, those at rest and around reversals and those in motion: one over the
+/// deviation of what the fit leaves there, and over the root of how many neighbours tell the same (samples over effective ones).
+///
+/// `left` and `qd` of shape (samples, joints), `starts` the first row of each trajectory.
+pub(super) fn weights(left: &Array2<f64>, qd: &Array2<f64>, starts: &[usize]) -> Vec<[f64; 2]> {
+    let joints = left.columns().into_iter().zip(qd.columns());
+    let of = |(e, v): (ArrayView1<f64>, ArrayView1<f64>)| {
+        let (e, v) = (e.to_vec(), v.to_vec());
+        let deviation = |regime: usize| {
+            let mine = e.iter().zip(&v).filter(|(_, v)| moving(**v) == regime);
             let (sum, count) = mine.fold((0.0, 0usize), |(s, n), (e, _)| (s + e * e, n + 1));
             (count > 0).then(|| (sum / count as f64).sqrt())
         };
         let largest = e.iter().fold(f64::MIN_POSITIVE, |m, e| m.max(e.abs()));
         // A residual too short or too even to be tested counts as independent.
-        let alike = residual_tests(&e, &e, &v, &breaks)
+        let alike = residual_tests(&e, &e, &v, starts)
             .map_or(1.0, |t| t.samples as f64 / t.serial.effective_samples);
-        let [standing, moving] = [false, true].map(|m| {
-            let sigma = deviation(m).unwrap_or(largest).max(1e-9 * largest);
+        [0, 1].map(|regime| {
+            let sigma = deviation(regime).unwrap_or(largest).max(1e-9 * largest);
             1.0 / (sigma * alike.sqrt())
-        });
-        for (target, v) in target.iter_mut().zip(&v) {
-            *target = if v.abs() > MOVING { moving } else { standing };
-        }
-    }
-    scale
+        })
+    };
+    joints.map(of).collect()
+}
+
+/// Root mean square of one joint's residual in units of its weights.
+pub(super) fn weighted_rms(
+    left: &Array2<f64>,
+    qd: &Array2<f64>,
+    weights: &[[f64; 2]],
+    joint: usize,
+) -> f64 {
+    let rows = left.column(joint).into_iter().zip(qd.column(joint));
+    let squares = rows.map(|(e, v)| (e * weights[joint][moving(*v)]).powi(2));
+    (squares.sum::<f64>() / left.nrows().max(1) as f64).sqrt()
+}
+
+/// 1 in motion, 0 at rest and around reversals.
+fn moving(qd: f64) -> usize {
+    usize::from(qd.abs() > MOVING)
 }
 
 /// Root mean square of the part of a residual that neighbouring samples share, joint by joint: what a model leaves that is no
 /// noise.
 pub(super) fn shared(left: &Array2<f64>, recording: &Recording) -> Vec<f64> {
     let breaks = recording.starts();
-    let of = |column: ndarray::ArrayView1<f64>| {
+    let of = |column: ArrayView1<f64>| {
         let e = column.to_vec();
         residual_tests(&e, &e, &e, &breaks)
             .map_or(0.0, |t| t.std * t.serial.lag_one.max(0.0).sqrt())

@@ -56,6 +56,8 @@ pub struct Loaded {
     pub with: Recording,
     /// The body, in the last joint's frame.
     pub body: Inertia,
+    /// What the recorded torque of each joint is to be multiplied by: ones, but for [`Loaded::with_wrong_drives`].
+    pub gains: Vec<f64>,
 }
 
 /// Trajectories without the body, and the length of all, s.
@@ -100,6 +102,7 @@ pub fn loaded(arm: LoadedArm, plain: bool, seed: u64) -> Result<Loaded, Simulate
         without: one(machine.record(&without, 1, seed, &|_| {})?),
         with: one(carrying.record(&with, 1, seed ^ 0x9e37_79b9, &|_| {})?),
         body,
+        gains: vec![1.0; n],
     })
 }
 
@@ -142,6 +145,21 @@ fn seven() -> Machine {
 }
 
 impl Loaded {
+    /// The same with torque constants that are wrong by a factor between 0.8 and 1.25 in each joint's drive, noise and all.
+    pub fn with_wrong_drives(mut self, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x6a09_e667);
+        for (j, gain) in self.gains.iter_mut().enumerate() {
+            *gain = rng.random_range(0.8_f64.ln()..1.25_f64.ln()).exp();
+            for tau in [&mut self.without.tau, &mut self.with.tau]
+                .into_iter()
+                .flatten()
+            {
+                tau.column_mut(j).mapv_inplace(|v| v / *gain);
+            }
+        }
+        self
+    }
+
     /// Writes `robot.urdf`, `without.parquet`, `with.parquet` and `truth.json` into `folder`; returns the files.
     ///
     /// # Errors
@@ -166,6 +184,7 @@ impl Loaded {
             "mass": self.body.mass,
             "com": self.body.com().as_slice(),
             "inertia": [about.m11, about.m12, about.m22, about.m13, about.m23, about.m33],
+            "gains": self.gains,
         });
         write_whole(&truth, &format!("{value:#}\n"))?;
         Ok(vec![urdf, without, with, truth])

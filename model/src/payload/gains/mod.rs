@@ -1,0 +1,312 @@
+//! Gains of the joints' drives from a recording without and one with a body of known parameters.
+//!
+//! With τ_j as recorded (a current times a torque constant that is off) and g_j the gain that it is off by, each sample of each
+//! joint is g_j τ_j = Y_j β + F_j φ_j, and with the body + Y_b p on the right. Without a known p all of it could be scaled
+//! at once; the known part of p is the scale (Gautier and Briot 2014, see [`identify::total_least_squares`]). Motion counts
+//! as exact and what the model leaves as noise of the recorded torque. With noise of joint j in units of its own rows the right
+//! singular vector is the estimate of largest likelihood, so that rows and columns are scaled by what the pass before left.
+
+mod known;
+mod rows;
+
+pub use known::{KnownBody, KnownBodyError};
+
+use super::{Figure, PayloadError, noise, refuse_joints};
+use crate::directory::ModelFile;
+use crate::evaluation::EvaluateError;
+use crate::preparation::units::refuse_degrees;
+use crate::session::Session;
+use ::identify::base::BaseParameters;
+use ::identify::feasible::{Constraints, Feasibility, Nominal};
+use ::identify::least_squares::{Gram, LeastSquaresError, refitted_deviations};
+use ::identify::total_least_squares::{total, without_noise};
+use datasets::Recording;
+use datasets::prepare::Prepared;
+use faer::Mat;
+use ndarray::Array2;
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use rows::{Block, Rows};
+use serde::Serialize;
+
+/// Settings of [`estimate`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct GainOptions {
+    /// Cut-off of the motion's low-pass instead of the model's own, Hz.
+    pub cutoff_hz: Option<f64>,
+    /// Largest deviation of a gain that is told, relative to it. Default 0.1.
+    pub widest: f64,
+}
+
+impl Default for GainOptions {
+    fn default() -> Self {
+        Self {
+            cutoff_hz: None,
+            widest: 0.1,
+        }
+    }
+}
+
+/// What the recorded torque of each joint is to be multiplied by.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DriveGains {
+    /// `drive_gains/1`.
+    pub schema: &'static str,
+    /// Joint names.
+    pub joints: Vec<String>,
+    /// Samples of the recording without and of that with the body.
+    pub samples: [usize; 2],
+    /// What was known of the body: standard parameters in the last joint's frame.
+    pub known: KnownBody,
+    /// Gains by total least squares; none where they are not told.
+    pub gain: Vec<Option<Figure>>,
+    /// The same by ordinary least squares, which are too small where noise is large beside the body's torque.
+    pub ordinary: Vec<Option<f64>>,
+    /// The same by total least squares among robots whose links are possible bodies.
+    pub possible: Vec<Option<f64>>,
+    /// Root mean square that both recordings leave, N·m (N) after the gain.
+    pub rmse: Vec<Option<f64>>,
+    /// What the figures depend on, in words.
+    pub notes: Vec<String>,
+}
+
+/// Passes that take noise from what the one before leaves, at most.
+const PASSES: usize = 30;
+/// Change of all gains, relative, below which a pass was the last.
+const STILL: f64 = 1e-5;
+/// What the first pass takes as noise, as a part of the recorded torque.
+const FIRST: f64 = 0.1;
+
+/// Estimates the gains of all joints whose drive the body tells.
+///
+/// # Errors
+/// See [`PayloadError`].
+pub fn estimate(
+    file: &ModelFile,
+    without: &Recording,
+    with: &Recording,
+    body: &KnownBody,
+    options: &GainOptions,
+) -> Result<DriveGains, PayloadError> {
+    let recorded = [torque(file, without)?, torque(file, with)?];
+    let prepared = [without, with].map(|r| prepare(file, r, options.cutoff_hz));
+    let [first, second] = prepared;
+    // Both on a clock of their own: the stored model's memory is of its training.
+    let session = Session::new(vec![first?, second?], &[]);
+    let model = file.physics.model()?;
+    let base = BaseParameters::of_robot(model.robot(), &[]);
+    let rows = Rows::new(&model, &base, &session, recorded, body);
+    let blocks = rows.blocks()?;
+    let starts: Vec<usize> = without
+        .starts()
+        .into_iter()
+        .chain(with.starts().into_iter().map(|s| s + without.len()))
+        .collect();
+    let mut chosen: Vec<usize> = (0..model.dof()).collect();
+    let found = loop {
+        let fit = Fit::new(&rows, &blocks, &starts, recorded, &chosen)?;
+        let worst = fit.widest();
+        if worst.1 <= options.widest {
+            break fit;
+        }
+        chosen.remove(worst.0);
+        if chosen.is_empty() {
+            return Err(PayloadError::NoGain {
+                file: with.source.clone(),
+                percent: 100.0 * options.widest,
+            });
+        }
+    };
+    let possible = found.possible(&rows, &base, &file.physics.nominal()?)?;
+    let n = model.dof();
+    let spread = |values: &[f64]| -> Vec<Option<f64>> {
+        let place = |j: usize| chosen.iter().position(|&c| c == j);
+        (0..n).map(|j| place(j).map(|at| values[at])).collect()
+    };
+    let std = spread(&found.std);
+    let gain = std::iter::zip(spread(&found.gain), std)
+        .map(|(value, std)| {
+            Some(Figure {
+                value: value?,
+                std: std?,
+            })
+        })
+        .collect();
+    Ok(DriveGains {
+        schema: "drive_gains/1",
+        joints: file.joints.clone(),
+        samples: [without.len(), with.len()],
+        known: *body,
+        ordinary: spread(&found.ordinary),
+        possible: spread(&possible),
+        rmse: spread(&found.rmse),
+        notes: notes(file, &chosen, body),
+        gain,
+    })
+}
+
+fn torque<'a>(file: &ModelFile, recording: &'a Recording) -> Result<&'a Array2<f64>, PayloadError> {
+    refuse_joints(file, recording)?;
+    refuse_degrees(&file.physics.nominal()?, recording)?;
+    let none = || PayloadError::NoTorque(recording.source.clone());
+    recording.tau.as_ref().ok_or_else(none)
+}
+
+fn prepare(
+    file: &ModelFile,
+    recording: &Recording,
+    cutoff_hz: Option<f64>,
+) -> Result<Prepared, PayloadError> {
+    let prepared = file.preprocessing.prepare(recording, cutoff_hz);
+    prepared.map_err(|source| {
+        PayloadError::Evaluate(EvaluateError::Prepare {
+            file: recording.source.clone(),
+            source,
+        })
+    })
+}
+
+/// An estimate of the gains of the joints chosen, in their order.
+struct Fit {
+    gain: Vec<f64>,
+    std: Vec<f64>,
+    ordinary: Vec<f64>,
+    rmse: Vec<f64>,
+    /// Sums of all rows as weighted in the last pass, and the noise of the gains' columns in the same units.
+    whole: Gram,
+    noise: Vec<f64>,
+}
+
+impl Fit {
+    fn new(
+        rows: &Rows,
+        blocks: &[Block],
+        starts: &[usize],
+        recorded: [&Array2<f64>; 2],
+        chosen: &[usize],
+    ) -> Result<Self, LeastSquaresError> {
+        let joints = rows.qd.ncols();
+        let mut scale = vec![[0.0; 2]; joints];
+        let mut noise = vec![1.0; chosen.len()];
+        for (at, &j) in chosen.iter().enumerate() {
+            let squares: f64 = recorded.iter().map(|t| t.column(j).dot(&t.column(j))).sum();
+            let samples = recorded[0].nrows() + recorded[1].nrows();
+            let size = FIRST * (squares / samples as f64).sqrt().max(f64::MIN_POSITIVE);
+            scale[j] = [1.0 / size; 2];
+            noise[at] = 1.0;
+        }
+        let mut gain = vec![1.0; chosen.len()];
+        let mut pass = 0;
+        loop {
+            let parts = blocks
+                .iter()
+                .map(|b| rows.weighted(b, chosen, &scale))
+                .collect::<Result<Vec<_>, _>>()?;
+            let whole = Gram::sum(&parts)?;
+            let found = total(&whole, &noise)?;
+            let new = &found.parameters[rows.width..];
+            let moved = std::iter::zip(&gain, new).map(|(old, new)| (new / old - 1.0).abs());
+            let still = moved.fold(0.0, f64::max) < STILL;
+            gain = new.to_vec();
+            pass += 1;
+            let left = rows.left(chosen, &found.parameters);
+            if still || pass == PASSES {
+                let refit =
+                    |g: &Gram| total(g, &noise).map(|t| t.parameters[rows.width..].to_vec());
+                let std = refitted_deviations(&parts, refit)?;
+                let every: Vec<usize> = (0..whole.columns()).collect();
+                let ordinary = whole
+                    .fit(&every, 0.0)?
+                    .ok_or(LeastSquaresError::Decomposition)?;
+                return Ok(Self {
+                    std: std.unwrap_or_else(|| vec![f64::INFINITY; chosen.len()]),
+                    ordinary: ordinary.parameters[rows.width..].to_vec(),
+                    rmse: chosen.iter().map(|&j| super::rms(&left)[j]).collect(),
+                    gain,
+                    whole,
+                    noise,
+                });
+            }
+            let weights = noise::weights(&left, &rows.qd, starts);
+            for (at, &j) in chosen.iter().enumerate() {
+                scale[j] = weights[j];
+                noise[at] = noise::weighted_rms(&left, &rows.qd, &weights, j) / gain[at].abs();
+            }
+        }
+    }
+
+    /// The joint (place among those chosen) whose gain has the largest relative deviation, infinite where it is negative.
+    fn widest(&self) -> (usize, f64) {
+        let relative = std::iter::zip(&self.gain, &self.std).map(|(g, s)| {
+            if *g > 0.0 && s.is_finite() {
+                s / g
+            } else {
+                f64::INFINITY
+            }
+        });
+        let larger = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
+        relative.enumerate().fold((0, f64::NEG_INFINITY), larger)
+    }
+
+    /// Gains of positive size among links that are possible bodies: the noise's part taken from the sums, a quadratic is left.
+    fn possible(
+        &self,
+        rows: &Rows,
+        base: &BaseParameters,
+        nominal: &Robot,
+    ) -> Result<Vec<f64>, PayloadError> {
+        let found = total(&self.whole, &self.noise)?;
+        let gram = without_noise(&self.whole, &self.noise, &found);
+        let rigid = PARAMETERS_PER_LINK * nominal.dof();
+        let columns = gram.columns();
+        let extra = columns - base.len();
+        let grouping = Mat::from_fn(columns, rigid + extra, |i, j| {
+            if i < base.len() && j < rigid {
+                base.grouping()[(i, j)]
+            } else {
+                f64::from(u8::from(i >= base.len() && j == rigid + i - base.len()))
+            }
+        });
+        // Anything that is no link is free by many times its size.
+        let extras: Vec<(f64, f64)> = (base.len()..columns)
+            .map(|c| (0.0, GENEROUS * found.parameters[c].abs().max(1.0)))
+            .collect();
+        let gains = rigid + rows.width - base.len()..rigid + extra;
+        let feasibility = Feasibility::new(
+            grouping.as_ref(),
+            Constraints::new(nominal.dof(), gains),
+            Nominal::of_robot(nominal, &extras),
+        )?;
+        let made = feasibility.fit_gram(&gram, 1.0, None)?;
+        Ok(made.standard[rigid + rows.width - base.len()..].to_vec())
+    }
+}
+
+/// How far anything but a link may be off, relative to its estimate.
+const GENEROUS: f64 = 100.0;
+
+fn notes(file: &ModelFile, chosen: &[usize], body: &KnownBody) -> Vec<String> {
+    let mut notes = vec![
+        "The recorded torque (or current times the torque constant of the drive file) times the gain is the torque in N·m (N); a \
+         torque constant is right where its gain is 1. Gains are relative to the known body: a percent of its mass is a percent \
+         of all gains."
+            .to_owned(),
+    ];
+    if !body.unknown().is_empty() {
+        notes.push(format!(
+            "{} of the body's ten parameters were taken as known, the others were estimated.",
+            PARAMETERS_PER_LINK - body.unknown().len()
+        ));
+    }
+    let names = |j: usize| file.joints[j].as_str();
+    let untold: Vec<&str> = (0..file.joints.len())
+        .filter(|j| !chosen.contains(j))
+        .map(names)
+        .collect();
+    if !untold.is_empty() {
+        notes.push(format!(
+            "Not told: {}. The body's torque, and the torque that these joints share with others, is too small there beside friction and noise.",
+            untold.join(", ")
+        ));
+    }
+    notes
+}
