@@ -29,7 +29,7 @@ pub struct Total {
 /// an entry of each, in any common unit.
 ///
 /// # Errors
-/// More noisy columns than there are, a deviation that is not positive, a target that no parameters reach.
+/// More noisy columns than there are, a deviation that is not positive, a target that no noisy column shares in.
 pub fn total(gram: &Gram, noise: &[f64]) -> Result<Total, LeastSquaresError> {
     let p = gram.columns();
     if noise.is_empty() || noise.len() > p {
@@ -76,7 +76,7 @@ pub fn total(gram: &Gram, noise: &[f64]) -> Result<Total, LeastSquaresError> {
         .chain((0..n).map(|j| direction[(j, 0)] / noise[j] / count))
         .collect();
     if parameters.iter().any(|v| !v.is_finite()) {
-        return Err(LeastSquaresError::Decomposition);
+        return Err(LeastSquaresError::NoScale);
     }
     Ok(Total {
         parameters,
@@ -177,5 +177,11 @@ mod tests {
         assert!(total(&gram, &[]).is_err());
         assert!(total(&gram, &[1.0, 1.0]).is_err());
         assert!(total(&gram, &[0.0]).is_err());
+        // A target of zeros is no scale.
+        let mut rows = Accumulator::new(1);
+        rows.push(&[2.0], 0.0, 1.0).unwrap();
+        let gram = Gram::from(&rows.finish().unwrap());
+        let refused = total(&gram, &[1.0]);
+        assert!(matches!(refused, Err(LeastSquaresError::NoScale)));
     }
 }

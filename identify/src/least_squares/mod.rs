@@ -60,6 +60,9 @@ pub enum LeastSquaresError {
         /// The column, among the noisy ones.
         column: usize,
     },
+    /// A known column that nothing ties to the noisy ones, so that their scale is open.
+    #[error("the known column says nothing of the scale of the noisy ones")]
+    NoScale,
     /// The iteration of a decomposition did not converge.
     #[error("the singular value decomposition did not converge")]
     Decomposition,

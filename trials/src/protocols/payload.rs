@@ -110,8 +110,11 @@ pub fn loaded(arm: LoadedArm, plain: bool, seed: u64) -> Result<Loaded, Simulate
 fn body(rng: &mut ChaCha8Rng) -> Inertia {
     let mass = rng.random_range(1.0..4.0);
     let com = Vector3::new(0.0, 0.0, rng.random_range(0.05..0.2)) + 0.06 * unit_vector(rng);
-    let gyration = Vector3::from_fn(|_, _| rng.random_range(0.04..0.1));
-    let about_com = Matrix3::from_diagonal(&gyration.component_mul(&gyration)) * mass;
+    let gyration = Vector3::from_fn(|_, _| rng.random_range(0.04..0.1_f64));
+    let squares = gyration.component_mul(&gyration);
+    // No body's moment exceeds the sum of the two others; one of a flat plate nearly does.
+    let most = 0.95 * (squares.sum() - squares.max());
+    let about_com = Matrix3::from_diagonal(&squares.map(|s| s.min(most))) * mass;
     Inertia::from_com(mass, com, about_com)
 }
 

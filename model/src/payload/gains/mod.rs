@@ -103,12 +103,21 @@ pub fn estimate(
         .collect();
     let mut chosen: Vec<usize> = (0..model.dof()).collect();
     let found = loop {
-        let fit = Fit::new(&rows, &blocks, &starts, recorded, &chosen)?;
-        let worst = fit.widest();
-        if worst.1 <= options.widest {
-            break fit;
+        let worst = match Fit::new(&rows, &blocks, &starts, recorded, &chosen) {
+            Ok(fit) => match fit.widest() {
+                (_, deviation) if deviation <= options.widest => break fit,
+                (worst, _) => worst,
+            },
+            // A gain that ran away from pass to pass.
+            Err(LeastSquaresError::BadNoise { column }) => column,
+            Err(LeastSquaresError::NoScale) => chosen.len(),
+            Err(error) => return Err(error.into()),
+        };
+        if worst < chosen.len() {
+            chosen.remove(worst);
+        } else {
+            chosen.clear();
         }
-        chosen.remove(worst.0);
         if chosen.is_empty() {
             return Err(PayloadError::NoGain {
                 file: with.source.clone(),
