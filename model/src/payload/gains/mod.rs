@@ -110,7 +110,8 @@ pub fn estimate(
             },
             // A gain that ran away from pass to pass.
             Err(LeastSquaresError::BadNoise { column }) => column,
-            Err(LeastSquaresError::NoScale) => chosen.len(),
+            // Nothing in the rows that ties gains to the body.
+            Err(LeastSquaresError::NoScale | LeastSquaresError::Decomposition) => chosen.len(),
             Err(error) => return Err(error.into()),
         };
         if worst < chosen.len() {
