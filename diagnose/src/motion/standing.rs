@@ -218,12 +218,12 @@ mod tests {
     use super::*;
     use datasets::Recording;
 
-    /// A joint that turns for 4 s, then rests for 4 s, but for the way that it creeps from 5 to 6.5 s, rad/s.
+    /// A joint that turns for 4 s, then rests for 4 s, but for the way that it creeps from 6 to 6.8 s, rad/s.
     fn frame(creep: f64) -> Frame {
         let time: Vec<f64> = (0..800).map(|i| 0.01 * f64::from(i)).collect();
         let q = Array2::from_shape_fn((800, 1), |(i, _)| {
             let t = time[i].min(4.0);
-            let crept = creep * (time[i].min(6.5) - 5.0).max(0.0);
+            let crept = creep * (time[i].min(6.8) - 6.0).max(0.0);
             1.0 - (std::f64::consts::TAU * t / 4.0).cos() + crept
         });
         let tau = Array2::from_shape_fn((800, 1), |(i, _)| (0.3 * time[i]).sin());
@@ -260,32 +260,26 @@ mod tests {
         );
     }
 
-    /// A joint that creeps down turns its friction down, before the way shows and after it has ended; a push that moves it down leaves
-    /// torque upwards.
+    /// A joint that creeps down turns its friction down, before the way shows; a push that moves it down leaves torque upwards.
     #[test]
     fn friction_that_turns_towards_a_creep_is_no_departure() {
+        let settings = MotionSettings::default();
         let coulomb = Coulomb {
             torque: vec![2.0],
             sign: Array2::zeros((800, 1)),
         };
-        let departure = |creep: f64, crept: f64| {
-            let residual =
-                Array2::from_shape_fn((800, 1), |(i, _)| if i < 490 { 1.5 } else { crept });
-            let judged = judge(
-                &frame(creep),
-                &residual,
-                &coulomb,
-                &MotionSettings::default(),
-            );
-            assert_eq!(judged.state[[600, 0]], State::Standing);
-            [600, 700].map(|i| judged.departure[[i, 0]])
-        };
+        let departure =
+            |creep: f64, crept: f64| {
+                let residual = Array2::from_shape_fn((800, 1), |(i, _)| {
+                    if (590..700).contains(&i) { crept } else { 1.5 }
+                });
+                let judged = judge(&frame(creep), &residual, &coulomb, &settings);
+                assert_eq!(judged.state[[650, 0]], State::Standing);
+                [595, 650].map(|i| judged.departure[[i, 0]])
+            };
         assert_eq!(departure(-0.004, -2.2), [0.0, 0.0]);
-        let pushed = departure(-0.004, 6.0);
-        let still = departure(0.0, -2.2);
-        for size in [pushed, still].concat() {
-            assert!(size.abs() > 3.0, "{pushed:?} {still:?}");
-        }
+        assert_eq!(departure(-0.004, 6.0), [4.5, 4.5]);
+        assert_eq!(departure(0.0, -2.2).map(f64::round), [-4.0, -4.0]);
     }
 
     #[test]
