@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Refuses dependencies whose licence is not allowed in deny.toml. Standard library only.
+"""Refuses dependencies whose licence is not allowed in deny.toml, where `cargo deny` is not installed. Standard library only.
 
 usage: licences.py      in the repository; exit 1 and one line per crate that is refused
 """
