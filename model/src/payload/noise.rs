@@ -51,7 +51,7 @@ pub(super) fn weighted_rms(
 }
 
 /// 1 in motion, 0 at rest and around reversals.
-fn moving(qd: f64) -> usize {
+pub(super) fn moving(qd: f64) -> usize {
     usize::from(qd.abs() > MOVING)
 }
 

@@ -197,12 +197,11 @@ impl Fit {
         let joints = rows.qd.ncols();
         let mut scale = vec![[0.0; 2]; joints];
         let mut noise = vec![1.0; chosen.len()];
-        for (at, &j) in chosen.iter().enumerate() {
+        for &j in chosen {
             let squares: f64 = recorded.iter().map(|t| t.column(j).dot(&t.column(j))).sum();
             let samples = recorded[0].nrows() + recorded[1].nrows();
             let size = FIRST * (squares / samples as f64).sqrt().max(f64::MIN_POSITIVE);
             scale[j] = [1.0 / size; 2];
-            noise[at] = 1.0;
         }
         let mut gain = vec![1.0; chosen.len()];
         let mut pass = 0;

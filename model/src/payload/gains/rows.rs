@@ -2,10 +2,10 @@
 
 use super::known::KnownBody;
 use crate::identify::design::{inertial_columns, rigid_columns};
+use crate::payload::noise::moving;
 use crate::session::Session;
 use ::identify::base::BaseParameters;
 use ::identify::least_squares::{Accumulator, Gram, LeastSquaresError};
-use datasets::metrics::MOVING;
 use ndarray::{Array1, Array2, Axis, concatenate};
 use physics::effects::Term;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
@@ -119,7 +119,7 @@ impl Rows {
             let width = self.exact[j].ncols() + 1;
             let mut sums = [Accumulator::new(width), Accumulator::new(width)];
             for k in rows.clone() {
-                let moving = usize::from(self.qd[[k, j]].abs() > MOVING);
+                let moving = moving(self.qd[[k, j]]);
                 let mut row = self.exact[j].row(k).to_vec();
                 row.push(self.recorded[[k, j]]);
                 sums[moving].push(&row, self.known[[k, j]], 1.0)?;
