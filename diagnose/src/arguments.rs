@@ -45,6 +45,9 @@ pub enum Proof {
         /// Also print the weights of a confidence that these cases give, and how reliable it is on cases left out.
         #[arg(long)]
         calibrate: bool,
+        /// Folder of an earlier run, with the program as it is now: its cases count for the weights as well. May be repeated.
+        #[arg(long, value_name = "DIR", requires = "calibrate")]
+        with: Vec<PathBuf>,
         /// Skip what takes surrogates of the recordings.
         #[arg(long)]
         fast: bool,

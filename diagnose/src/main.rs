@@ -155,6 +155,7 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         without,
         leave_one_out,
         calibrate,
+        with,
         fast,
         out,
     } = proof;
@@ -184,9 +185,13 @@ fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
         report::say!("{}", prove::reliability_table(&said).to_text());
     }
     if *calibrate {
-        report::say!("{}", prove::weights_table(&scores).to_text());
+        let mut all = scores;
+        for folder in with {
+            all.extend(prove::kept(folder)?);
+        }
+        report::say!("{}", prove::weights_table(&all).to_text());
         report::say!("Each case's causes by the weights that the other cases give:");
-        let left_out = prove::left_out(&scores);
+        let left_out = prove::left_out(&all);
         report::say!("{}", prove::reliability_table(&left_out).to_text());
     }
     if *leave_one_out {

@@ -58,6 +58,14 @@ pub enum ProveError {
     /// A report cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
+    /// No cases of an earlier run.
+    #[error("no cases and reports of an earlier run in {path}: {error}")]
+    Kept {
+        /// The folder.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
     /// A folder cannot be made.
     #[error("cannot make {path}: {error}")]
     Folder {
@@ -159,6 +167,31 @@ fn stored(folder: &Path, id: &str) -> Option<(Value, Value)> {
         serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
     };
     Some((read("truth")?, read("reports")?))
+}
+
+/// Scores of all cases that an earlier run has left in a folder, by name of the case.
+///
+/// # Errors
+/// A folder without any.
+pub fn kept(folder: &Path) -> Result<Vec<Score>, ProveError> {
+    let fail = |error| ProveError::Kept {
+        path: folder.display().to_string(),
+        error,
+    };
+    let files = std::fs::read_dir(folder.join("reports")).map_err(fail)?;
+    let paths = files.filter_map(|f| Some(f.ok()?.path()));
+    let mut ids: Vec<String> = paths
+        .filter_map(|p| Some(p.file_stem()?.to_str()?.to_owned()))
+        .collect();
+    ids.sort_unstable();
+    let answers = ids.iter().filter_map(|id| stored(folder, id));
+    let scores: Vec<Score> = answers
+        .map(|(truth, found)| judge(&truth, &found))
+        .collect();
+    if scores.is_empty() {
+        return Err(fail(std::io::ErrorKind::NotFound.into()));
+    }
+    Ok(scores)
 }
 
 /// The cases with one effect, each diagnosed with that effect's candidates taken out of the catalogue. Parameters are no
@@ -270,4 +303,27 @@ pub fn table(scores: &[Score]) -> Table {
     );
     push("all", scores.iter().collect());
     table.emphasise_last()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_earlier_run_is_scored_where_answer_and_report_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(matches!(kept(folder.path()), Err(ProveError::Kept { .. })));
+        for kind in ["truth", "reports"] {
+            std::fs::create_dir(folder.path().join(kind)).unwrap();
+        }
+        let file = |kind: &str, id: &str, text: &str| {
+            let path = folder.path().join(kind).join(format!("{id}.json"));
+            std::fs::write(path, text).unwrap();
+        };
+        file("truth", "a", r#"{"kind": "none", "effects": []}"#);
+        file("reports", "a", r#"{"verdict": "no_gap", "causes": []}"#);
+        file("reports", "b", r#"{"verdict": "no_gap", "causes": []}"#);
+        let scores = kept(folder.path()).unwrap();
+        assert_eq!((scores.len(), scores[0].false_alarm), (1, Some(0.0)));
+    }
 }
