@@ -21,6 +21,10 @@ pub(super) const INFO: Info = Info {
 /// Speed below which a joint stands, rad/s (m/s), and the part of the time up to which it may.
 const STANDING: (f64, f64) = (0.01, 0.2);
 
+/// What speaks for a bias of the channel, which has the same torque wherever the joint moves, against a difference of Coulomb
+/// friction, nats.
+const BIAS: f64 = 2.0;
+
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let viscous = || Quantity::plain("viscous_difference", "N·m·s/rad", Some(joint));
     let coulomb = || Quantity::plain("coulomb_difference", "N·m", Some(joint));
@@ -31,6 +35,10 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         Term::Sliding(Sliding::AsymmetricCoulomb { velocity }),
     );
     let new = |q, c| Candidate::single(Effect::AsymmetricFriction, joint, q, Bound::Free, c);
+    let against = |c: Candidate| Candidate {
+        evidence: -BIAS,
+        ..c
+    };
     let qd = scene.motion.qd.column(joint);
     let standing = qd.iter().filter(|v| v.abs() < STANDING.0).count();
     if standing as f64 > STANDING.1 * qd.len() as f64 {
@@ -39,7 +47,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     }
     vec![
         new(viscous(), speed.clone()),
-        new(coulomb(), moving.clone()),
+        against(new(coulomb(), moving.clone())),
         new(viscous(), speed).and(coulomb(), Bound::Free, moving),
     ]
 }
