@@ -91,6 +91,7 @@ pub fn design(
         dictionary: &found.dictionary,
         scale: Scale {
             step: 1.0 / rate,
+            channel: None,
             ..scale.clone()
         },
         rate,

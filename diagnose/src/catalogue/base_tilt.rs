@@ -122,6 +122,7 @@ mod tests {
             torque: vec![3.0, 1.0],
             session: (0.0, 10.0),
             step: 0.05,
+            channel: None,
         };
         candidates(&Scene::new(robot, &motion, &scale)).swap_remove(0)
     }

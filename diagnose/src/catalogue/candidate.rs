@@ -14,6 +14,8 @@ pub struct Column {
     pub joints: Vec<usize>,
     /// Columns of one recording at the fine rate, one per joint of `joints`.
     pub torque: ColumnTorque,
+    /// Whether it is torque as it is recorded: how late that is has nothing to add.
+    pub recorded: bool,
 }
 
 /// A column from a scene: one vector per joint that it touches.
@@ -129,14 +131,10 @@ impl Candidate {
         }
     }
 
-    /// Whether both change the torque of some joint.
-    pub fn shares_rows(&self, other: &Self) -> bool {
-        let touched = |c: &Self| -> Vec<usize> {
-            let of = c.columns.iter().flat_map(|c| c.joints.iter().copied());
-            of.collect()
-        };
-        let own = touched(self);
-        touched(other).iter().any(|j| own.contains(j))
+    /// Whether it changes the torque of a joint that another is named for.
+    pub fn touches(&self, other: &Self) -> bool {
+        let mut touched = self.columns.iter().flat_map(|c| &c.joints);
+        touched.any(|j| other.joints.contains(j))
     }
 
     pub(super) fn with_shape(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
@@ -172,6 +170,7 @@ impl Column {
         Self {
             joints: vec![joint],
             torque: ColumnTorque::Made(Arc::new(move |s| vec![make(s)])),
+            recorded: false,
         }
     }
 
@@ -183,6 +182,7 @@ impl Column {
         Self {
             joints,
             torque: ColumnTorque::Made(Arc::new(make)),
+            recorded: false,
         }
     }
 
@@ -196,6 +196,7 @@ impl Column {
         Self {
             joints: vec![joint],
             torque: ColumnTorque::Terms(terms),
+            recorded: false,
         }
     }
 
@@ -213,6 +214,15 @@ impl Column {
                     .map(|c| c.to_owned())
                     .collect()
             })),
+            recorded: false,
+        }
+    }
+
+    /// The same, as it is recorded.
+    pub(super) fn late_already(self) -> Self {
+        Self {
+            recorded: true,
+            ..self
         }
     }
 }

@@ -9,7 +9,7 @@ use super::effect::Effect;
 use super::info::{Info, Need};
 use super::transmission::Spring;
 use crate::motion::scene::Scene;
-use ndarray::Array2;
+use ndarray::{Array1, Array2};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -33,51 +33,73 @@ const ROUNDING: [f64; 2] = [0.01, 0.025];
 /// Frequencies of the oscillating link, Hz, and its damping ratios.
 const RESONANCES: [f64; 7] = [3.5, 5.0, 7.0, 9.5, 13.0, 18.0, 25.0];
 const DAMPING: [f64; 2] = [0.06, 0.2];
+/// Parts of the joint's inertia that turn with the motor.
+const ROTORS: [f64; 2] = [0.0, 0.45];
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let inertia = own_inertia(scene, joint);
-    let resonances = RESONANCES.into_iter().flat_map(|f| DAMPING.map(|d| (f, d)));
-    let resonant = resonances.map(|(frequency, damping)| {
-        let spring = Spring { frequency, damping };
-        let stiffness = inertia * (std::f64::consts::TAU * frequency).powi(2);
-        let column = Column::whole(scene.dof(), move |s| spring.change(s, joint));
+    let single = |stiffness: f64, rotor: f64, bound, column| {
         let compliance = Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
-        Candidate::single(
-            Effect::JointElasticity,
-            joint,
-            compliance,
-            Bound::Between(0.5, 2.0),
-            column,
-        )
-    });
-    let quasi_static = FREQUENCIES
-        .into_iter()
-        .flat_map(|f| ROUNDING.map(|r| (f, r)))
-        .map(|(f, rounding)| {
-            let stiffness = inertia * (std::f64::consts::TAU * f).powi(2);
-            let column = Column::whole(scene.dof(), move |s| {
-                compliant(s, joint, 1.0 / stiffness, rounding)
-            });
-            // The column is nearly proportional to 1/K: the coefficient corrects the compliance.
-            let compliance =
-                Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
-            Candidate::single(
-                Effect::JointElasticity,
-                joint,
-                compliance,
-                Bound::Between(0.1, 2.5),
-                column,
-            )
-        });
-    quasi_static.chain(resonant).collect()
+        let one = Candidate::single(Effect::JointElasticity, joint, compliance, bound, column);
+        one.with_shape("rotor_share", rotor, "1")
+    };
+    // Of what the spring moves.
+    let stiffness = |frequency: f64, rotor: f64| {
+        (1.0 - rotor) * inertia * (std::f64::consts::TAU * frequency).powi(2)
+    };
+    let mut all = Vec::new();
+    for rotor in ROTORS {
+        for frequency in FREQUENCIES {
+            for rounding in ROUNDING {
+                let stiffness = stiffness(frequency, rotor);
+                let column = Column::whole(scene.dof(), move |s| {
+                    compliant(s, joint, 1.0 / stiffness, rotor, rounding)
+                });
+                // The column is nearly proportional to 1/K: the coefficient corrects the compliance.
+                let bound = Bound::Between(0.1, 2.5);
+                all.push(single(stiffness, rotor, bound, column));
+            }
+        }
+        for frequency in RESONANCES {
+            for damping in DAMPING {
+                let spring = Spring {
+                    frequency,
+                    damping,
+                    rotor,
+                };
+                let column = Column::whole(scene.dof(), move |s| spring.change(s, joint));
+                let bound = Bound::Between(0.5, 2.0);
+                all.push(single(stiffness(frequency, rotor), rotor, bound, column));
+            }
+        }
+    }
+    all
 }
 
-/// Change of the rigid torque by a transmission of the given compliance, rad/(N·m).
-fn compliant(scene: &Scene, joint: usize, compliance: f64, rounding: f64) -> Array2<f64> {
-    let rigid = scene.rounded(&scene.rigid.column(joint).to_owned(), rounding);
-    let first = scene.departure(joint, &(&rigid * -compliance));
+/// Change of the rigid torque by a transmission of the given compliance, rad/(N·m), a part of the joint's inertia turning with
+/// the motor.
+fn compliant(
+    scene: &Scene,
+    joint: usize,
+    compliance: f64,
+    rotor: f64,
+    rounding: f64,
+) -> Array2<f64> {
+    let own = rotor * own_inertia(scene, joint);
+    let mut carried = scene.rigid.column(joint).to_owned();
+    carried.scaled_add(-own, &scene.motion.qdd.column(joint));
+    // The rotor stays with the motor.
+    let departure = |spring: &Array1<f64>| {
+        let dq = spring * -compliance;
+        let mut change = scene.departure(joint, &dq);
+        let acceleration = scene.derivative(&scene.derivative(&dq));
+        change.column_mut(joint).scaled_add(-own, &acceleration);
+        change
+    };
+    let rigid = scene.rounded(&carried, rounding);
+    let first = departure(&rigid);
     let spring = rigid + scene.rounded(&first.column(joint).to_owned(), rounding);
-    scene.departure(joint, &(spring * -compliance))
+    departure(&spring)
 }
 
 /// Mean inertia that the joint turns, kg·m².

@@ -131,6 +131,7 @@ mod tests {
             torque: vec![3.0; dof],
             session: (0.0, 8.0),
             step: 0.05,
+            channel: None,
         };
         let scene = Scene::new(&robot, &motion, &scale).with_tangents();
         let mut all = catalogue(&scene);

@@ -97,6 +97,7 @@ pub fn base_columns(dof: usize) -> Vec<Column> {
         .map(|(c, joints)| Column {
             joints,
             torque: ColumnTorque::Base(c),
+            recorded: false,
         })
         .collect()
 }
@@ -208,6 +209,7 @@ fn changed(
             let torque = s.torque_of_link(link, &change);
             (0..=link).map(|j| torque.column(j).to_owned()).collect()
         })),
+        recorded: false,
     };
     let mut candidate = Candidate::single(Effect::LinkParameters, link, quantity, bound, torque);
     candidate.change = Some(change);

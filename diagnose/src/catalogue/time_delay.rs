@@ -6,10 +6,10 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::Info;
-use crate::motion::delay::delayed;
+use crate::motion::channel::Channel;
+use crate::motion::delay::Late;
 use crate::motion::scene::Scene;
-use ndarray::{Array1, ArrayView1};
-use signal::Motion;
+use ndarray::Array1;
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -32,24 +32,20 @@ const OWN: [f64; 7] = [-4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0];
 /// Time constants of a filter, in sampling intervals.
 const LAGS: [f64; 4] = [0.75, 1.5, 3.0, 6.0];
 
-/// What makes a torque late.
-#[derive(Clone, Copy, Debug)]
-enum Late {
-    /// A shift, s.
-    Shift(f64),
-    /// A first-order filter's time constant, s.
-    Filter(f64),
-}
+/// Of a delay that is known: parts of it that are a filter's, and factors on it.
+const PARTS: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
+/// See `PARTS`.
+const FACTORS: [f64; 5] = [0.7, 0.85, 1.0, 1.2, 1.45];
 
 /// Of the whole arm.
 pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
-    all(scene, (0..scene.dof()).collect(), &DELAYS)
+    all(scene, (0..scene.dof()).collect(), &DELAYS, false)
 }
 
 /// Of one joint alone.
 pub(super) fn own(scene: &Scene, joint: usize) -> Vec<Candidate> {
     if scene.dof() > 1 {
-        all(scene, vec![joint], &OWN)
+        all(scene, vec![joint], &OWN, true)
     } else {
         Vec::new()
     }
@@ -59,98 +55,156 @@ pub(super) fn own(scene: &Scene, joint: usize) -> Vec<Candidate> {
 /// made of.
 pub fn changes(scene: &Scene, joint: usize) -> Vec<Array1<f64>> {
     let step = scene.scale.step;
-    let shifts = [-3.0, -1.0, 1.0, 3.0, 6.0].map(|s| Late::Shift(s * step));
-    let filters = [1.5, 4.0].map(|s| Late::Filter(s * step));
+    let shifts = [-3.0, -1.0, 1.0, 3.0, 6.0].map(|s| Late::shifted(s * step));
+    let filters = [1.5, 4.0].map(|s| Late::filtered(s * step));
     let each = shifts.into_iter().chain(filters);
-    each.map(|late| change(scene, joint, late)).collect()
+    each.map(|late| {
+        let own = &scene.rigid.column(joint) + &scene.drive.column(joint);
+        late.of(scene.motion, own.view()) - own
+    })
+    .collect()
 }
 
-/// How a joint's torque changes where it is late.
-fn change(scene: &Scene, joint: usize, late: Late) -> Array1<f64> {
-    let own = &scene.rigid.column(joint) + &scene.drive.column(joint);
-    match late {
-        Late::Shift(delay) => delayed(scene.motion, own.view(), delay) - own,
-        Late::Filter(constant) => filtered(scene.motion, own.view(), constant) - own,
+/// How a joint's torque changes where all of it is late, or where it is late beside what all joints are. What other
+/// columns add to the model as given is late by what is known: here is what that leaves.
+fn change(scene: &Scene, joint: usize, late: Late, alone: bool) -> Array1<f64> {
+    let mut all = &scene.rigid.column(joint) + &scene.drive.column(joint);
+    let (Some(channel), Some(given)) = (&scene.scale.channel, &scene.given) else {
+        return late.of(scene.motion, all.view()) - all;
+    };
+    let mut added = &all - &given.column(joint);
+    let mut known = channel.whole;
+    if alone {
+        all = channel.all(scene.motion, all.view());
+        added = channel.all(scene.motion, added.view());
+        known = channel.own[joint];
     }
+    let known = known.map(|known| known.of(scene.motion, added.view()) - added);
+    let change = late.of(scene.motion, all.view()) - all;
+    known.map_or_else(|| change.clone(), |known| &change - &known)
 }
 
-fn all(scene: &Scene, joints: Vec<usize>, shifts: &[f64]) -> Vec<Candidate> {
-    let step = scene.scale.step;
-    let shifts = shifts.iter().map(|s| Late::Shift(s * step));
-    let filters = LAGS.iter().map(|s| Late::Filter(s * step));
-    let one = |late| candidate(joints.clone(), late);
-    shifts.chain(filters).map(one).collect()
+/// Of all joints, or of one beside them.
+fn all(scene: &Scene, joints: Vec<usize>, shifts: &[f64], alone: bool) -> Vec<Candidate> {
+    let of = |c: &Channel| if alone { c.own[joints[0]] } else { c.whole };
+    let known = scene.scale.channel.as_deref().and_then(of);
+    let late: Vec<Late> = match known {
+        None => {
+            let step = scene.scale.step;
+            let shifts = shifts.iter().map(|s| Late::shifted(s * step));
+            let filters = LAGS.iter().map(|s| Late::filtered(s * step));
+            shifts.chain(filters).collect()
+        }
+        Some(known) if known.delay() <= 0.0 => FACTORS.map(|f| known.times(f)).to_vec(),
+        Some(known) => {
+            let parts = PARTS.map(|part| Late {
+                shift: (1.0 - part) * known.delay(),
+                constant: part * known.delay(),
+            });
+            let near = parts.iter().flat_map(|p| FACTORS.map(|f| p.times(f)));
+            near.chain([known]).collect()
+        }
+    };
+    late.into_iter()
+        .map(|late| candidate(joints.clone(), late, alone))
+        .collect()
 }
 
-fn candidate(joints: Vec<usize>, late: Late) -> Candidate {
+fn candidate(joints: Vec<usize>, late: Late, alone: bool) -> Candidate {
     let of = joints.clone();
     let column = Column::several(joints.clone(), move |s| {
-        of.iter().map(|&j| change(s, j, late)).collect()
+        of.iter().map(|&j| change(s, j, late, alone)).collect()
     });
+    let corner = 1.0 / (std::f64::consts::TAU * late.constant);
+    let corner = (late.constant > 0.0).then_some(("corner", corner, "Hz"));
     let joint = joints.first().copied().filter(|_| joints.len() == 1);
-    let (Late::Shift(delay) | Late::Filter(delay)) = late;
-    let corner = match late {
-        Late::Shift(_) => None,
-        Late::Filter(constant) => Some(("corner", 1.0 / (std::f64::consts::TAU * constant), "Hz")),
-    };
     Candidate {
         effect: Effect::TimeDelay,
         joints,
         driver: None,
-        columns: vec![column],
+        columns: vec![column.late_already()],
         bounds: vec![Bound::Between(0.6, 1.6)],
-        quantities: vec![Quantity::scaled("delay", "s", joint, delay)],
+        quantities: vec![Quantity::scaled("delay", "s", joint, late.delay())],
         shape: corner.into_iter().collect(),
         change: None,
         evidence: 0.0,
     }
 }
 
-/// x behind a first-order filter, T·ẏ + y = x, settled at the start of each segment; x is taken as linear between samples.
-fn filtered(motion: &Motion, x: ArrayView1<f64>, constant: f64) -> Array1<f64> {
-    let time = &motion.time;
-    let mut out = x.to_owned();
-    for s in &motion.segments {
-        for i in s.start + 1..s.end {
-            let h = (time[i] - time[i - 1]) / constant;
-            let kept = (-h).exp();
-            // Behind a ramp of slope r the filter settles r·T late.
-            let slope = (x[i] - x[i - 1]) / h;
-            out[i] = x[i] - slope + (out[i - 1] - x[i - 1] + slope) * kept;
-        }
+/// How late a candidate says that torque is recorded, its coefficient being `size`.
+pub fn said(candidate: &Candidate, size: f64) -> Late {
+    let delay = candidate.quantities[0].factor;
+    let corner = candidate.shape.iter().find(|s| s.0 == "corner");
+    let constant = corner.map_or(0.0, |c| 1.0 / (std::f64::consts::TAU * c.1));
+    Late {
+        shift: delay - constant,
+        constant,
     }
-    out
+    .times(size)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::scene::Scale;
     use ndarray::Array2;
+    use physics::robot::Robot;
+    use signal::Motion;
+    use std::sync::Arc;
 
+    /// What is recorded is the real robot's torque, all of it late: less the model as given, that is what the parameters
+    /// change, late, and the delays of all joints and of one.
     #[test]
-    fn both_are_late_by_the_delay_and_only_the_filter_rounds() {
-        let n = 500;
-        let rest = Array2::zeros((n, 1));
-        let motion = Motion {
-            time: (0..n).map(|i| 0.004 * i as f64).collect(),
-            q: rest.clone(),
-            qd: rest.clone(),
-            qdd: rest,
-            segments: std::iter::once(0..n).collect(),
+    fn what_is_late_adds_up() {
+        let given = Robot::builtin("ur5").unwrap();
+        let mut parameters = given.parameters();
+        parameters.iter_mut().for_each(|p| *p *= 1.3);
+        let real = given.with_parameters(&parameters).unwrap();
+        let (n, dof, step) = (400, given.dof(), 0.01);
+        let table = |f: &dyn Fn(f64, f64) -> f64| {
+            Array2::from_shape_fn((n, dof), |(i, j)| f(step * i as f64, 2.0 + 0.3 * j as f64))
         };
-        let ramp = Array1::from_shape_fn(n, |i| 3.0 * 0.004 * i as f64);
-        let jump = Array1::from_shape_fn(n, |i| if i < 250 { -1.0 } else { 1.0 });
-        let delay = 0.02;
-        let both = [delayed, filtered].map(|f| {
-            (
-                f(&motion, ramp.view(), delay),
-                f(&motion, jump.view(), delay),
-            )
-        });
-        for (late, _) in &both {
-            assert!((ramp[n - 1] - late[n - 1] - 3.0 * delay).abs() < 1e-9);
+        let motion = Motion {
+            time: (0..n).map(|i| step * i as f64).collect(),
+            q: table(&|t, w| (w * t).sin()),
+            qd: table(&|t, w| w * (w * t).cos()),
+            qdd: table(&|t, w| -w * w * (w * t).sin()),
+            segments: vec![0..150, 150..n],
+        };
+        let mut beside = vec![None; dof];
+        beside[2] = Some(Late::shifted(0.013));
+        let channel = Channel {
+            whole: Some(Late::filtered(0.02)),
+            own: beside,
+            given: given.clone(),
+        };
+        let scale = Scale {
+            softness: vec![0.01; dof],
+            lead: vec![0.0; dof],
+            speed: vec![1.0; dof],
+            range: vec![(-1.0, 1.0); dof],
+            torque: vec![3.0; dof],
+            session: (0.0, 4.0),
+            step,
+            channel: Some(Arc::new(channel.clone())),
+        };
+        let scene = Scene::new(&real, &motion, &scale);
+        let [real, given] = [&real, &given].map(|r| Scene::new(r, &motion, &scale).predicted());
+        for j in 0..dof {
+            let recorded = channel.recorded(&motion, j, real.column(j));
+            let changed = &real.column(j) - &given.column(j);
+            let mut sum = channel.recorded(&motion, j, changed.view());
+            sum += &change(&scene, j, channel.whole.unwrap(), false);
+            if let Some(late) = channel.own[j] {
+                sum += &change(&scene, j, late, true);
+            }
+            let gap = &recorded - &given.column(j);
+            let worst = (&sum - &gap).iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            assert!(worst < 1e-9, "joint {j}: {worst}");
         }
-        let between = |x: &Array1<f64>| x.iter().filter(|x| x.abs() < 0.99).count();
-        assert!(between(&both[0].1) <= 1 && between(&both[1].1) > 20);
+        // What was found is tried again as it was, and what is said of a candidate is what it was made of.
+        let off = |c: &Candidate| (said(c, 1.0).constant - 0.02).abs() + said(c, 1.0).shift.abs();
+        assert!(candidates(&scene).iter().any(|c| off(c) < 1e-9));
+        assert_eq!(own(&scene, 2).len(), PARTS.len() * FACTORS.len() + 1);
     }
 }

@@ -16,6 +16,8 @@ pub(super) struct Spring {
     pub frequency: f64,
     /// Its damping ratio.
     pub damping: f64,
+    /// Part of the joint's inertia that turns with the motor.
+    pub rotor: f64,
 }
 
 /// A gap between flanks on which the link stays where it lands: how it would bounce on stiff flanks cannot be foretold, and
@@ -42,7 +44,7 @@ impl Spring {
     /// Change of the rigid torque of all joints, shape (samples, joints).
     pub fn change(&self, scene: &Scene, joint: usize) -> Array2<f64> {
         let motor = scene.motor(joint, Band::Motion);
-        changed(&motor, 0.0, &self.follow(scene, &motor))
+        changed(&motor, self.rotor, &self.follow(scene, &motor))
     }
 
     /// By semi-implicit Euler steps, from rest in every trajectory.
@@ -52,7 +54,7 @@ impl Spring {
         let substeps = (step * omega / STEP_PHASE).ceil().max(1.0) as usize;
         let h = step / substeps as f64;
         let damping = 2.0 * self.damping * omega;
-        let needed = needed(motor, 0.0);
+        let needed = needed(motor, self.rotor);
         let mut out = [0, 1, 2].map(|_| Array1::zeros(scene.len()));
         for segment in &scene.motion.segments {
             let mut x = needed[segment.start] / (omega * omega);
@@ -175,6 +177,7 @@ mod tests {
             torque: vec![3.0; dof],
             session: (0.0, 4.0),
             step: 1.0 / RATE,
+            channel: None,
         };
         (robot, motion, scale)
     }
@@ -220,6 +223,7 @@ mod tests {
         let spring = Spring {
             frequency: 12.0,
             damping: 0.5,
+            rotor: 0.0,
         };
         let part = (5.0 / (std::f64::consts::TAU * spring.frequency)).powi(2);
         let change = spring.change(&scene, 0).column(0).to_owned();

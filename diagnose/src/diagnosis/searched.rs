@@ -115,10 +115,15 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// Causes and pushes.
-    pub(super) fn searched(&self) -> Result<Searched, DiagnoseError> {
+    /// What a search of the whole recording finds.
+    pub(super) fn first(&self) -> Result<Findings, DiagnoseError> {
+        self.find(&self.weight, 0.0)
+    }
+
+    /// Causes and pushes; `first` is what [`Self::first`] found.
+    pub(super) fn searched(&self, first: Findings) -> Result<Searched, DiagnoseError> {
         let samples = self.frames.data.tau.nrows();
-        let found = self.search(&self.weight, &vec![false; samples], 0.0)?;
+        let found = self.listed(first, &self.weight, &vec![false; samples]);
         let look = (self.options.withheld != Some(Effect::ExternalContact))
             .then(|| !self.repeats(&found.left));
         let contact = self.contact(&found, look)?;
@@ -138,6 +143,13 @@ impl<'a> Searcher<'a> {
         })
     }
 
+    /// What a search finds; samples that are left out have no weight.
+    fn find(&self, weight: &Array2<f64>, chance: f64) -> Result<Findings, DiagnoseError> {
+        let own = self.options.settings.clone();
+        let withheld = self.options.withheld;
+        find(self.model, self.frames, weight, own, withheld, chance)
+    }
+
     /// One search without the samples that are `skipped`, which have no weight either.
     fn search(
         &self,
@@ -145,9 +157,13 @@ impl<'a> Searcher<'a> {
         skipped: &[bool],
         chance: f64,
     ) -> Result<Search, DiagnoseError> {
+        Ok(self.listed(self.find(weight, chance)?, weight, skipped))
+    }
+
+    /// What a search found, as it is listed.
+    fn listed(&self, mut findings: Findings, weight: &Array2<f64>, skipped: &[bool]) -> Search {
         let (model, frames, settings) = (self.model, self.frames, &self.options.settings);
-        let (data, own) = (&frames.data, settings.clone());
-        let mut findings = find(model, frames, weight, own, self.options.withheld, chance)?;
+        let data = &frames.data;
         let scored = Scored::new(&self.channels.dead, skipped.iter().map(|s| !s).collect());
         let moves = self.channels.moves;
         let listing = list(model, frames, &mut findings, weight, &scored, moves);
@@ -164,13 +180,13 @@ impl<'a> Searcher<'a> {
             sign: data.table_to_samples(&scene.sign),
         };
         let judged = judge(data, &listing.residual, &coulomb, &settings.motion);
-        Ok(Search {
+        Search {
             findings,
             listing,
             left,
             judged,
             load,
-        })
+        }
     }
 
     /// Weights without the samples that are `out`.

@@ -2,6 +2,7 @@
 
 use super::reversal::signs;
 use crate::error::DiagnoseError;
+use crate::motion::channel::Channel;
 use crate::motion::frame::Frame;
 use crate::motion::passage::Passage;
 use crate::motion::scene::Scale;
@@ -9,6 +10,7 @@ use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use datasets::{PrepareOptions, Recording};
 use model::preparation::cutoff::{self, CutoffChoice};
+use std::sync::Arc;
 
 /// Trajectories that the softness of signs is chosen on, evenly spread.
 const TRAJECTORIES: usize = 4;
@@ -25,6 +27,8 @@ pub struct Frames {
     pub options: PrepareOptions,
     /// How the cut-off was chosen; none where it was given or a model's.
     pub cutoff: Option<CutoffChoice>,
+    /// Trajectories that the softness of signs is chosen on.
+    spread: Vec<usize>,
 }
 
 impl Frames {
@@ -64,14 +68,30 @@ impl Frames {
         // Where nothing else chose, the fitted recording's own noise does for both.
         options.cutoff_hz = options.cutoff_hz.or(data.report().cutoff_hz);
         let heldout = fresh(heldout, &cutoff::for_recording(&options, heldout))?;
-        let scale = data.scale(&[&heldout], &signs(model, &data, &spread, settings));
+        let signs = signs(model, &data, &spread, None, settings);
+        let scale = data.scale(&[&heldout], &signs);
         Ok(Self {
             data,
             heldout,
             scale,
             options,
             cutoff: chosen,
+            spread,
         })
+    }
+
+    /// Has all columns as late as a search said, and looks again how friction turns round.
+    pub fn hear(
+        &mut self,
+        model: &NominalModel,
+        channel: Option<Channel>,
+        settings: &InputSettings,
+    ) {
+        let signs = signs(model, &self.data, &self.spread, channel.as_ref(), settings);
+        self.scale = Scale {
+            channel: channel.map(Arc::new),
+            ..self.data.scale(&[&self.heldout], &signs)
+        };
     }
 
     /// Motion of the fitted recording, memory running on through both where they share a clock.

@@ -4,6 +4,7 @@
 //! before it slides, and both round the jump: error that no parameter removes. A simulator's friction may turn round early.
 
 use crate::algebra::cholesky::Cholesky;
+use crate::motion::channel::Channel;
 use crate::motion::delay::delayed;
 use crate::motion::frame::Frame;
 use crate::motion::rigid::rigid_torque;
@@ -25,11 +26,12 @@ const LEADS: [f64; 6] = [0.001, 0.003, 0.006, 0.01, 0.015, 0.02];
 /// Sign of each joint's Coulomb friction: softened below the velocity, rad/s (m/s), that leaves least error beyond a scaled
 /// model, viscous and Coulomb friction, own inertia and gravity of the joint, on some of the trajectories; below
 /// [`SOFT_SIGN`] where none saves enough over it. It turns round early where that saves enough over a sign that is as soft, and
-/// over all joints more than torque does that is early as a whole.
+/// over all joints more than torque does that is early as a whole. All of it is as late as a `channel` says.
 pub fn signs(
     model: &NominalModel,
     frame: &Frame,
     trajectories: &[usize],
+    channel: Option<&Channel>,
     settings: &InputSettings,
 ) -> Vec<EarlySign> {
     let m = frame.motion();
@@ -51,7 +53,10 @@ pub fn signs(
             q.mapv(f64::sin),
             q.mapv(f64::cos),
         ];
-        let rows = |fine: &Array1<f64>| some(Array1::from(frame.to_samples(fine)).view());
+        let rows = |fine: &Array1<f64>| {
+            let late = channel.map(|c| c.recorded(m, joint, fine.view()));
+            some(Array1::from(frame.to_samples(late.as_ref().unwrap_or(fine))).view())
+        };
         let columns = |late: f64| -> Vec<Array1<f64>> {
             let moved = |x: &Array1<f64>| match late {
                 0.0 => rows(x),
@@ -184,7 +189,7 @@ mod tests {
         let options = datasets::PrepareOptions::low_passed(40.0);
         let frame = Frame::new(&recording, tau, &options).unwrap();
         let model = NominalModel::new(robot);
-        signs(&model, &frame, &[0], &InputSettings::default())
+        signs(&model, &frame, &[0], None, &InputSettings::default())
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Friction as one number: all that resists a joint's motion at a speed, whatever the causes call it.
 
 use crate::input::frames::Frames;
-use crate::motion::scene::Scene;
+use crate::motion::scene::{Scale, Scene};
 use crate::schema::Friction;
 use crate::search::find::{Columns, Findings};
 use crate::simulator::NominalModel;
@@ -16,7 +16,12 @@ const BAND: f64 = 1.25;
 /// Friction of every joint, from the fit near the given parameters on the fitted recording.
 pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<Friction> {
     let frame = &frames.data;
-    let scene = Scene::new(&found.present, frames.passage(), &frames.scale).with_tangents();
+    // What a joint's friction is at its speed, however late it is recorded.
+    let on_time = Scale {
+        channel: None,
+        ..frames.scale.clone()
+    };
+    let scene = Scene::new(&found.present, frames.passage(), &on_time).with_tangents();
     let (variables, beta) = &found.tight;
     let rubs = |i: usize| {
         let n = PARAMETERS_PER_LINK * model.robot.dof();

@@ -287,6 +287,7 @@ impl Frame {
             } else {
                 0.01
             },
+            channel: None,
         }
     }
 }

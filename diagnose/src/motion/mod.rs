@@ -1,5 +1,6 @@
 //! Motion of one recording: its clocks, what columns see of it, where it stands.
 
+pub(crate) mod channel;
 pub(crate) mod delay;
 pub(crate) mod floor;
 pub(crate) mod frame;

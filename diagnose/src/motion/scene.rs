@@ -1,6 +1,7 @@
 //! What the columns of the dictionary see of one recording: motion at the fine rate and the torques that
 //! the present model predicts on it. Measured torque is no part of it.
 
+use crate::motion::channel::Channel;
 use crate::motion::motor::{Band, Motor, Tangent, Wide, tangents};
 use crate::motion::passage::Passage;
 use crate::motion::rigid::{rigid_torque, rows};
@@ -12,6 +13,7 @@ use physics::effects::{
 };
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use signal::Motion;
+use std::sync::Arc;
 
 /// Velocity below which the sign of a motion is softened, rad/s (m/s), where the recording does not say better: well
 /// below what docs/formats.md allows, so that the reversal keeps its shape.
@@ -37,6 +39,8 @@ pub struct Scale {
     pub session: (f64, f64),
     /// Sampling interval of the fine motion, s.
     pub step: f64,
+    /// How late torque is recorded, where that is known.
+    pub channel: Option<Arc<Channel>>,
 }
 
 impl Scale {
@@ -63,6 +67,8 @@ pub struct Scene<'a> {
     pub rigid: Array2<f64>,
     /// Viscous and Coulomb friction, rotor inertia, counterbalance, springs.
     pub drive: Array2<f64>,
+    /// Torque of the model as given, where torque is known to be recorded late.
+    pub given: Option<Array2<f64>>,
     /// Partial derivatives of the rigid torque, by joint that moves.
     pub tangents: Vec<Tangent>,
     wide: Option<Wide<'a>>,
@@ -86,18 +92,11 @@ impl<'a> Scene<'a> {
                 .for_each(|s, &qd, &qdd| *s = own.at(qd, qdd));
         }
         let rigid = rigid_torque(robot, &motion.q, &motion.qd, &motion.qdd);
-        let mut drive = Array2::zeros(motion.q.dim());
-        for (j, joint) in robot.joints().iter().enumerate() {
-            let mut out = drive.column_mut(j);
-            out.scaled_add(joint.damping, &motion.qd.column(j));
-            out.scaled_add(joint.friction, &sign.column(j));
-            out.scaled_add(joint.rotor_inertia, &motion.qdd.column(j));
-        }
-        for p in robot.passive() {
-            let torque = motion.q.column(p.joint()).mapv(|q| p.torque(q));
-            let mut out = drive.column_mut(p.joint());
-            out += &torque;
-        }
+        let drive = drive_of(robot, motion, &sign);
+        let given = scale.channel.as_ref().map(|c| {
+            rigid_torque(&c.given, &motion.q, &motion.qd, &motion.qdd)
+                + drive_of(&c.given, motion, &sign)
+        });
         Self {
             robot,
             motion,
@@ -105,6 +104,7 @@ impl<'a> Scene<'a> {
             sign,
             rigid,
             drive,
+            given,
             tangents: Vec::new(),
             wide: None,
             passage,
@@ -159,6 +159,16 @@ impl<'a> Scene<'a> {
     /// Torque that the present model predicts.
     pub fn predicted(&self) -> Array2<f64> {
         &self.rigid + &self.drive
+    }
+
+    /// What the torque of the model as given changes by being recorded late; none where that is not known.
+    pub fn lateness(&self) -> Option<Array2<f64>> {
+        let (channel, given) = (self.scale.channel.as_ref()?, self.given.as_ref()?);
+        let mut out = -given;
+        for (joint, mut column) in out.columns_mut().into_iter().enumerate() {
+            column += &channel.recorded(self.motion, joint, given.column(joint));
+        }
+        Some(out)
     }
 
     /// Sum of terms of the torque model on one joint, each with its factor. What depends on the present sample alone is
@@ -321,6 +331,23 @@ impl<'a> Scene<'a> {
         }
         d
     }
+}
+
+/// Viscous and Coulomb friction, rotor inertia, counterbalance and springs of a robot; `sign` is that of Coulomb friction.
+fn drive_of(robot: &Robot, motion: &Motion, sign: &Array2<f64>) -> Array2<f64> {
+    let mut drive = Array2::zeros(motion.q.dim());
+    for (j, joint) in robot.joints().iter().enumerate() {
+        let mut out = drive.column_mut(j);
+        out.scaled_add(joint.damping, &motion.qd.column(j));
+        out.scaled_add(joint.friction, &sign.column(j));
+        out.scaled_add(joint.rotor_inertia, &motion.qdd.column(j));
+    }
+    for p in robot.passive() {
+        let torque = motion.q.column(p.joint()).mapv(|q| p.torque(q));
+        let mut out = drive.column_mut(p.joint());
+        out += &torque;
+    }
+    drive
 }
 
 /// tanh(q̇/ε): the sign, softened below [`SOFT_SIGN`], of what is no single joint's motion.

@@ -72,7 +72,7 @@ impl Dictionary {
         self.columns.is_empty()
     }
 
-    /// Columns named by `ids` at the fine rate: (column, joint, values).
+    /// Columns named by `ids` at the fine rate, as they are recorded: (column, joint, values).
     pub fn evaluate(&self, scene: &Scene, ids: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
         let inertial = PARAMETERS_PER_LINK * scene.dof();
         let wanted: Vec<usize> = ids.iter().copied().filter(|&c| c < inertial).collect();
@@ -105,6 +105,13 @@ impl Dictionary {
             })
             .collect();
         out.extend(made.into_iter().flatten());
+        if let Some(channel) = &scene.scale.channel {
+            out.par_iter_mut().for_each(|(c, j, values)| {
+                if !self.columns[*c].recorded {
+                    *values = channel.recorded(scene.motion, *j, values.view());
+                }
+            });
+        }
         out
     }
 

@@ -142,7 +142,9 @@ pub fn find(
     let y = data.table_thin(&gap);
     let folds = folds(&data.rows);
     let given = Scene::new(&model.robot, frames.passage(), scale);
-    let (present, residual) = first_fit(model, frames, &given, &gap, &y, weight, &settings)?;
+    let punctual = given.lateness().map(|l| &gap - &data.table_to_samples(&l));
+    let left = punctual.as_ref().unwrap_or(&gap);
+    let (present, residual) = first_fit(model, frames, &given, left, weight, &settings)?;
     let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
     let mut candidates = catalogue::catalogue(&scene);
     candidates.retain(|c| Some(c.effect) != withheld);
@@ -228,13 +230,13 @@ fn first_fit(
     frames: &Frames,
     given: &Scene,
     gap: &Array2<f64>,
-    y: &Array2<f64>,
     weight: &Array2<f64>,
     settings: &Settings,
 ) -> Result<(Robot, Array2<f64>), DiagnoseError> {
     let data = &frames.data;
     let dictionary = Dictionary::new(data.dof(), &[]);
-    let grams = dictionary.grams(given, data, y, weight, &folds(&data.rows));
+    let y = data.table_thin(gap);
+    let grams = dictionary.grams(given, data, &y, weight, &folds(&data.rows));
     let objective = Objective::new(&grams, &frames.scale, &settings.search);
     let base = objective.base(model, 1.0);
     let fit = objective.fit(base.clone());

@@ -91,11 +91,16 @@ impl Search<'_> {
         let new = &self.candidates[candidate];
         let price = |(&a, &gain): (&usize, &f64)| {
             let earlier = &self.candidates[a];
+            // A delay is worth something on every joint, and leaves something on each.
+            let gain = match earlier.effect {
+                Effect::TimeDelay => gain / earlier.joints.len() as f64,
+                _ => gain,
+            };
             if earlier.effect.info().parameter {
                 0.0
             } else if earlier.effect == new.effect {
                 s.leftover_same * gain
-            } else if earlier.shares_rows(new) {
+            } else if earlier.touches(new) {
                 s.leftover * gain
             } else {
                 0.0

@@ -1,0 +1,45 @@
+//! How late the torque is recorded, before anything else is looked for: a lag of some milliseconds rounds and shifts whatever
+//! turns round, rings or repeats over position, so that nothing has the shape that the catalogue knows.
+
+use crate::catalogue::effect::Effect;
+use crate::catalogue::time_delay;
+use crate::motion::channel::Channel;
+use crate::search::find::Findings;
+use physics::robot::Robot;
+
+/// Most searches after the first: which joints are late hardly changes after one.
+pub(super) const ROUNDS: usize = 2;
+
+/// Whether both say of the same joints that they are late.
+pub(super) fn alike(a: Option<&Channel>, b: Option<&Channel>) -> bool {
+    let joints = |c: &Channel| -> Vec<bool> {
+        let each = std::iter::once(&c.whole).chain(&c.own);
+        each.map(Option::is_some).collect()
+    };
+    a.map(joints) == b.map(joints)
+}
+
+/// What the accepted delays of a search say of the channel; none without any.
+pub(super) fn channel(found: &Findings, given: &Robot) -> Option<Channel> {
+    let dof = given.dof();
+    let mut channel = Channel {
+        whole: None,
+        own: vec![None; dof],
+        given: given.clone(),
+    };
+    let beta = &found.tight.1;
+    for cause in &found.accepted {
+        let candidate = &found.candidates[cause.candidate];
+        if candidate.effect != Effect::TimeDelay {
+            continue;
+        }
+        let late = time_delay::said(candidate, beta[cause.variables.start]);
+        if candidate.joints.len() == dof {
+            channel.whole = Some(late);
+        } else {
+            channel.own[candidate.joints[0]] = Some(late);
+        }
+    }
+    let known = channel.whole.is_some() || channel.own.iter().any(Option::is_some);
+    known.then_some(channel)
+}
