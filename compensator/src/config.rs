@@ -107,6 +107,9 @@ pub struct UnitConfig {
     /// Validation error must fall at least by this share, or the unit is switched off (0.01).
     #[config(default = 0.01)]
     pub least_gain: f32,
+    /// ... and by this many standard errors over the validation trajectories (2): a gain by chance does harm where the torque is used.
+    #[config(default = 2.0)]
+    pub sure: f32,
     /// The loop.
     #[config(default = "Training::new()")]
     pub training: Training,

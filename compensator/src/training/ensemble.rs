@@ -179,22 +179,23 @@ impl<'a, 'd> Prepared<'a, 'd> {
         }
         let predicted = predict(&unit, &job.samples, &job.split.validation)?;
         let (mut with, mut without, mut total) = (0.0, 0.0, 0.0);
-        for row in job
-            .split
-            .validation
-            .iter()
-            .flat_map(|&t| job.samples.trajectories()[t].clone())
-        {
-            let (w, y) = (
-                f64::from(job.samples.weight(row)),
-                f64::from(job.samples.target(row)),
-            );
-            with += w * (y - f64::from(predicted[row])).powi(2);
-            without += w * y * y;
-            total += w;
+        let mut gains = Vec::with_capacity(job.split.validation.len());
+        for &trajectory in &job.split.validation {
+            let mut gain = 0.0;
+            for row in job.samples.trajectories()[trajectory].clone() {
+                let w = f64::from(job.samples.weight(row));
+                let y = f64::from(job.samples.target(row));
+                let (left, all) = (w * (y - f64::from(predicted[row])).powi(2), w * y * y);
+                with += left;
+                without += all;
+                total += w;
+                gain += all - left;
+            }
+            gains.push(gain);
         }
         let (with, without) = ((with / total).sqrt(), (without / total).sqrt());
-        unit.enabled = with <= without * (1.0 - f64::from(job.config.least_gain));
+        let enough = with <= without * (1.0 - f64::from(job.config.least_gain));
+        unit.enabled = enough && beyond_chance(&gains, f64::from(job.config.sure));
         Ok((unit, Some(with), Some(without)))
     }
 
@@ -243,6 +244,17 @@ impl<'a, 'd> Prepared<'a, 'd> {
         run?;
         Ok((trainer.state.best.values(), trainer.state.progress))
     }
+}
+
+/// Whether the mean of what trajectories gain lies `sure` standard errors above zero; one trajectory tells nothing of chance.
+fn beyond_chance(gains: &[f64], sure: f64) -> bool {
+    let n = gains.len() as f64;
+    if gains.len() < 2 {
+        return true;
+    }
+    let mean = gains.iter().sum::<f64>() / n;
+    let squares = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>();
+    mean >= sure * (squares / (n - 1.0) / n).sqrt()
 }
 
 /// Weights of a network and where its training ended.
@@ -370,5 +382,21 @@ fn describe(
             .and_then(|e| e.validation_rmse),
         finished: position.finished,
         remaining,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::beyond_chance;
+
+    /// Four gains of mean 1 and standard deviation 1: two standard errors of 1/2 are reached, three are not.
+    #[test]
+    fn a_gain_is_held_against_its_standard_error() {
+        let half = 0.75_f64.sqrt();
+        let gains = [1.0 - half, 1.0 + half, 1.0 - half, 1.0 + half];
+        assert!(beyond_chance(&gains, 1.99) && !beyond_chance(&gains, 2.01));
+        assert!(!beyond_chance(&[-1.0, -1.1, -0.9], 2.0));
+        assert!(beyond_chance(&[-1.0], 2.0), "nothing to judge chance by");
+        assert!(beyond_chance(&[1.0; 3], 2.0));
     }
 }
