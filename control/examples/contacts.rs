@@ -2,7 +2,7 @@
 //!
 //! usage: contacts MODEL_DIR [HOURS [SEED]] (three hours, seed 1); two seconds of computing for a minute without contact.
 
-use control::collision::{Plan, contacts};
+use control::collision::{Plan, Regime, contacts};
 use control::demonstration::{Withheld, limits, machine};
 use control::model::DirectoryModel;
 use control::track::{Mode, Settings};
@@ -40,9 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         } else {
             Mode::Physics
         },
-        // One hour.
-        calibration: 360,
-        contacts: 240,
+        // Three hours.
+        calibration: 1080,
+        contacts: 480,
         clean: (hours * 360.0).round() as usize,
         per_hour: 0.1,
         factor: 4.0,
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     for detector in &found.detectors {
         let name = detector.name.replace('_', " ");
-        columns.push(Column::number(format!("threshold, {name}")));
+        columns.push(Column::text(format!("thresholds, {name}")));
         columns.push(Column::text("found in 50 ms"));
     }
     let mut table = Table::new(columns);
@@ -69,7 +69,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ];
         for detector in &found.detectors {
             let [within, all] = detector.by_joint[j];
-            row.push(Cell::significant(detector.thresholds[j], 3));
+            let limits =
+                Regime::ALL.map(|regime| format!("{:.2}", detector.thresholds[j].of(regime)));
+            row.push(Cell::text(limits.join(" / ")));
             row.push(Cell::text(format!("{within} of {all}")));
         }
         table.push(row);

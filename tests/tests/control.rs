@@ -95,7 +95,7 @@ fn collisions_in_a_recording() {
     ];
     eval("pushed.csv", &calibration).succeeded();
     let report = json(&place("found.json"));
-    assert_eq!(report["schema"], "collision/1");
+    assert_eq!(report["schema"], "collision/2");
     for detector in report["detectors"].as_array().expect("a list") {
         let alarms = detector["alarms"].as_array().expect("a list");
         let elbow = alarms.iter().find(|a| a["joint"] == 2);

@@ -1,8 +1,8 @@
 //! Simulated contacts: what the detectors find of them, and what they find where there is nothing.
 
 use super::residual::Signal;
-use super::threshold::{alarms, thresholds};
-use super::{DETECTORS, Momentum, SLOW, Sudden, TIME_CONSTANT, TorqueError};
+use super::threshold::{Thresholds, alarms, thresholds};
+use super::{DETECTORS, Momentum, Regimes, Sudden, TIME_CONSTANT, TorqueError, WINDOW};
 use crate::ControlError;
 use crate::model::Model;
 use crate::motion::{Fourier, Motion};
@@ -53,8 +53,8 @@ const WITHIN: f64 = 0.05;
 pub struct Found {
     /// One of [`DETECTORS`].
     pub name: &'static str,
-    /// Threshold of every joint, N·m or N.
-    pub thresholds: Vec<f64>,
+    /// Thresholds of every joint.
+    pub thresholds: Vec<Thresholds>,
     /// Contacts at each joint found within 50 ms, and all.
     pub by_joint: Vec<[usize; 2]>,
     /// Time to an alarm of those that were found, s, median.
@@ -111,6 +111,7 @@ struct Watch<'a> {
     error: TorqueError,
     observer: Momentum,
     sudden: Sudden,
+    regimes: Regimes,
     signals: Signals,
 }
 
@@ -139,6 +140,7 @@ impl Surroundings for Watch<'_> {
             .observer
             .step(self.model, now.q, now.v, &net, self.period);
         let jump = self.sudden.step(seen);
+        let moves = self.regimes.step(qd, self.period);
         // While the arm takes up its load before the motion they settle.
         if now.time < 0.0 {
             return;
@@ -149,10 +151,10 @@ impl Surroundings for Watch<'_> {
             .zip(now.additive)
             .map(|(m, a)| m - a)
             .collect();
-        self.signals[0].push(now.time, &left, first);
-        self.signals[1].push(now.time, shown, first);
-        self.signals[2].push(now.time, seen, first);
-        self.signals[3].push(now.time, jump, first);
+        self.signals[0].push(now.time, &left, moves, first);
+        self.signals[1].push(now.time, shown, moves, first);
+        self.signals[2].push(now.time, seen, moves, first);
+        self.signals[3].push(now.time, jump, moves, first);
     }
 }
 
@@ -168,6 +170,7 @@ pub fn contacts<M: Model>(
     plan: &Plan,
 ) -> Result<Contacts, ControlError> {
     let n = machine.arm.dof();
+    let speeds: Vec<f64> = limits.iter().map(|l| l.velocity).collect();
     let run_of = |index: usize, contact: Option<Contact>| -> Result<Signals, ControlError> {
         let seed = plan.seed.wrapping_mul(1_000_003).wrapping_add(index as u64);
         let motion = Fourier::draw(limits.to_vec(), PERIOD, seed)?;
@@ -184,7 +187,8 @@ pub fn contacts<M: Model>(
             period,
             error: TorqueError::new(n, TorqueError::filter(TIME_CONSTANT, period)),
             observer: Momentum::new(n, 1.0 / TIME_CONSTANT),
-            sudden: Sudden::new(n, TorqueError::filter(SLOW, period)),
+            sudden: Sudden::new(n, 1.0 / TIME_CONSTANT, WINDOW, period),
+            regimes: Regimes::new(&speeds),
             signals: std::array::from_fn(|_| Signal::new(n)),
         };
         run(
@@ -205,7 +209,7 @@ pub fn contacts<M: Model>(
     };
     let calm = joined(&runs(0, plan.calibration)?, n);
     let residual_rms = calm[0].rms();
-    let chosen: [Vec<f64>; DETECTORS.len()] =
+    let chosen: [Vec<Thresholds>; DETECTORS.len()] =
         std::array::from_fn(|d| thresholds(&calm[1 + d], plan.per_hour));
     let size: Vec<f64> = residual_rms.iter().map(|r| plan.factor * r).collect();
 
@@ -283,10 +287,11 @@ fn joined(runs: &[Signals], dof: usize) -> Signals {
 }
 
 /// Time from `start` to the first sample at which a joint exceeds its threshold, while the contact lasts.
-fn latency(signal: &Signal, thresholds: &[f64], start: f64) -> Option<f64> {
+fn latency(signal: &Signal, thresholds: &[Thresholds], start: f64) -> Option<f64> {
     let first = signal.time.partition_point(|&t| t < start);
     let mut after = (first..signal.time.len()).take_while(|&row| signal.time[row] < start + LASTS);
-    let beyond = |row: usize| (0..signal.dof).any(|j| signal.at(row, j).abs() > thresholds[j]);
+    let limit = |row: usize, j: usize| thresholds[j].of(signal.regime(row, j));
+    let beyond = |row: usize| (0..signal.dof).any(|j| signal.at(row, j).abs() > limit(row, j));
     after
         .find(|&row| beyond(row))
         .map(|row| signal.time[row] - start)

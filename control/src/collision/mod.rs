@@ -2,7 +2,8 @@
 //!
 //! - `torque_error`: the softMC manual's: model minus measured torque behind an exponential filter;
 //! - `momentum`: the observer of generalised momentum (De Luca and Mattone, ICRA 2005; De Luca et al., IROS 2006);
-//! - `sudden`: what of the observer's residual comes suddenly;
+//! - `sudden`: what of the torque from outside comes suddenly;
+//! - `regime`: how a joint moved lately, for a threshold each;
 //! - `threshold`: thresholds for a wanted rate of false alarms, and alarms;
 //! - `recording`: all of them on a recording of a stored model's robot: `eval --collision`;
 //! - `contacts`: simulated contacts.
@@ -11,6 +12,7 @@ mod contacts;
 mod momentum;
 mod page;
 mod recording;
+mod regime;
 mod residual;
 mod sudden;
 mod threshold;
@@ -20,16 +22,17 @@ pub use contacts::{Contacts, Found, Plan, contacts};
 pub use momentum::Momentum;
 pub use page::{page, tables};
 pub use recording::{Collisions, Detector, of_recording};
+pub use regime::{Regime, Regimes};
 pub use residual::Signal;
 pub use sudden::Sudden;
-pub use threshold::{Alarm, SHORTEST, alarms, thresholds};
+pub use threshold::{Alarm, SHORTEST, Thresholds, alarms, thresholds};
 pub use torque_error::TorqueError;
 
 /// Time constant of the detectors, s: of the filter, and the inverse of the observer's gain. Three of them are within the 50 ms
 /// in which a contact is to be found.
 pub const TIME_CONSTANT: f64 = 0.012;
-/// Time constant of the mean that a sudden momentum is less by, s: twice the 50 ms, in which it takes a third of a contact away.
-pub const SLOW: f64 = 0.1;
+/// Length of the two windows that a sudden momentum is the difference of, s: together the 50 ms.
+pub const WINDOW: f64 = 0.025;
 
 /// The detectors, in the order of tables and signals.
 pub const DETECTORS: [&str; 3] = ["torque_error", "momentum_observer", "sudden_momentum"];

@@ -1,15 +1,20 @@
 //! Tables and page of `eval --collision`.
 
 use super::recording::{Collisions, Detector};
+use super::regime::Regime;
 use report::figure::{Ink, Panel, Plot};
 use report::{Cell, Column, Page, Section, Table};
 
 /// Alarms that a table shows.
 const SHOWN: usize = 30;
 
-/// Thresholds of every joint; then the alarms, none where there is none.
+/// Thresholds of every joint, a row for each way of moving; then the alarms, none where there is none.
 pub fn tables(collisions: &Collisions) -> (Table, Option<Table>) {
-    let mut columns = vec![Column::text("joint"), Column::number("residual RMS")];
+    let mut columns = vec![
+        Column::text("joint"),
+        Column::number("residual RMS"),
+        Column::text("where it is"),
+    ];
     columns.extend(
         collisions
             .detectors
@@ -18,17 +23,19 @@ pub fn tables(collisions: &Collisions) -> (Table, Option<Table>) {
     );
     let mut thresholds = Table::new(columns);
     for (j, joint) in collisions.joints.iter().enumerate() {
-        let mut row = vec![
-            Cell::text(joint),
-            Cell::significant(collisions.residual_rms[j], 3),
-        ];
-        row.extend(
-            collisions
-                .detectors
-                .iter()
-                .map(|d| Cell::significant(d.thresholds[j], 3)),
-        );
-        thresholds.push(row);
+        for (k, regime) in Regime::ALL.into_iter().enumerate() {
+            let mut row = match k {
+                0 => vec![
+                    Cell::text(joint),
+                    Cell::significant(collisions.residual_rms[j], 3),
+                ],
+                _ => vec![Cell::text(""), Cell::text("")],
+            };
+            row.push(Cell::text(regime.words()));
+            let limits = collisions.detectors.iter();
+            row.extend(limits.map(|d| Cell::significant(d.thresholds[j].of(regime), 3)));
+            thresholds.push(row);
+        }
     }
     let mut alarms = Table::new([
         Column::text("detector"),
@@ -62,7 +69,7 @@ pub fn page(collisions: &Collisions) -> Page {
     let (thresholds, alarms) = tables(collisions);
     let mut section = Section::new("Thresholds").paragraph(format!(
         "For {} false alarms per hour of all joints together, from {:.0} s; {:.0} s looked at. TorqueErrorFilter {:.4}. N·m (N for sliding \
-         joints).",
+         joints). Standing counts until 0.3 s after it.",
         collisions.false_alarms,
         collisions.calibration_seconds,
         collisions.seconds,
@@ -83,15 +90,11 @@ pub fn page(collisions: &Collisions) -> Page {
             let y: Vec<f64> = (0..signal.time.len())
                 .map(|row| signal.at(row, j))
                 .collect();
-            let limit = detector.thresholds[j];
-            let ends = [
-                signal.time.iter().copied().fold(f64::INFINITY, f64::min),
-                signal
-                    .time
-                    .iter()
-                    .copied()
-                    .fold(f64::NEG_INFINITY, f64::max),
-            ];
+            let limit = |sign: f64| -> Vec<f64> {
+                let each = 0..signal.time.len();
+                each.map(|row| sign * detector.thresholds[j].of(signal.regime(row, j)))
+                    .collect()
+            };
             let panel = Panel::new("N·m or N")
                 .height(140.0)
                 .segments(
@@ -101,8 +104,20 @@ pub fn page(collisions: &Collisions) -> Page {
                     &y,
                     &signal.stretches,
                 )
-                .line("threshold", Ink::Muted, &ends, &[limit; 2])
-                .line("threshold", Ink::Muted, &ends, &[-limit; 2]);
+                .segments(
+                    "threshold",
+                    Ink::Muted,
+                    &signal.time,
+                    &limit(1.0),
+                    &signal.stretches,
+                )
+                .segments(
+                    "threshold",
+                    Ink::Muted,
+                    &signal.time,
+                    &limit(-1.0),
+                    &signal.stretches,
+                );
             figures.push(
                 Plot::new(joint, "time / s")
                     .panel(panel)

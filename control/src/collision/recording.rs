@@ -1,8 +1,8 @@
 //! The detectors on a recording of a stored model's robot.
 
 use super::residual::Signal;
-use super::threshold::{Alarm, SHORTEST, alarms, thresholds};
-use super::{DETECTORS, Momentum, SLOW, Sudden, TIME_CONSTANT, TorqueError};
+use super::threshold::{Alarm, SHORTEST, Thresholds, alarms, thresholds};
+use super::{DETECTORS, Momentum, Regimes, Sudden, TIME_CONSTANT, TorqueError, WINDOW};
 use crate::ControlError;
 use crate::model::{DirectoryModel, Model};
 use ::model::directory::ModelFile;
@@ -15,8 +15,8 @@ use std::path::Path;
 pub struct Detector {
     /// One of [`DETECTORS`].
     pub name: &'static str,
-    /// Threshold of every joint (TorqueErrorMax), N·m or N.
-    pub thresholds: Vec<f64>,
+    /// Thresholds of every joint (TorqueErrorMax), N·m or N.
+    pub thresholds: Vec<Thresholds>,
     /// What exceeded them.
     pub alarms: Vec<Recorded>,
     /// Its residual.
@@ -39,7 +39,7 @@ pub struct Recorded {
 /// What `eval --collision` finds.
 #[derive(Debug, Clone, Serialize)]
 pub struct Collisions {
-    /// `collision/1`.
+    /// `collision/2`.
     pub schema: &'static str,
     /// Joints.
     pub joints: Vec<String>,
@@ -71,9 +71,10 @@ pub fn of_recording(
     calibration: Option<&Evaluation>,
     per_hour: f64,
 ) -> Result<Collisions, ControlError> {
-    let seen = Residuals::of(directory, file, recording)?;
+    let speeds = largest_speeds(calibration.unwrap_or(recording));
+    let seen = Residuals::of(directory, file, recording, &speeds)?;
     let chosen_from = match calibration {
-        Some(other) => &Residuals::of(directory, file, other)?,
+        Some(other) => &Residuals::of(directory, file, other, &speeds)?,
         None => &seen,
     };
     let labels = &recording.recording.trajectories;
@@ -97,15 +98,17 @@ pub fn of_recording(
     };
     let mut notes = vec![format!(
         "Motion as eval prepares it (a zero-phase low-pass, not causal): in a loop, choose thresholds from the loop's own signals. The \
-         detectors have a time constant of {:.0} ms; a sudden momentum is what is left of the observer's residual after a mean over {:.0} ms.",
+         detectors have a time constant of {:.0} ms; a sudden momentum is the mean torque from outside over {:.0} ms less that over the {:.0} ms \
+         before.",
         1e3 * TIME_CONSTANT,
-        1e3 * SLOW
+        1e3 * WINDOW,
+        1e3 * WINDOW
     )];
     if calibration.is_none() {
         notes.push("The thresholds were chosen from this very recording; give --calibration to judge one that they have not seen.".to_owned());
     }
     Ok(Collisions {
-        schema: "collision/1",
+        schema: "collision/2",
         joints: file.joints.clone(),
         seconds: seen.raw.seconds(),
         calibration_seconds: chosen_from.raw.seconds(),
@@ -117,6 +120,14 @@ pub fn of_recording(
     })
 }
 
+/// Largest speed of every joint, rad/s or m/s.
+fn largest_speeds(seen: &Evaluation) -> Vec<f64> {
+    let columns = seen.session.parts[0].at_samples.qd.columns().into_iter();
+    columns
+        .map(|qd| qd.iter().fold(0.0f64, |top, v| top.max(v.abs())))
+        .collect()
+}
+
 /// Residuals of a recording.
 struct Residuals {
     raw: Signal,
@@ -126,7 +137,12 @@ struct Residuals {
 }
 
 impl Residuals {
-    fn of(directory: &Path, file: &ModelFile, seen: &Evaluation) -> Result<Self, ControlError> {
+    fn of(
+        directory: &Path,
+        file: &ModelFile,
+        seen: &Evaluation,
+        speeds: &[f64],
+    ) -> Result<Self, ControlError> {
         let recording = &seen.recording;
         let motion = &seen.session.parts[0].at_samples;
         let n = recording.dof();
@@ -135,7 +151,8 @@ impl Residuals {
         let filter = TorqueError::filter(TIME_CONSTANT, step);
         let mut error = TorqueError::new(n, filter);
         let mut observer = Momentum::new(n, 1.0 / TIME_CONSTANT);
-        let mut sudden = Sudden::new(n, TorqueError::filter(SLOW, step));
+        let mut sudden = Sudden::new(n, 1.0 / TIME_CONSTANT, WINDOW, step);
+        let mut regimes = Regimes::new(speeds);
         let mut all = Self {
             raw: Signal::new(n),
             shown: std::array::from_fn(|_| Signal::new(n)),
@@ -154,6 +171,7 @@ impl Residuals {
             error.reset();
             observer.reset();
             sudden.reset();
+            regimes.reset();
             for row in range.clone() {
                 let first = row == range.start;
                 let dt = if first {
@@ -163,19 +181,20 @@ impl Residuals {
                 };
                 let of = |table: &ndarray::Array2<f64>| table.row(row).to_vec();
                 let (q, qd, qdd) = (of(&motion.q), of(&motion.qd), of(&motion.qdd));
+                let moves = regimes.step(&qd, dt);
                 let (measured, whole) = (of(tau), of(&seen.torque));
                 let left: Vec<f64> = measured.iter().zip(&whole).map(|(m, w)| m - w).collect();
-                all.raw.push(recording.time[row], &left, first);
+                all.raw.push(recording.time[row], &left, moves, first);
                 let shown = error.step(&whole, &measured);
-                all.shown[0].push(recording.time[row], shown, first);
+                all.shown[0].push(recording.time[row], shown, moves, first);
                 model.rigid(&q, &qd, &qdd, &mut rigid);
                 let net: Vec<f64> = (0..n)
                     .map(|j| measured[j] - (whole[j] - rigid[j]))
                     .collect();
                 let shown = observer.step(&mut model, &q, &qd, &net, dt);
-                all.shown[1].push(recording.time[row], shown, first);
+                all.shown[1].push(recording.time[row], shown, moves, first);
                 let jump = sudden.step(shown);
-                all.shown[2].push(recording.time[row], jump, first);
+                all.shown[2].push(recording.time[row], jump, moves, first);
             }
         }
         let seconds = all.raw.seconds();

@@ -1,5 +1,6 @@
 //! Residuals over time.
 
+use super::regime::Regime;
 use std::ops::Range;
 
 /// A residual of N joints over stretches of time.
@@ -13,6 +14,8 @@ pub struct Signal {
     pub stretches: Vec<Range<usize>>,
     /// Samples × N, row after row, N·m or N.
     pub values: Vec<f64>,
+    /// Samples × N, how each joint moved.
+    pub regimes: Vec<Regime>,
 }
 
 impl Signal {
@@ -25,7 +28,7 @@ impl Signal {
     }
 
     /// Adds a sample; a new stretch begins where `breaks`.
-    pub fn push(&mut self, time: f64, values: &[f64], breaks: bool) {
+    pub fn push(&mut self, time: f64, values: &[f64], regimes: &[Regime], breaks: bool) {
         let row = self.time.len();
         match self.stretches.last_mut() {
             Some(last) if !breaks => last.end = row + 1,
@@ -33,6 +36,7 @@ impl Signal {
         }
         self.time.push(time);
         self.values.extend_from_slice(values);
+        self.regimes.extend_from_slice(regimes);
     }
 
     /// Adds what another has.
@@ -40,6 +44,7 @@ impl Signal {
         let rows = self.time.len();
         self.time.extend_from_slice(&other.time);
         self.values.extend_from_slice(&other.values);
+        self.regimes.extend_from_slice(&other.regimes);
         let moved = other.stretches.iter().map(|s| s.start + rows..s.end + rows);
         self.stretches.extend(moved);
     }
@@ -54,6 +59,11 @@ impl Signal {
     /// Value of a joint at a row.
     pub fn at(&self, row: usize, joint: usize) -> f64 {
         self.values[row * self.dof + joint]
+    }
+
+    /// How a joint moved at a row.
+    pub fn regime(&self, row: usize, joint: usize) -> Regime {
+        self.regimes[row * self.dof + joint]
     }
 
     /// Root mean square of every joint.
