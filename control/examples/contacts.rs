@@ -1,6 +1,6 @@
 //! Contacts of four times the residual's RMS with the simulated robot of a model directory, and hours without any.
 //!
-//! usage: contacts MODEL_DIR [HOURS [SEED]] (three hours, seed 1); two seconds of computing for a minute without contact.
+//! usage: contacts MODEL_DIR [HOURS [SEED [PER_HOUR]]] (three hours, seed 1, 0.1 false alarms per hour); six minutes of computing.
 
 use control::collision::{Plan, Regime, contacts};
 use control::demonstration::{Withheld, limits, machine};
@@ -17,10 +17,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let directory = PathBuf::from(
         arguments
             .next()
-            .ok_or("usage: contacts MODEL_DIR [HOURS [SEED]]")?,
+            .ok_or("usage: contacts MODEL_DIR [HOURS [SEED [PER_HOUR]]]")?,
     );
     let hours: f64 = arguments.next().map_or(Ok(3.0), |h| h.parse())?;
     let seed: u64 = arguments.next().map_or(Ok(1), |s| s.parse())?;
+    let per_hour: f64 = arguments.next().map_or(Ok(0.1), |r| r.parse())?;
     let file = ModelFile::load(&directory)?;
     let robot = machine(&file, Withheld::Friction)?;
     let settings = Settings {
@@ -44,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         calibration: 1080,
         contacts: 480,
         clean: (hours * 360.0).round() as usize,
-        per_hour: 0.1,
+        per_hour,
         factor: 4.0,
         seed,
         settings: settings.clone(),
