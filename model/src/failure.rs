@@ -137,6 +137,10 @@ impl From<ResidualError> for Failure {
                 e.to_string(),
                 "See train --check-only, or train with --physics-only.",
             ),
+            ResidualError::Folds => Self::input(
+                error.to_string(),
+                "Give more recordings or trajectories, or train without --yardsticks.",
+            ),
             e => Self::input(
                 e.to_string(),
                 "Copy the whole model directory again, or train the model again.",

@@ -53,6 +53,10 @@ pub struct Arguments {
     /// Passes over the data.
     #[arg(long)]
     pub epochs: Option<usize>,
+    /// Compare with ridge regression and boosted trees on the same inputs, on folds held back; kept beside the model for
+    /// `eval --leaderboard`.
+    #[arg(long, conflicts_with = "physics_only")]
+    pub yardsticks: bool,
     /// Go on from the checkpoint of an interrupted run with the same arguments.
     #[arg(long)]
     pub resume: bool,

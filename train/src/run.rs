@@ -2,7 +2,7 @@
 
 use crate::arguments::{Arguments, PresetName};
 use crate::runtime::{pool, stop, threads};
-use crate::{checkpoint, input, output, progress, screen, topics};
+use crate::{checkpoint, input, output, progress, screen, topics, yardsticks};
 use compensator::training::{Control, Progress};
 use datasets::Recording;
 use datasets::check::CheckReport;
@@ -99,6 +99,7 @@ fn steps(
                 members: arguments.members,
                 epochs: arguments.epochs,
                 moving_only: arguments.moving_only,
+                yardsticks: arguments.yardsticks,
             };
             let bar = progress::Training::new(
                 arguments.quiet,
@@ -144,6 +145,9 @@ fn steps(
             screen::everything(&fit, &metrics, arguments);
         } else {
             screen::first(&fit, &metrics, &checks, arguments);
+        }
+        if let Some(compared) = learned.as_ref().and_then(|l| l.yardsticks.as_ref()) {
+            yardsticks::print(compared, metrics.heldout.as_deref());
         }
     }
     Ok(())

@@ -178,23 +178,8 @@ impl<'a, 'd> Prepared<'a, 'd> {
             return Ok((unit, None, None));
         }
         let predicted = predict(&unit, &job.samples, &job.split.validation)?;
-        let (mut with, mut without, mut total) = (0.0, 0.0, 0.0);
-        for row in job
-            .split
-            .validation
-            .iter()
-            .flat_map(|&t| job.samples.trajectories()[t].clone())
-        {
-            let (w, y) = (
-                f64::from(job.samples.weight(row)),
-                f64::from(job.samples.target(row)),
-            );
-            with += w * (y - f64::from(predicted[row])).powi(2);
-            without += w * y * y;
-            total += w;
-        }
-        let (with, without) = ((with / total).sqrt(), (without / total).sqrt());
-        unit.enabled = with <= without * (1.0 - f64::from(job.config.least_gain));
+        let [with, without] = errors(job, &predicted);
+        unit.enabled = helps(job, with, without);
         Ok((unit, Some(with), Some(without)))
     }
 
@@ -243,6 +228,26 @@ impl<'a, 'd> Prepared<'a, 'd> {
         run?;
         Ok((trainer.state.best.values(), trainer.state.progress))
     }
+}
+
+/// Weighted RMS error on the validation trajectories of `job` with what was predicted for every row, and without it, N·m.
+pub(super) fn errors(job: &Job, predicted: &[f32]) -> [f64; 2] {
+    let samples = &job.samples;
+    let held = job.split.validation.iter();
+    let (mut with, mut without, mut total) = (0.0, 0.0, 0.0);
+    for row in held.flat_map(|&t| samples.trajectories()[t].clone()) {
+        let w = f64::from(samples.weight(row));
+        let y = f64::from(samples.target(row));
+        with += w * (y - f64::from(predicted[row])).powi(2);
+        without += w * y * y;
+        total += w;
+    }
+    [with, without].map(|sum| (sum / total).sqrt())
+}
+
+/// Whether a unit lowers the error by enough to stay on.
+pub(super) fn helps(job: &Job, with: f64, without: f64) -> bool {
+    with <= without * (1.0 - f64::from(job.config.least_gain))
 }
 
 /// Weights of a network and where its training ended.

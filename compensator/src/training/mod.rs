@@ -1,4 +1,5 @@
-//! Training of one unit, of an ensemble of seeds, and of all units on all cores.
+//! Training of one unit, of an ensemble of seeds, and of all units on all cores; ridge regression and boosted trees on the
+//! same windows, to compare with.
 
 mod batches;
 mod checkpoint;
@@ -10,12 +11,14 @@ mod ridge;
 mod samples;
 mod state;
 mod trainer;
+mod trees;
 
 pub use crate::config::{Loss, Schedule, Training, UnitConfig};
 pub use ensemble::{Control, Job, Report, Trained, judge, train};
 pub use folds::{Fold, folds};
 pub use predict::predict;
 pub use progress::Progress;
-pub use ridge::train_ridge;
+pub use ridge::{choose_ridge, fit_ridge, train_ridge};
 pub use samples::{Samples, Split};
 pub use state::Epoch;
+pub use trees::{Trees, choose_trees, grow_trees};

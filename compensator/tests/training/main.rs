@@ -4,3 +4,4 @@ mod checkpoints;
 mod hysteresis;
 mod learning;
 mod refusals;
+mod yardsticks;

@@ -19,6 +19,8 @@ pub struct ResidualOptions {
     pub epochs: Option<usize>,
     /// Train on moving samples alone.
     pub moving_only: bool,
+    /// Ridge regression and boosted trees on the same inputs beside the units.
+    pub yardsticks: bool,
 }
 
 impl ResidualOptions {
