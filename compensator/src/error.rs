@@ -90,4 +90,7 @@ pub enum Error {
     /// Boosted trees that cannot be grown or used.
     #[error("boosted trees: {0}")]
     Trees(String),
+    /// No GPU, or no support for one in this build.
+    #[error("{0}")]
+    Gpu(String),
 }

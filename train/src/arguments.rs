@@ -87,6 +87,9 @@ pub struct Arguments {
     /// Smooth the torque of --data by robust local regression over so many samples.
     #[arg(long, value_name = "SAMPLES", requires = "data")]
     pub rloess: Option<usize>,
+    /// Train the networks on a GPU, in a build with the feature `gpu`; the same networks to rounding.
+    #[arg(long, conflicts_with = "physics_only")]
+    pub gpu: bool,
     /// Threads; the result does not depend on it [default: all cores].
     #[arg(long)]
     pub threads: Option<usize>,

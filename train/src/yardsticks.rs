@@ -6,7 +6,7 @@ use model::failure::Failure;
 use model::physics_fit::Fit;
 use model::residual::{Compared, HeldBack};
 use model::tables::{RIDGE, TREES};
-use report::{Best, Cell, Column, Table, say, say_text};
+use report::{Cell, Column, Table, say, say_text};
 
 /// Rows of physics with either yardstick on the held-out recording, part `part` of the session.
 pub fn rows(
@@ -51,15 +51,14 @@ pub fn print(compared: &Compared, heldout: Option<&[Row]>) {
 }
 
 fn table(joints: &[HeldBack]) -> Table {
-    let number = |name: &str| Column::number(name).best(Best::Lowest);
     let mut table = Table::new([
         Column::text("joint"),
         Column::number("physics"),
         Column::number("unit"),
-        number("last epoch"),
-        number("ridge"),
-        number("trees"),
-        Column::number("number"),
+        Column::number("last epoch"),
+        Column::number("ridge"),
+        Column::number("trees"),
+        Column::number("grown"),
     ]);
     let cell = |v: Option<f64>| v.map_or_else(Cell::missing, |v| Cell::significant(v, 4));
     for joint in joints {

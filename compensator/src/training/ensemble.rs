@@ -16,6 +16,7 @@ use super::trainer::Trainer;
 use super::{checkpoint, predict::predict};
 use crate::Error;
 use crate::config::UnitConfig;
+use crate::learning::Tensors;
 
 /// One unit to train.
 #[derive(Debug, Clone)]
@@ -34,7 +35,7 @@ pub struct Job<'a> {
     pub seed: u64,
 }
 
-/// How a training is run: nothing here changes its result.
+/// How a training is run.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
     /// Threads; networks are trained independently, one per thread.
@@ -46,6 +47,8 @@ pub struct Control<'a> {
     pub cancel: Option<&'a AtomicBool>,
     /// Called after every epoch of every network, from any thread.
     pub progress: Option<&'a (dyn Fn(&Progress) + Sync)>,
+    /// burn's operations in place of the kernels; the one thing here that changes the result, by rounding.
+    pub tensors: Option<&'a Tensors>,
 }
 
 impl Default for Control<'_> {
@@ -55,6 +58,7 @@ impl Default for Control<'_> {
             checkpoints: None,
             cancel: None,
             progress: None,
+            tensors: None,
         }
     }
 }
@@ -203,7 +207,10 @@ impl<'a, 'd> Prepared<'a, 'd> {
             layout,
         };
         let origin = checkpoint::Origin {
-            fingerprint: format!("{}-{seed}", self.fingerprint),
+            fingerprint: match control.tensors {
+                Some(_) => format!("{}-{seed}-tensors", self.fingerprint),
+                None => format!("{}-{seed}", self.fingerprint),
+            },
             config,
         };
         let items = (&self.train[..], &self.validation[..]);
@@ -211,8 +218,8 @@ impl<'a, 'd> Prepared<'a, 'd> {
             &gather,
             (&config.architecture, &config.training),
             items,
-            seed,
-            self.level,
+            (seed, self.level),
+            control.tensors,
         )?;
         if let Some(path) = path.as_deref().filter(|path| path.exists()) {
             trainer.state = checkpoint::load(path, &origin, trainer.state)?;

@@ -14,6 +14,7 @@ mod trainer;
 mod trees;
 
 pub use crate::config::{Loss, Schedule, Training, UnitConfig};
+pub use crate::learning::Tensors;
 pub use ensemble::{Control, Job, Report, Trained, judge, train};
 pub use folds::{Fold, folds};
 pub use predict::predict;
