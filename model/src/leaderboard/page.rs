@@ -63,6 +63,27 @@ pub fn table(board: &Leaderboard) -> Table {
     table
 }
 
+/// The rows about torque without what is measured on this machine: another run prints the same.
+pub fn summary(board: &Leaderboard) -> Table {
+    let mut table = Table::new([
+        Column::text("model"),
+        Column::text("from"),
+        Column::number("mean NRMSE").best(Best::Lowest),
+        Column::number("in motion").best(Best::Lowest),
+        Column::number("parameters"),
+    ]);
+    for row in &board.rows {
+        table.push([
+            Cell::text(row.model.clone()),
+            Cell::text(row.origin()),
+            nrmse(Some(&row.all)),
+            nrmse(row.moving.as_ref()),
+            parameters(row),
+        ]);
+    }
+    table
+}
+
 fn torque(board: &Leaderboard) -> Section {
     let costs = costs(&board.rows).caption("What each costs");
     let (names, rows) = (&board.joints, &board.rows);
