@@ -3,6 +3,7 @@
 
 usage: licences.py      in the repository; exit 1 and one line per crate that is refused
 """
+import json
 import re
 import subprocess
 import sys
@@ -10,6 +11,8 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+# How the text of a licence begins, for packages that give the file and no expression.
+TITLES = {"Apache License Version 2.0, January 2004": "Apache-2.0"}
 
 
 def allowed(expression, allow):
@@ -78,8 +81,32 @@ def packages():
         if line.strip():
             package, licence = line.removesuffix(" (*)").split("\t")
             name, version = package.split(" ")[:2]
-            found.add((name, version, licence or None))
-    return sorted(found, key=str)
+            found.add((name, version.removeprefix("v"), licence or None))
+    texts = None
+    for name, version, licence in sorted(found, key=str):
+        if licence is None:
+            texts = licence_files() if texts is None else texts
+            licence = named_in(texts.get((name, version)))
+        yield name, version, licence
+
+
+def licence_files():
+    """Licence file of every package that has one instead of an expression, by name and version."""
+    command = ["cargo", "metadata", "--locked", "--format-version", "1"]
+    text = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    return {
+        (p["name"], p["version"]): Path(p["manifest_path"]).parent / p["license_file"]
+        for p in json.loads(text)["packages"]
+        if p["license_file"]
+    }
+
+
+def named_in(path):
+    """The licence that a file is the text of; none where it is another than those of `TITLES`."""
+    if path is None or not path.is_file():
+        return None
+    words = " ".join(path.read_text(encoding="utf-8", errors="replace").split())
+    return next((licence for title, licence in TITLES.items() if words.startswith(title)), None)
 
 
 def main():
@@ -87,7 +114,7 @@ def main():
         rules = tomllib.load(file)["licenses"]
     allow = set(rules["allow"])
     exceptions = {e["crate"]: set(e["allow"]) for e in rules.get("exceptions", [])}
-    found = packages()
+    found = list(packages())
     refused = 0
     for name, version, licence in found:
         try:

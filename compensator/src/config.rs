@@ -89,6 +89,28 @@ impl Default for Training {
     }
 }
 
+impl Training {
+    /// The loop of all units but the published one: small batches of squared error, one cycle of the rate, no dropout, every
+    /// epoch gone through. `share` of the samples are visited by an epoch, at most all.
+    pub fn one_cycle(epochs: usize, learning_rate: f32, share: f32) -> Self {
+        Self {
+            epochs,
+            batch: 128,
+            share: share.min(1.0),
+            learning_rate,
+            schedule: Schedule::OneCycle {
+                warm_up: 0.15,
+                start: 0.1,
+                end: 1e-3,
+            },
+            dropout: 0.0,
+            loss: Loss::Mse,
+            patience: epochs,
+            ..Self::default()
+        }
+    }
+}
+
 /// Everything that decides how a unit is trained, but its data and seeds.
 #[derive(Config, Debug, PartialEq)]
 pub struct UnitConfig {

@@ -87,4 +87,10 @@ pub enum Error {
     /// The linear system of the closed form had no solution.
     #[error("ridge regression: the normal equations could not be solved")]
     Singular,
+    /// Boosted trees that cannot be grown or used.
+    #[error("boosted trees: {0}")]
+    Trees(String),
+    /// No GPU, or no support for one in this build.
+    #[error("{0}")]
+    Gpu(String),
 }

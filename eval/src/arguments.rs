@@ -55,6 +55,9 @@ pub struct Arguments {
     /// With --leaderboard: write the page as Markdown.
     #[arg(long, requires = "leaderboard", conflicts_with = "model")]
     pub markdown: Option<PathBuf>,
+    /// With --leaderboard: print the rows as a Markdown table, as the README has them, without what is measured on this machine.
+    #[arg(long, requires = "leaderboard", conflicts_with_all = ["model", "quiet"])]
+    pub table: bool,
     /// Write predicted torque and its standard deviation as CSV; the recording needs no torque.
     #[arg(long, requires = "data")]
     pub predict: Option<PathBuf>,

@@ -2,7 +2,7 @@
 
 use model::directory::json;
 use model::failure::Failure;
-use model::leaderboard::{Contest, hold, page, table};
+use model::leaderboard::{Contest, hold, page, summary, table};
 use report::{say, say_text};
 use std::path::PathBuf;
 
@@ -13,8 +13,19 @@ pub struct Places<'a> {
     pub json: Option<&'a PathBuf>,
 }
 
+/// What is printed.
+#[derive(Clone, Copy)]
+pub enum Printed {
+    /// The rows with what they cost.
+    Rows,
+    /// The rows as a Markdown table that another run prints again.
+    Table,
+    /// Nothing.
+    Nothing,
+}
+
 /// Holds the contest, writes its page and prints the table.
-pub fn run(contest: &Contest, places: &Places, quiet: bool) -> Result<(), Failure> {
+pub fn run(contest: &Contest, places: &Places, printed: Printed) -> Result<(), Failure> {
     let board = hold(contest)?;
     let page = page(&board);
     if let Some(path) = places.json {
@@ -26,7 +37,10 @@ pub fn run(contest: &Contest, places: &Places, quiet: bool) -> Result<(), Failur
     if let Some(path) = places.markdown {
         report::write_atomic(path, page.to_markdown())?;
     }
-    if !quiet {
+    if let Printed::Table = printed {
+        say_text!(summary(&board).to_markdown());
+    }
+    if let Printed::Rows = printed {
         let (recording, samples, robot) = (&board.recording, board.samples, &board.robot);
         say!("{recording}: {samples} samples, robot {robot}\n");
         say_text!(table(&board).to_text());

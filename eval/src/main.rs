@@ -12,6 +12,7 @@ mod sources;
 use arguments::{Arguments, WIDTH};
 use clap::Parser;
 use datasets::{Part, read};
+use leaderboard::Printed;
 use model::baseline::published::{self, Published, beside};
 use model::directory::{ModelFile, json};
 use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
@@ -53,7 +54,12 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             markdown: arguments.markdown.as_ref(),
             json: arguments.json.as_ref(),
         };
-        return leaderboard::run(&contest, &places, arguments.quiet);
+        let printed = match () {
+            () if arguments.table => Printed::Table,
+            () if arguments.quiet => Printed::Nothing,
+            () => Printed::Rows,
+        };
+        return leaderboard::run(&contest, &places, printed);
     }
     let Some(model) = &arguments.model else {
         let page = match arguments.sources.as_deref() {

@@ -133,9 +133,17 @@ impl From<ResidualError> for Failure {
                 e.to_string(),
                 "Nothing was changed. Run without --resume to start afresh.",
             ),
+            ResidualError::Compensator(e @ compensator::Error::Gpu(_)) => Self::input(
+                e.to_string(),
+                "Leave --gpu out: the CPU trains the same networks. GPUs need cargo build --release --features train/gpu.",
+            ),
             ResidualError::Compensator(e) => Self::input(
                 e.to_string(),
                 "See train --check-only, or train with --physics-only.",
+            ),
+            ResidualError::Folds => Self::input(
+                error.to_string(),
+                "Give more recordings or trajectories, or train without --yardsticks.",
             ),
             e => Self::input(
                 e.to_string(),

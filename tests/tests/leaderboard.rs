@@ -147,6 +147,82 @@ fn models_side_by_side() {
     assert_eq!(again, repeatable(board));
 }
 
+/// Cells of the rows of a Markdown table, its header first.
+fn cells(table: &str) -> Vec<Vec<String>> {
+    let row = |line: &str| {
+        let cells = line.trim().trim_matches('|').split('|');
+        cells.map(|c| c.trim().replace("**", "")).collect()
+    };
+    let rows = table.lines().filter(|l| !l.starts_with("|---"));
+    rows.map(row).collect()
+}
+
+/// What a cell looks like: every run of digits as one, so that figures may differ and their form may not.
+fn form(cell: &str) -> String {
+    let mut out = String::new();
+    for c in cell.chars() {
+        match c.is_ascii_digit() {
+            true if out.ends_with('0') => {}
+            true => out.push('0'),
+            false => out.push(c),
+        }
+    }
+    out
+}
+
+/// The README's tables of results are what the commands below them print.
+#[test]
+fn the_readme_has_what_is_printed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let place = |name: &str| folder.path().join(name);
+    let (arm, robot) = urdf(folder.path(), "arm");
+    let data = record_to(folder.path(), "train.csv", &robot, &plan(1, 5));
+    let model = place("learned");
+    let more = ["--epochs", "2", "--members", "1", "--yardsticks"];
+    train(&arm, &data, &model, &more);
+    let print = || {
+        run(leaderboard(&[&model], &data).arg("--table"))
+            .succeeded()
+            .out
+            .clone()
+    };
+    let printed = print();
+    assert_eq!(printed, print(), "nothing in it is measured on the machine");
+    let ours = cells(&printed);
+    let header = printed.lines().next().expect("a header");
+
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
+    let readme = std::fs::read_to_string(readme).expect("the README");
+    let commands = readme
+        .lines()
+        .filter(|l| l.contains("--leaderboard") && l.contains("--table"));
+    let tables: Vec<&str> = readme
+        .split("\n\n")
+        .filter(|block| block.starts_with(header))
+        .collect();
+    assert_eq!(tables.len(), commands.count(), "one command for each table");
+    assert!(!tables.is_empty());
+    for table in tables {
+        let theirs = cells(table);
+        let errors: Vec<f64> = theirs[1..]
+            .iter()
+            .map(|row| row[2].split(' ').next().and_then(|v| v.parse().ok()))
+            .map(|v| v.expect("a mean NRMSE"))
+            .collect();
+        assert!(errors.is_sorted(), "{errors:?}");
+        for row in &theirs[1..] {
+            // Published rows are not among ours here: a number without interval, nothing in motion, no parameters.
+            let known = ours[1..].iter().find(|own| own[0] == row[0]);
+            let expected = match known {
+                Some(own) => [2, 3, 4].map(|c| form(&own[c])),
+                None => ["0.0", "–", "–"].map(String::from),
+            };
+            assert_eq!([2, 3, 4].map(|c| form(&row[c])), expected, "{row:?}");
+            assert_eq!(known.is_none(), row[1].starts_with("published"), "{row:?}");
+        }
+    }
+}
+
 #[test]
 fn few_trajectories_are_drawn_by_blocks_and_it_says_so() {
     let folder = tempfile::tempdir().expect("a temporary folder");

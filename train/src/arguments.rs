@@ -53,6 +53,10 @@ pub struct Arguments {
     /// Passes over the data.
     #[arg(long)]
     pub epochs: Option<usize>,
+    /// Compare with ridge regression and boosted trees on the same inputs, on folds held back; kept beside the model for
+    /// `eval --leaderboard`.
+    #[arg(long, conflicts_with = "physics_only")]
+    pub yardsticks: bool,
     /// Go on from the checkpoint of an interrupted run with the same arguments.
     #[arg(long)]
     pub resume: bool,
@@ -83,6 +87,9 @@ pub struct Arguments {
     /// Smooth the torque of --data by robust local regression over so many samples.
     #[arg(long, value_name = "SAMPLES", requires = "data")]
     pub rloess: Option<usize>,
+    /// Train the networks on a GPU, in a build with the feature `gpu`; the same networks to rounding.
+    #[arg(long, conflicts_with = "physics_only")]
+    pub gpu: bool,
     /// Threads; the result does not depend on it [default: all cores].
     #[arg(long)]
     pub threads: Option<usize>,

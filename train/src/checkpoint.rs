@@ -20,7 +20,7 @@ fn description(arguments: &Arguments, input: &Input) -> String {
         .map(|r| format!("{} {} {}", r.source, r.len(), fingerprint(r)))
         .collect();
     format!(
-        "residyn {}\nrobot {:?}\njoints {:?}\ngravity {:?}\ndrive {:?}\nseed {}\nmoving only {}\nbasic {}\nestimator {:?}\npreset {:?}\nmembers {:?}\nepochs {:?}\ncutoff {:?}\n{}\n",
+        "residyn {}\nrobot {:?}\njoints {:?}\ngravity {:?}\ndrive {:?}\nseed {}\nmoving only {}\nbasic {}\nestimator {:?}\npreset {:?}\nmembers {:?}\nepochs {:?}\nyardsticks {}\ngpu {}\ncutoff {:?}\n{}\n",
         env!("CARGO_PKG_VERSION"),
         arguments.robot,
         arguments.joints,
@@ -33,6 +33,8 @@ fn description(arguments: &Arguments, input: &Input) -> String {
         arguments.preset,
         arguments.members,
         arguments.epochs,
+        arguments.yardsticks,
+        arguments.gpu,
         arguments.cutoff_hz,
         recordings.join("\n")
     )

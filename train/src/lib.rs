@@ -16,6 +16,7 @@ pub mod runtime;
 mod screen;
 pub mod study;
 mod topics;
+mod yardsticks;
 
 pub use compensator::training::Progress;
 pub use run::run;

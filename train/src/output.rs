@@ -2,6 +2,7 @@
 
 use crate::arguments::Arguments;
 use crate::input::Input;
+use crate::yardsticks;
 use datasets::Recording;
 use datasets::metrics::Row;
 use model::baseline::published::{Part, Published, beside};
@@ -23,15 +24,25 @@ pub fn rows(
     recording: &Recording,
 ) -> Result<Vec<Row>, Failure> {
     let mut rows = fit.rows(part, recording)?;
-    if let (Some(learned), Some(tau)) = (learned, &recording.tau) {
-        let torque = &fit.physics[part] + &learned.torque[part];
-        let qd = &fit.session.parts[part].at_samples.qd;
-        rows.extend(
-            Row::both_scopes("physics+compensator", tau, &torque, qd)
-                .map_err(|e| Failure::other(e.to_string()))?,
-        );
-    }
+    rows.extend(whole(fit, learned, part, recording)?);
     Ok(rows)
+}
+
+/// Those of the whole model, where it has a compensator.
+fn whole(
+    fit: &Fit,
+    learned: Option<&Learned>,
+    part: usize,
+    recording: &Recording,
+) -> Result<Vec<Row>, Failure> {
+    let (Some(learned), Some(tau)) = (learned, &recording.tau) else {
+        return Ok(Vec::new());
+    };
+    let torque = &fit.physics[part] + &learned.torque[part];
+    let qd = &fit.session.parts[part].at_samples.qd;
+    let both = Row::both_scopes("physics+compensator", tau, &torque, qd)
+        .map_err(|e| Failure::other(e.to_string()))?;
+    Ok(both.into())
 }
 
 /// Metrics of the first training recording set and the held-out one.
@@ -59,7 +70,14 @@ pub fn metrics(
         _ => Vec::new(),
     };
     let heldout = heldout
-        .map(|recording| rows(fit, learned, data.len(), recording))
+        .map(|recording| {
+            let mut all = rows(fit, None, data.len(), recording)?;
+            if let Some(compared) = learned.and_then(|l| l.yardsticks.as_ref()) {
+                all.extend(yardsticks::rows(fit, compared, data.len(), recording)?);
+            }
+            all.extend(whole(fit, learned, data.len(), recording)?);
+            Ok::<_, Failure>(all)
+        })
         .transpose()?;
     Ok(Metrics {
         schema: model::directory::metrics::SCHEMA,
@@ -110,6 +128,9 @@ pub fn write(
     let urdf = model::urdf::identified(fit);
     let file = &fit.file;
     file.write(&arguments.out, metrics, weights, urdf.as_deref())?;
+    if let Some((learned, compared)) = learned.and_then(|l| Some((l, l.yardsticks.as_ref()?))) {
+        (compared.yardsticks).save(&arguments.out, &learned.record.sha256)?;
+    }
     Ok(())
 }
 

@@ -2,8 +2,8 @@
 
 use crate::arguments::{Arguments, PresetName};
 use crate::runtime::{pool, stop, threads};
-use crate::{checkpoint, input, output, progress, screen, topics};
-use compensator::training::{Control, Progress};
+use crate::{checkpoint, input, output, progress, screen, topics, yardsticks};
+use compensator::training::{Control, Progress, Tensors};
 use datasets::Recording;
 use datasets::check::CheckReport;
 use datasets::prepare::PrepareOptions;
@@ -13,7 +13,7 @@ use model::failure::Failure;
 use model::identify::identification::IdentifyOptions;
 use model::physics_fit::{Fit, FitError, FitOptions, fit_physics};
 use model::preparation::check::check_recording;
-use model::residual::{Preset, ResidualOptions, train_residual};
+use model::residual::{Preset, ResidualError, ResidualOptions, train_residual};
 use model::spread::{LeftOut, by_regime};
 use ndarray::Array2;
 use std::sync::atomic::AtomicBool;
@@ -41,6 +41,8 @@ fn steps(
     watch: Option<&(dyn Fn(&Progress) + Sync)>,
     threads: usize,
 ) -> Result<(), Failure> {
+    let tensors = arguments.gpu.then(Tensors::gpu).transpose();
+    let tensors = tensors.map_err(ResidualError::from)?;
     let input = input::read(arguments)?;
     let prepare_options = PrepareOptions {
         cutoff_hz: arguments.cutoff_hz,
@@ -99,6 +101,7 @@ fn steps(
                 members: arguments.members,
                 epochs: arguments.epochs,
                 moving_only: arguments.moving_only,
+                yardsticks: arguments.yardsticks,
             };
             let bar = progress::Training::new(
                 arguments.quiet,
@@ -116,6 +119,7 @@ fn steps(
                 checkpoints: Some(folder),
                 cancel: Some(cancel),
                 progress: Some(&show),
+                tensors: tensors.as_ref(),
             };
             let learned = train_residual(&fit, &input.data, &apart, &options, &control);
             bar.finish();
@@ -144,6 +148,9 @@ fn steps(
             screen::everything(&fit, &metrics, arguments);
         } else {
             screen::first(&fit, &metrics, &checks, arguments);
+        }
+        if let Some(compared) = learned.as_ref().and_then(|l| l.yardsticks.as_ref()) {
+            yardsticks::print(compared, metrics.heldout.as_deref());
         }
     }
     Ok(())

@@ -13,6 +13,7 @@ pub(crate) struct Batch {
     /// Normalised target and weight of every output, in the network's order.
     pub(crate) targets: Vec<(f32, f32)>,
     loss: Loss,
+    span: Span,
     outputs: Vec<f32>,
 }
 
@@ -34,6 +35,7 @@ impl Batch {
             dropout: None,
             targets: Vec::new(),
             loss,
+            span: Span::default(),
             outputs: Vec::new(),
         }
     }
@@ -41,8 +43,19 @@ impl Batch {
     /// Makes room; inputs and targets are to be written next.
     pub(crate) fn begin(&mut self, span: Span) {
         self.network.begin(span);
+        self.span = span;
         self.targets.clear();
         self.outputs.resize(span.outputs(), 0.0);
+    }
+
+    /// Size of the batch.
+    pub(super) fn span(&self) -> Span {
+        self.span
+    }
+
+    /// Cost of a residual.
+    pub(super) fn loss(&self) -> Loss {
+        self.loss
     }
 
     /// Sum of the weights.

@@ -7,8 +7,9 @@ use burn::optim::{GradientsParams, ModuleOptimizer};
 use burn::store::RecordError;
 use burn::tensor::Bytes;
 
-use super::adamw::optimizer;
+use super::adamw::{composed_optimizer, optimizer};
 use super::batch::{Batch, Cost};
+use super::composed::Means;
 use super::operation::{NotFinite, cost};
 use super::schedule::rates;
 use super::weights::Weights;
@@ -22,6 +23,8 @@ pub(crate) struct Learner {
     clipping: GradientClipping,
     optimizer: ModuleOptimizer,
     rates: ModuleLrScheduler,
+    /// Instead of the kernels.
+    means: Option<Means>,
 }
 
 /// burn's records of a learner.
@@ -32,25 +35,39 @@ pub(crate) struct Records {
 }
 
 impl Learner {
-    /// For `steps` steps from the given weights on.
+    /// For `steps` steps from the given weights on, by the kernels or by other means.
     ///
     /// # Errors
     /// A rate out of range, or a device that burn cannot use.
-    pub(crate) fn new(weights: Weights, training: &Training, steps: usize) -> Result<Self, String> {
+    pub(crate) fn new(
+        weights: Weights,
+        training: &Training,
+        steps: usize,
+        means: Option<Means>,
+    ) -> Result<Self, String> {
+        let is_gpu = means.as_ref().is_some_and(|m| m.tensors.is_gpu);
         // burn reads its records onto the default device, and panics where that is not there.
         if let Ok(device) = std::env::var("BURN_DEVICE")
-            && !device.eq_ignore_ascii_case("flex")
+            && (is_gpu || !device.eq_ignore_ascii_case("flex"))
         {
+            let place = if is_gpu { "the GPU" } else { "the CPU" };
             return Err(format!(
-                "the environment asks burn for BURN_DEVICE={device}; training runs on the CPU, unset it"
+                "the environment asks burn for BURN_DEVICE={device}; training runs on {place}, unset it"
             ));
         }
         Ok(Self {
-            weights,
+            weights: match &means {
+                Some(means) => weights.moved(&means.tensors),
+                None => weights,
+            },
             clip: training.clip,
             clipping: GradientClippingConfig::Norm(training.clip).init(),
-            optimizer: optimizer(training),
+            optimizer: match means {
+                Some(_) => composed_optimizer(training),
+                None => optimizer(training),
+            },
             rates: rates(training, steps)?,
+            means,
         })
     }
 
@@ -63,8 +80,14 @@ impl Learner {
     /// # Errors
     /// Cost or gradient left the finite numbers; no step was taken.
     pub(crate) fn step(&mut self, batch: &mut Batch) -> Result<Cost, NotFinite> {
-        let (mean, cost) = cost(self.weights.tensor(), batch)?;
-        let mut gradients = GradientsParams::from_grads(mean.backward(), &self.weights);
+        let (mut gradients, cost) = match &self.means {
+            Some(means) => means.gradients(&self.weights, batch)?,
+            None => {
+                let (mean, cost) = cost(self.weights.tensor(), batch)?;
+                let gradients = GradientsParams::from_grads(mean.backward(), &self.weights);
+                (gradients, cost)
+            }
+        };
         // A shorter gradient comes out of burn's clipping as it went in, five passes over memory later.
         if cost.norm_squared.sqrt() > self.clip {
             let name = self.weights.name();
@@ -101,6 +124,12 @@ impl Learner {
     /// Records of another learner. burn drops state that does not fit without a word, so what was read is
     /// compared with what it would write.
     pub(crate) fn restore(self, records: Records) -> Result<Self, String> {
+        let is_gpu = self.means.as_ref().is_some_and(|m| m.tensors.is_gpu);
+        if cfg!(feature = "gpu") && !is_gpu && std::env::var_os("BURN_DEVICE").is_none() {
+            return Err(
+                "this build reads it onto a GPU; set BURN_DEVICE=flex to go on on the CPU".into(),
+            );
+        }
         let other = |what: &str| format!("its {what} is not one of this training");
         let text = |e: RecordError| e.to_string();
         let restored = Self {
@@ -114,6 +143,7 @@ impl Learner {
             rates: self.rates.load_record(
                 LrSchedulerRecord::from_bytes(records.schedule.clone()).map_err(text)?,
             ),
+            means: self.means,
         };
         let written = restored.records().map_err(text)?;
         match () {
@@ -156,7 +186,7 @@ mod tests {
     }
 
     fn learner(size: usize) -> Learner {
-        Learner::new(Weights::new(vec![0.1; size]), &Training::new(), 10).unwrap()
+        Learner::new(Weights::new(vec![0.1; size]), &Training::new(), 10, None).unwrap()
     }
 
     #[test]

@@ -3,20 +3,24 @@
 //! Cost and gradient of a unit are one operation of a backend extension ([`operation`]): burn sees a flat
 //! parameter and its gradient, the kernels see slices, nothing is copied. AdamW in one pass ([`adamw`]) is
 //! a second one. All runs on burn's `flex` backend without its thread pool; networks are trained beside each
-//! other, one per core.
+//! other, one per core. Where the kernels cannot run, on a GPU, the unit is composed of burn's own operations ([`composed`]).
 
 mod adamw;
 mod batch;
+mod composed;
 mod learner;
 mod loss;
 mod operation;
 mod schedule;
+mod tensors;
 mod weights;
 
 #[cfg(test)]
 mod oracle_tests;
 
 pub(crate) use batch::Batch;
+pub(crate) use composed::Means;
 pub(crate) use learner::{Learner, Records};
 pub(crate) use operation::NotFinite;
+pub use tensors::Tensors;
 pub(crate) use weights::Weights;

@@ -7,6 +7,8 @@ use feedforward::network::Architecture;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use super::tensors::Tensors;
+
 /// Records are equal byte for byte only where the parameter has the same name; burn draws one by default.
 const NAME: u64 = 1;
 
@@ -17,12 +19,16 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
-    /// Parameters to be trained.
+    /// Parameters to be trained by the kernels.
     pub(crate) fn new(values: Vec<f32>) -> Self {
+        // Never the default device: that prefers a GPU where one is compiled in.
+        Self::on(&Device::flex().autodiff(), values)
+    }
+
+    /// Parameters to be trained on a device, which has its graph.
+    fn on(device: &Device, values: Vec<f32>) -> Self {
         let size = [values.len()];
-        // Never the default device: that prefers a GPU where another crate has compiled one in.
-        let device = Device::flex().autodiff();
-        let tensor = Tensor::from_data(TensorData::new(values, size), &device);
+        let tensor = Tensor::from_data(TensorData::new(values, size), device);
         Self {
             flat: Param::initialized(ParamId::from(NAME), tensor.require_grad()),
         }
@@ -63,6 +69,11 @@ impl Weights {
             }));
         }
         Self::new(values)
+    }
+
+    /// The same parameters where the tensors are.
+    pub(crate) fn moved(&self, tensors: &Tensors) -> Self {
+        Self::on(&tensors.device, self.values())
     }
 
     /// The parameters in the graph.

@@ -9,6 +9,7 @@ use feedforward::network::{Bounds, Normaliser, Unit};
 use sha2::{Digest, Sha256};
 
 use super::batches::{Gatherer, Item, Layout};
+use super::judge::judge_prediction;
 use super::progress::{Clock, Progress};
 use super::samples::{Samples, Split};
 use super::state::{Epoch, Position, State};
@@ -16,6 +17,7 @@ use super::trainer::Trainer;
 use super::{checkpoint, predict::predict};
 use crate::Error;
 use crate::config::UnitConfig;
+use crate::learning::Tensors;
 
 /// One unit to train.
 #[derive(Debug, Clone)]
@@ -34,7 +36,7 @@ pub struct Job<'a> {
     pub seed: u64,
 }
 
-/// How a training is run: nothing here changes its result.
+/// How a training is run.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
     /// Threads; networks are trained independently, one per thread.
@@ -46,6 +48,8 @@ pub struct Control<'a> {
     pub cancel: Option<&'a AtomicBool>,
     /// Called after every epoch of every network, from any thread.
     pub progress: Option<&'a (dyn Fn(&Progress) + Sync)>,
+    /// burn's operations in place of the kernels; the one thing here that changes the result, by rounding.
+    pub tensors: Option<&'a Tensors>,
 }
 
 impl Default for Control<'_> {
@@ -55,6 +59,7 @@ impl Default for Control<'_> {
             checkpoints: None,
             cancel: None,
             progress: None,
+            tensors: None,
         }
     }
 }
@@ -178,25 +183,9 @@ impl<'a, 'd> Prepared<'a, 'd> {
             return Ok((unit, None, None));
         }
         let predicted = predict(&unit, &job.samples, &job.split.validation)?;
-        let (mut with, mut without, mut total) = (0.0, 0.0, 0.0);
-        let mut gains = Vec::with_capacity(job.split.validation.len());
-        for &trajectory in &job.split.validation {
-            let mut gain = 0.0;
-            for row in job.samples.trajectories()[trajectory].clone() {
-                let w = f64::from(job.samples.weight(row));
-                let y = f64::from(job.samples.target(row));
-                let (left, all) = (w * (y - f64::from(predicted[row])).powi(2), w * y * y);
-                with += left;
-                without += all;
-                total += w;
-                gain += all - left;
-            }
-            gains.push(gain);
-        }
-        let (with, without) = ((with / total).sqrt(), (without / total).sqrt());
-        let enough = with <= without * (1.0 - f64::from(job.config.least_gain));
-        unit.enabled = enough && beyond_chance(&gains, f64::from(job.config.sure));
-        Ok((unit, Some(with), Some(without)))
+        let judged = judge_prediction(&job.samples, &job.split.validation, &job.config, &predicted);
+        unit.enabled = judged.helps;
+        Ok((unit, Some(judged.with), Some(judged.without)))
     }
 
     /// Best weights of one network, and how it went.
@@ -219,7 +208,10 @@ impl<'a, 'd> Prepared<'a, 'd> {
             layout,
         };
         let origin = checkpoint::Origin {
-            fingerprint: format!("{}-{seed}", self.fingerprint),
+            fingerprint: match control.tensors {
+                Some(_) => format!("{}-{seed}-tensors", self.fingerprint),
+                None => format!("{}-{seed}", self.fingerprint),
+            },
             config,
         };
         let items = (&self.train[..], &self.validation[..]);
@@ -227,8 +219,8 @@ impl<'a, 'd> Prepared<'a, 'd> {
             &gather,
             (&config.architecture, &config.training),
             items,
-            seed,
-            self.level,
+            (seed, self.level),
+            control.tensors,
         )?;
         if let Some(path) = path.as_deref().filter(|path| path.exists()) {
             trainer.state = checkpoint::load(path, &origin, trainer.state)?;
@@ -244,17 +236,6 @@ impl<'a, 'd> Prepared<'a, 'd> {
         run?;
         Ok((trainer.state.best.values(), trainer.state.progress))
     }
-}
-
-/// Whether the mean of what trajectories gain lies `sure` standard errors above zero; one trajectory tells nothing of chance.
-fn beyond_chance(gains: &[f64], sure: f64) -> bool {
-    let n = gains.len() as f64;
-    if gains.len() < 2 {
-        return true;
-    }
-    let mean = gains.iter().sum::<f64>() / n;
-    let squares = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>();
-    mean >= sure * (squares / (n - 1.0) / n).sqrt()
 }
 
 /// Weights of a network and where its training ended.
@@ -382,21 +363,5 @@ fn describe(
             .and_then(|e| e.validation_rmse),
         finished: position.finished,
         remaining,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::beyond_chance;
-
-    /// Four gains of mean 1 and standard deviation 1: two standard errors of 1/2 are reached, three are not.
-    #[test]
-    fn a_gain_is_held_against_its_standard_error() {
-        let half = 0.75_f64.sqrt();
-        let gains = [1.0 - half, 1.0 + half, 1.0 - half, 1.0 + half];
-        assert!(beyond_chance(&gains, 1.99) && !beyond_chance(&gains, 2.01));
-        assert!(!beyond_chance(&[-1.0, -1.1, -0.9], 2.0));
-        assert!(beyond_chance(&[-1.0], 2.0), "nothing to judge chance by");
-        assert!(beyond_chance(&[1.0; 3], 2.0));
     }
 }

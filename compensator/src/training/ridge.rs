@@ -10,6 +10,9 @@ use crate::Error;
 /// Ridge parameters tried, relative to the mean diagonal of the normal matrix.
 const GRID: [f64; 7] = [1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
+/// Rows per block of the products.
+const ROWS: usize = 1024;
+
 /// Fits y = wᵀx + b on flattened windows of the job's architecture's length, the ridge chosen on the
 /// validation trajectories (the smallest where there are none). The bias is not shrunk.
 ///
@@ -18,43 +21,95 @@ const GRID: [f64; 7] = [1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 /// # Errors
 /// As [`super::train`], and [`Error::Singular`].
 pub fn train_ridge(job: &Job) -> Result<Trained, Error> {
-    let timestep = job.config.architecture.timestep();
-    let mut job = job.clone();
-    job.config.architecture = Architecture::Perceptron {
-        hidden: Vec::new(),
-        timestep,
-    };
-    let prepared = Prepared::new(&job)?;
-    let (normal, moment) = normal_equations(&prepared, timestep);
-    let n = moment.nrows() - 1;
-    let scale = (0..n).map(|j| normal[(j, j)]).sum::<f64>() / n as f64;
+    best(job).map(|(_, trained)| trained)
+}
+
+/// The ridge that [`train_ridge`] chooses, relative to the mean diagonal of the normal matrix.
+///
+/// # Errors
+/// As [`train_ridge`].
+pub fn choose_ridge(job: &Job) -> Result<f64, Error> {
+    best(job).map(|(ridge, _)| ridge)
+}
+
+/// As [`train_ridge`] with a ridge that was chosen elsewhere.
+///
+/// # Errors
+/// As [`train_ridge`].
+pub fn fit_ridge(job: &Job, ridge: f64) -> Result<Trained, Error> {
+    let job = linear(job);
+    Equations::of(&job)?.solve(ridge)
+}
+
+fn best(job: &Job) -> Result<(f64, Trained), Error> {
+    let job = linear(job);
+    let equations = Equations::of(&job)?;
     let grid = if job.split.validation.is_empty() {
         &GRID[..1]
     } else {
         &GRID[..]
     };
-    let mut best: Option<Trained> = None;
-    for ridge in grid {
-        let mut shifted = normal.clone();
-        (0..n).for_each(|j| shifted[(j, j)] += ridge * scale.max(f64::MIN_POSITIVE));
-        let factor = shifted.llt(Side::Lower).map_err(|_| Error::Singular)?;
-        let solution = factor.solve(&moment);
-        let weights = (0..=n).map(|j| solution[(j, 0)] as f32).collect();
-        let (unit, with, without) = prepared.judge(prepared.unit(vec![weights]))?;
-        let report = Report {
-            history: vec![Vec::new()],
-            best_epoch: vec![0],
-            validation_rmse: with,
-            validation_rmse_off: without,
-        };
+    let mut best: Option<(f64, Trained)> = None;
+    for &ridge in grid {
+        let trained = equations.solve(ridge)?;
+        let error = trained.report.validation_rmse;
         let better = best
             .as_ref()
-            .is_none_or(|b| with < b.report.validation_rmse);
+            .is_none_or(|(_, b)| error < b.report.validation_rmse);
         if better {
-            best = Some(Trained { unit, report });
+            best = Some((ridge, trained));
         }
     }
     best.ok_or(Error::Singular)
+}
+
+/// The job with a linear unit on windows of the same length.
+fn linear<'a>(job: &Job<'a>) -> Job<'a> {
+    let mut job = job.clone();
+    job.config.architecture = Architecture::Perceptron {
+        hidden: Vec::new(),
+        timestep: job.config.architecture.timestep(),
+    };
+    job
+}
+
+/// Normal equations of a linear unit.
+struct Equations<'a, 'd> {
+    prepared: Prepared<'a, 'd>,
+    normal: Mat<f64>,
+    moment: Mat<f64>,
+}
+
+impl<'a, 'd> Equations<'a, 'd> {
+    fn of(job: &'a Job<'d>) -> Result<Self, Error> {
+        let prepared = Prepared::new(job)?;
+        let timestep = job.config.architecture.timestep();
+        let (normal, moment) = normal_equations(&prepared, timestep);
+        Ok(Self {
+            prepared,
+            normal,
+            moment,
+        })
+    }
+
+    fn solve(&self, ridge: f64) -> Result<Trained, Error> {
+        let n = self.moment.nrows() - 1;
+        let scale = (0..n).map(|j| self.normal[(j, j)]).sum::<f64>() / n as f64;
+        let mut shifted = self.normal.clone();
+        (0..n).for_each(|j| shifted[(j, j)] += ridge * scale.max(f64::MIN_POSITIVE));
+        let factor = shifted.llt(Side::Lower).map_err(|_| Error::Singular)?;
+        let solution = factor.solve(&self.moment);
+        let weights = (0..=n).map(|j| solution[(j, 0)] as f32).collect();
+        let unit = self.prepared.unit(vec![weights]);
+        let (unit, validation_rmse, validation_rmse_off) = self.prepared.judge(unit)?;
+        let report = Report {
+            history: vec![Vec::new()],
+            best_epoch: vec![0],
+            validation_rmse,
+            validation_rmse_off,
+        };
+        Ok(Trained { unit, report })
+    }
 }
 
 /// XᵀWX and XᵀWy over windows with a constant last column, summed sample by sample in f64.
@@ -64,7 +119,7 @@ fn normal_equations(prepared: &Prepared, timestep: usize) -> (Mat<f64>, Mat<f64>
     let n = d * timestep + 1;
     let mut normal = Mat::<f64>::zeros(n, n);
     let mut moment = Mat::<f64>::zeros(n, 1);
-    let mut raw = vec![0.0; d];
+    let mut raw = vec![0.0; d * timestep];
     let mut block = Mat::<f64>::zeros(ROWS, n);
     let mut right = Mat::<f64>::zeros(ROWS, 1);
     let mut filled = 0;
@@ -85,12 +140,9 @@ fn normal_equations(prepared: &Prepared, timestep: usize) -> (Mat<f64>, Mat<f64>
                 continue;
             }
             let root = f64::from(weight).sqrt();
-            for step in 0..timestep {
-                let source = (row + step + 1).saturating_sub(timestep).max(range.start);
-                job.samples.gather(source, &job.columns, &mut raw);
-                for (j, &x) in raw.iter().enumerate() {
-                    block[(filled, step * d + j)] = root * f64::from(prepared.input.apply(j, x));
-                }
+            job.samples.window(row, range.start, &job.columns, &mut raw);
+            for (j, &x) in raw.iter().enumerate() {
+                block[(filled, j)] = root * f64::from(prepared.input.apply(j % d, x));
             }
             block[(filled, n - 1)] = root;
             right[(filled, 0)] =
@@ -104,6 +156,3 @@ fn normal_equations(prepared: &Prepared, timestep: usize) -> (Mat<f64>, Mat<f64>
     flush(&mut block, &mut right, &mut filled);
     (normal, moment)
 }
-
-/// Rows per block of the products.
-const ROWS: usize = 1024;

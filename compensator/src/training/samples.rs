@@ -126,6 +126,15 @@ impl<'a> Samples<'a> {
         }
     }
 
+    /// Copies the window that ends at `row`, oldest sample first, to `out`; before `start` its trajectory's first sample repeats.
+    pub(super) fn window(&self, row: usize, start: usize, columns: &[usize], out: &mut [f32]) {
+        let steps = out.len() / columns.len();
+        for (step, out) in out.chunks_exact_mut(columns.len()).enumerate() {
+            let source = (row + step + 1).saturating_sub(steps).max(start);
+            self.gather(source, columns, out);
+        }
+    }
+
     /// Fingerprint of everything a unit on `columns` sees, to tell a checkpoint of other data.
     pub(crate) fn digest(&self, columns: &[usize], hash: &mut Sha256) {
         let mut row = vec![0.0; columns.len()];

@@ -12,7 +12,7 @@ use super::state::{Epoch, Position, State};
 use crate::Error;
 use crate::config::Training;
 use crate::engine::Network;
-use crate::learning::{Batch, Learner, NotFinite, Weights};
+use crate::learning::{Batch, Learner, Means, NotFinite, Tensors, Weights};
 
 /// One network under training.
 pub(super) struct Trainer<'a, 'd> {
@@ -43,7 +43,7 @@ fn epoch_size(settings: &Training, samples: usize) -> (usize, usize) {
 }
 
 impl<'a, 'd> Trainer<'a, 'd> {
-    /// A fresh network whose output starts at `level` (normalised).
+    /// A fresh network whose output starts at `level` (normalised), trained by the kernels or by `tensors`.
     ///
     /// # Errors
     /// Settings that cannot work.
@@ -51,8 +51,8 @@ impl<'a, 'd> Trainer<'a, 'd> {
         gather: &'a Gatherer<'a, 'd>,
         (architecture, settings): (&'a Architecture, &'a Training),
         (train, validation): (&'a [Item], &'a [Item]),
-        seed: u64,
-        level: f32,
+        (seed, level): (u64, f32),
+        tensors: Option<&Tensors>,
     ) -> Result<Self, Error> {
         let inputs = gather.columns.len();
         let network = Network::new(architecture, inputs).ok_or_else(|| Error::Config {
@@ -61,13 +61,18 @@ impl<'a, 'd> Trainer<'a, 'd> {
         })?;
         let rng = &mut generator(seed, 0, 0, 0);
         let weights = Weights::initial(architecture, inputs, level, rng);
-        let best = weights.clone();
         let (_, batches) = epoch_size(settings, train.len());
         let steps = settings.epochs * batches;
-        let learner = Learner::new(weights, settings, steps).map_err(|problem| Error::Config {
-            setting: "training",
-            problem,
+        let means = tensors.map(|tensors| Means {
+            tensors: tensors.clone(),
+            architecture: architecture.clone(),
+            inputs,
+        });
+        let learner = Learner::new(weights, settings, steps, means).map_err(|problem| {
+            let setting = "training";
+            Error::Config { setting, problem }
         })?;
+        let best = learner.weights().clone();
         Ok(Self {
             gather,
             architecture,

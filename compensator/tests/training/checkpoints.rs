@@ -34,7 +34,7 @@ fn resumed_training_ends_in_the_same_bytes() {
             checkpoints: Some(directory.path()),
             cancel: Some(&cancel),
             progress: Some(&progress),
-            threads: 1,
+            ..Control::default()
         };
         assert!(matches!(train(&jobs, &control), Err(Error::Interrupted)));
         let control = Control {

@@ -4,3 +4,5 @@ mod checkpoints;
 mod hysteresis;
 mod learning;
 mod refusals;
+mod tensors;
+mod yardsticks;

@@ -7,9 +7,7 @@
 use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
 use crate::settings::SaidSettings;
-use compensator::training::{
-    Control, Job, Loss, Samples, Schedule, Split, Training, UnitConfig, train,
-};
+use compensator::training::{Control, Job, Samples, Split, Training, UnitConfig, train};
 use feedforward::inputs::{CompensatorRecord, Input};
 use feedforward::network::Compensator;
 use model::directory::{ModelFile, sha256};
@@ -157,21 +155,7 @@ fn pieces(segments: &[Range<usize>]) -> Vec<Range<usize>> {
 
 fn config(samples: usize, settings: &SaidSettings) -> UnitConfig {
     UnitConfig {
-        training: Training {
-            epochs: EPOCHS,
-            batch: 128,
-            share: (SAMPLES / samples as f32).min(1.0),
-            learning_rate: 1e-2,
-            schedule: Schedule::OneCycle {
-                warm_up: 0.15,
-                start: 0.1,
-                end: 1e-3,
-            },
-            dropout: 0.0,
-            loss: Loss::Mse,
-            patience: EPOCHS,
-            ..Training::default()
-        },
+        training: Training::one_cycle(EPOCHS, 1e-2, SAMPLES / samples as f32),
         least_gain: settings.learned,
         // Pieces of one trajectory follow one another: their number says nothing of chance, which the verdict's own test weighs.
         sure: 0.0,

@@ -1,5 +1,5 @@
 //! The model directory: `model.json`, `covariance.json`, `compensator.safetensors`, `metrics.json`, `identified.urdf`,
-//! `timing.json`.
+//! `timing.json`, and with `train --yardsticks` `yardsticks.json` and `yardsticks.safetensors`.
 
 mod base_parameter;
 mod checksum;
@@ -34,6 +34,9 @@ use std::path::{Path, PathBuf};
 
 /// Version of `model.json` that this program writes and reads.
 pub const SCHEMA: &str = "model/1";
+
+/// Files of `train --yardsticks`: figures and trees; the ridge regression, as a compensator is stored.
+pub const YARDSTICKS: [&str; 2] = ["yardsticks.json", "yardsticks.safetensors"];
 
 /// Contents of `model.json`. Units are SI; joints base first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -317,7 +320,7 @@ impl ModelFile {
     }
 
     /// Writes a whole model directory, which is made where there is none: `model.json` last, so that a directory with one is
-    /// whole. `weights` is `compensator.safetensors`, `urdf` the identified robot. The timing of an earlier training goes.
+    /// whole. `weights` is `compensator.safetensors`, `urdf` the identified robot. Timing and yardsticks of an earlier training go.
     ///
     /// # Errors
     /// The directory or a file cannot be written.
@@ -342,7 +345,9 @@ impl ModelFile {
             Some(bytes) => report::write_atomic(&path, bytes)?,
             None => gone(&path)?,
         }
-        gone(&directory.join(timing::FILE))?;
+        for file in [timing::FILE].iter().chain(&YARDSTICKS) {
+            gone(&directory.join(file))?;
+        }
         report::write_atomic(&directory.join("metrics.json"), json(metrics))?;
         if let Some(urdf) = urdf {
             report::write_atomic(&directory.join("identified.urdf"), urdf)?;

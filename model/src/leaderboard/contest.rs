@@ -9,7 +9,9 @@ use crate::baseline::FORWARD;
 use crate::baseline::published::Task;
 use crate::directory::{ModelFile, Source, Timing};
 use crate::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
-use crate::residual;
+use crate::residual::{self, Yardsticks};
+use crate::tables::{RIDGE, TREES};
+use compensator::training::Trees;
 use datasets::{Part, Recording, read};
 use feedforward::Feedforward;
 use feedforward::network::Compensator;
@@ -93,6 +95,9 @@ fn one_robot(given: &[(&Path, ModelFile)]) -> Result<(), LeaderboardError> {
     }
 }
 
+/// Name, torque (samples, joints) and number of weights or leaves.
+type Yardstick = (&'static str, Array2<f64>, usize);
+
 /// A model with what it says of the recording.
 struct Contestant<'a> {
     /// Its directory, as given.
@@ -154,6 +159,13 @@ impl<'a> Contestant<'a> {
                 ..entry(WHOLE, &self.scored.torque)?
             });
         }
+        for (name, torque, size) in self.yardsticks()? {
+            rows.push(Entry {
+                parameters: Some(self.file.fitted_parameters()),
+                network_parameters: Some(size),
+                ..entry(name, &torque)?
+            });
+        }
         let mut physics = model.without_compensator();
         rows.push(Entry {
             parameters: Some(self.file.fitted_parameters()),
@@ -162,6 +174,21 @@ impl<'a> Contestant<'a> {
             ..entry("physics", &self.scored.physics)?
         });
         Ok(rows)
+    }
+
+    /// Torque of the physics with a ridge regression, and with boosted trees, on the compensator's inputs, where they were trained
+    /// with it.
+    fn yardsticks(&self) -> Result<Vec<Yardstick>, LeaderboardError> {
+        let Some(yardsticks) = Yardsticks::load(self.directory, self.file)? else {
+            return Ok(Vec::new());
+        };
+        let [ridge, trees] = yardsticks.of_recording(self.file, &self.scored.session, 0)?;
+        let on = yardsticks.trees.iter().filter(|t| t.enabled);
+        let physics = &self.scored.physics;
+        Ok(vec![
+            (RIDGE, physics + &ridge, weights(&yardsticks.ridge)),
+            (TREES, physics + &trees, on.map(Trees::leaves).sum()),
+        ])
     }
 
     /// Positions simulated from torque, where the model has a baseline for it and the recording its rate.

@@ -12,7 +12,7 @@ pub(super) const WHOLE: &str = "physics+compensator";
 /// A model, ours or a published one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
-    /// `linear_baseline`, `physics`, `physics+compensator`, or what a publication calls its own.
+    /// `linear_baseline`, `physics`, `physics+compensator`, `physics+ridge`, `physics+trees`, or what a publication calls its own.
     pub model: String,
     /// Model directories that give exactly these figures; empty for a published result.
     pub directories: Vec<String>,
@@ -26,7 +26,7 @@ pub struct Entry {
     pub moving: Option<Judged>,
     /// Fitted parameters, those of a network left out.
     pub parameters: Option<usize>,
-    /// Weights of the networks that are on.
+    /// Weights of the networks that are on; of yardsticks the ridge's weights or the trees' leaves.
     pub network_parameters: Option<usize>,
     /// Time of one sample in a control loop, µs.
     pub inference_us: Option<f64>,

@@ -13,4 +13,4 @@ pub use bootstrap::{Intervals, Judged, Stretches, judge};
 pub use contest::{Contest, hold};
 pub use entry::{Entry, Publication, Training};
 pub use error::LeaderboardError;
-pub use page::{page, table};
+pub use page::{page, summary, table};

@@ -63,6 +63,27 @@ pub fn table(board: &Leaderboard) -> Table {
     table
 }
 
+/// The rows about torque without what is measured on this machine: another run prints the same.
+pub fn summary(board: &Leaderboard) -> Table {
+    let mut table = Table::new([
+        Column::text("model"),
+        Column::text("from"),
+        Column::number("mean NRMSE").best(Best::Lowest),
+        Column::number("in motion").best(Best::Lowest),
+        Column::number("parameters"),
+    ]);
+    for row in &board.rows {
+        table.push([
+            Cell::text(row.model.clone()),
+            Cell::text(row.origin()),
+            nrmse(Some(&row.all)),
+            nrmse(row.moving.as_ref()),
+            parameters(row),
+        ]);
+    }
+    table
+}
+
 fn torque(board: &Leaderboard) -> Section {
     let costs = costs(&board.rows).caption("What each costs");
     let (names, rows) = (&board.joints, &board.rows);
@@ -169,6 +190,7 @@ fn notes(board: &Leaderboard) -> Vec<String> {
         "Parameters: those of the physics (base parameters and terms; constants chosen from a grid, such as Stribeck velocities, are not counted), of the linear baseline its matrix, after the plus sign the weights of all networks that are on.",
         "µs per sample: median of one call of the control loop's function on this machine, one thread, measured when this page was made. It is the only figure that another run does not repeat.",
         "Training: wall time of identification and networks as timing.json beside the model has it; “>” where an interrupted run was gone on with, “–” where nothing was noted.",
+        "physics+ridge, physics+trees: yardsticks of train --yardsticks, ridge regression and boosted trees on the same inputs in place of the networks. They are no part of a model that runs; after the plus sign stand the ridge's weights and the trees' leaves.",
         "Rows of several directories have the same figures in all of them. “Fitted on it”: the model saw this very recording, so its figures say nothing about new motion.",
     ];
     let first = std::iter::once(over(&board.intervals));

@@ -1,46 +1,33 @@
 //! The learned part of a model: inputs, training on the residual torque, prediction.
 
+mod error;
 mod examples;
 mod inputs;
 mod members;
 pub mod onnx;
 mod pace;
+mod predicted;
 mod task;
 mod train;
 mod trial;
 pub mod waves;
+mod yardsticks;
 
+pub use error::ResidualError;
 pub use inputs::{Preset, input_table, inputs, remember};
 pub use members::member_torques;
 pub use pace::Pace;
 pub use task::ResidualOptions;
-pub use train::{Learned, train_residual};
+pub use train::{Compared, Learned, train_residual};
+pub use yardsticks::{HeldBack, Yardsticks};
 
 use crate::directory::ModelFile;
 use crate::session::Session;
-use compensator::training::{Samples, predict as predict_unit};
-use feedforward::LoadError;
 use feedforward::network::Compensator;
-use ndarray::{Array1, Array2, Axis};
+use ndarray::Array2;
 use physics::torque_model::TorqueModel;
+use predicted::summed;
 use std::path::Path;
-
-/// Why the learned part could not be trained, loaded or evaluated.
-#[derive(Debug, thiserror::Error)]
-pub enum ResidualError {
-    /// Training or evaluation.
-    #[error(transparent)]
-    Compensator(#[from] compensator::Error),
-    /// The stored network.
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    /// The network's file.
-    #[error(transparent)]
-    Network(#[from] feedforward::network::Error),
-    /// The physical model.
-    #[error(transparent)]
-    Model(#[from] physics::torque_model::TorqueModelError),
-}
 
 /// Loads the compensator of a model directory, where there is one.
 ///
@@ -68,25 +55,26 @@ pub fn predict(
     session: &Session,
     part: usize,
 ) -> Result<Array2<f64>, ResidualError> {
-    let Some(record) = &file.compensator else {
-        return Ok(Array2::zeros(session.parts[part].at_samples.q.dim()));
-    };
-    let part_motion = &session.parts[part];
-    let Some(pace) = Pace::new(part_motion.report.rate_hz, record.period) else {
-        return Ok(Array2::zeros(part_motion.at_samples.q.dim()));
-    };
-    let tables = input_table(
-        session,
-        &record.inputs,
-        &session.load(model.load_robot()),
-        &file.memory,
-    );
-    predict_from(
-        compensator,
-        &tables[part],
-        &part_motion.at_samples.segments,
-        pace,
-    )
+    let motion = &session.parts[part].at_samples;
+    match paced_table(file, model, session, part) {
+        Some((table, pace)) => predict_from(compensator, &table, &motion.segments, pace),
+        None => Ok(Array2::zeros(motion.q.dim())),
+    }
+}
+
+/// What the compensator of a stored model sees of one recording of the session, and its pace there; none without a compensator,
+/// or where the recording is too slow for it.
+fn paced_table(
+    file: &ModelFile,
+    model: &TorqueModel,
+    session: &Session,
+    part: usize,
+) -> Option<(Array2<f32>, Pace)> {
+    let record = file.compensator.as_ref()?;
+    let pace = Pace::new(session.parts[part].report.rate_hz, record.period)?;
+    let load = session.load(model.load_robot());
+    let mut tables = input_table(session, &record.inputs, &load, &file.memory);
+    Some((tables.swap_remove(part), pace))
 }
 
 /// Residual torque from a table of inputs, shape (samples, joints); each segment starts from a reset.
@@ -99,17 +87,6 @@ pub fn predict_from(
     segments: &[std::ops::Range<usize>],
     pace: Pace,
 ) -> Result<Array2<f64>, ResidualError> {
-    let (rows, phases) = pace.rows(segments);
-    let paced = table.select(Axis(0), &rows);
-    let mut torque = Array2::zeros((table.nrows(), compensator.joints.len()));
-    let nothing = Array1::<f32>::zeros(rows.len());
-    let samples = Samples::new(paced.view(), nothing.view(), None, &phases)?;
-    let all: Vec<usize> = (0..phases.len()).collect();
-    for unit in &compensator.units {
-        let residual = predict_unit(unit, &samples, &all)?;
-        for (&row, value) in rows.iter().zip(residual) {
-            torque[[row, unit.joint]] += f64::from(value);
-        }
-    }
-    Ok(torque)
+    let joints = compensator.joints.len();
+    summed(&compensator.units, joints, table, segments, pace)
 }

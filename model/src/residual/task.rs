@@ -3,7 +3,7 @@
 use super::ResidualError;
 use super::examples::Examples;
 use super::inputs::Preset;
-use compensator::training::{Control, Job, Loss, Samples, Schedule, Split, Training, UnitConfig};
+use compensator::training::{Control, Job, Samples, Split, Training, UnitConfig};
 use ndarray::{Array1, Array2};
 
 /// Settings of [`train_residual`](super::train_residual).
@@ -19,6 +19,8 @@ pub struct ResidualOptions {
     pub epochs: Option<usize>,
     /// Train on moving samples alone.
     pub moving_only: bool,
+    /// Ridge regression and boosted trees on the same inputs beside the units.
+    pub yardsticks: bool,
 }
 
 impl ResidualOptions {
@@ -50,21 +52,11 @@ fn config(options: &ResidualOptions, samples: usize) -> UnitConfig {
             };
             UnitConfig {
                 members: 3,
-                training: Training {
+                training: Training::one_cycle(
                     epochs,
-                    batch: 128,
-                    share: (20_000.0 / samples as f32).min(0.5),
                     learning_rate,
-                    schedule: Schedule::OneCycle {
-                        warm_up: 0.15,
-                        start: 0.1,
-                        end: 1e-3,
-                    },
-                    dropout: 0.0,
-                    loss: Loss::Mse,
-                    patience: epochs,
-                    ..Training::default()
-                },
+                    (20_000.0 / samples as f32).min(0.5),
+                ),
                 ..UnitConfig::default()
             }
         }

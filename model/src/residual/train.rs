@@ -4,6 +4,7 @@ use super::examples::Examples;
 use super::inputs::{input_table, inputs, remember};
 use super::task::{ResidualOptions, Task, within};
 use super::trial::Trial;
+use super::yardsticks::{self, Splits, Yardsticks};
 use super::{Pace, ResidualError, predict_from};
 use crate::directory::sha256;
 use crate::physics_fit::Fit;
@@ -30,6 +31,16 @@ pub struct Learned {
     pub torque: Vec<Array2<f64>>,
     /// Errors of physics and unit of each joint on the folds that neither was fitted on; none without folds.
     pub left: Vec<LeftOut>,
+    /// What plain learners make of the same inputs, where that was asked for.
+    pub yardsticks: Option<Compared>,
+}
+
+/// Yardsticks beside the units.
+pub struct Compared {
+    /// They themselves.
+    pub yardsticks: Yardsticks,
+    /// Their residual torque of every recording of the session, ridge and trees, shape (samples, joints).
+    pub torque: Vec<[Array2<f64>; 2]>,
 }
 
 /// Trains one unit per joint on what the physics leaves of the first `data.len()` recordings of the session.
@@ -68,6 +79,8 @@ pub fn train_residual(
         seen: &seen,
         options,
     };
+    let splits = options.yardsticks.then(|| Splits::new(&examples.folds));
+    let splits = splits.transpose()?;
     let judged = Trial::run(&task, fit, data, apart, control)?;
     let everything = Split {
         train: (0..examples.segments.len()).collect(),
@@ -97,9 +110,8 @@ pub fn train_residual(
         units,
     };
     let bytes = compensator.to_bytes()?;
-    let torque = tables
-        .iter()
-        .zip(&fit.session.parts)
+    let parts = || tables.iter().zip(&fit.session.parts);
+    let torque = parts()
         .map(
             |(table, part)| match Pace::new(part.report.rate_hz, period) {
                 Some(pace) => predict_from(&compensator, table, &part.at_samples.segments, pace),
@@ -107,6 +119,21 @@ pub fn train_residual(
             },
         )
         .collect::<Result<_, _>>()?;
+    let compared = |splits: &Splits| {
+        let names = (&compensator.joints[..], compensator.inputs.clone());
+        let found = yardsticks::train(&task, splits, &judged, names, control.cancel)?;
+        let torque = parts().map(
+            |(table, part)| match Pace::new(part.report.rate_hz, period) {
+                Some(pace) => found.torques(table, &part.at_samples.segments, pace),
+                None => Ok([(); 2].map(|()| Array2::zeros(part.at_samples.q.dim()))),
+            },
+        );
+        Ok::<_, ResidualError>(Compared {
+            torque: torque.collect::<Result<_, _>>()?,
+            yardsticks: found,
+        })
+    };
+    let yardsticks = splits.as_ref().map(compared).transpose()?;
     let record = CompensatorRecord {
         inputs: list,
         period,
@@ -122,5 +149,6 @@ pub fn train_residual(
         record,
         torque,
         left: judged.left,
+        yardsticks,
     })
 }

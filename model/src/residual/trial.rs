@@ -13,6 +13,8 @@ use ndarray::Array2;
 pub(super) struct Trial {
     /// In the order of the jobs, one network and a ridge regression on the same inputs.
     pub units: Vec<(Trained, Trained)>,
+    /// The same networks' errors on those folds at their last epoch, which the folds did not choose, N·m.
+    pub last_epoch: Vec<Option<f64>>,
     /// By joint, errors of physics and network together where neither was fitted.
     pub left: Vec<LeftOut>,
 }
@@ -27,7 +29,8 @@ impl Trial {
         control: &Control,
     ) -> Result<Self, ResidualError> {
         let examples = task.examples;
-        let Some(split) = hold_back(&examples.folds) else {
+        let all: Vec<usize> = (0..examples.folds.len()).collect();
+        let Some(split) = hold_back(&examples.folds, &all) else {
             return Ok(Self::default());
         };
         let mut fitted = task.jobs(&examples.targets, &split)?;
@@ -42,6 +45,9 @@ impl Trial {
             .left
             .resize_with(examples.targets.len(), LeftOut::default);
         for (job, network) in judges.iter().zip(networks) {
+            let epochs = network.report.history.first();
+            let last = epochs.and_then(|e| e.last()?.validation_rmse);
+            found.last_epoch.push(last);
             let network = judge(job, network.unit)?;
             let learned = predict(&network.unit, &job.samples, &split.validation)?;
             let physics = examples.left(data, apart, job.joint);
@@ -59,10 +65,10 @@ impl Trial {
 }
 
 /// The last fold validates, and where there are four or more the one two before it: one visit to the
-/// robot alone decides too little. None where there is one fold only.
-fn hold_back(folds: &[usize]) -> Option<Split> {
-    let last = folds.iter().copied().max().filter(|&last| last > 0)?;
+/// robot alone decides too little. Of the trajectories `of` alone; none where they are of one fold.
+pub(super) fn hold_back(folds: &[usize], of: &[usize]) -> Option<Split> {
+    let last = of.iter().map(|&i| folds[i]).max()?;
     let held = |fold: usize| fold == last || (last > 2 && fold + 2 == last);
-    let (validation, train) = (0..folds.len()).partition(|&i| held(folds[i]));
-    Some(Split { train, validation })
+    let (validation, train): (Vec<usize>, Vec<usize>) = of.iter().partition(|&&i| held(folds[i]));
+    (!train.is_empty()).then_some(Split { train, validation })
 }

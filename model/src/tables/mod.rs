@@ -14,6 +14,16 @@ use crate::directory::ModelFile;
 use datasets::metrics::{Row, Scope};
 use report::{Cell, Column, Table};
 
+/// Names of rows of physics with a yardstick instead of the compensator.
+pub const RIDGE: &str = "physics+ridge";
+/// See [`RIDGE`].
+pub const TREES: &str = "physics+trees";
+
+/// Whether a row is of a yardstick, which is no part of the model.
+fn is_yardstick(row: &Row) -> bool {
+    row.name == RIDGE || row.name == TREES
+}
+
 /// Whether a row is about positions simulated from torque, not about torque.
 fn is_forward(row: &Row) -> bool {
     row.name.starts_with(FORWARD)

@@ -1,6 +1,6 @@
 //! What a person reads first: each joint's friction, and its errors beside the baseline's.
 
-use super::is_forward;
+use super::{is_forward, is_yardstick};
 use crate::directory::ModelFile;
 use datasets::metrics::{REST, Row, Scope};
 use physics::effects::{Sample, TermBank};
@@ -109,7 +109,7 @@ fn steady(list: &[WeightedTerm], joint: usize, joints: usize, speed: f64) -> f64
 pub fn errors_by_joint(joints: &[String], rows: &[Row]) -> Option<Table> {
     let of = |scope: Scope| {
         rows.iter()
-            .filter(move |r| r.scope == scope && !is_forward(r))
+            .filter(move |r| r.scope == scope && !is_forward(r) && !is_yardstick(r))
     };
     let mut models: Vec<&Row> = of(Scope::All).collect();
     models.truncate(MODELS);

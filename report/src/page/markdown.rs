@@ -1,6 +1,7 @@
 //! The page as Markdown, for a README or a merge request.
 
 use super::{Block, Page};
+use crate::Table;
 use crate::table::HtmlTable;
 use std::fmt::Write;
 
@@ -27,6 +28,15 @@ impl Page {
             paragraph(&mut out, &plain(&self.footer));
         }
         out
+    }
+}
+
+impl Table {
+    /// The table alone as Markdown, for a README: the best numbers in bold, a line break at the end.
+    pub fn to_markdown(&self) -> String {
+        let mut out = String::new();
+        table(&mut out, &self.html());
+        out.trim_start().to_owned()
     }
 }
 
@@ -169,6 +179,15 @@ x = `1`
 end
 ";
         assert_eq!(page.to_markdown(), expected);
+    }
+
+    #[test]
+    fn a_table_alone() {
+        let table = Table::new([Column::text("a"), Column::number("b").best(Best::Lowest)])
+            .row([Cell::text("x"), Cell::number(1.0, 1)])
+            .row([Cell::text("y"), Cell::number(2.0, 1)]);
+        let expected = "| a | b |\n|---|---:|\n| x | **1.0** |\n| y | 2.0 |\n";
+        assert_eq!(table.to_markdown(), expected);
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub struct Plant {
     pub recording: Recording,
     /// Its torque without the sensor's noise, N·m: what the plant exerted, its own states known.
     pub exerted: Array2<f64>,
+    /// Recorded motion over the true one.
+    gain: f64,
 }
 
 impl Plant {
@@ -77,6 +79,7 @@ impl Plant {
             machine,
             recording,
             exerted,
+            gain: protocol.motion_gain(),
         })
     }
 
@@ -107,7 +110,7 @@ impl Plant {
                     file: self.recording.source.clone(),
                     source,
                 })?;
-            let torque = of(&self.machine, &prepared)?;
+            let torque = of(&self.machine, &prepared, self.gain)?;
             let errors = &recorded - &torque;
             let scores =
                 Scores::of_errors(errors.view(), &deviations, qd.view(), Scope::All, |_| true)
@@ -125,13 +128,18 @@ impl Plant {
     /// What one effect adds to the torque on the prepared motion, N·m, shape (samples, joints).
     pub fn share_of(&self, effect: Effect, prepared: &Prepared) -> Result<Array2<f64>, Failure> {
         let without = self.machine.clone().without(effect);
-        Ok(of(&self.machine, prepared)? - of(&without, prepared)?)
+        Ok(of(&self.machine, prepared, self.gain)? - of(&without, prepared, self.gain)?)
     }
 }
 
-fn of(machine: &Machine, prepared: &Prepared) -> Result<Array2<f64>, Failure> {
+/// Torque at the samples by the true equations on the motion that a recording of such a gain stands for.
+fn of(machine: &Machine, prepared: &Prepared, gain: f64) -> Result<Array2<f64>, Failure> {
+    let mut motion = prepared.fine.clone();
+    for table in [&mut motion.q, &mut motion.qd, &mut motion.qdd] {
+        *table /= gain;
+    }
     let fine = machine
-        .torque(&prepared.fine)
+        .torque(&motion)
         .map_err(|e| Failure::other(e.to_string()))?;
     let mut table = Array2::zeros(prepared.at_samples.q.dim());
     for (mut target, column) in table.columns_mut().into_iter().zip(fine.columns()) {

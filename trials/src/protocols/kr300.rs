@@ -140,6 +140,19 @@ fn sessions(
     })
 }
 
+/// Recorded motion over the true one, where it is slow: an even Chebyshev low-pass is at the bottom of its ripple at frequency
+/// zero, and both passes of [`benchmark`] are.
+pub(super) fn motion_gain() -> f64 {
+    let filter = TorqueFilter::KR300;
+    signal::sos::chebyshev1(filter.order, filter.ripple_db, filter.cutoff_hz, RAW).map_or(
+        1.0,
+        |sections| {
+            let once: f64 = sections.iter().map(|s| s.dc_gain()).product();
+            once * once
+        },
+    )
+}
+
 /// Listing 1 of the paper: zero-phase Chebyshev low-pass of motion and torque, every 25th sample.
 fn benchmark(raw: &Recording) -> Recording {
     let filter = TorqueFilter::KR300;
@@ -204,6 +217,12 @@ mod tests {
         train.validate().unwrap();
         test.validate().unwrap();
         assert!((train.median_step() - 0.1).abs() < 1e-9);
+        // It rests at −1.3 rad, but for what the controller lets gravity have, and is recorded through a low-pass below gain 1.
+        let rest = test.q[[0, 2]] / -1.3;
+        assert!(
+            (rest / motion_gain() - 1.0).abs() < 2e-3 && rest < 0.96,
+            "{rest}"
+        );
         // Trajectories repeat: the two executions differ far less than the motion itself.
         let rows = |t: usize| {
             test.q

@@ -1,10 +1,22 @@
 //! What a simulated robot's own equations say of a motion that was recorded of it.
 
 use super::effects::Effect;
+use super::kr300;
+use super::recorded::Protocol;
 use super::runs::Machine;
 use crate::SimulateError;
 use ndarray::Array2;
 use signal::Motion;
+
+impl Protocol {
+    /// What the recording makes of slow motion: recorded positions, velocities and accelerations over the true ones.
+    pub fn motion_gain(self) -> f64 {
+        match self {
+            Self::Ur5 | Self::FoxbotA05 => 1.0,
+            Self::Kr300 => kr300::motion_gain(),
+        }
+    }
+}
 
 impl Machine {
     /// The same robot without one effect.

@@ -1,0 +1,298 @@
+//! Yardsticks: what a ridge regression and boosted trees on the same inputs make of the torque that the physics leaves.
+//!
+//! They are no part of the model that a control loop runs. Each is chosen on folds within those that the judged figures were
+//! fitted on, and judged on the folds that judge the units; the ones that are kept are fitted on everything.
+
+use super::predicted::{Learner, summed};
+use super::task::Task;
+use super::trial::{Trial, hold_back};
+use super::{Pace, ResidualError, paced_table, predict_from};
+use crate::directory::{DirectoryError, ModelFile, YARDSTICKS, sha256};
+use crate::session::Session;
+use compensator::training::{
+    Job, Samples, Split, Trees, choose_ridge, choose_trees, fit_ridge, grow_trees,
+};
+use feedforward::network::{Compensator, Unit};
+use ndarray::Array2;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Version of `yardsticks.json`.
+const SCHEMA: &str = "yardsticks/1";
+
+/// Ridge regression and boosted trees of every joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Yardsticks {
+    /// How they fared where they were not fitted, beside the units.
+    pub held_back: Vec<HeldBack>,
+    /// The ridge regression, linear units.
+    pub ridge: Compensator,
+    /// The trees.
+    pub trees: Vec<Trees>,
+}
+
+/// Weighted RMS errors of one joint on the folds held back, N·m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeldBack {
+    /// Joint name.
+    pub joint: String,
+    /// The physics alone.
+    pub physics: Option<f64>,
+    /// With one network at the epoch that was best on these very folds.
+    pub unit: Option<f64>,
+    /// With that network at its last epoch, which these folds did not choose.
+    pub unit_at_last_epoch: Option<f64>,
+    /// With the ridge regression.
+    pub ridge: Option<f64>,
+    /// With the trees.
+    pub trees: Option<f64>,
+    /// Ridge chosen, relative to the mean diagonal of the normal matrix.
+    pub ridge_parameter: f64,
+    /// Number of trees chosen.
+    pub tree_count: usize,
+}
+
+/// Which trajectories choose, judge and fit.
+pub(super) struct Splits {
+    choose: Split,
+    judge: Split,
+    everything: Split,
+}
+
+impl Splits {
+    /// Of trajectories by fold.
+    ///
+    /// # Errors
+    /// Fewer than three folds: one judges, one chooses, one is fitted.
+    pub fn new(folds: &[usize]) -> Result<Self, ResidualError> {
+        let all: Vec<usize> = (0..folds.len()).collect();
+        let judge = hold_back(folds, &all);
+        let choose = judge.as_ref().and_then(|j| hold_back(folds, &j.train));
+        match (judge, choose) {
+            (Some(judge), Some(choose)) => Ok(Self {
+                choose,
+                judge,
+                everything: Split {
+                    train: all,
+                    validation: Vec::new(),
+                },
+            }),
+            _ => Err(ResidualError::Folds),
+        }
+    }
+}
+
+/// One joint's yardsticks.
+struct Joint {
+    held_back: HeldBack,
+    ridge: Unit,
+    trees: Trees,
+}
+
+/// Chooses, judges and fits the yardsticks of every joint; all cores of the pool.
+pub(super) fn train(
+    task: &Task,
+    splits: &Splits,
+    trial: &Trial,
+    (joints, inputs): (&[String], Vec<String>),
+    cancel: Option<&AtomicBool>,
+) -> Result<Yardsticks, ResidualError> {
+    let targets = &task.examples.targets;
+    let [choosing, judging, fitting] =
+        [&splits.choose, &splits.judge, &splits.everything].map(|split| task.jobs(targets, split));
+    let (choosing, judging, fitting) = (choosing?, judging?, fitting?);
+    let of = |k: usize| {
+        if cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            return Err(compensator::Error::Interrupted.into());
+        }
+        let network = trial.units.get(k).map(|(network, _)| &network.report);
+        joint(
+            [&choosing[k], &judging[k], &fitting[k]],
+            |ridge, trees, ridge_parameter, tree_count| HeldBack {
+                joint: joints[judging[k].joint].clone(),
+                physics: network.and_then(|r| r.validation_rmse_off),
+                unit: network.and_then(|r| r.validation_rmse),
+                unit_at_last_epoch: trial.last_epoch.get(k).copied().flatten(),
+                ridge,
+                trees,
+                ridge_parameter,
+                tree_count,
+            },
+        )
+    };
+    let found: Vec<Joint> = (0..judging.len())
+        .into_par_iter()
+        .map(of)
+        .collect::<Result<_, ResidualError>>()?;
+    let mut made = Yardsticks {
+        held_back: Vec::new(),
+        ridge: Compensator {
+            joints: joints.to_vec(),
+            inputs,
+            units: Vec::new(),
+        },
+        trees: Vec::new(),
+    };
+    for joint in found {
+        made.held_back.push(joint.held_back);
+        made.ridge.units.push(joint.ridge);
+        made.trees.push(joint.trees);
+    }
+    Ok(made)
+}
+
+fn joint(
+    [choose, judge, fit]: [&Job; 3],
+    figures: impl FnOnce(Option<f64>, Option<f64>, f64, usize) -> HeldBack,
+) -> Result<Joint, ResidualError> {
+    let parameter = choose_ridge(choose)?;
+    let judged = fit_ridge(judge, parameter)?;
+    let mut ridge = fit_ridge(fit, parameter)?.unit;
+    ridge.enabled = judged.unit.enabled;
+    let count = choose_trees(choose)?;
+    let (judged_trees, error) = grow_trees(judge, count)?;
+    let (mut trees, _) = grow_trees(fit, count)?;
+    trees.enabled = judged_trees.enabled;
+    Ok(Joint {
+        held_back: figures(judged.report.validation_rmse, error, parameter, count),
+        ridge,
+        trees,
+    })
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stored {
+    schema: String,
+    /// SHA-256 of the compensator's file, to which these were compared.
+    compensator_sha256: String,
+    /// SHA-256 of the ridge regression's file.
+    ridge_sha256: String,
+    held_back: Vec<HeldBack>,
+    trees: Vec<Trees>,
+}
+
+impl Yardsticks {
+    /// Writes both files into the directory of the model whose compensator has the checksum.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn save(&self, directory: &Path, compensator_sha256: &str) -> Result<(), ResidualError> {
+        let ridge = self.ridge.to_bytes()?;
+        let stored = Stored {
+            schema: SCHEMA.into(),
+            compensator_sha256: compensator_sha256.into(),
+            ridge_sha256: sha256(&ridge),
+            held_back: self.held_back.clone(),
+            trees: self.trees.clone(),
+        };
+        // Finite numbers in lists: nothing that a serialiser refuses.
+        let mut text = serde_json::to_string(&stored).unwrap_or_default();
+        text.push('\n');
+        let write = |name: &str, bytes: &[u8]| {
+            report::write_atomic(&directory.join(name), bytes).map_err(DirectoryError::from)
+        };
+        write(YARDSTICKS[1], &ridge)?;
+        write(YARDSTICKS[0], text.as_bytes())?;
+        Ok(())
+    }
+
+    /// Those of a model directory; none where it was trained without, or by another training than its compensator.
+    ///
+    /// # Errors
+    /// A damaged file, or one of another version.
+    pub fn load(directory: &Path, file: &ModelFile) -> Result<Option<Self>, ResidualError> {
+        let path = directory.join(YARDSTICKS[0]);
+        let Some(record) = file.compensator.as_ref().filter(|_| path.is_file()) else {
+            return Ok(None);
+        };
+        let read = |path: &Path| {
+            std::fs::read(path).map_err(|source| DirectoryError::Read {
+                path: path.to_owned(),
+                source,
+            })
+        };
+        let format = |path: &Path, reason: String| DirectoryError::Format {
+            path: path.to_owned(),
+            reason,
+        };
+        let stored: Stored =
+            serde_json::from_slice(&read(&path)?).map_err(|e| format(&path, e.to_string()))?;
+        if stored.schema != SCHEMA {
+            let found = stored.schema;
+            let read = SCHEMA;
+            return Err(DirectoryError::Schema { path, found, read }.into());
+        }
+        if stored.compensator_sha256 != record.sha256 {
+            return Ok(None);
+        }
+        let path = directory.join(YARDSTICKS[1]);
+        let bytes = read(&path)?;
+        if sha256(&bytes) != stored.ridge_sha256 {
+            let reason = "not the file that yardsticks.json was written with (checksum differs)";
+            return Err(format(&path, reason.into()).into());
+        }
+        let ridge = Compensator::from_bytes(&bytes)?;
+        ridge.check_joints(&file.joints)?;
+        let names: Vec<String> = record.inputs.iter().map(|i| i.name()).collect();
+        ridge.check_inputs(&names)?;
+        if stored.trees.iter().any(|t| t.joint >= file.joints.len()) {
+            let path = directory.join(YARDSTICKS[0]);
+            return Err(format(&path, "trees of a joint that is not there".into()).into());
+        }
+        Ok(Some(Self {
+            held_back: stored.held_back,
+            ridge,
+            trees: stored.trees,
+        }))
+    }
+
+    /// Residual torque at the samples of one recording of the session by ridge and by trees, each of shape (samples, joints).
+    ///
+    /// # Errors
+    /// As [`Yardsticks::torques`], and a model that does not fit together.
+    pub fn of_recording(
+        &self,
+        file: &ModelFile,
+        session: &Session,
+        part: usize,
+    ) -> Result<[Array2<f64>; 2], ResidualError> {
+        let motion = &session.parts[part].at_samples;
+        match paced_table(file, &file.physics.model()?, session, part) {
+            Some((table, pace)) => self.torques(&table, &motion.segments, pace),
+            None => Ok([(); 2].map(|()| Array2::zeros(motion.q.dim()))),
+        }
+    }
+
+    /// Residual torque from a table of inputs by ridge and by trees, each of shape (samples, joints).
+    ///
+    /// # Errors
+    /// Trees or units that contradict themselves.
+    pub fn torques(
+        &self,
+        table: &Array2<f32>,
+        segments: &[Range<usize>],
+        pace: Pace,
+    ) -> Result<[Array2<f64>; 2], ResidualError> {
+        let ridge = predict_from(&self.ridge, table, segments, pace)?;
+        let joints = self.ridge.joints.len();
+        Ok([ridge, summed(&self.trees, joints, table, segments, pace)?])
+    }
+}
+
+impl Learner for Trees {
+    fn joint(&self) -> usize {
+        self.joint
+    }
+
+    fn residual(
+        &self,
+        samples: &Samples,
+        sequences: &[usize],
+    ) -> Result<Vec<f32>, compensator::Error> {
+        self.predict(samples, sequences)
+    }
+}
