@@ -19,7 +19,7 @@ use crate::session::Session;
 use ::identify::base::BaseParameters;
 use ::identify::feasible::{Constraints, Feasibility, Nominal};
 use ::identify::least_squares::{Gram, LeastSquaresError, refitted_deviations};
-use ::identify::total_least_squares::{total, without_noise};
+use ::identify::total_least_squares::{Total, total, without_noise};
 use datasets::Recording;
 use datasets::prepare::Prepared;
 use faer::Mat;
@@ -184,6 +184,8 @@ struct Fit {
     /// Sums of all rows as weighted in the last pass, and the noise of the gains' columns in the same units.
     whole: Gram,
     noise: Vec<f64>,
+    /// Their solution.
+    total: Total,
 }
 
 impl Fit {
@@ -233,6 +235,7 @@ impl Fit {
                     gain,
                     whole,
                     noise,
+                    total: found,
                 });
             }
             let weights = noise::weights(&left, &rows.qd, starts);
@@ -263,8 +266,7 @@ impl Fit {
         base: &BaseParameters,
         nominal: &Robot,
     ) -> Result<Vec<f64>, PayloadError> {
-        let found = total(&self.whole, &self.noise)?;
-        let gram = without_noise(&self.whole, &self.noise, &found);
+        let gram = without_noise(&self.whole, &self.noise, &self.total);
         let rigid = PARAMETERS_PER_LINK * nominal.dof();
         let columns = gram.columns();
         let extra = columns - base.len();
@@ -277,7 +279,7 @@ impl Fit {
         });
         // Anything that is no link is free by many times its size.
         let extras: Vec<(f64, f64)> = (base.len()..columns)
-            .map(|c| (0.0, GENEROUS * found.parameters[c].abs().max(1.0)))
+            .map(|c| (0.0, GENEROUS * self.total.parameters[c].abs().max(1.0)))
             .collect();
         let gains = rigid + rows.width - base.len()..rigid + extra;
         let feasibility = Feasibility::new(
