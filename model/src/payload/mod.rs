@@ -152,11 +152,11 @@ pub fn estimate(
     let size = Size::of(model.robot());
     let without = left(file, &session, tau, None)?;
     let mut residual = without.clone();
-    let mut rest = without.clone();
     let mut known: Option<[f64; PARAMETERS_PER_LINK]> = None;
     let mut body = None;
     for _ in 0..PASSES {
-        let scale = noise::scale(&rest, &session, recording);
+        // Of what the stored model with the body leaves, not of what the fit leaves: its many unknowns take up what is slow.
+        let scale = noise::scale(&residual, &session, recording);
         let target = match &known {
             // The model carries the body already: what its load changes in friction is taken off with it.
             Some(parameters) => &residual + &system.torque(parameters),
@@ -164,10 +164,10 @@ pub fn estimate(
         };
         let (triangle, blocks) = system.rows(&target, &scale)?;
         let found = body::settle(&triangle, &blocks, &size)?;
-        rest = system.left(&target, &found.unknowns);
         residual = left(file, &session, tau, Some(&found.parameters))?;
         system.allow(&found.parameters);
         if known.is_none() {
+            let rest = system.left(&target, &found.unknowns);
             system.misfit(&noise::shared(&rest, recording));
         }
         known = Some(found.parameters);
