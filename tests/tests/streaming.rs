@@ -141,17 +141,17 @@ fn same_torque_as_eval_at_the_recorded_rate() {
     let place = |name: &str| -> PathBuf { folder.path().join(name) };
     let robot = Robot::builtin("ur5").expect("built in");
     let plan = |seed: u64, start: f64, pause: f64| Plan {
-        trajectories: 4,
+        trajectories: 8,
         pause,
         seed,
         start,
         ..Plan::default()
     };
     // On the training recording's clock: between its trajectories, far from all; then soon after the last one.
-    let (between, next) = (0.7 * FAR, 3.1 * FAR);
+    let (between, next) = (0.7 * FAR, 7.1 * FAR);
     let data = record_to(folder.path(), "train.csv", &robot, &plan(1, 0.0, FAR));
     // Everything there is to choose: warm-up, memory, load.
-    train("ur5", &data, &place("model"), &["--epochs", "8"]);
+    train("ur5", &data, &place("model"), &["--epochs", "20"]);
     assert!(has_a_unit(&place("model")));
     let text = std::fs::read_to_string(place("model/model.json")).expect("a model");
     assert!(text.contains("warm_up"), "the clock is part of the test");
@@ -187,7 +187,7 @@ fn same_torque_as_eval_between_the_recorded_samples() {
     let place = |name: &str| -> PathBuf { folder.path().join(name) };
     let robot = Robot::builtin("foxbot_a05").expect("built in");
     let plan = |seed: u64| Plan {
-        trajectories: 4,
+        trajectories: 8,
         rate: 60.0,
         seconds: 8.0,
         pause: FAR,
