@@ -31,7 +31,7 @@ pub use torque_error::TorqueError;
 /// Time constant of the detectors, s: of the filter, and the inverse of the observer's gain. Three of them are within the 50 ms
 /// in which a contact is to be found.
 pub const TIME_CONSTANT: f64 = 0.012;
-/// Length of the two windows that a sudden momentum is the difference of, s: together the 50 ms.
+/// Length of the windows that a sudden momentum is a difference of, s: half the 50 ms in which a contact is to be found.
 pub const WINDOW: f64 = 0.025;
 
 /// The detectors, in the order of tables and signals.
