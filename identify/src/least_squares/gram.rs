@@ -1,7 +1,8 @@
 //! Normal equations for searches over subsets of columns.
 
 use super::{LeastSquaresError, Triangle, check_size};
-use faer::{Mat, MatRef};
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, MatRef, Side};
 use signal::cholesky;
 
 /// Normal equations of [A b]: N = AᵀA, h = Aᵀb, Σb². Half the digits of a [`Triangle`], but sums are exact in form
@@ -56,6 +57,30 @@ impl Gram {
     /// From the sums themselves: (p + 1) × (p + 1), symmetric, the target last.
     pub(crate) fn from_products(products: Mat<f64>, rows: usize) -> Self {
         Self { products, rows }
+    }
+
+    /// Standard deviations of all parameters, for rows in units of their independent noise: the roots of the diagonal of N⁻¹.
+    ///
+    /// A column that no row tells has one of 10⁵ over its own norm.
+    ///
+    /// # Errors
+    /// Sums that are no sums of squares.
+    pub fn deviations(&self) -> Result<Vec<f64>, LeastSquaresError> {
+        let p = self.columns();
+        let norm = |i: usize| match self.products[(i, i)] {
+            square if square > 0.0 => square.sqrt(),
+            _ => 1.0,
+        };
+        let unit = Mat::from_fn(p, p, |i, j| {
+            let ridge = if i == j { 1e-10 } else { 0.0 };
+            self.products[(i, j)] / (norm(i) * norm(j)) + ridge
+        });
+        let factor = unit
+            .llt(Side::Lower)
+            .map_err(|_| LeastSquaresError::Decomposition)?;
+        let inverse = factor.inverse();
+        let deviation = |i: usize| inverse[(i, i)].max(0.0).sqrt() / norm(i);
+        Ok((0..p).map(deviation).collect())
     }
 
     /// The sums: [[N, h], [hᵀ, Σb²]].

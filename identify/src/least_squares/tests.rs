@@ -70,6 +70,11 @@ fn numpy_agrees() {
             1e-11,
         );
         assert_eq!((fit.rank, fit.rows), (5, 40));
+        // Rows in units of their noise instead of a variance that is estimated.
+        let noise = fit.sigma2.sqrt();
+        let formal = Gram::from(triangle).scaled(1.0 / noise).deviations();
+        let deviations = covariance.diag().mapv(f64::sqrt).to_vec();
+        assert_close(&formal.unwrap(), &deviations, 1e-8);
     }
 
     let subset = indices(&f["subset"]["columns"]);

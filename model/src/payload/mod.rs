@@ -11,6 +11,7 @@
 
 mod body;
 pub mod gains;
+mod misfit;
 mod noise;
 mod size;
 mod system;
@@ -168,7 +169,7 @@ pub fn estimate(
         system.allow(&found.parameters);
         if known.is_none() {
             let rest = system.left(&target, &found.unknowns);
-            system.misfit(&noise::shared(&rest, recording));
+            system.misfit(&noise::shared(&rest, &recording.starts()));
         }
         known = Some(found.parameters);
         body = Some(found.body);

@@ -56,13 +56,11 @@ pub(super) fn moving(qd: f64) -> usize {
 }
 
 /// Root mean square of the part of a residual that neighbouring samples share, joint by joint: what a model leaves that is no
-/// noise.
-pub(super) fn shared(left: &Array2<f64>, recording: &Recording) -> Vec<f64> {
-    let breaks = recording.starts();
+/// noise. `left` and `starts` as in [`weights`].
+pub(super) fn shared(left: &Array2<f64>, starts: &[usize]) -> Vec<f64> {
     let of = |column: ArrayView1<f64>| {
         let e = column.to_vec();
-        residual_tests(&e, &e, &e, &breaks)
-            .map_or(0.0, |t| t.std * t.serial.lag_one.max(0.0).sqrt())
+        residual_tests(&e, &e, &e, starts).map_or(0.0, |t| t.std * t.serial.lag_one.max(0.0).sqrt())
     };
     left.columns().into_iter().map(of).collect()
 }

@@ -1,5 +1,6 @@
 //! The rows: torque by the body's parameters, by what the stored model may be wrong by, and by what a load does to a gear.
 
+use super::misfit::{SHAPES, direction, shapes};
 use crate::directory::ModelFile;
 use crate::identify::design::inertial_columns;
 use crate::predict::{Sensitivity, sensitivities};
@@ -19,13 +20,9 @@ const BLOCKS: usize = 96;
 const GAIN: f64 = 0.02;
 /// Friction by unit of load that the model may not know, as one deviation.
 const LOSS: f64 = 0.1;
-/// Speed over which the sign of motion is softened in it, rad/s (m/s).
-const SOFT: f64 = 0.01;
 
-/// Harmonics of a joint's position by which the torque may be wrong, either way of motion alike and not.
-const HARMONICS: usize = 2;
-/// Columns of what each joint may be wrong by beside the stored parameters: gain, loss, constant and harmonics twice.
-const EXTRA: usize = 2 + 2 * (1 + 2 * HARMONICS);
+/// Columns of what each joint may be wrong by beside the stored parameters: gain, loss, shapes of position and direction.
+const EXTRA: usize = 2 + SHAPES;
 
 /// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation, then, by unit
 /// deviation too, gain and loss of each joint, for which a body has to be known, and its torque's error by position and
@@ -37,8 +34,8 @@ pub(super) struct System {
     load: Array2<f64>,
     /// Positions.
     position: Array2<f64>,
-    /// Direction of motion, −1 to 1.
-    direction: Array2<f64>,
+    /// Velocities.
+    velocity: Array2<f64>,
 }
 
 impl System {
@@ -75,7 +72,7 @@ impl System {
             joints,
             load,
             position: motion.q.clone(),
-            direction: motion.qd.mapv(|v| v / v.hypot(SOFT)),
+            velocity: motion.qd.clone(),
         }
     }
 
@@ -88,7 +85,8 @@ impl System {
                 let (own, more) = (self.load[[k, j]], carried[[k, j]]);
                 let at = first + EXTRA * j;
                 row[at] = GAIN * more;
-                row[at + 1] = LOSS * ((own + more).abs() - own.abs()) * self.direction[[k, j]];
+                let way = direction(self.velocity[[k, j]]);
+                row[at + 1] = LOSS * ((own + more).abs() - own.abs()) * way;
             }
         }
     }
@@ -99,18 +97,10 @@ impl System {
         let first = self.width() - EXTRA * self.joints.len();
         for (j, columns) in self.joints.iter_mut().enumerate() {
             for (k, mut row) in columns.rows_mut().into_iter().enumerate() {
-                let (q, way) = (self.position[[k, j]], self.direction[[k, j]]);
-                let mut at = first + EXTRA * j + 2;
-                let mut put = |value: f64| {
-                    row[at] = value;
-                    row[at + 1] = value * way;
-                    at += 2;
-                };
-                put(size[j]);
-                for h in 1..=HARMONICS {
-                    let (sin, cos) = (h as f64 * q).sin_cos();
-                    put(size[j] * sin);
-                    put(size[j] * cos);
+                let at = first + EXTRA * j + 2;
+                let shapes = shapes(self.position[[k, j]], self.velocity[[k, j]]);
+                for (s, shape) in shapes.into_iter().enumerate() {
+                    row[at + s] = size[j] * shape;
                 }
             }
         }

@@ -206,13 +206,15 @@ impl Fit {
             scale[j] = [1.0 / size; 2];
         }
         let mut gain = vec![1.0; chosen.len()];
+        let mut wrong = vec![0.0; joints];
         let mut pass = 0;
         loop {
             let parts = blocks
                 .iter()
                 .map(|b| rows.weighted(b, chosen, &scale))
                 .collect::<Result<Vec<_>, _>>()?;
-            let whole = Gram::sum(&parts)?;
+            let held = rows.held(chosen, &wrong)?;
+            let whole = Gram::sum(&parts)?.plus(&held)?;
             let found = total(&whole, &noise)?;
             let new = &found.parameters[rows.width..];
             let moved = std::iter::zip(&gain, new).map(|(old, new)| (new / old - 1.0).abs());
@@ -221,15 +223,14 @@ impl Fit {
             pass += 1;
             let left = rows.left(chosen, &found.parameters);
             if still || pass == PASSES {
-                let refit =
-                    |g: &Gram| total(g, &noise).map(|t| t.parameters[rows.width..].to_vec());
-                let std = refitted_deviations(&parts, refit)?;
+                let std = deviations(&parts, &held, &noise)?;
+                let std = std.unwrap_or_else(|| vec![f64::INFINITY; chosen.len()]);
                 let every: Vec<usize> = (0..whole.columns()).collect();
                 let ordinary = whole
                     .fit(&every, 0.0)?
                     .ok_or(LeastSquaresError::Decomposition)?;
                 return Ok(Self {
-                    std: std.unwrap_or_else(|| vec![f64::INFINITY; chosen.len()]),
+                    std,
                     ordinary: ordinary.parameters[rows.width..].to_vec(),
                     rmse: chosen.iter().map(|&j| super::rms(&left)[j]).collect(),
                     gain,
@@ -238,6 +239,7 @@ impl Fit {
                     total: found,
                 });
             }
+            wrong = noise::shared(&left, starts);
             let weights = noise::weights(&left, &rows.qd, starts);
             for (at, &j) in chosen.iter().enumerate() {
                 scale[j] = weights[j];
@@ -290,6 +292,25 @@ impl Fit {
         let made = feasibility.fit_gram(&gram, 1.0, None)?;
         Ok(made.standard[rigid + rows.width - base.len()..].to_vec())
     }
+}
+
+/// The larger of what blocks left out tell and of what noise and wrong shapes would make; none where blocks are too few.
+fn deviations(
+    parts: &[Gram],
+    held: &Gram,
+    noise: &[f64],
+) -> Result<Option<Vec<f64>>, LeastSquaresError> {
+    let estimate = |g: &Gram| total(&g.plus(held)?, noise);
+    let whole = Gram::sum(parts)?;
+    let first = whole.columns() - noise.len();
+    let without = without_noise(&whole.plus(held)?, noise, &estimate(&whole)?);
+    let formal = without.deviations()?;
+    let told = refitted_deviations(parts, |g| Ok(estimate(g)?.parameters[first..].to_vec()))?;
+    Ok(told.map(|t: Vec<f64>| {
+        std::iter::zip(t, &formal[first..])
+            .map(|(a, b)| a.max(*b))
+            .collect()
+    }))
 }
 
 /// How far anything but a link may be off, relative to its estimate.

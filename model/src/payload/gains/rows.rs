@@ -2,20 +2,24 @@
 
 use super::known::KnownBody;
 use crate::identify::design::{inertial_columns, rigid_columns};
+use crate::payload::misfit::{SHAPES, shapes};
 use crate::payload::noise::moving;
 use crate::session::Session;
 use ::identify::base::BaseParameters;
 use ::identify::least_squares::{Accumulator, Gram, LeastSquaresError};
-use ndarray::{Array1, Array2, Axis, concatenate};
+use ndarray::{Array1, Array2, ArrayView1, Axis, concatenate};
 use physics::effects::Term;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use physics::torque_model::{TorqueModel, WeightedTerm};
 
 /// Blocks of time of both recordings together that deviations are taken from, at most.
 const BLOCKS: usize = 96;
+/// Size of a shape that counts as none, N·m (N).
+const SMALLEST: f64 = 1e-6;
 
-/// Rows −Y β − F φ − Y_u p_u + τ g = Y_k p_k of every joint: base parameters, friction, unknown part of the body, gains; the
-/// known part of the body (and springs, which are known) on the right. Torque in N·m (N), τ as recorded.
+/// Rows −Y β − F φ − Y_u p_u − S m + τ g = Y_k p_k of every joint: base parameters, friction, unknown part of the body, shapes of
+/// position and direction by which the joint is wrong with the body and not without, gains; the known part of the body (and
+/// springs, which are known) on the right. Torque in N·m (N), τ as recorded.
 pub(super) struct Rows {
     /// Columns of each joint but that of its gain, shape (samples, width of the joint), the loaded recording last.
     exact: Vec<Array2<f64>>,
@@ -59,6 +63,7 @@ impl Rows {
             free.map(|w| w.term.clone()).collect()
         };
         let friction: usize = model.terms().iter().map(|l| fitted(l).len()).sum();
+        let told = base.len() + friction + unknown.len();
         let mut offset = base.len();
         for (j, list) in model.terms().iter().enumerate() {
             let terms = fitted(list);
@@ -70,10 +75,19 @@ impl Rows {
             let own = session.columns(j, &terms, &load, &[]);
             let none = Array2::zeros((samples[0], unknown.len()));
             let free = carried[j][0].select(Axis(1), &unknown);
+            let alike = Array2::zeros((samples[0], SHAPES));
+            let motion = &session.parts[1].at_samples;
+            let mut wrong = Array2::zeros((samples[1], SHAPES));
+            for (k, mut row) in wrong.rows_mut().into_iter().enumerate() {
+                row.assign(&ArrayView1::from(&shapes(
+                    motion.q[[k, j]],
+                    motion.qd[[k, j]],
+                )));
+            }
             exact.push(-concatenate![
                 Axis(0),
-                concatenate![Axis(1), rigid[j][0], own[0], none],
-                concatenate![Axis(1), rigid[j][1], own[1], free]
+                concatenate![Axis(1), rigid[j][0], own[0], none, alike],
+                concatenate![Axis(1), rigid[j][1], own[1], free, wrong]
             ]);
             let weight = carried[j][0].dot(&Array1::from(body.parameters().to_vec()));
             let torque = concatenate![
@@ -86,6 +100,7 @@ impl Rows {
                 (0..base.len())
                     .chain(offset..offset + terms.len())
                     .chain((0..unknown.len()).map(|k| base.len() + friction + k))
+                    .chain(told + SHAPES * j..told + SHAPES * (j + 1))
                     .collect(),
             );
             offset += terms.len();
@@ -97,8 +112,25 @@ impl Rows {
             known,
             recorded: concatenate![Axis(0), recorded[0].view(), recorded[1].view()],
             qd: concatenate![Axis(0), motion(0), motion(1)],
-            width: base.len() + friction + unknown.len(),
+            width: told + SHAPES * n,
         }
+    }
+
+    /// What holds each joint's shapes to zero, as rows of unit noise: each may be `size` of its joint, N·m (N), as one deviation.
+    ///
+    /// # Errors
+    /// A size that is no number.
+    pub(super) fn held(&self, chosen: &[usize], size: &[f64]) -> Result<Gram, LeastSquaresError> {
+        let total = self.width + chosen.len();
+        let first = self.width - SHAPES * size.len();
+        let mut rows = Accumulator::new(total);
+        for place in first..self.width {
+            let mut row = vec![0.0; total];
+            row[place] = 1.0;
+            let size = size[(place - first) / SHAPES];
+            rows.push(&row, 0.0, 1.0 / size.max(SMALLEST))?;
+        }
+        Ok(Gram::from(&rows.finish()?))
     }
 
     /// Sums of stretches of rows that follow each other.
