@@ -46,6 +46,8 @@ settings! {
         /// Part of the bursts' squared torque that has to be steady. Whoever touches the robot pushes it; what swings about
         /// zero inside every burst is the vibration of a joint or of the ground.
         steady: f64 = 0.18, tuned;
+        /// Time over which it has to be, s.
+        steady_time: f64 = 0.5, tuned;
         /// Part of a burst that another execution of its motion has to show for it to be the robot's own.
         again: f64 = 0.3, tuned;
         /// Part of the changes of sign of a joint's load that lie in bursts, and of its squared torque there that lies around
