@@ -70,6 +70,13 @@ fn config(options: &ResidualOptions, samples: usize) -> UnitConfig {
     config
 }
 
+/// Seed of a joint's first network; the other networks of the joint count on from it. The user's seeds are far apart, so
+/// that no network of one is trained again under the next.
+fn first_seed(seed: u64, joint: usize) -> u64 {
+    const APART: u64 = 1 << 32;
+    seed.wrapping_mul(APART).wrapping_add(joint as u64)
+}
+
 /// What jobs are made of.
 pub(super) struct Task<'a> {
     /// Input columns of all rows.
@@ -104,7 +111,7 @@ impl<'a> Task<'a> {
                 )?,
                 split: split.clone(),
                 config: config(self.options, examples.len()),
-                seed: self.options.seed.wrapping_add(joint as u64),
+                seed: first_seed(self.options.seed, joint),
             })
         };
         (0..targets.len())
@@ -131,5 +138,20 @@ impl Phase {
             checkpoints: self.directory.as_deref(),
             ..*control
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_seed;
+
+    /// Ensembles of two seeds are independent: members of a joint are `first_seed`, `first_seed + 1`, ….
+    #[test]
+    fn seeds_share_no_network_of_a_joint() {
+        let members = |seed| (0..8).map(move |m| first_seed(seed, 2) + m);
+        for other in 1..5 {
+            assert!(members(0).all(|network| members(other).all(|n| n != network)));
+        }
+        assert_eq!(first_seed(0, 3), 3);
     }
 }
