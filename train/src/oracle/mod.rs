@@ -7,6 +7,7 @@ mod plant;
 mod tables;
 
 pub use arguments::Oracle;
+pub(crate) use plant::{CUTOFFS, true_torque};
 
 use crate::runtime::{pool, threads};
 use figures::Figures;

@@ -10,7 +10,7 @@ use ndarray::Array2;
 use trials::protocols::{Effect, Machine, Protocol, cached};
 
 /// Cut-offs of the motion tried beside the model's own, Hz: the true equations need not do best where the model does.
-const CUTOFFS: [f64; 4] = [10.0, 15.0, 25.0, 40.0];
+pub const CUTOFFS: [f64; 4] = [10.0, 15.0, 25.0, 40.0];
 
 /// A simulated robot with the recording that its model is scored on.
 pub struct Plant {
@@ -110,7 +110,7 @@ impl Plant {
                     file: self.recording.source.clone(),
                     source,
                 })?;
-            let torque = of(&self.machine, &prepared, self.gain)?;
+            let torque = true_torque(&self.machine, &prepared, self.gain)?;
             let errors = &recorded - &torque;
             let scores =
                 Scores::of_errors(errors.view(), &deviations, qd.view(), Scope::All, |_| true)
@@ -128,12 +128,18 @@ impl Plant {
     /// What one effect adds to the torque on the prepared motion, N·m, shape (samples, joints).
     pub fn share_of(&self, effect: Effect, prepared: &Prepared) -> Result<Array2<f64>, Failure> {
         let without = self.machine.clone().without(effect);
-        Ok(of(&self.machine, prepared, self.gain)? - of(&without, prepared, self.gain)?)
+        Ok(true_torque(&self.machine, prepared, self.gain)?
+            - true_torque(&without, prepared, self.gain)?)
     }
 }
 
-/// Torque at the samples by the true equations on the motion that a recording of such a gain stands for.
-fn of(machine: &Machine, prepared: &Prepared, gain: f64) -> Result<Array2<f64>, Failure> {
+/// Torque at the samples by the true equations on the motion that a recording of such a gain (recorded motion over the true
+/// one) stands for, N·m, shape (samples, joints).
+pub fn true_torque(
+    machine: &Machine,
+    prepared: &Prepared,
+    gain: f64,
+) -> Result<Array2<f64>, Failure> {
     let mut motion = prepared.fine.clone();
     for table in [&mut motion.q, &mut motion.qd, &mut motion.qdd] {
         *table /= gain;

@@ -4,13 +4,13 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Reprints the published comparisons on the simulated UR5: Tables 6–8, input sets, timesteps, and
-/// fully connected against LSTM.
+/// fully connected against LSTM, and the paper's own way of smoothing and splitting.
 #[derive(Debug, Args)]
 pub struct Study {
     /// Seed of the simulation, the folds and the networks.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Smaller units, fewer passes, one fold: a few minutes instead of half an hour.
+    /// Smaller units, fewer passes, one fold, one seed: a few minutes instead of an hour or two.
     #[arg(long)]
     pub quick: bool,
     /// Write the figures as JSON.
@@ -19,6 +19,9 @@ pub struct Study {
     /// Folder that keeps the simulated recordings.
     #[arg(long, default_value = "residyn-model/simulated")]
     pub cache: PathBuf,
+    /// Folder that keeps the networks until the study is complete: the same command goes on from them.
+    #[arg(long, default_value = "residyn-model/study")]
+    pub checkpoints: PathBuf,
     /// Threads; the result does not depend on it [default: all cores].
     #[arg(long)]
     pub threads: Option<usize>,

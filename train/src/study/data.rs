@@ -4,6 +4,7 @@ use super::arguments::Study;
 use compensator::training::{Fold, Samples};
 use datasets::Recording;
 use datasets::metrics::MOVING;
+use datasets::periods::smooth_torque;
 use datasets::prepare::{PrepareOptions, prepare};
 use model::failure::Failure;
 use model::identify::identification::IdentifyOptions;
@@ -17,6 +18,7 @@ use std::ops::Range;
 use trials::protocols::{Protocol, Simulated, cached};
 
 /// One recording: inputs and residual torque.
+#[derive(Clone)]
 pub struct Run {
     /// q, q̇, q̈ of all joints, shape (samples, 3·joints).
     pub inputs: Array2<f32>,
@@ -42,6 +44,15 @@ impl Run {
             &self.segments,
         )
         .map_err(|e| ResidualError::from(e).into())
+    }
+
+    /// The same with those samples alone that count.
+    pub fn counting(&self, counts: impl Fn(usize) -> bool) -> Self {
+        let mut run = self.clone();
+        for ((_, row), weight) in run.moving.indexed_iter_mut() {
+            *weight *= f32::from(u8::from(counts(row)));
+        }
+        run
     }
 
     /// RMS of what `learned` leaves of a joint's residual where it moves in the given trajectories, N·m.
@@ -77,8 +88,8 @@ pub struct Data {
 
 impl Data {
     /// Simulates, or takes from the cache, and identifies the published physics (rigid body, viscous and
-    /// Coulomb friction) on the identification recording alone.
-    pub fn simulated(study: &Study) -> Result<Self, Failure> {
+    /// Coulomb friction) on the identification recording alone. `span`: torques are smoothed by RLOESS over so many samples first.
+    pub fn simulated(study: &Study, span: Option<usize>) -> Result<Self, Failure> {
         let bar = crate::progress::bar(study.quiet, "simulating the ur5");
         let set = cached(Protocol::Ur5, study.seed, &study.cache, &|done| {
             bar.set_position((100.0 * done) as u64);
@@ -87,7 +98,16 @@ impl Data {
         bar.finish_and_clear();
         let spinner = crate::progress::spinner(study.quiet, "identifying");
         let robot = Robot::builtin("ur5").ok_or_else(|| Failure::other("no built-in ur5"))?;
-        let identification = [part(&set, "identification")?.clone()];
+        let taken = |name: &str| -> Result<Recording, Failure> {
+            let recording = part(&set, name)?;
+            match span {
+                Some(span) => {
+                    smooth_torque(recording, span).map_err(|e| Failure::other(e.to_string()))
+                }
+                None => Ok(recording.clone()),
+            }
+        };
+        let identification = [taken("identification")?];
         let options = FitOptions {
             identify: IdentifyOptions {
                 select: false,
@@ -98,9 +118,9 @@ impl Data {
         };
         let fit = fit_physics(&robot, &identification, None, &options)?;
         let run = |name: &str| -> Result<Run, Failure> {
-            let recording = part(&set, name)?;
+            let recording = taken(name)?;
             let prepared =
-                prepare(recording, &options.prepare).map_err(|source| FitError::Prepare {
+                prepare(&recording, &options.prepare).map_err(|source| FitError::Prepare {
                     file: recording.source.clone(),
                     source,
                 })?;
@@ -150,7 +170,8 @@ fn by_joint(table: &Array2<f64>, of: impl Fn(f64) -> f32) -> Array2<f32> {
     turned.as_standard_layout().into_owned()
 }
 
-fn part<'a>(set: &'a Simulated, name: &str) -> Result<&'a Recording, Failure> {
+/// A recording of the protocol by its name.
+pub fn part<'a>(set: &'a Simulated, name: &str) -> Result<&'a Recording, Failure> {
     set.part(name)
         .ok_or_else(|| Failure::other(format!("the simulation has no part {name}")))
 }
@@ -181,6 +202,20 @@ mod tests {
             run.rmse(0, &[0, 1], |row| [3.0, 0.0, 4.0, 6.0][row]),
             (1.0_f64 / 3.0).sqrt()
         );
+    }
+
+    #[test]
+    fn samples_are_dealt_out() {
+        let run = Run {
+            inputs: Array2::zeros((3, 3)),
+            residual: array![[3.0, 100.0, 4.0]],
+            moving: array![[1.0, 0.0, 1.0]],
+            tau: Array2::zeros((3, 1)),
+            segments: vec![0..3],
+            rate_hz: 60.0,
+        };
+        assert_eq!(run.counting(|row| row > 0).rmse(0, &[0], |_| 0.0), 4.0);
+        assert_eq!(run.counting(|row| row < 2).rmse(0, &[0], |_| 0.0), 3.0);
     }
 
     #[test]

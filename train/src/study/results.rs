@@ -6,7 +6,41 @@ use serde::Serialize;
 #[derive(Serialize)]
 pub struct Variant<T> {
     pub value: T,
+    /// Mean over folds or over seeds.
     pub rmse: Vec<f64>,
+    /// Standard deviation of one seed's, where there are several; else empty.
+    pub between_seeds: Vec<f64>,
+}
+
+impl<T> Variant<T> {
+    /// One figure for each joint.
+    pub fn once(value: T, rmse: Vec<f64>) -> Self {
+        Self {
+            value,
+            rmse,
+            between_seeds: Vec::new(),
+        }
+    }
+
+    /// Figures of several seeds, one list for each.
+    pub fn over_seeds(value: T, seeds: &[Vec<f64>]) -> Self {
+        let n = seeds.len() as f64;
+        let joints = 0..seeds.first().map_or(0, Vec::len);
+        let mean = |j: usize| seeds.iter().map(|s| s[j]).sum::<f64>() / n;
+        let spread = |j: usize| {
+            let squares = seeds.iter().map(|s| (s[j] - mean(j)).powi(2));
+            (squares.sum::<f64>() / (n - 1.0)).sqrt()
+        };
+        Self {
+            value,
+            rmse: joints.clone().map(mean).collect(),
+            between_seeds: if seeds.len() > 1 {
+                joints.map(spread).collect()
+            } else {
+                Vec::new()
+            },
+        }
+    }
 }
 
 /// Fully connected and LSTM units with the same number of hidden nodes, joint 1, N·m.
@@ -31,20 +65,42 @@ pub struct Verification {
 }
 
 /// Contents of `train study --json`.
-#[derive(Serialize)]
+#[derive(Serialize, Default)]
 pub struct Report {
     pub schema: &'static str,
     pub seed: u64,
     pub quick: bool,
     pub joints: Vec<String>,
     pub folds: usize,
+    /// Networks that the comparisons on the first fold average.
+    pub repeats: u64,
     pub hidden: usize,
     pub epochs: usize,
     pub windows_per_epoch: usize,
-    /// `physics`, `attention`, `no_attention`; mean over folds of held-out trajectories.
+    /// `physics`, `attention`, `no_attention`, `attainable` (the plant's own equations on the recorded motion); mean over folds of
+    /// held-out trajectories.
     pub table_6: Vec<Variant<&'static str>>,
+    /// The paper's smoothing of the torque and its split by samples, which leaks, apart and together.
+    pub papers_way: Vec<Variant<&'static str>>,
     pub inputs: Vec<Variant<&'static str>>,
     pub timesteps: Vec<Variant<usize>>,
     pub nodes: Vec<Nodes>,
-    pub table_8: Verification,
+    pub table_8: Option<Verification>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Variant;
+
+    #[test]
+    fn seeds_are_averaged() {
+        let v = Variant::over_seeds("icm", &[vec![1.0, 4.0], vec![3.0, 4.0]]);
+        assert_eq!(v.rmse, [2.0, 4.0]);
+        assert_eq!(v.between_seeds, [2.0_f64.sqrt(), 0.0]);
+        assert!(
+            Variant::over_seeds("icm", &[vec![1.0]])
+                .between_seeds
+                .is_empty()
+        );
+    }
 }

@@ -19,6 +19,8 @@ pub struct Settings {
     pub training: Training,
     /// Seed of the networks.
     pub seed: u64,
+    /// Networks of different seeds that the comparisons on the first fold average.
+    pub repeats: u64,
 }
 
 impl Settings {
@@ -62,6 +64,7 @@ impl Settings {
             windows,
             training,
             seed,
+            repeats: if quick { 1 } else { 3 },
         })
     }
 }

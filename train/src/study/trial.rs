@@ -1,19 +1,25 @@
 //! Units of one kind, trained on folds and scored on what they never saw.
 
-use super::data::Data;
+use super::data::Run;
 use super::settings::Settings;
 use compensator::inputs::InputSet;
 use compensator::training::{Control, Fold, Job, UnitConfig, predict, train};
 use feedforward::network::{Architecture, Unit};
 use model::failure::Failure;
 use model::residual::ResidualError;
+use std::path::Path;
 
 /// One kind of unit.
 pub struct Trial<'a> {
-    pub data: &'a Data,
+    /// Names it among the checkpoints.
+    pub name: String,
+    /// What is trained on, and what is scored: the same but where samples are dealt out one by one.
+    pub runs: [&'a Run; 2],
     pub settings: &'a Settings,
     pub inputs: InputSet,
     pub architecture: Architecture,
+    /// Which of the seeds, from 0.
+    pub repeat: u64,
 }
 
 /// One joint's result.
@@ -37,21 +43,27 @@ impl Outcome {
 }
 
 impl Trial<'_> {
-    /// Trains every joint on every fold, all cores busy.
+    /// Trains every joint on every fold, all cores busy; networks that `kept` holds are not trained again.
     pub fn run(
         &self,
         joints: &[usize],
         folds: &[Fold],
         control: &Control,
+        kept: &Path,
     ) -> Result<Vec<Outcome>, Failure> {
-        let moves = &self.data.moves;
+        let [moves, scored] = self.runs;
+        let kept = kept.join(&self.name);
+        let control = &Control {
+            checkpoints: Some(&kept),
+            ..*control
+        };
         let mut jobs = Vec::new();
         for &joint in joints {
             let samples = moves.samples(joint)?;
             for fold in folds {
                 jobs.push(Job {
                     joint,
-                    columns: self.inputs.columns(joint, self.data.joints.len()),
+                    columns: self.inputs.columns(joint, moves.tau.ncols()),
                     samples,
                     split: fold.split.clone(),
                     config: UnitConfig {
@@ -59,7 +71,7 @@ impl Trial<'_> {
                         training: self.settings.training.clone(),
                         ..UnitConfig::ucm()
                     },
-                    seed: self.settings.seed.wrapping_add(joint as u64),
+                    seed: self.seed(joint),
                 });
             }
         }
@@ -72,7 +84,7 @@ impl Trial<'_> {
             for ((fold, job), trained) in folds.iter().zip(jobs).zip(trained.by_ref()) {
                 let learned = predict(&trained.unit, &job.samples, &fold.test)
                     .map_err(ResidualError::from)?;
-                errors.push(moves.rmse(joint, &fold.test, |row| f64::from(learned[row])));
+                errors.push(scored.rmse(joint, &fold.test, |row| f64::from(learned[row])));
                 first.get_or_insert(trained.unit);
             }
             if let Some(unit) = first {
@@ -83,5 +95,11 @@ impl Trial<'_> {
             }
         }
         Ok(outcomes)
+    }
+
+    /// The study's own seeds and those of its repeats never meet.
+    fn seed(&self, joint: usize) -> u64 {
+        let own = self.settings.seed.wrapping_add(joint as u64);
+        own.wrapping_add(self.repeat << 32)
     }
 }
