@@ -2,9 +2,8 @@
 
 use super::data::{Data, Run};
 use super::results::{Nodes, Variant};
-use super::settings::Settings;
+use super::settings::{DEALT, SPAN, Settings};
 use super::trial::{Outcome, Trial};
-use super::{DEALT, SPAN};
 use compensator::inputs::InputSet;
 use compensator::training::{Control, Fold, Split};
 use feedforward::network::{Architecture, Memory, Recurrent};

@@ -211,11 +211,11 @@ mod tests {
             residual: array![[3.0, 100.0, 4.0]],
             moving: array![[1.0, 0.0, 1.0]],
             tau: Array2::zeros((3, 1)),
-            segments: vec![0..3],
+            segments: vec![0..1, 1..3],
             rate_hz: 60.0,
         };
-        assert_eq!(run.counting(|row| row > 0).rmse(0, &[0], |_| 0.0), 4.0);
-        assert_eq!(run.counting(|row| row < 2).rmse(0, &[0], |_| 0.0), 3.0);
+        assert_eq!(run.counting(|row| row > 0).rmse(0, &[0, 1], |_| 0.0), 4.0);
+        assert_eq!(run.counting(|row| row < 2).rmse(0, &[0, 1], |_| 0.0), 3.0);
     }
 
     #[test]

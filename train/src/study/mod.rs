@@ -20,15 +20,9 @@ use data::Data;
 use indicatif::ProgressBar;
 use model::failure::Failure;
 use results::{Report, Variant};
-use settings::Settings;
+use settings::{SPAN, Settings};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use trial::Outcome;
-
-/// Samples that RLOESS smooths over: a quarter of a second of the moves. The paper does not state its span.
-const SPAN: usize = 15;
-
-/// Of so many samples one is held out where they are dealt out one by one: the paper's 80 to 20 %.
-const DEALT: usize = 5;
 
 /// Runs the study and prints it.
 ///

@@ -5,6 +5,12 @@ use compensator::training::{Fold, Training, UnitConfig, folds};
 use model::failure::Failure;
 use model::residual::ResidualError;
 
+/// Samples that RLOESS smooths over: a quarter of a second of the moves. The paper does not state its span.
+pub const SPAN: usize = 15;
+
+/// Of so many samples one is held out where they are dealt out one by one: the paper's 80 to 20 %.
+pub const DEALT: usize = 5;
+
 /// What all trials share.
 pub struct Settings {
     /// Folds that are run; the comparisons beside Table 6 run the first.
