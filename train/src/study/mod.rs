@@ -20,7 +20,7 @@ use data::Data;
 use indicatif::ProgressBar;
 use model::failure::Failure;
 use results::{Report, Variant};
-use settings::{SPAN, Settings};
+use settings::{GO_ON, SPAN, Settings};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use trial::Outcome;
 
@@ -34,9 +34,8 @@ pub fn run(study: &Study, cancel: &AtomicBool) -> Result<(), Failure> {
 }
 
 fn steps(study: &Study, cancel: &AtomicBool, threads: usize) -> Result<(), Failure> {
-    const HINT: &str = "Run the same command again: what is trained is kept.";
     let data = Data::simulated(study, None)?;
-    stop(cancel, HINT)?;
+    stop(cancel, GO_ON)?;
     let settings = Settings::new(study.quick, &data, study.seed)?;
     let kind = if study.quick { "quick-" } else { "" };
     let kept = study.checkpoints.join(format!("{kind}{}", study.seed));
@@ -99,7 +98,7 @@ fn steps(study: &Study, cancel: &AtomicBool, threads: usize) -> Result<(), Failu
     report.nodes = compare.nodes()?;
     tell(&|| tables::nodes(&report));
     let smooth = Data::simulated(study, Some(SPAN))?;
-    stop(cancel, HINT)?;
+    stop(cancel, GO_ON)?;
     report.papers_way = compare.papers_way(&smooth, &published[0])?;
     tell(&|| tables::papers_way(&report));
     bar.finish_and_clear();

@@ -11,6 +11,9 @@ pub const SPAN: usize = 15;
 /// Of so many samples one is held out where they are dealt out one by one: the paper's 80 to 20 %.
 pub const DEALT: usize = 5;
 
+/// What to do after an interruption.
+pub const GO_ON: &str = "Run the same command again: what is trained is kept.";
+
 /// What all trials share.
 pub struct Settings {
     /// Folds that are run; the comparisons beside Table 6 run the first.

@@ -1,7 +1,8 @@
 //! Units of one kind, trained on folds and scored on what they never saw.
 
 use super::data::Run;
-use super::settings::Settings;
+use super::settings::{GO_ON, Settings};
+use compensator::Error;
 use compensator::inputs::InputSet;
 use compensator::training::{Control, Fold, Job, UnitConfig, predict, train};
 use feedforward::network::{Architecture, Unit};
@@ -76,7 +77,10 @@ impl Trial<'_> {
             }
         }
         let mut trained = train(&jobs, control)
-            .map_err(ResidualError::from)?
+            .map_err(|error| match error {
+                Error::Interrupted => Failure::interrupted(GO_ON),
+                other => ResidualError::from(other).into(),
+            })?
             .into_iter();
         let mut outcomes = Vec::new();
         for (&joint, jobs) in joints.iter().zip(jobs.chunks(folds.len())) {
