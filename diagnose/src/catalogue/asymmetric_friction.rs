@@ -15,6 +15,7 @@ pub(super) const INFO: Info = Info {
     confounders: &[Effect::TorqueOffset, Effect::FrictionParameters],
     friction: true,
     needs: &[Need::Reversals],
+    coded: true,
     ..Info::NEW
 };
 

@@ -21,6 +21,7 @@ pub(super) const INFO: Info = Info {
     absorbable: true,
     needs: &[Need::Range],
     remedy: "add a passive torque of the joint's position ({})",
+    coded: true,
     ..Info::NEW
 };
 

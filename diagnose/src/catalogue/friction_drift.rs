@@ -14,6 +14,7 @@ pub(super) const INFO: Info = Info {
     confounders: &[Effect::FrictionParameters, Effect::NonlinearViscousFriction],
     friction: true,
     needs: &[Need::Minute],
+    coded: true,
     ..Info::NEW
 };
 

@@ -33,6 +33,9 @@ pub struct Info {
     pub needs: &'static [Need],
     /// File of a patch that it is written to; none: the table of values alone.
     pub place: Option<&'static str>,
+    /// Whether code that is generated for simulators holds it: its columns are terms of the torque model and belong to the
+    /// robot.
+    pub coded: bool,
     /// Whether it is a change of parameters that the model's structure has already.
     pub parameter: bool,
     /// Whether it resists the motion of its own joint.
@@ -57,6 +60,7 @@ impl Info {
         confounders: &[],
         needs: &[],
         place: None,
+        coded: false,
         parameter: false,
         friction: false,
         dynamic: false,

@@ -14,6 +14,7 @@ pub(super) const INFO: Info = Info {
     plain: "coupling to another joint",
     confounders: &[Effect::FrictionParameters, Effect::LinkParameters],
     least_fraction: 0.06,
+    coded: true,
     ..Info::NEW
 };
 

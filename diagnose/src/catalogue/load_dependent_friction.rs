@@ -18,6 +18,7 @@ pub(super) const INFO: Info = Info {
         Effect::PositionDependentFriction,
     ],
     friction: true,
+    coded: true,
     ..Info::NEW
 };
 

@@ -14,6 +14,7 @@ pub(super) const INFO: Info = Info {
     confounders: &[Effect::FrictionParameters, Effect::StribeckFriction],
     friction: true,
     needs: &[Need::Speed],
+    coded: true,
     ..Info::NEW
 };
 

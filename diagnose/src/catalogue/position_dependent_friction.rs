@@ -23,6 +23,7 @@ pub(super) const INFO: Info = Info {
     friction: true,
     least_fraction: 0.06,
     needs: &[Need::Reversals, Need::Range, Need::Minute],
+    coded: true,
     ..Info::NEW
 };
 

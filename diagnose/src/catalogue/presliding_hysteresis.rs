@@ -24,6 +24,7 @@ pub(super) const INFO: Info = Info {
     friction: true,
     least_fraction: 0.06,
     needs: &[Need::Reversals],
+    coded: true,
     ..Info::NEW
 };
 

@@ -18,6 +18,7 @@ pub(super) const INFO: Info = Info {
     vibrates: true,
     least_fraction: 0.06,
     needs: &[Need::Range, Need::Minute, Need::Rate],
+    coded: true,
     ..Info::NEW
 };
 

@@ -6,6 +6,7 @@ mod patched;
 mod urdf;
 mod values;
 
+use crate::advice::code::{self, Code};
 use crate::catalogue::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::outcome::Outcome;
@@ -28,6 +29,8 @@ pub struct Patch {
     pub drive: Option<String>,
     /// For MuJoCo.
     pub mjcf: ForMujoco,
+    /// Code for simulators, where one has no parameter for a cause.
+    pub code: Option<Code>,
     /// Values of all causes, tab-separated.
     pub values: String,
     /// What every joint is to be set to.
@@ -58,6 +61,7 @@ impl Patch {
                 first.chain(drive).chain([snippet]).collect()
             }
         };
+        files.extend(self.code.iter().flat_map(|c| c.files(out)));
         files.push((out.with_extension("values.tsv"), self.values.clone()));
         Ok(files)
     }
@@ -115,6 +119,7 @@ pub fn patch(
         urdf: urdf::written(&urdf, &patched, &zeros)?,
         drive: changed.then(|| values::drive(&patched.robot)),
         mjcf,
+        code: code::code(model, outcome, |e| place(e, whole).is_some()),
         values: values::table(&patched, &settings, whole),
         settings,
     })
@@ -139,10 +144,12 @@ pub fn summary(causes: &[Cause], mjcf: bool) -> String {
             c.iter().map(one).collect::<Vec<_>>().join(", ")
         }
     };
+    let (code, beside): (Vec<&Cause>, Vec<&Cause>) =
+        outside.into_iter().partition(|c| code::holds(c.effect));
     format!(
-        "in the {}: {}; beside it: {}",
-        format,
+        "in the {format}: {}; in generated code: {}; beside it: {}",
         list(&inside),
-        list(&outside)
+        list(&code),
+        list(&beside)
     )
 }

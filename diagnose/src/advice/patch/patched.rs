@@ -1,5 +1,6 @@
 //! The robot that is written.
 
+use crate::advice::code;
 use crate::catalogue::effect::Effect;
 use crate::schema::Cause;
 use crate::search::find::Findings;
@@ -39,6 +40,9 @@ pub fn robot(
 /// Where a patch writes an effect; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
 /// needs a drive file for stands in it.
 pub(super) fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
+    if code::holds(effect) {
+        return Some("generated code");
+    }
     match (effect.info().place, mjcf) {
         (place, false) => place,
         (Some("URDF"), true) => Some("MJCF"),

@@ -1,0 +1,207 @@
+//! What a diagnosis found and no parameter of a simulator holds, as code for two simulators: a passive-force callback for MuJoCo
+//! and an actuator for Isaac Lab. Both are written from the terms of the torque model that the causes stand for
+//! ([`ColumnTorque::Terms`]), which the control loop steps through as well; the law is one text that NumPy and PyTorch read.
+
+mod law;
+
+use crate::catalogue::ColumnTorque;
+use crate::catalogue::effect::Effect;
+use crate::outcome::Outcome;
+use crate::schema::Cause;
+use crate::schema::value::value;
+use crate::simulator::NominalModel;
+use law::{Law, Piece, comment};
+use std::path::{Path, PathBuf};
+
+const MUJOCO: &str = include_str!("mujoco.py.in");
+const ISAAC_LAB: &str = include_str!("isaaclab.py.in");
+
+/// Generated code for simulators, not yet with the names of its files.
+pub struct Code {
+    law: Law,
+    /// Names of the law's joints.
+    joints: Vec<String>,
+    /// Speed over which the friction of each turns round, rad/s (m/s).
+    softness: Vec<f64>,
+    /// Whether something modulates the friction of each.
+    level: Vec<bool>,
+    /// Causes that the code holds, in words.
+    held: Vec<String>,
+    /// Causes that neither code nor description holds, in words.
+    beyond: Vec<String>,
+}
+
+/// Whether generated code holds an effect.
+pub(super) fn holds(effect: Effect) -> bool {
+    effect.info().coded
+}
+
+/// Why neither a description nor code holds an effect.
+pub(super) fn beyond(effect: Effect) -> &'static str {
+    match effect {
+        Effect::JointElasticity | Effect::Backlash => {
+            "needs a joint of its own between rotor and link, which is not written"
+        }
+        _ => "not a simulator's matter",
+    }
+}
+
+/// The code for the accepted causes, with the coefficients that the report names; none where there is nothing to hold.
+/// `described` says which effects stand in the corrected description.
+pub(super) fn code(
+    model: &NominalModel,
+    outcome: &Outcome,
+    described: impl Fn(Effect) -> bool,
+) -> Option<Code> {
+    let found = &outcome.findings;
+    let mut pieces = Vec::new();
+    for (cause, accepted) in found.accepted.iter().enumerate() {
+        let candidate = found.candidate(cause);
+        if !holds(candidate.effect) {
+            continue;
+        }
+        for (variable, column) in accepted.variables.clone().zip(&candidate.columns) {
+            let ColumnTorque::Terms(terms) = &column.torque else {
+                continue;
+            };
+            let size = found.tight.1[variable];
+            pieces.extend(terms.iter().map(|(factor, term)| Piece {
+                joint: column.joints[0],
+                effect: candidate.effect.name(),
+                size: factor * size,
+                term: term.clone(),
+            }));
+        }
+    }
+    if pieces.is_empty() {
+        return None;
+    }
+    pieces.sort_by_key(|p| (p.joint, p.effect));
+    let names: Vec<String> = model
+        .robot
+        .joints()
+        .iter()
+        .map(|j| j.name.clone())
+        .collect();
+    let softness = &outcome.frames.scale.softness;
+    let law = Law::new(&pieces, softness, &names);
+    let of = |joints: &[usize]| joints.iter().map(|&j| names[j].clone()).collect();
+    let level = (0..law.joints.len()).map(|at| {
+        let start = format!("level[..., {at}]");
+        law.lines.iter().any(|l| l.starts_with(&start))
+    });
+    let causes = &outcome.diagnosis.causes;
+    let (held, rest): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(|c| holds(c.effect));
+    let rest = rest.into_iter().filter(|c| !described(c.effect));
+    Some(Code {
+        joints: of(&law.joints),
+        softness: law.joints.iter().map(|&j| softness[j]).collect(),
+        level: level.collect(),
+        held: held.into_iter().map(words).collect(),
+        beyond: rest
+            .map(|c| format!("{}: {}", words(c), beyond(c.effect)))
+            .collect(),
+        law,
+    })
+}
+
+/// A cause with its joints and sizes.
+fn words(cause: &Cause) -> String {
+    let joints = cause.joints.join(", ");
+    let sizes: Vec<String> = cause.parameters.iter().take(4).map(value).collect();
+    comment(&format!(
+        "{} of {joints} ({})",
+        cause.effect.name(),
+        sizes.join(", ")
+    ))
+}
+
+impl Code {
+    /// The files beside a corrected description `out`: `OUT_mujoco.py` and `OUT_isaaclab.py`, with names that Python can import.
+    pub fn files(&self, out: &Path) -> Vec<(PathBuf, String)> {
+        let stem = out.file_stem().map(|s| s.to_string_lossy().into_owned());
+        let stem = identifier(&stem.unwrap_or_default());
+        let name = out.file_name().map(|s| s.to_string_lossy().into_owned());
+        let description = comment(&name.unwrap_or_default());
+        [("mujoco", MUJOCO), ("isaaclab", ISAAC_LAB)]
+            .map(|(simulator, template)| {
+                let module = format!("{stem}_{simulator}");
+                let text = self.text(template, &module, &description);
+                (out.with_file_name(format!("{module}.py")), text)
+            })
+            .into()
+    }
+
+    fn text(&self, template: &str, module: &str, description: &str) -> String {
+        let array = if template == MUJOCO { "numpy" } else { "torch" };
+        let list = |lines: &[String]| {
+            let lines = lines.iter().map(|l| format!("  {l}\n"));
+            lines.collect::<String>()
+        };
+        let beyond = match self.beyond.is_empty() {
+            true => String::new(),
+            false => format!("\nHeld by nothing:\n{}", list(&self.beyond)),
+        };
+        template
+            .replace("@MODULE@", module)
+            .replace("@DESCRIPTION@", description)
+            .replace("@HELD@\n", &list(&self.held))
+            .replace("@BEYOND@\n", &beyond)
+            .replace("@LAW@\n", &self.law_text(array))
+    }
+
+    /// Constants, helpers and the function `law`.
+    fn law_text(&self, array: &str) -> String {
+        let mut text = String::new();
+        if self.law.helpers.iter().any(|h| h.contains("math.")) {
+            text.push_str("import math\n");
+        }
+        let mut names = self.law.imports.clone();
+        if !names.contains(&"tanh") {
+            names.push("tanh");
+        }
+        text.push_str(&format!("from {array} import {}\n\n", names.join(", ")));
+        let python = |b: &bool| if *b { "True" } else { "False" };
+        let level: Vec<&str> = self.level.iter().map(python).collect();
+        let names: Vec<String> = self.joints.iter().map(|n| format!("{n:?}")).collect();
+        text.push_str(&format!(
+            "#: Joints that the law reads or loads, in the order of its last axis.\nJOINTS = [{}]\n\
+             #: Those whose Coulomb friction it changes.\nLEVEL = [{}]\n\
+             #: Speed over which each one's friction turns round, rad/s (m/s).\nSOFTNESS = {:?}\n\
+             #: Number of states.\nMEMORY = {}\n#: Whether it reads the torque that transmissions carry.\nLOAD = {}\n\n\n",
+            names.join(", "),
+            level.join(", "),
+            self.softness,
+            self.law.memory,
+            python(&self.law.sees.load),
+        ));
+        for helper in &self.law.helpers {
+            text.push_str(helper);
+            text.push_str("\n\n");
+        }
+        text.push_str(
+            "def law(q, dq, qd, qdd, load, dt, clock, z):\n    \
+             \"\"\"What resists the motion, in N*m (N), joints on the last axis: friction's level, torque, and memory after it.\n\n    \
+             `dq` is the displacement since the memory `z`, `dt` the time, `load` what the rigid body asks of the joint, `clock` the\n    \
+             session's (None: unknown).\"\"\"\n    \
+             before, z = z, z + 0.0\n    level, torque = 0.0 * q, 0.0 * q\n",
+        );
+        for line in &self.law.lines {
+            text.push_str(&format!("    {line}\n"));
+        }
+        text.push_str("    return level, torque, z\n");
+        text
+    }
+}
+
+/// A name that Python can import.
+fn identifier(stem: &str) -> String {
+    let mut name: String = stem
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
+        .collect();
+    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        name.insert(0, '_');
+    }
+    name
+}
