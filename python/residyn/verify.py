@@ -9,9 +9,11 @@ motion. Beside MuJoCo's figures stand the report's, which come from this project
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import os
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Optional, Sequence, Union
 
 import numpy as np
@@ -20,6 +22,8 @@ from . import InputError, Report, Robot, diagnose
 
 #: A joint is away from reversals where it is faster than this, rad/s (m/s): nearer, every simulator has its own idea of friction.
 AWAY = 0.05
+#: Length of a rollout under the recorded torque, and time from one start to the next, s.
+ROLLOUT, EVERY = 0.5, 2.0
 
 
 @dataclass(frozen=True)
@@ -29,33 +33,102 @@ class Row:
     model: str
     mujoco: float
     report: float
-    #: By joint, by MuJoCo.
+    #: Position error after a rollout under the recorded torque, rad (m); NaN where there was none.
+    drift: float
+    #: NRMSE by joint, by MuJoCo.
     joints: tuple[float, ...]
 
 
-def inverse_dynamics(
-    model: Union[str, os.PathLike], joints: Sequence[str], q: np.ndarray, qd: np.ndarray, qdd: np.ndarray
-) -> np.ndarray:
-    """Torque of an MJCF's named joints as MuJoCo computes it, shape (samples, joints); the rest of the scene stands still
-    at its reference."""
-    import mujoco
+class Simulated:
+    """An MJCF's named joints in MuJoCo, with what generated code adds; the rest of the scene stands still at its reference."""
 
-    loaded = mujoco.MjModel.from_xml_path(os.fspath(model))
-    # What touches in a scene without its environment is no torque of the arm's own.
-    loaded.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
-    data = mujoco.MjData(loaded)
-    found = [mujoco.mj_name2id(loaded, mujoco.mjtObj.mjOBJ_JOINT, name) for name in joints]
-    missing = [name for name, i in zip(joints, found) if i < 0]
-    if missing:
-        raise InputError(f"{os.fspath(model)} has no joint named {', '.join(missing)}")
-    positions, velocities = loaded.jnt_qposadr[found], loaded.jnt_dofadr[found]
-    torque = np.empty_like(q)
-    for i in range(len(q)):
-        mujoco.mj_resetData(loaded, data)
-        data.qpos[positions], data.qvel[velocities], data.qacc[velocities] = q[i], qd[i], qdd[i]
-        mujoco.mj_inverse(loaded, data)
-        torque[i] = data.qfrc_inverse[velocities]
-    return torque
+    def __init__(
+        self,
+        model: Union[str, os.PathLike],
+        joints: Sequence[str],
+        code: Union[str, os.PathLike, None] = None,
+        clock: Optional[float] = None,
+    ) -> None:
+        import mujoco
+
+        self.model = mujoco.MjModel.from_xml_path(os.fspath(model))
+        # What touches in a scene without its environment is no torque of the arm's own.
+        self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+        found = [mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in joints]
+        missing = [name for name, i in zip(joints, found) if i < 0]
+        if missing:
+            raise InputError(f"{os.fspath(model)} has no joint named {', '.join(missing)}")
+        self.qpos, self.dof = self.model.jnt_qposadr[found], self.model.jnt_dofadr[found]
+        self.data = mujoco.MjData(self.model)
+        #: The generated callback; `memory` after each sample of the last inverse dynamics.
+        self.effects = None if code is None else _module(code).Effects(self.model, clock)
+        self.memory: list = []
+
+    def inverse(self, time: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+        """Torque along a motion as MuJoCo computes it, shape (samples, joints)."""
+        import mujoco
+
+        data, torque = self.data, np.empty_like(q)
+        self.memory = []
+        mujoco.mj_resetData(self.model, data)
+        mujoco.set_mjcb_passive(self.effects)
+        try:
+            for i in range(len(q)):
+                # Trajectories follow each other, on whatever clocks.
+                data.time = time[i]
+                data.qpos[self.qpos], data.qvel[self.dof], data.qacc[self.dof] = q[i], qd[i], qdd[i]
+                mujoco.mj_inverse(self.model, data)
+                torque[i] = data.qfrc_inverse[self.dof]
+                if self.effects is not None:
+                    self.memory.append(self.effects.end)
+        finally:
+            mujoco.set_mjcb_passive(None)
+        return torque
+
+    def drift(self, time: np.ndarray, q: np.ndarray, qd: np.ndarray, tau: np.ndarray) -> float:
+        """How far the simulated arm is off the recorded one after `ROLLOUT` seconds under the recorded torque alone: root mean
+        square over joints and starts, rad (m). Memory starts as `inverse` left it; NaN where no stretch is long enough."""
+        import mujoco
+
+        step, off = self.model.opt.timestep, []
+        mujoco.set_mjcb_passive(self.effects)
+        try:
+            for start in _starts(time):
+                data = mujoco.MjData(self.model)
+                data.time = time[start]
+                data.qpos[self.qpos], data.qvel[self.dof] = q[start], qd[start]
+                if self.effects is not None:
+                    self.effects.end = self.memory[start]
+                end = np.searchsorted(time[start:], time[start] + ROLLOUT) + start
+                part = slice(start, end + 1)
+                for _ in range(round((time[end] - time[start]) / step)):
+                    for k, dof in enumerate(self.dof):
+                        data.qfrc_applied[dof] = np.interp(data.time + step / 2, time[part], tau[part, k])
+                    mujoco.mj_step(self.model, data)
+                # Where it is at the last recorded instant, not a part of a step from it.
+                rest = time[end] - data.time
+                off.append(data.qpos[self.qpos] + rest * data.qvel[self.dof] - q[end])
+        finally:
+            mujoco.set_mjcb_passive(None)
+        return float(np.sqrt(np.mean(np.square(off)))) if off else float("nan")
+
+
+def _starts(time: np.ndarray) -> list[int]:
+    """Starts of rollouts, `EVERY` seconds apart, that do not reach beyond a trajectory."""
+    breaks = np.flatnonzero((np.diff(time) <= 0) | (np.diff(time) > 10 * np.median(np.abs(np.diff(time)))))
+    starts = []
+    for first, last in zip([0, *(breaks + 1)], [*breaks, len(time) - 1]):
+        instants = np.arange(time[first] + 0.5, time[last] - ROLLOUT, EVERY)
+        starts += list(first + np.searchsorted(time[first : last + 1], instants))
+    return starts
+
+
+def _module(path: Union[str, os.PathLike]):
+    """A generated file, as a module."""
+    spec = importlib.util.spec_from_file_location(Path(path).stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def nrmse(tau: np.ndarray, predicted: np.ndarray, qd: np.ndarray) -> np.ndarray:
@@ -68,22 +141,32 @@ def nrmse(tau: np.ndarray, predicted: np.ndarray, qd: np.ndarray) -> np.ndarray:
     return out
 
 
-def verify(report: Report, given: Union[str, os.PathLike], patched: Union[str, os.PathLike]) -> list[Row]:
-    """Both models along the report's held-out motion."""
+def verify(
+    report: Report, given: Union[str, os.PathLike], written: Sequence[Union[str, os.PathLike]], rollouts: bool = True
+) -> list[Row]:
+    """The model as given, patched and, where there is generated code, patched with that along the report's held-out motion;
+    `written` are the paths that `Report.patch` returned."""
     motion = report.motion()
+    time = motion["time"]
+    code = next((p for p in written if str(p).endswith("_mujoco.py")), None)
+    models = [("as given", given, None, "given"), ("patched", written[0], None, "explained")]
+    if code is not None:
+        models.append(("patched with code", written[0], code, "explained"))
     rows = []
-    for name, path, own in (("as given", given, "given"), ("patched", patched, "explained")):
-        torque = inverse_dynamics(path, report.joints, motion["q"], motion["qd"], motion["qdd"])
+    for name, path, code, own in models:
+        simulated = Simulated(path, report.joints, code, clock=0.0 if motion["clock_known"] else None)
+        torque = simulated.inverse(time, motion["q"], motion["qd"], motion["qdd"])
         joints = nrmse(motion["tau"], torque, motion["qd"])
         said = nrmse(motion["tau"], motion[own], motion["qd"])
-        rows.append(Row(name, float(np.nanmean(joints)), float(np.nanmean(said)), tuple(joints)))
+        drift = simulated.drift(time, motion["q"], motion["qd"], motion["tau"]) if rollouts else float("nan")
+        rows.append(Row(name, float(np.nanmean(joints)), float(np.nanmean(said)), drift, tuple(joints)))
     return rows
 
 
 def table(rows: Sequence[Row]) -> str:
     """The figures as text."""
-    lines = [f"{'NRMSE off reversals':<22}{'MuJoCo':>10}{'report':>10}"]
-    lines += [f"{row.model:<22}{row.mujoco:>10.4f}{row.report:>10.4f}" for row in rows]
+    lines = [f"{'NRMSE off reversals':<22}{'MuJoCo':>10}{'report':>10}{f'off after {ROLLOUT} s':>18}"]
+    lines += [f"{row.model:<22}{row.mujoco:>10.4f}{row.report:>10.4f}{row.drift:>18.4f}" for row in rows]
     return "\n".join(lines)
 
 
@@ -101,8 +184,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         robot = Robot(given.robot, joints=[j for j in given.joints.split(",") if j])
         report = diagnose(robot, given.data, given.heldout, fast=given.fast)
         print(report)
-        report.patch(given.patch)
-        print(table(verify(report, given.robot, given.patch)))
+        written = report.patch(given.patch)
+        print(table(verify(report, given.robot, written)))
     except InputError as error:
         message, _, hint = str(error).partition("\n")
         print(f"error: {message}", file=sys.stderr)

@@ -44,6 +44,9 @@ enum What {
         /// Draw none of this effect, as before it entered the catalogue.
         #[arg(long, conflicts_with = "hard", value_parser = PossibleValuesParser::new(cases::EFFECTS))]
         without: Option<String>,
+        /// Cases of this effect alone: the first that the seed deals.
+        #[arg(long, conflicts_with_all = ["hard", "without"], value_parser = PossibleValuesParser::new(cases::EFFECTS))]
+        only: Option<String>,
     },
     /// Raw recordings as a controller logs them: robot.urdf, train.csv and test.csv for each, and truth/ID.json with delay,
     /// scale and offset of the torque.
@@ -136,6 +139,7 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
             seed,
             hard,
             without,
+            only,
         } => {
             let bar = bar(*cases, arguments.quiet);
             let without = without.as_deref().and_then(cases::effect_index);
@@ -143,7 +147,12 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
                 true => cases::draw_hard(index, *seed),
                 false => cases::draw_without(index, *seed, without),
             };
-            let specs: Vec<_> = (0..*cases).map(draw).collect();
+            let wanted = |name: &str| only.as_ref().is_none_or(|o| o == name);
+            let specs: Vec<_> = (0..)
+                .map(draw)
+                .filter(|spec| wanted(spec.kind.name()))
+                .take(*cases as usize)
+                .collect();
             cases::write_all(&specs, *seed, out, |id, _| {
                 bar.set_message(id.to_owned());
                 bar.inc(1);
