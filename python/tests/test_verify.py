@@ -35,6 +35,7 @@ def recording(change, seed):
             data.qpos[:], data.qvel[:], data.qacc[:] = q[i], qd[i], qdd[i]
             mujoco.mj_inverse(loaded, data)
             tau[i] = data.qfrc_inverse
+        tau[:, 1] += getattr(change, "extra", lambda q: 0.0)(q[:, 1])
         tau += rng.normal(size=tau.shape) * 0.01 * tau.std(0)
         tables["time"].append(time + 20.0 * run)
         tables["q"].append(q + rng.normal(size=q.shape) * 1e-5)
@@ -57,14 +58,21 @@ def rotors(model):
     model.dof_armature[:3] += 0.8
 
 
+def rippled(model):
+    """Nothing of MuJoCo's parameters."""
+
+
+rippled.extra = lambda q: 6.0 * np.sin(24.0 * q + 0.4)
+
+
 @pytest.mark.parametrize("change, effect", [(friction, "friction_parameters"), (payload, "payload"), (rotors, "rotor_inertia")])
 def test_the_gap_closes_in_mujoco(change, effect, tmp_path):
     robot = residyn.Robot(str(MODEL))
     assert robot.joints == JOINTS
     report = residyn.diagnose(robot, recording(change, 1), recording(change, 2), fast=True)
     assert effect in [c.effect for c in report.causes], str(report)
-    patched = report.patch(tmp_path / "corrected.xml")[0]
-    given, corrected = verify.verify(report, MODEL, patched)
+    written = report.patch(tmp_path / "corrected.xml")
+    given, corrected = verify.verify(report, MODEL, written)
     print(f"\n{effect}\n{verify.table([given, corrected])}")
     assert given.mujoco == pytest.approx(given.report, rel=0.05)
     if effect == "friction_parameters":
@@ -77,8 +85,31 @@ def test_the_gap_closes_in_mujoco(change, effect, tmp_path):
     else:
         assert corrected.mujoco == pytest.approx(corrected.report, rel=0.05)
     assert corrected.mujoco < 0.2 * given.mujoco
+    assert corrected.drift < 0.2 * given.drift
+
+
+def test_generated_code_closes_what_no_parameter_does(tmp_path):
+    """Cogging of the second joint, by NumPy and not by the callback; then in MuJoCo, and the same law by PyTorch."""
+    data, heldout = recording(rippled, 1), recording(rippled, 2)
+    report = residyn.diagnose(residyn.Robot(str(MODEL)), data, heldout, fast=True)
+    assert [(c.effect, c.joints) for c in report.causes] == [("torque_ripple", ["lift"])], str(report)
+    written = report.patch(tmp_path / "corrected.xml")
+    given, patched, coded = verify.verify(report, MODEL, written)
+    print(f"\n{verify.table([given, patched, coded])}")
+    assert coded.mujoco == pytest.approx(coded.report, rel=0.05)
+    assert coded.mujoco < 0.3 * patched.mujoco
+    assert coded.drift < 0.3 * patched.drift
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed: the actuator's law is not compared")
+    callback, actuator = (verify._module(tmp_path / f"corrected_{s}.py") for s in ("mujoco", "isaaclab"))
+    q, dq, qd, qdd, load = np.random.default_rng(3).normal(size=(5, 40, len(callback.JOINTS)))
+    z = np.zeros((40, callback.MEMORY))
+    ours = callback.law(q, dq, qd, qdd, load, 0.01, None, z)
+    theirs = actuator.law(*map(torch.from_numpy, (q, dq, qd, qdd, load)), 0.01, None, torch.from_numpy(z))
+    assert np.abs(ours[1]).max() > 0.0
+    for a, b in zip(ours, theirs):
+        np.testing.assert_allclose(a, b.numpy(), atol=1e-12)
 
 
 def test_wrong_joints_are_named():
     with pytest.raises(residyn.InputError, match="no joint named elbow_2"):
-        verify.inverse_dynamics(MODEL, ["elbow_2"], *np.zeros((3, 1, 1)))
+        verify.Simulated(MODEL, ["elbow_2"])
