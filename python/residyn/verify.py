@@ -53,8 +53,9 @@ class Simulated:
         import mujoco
 
         self.model = mujoco.MjModel.from_xml_path(os.fspath(model))
-        # What touches in a scene without its environment is no torque of the arm's own.
-        self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+        # What touches in a scene without its environment is no torque of the arm's own, and neither is a servo's.
+        off = mujoco.mjtDisableBit
+        self.model.opt.disableflags |= off.mjDSBL_CONTACT | off.mjDSBL_LIMIT | off.mjDSBL_ACTUATION
         found = [mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in joints]
         missing = [name for name, i in zip(joints, found) if i < 0]
         if missing:
