@@ -125,7 +125,10 @@ impl Diagnosis {
             );
             out.set_item("given", given.into_pyarray(py))?;
             out.set_item("explained", explained.into_pyarray(py))?;
-            out.set_item("clock_known", d.outcome.frames.heldout_passage().clock_known())?;
+            out.set_item(
+                "clock_known",
+                d.outcome.frames.heldout_passage().clock_known(),
+            )?;
             Ok(out)
         })
     }
