@@ -9,6 +9,7 @@
 
 mod crossings;
 mod repeated;
+mod steady;
 mod windows;
 
 use crate::motion::frame::Frame;
@@ -21,6 +22,7 @@ use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
 use repeated::repeats;
 use std::ops::Range;
+use steady::steadiness;
 pub use windows::suspected;
 use windows::{WINDOW, adjacent, windows};
 
@@ -198,7 +200,8 @@ pub fn detect(
         return None;
     }
     let piece = (settings.steady_time * rate).round() as usize;
-    if steadiness(&torque, &bursts, &usual, piece) < settings.steady {
+    let loads = || bursts.iter().map(|b| (b.samples.clone(), b.last_joint));
+    if steadiness(&torque, loads(), &usual, piece) < settings.steady {
         return None;
     }
     Some(Contact {
@@ -228,27 +231,6 @@ fn together(torque: &Array2<f64>, bursts: &[Burst], frame: &Frame, alone: f64) -
         }
     }
     several / all
-}
-
-/// Part of the bursts' squared torque, relative to the joints' usual level, that means over pieces of at most `piece` samples make: a
-/// force that is held while the robot moves under it loads each joint now one way, now the other, but slowly.
-fn steadiness(torque: &Array2<f64>, bursts: &[Burst], usual: &[f64], piece: usize) -> f64 {
-    let (mut mean, mut all) = (0.0, 0.0);
-    for burst in bursts {
-        let rows: Vec<usize> = burst.samples.clone().collect();
-        let pieces = rows.len().div_ceil(piece.max(1));
-        for rows in rows.chunks(rows.len().div_ceil(pieces.max(1)).max(1)) {
-            for (j, level) in usual.iter().enumerate().take(burst.last_joint + 1) {
-                let (sum, square) = rows
-                    .iter()
-                    .map(|&i| torque[[i, j]] / level)
-                    .fold((0.0, 0.0), |(s, q), x| (s + x, q + x * x));
-                mean += sum * sum / rows.len() as f64;
-                all += square;
-            }
-        }
-    }
-    mean / all
 }
 
 /// The residual of a joint inside a burst, smoothed by running means, which shorten towards its ends.
@@ -355,30 +337,6 @@ impl Contact {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_push_is_steady_and_a_vibration_is_not() {
-        let n = 400;
-        let burst = Burst {
-            samples: 100..300,
-            last_joint: 1,
-            height: 50.0,
-            at_rest: false,
-        };
-        let of = |f: &dyn Fn(f64) -> f64| {
-            let torque = Array2::from_shape_fn((n, 2), |(i, j)| {
-                (1.0 + j as f64) * f((i as f64 - 100.0) / 200.0)
-            });
-            steadiness(&torque, std::slice::from_ref(&burst), &[0.1, 0.3], 50)
-        };
-        let push = of(&|x| (std::f64::consts::PI * x).sin());
-        let swing = of(&|x| (std::f64::consts::TAU * 6.0 * x).sin() * (1.0 - x));
-        // 100 Hz: three swings a second are none, one force that turns round in two seconds is one, though its mean over all is nothing.
-        let turning = of(&|x| (std::f64::consts::TAU * 2.0 * x).sin());
-        let least = ContactSettings::default().steady;
-        assert!(push > 0.7 && swing < 0.5 * least, "{push} {swing}");
-        assert!(turning > 2.0 * least, "{turning}");
-    }
 
     #[test]
     fn bursts_of_one_joint_each_load_no_joints_together() {
