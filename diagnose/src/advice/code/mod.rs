@@ -205,3 +205,6 @@ fn identifier(stem: &str) -> String {
     }
     name
 }
+
+#[cfg(test)]
+mod tests;
