@@ -116,7 +116,11 @@ fn motion() -> Vec<serde_json::Value> {
     let mut q = [0.1, -0.3];
     let row = |k: usize| {
         let t = k as f64 * STEP;
-        let way = if (k / 20) % 2 == 0 { 1.0 } else { -1.0 };
+        let way = if (k / 20).is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        };
         let qd = [way * (0.6 + 0.3 * (3.0 * t).sin()), 0.7 * (5.0 * t).cos()];
         for (q, qd) in q.iter_mut().zip(qd) {
             *q += STEP * qd;
