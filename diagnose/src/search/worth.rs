@@ -5,6 +5,7 @@ use crate::algebra::fit::Fit;
 use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
 use crate::settings::SearchSettings;
+use signal::quantile::median;
 
 impl Search<'_> {
     /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
@@ -28,7 +29,10 @@ impl Search<'_> {
         let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
         let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
         let memory = c.effect == Effect::PreslidingHysteresis;
-        let part = fraction(&before, &after, &c.joints);
+        let part = match c.effect {
+            Effect::TimeDelay => late_fraction(&before, &after, &c.joints),
+            _ => fraction(&before, &after, &c.joints),
+        };
         let sure = c.effect.info().dynamic && gain > s.enough_dynamic * s.enough;
         if part < self.least_fraction(c, others) && !sure {
             return false;
@@ -116,8 +120,32 @@ fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
     1.0 - squares(after) / squares(before).max(1e-300)
 }
 
+/// The same of a delay of several joints: where one joint errs by far for another reason, together they say little of what is late, and
+/// half of the joints by themselves say more.
+fn late_fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
+    let own = |&j: &usize| fraction(before, after, &[j]);
+    let middle = median(joints.iter().map(own).collect()).unwrap_or(0.0);
+    fraction(before, after, joints).max(middle)
+}
+
 /// Whether memory reaches no further than what a wrong sign at reversals imitates.
 fn is_narrow(candidate: &Candidate, settings: &SearchSettings) -> bool {
     let shape = candidate.shape.first();
     shape.is_some_and(|s| s.1 < settings.narrow)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_joint_that_errs_for_another_reason_does_not_hide_a_delay_of_all() {
+        let late = |after: &[f64]| late_fraction(&[0.1, 0.1, 1.0], after, &[0, 1, 2]);
+        assert!(late(&[0.07, 0.07, 0.99]) > 0.4);
+        // What one joint lacks is no delay of all.
+        assert!(late(&[0.1, 0.1, 0.95]) < 0.1);
+        assert!(late(&[0.02, 0.1, 0.99]) < 0.1);
+        // A single joint is asked for its own error.
+        assert_eq!(late_fraction(&[1.0], &[0.5], &[0]), 0.75);
+    }
 }
