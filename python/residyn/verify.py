@@ -145,7 +145,7 @@ def nrmse(tau: np.ndarray, predicted: np.ndarray, qd: np.ndarray, qdd: np.ndarra
 
 
 def verify(
-    report: Report, given: Union[str, os.PathLike], written: Sequence[Union[str, os.PathLike]], rollouts: bool = True
+    report: Report, given: Union[str, os.PathLike], written: Sequence[Union[str, os.PathLike]]
 ) -> list[Row]:
     """The model as given, patched and, where there is generated code, patched with that along the report's held-out motion;
     `written` are the paths that `Report.patch` returned."""
@@ -161,7 +161,7 @@ def verify(
         torque = simulated.inverse(time, motion["q"], motion["qd"], motion["qdd"])
         joints = nrmse(motion["tau"], torque, motion["qd"], motion["qdd"])
         said = nrmse(motion["tau"], motion[own], motion["qd"], motion["qdd"])
-        drift = simulated.drift(time, motion["q"], motion["qd"], motion["tau"]) if rollouts else float("nan")
+        drift = simulated.drift(time, motion["q"], motion["qd"], motion["tau"])
         rows.append(Row(name, float(np.nanmean(joints)), float(np.nanmean(said)), drift, tuple(joints)))
     return rows
 
