@@ -10,6 +10,7 @@ usage: modules.py [--rooms] [--check]
 import os
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -175,7 +176,8 @@ def main():
         source = manifest.parent / "src"
         if not source.is_dir():
             continue
-        crate = re.search(r'name\s*=\s*"([^"]+)"', manifest.read_text())[1].replace("-", "_")
+        package = tomllib.loads(manifest.read_text())
+        crate = package.get("lib", {}).get("name") or package["package"]["name"].replace("-", "_")
         graph = read(source, crate)
         rooms = rooms_of(graph)
         name = lambda m: "::".join(m) or "lib"

@@ -1,7 +1,7 @@
 //! Rigid-body dynamics of a six-joint arm against Pinocchio's C++ in the same run:
 //!
 //! ```text
-//! PYTHON=python3 benches/peers/build.sh && cargo bench -p benches --bench dynamics
+//! PYTHON=python3 benches/peers/build.sh && cargo bench -p residyn-benches --bench dynamics
 //! ```
 
 use benches::{Peer, quiet, target_dir};

@@ -1,6 +1,6 @@
 //! Do the deviations of `payload` hold? Bodies of known mass on a simulated arm, each with a model of its own.
 //!
-//! `cargo run --release -p benches --example payload_coverage -- --draws 40 --arm ur5|seven` simulates an arm without and with
+//! `cargo run --release -p residyn-benches --example payload_coverage -- --draws 40 --arm ur5|seven` simulates an arm without and with
 //! a random body, identifies the first recording as `train --physics-only` does, estimates the body from the second, and
 //! prints by figure the mean error in deviations, its spread, and how many of the figures lie within two and three deviations.
 //! `--gains` does the same of the gains of drives whose torque constants are wrong, with the body as a known one.

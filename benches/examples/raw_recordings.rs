@@ -1,7 +1,7 @@
 //! Raw recordings of robots that nobody has met: do the intervals of the torque channel cover, and what does the default
 //! cut-off cost against the best one in hindsight?
 //!
-//! `cargo run --release -p benches --example raw_recordings -- --cases 100 --seed S` simulates recordings (see
+//! `cargo run --release -p residyn-benches --example raw_recordings -- --cases 100 --seed S` simulates recordings (see
 //! `trials::raw`), estimates the channel of the part to fit on, and prints how often intervals of 95 % hold the truth, with
 //! the interval of Clopper and Pearson. With `--cutoffs` it also fits the physics of `train --physics-only` with its own
 //! choice and with every cut-off of a list, and compares the errors on the part to test on. A run that was cut off goes on

@@ -1,7 +1,7 @@
 //! Training throughput of one unit of the paper's size (18 inputs, T = 3, 128 + 128) against PyTorch on
 //! one thread each, in one interleaved run:
 //!
-//! `RESIDYN_PYTHON=python cargo bench -p compensator --bench training`
+//! `RESIDYN_PYTHON=python cargo bench -p residyn-compensator --bench training`
 //!
 //! Both sides count CPU time, so a busy machine distorts little. Ours is the whole training loop (gather,
 //! scaling, dropout, cost, clipping, Adam); the peer's is forward, backward and Adam on a ready batch.

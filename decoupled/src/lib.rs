@@ -13,6 +13,8 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod comau;
+mod command;
+mod command_line;
 mod error;
 pub mod estimators;
 pub mod friction;
@@ -26,4 +28,5 @@ pub mod simulation;
 pub mod study;
 pub mod validation;
 
+pub use command_line::command_line;
 pub use error::DecoupledError;

@@ -26,6 +26,7 @@
 mod advice;
 mod algebra;
 mod catalogue;
+mod command_line;
 mod diagnosis;
 mod error;
 mod input;
@@ -48,6 +49,7 @@ pub use advice::visibility::{Visible, visible};
 pub use advice::{directory, next_motion, patch};
 pub use catalogue::effect::Effect;
 pub use catalogue::info::{Info, Need};
+pub use command_line::command_line;
 pub use diagnosis::{Options, diagnose};
 pub use error::DiagnoseError;
 pub use input::given::Given;

@@ -1,6 +1,6 @@
 //! Time and allocations of a 1 kHz control loop that asks a trained model for its torque.
 //!
-//! `cargo run --release -p feedforward --example loop_1khz -- MODEL_DIRECTORY`
+//! `cargo run --release -p residyn-feedforward --example loop_1khz -- MODEL_DIRECTORY`
 
 use feedforward::Feedforward;
 use std::alloc::{GlobalAlloc, Layout, System};

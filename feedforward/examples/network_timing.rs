@@ -1,6 +1,6 @@
 //! Time of one sample through the six units of the paper's size, streaming, one thread.
 //!
-//! `cargo run --release -p feedforward --example network_timing`
+//! `cargo run --release -p residyn-feedforward --example network_timing`
 
 use std::time::Instant;
 

@@ -2,7 +2,7 @@
 //! and prints the ratio), the iterative approach at the size of Han et al. (30,000 × 58), feasibility, and memory
 //! that does not grow with the samples.
 //!
-//! `cargo bench -p identify --bench identification [-- least_squares|iterative|feasible|memory]`
+//! `cargo bench -p residyn-identify --bench identification [-- least_squares|iterative|feasible|memory]`
 
 use identify::base::{BaseParameters, Extra};
 use identify::feasible::{Constraints, Feasibility, Nominal};

@@ -31,7 +31,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Condition numbers of Y and Y* and the sub-regressors of Y*, of stacks at equal numbers of motions judged: medians over seeds. The
 /// paper's finding is that criterion 3 has the lowest cond(Y*). Minutes:
-/// `cargo run --release -p identify --example excitation_criteria`.
+/// `cargo run --release -p residyn-identify --example excitation_criteria`.
 fn main() {
     let robot = Robot::builtin("foxbot_a05").expect("built in");
     let base = BaseParameters::of_robot(&robot, &EXTRAS);

@@ -13,6 +13,8 @@
 //! Units are SI: rad and N·m for rotary axes, m and N for linear ones.
 #![forbid(unsafe_code)]
 
+mod command;
+mod command_line;
 pub mod description;
 pub mod error;
 pub mod identification;
@@ -27,6 +29,7 @@ pub mod recorder;
 pub mod recording;
 pub mod store;
 
+pub use command_line::command_line;
 pub use description::Description;
 pub use error::MachineError;
 pub use machine::Machine;

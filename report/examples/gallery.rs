@@ -1,4 +1,4 @@
-//! Writes a page with every kind of block and figure: `cargo run --release -p report --example gallery -- FILE.html`.
+//! Writes a page with every kind of block and figure: `cargo run --release -p residyn-report --example gallery -- FILE.html`.
 
 use report::figure::{Bars, HeatMap, Ink, Panel, Plot, Waterfall};
 use report::{Best, Cell, Column, KeyFigure, Page, Section, Table, Tone, write_atomic};

@@ -5,6 +5,7 @@
 
 pub mod arguments;
 mod checkpoint;
+mod command_line;
 mod estimator;
 mod input;
 pub mod oracle;
@@ -18,5 +19,6 @@ pub mod study;
 mod topics;
 mod yardsticks;
 
+pub use command_line::command_line;
 pub use compensator::training::Progress;
 pub use run::run;

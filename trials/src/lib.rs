@@ -8,11 +8,13 @@
 #![forbid(unsafe_code)]
 
 pub mod cases;
+mod command_line;
 mod effects;
 mod error;
 mod lag;
 pub mod protocols;
 pub mod raw;
 
+pub use command_line::command_line;
 pub use error::SimulateError;
 pub use protocols::{Protocol, Simulated, cached};

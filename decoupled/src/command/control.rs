@@ -1,13 +1,13 @@
 //! `decoupled control`.
 
 use super::axis;
-use decoupled::DecoupledError;
-use decoupled::comau::{axes, columns};
-use decoupled::estimators::{Estimator, MaximumLikelihood};
-use decoupled::reference::Reference;
-use decoupled::simulation::{Setup, simulate};
-use decoupled::study::{SECONDS, excitation};
-use decoupled::validation::{track, validate};
+use crate::DecoupledError;
+use crate::comau::{axes, columns};
+use crate::estimators::{Estimator, MaximumLikelihood};
+use crate::reference::Reference;
+use crate::simulation::{Setup, simulate};
+use crate::study::{SECONDS, excitation};
+use crate::validation::{track, validate};
 use report::{Cell, Column, Table, say, say_text};
 
 /// Which axes.

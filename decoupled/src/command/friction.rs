@@ -1,10 +1,10 @@
 //! `decoupled friction`.
 
-use decoupled::DecoupledError;
-use decoupled::friction;
-use decoupled::gravity::Gravity;
-use decoupled::joint::Columns;
-use decoupled::run::Run;
+use crate::DecoupledError;
+use crate::friction;
+use crate::gravity::Gravity;
+use crate::joint::Columns;
+use crate::run::Run;
 use report::{Cell, Column, Table, say, say_text};
 use std::path::PathBuf;
 

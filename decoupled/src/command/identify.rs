@@ -1,10 +1,10 @@
 //! `decoupled identify`.
 
 use super::json;
-use decoupled::DecoupledError;
-use decoupled::estimators::{ALL, Estimate};
-use decoupled::joint::Columns;
-use decoupled::run::Run;
+use crate::DecoupledError;
+use crate::estimators::{ALL, Estimate};
+use crate::joint::Columns;
+use crate::run::Run;
 use report::{Cell, Column, Table, say, say_text};
 use std::path::PathBuf;
 

@@ -6,9 +6,9 @@ pub mod identify;
 pub mod simulate;
 pub mod study;
 
-use decoupled::DecoupledError;
-use decoupled::comau::axes;
-use decoupled::joint::Joint;
+use crate::DecoupledError;
+use crate::comau::axes;
+use crate::joint::Joint;
 
 /// A simulated axis by its number, from 1.
 fn axis(number: usize) -> Result<Joint, DecoupledError> {

@@ -1,11 +1,11 @@
 //! `decoupled simulate`.
 
 use super::{axis, json};
-use decoupled::DecoupledError;
-use decoupled::comau::columns;
-use decoupled::reference::{Reference, Shuttle};
-use decoupled::simulation::{Setup, simulate};
-use decoupled::study::{BANG_BANG, SECONDS, SLOPES, WAYS, excitation};
+use crate::DecoupledError;
+use crate::comau::columns;
+use crate::reference::{Reference, Shuttle};
+use crate::simulation::{Setup, simulate};
+use crate::study::{BANG_BANG, SECONDS, SLOPES, WAYS, excitation};
 use report::say;
 use std::path::PathBuf;
 

@@ -1,11 +1,11 @@
 //! `decoupled study`.
 
 use super::json;
-use decoupled::DecoupledError;
-use decoupled::comau::{TABLE_1_OFFSET, TABLE_3_SPREAD};
-use decoupled::repeats::Repeats;
-use decoupled::simulation::Setup;
-use decoupled::study::{AxisStudy, study};
+use crate::DecoupledError;
+use crate::comau::{TABLE_1_OFFSET, TABLE_3_SPREAD};
+use crate::repeats::Repeats;
+use crate::simulation::Setup;
+use crate::study::{AxisStudy, study};
 use report::{Cell, Column, Table, say, say_text};
 use std::path::PathBuf;
 

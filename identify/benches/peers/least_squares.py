@@ -1,6 +1,6 @@
 """Tall least squares, 200,000 x 60: this library against LAPACK through NumPy and SciPy, in one run.
 
-    cargo build --release -p identify --bench identification
+    cargo build --release -p residyn-identify --bench identification
     python identify/benches/peers/least_squares.py
 
 Both sides run on one thread, in turns, five rounds; the ratio is ours over theirs of the medians (below one: faster).
@@ -23,7 +23,7 @@ root = pathlib.Path(__file__).resolve().parents[3]
 target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", root / "target"))
 found = [p for p in (target / "release" / "deps").glob("identification-*") if not p.suffix and os.access(p, os.X_OK)]
 if not found:
-    raise SystemExit("build the bench first: cargo build --release -p identify --bench identification")
+    raise SystemExit("build the bench first: cargo build --release -p residyn-identify --bench identification")
 bench = max(found, key=lambda p: p.stat().st_mtime)
 
 rng = np.random.default_rng(1)

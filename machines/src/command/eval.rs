@@ -1,9 +1,9 @@
 //! `machine eval`.
 
 use super::Given;
-use machines::MachineError;
-use machines::prediction::{Prediction, Scores, predict, score};
-use machines::store::MachineFile;
+use crate::MachineError;
+use crate::prediction::{Prediction, Scores, predict, score};
+use crate::store::MachineFile;
 use report::{Cell, Column, Table, say, say_text};
 use std::fmt::Write;
 use std::path::PathBuf;

@@ -1,11 +1,11 @@
 //! `machine identify`.
 
-use machines::description::Description;
-use machines::identification::{Identified, Settings, identify};
-use machines::program::{Extras, program};
-use machines::recorder::recorder;
-use machines::store::{FILE, MachineFile};
-use machines::{Machine, MachineError, reasons, recording};
+use crate::description::Description;
+use crate::identification::{Identified, Settings, identify};
+use crate::program::{Extras, program};
+use crate::recorder::recorder;
+use crate::store::{FILE, MachineFile};
+use crate::{Machine, MachineError, reasons, recording};
 use report::{Cell, Column, Table, say, say_text};
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub struct Arguments {
     #[arg(long)]
     dynamic_model: Option<usize>,
     /// Cut-off of the low-pass of position and torque, Hz.
-    #[arg(long, default_value_t = machines::identification::FILTER_HZ)]
+    #[arg(long, default_value_t = crate::identification::FILTER_HZ)]
     filter_hz: f64,
     /// Speed below which an axis's samples are left out, one per axis, rad/s or m/s [default: a tenth of its highest].
     #[arg(long, value_delimiter = ',')]

@@ -1,7 +1,7 @@
 //! `machine list`.
 
-use machines::description::BUILTIN;
-use machines::{Machine, MachineError};
+use crate::description::BUILTIN;
+use crate::{Machine, MachineError};
 use report::{Cell, Column, Table, say, say_text};
 
 /// What to list.

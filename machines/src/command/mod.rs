@@ -6,10 +6,10 @@ pub mod list;
 pub mod payload;
 pub mod simulate;
 
+use crate::plant::Carried;
+use crate::store::MachineFile;
+use crate::{MachineError, recording};
 use datasets::Recording;
-use machines::plant::Carried;
-use machines::store::MachineFile;
-use machines::{MachineError, recording};
 use std::path::{Path, PathBuf};
 
 /// An identified machine and a recording of it.

@@ -1,9 +1,9 @@
 //! `machine payload`: the folder is of the machine without the body, the recording with it.
 
 use super::Given;
-use machines::MachineError;
-use machines::payload::{MachinePayload, estimate};
-use machines::store::MachineFile;
+use crate::MachineError;
+use crate::payload::{MachinePayload, estimate};
+use crate::store::MachineFile;
 use report::{Cell, Column, Table, say, say_text};
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
 //! `machine simulate`.
 
-use machines::MachineError;
-use machines::description::Description;
-use machines::plant::{Carried, Options, simulate};
+use crate::MachineError;
+use crate::description::Description;
+use crate::plant::{Carried, Options, simulate};
 use report::say;
 use std::path::PathBuf;
 

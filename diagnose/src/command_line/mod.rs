@@ -1,0 +1,207 @@
+//! Command line of `diagnose`.
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+mod arguments;
+
+use crate::directory::Directory;
+use crate::{DiagnoseError, Done, Job, Options, Subject, patch, prove, words};
+use arguments::{Arguments, Command, Proof};
+use clap::Parser;
+use indicatif::ProgressBar;
+use physics::robot::Description;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// What the program `diagnose` does with these arguments, of which the first is what it was called by; its exit status.
+/// `--help` and wrong usage end the process here, as clap has it.
+pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let command = Command::parse_from(arguments);
+    match (command.proof, command.arguments) {
+        (Some(proof), _) => match run_proof(&proof) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                report::warn!("error: {error}");
+                ExitCode::FAILURE
+            }
+        },
+        (None, Some(arguments)) => match run(&arguments) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                report::warn!("error: {error}");
+                ExitCode::from(if error.is_input() { 2 } else { 1 })
+            }
+        },
+        (None, None) => {
+            report::warn!("error: --robot or --model, --data and --heldout are needed; see --help");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
+    let spinner = ProgressBar::new_spinner();
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let done = job(arguments).run(|stage| spinner.set_message(stage))?;
+    spinner.finish_and_clear();
+    for note in &done.notes {
+        report::say!("Note: {note}.");
+    }
+    for line in words::lines(&done.outcome.diagnosis) {
+        report::say!("{line}");
+    }
+    let patched = arguments.html.is_some() || arguments.patch.is_some() || arguments.out.is_some();
+    let patch = patched.then(|| done.patch()).transpose()?;
+    let directory = arguments.out.as_ref().map(|_| done.directory());
+    let directory = directory.transpose()?;
+    let urdf = patch.as_ref().map(|p| p.urdf.clone());
+    let left_out = patch.as_ref().map_or(Vec::new(), |p| p.left_out());
+    let files = files(arguments, patch.as_ref(), &done)?;
+    match (&arguments.next, &done.next) {
+        (Some(path), Some(next)) => next.write(path)?,
+        (Some(_), None) => {
+            report::say!("No motion is needed: no two causes that one could tell apart.")
+        }
+        _ => {}
+    }
+    for (path, text) in &files {
+        report::write_atomic(path, text)?;
+    }
+    if let (Some(path), Some(directory)) = (&arguments.out, &directory) {
+        let weights = directory.compensator.as_deref();
+        let (file, metrics) = (&directory.file, &directory.metrics);
+        file.write(path, metrics, weights, urdf.as_deref())?;
+        say_directory(path, directory);
+    }
+    if arguments.patch.is_some() {
+        let mjcf = matches!(done.given.description, Description::Mjcf(_));
+        report::say!(
+            "Patched model: {}",
+            patch::summary(&done.outcome.diagnosis.causes, mjcf)
+        );
+        for line in left_out {
+            report::say!("  left out: {line}");
+        }
+    }
+    Ok(())
+}
+
+/// What the arguments ask for.
+fn job(arguments: &Arguments) -> Job {
+    let subject = match (&arguments.robot, &arguments.model) {
+        (Some(robot), _) => Subject::Robot {
+            source: robot.clone(),
+            joints: arguments.joints.clone(),
+            gravity: arguments.gravity,
+        },
+        (None, Some(directory)) => Subject::Model(directory.clone()),
+        (None, None) => unreachable!("the command line demands one of them"),
+    };
+    Job {
+        subject,
+        drive: arguments.drive.clone(),
+        data: arguments.data.clone(),
+        heldout: arguments.heldout.clone(),
+        cutoff_hz: arguments.cutoff_hz,
+        fast: arguments.fast,
+        learn: arguments.learn,
+        next: arguments.next.is_some(),
+    }
+}
+
+/// What the model directory holds and what it does not.
+fn say_directory(path: &Path, directory: &Directory) {
+    /// Departure from the ladder's step that is rounding, relative.
+    const ROUNDING: f64 = 1e-6;
+    let left_out = if directory.left_out.is_empty() {
+        String::new()
+    } else {
+        let list = directory.left_out.join(", ");
+        format!("; left out, as no torque model carries it: {list}")
+    };
+    report::say!("Model directory: {}{left_out}", path.display());
+    if directory.departure > ROUNDING {
+        report::say!(
+            "  its torque differs from the ladder's last structural step by up to {:.2} % of a joint's torque",
+            100.0 * directory.departure
+        );
+    }
+}
+
+/// Everything that is to be written, before anything is: a failure leaves no file behind.
+fn files(
+    arguments: &Arguments,
+    patch: Option<&patch::Patch>,
+    done: &Done,
+) -> Result<Vec<(PathBuf, String)>, DiagnoseError> {
+    let mut files = Vec::new();
+    if let Some(path) = &arguments.json {
+        files.push((path.clone(), done.json()));
+    }
+    if let (Some(path), Some(patch)) = (&arguments.html, patch) {
+        files.push((path.clone(), done.page(patch)));
+    }
+    if let (Some(path), Some(patch)) = (&arguments.patch, patch) {
+        files.extend(patch.files(path)?);
+    }
+    Ok(files)
+}
+
+fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
+    let Proof::Prove {
+        cases,
+        seed,
+        hard,
+        only,
+        without,
+        leave_one_out,
+        calibrate,
+        with,
+        fast,
+        out,
+    } = proof;
+    let options = Options {
+        surrogates: if *fast { 0 } else { crate::SURROGATES },
+        ..Options::default()
+    };
+    let bar = ProgressBar::new(*cases);
+    let (only, out) = (only.as_deref(), out.as_deref());
+    let draw = prove::Draw {
+        cases: *cases,
+        seed: *seed,
+        hard: *hard,
+        only,
+        without: without.as_deref().and_then(trials::cases::effect_index),
+    };
+    let scores = prove::prove(&draw, &options, out, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let stored = scores.iter().filter(|s| s.stored).count();
+    if stored > 0 {
+        report::say!("{stored} of the reports were there already.");
+    }
+    report::say!("{}", prove::table(&scores).to_text());
+    report::say!("{}", prove::rates_table(&scores).to_text());
+    let said = prove::said(&scores, &options.settings.measure.confidence);
+    if !said.is_empty() {
+        report::say!("{}", prove::reliability_table(&said).to_text());
+    }
+    if *calibrate {
+        let mut all = scores;
+        for folder in with {
+            all.extend(prove::kept(folder)?);
+        }
+        report::say!("{}", prove::weights_table(&all).to_text());
+        report::say!("Each case's causes by the weights that the other cases give:");
+        let left_out = prove::left_out(&all);
+        report::say!("{}", prove::reliability_table(&left_out).to_text());
+    }
+    if *leave_one_out {
+        let bar = ProgressBar::new(*cases);
+        let answers = prove::leave_one_out(*cases, *seed, || bar.inc(1))?;
+        bar.finish_and_clear();
+        report::say!("{}", prove::withheld_table(&answers).to_text());
+    }
+    Ok(())
+}

@@ -1,0 +1,22 @@
+//! Command line of `train`.
+
+use crate::arguments::{Arguments, Command};
+use crate::{oracle, run, runtime, study};
+use clap::Parser;
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// What the program `train` does with these arguments, of which the first is what it was called by; its exit status.
+/// `--help` and wrong usage end the process here, as clap has it.
+pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = Arguments::parse_from(arguments);
+    let result = runtime::interruptible().and_then(|cancel| match &arguments.command {
+        None => run(&arguments, &cancel, None),
+        Some(Command::Study(study)) => study::run(study, &cancel),
+        Some(Command::Oracle(oracle)) => oracle::run(oracle),
+    });
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

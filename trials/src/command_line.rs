@@ -1,0 +1,220 @@
+//! Command line of `simulate`.
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+use crate::protocols::payload::{LoadedArm, loaded};
+use crate::{Protocol, SimulateError, cases, raw};
+use clap::builder::PossibleValuesParser;
+use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Recordings of simulated robots, with effects that a rigid-body model lacks.
+#[derive(Parser)]
+#[command(name = "simulate", version)]
+struct Arguments {
+    #[command(subcommand)]
+    what: What,
+    /// Threads (0: all).
+    #[arg(long, global = true, default_value_t = 0)]
+    threads: usize,
+    /// No progress bar.
+    #[arg(long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Sealed cases for `diagnose`: robot.urdf, train.parquet and test.parquet for each, and truth/ID.json.
+    Cases {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// Number of cases.
+        #[arg(long, default_value_t = cases::ROUND)]
+        cases: u64,
+        /// Seed of the run.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Nearer to real recordings: descriptions that are further off, small effects on every joint, filtered currents,
+        /// other rates, days and stamps, two effects on one joint, pushes at rest.
+        #[arg(long)]
+        hard: bool,
+        /// Draw none of this effect, as before it entered the catalogue.
+        #[arg(long, conflicts_with = "hard", value_parser = PossibleValuesParser::new(cases::EFFECTS))]
+        without: Option<String>,
+        /// Cases of this effect alone: the first that the seed deals.
+        #[arg(long, conflicts_with_all = ["hard", "without"], value_parser = PossibleValuesParser::new(cases::EFFECTS))]
+        only: Option<String>,
+    },
+    /// Raw recordings as a controller logs them: robot.urdf, train.csv and test.csv for each, and truth/ID.json with delay,
+    /// scale and offset of the torque.
+    Raw {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// Number of recordings.
+        #[arg(long, default_value_t = 100)]
+        cases: u64,
+        /// Seed of the run.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// UR5: Fourier excitations at 100 Hz, 154,440 samples of point-to-point moves at 60 Hz, a verification run.
+    Ur5(Recordings),
+    /// KR300: 36 trajectories of 60.6 s run twice, 10 Hz behind a 2 Hz low-pass.
+    Kr300(Recordings),
+    /// Foxbot A05: Fourier series with friction by a power of speed.
+    #[command(name = "foxbot_a05")]
+    FoxbotA05(Recordings),
+    /// An arm twice: four excitations as it is, and one with a body on its last link; robot.urdf and truth.json beside.
+    Payload {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// Which arm.
+        #[arg(long, default_value = "ur5", value_parser = arm)]
+        arm: LoadedArm,
+        /// Seed of body, motion and noise.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// The arm without anything that a rigid model with viscous and Coulomb friction lacks.
+        #[arg(long)]
+        plain: bool,
+        /// Torque as drives with wrong torque constants record it; truth.json holds the gains that undo it.
+        #[arg(long)]
+        wrong_drives: bool,
+    },
+}
+
+fn arm(text: &str) -> Result<LoadedArm, String> {
+    let all = [LoadedArm::Ur5, LoadedArm::Seven];
+    let found = all.into_iter().find(|a| a.name() == text);
+    found.ok_or_else(|| "expected ur5 or seven".to_owned())
+}
+
+#[derive(clap::Args)]
+struct Recordings {
+    /// Folder for NAME-PART.parquet and NAME-truth.json.
+    #[arg(long)]
+    out: PathBuf,
+    /// Format: parquet or csv.
+    #[arg(long, default_value = "parquet", value_parser = ["parquet", "csv"])]
+    format: String,
+    /// Seed.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The robot without anything that a rigid model with viscous and Coulomb friction lacks.
+    #[arg(long)]
+    plain: bool,
+}
+
+/// What the program `simulate` does with these arguments, of which the first is what it was called by; its exit status.
+/// `--help` and wrong usage end the process here, as clap has it.
+pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = Arguments::parse_from(arguments);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads)
+        .build();
+    let result = match pool {
+        Ok(pool) => pool.install(|| run(&arguments)),
+        Err(error) => {
+            report::warn!("simulate: cannot start threads: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            report::warn!("simulate: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), SimulateError> {
+    match &arguments.what {
+        What::Cases {
+            out,
+            cases,
+            seed,
+            hard,
+            without,
+            only,
+        } => {
+            let bar = bar(*cases, arguments.quiet);
+            let without = without.as_deref().and_then(cases::effect_index);
+            let draw = |index| match hard {
+                true => cases::draw_hard(index, *seed),
+                false => cases::draw_without(index, *seed, without),
+            };
+            let wanted = |name: &str| only.as_ref().is_none_or(|o| o == name);
+            let specs: Vec<_> = (0..)
+                .map(draw)
+                .filter(|spec| wanted(spec.kind.name()))
+                .take(*cases as usize)
+                .collect();
+            cases::write_all(&specs, *seed, out, |id, _| {
+                bar.set_message(id.to_owned());
+                bar.inc(1);
+            })?;
+            bar.finish_with_message(format!("written to {}", out.display()));
+            Ok(())
+        }
+        What::Raw { out, cases, seed } => {
+            let bar = bar(*cases, arguments.quiet);
+            for index in 0..*cases {
+                let case = raw::generate(*seed, index)?;
+                raw::write(&case, out)?;
+                bar.set_message(case.id);
+                bar.inc(1);
+            }
+            bar.finish_with_message(format!("written to {}", out.display()));
+            Ok(())
+        }
+        What::Ur5(to) => record(Protocol::Ur5, to, arguments.quiet),
+        What::Kr300(to) => record(Protocol::Kr300, to, arguments.quiet),
+        What::FoxbotA05(to) => record(Protocol::FoxbotA05, to, arguments.quiet),
+        What::Payload {
+            out,
+            arm,
+            seed,
+            plain,
+            wrong_drives,
+        } => {
+            let mut made = loaded(*arm, *plain, *seed)?;
+            if *wrong_drives {
+                made = made.with_wrong_drives(*seed);
+            }
+            for file in made.write(out)? {
+                report::say!("{}", file.display());
+            }
+            Ok(())
+        }
+    }
+}
+
+fn record(protocol: Protocol, to: &Recordings, quiet: bool) -> Result<(), SimulateError> {
+    let bar = bar(100, quiet);
+    bar.set_message(protocol.name());
+    let machine = protocol.machine()?;
+    let machine = if to.plain { machine.plain() } else { machine };
+    let made = protocol.simulate_machine(&machine, to.seed, &|part| {
+        bar.set_position((100.0 * part) as u64);
+    })?;
+    bar.finish();
+    for file in made.write(&to.out, &to.format)? {
+        report::say!("{}", file.display());
+    }
+    Ok(())
+}
+
+fn bar(length: u64, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} (left {eta}) {msg}");
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
