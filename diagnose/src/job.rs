@@ -31,6 +31,17 @@ pub enum Subject {
     Model(PathBuf),
 }
 
+impl Subject {
+    /// A built-in robot, URDF or MJCF with all of its joints and gravity as the description has it.
+    pub fn robot(source: impl Into<String>) -> Self {
+        Self::Robot {
+            source: source.into(),
+            joints: Vec::new(),
+            gravity: None,
+        }
+    }
+}
+
 /// A diagnosis that is asked for.
 #[derive(Clone, Debug)]
 pub struct Job {
@@ -68,6 +79,20 @@ pub struct Done {
 }
 
 impl Job {
+    /// A diagnosis with nothing but what it needs.
+    pub fn new(subject: Subject, data: Vec<PathBuf>, heldout: impl Into<PathBuf>) -> Self {
+        Self {
+            subject,
+            drive: None,
+            data,
+            heldout: heldout.into(),
+            cutoff_hz: None,
+            fast: false,
+            learn: false,
+            next: false,
+        }
+    }
+
     /// Reads and diagnoses; `stage` is told what is being done.
     ///
     /// # Errors

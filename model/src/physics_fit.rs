@@ -33,6 +33,15 @@ pub struct FitOptions {
     pub seed: u64,
 }
 
+impl FitOptions {
+    /// The rigid body with each joint's basic terms alone, as `train --basic`: nothing is chosen from the dictionary.
+    pub fn basic() -> Self {
+        let mut options = Self::default();
+        options.identify.select = false;
+        options
+    }
+}
+
 /// Why a fit failed.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {

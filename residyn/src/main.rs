@@ -1,0 +1,92 @@
+//! `residyn`: every program under one name.
+#![forbid(unsafe_code)]
+
+use clap::Command;
+use std::ffi::OsString;
+use std::iter::once;
+use std::process::ExitCode;
+
+/// A program by its name, with what it is for and what runs it.
+struct Program {
+    name: &'static str,
+    about: &'static str,
+    run: fn(Vec<OsString>) -> ExitCode,
+}
+
+const PROGRAMS: [Program; 8] = [
+    Program {
+        name: "train",
+        about: "A torque model from recordings",
+        run: train::command_line,
+    },
+    Program {
+        name: "eval",
+        about: "Scores and predictions of a model on a recording; leaderboards, closed loops, collisions",
+        run: eval::command_line,
+    },
+    Program {
+        name: "diagnose",
+        about: "What a simulator gets wrong: where, which effect, how far it shrinks; the corrected model",
+        run: diagnose::command_line,
+    },
+    Program {
+        name: "excite",
+        about: "The motion to record, and what it would show",
+        run: excite::command_line,
+    },
+    Program {
+        name: "payload",
+        about: "The body on the last link, from a recording with it",
+        run: payload::command_line,
+    },
+    Program {
+        name: "machine",
+        about: "Axes, SCARA, Delta, PUMA as a motion controller identifies them",
+        run: machines::command_line,
+    },
+    Program {
+        name: "decoupled",
+        about: "Single joints under their controller",
+        run: decoupled::command_line,
+    },
+    Program {
+        name: "simulate",
+        about: "Recordings of simulated robots",
+        run: trials::command_line,
+    },
+];
+
+fn main() -> ExitCode {
+    let given: Vec<OsString> = std::env::args_os().skip(1).collect();
+    if let Some((program, arguments)) = asked(&given) {
+        let called = OsString::from(format!("residyn {}", program.name));
+        return (program.run)(once(called).chain(arguments).collect());
+    }
+    // No program's name stands first: the list, the version, or what was meant.
+    let matches = list().try_get_matches_from(once("residyn".into()).chain(given));
+    let error = matches.expect_err("every program's name was looked for");
+    let _ = error.print();
+    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+}
+
+/// The program that is named first, or after `help`, and its arguments.
+fn asked(given: &[OsString]) -> Option<(&'static Program, Vec<OsString>)> {
+    let named = |word: &OsString| PROGRAMS.iter().find(|p| word == p.name);
+    match given {
+        [help, word, ..] if help == "help" => Some((named(word)?, vec!["--help".into()])),
+        [word, rest @ ..] => Some((named(word)?, rest.to_vec())),
+        [] => None,
+    }
+}
+
+/// The programs as clap lists them.
+fn list() -> Command {
+    let each = PROGRAMS.iter().map(|p| Command::new(p.name).about(p.about));
+    Command::new("residyn")
+        .version(env!("CARGO_PKG_VERSION"))
+        .about("Torque models of robot arms, and what a simulator gets wrong")
+        .after_help("Each has its own: residyn train --help")
+        .subcommand_required(true)
+        .arg_required_else_help(true)
+        .subcommands(each)
+}

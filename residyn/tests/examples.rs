@@ -1,0 +1,41 @@
+//! Every example runs to its end: each checks what it shows.
+
+use std::path::Path;
+use std::process::Command;
+
+#[test]
+fn examples_run() {
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    // target/release/deps/examples-HASH; examples lie beside deps, built with this test.
+    let test = std::env::current_exe().expect("a running test has a path");
+    let built = test
+        .ancestors()
+        .nth(2)
+        .expect("two folders up")
+        .join("examples");
+    let mut names: Vec<String> = std::fs::read_dir(sources)
+        .expect("the examples are there")
+        .map(|entry| entry.expect("readable").path())
+        .filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    assert_eq!(names.len(), 10, "{names:?}");
+    let elsewhere = tempfile::tempdir().expect("a folder for temporary files");
+    for name in names {
+        let done = Command::new(built.join(&name))
+            .current_dir(&elsewhere)
+            .output()
+            .unwrap_or_else(|e| {
+                panic!("{name}: {e}; `cargo test` builds it, with `--test examples` alone `cargo build --examples` has to")
+            });
+        let (out, err) = (
+            String::from_utf8_lossy(&done.stdout),
+            String::from_utf8_lossy(&done.stderr),
+        );
+        println!("\n== {name}\n{out}");
+        assert!(done.status.success(), "{name}: {out}\n{err}");
+        assert!(!out.is_empty(), "{name} prints what it shows");
+    }
+    let left = std::fs::read_dir(&elsewhere).expect("readable").count();
+    assert_eq!(left, 0, "an example leaves nothing behind");
+}
