@@ -123,6 +123,7 @@ mod tests {
             session: (0.0, 10.0),
             step: 0.05,
             channel: None,
+            memory: None,
         };
         candidates(&Scene::new(robot, &motion, &scale)).swap_remove(0)
     }

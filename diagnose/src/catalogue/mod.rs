@@ -132,6 +132,7 @@ mod tests {
             session: (0.0, 8.0),
             step: 0.05,
             channel: None,
+            memory: None,
         };
         let scene = Scene::new(&robot, &motion, &scale).with_tangents();
         let mut all = catalogue(&scene);

@@ -132,6 +132,7 @@ mod tests {
             session: (0.0, 8.0),
             step,
             channel: None,
+            memory: None,
         };
         let all = candidates(&Scene::new(&robot, &motion, &scale), 0);
         let widths = all.iter().map(|c| c.shape[0].1);

@@ -187,6 +187,7 @@ mod tests {
             session: (0.0, 4.0),
             step,
             channel: Some(Arc::new(channel.clone())),
+            memory: None,
         };
         let scene = Scene::new(&real, &motion, &scale);
         let [real, given] = [&real, &given].map(|r| Scene::new(r, &motion, &scale).predicted());

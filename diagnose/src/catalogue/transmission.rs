@@ -178,6 +178,7 @@ mod tests {
             session: (0.0, 4.0),
             step: 1.0 / RATE,
             channel: None,
+            memory: None,
         };
         (robot, motion, scale)
     }

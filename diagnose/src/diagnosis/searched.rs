@@ -1,16 +1,18 @@
 //! The search on the fitted recording, again and again: without what was pushed, and above what chance earns.
 
+use super::memory;
 use super::options::Options;
 use crate::catalogue::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
 use crate::ladder::listing::{Listing, list};
+use crate::ladder::out_of_fold::OutOfFold;
 use crate::ladder::scores::{Scored, total};
 use crate::measure::verdict::{dead, moves};
 use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, Judged, judge, states};
 use crate::schema::NotIdentifiable;
-use crate::search::find::{Findings, find};
+use crate::search::find::{Findings, find, gap};
 use crate::settings::Settings;
 use crate::simulator::NominalModel;
 use crate::surrogates::{self, Naming, Null};
@@ -118,6 +120,15 @@ impl<'a> Searcher<'a> {
     /// What a search of the whole recording finds.
     pub(super) fn first(&self) -> Result<Findings, DiagnoseError> {
         self.find(&self.weight, 0.0)
+    }
+
+    /// Rows for which what a search leaves on each joint, out of fold, remembers itself.
+    pub(super) fn memory(&self, found: &Findings) -> Vec<f64> {
+        let (frames, data) = (self.frames, &self.frames.data);
+        let gap = gap(self.model, data, &frames.scale);
+        let unseen = OutOfFold::new(found, frames, &gap, &self.weight);
+        let left = data.table_thin(&unseen.residual(&found.tight_fit(&frames.scale)));
+        memory::of_joints(&left, &self.weight, &data.rows)
     }
 
     /// Causes and pushes; `first` is what [`Self::first`] found.

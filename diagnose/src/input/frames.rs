@@ -80,18 +80,23 @@ impl Frames {
         })
     }
 
-    /// Has all columns as late as a search said, and looks again how friction turns round.
+    /// Has all columns as late as a search said, and looks again how friction turns round. `memory`: rows for which what that search
+    /// left on each joint remembers itself.
     pub fn hear(
         &mut self,
         model: &NominalModel,
         channel: Option<Channel>,
+        memory: Vec<f64>,
         settings: &InputSettings,
     ) {
-        let signs = signs(model, &self.data, &self.spread, channel.as_ref(), settings);
-        self.scale = Scale {
-            channel: channel.map(Arc::new),
-            ..self.data.scale(&[&self.heldout], &signs)
-        };
+        if channel.is_some() || self.scale.channel.is_some() {
+            let signs = signs(model, &self.data, &self.spread, channel.as_ref(), settings);
+            self.scale = Scale {
+                channel: channel.map(Arc::new),
+                ..self.data.scale(&[&self.heldout], &signs)
+            };
+        }
+        self.scale.memory = Some(memory.into());
     }
 
     /// Motion of the fitted recording, memory running on through both where they share a clock.

@@ -288,6 +288,7 @@ impl Frame {
                 0.01
             },
             channel: None,
+            memory: None,
         }
     }
 }

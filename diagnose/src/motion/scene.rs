@@ -41,6 +41,8 @@ pub struct Scale {
     pub step: f64,
     /// How late torque is recorded, where that is known.
     pub channel: Option<Arc<Channel>>,
+    /// Rows for which what is left on each joint remembers itself, where a search has shown it.
+    pub memory: Option<Arc<[f64]>>,
 }
 
 impl Scale {

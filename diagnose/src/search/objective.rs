@@ -20,6 +20,8 @@ pub struct Objective<'a> {
     /// Settings.
     pub settings: &'a SearchSettings,
     torque: Vec<f64>,
+    /// Rows per independent sample of each joint.
+    correlated: Vec<f64>,
 }
 
 impl<'a> Objective<'a> {
@@ -29,6 +31,10 @@ impl<'a> Objective<'a> {
             grams,
             settings,
             torque: scale.torque.clone(),
+            correlated: match &scale.memory {
+                Some(memory) => memory.iter().map(|m| settings.correlated(*m)).collect(),
+                None => vec![settings.correlated_rows; scale.torque.len()],
+            },
         }
     }
 
@@ -62,7 +68,7 @@ impl<'a> Objective<'a> {
     }
 
     fn independent(&self, joint: usize) -> f64 {
-        self.grams.total[joint].samples / self.settings.correlated_rows
+        self.grams.total[joint].samples / self.correlated[joint]
     }
 
     /// J of squared errors, penalty and number of added coefficients.
@@ -88,10 +94,8 @@ impl<'a> Objective<'a> {
 
     /// Weights of the joints for a given squared error.
     pub fn weights(&self, error: &[f64]) -> Vec<f64> {
-        self.variance(error)
-            .iter()
-            .map(|v| 1.0 / (self.settings.correlated_rows * v))
-            .collect()
+        let each = self.variance(error).into_iter().zip(&self.correlated);
+        each.map(|(v, rows)| 1.0 / (rows * v)).collect()
     }
 
     /// Fits variables, the joints' weights found in three passes.

@@ -8,6 +8,7 @@ use crate::search::objective::Objective;
 use physics::robot::Robot;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
+use std::sync::OnceLock;
 
 /// Candidates that are tried on folds left out where one is exchanged for a better one.
 const CONTENDERS: usize = 40;
@@ -54,9 +55,21 @@ pub struct Search<'a> {
     pub barred: HashSet<usize>,
     /// Gain that chance reaches on this recording, nats: a cause beyond parameters has to earn more.
     pub chance: f64,
+    /// Sum over joints of the squared error relative to the torque that a cause's share is measured against: the gap as given, or what
+    /// the base leaves of it, where that is less. Friction that the model lacks altogether says nothing of how much a cause is worth.
+    pub missing: OnceLock<f64>,
 }
 
 impl<'a> Search<'a> {
+    /// See [`Self::missing`].
+    pub(super) fn missing(&self) -> f64 {
+        *self.missing.get_or_init(|| {
+            let sum = |relative: Vec<f64>| relative.iter().map(|r| r * r).sum::<f64>();
+            let base = self.objective.relative(&self.fit(&[]).error());
+            sum(self.objective.given()).min(sum(base))
+        })
+    }
+
     /// Coefficients of a candidate with wide priors.
     pub fn variables(&self, candidate: usize) -> Vec<Variable> {
         let c = &self.candidates[candidate];

@@ -16,6 +16,7 @@ use crate::search::select::{Search, Selection, Tried, without};
 use crate::simulator::NominalModel;
 use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
+use std::sync::OnceLock;
 
 /// Searches with one more cause barred, at most, at each width.
 const ROUNDS: usize = 6;
@@ -176,6 +177,7 @@ impl<'a> Simplest<'a> {
             base: self.objective.base(self.model, freedom),
             barred,
             chance: self.chance,
+            missing: OnceLock::new(),
         };
         let selection = search.run();
         let accepted = &selection.accepted;

@@ -9,7 +9,7 @@ use signal::quantile::median;
 
 impl Search<'_> {
     /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
-    /// visible on some joint and in the whole gap.
+    /// visible on some joint and in the whole of what parameters leave.
     pub(super) fn worth(&self, fit: &Fit, tried: &Tried, others: &[usize]) -> bool {
         let s = self.objective.settings;
         let c = &self.candidates[tried.candidate];
@@ -26,8 +26,7 @@ impl Search<'_> {
             .map(|(b, a)| b * b - a * a)
             .collect();
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
-        let given: f64 = self.objective.given().iter().map(|g| g * g).sum();
-        let misfit = removed.iter().sum::<f64>() > s.share * given && visible;
+        let misfit = removed.iter().sum::<f64>() > s.share * self.missing() && visible;
         let memory = c.effect == Effect::PreslidingHysteresis;
         let part = match c.effect {
             Effect::TimeDelay => late_fraction(&before, &after, &c.joints),

@@ -25,8 +25,12 @@ settings! {
         freedoms: [f64; 4] = [100.0, 30.0, 10.0, 3.0], tuned;
         /// Part of the squared error out of fold that less freedom must spare.
         freedom_gain: f64 = 0.02, tuned;
-        /// Rows per independent sample.
+        /// Rows per independent sample at most, and as long as no search has shown how long what is left remembers itself.
         correlated_rows: f64 = 25.0, tuned;
+        /// Rows per independent sample in times of that memory: what is left holds mechanisms that nobody described, which are no noise.
+        memories: f64 = 4.0, tuned;
+        /// Fewest rows per independent sample.
+        fewest_rows: f64 = 8.0, tuned;
         /// Price of a coefficient, nats.
         cost: f64 = 4.0, tuned;
         /// Coefficients that a body on the last link is charged for at most: those that a recording shows.
@@ -51,7 +55,7 @@ settings! {
         plain_gain: f64 = 60.0, tuned;
         /// Error that a cause must remove on some joint, relative to the joint's torque.
         visible: f64 = 0.015, tuned;
-        /// Share of the whole gap that a cause must remove.
+        /// Share of the gap, or of what parameters leave of it, that a cause must remove.
         share: f64 = 0.015, tuned;
         /// Error below which a joint counts as explained, relative to its torque.
         floor: f64 = 0.006, tuned;
@@ -81,5 +85,12 @@ settings! {
         wider: [f64; 4] = [1.0, 4.0, 16.0, 100.0], tuned;
         /// Most causes that are named.
         most_causes: usize = 24, tuned;
+    }
+}
+
+impl SearchSettings {
+    /// Rows per independent sample of a joint of which what is left remembers itself for `memory` rows.
+    pub fn correlated(&self, memory: f64) -> f64 {
+        (self.memories * memory).clamp(self.fewest_rows, self.correlated_rows)
     }
 }

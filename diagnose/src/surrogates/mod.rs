@@ -31,6 +31,7 @@ use crate::simulator::NominalModel;
 use ndarray::Array2;
 use std::collections::HashSet;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Everything that surrogates of one recording are drawn from and searched with.
 pub struct Source<'a> {
@@ -73,6 +74,7 @@ pub fn with<T>(
         base: found.tight.0[..found.base].to_vec(),
         barred: HashSet::new(),
         chance: 0.0,
+        missing: OnceLock::new(),
     };
     let scanned = |c: &usize| found.candidates[*c].effect != Effect::TorqueRipple;
     ask(&Source {

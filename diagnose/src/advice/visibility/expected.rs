@@ -13,6 +13,7 @@ use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2, Axis, concatenate};
 use std::collections::HashSet;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Rows per second that the search's numbers are meant for, and the cut-off before they are thinned out, relative to it.
 const ROWS: f64 = 62.5;
@@ -217,6 +218,7 @@ impl<'a> Expected<'a> {
             base: objective.base(&judge.model, 1.0),
             barred: HashSet::new(),
             chance: 0.0,
+            missing: OnceLock::new(),
         };
         search.accepts(self.choice.candidate)
     }

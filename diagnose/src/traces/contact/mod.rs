@@ -145,7 +145,13 @@ pub fn detect(
     // What comes again with the motion is the robot's own.
     bursts.retain(|b| !repeats(frame, &left.departure, &samples(b), &usual, settings.again));
     let inside: usize = bursts.iter().map(Range::len).sum();
-    let energy = |w: usize| (0..dof).map(|j| relative(w, j).powi(2)).sum::<f64>();
+    // How well the motion is explained says nothing of pushes at rest.
+    let resting = bursts.iter().all(at_rest);
+    let counts = |w: usize, j: &usize| !resting || windows.standing[[w, *j]];
+    let energy = |w: usize| {
+        let own = (0..dof).filter(|j| counts(w, j));
+        own.map(|j| relative(w, j).powi(2)).sum::<f64>()
+    };
     let all: f64 = (0..n).map(energy).sum();
     let share = bursts.iter().cloned().flatten().map(energy).sum::<f64>() / all;
     let long = inside as f64 > settings.most_time * n as f64;
