@@ -1,9 +1,11 @@
 """Whether the gap has closed in MuJoCo itself: its own inverse dynamics along the held-out motion, before and after.
 
     python -m residyn.verify --robot scene.xml --data monday.csv --heldout tuesday.csv --patch corrected.xml
+    python -m residyn.verify --table [--effects payload,torque_ripple]
 
 Diagnoses, writes the corrected model, and lets MuJoCo (PyPI `mujoco`) compute the torque of both models along the held-out
-motion. Beside MuJoCo's figures stand the report's, which come from this project's own dynamics.
+motion. Beside MuJoCo's figures stand the report's, which come from this project's own dynamics. `--table` does it effect by effect on
+simulated robots.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import argparse
 import importlib.util
 import os
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Optional, Sequence, Union
@@ -20,9 +23,10 @@ import numpy as np
 
 from . import InputError, Report, Robot, diagnose
 
-#: A joint is away from reversals where it is faster than this, rad/s (m/s), and the reversal further than this by its
-#: acceleration, s: nearer, every simulator has its own idea of friction. MuJoCo's turns round 9.5 ms early.
-AWAY, BEFORE = 0.05, 0.02
+#: A joint is away from reversals where it is faster than this, rad/s (m/s), and MuJoCo's friction has come to its limit against the motion
+#: in every model compared: nearer, every simulator has its own idea of friction. MuJoCo's turns round 9.5 ms early, over a range of speed that grows
+#: with friction over inertia. Limit: within this part.
+AWAY, LIMIT = 0.05, 1e-6
 #: Length of a rollout under the recorded torque, and time from one start to the next, s.
 ROLLOUT, EVERY = 0.5, 2.0
 
@@ -38,6 +42,8 @@ class Row:
     drift: float
     #: NRMSE by joint, by MuJoCo.
     joints: tuple[float, ...]
+    #: Part of the samples that are away from reversals, mean over joints.
+    share: float
 
 
 class Simulated:
@@ -65,13 +71,15 @@ class Simulated:
         #: The generated callback; `memory` after each sample of the last inverse dynamics.
         self.effects = None if code is None else _module(code).Effects(self.model, clock)
         self.memory: list = []
+        #: Where friction had come to its limit in the last inverse dynamics, shape (samples, joints).
+        self.slides = np.zeros((0, len(joints)), dtype=bool)
 
     def inverse(self, time: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
         """Torque along a motion as MuJoCo computes it, shape (samples, joints)."""
         import mujoco
 
         data, torque = self.data, np.empty_like(q)
-        self.memory = []
+        self.memory, self.slides = [], np.ones(q.shape, dtype=bool)
         mujoco.mj_resetData(self.model, data)
         mujoco.set_mjcb_passive(self.effects)
         try:
@@ -81,11 +89,21 @@ class Simulated:
                 data.qpos[self.qpos], data.qvel[self.dof], data.qacc[self.dof] = q[i], qd[i], qdd[i]
                 mujoco.mj_inverse(self.model, data)
                 torque[i] = data.qfrc_inverse[self.dof]
+                self.slides[i] = self._at_limit()
                 if self.effects is not None:
                     self.memory.append(self.effects.end)
         finally:
             mujoco.set_mjcb_passive(None)
         return torque
+
+    def _at_limit(self) -> np.ndarray:
+        """Which joints' friction is at its limit against the motion; true of joints without."""
+        import mujoco
+
+        data = self.data
+        own = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)
+        dof, resists = data.efc_id[own], -data.efc_force[own] * np.sign(data.qvel[data.efc_id[own]])
+        return ~np.isin(self.dof, dof[resists < (1.0 - LIMIT) * data.efc_frictionloss[own]])
 
     def drift(self, time: np.ndarray, q: np.ndarray, qd: np.ndarray, tau: np.ndarray) -> float:
         """How far the simulated arm is off the recorded one after `ROLLOUT` seconds under the recorded torque alone: root mean
@@ -133,36 +151,39 @@ def _module(path: Union[str, os.PathLike]):
     return module
 
 
-def nrmse(tau: np.ndarray, predicted: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
-    """Error away from reversals over the torque's standard deviation, by joint; NaN where a joint never is."""
+def nrmse(tau: np.ndarray, predicted: np.ndarray, away: np.ndarray) -> np.ndarray:
+    """Error of the samples that are away from reversals over the torque's standard deviation, by joint; NaN where a joint never is."""
     out = np.full(tau.shape[1], np.nan)
     for j in range(tau.shape[1]):
-        speed = np.abs(qd[:, j])
-        away = (speed > AWAY) & (speed > BEFORE * np.abs(qdd[:, j]))
-        if away.any() and tau[:, j].std() > 0:
-            out[j] = np.sqrt(np.mean((tau - predicted)[away, j] ** 2)) / tau[:, j].std()
+        if away[:, j].any() and tau[:, j].std() > 0:
+            out[j] = np.sqrt(np.mean((tau - predicted)[away[:, j], j] ** 2)) / tau[:, j].std()
     return out
 
 
 def verify(
-    report: Report, given: Union[str, os.PathLike], written: Sequence[Union[str, os.PathLike]]
+    report: Report,
+    given: Union[str, os.PathLike],
+    written: Sequence[Union[str, os.PathLike]],
+    rollouts: bool = True,
 ) -> list[Row]:
     """The model as given, patched and, where there is generated code, patched with that along the report's held-out motion;
-    `written` are the paths that `Report.patch` returned."""
+    `written` are the paths that `Report.patch` returned. Without `rollouts` there is no drift."""
     motion = report.motion()
     time = motion["time"]
     code = next((p for p in written if str(p).endswith("_mujoco.py")), None)
     models = [("as given", given, None, "given"), ("patched", written[0], None, "explained")]
     if code is not None:
         models.append(("patched with code", written[0], code, "explained"))
+    clock = 0.0 if motion["clock_known"] else None
+    simulated = [Simulated(path, report.joints, code, clock) for _, path, code, _ in models]
+    torques = [s.inverse(time, motion["q"], motion["qd"], motion["qdd"]) for s in simulated]
+    away = np.logical_and.reduce([np.abs(motion["qd"]) > AWAY, *(s.slides for s in simulated)])
     rows = []
-    for name, path, code, own in models:
-        simulated = Simulated(path, report.joints, code, clock=0.0 if motion["clock_known"] else None)
-        torque = simulated.inverse(time, motion["q"], motion["qd"], motion["qdd"])
-        joints = nrmse(motion["tau"], torque, motion["qd"], motion["qdd"])
-        said = nrmse(motion["tau"], motion[own], motion["qd"], motion["qdd"])
-        drift = simulated.drift(time, motion["q"], motion["qd"], motion["tau"])
-        rows.append(Row(name, float(np.nanmean(joints)), float(np.nanmean(said)), drift, tuple(joints)))
+    for (name, _, _, own), one, torque in zip(models, simulated, torques):
+        joints = nrmse(motion["tau"], torque, away)
+        said = nrmse(motion["tau"], motion[own], away)
+        drift = one.drift(time, motion["q"], motion["qd"], motion["tau"]) if rollouts else float("nan")
+        rows.append(Row(name, float(np.nanmean(joints)), float(np.nanmean(said)), drift, tuple(joints), float(away.mean())))
     return rows
 
 
@@ -170,21 +191,51 @@ def table(rows: Sequence[Row]) -> str:
     """The figures as text."""
     lines = [f"{'NRMSE off reversals':<22}{'MuJoCo':>10}{'report':>10}{f'off after {ROLLOUT} s':>18}"]
     lines += [f"{row.model:<22}{row.mujoco:>10.4f}{row.report:>10.4f}{row.drift:>18.4f}" for row in rows]
+    lines.append(f"of {100 * rows[0].share:.0f} % of the samples: faster than {AWAY} rad/s, MuJoCo's friction at its limit")
     return "\n".join(lines)
+
+
+def by_effect(effects: Sequence[str], seed: int, folder: Union[str, os.PathLike]) -> bool:
+    """Prints the table effect by effect as it comes; whether MuJoCo's error is the report's throughout."""
+    from . import effects as catalogue
+
+    print(catalogue.HEAD, flush=True)
+    holds = True
+    for effect in catalogue.measured(effects or list(catalogue.all_effects()), seed, folder):
+        print(catalogue.line(effect), flush=True)
+        holds &= effect.holds
+    if not holds:
+        print(f"error: off by more than {100 * catalogue.CLOSE:.0f} %", file=sys.stderr)
+    return holds
+
+
+def names(text: str) -> list[str]:
+    """Names between commas."""
+    return [name for name in text.split(",") if name]
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m residyn.verify", description=__doc__.splitlines()[0])
-    parser.add_argument("--robot", required=True, help="MJCF")
+    parser.add_argument("--robot", help="MJCF")
     parser.add_argument("--joints", default="", help="joints of the arm, base first, where a scene holds more: a,b,c")
-    parser.add_argument("--data", required=True, nargs="+", help="recordings that effects are fitted on")
-    parser.add_argument("--heldout", required=True, help="recording that is scored")
-    parser.add_argument("--patch", required=True, help="corrected model to write, beside the given one")
+    parser.add_argument("--data", nargs="+", help="recordings that effects are fitted on")
+    parser.add_argument("--heldout", help="recording that is scored")
+    parser.add_argument("--patch", help="corrected model to write, beside the given one")
     parser.add_argument("--fast", action="store_true", help="skip what takes surrogates")
+    parser.add_argument("--table", action="store_true", help="effect by effect on simulated robots instead; status 1 where MuJoCo's error is not the report's")
+    parser.add_argument("--effects", default="", help="of --table: effects instead of all: a,b,c")
+    parser.add_argument("--seed", type=int, default=1, help="of --table: seed of the simulated robots")
     given = parser.parse_args(arguments)
+    needed = {"--robot": given.robot, "--data": given.data, "--heldout": given.heldout, "--patch": given.patch}
+    missing = [name for name, value in needed.items() if value is None]
+    if missing and not given.table:
+        parser.error(f"{', '.join(missing)} or --table: needed")
     try:
-        robot = Robot(given.robot, joints=[j for j in given.joints.split(",") if j])
+        if given.table:
+            with tempfile.TemporaryDirectory() as folder:
+                return 0 if by_effect(names(given.effects), given.seed, folder) else 1
+        robot = Robot(given.robot, joints=names(given.joints))
         report = diagnose(robot, given.data, given.heldout, fast=given.fast)
         print(report)
         written = report.patch(given.patch)

@@ -85,11 +85,12 @@ impl Diagnosis {
 
     /// Writes the corrected description and what lies beside it; returns the paths.
     fn patch(&self, path: PathBuf) -> PyResult<Vec<PathBuf>> {
-        let files = self.with(|d| d.patch()?.files(&path));
-        let files = files.map_err(|e| undiagnosed(&e))?;
+        let patch = self.with(Done::patch).map_err(|e| undiagnosed(&e))?;
+        let files = patch.files(&path).map_err(|e| undiagnosed(&e))?;
         for (path, text) in &files {
             write(path, text)?;
         }
+        patch.remove_stale(&path);
         Ok(files.into_iter().map(|f| f.0).collect())
     }
 

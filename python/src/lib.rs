@@ -8,6 +8,7 @@ mod interrupt;
 mod model;
 mod recording;
 mod robot;
+mod simulated;
 mod training;
 
 /// Python module `residyn._residyn`.
@@ -23,6 +24,8 @@ mod _residyn {
     use crate::recording::{read_recording, write_recording};
     #[pymodule_export]
     use crate::robot::Robot;
+    #[pymodule_export]
+    use crate::simulated::{effects, simulate_case};
     #[pymodule_export]
     use crate::training::train;
 }

@@ -113,3 +113,36 @@ def test_generated_code_closes_what_no_parameter_does(tmp_path):
 def test_wrong_joints_are_named():
     with pytest.raises(residyn.InputError, match="no joint named elbow_2"):
         verify.Simulated(MODEL, ["elbow_2"])
+
+
+def test_effect_by_effect(capsys):
+    """A robot with an effect, its diagnosis, and MuJoCo's error with the corrected model; what no simulator holds is said."""
+    assert verify.main(["--table", "--effects", "payload,time_delay"]) == 0
+    head, payload, delay = capsys.readouterr().out.splitlines()
+    assert head.split()[:1] == ["effect"] and payload.split()[-1].startswith("payload"), payload
+    assert "not a simulator's matter" in delay
+    assert verify.main(["--table", "--effects", "ripples"]) == 2
+    assert "no such effect" in capsys.readouterr().err
+
+
+def test_what_lies_beside_a_patched_urdf(tmp_path):
+    """A layer that opens over a stage of the joints, angles in degrees; generated code of another diagnosis is removed."""
+    case = residyn._residyn.simulate_case("payload", 1, tmp_path)
+    report = residyn.diagnose(str(case / "robot.urdf"), case / "train.parquet", case / "test.parquet", fast=True)
+    (tmp_path / "fixed_mujoco.py").write_text('"""What `diagnose` found and no parameter of MuJoCo holds, of last week."""\n')
+    (tmp_path / "fixed_isaaclab.py").write_text("mine = 1\n")
+    written = {p.name for p in report.patch(tmp_path / "fixed.urdf")}
+    assert written == {"fixed.urdf", "fixed.sdf", "fixed.usda", "fixed.mjcf.xml", "fixed.values.tsv"}
+    assert not (tmp_path / "fixed_mujoco.py").exists()
+    assert (tmp_path / "fixed_isaaclab.py").exists()
+    Usd = pytest.importorskip("pxr.Usd", reason="PyPI usd-core is not installed: nobody opens the layer")
+    stage = Usd.Stage.Open(str(tmp_path / "fixed.usda"))
+    rows = [line.split("\t") for line in (tmp_path / "fixed.values.tsv").read_text().splitlines()]
+    settings = [row for row in rows if len(row) == 8 and row[0] in report.joints]
+    assert len(settings) == 3 * len(report.joints)
+    for joint, what, _, value, unit, *_ in settings:
+        name = {"viscous friction": "damping", "Coulomb friction": "friction", "rotor inertia": "armature"}[what]
+        prim = next(p for p in Usd.PrimRange.AllPrims(stage.GetPseudoRoot()) if p.GetName() == joint)
+        assert str(prim.GetPath().GetParentPath()).endswith("/Physics")
+        scale = np.pi / 180.0 if name == "damping" and "rad" in unit else 1.0
+        assert prim.GetAttribute(f"newton:{name}").Get() == pytest.approx(scale * float(value), rel=1e-6, abs=1e-12)

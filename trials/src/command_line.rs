@@ -146,16 +146,15 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
         } => {
             let bar = bar(*cases, arguments.quiet);
             let without = without.as_deref().and_then(cases::effect_index);
-            let draw = |index| match hard {
-                true => cases::draw_hard(index, *seed),
-                false => cases::draw_without(index, *seed, without),
+            let count = *cases as usize;
+            let specs: Vec<_> = match only {
+                Some(only) => cases::draw_only(only, *seed).take(count).collect(),
+                None if *hard => (0..*cases).map(|i| cases::draw_hard(i, *seed)).collect(),
+                None => {
+                    let draw = |i| cases::draw_without(i, *seed, without);
+                    (0..*cases).map(draw).collect()
+                }
             };
-            let wanted = |name: &str| only.as_ref().is_none_or(|o| o == name);
-            let specs: Vec<_> = (0..)
-                .map(draw)
-                .filter(|spec| wanted(spec.kind.name()))
-                .take(*cases as usize)
-                .collect();
             cases::write_all(&specs, *seed, out, |id, _| {
                 bar.set_message(id.to_owned());
                 bar.inc(1);

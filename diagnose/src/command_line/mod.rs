@@ -75,6 +75,11 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         file.write(path, metrics, weights, urdf.as_deref())?;
         say_directory(path, directory);
     }
+    if let (Some(path), Some(patch)) = (&arguments.patch, &patch) {
+        for stale in patch.remove_stale(path) {
+            report::say!("Removed, as an earlier patch's: {}", stale.display());
+        }
+    }
     if arguments.patch.is_some() {
         let mjcf = matches!(done.given.description, Description::Mjcf(_));
         report::say!(

@@ -20,7 +20,9 @@ pub use crate::effects::EFFECTS;
 pub use case::Case;
 pub use generate::{generate, name};
 pub use hard::{HardTruth, NamedShare};
-pub use kind::{CaseSpec, HARD_ROUND, Kind, ROUND, draw, draw_hard, draw_without, effect_index};
+pub use kind::{
+    CaseSpec, HARD_ROUND, Kind, ROUND, draw, draw_hard, draw_only, draw_without, effect_index,
+};
 #[cfg(test)]
 pub(crate) use oracle::left_by_parameters;
 pub use oracle::{Nrmse, Oracle};

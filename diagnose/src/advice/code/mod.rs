@@ -31,13 +31,18 @@ pub struct Code {
     beyond: Vec<String>,
 }
 
+/// What a generated file begins with.
+const MARK: &str = "\"\"\"What `diagnose` found and no";
+/// Simulators that code is generated for, with the text that it is written into.
+const SIMULATORS: [(&str, &str); 2] = [("mujoco", MUJOCO), ("isaaclab", ISAAC_LAB)];
+
 /// Whether generated code holds an effect.
 pub(super) fn holds(effect: Effect) -> bool {
     effect.info().coded
 }
 
 /// Why neither a description nor code holds an effect.
-pub(super) fn beyond(effect: Effect) -> &'static str {
+pub fn beyond(effect: Effect) -> &'static str {
     match effect {
         Effect::JointElasticity | Effect::Backlash => {
             "needs a joint of its own between rotor and link, which is not written"
@@ -119,17 +124,14 @@ fn words(cause: &Cause) -> String {
 impl Code {
     /// The files beside a corrected description `out`: `OUT_mujoco.py` and `OUT_isaaclab.py`, with names that Python can import.
     pub fn files(&self, out: &Path) -> Vec<(PathBuf, String)> {
-        let stem = out.file_stem().map(|s| s.to_string_lossy().into_owned());
-        let stem = identifier(&stem.unwrap_or_default());
         let name = out.file_name().map(|s| s.to_string_lossy().into_owned());
         let description = comment(&name.unwrap_or_default());
-        [("mujoco", MUJOCO), ("isaaclab", ISAAC_LAB)]
-            .map(|(simulator, template)| {
-                let module = format!("{stem}_{simulator}");
-                let text = self.text(template, &module, &description);
-                (out.with_file_name(format!("{module}.py")), text)
-            })
-            .into()
+        let of = |(path, (_, template)): (PathBuf, (&str, &str))| {
+            let module = path.file_stem().map(|s| s.to_string_lossy().into_owned());
+            let text = self.text(template, &module.unwrap_or_default(), &description);
+            (path, text)
+        };
+        names(out).into_iter().zip(SIMULATORS).map(of).collect()
     }
 
     fn text(&self, template: &str, module: &str, description: &str) -> String {
@@ -163,7 +165,7 @@ impl Code {
         text.push_str(&format!("from {array} import {}\n\n", names.join(", ")));
         let python = |b: &bool| if *b { "True" } else { "False" };
         let level: Vec<&str> = self.level.iter().map(python).collect();
-        let names: Vec<String> = self.joints.iter().map(|n| format!("{n:?}")).collect();
+        let names: Vec<String> = self.joints.iter().map(|n| string(n)).collect();
         text.push_str(&format!(
             "#: Joints that the law reads or loads, in the order of its last axis.\nJOINTS = [{}]\n\
              #: Those whose Coulomb friction it changes.\nLEVEL = [{}]\n\
@@ -192,6 +194,33 @@ impl Code {
         text.push_str("    return level, torque, z\n");
         text
     }
+}
+
+/// Paths of the generated files beside a corrected description `out`, whether there is code for it or not.
+pub(super) fn names(out: &Path) -> Vec<PathBuf> {
+    let stem = out.file_stem().map(|s| s.to_string_lossy().into_owned());
+    let stem = identifier(&stem.unwrap_or_default());
+    let name = |(simulator, _)| out.with_file_name(format!("{stem}_{simulator}.py"));
+    SIMULATORS.map(name).into()
+}
+
+/// Whether a file is such a generated one.
+pub(super) fn is_generated(path: &Path) -> bool {
+    std::fs::read_to_string(path).is_ok_and(|text| text.starts_with(MARK))
+}
+
+/// A literal of Python: its escapes are not Rust's.
+fn string(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => out.push_str(&format!("\\x{:02x}", u32::from(c))),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
 }
 
 /// A name that Python can import.

@@ -222,3 +222,18 @@ fn the_law_is_what_the_control_loop_adds() {
         }
     }
 }
+
+#[test]
+fn names_are_literals_of_python() {
+    let odd = "a\"b\\c\td\u{85}é";
+    assert_eq!(super::string(odd), "\"a\\\"b\\\\c\\x09d\\x85é\"");
+    let program = format!(
+        "import sys; sys.stdout.buffer.write({}.encode())",
+        super::string(odd)
+    );
+    let python = std::env::var_os("RESIDYN_PYTHON").unwrap_or_else(|| "python3".into());
+    match Command::new(python).args(["-c", &program]).output() {
+        Ok(done) => assert_eq!(done.stdout, odd.as_bytes()),
+        Err(_) => println!("no Python: nobody has read the literal"),
+    }
+}

@@ -1,6 +1,7 @@
 //! The patched robot as MuJoCo's XML has it: elements to be merged into a model by their names.
 
 use super::patched::{Patched, number};
+use super::xml::escape;
 use crate::catalogue::effect::Effect;
 use std::fmt::Write;
 
@@ -67,11 +68,4 @@ pub(super) fn snippet(patched: &Patched, zeros: &[f64]) -> String {
     }
     out.push_str("</mujoco>\n");
     out
-}
-
-/// Attribute text.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('"', "&quot;")
 }

@@ -1,10 +1,13 @@
 //! The simulator's model with the accepted causes written in: an MJCF or URDF as far as that has a place for them, beside a
-//! URDF a drive file for rotor inertias and a snippet for MuJoCo, and a table of values for everything else.
+//! URDF a drive file for rotor inertias, elements for MuJoCo and Gazebo and a layer for USD, and a table of values for everything else.
 
 mod mjcf;
 mod patched;
+mod sdf;
 mod urdf;
+mod usd;
 mod values;
+mod xml;
 
 use crate::advice::code::{self, Code};
 use crate::catalogue::effect::Effect;
@@ -17,8 +20,9 @@ use nalgebra::Vector3;
 use physics::robot::{Description, Edited, to_urdf};
 use std::path::{Path, PathBuf};
 
-pub use patched::robot;
-use patched::{Patched, joint, number, place};
+pub use code::beyond;
+use patched::{Patched, joint, number};
+pub use patched::{place, robot};
 pub use values::Setting;
 
 /// Files of a patch.
@@ -29,6 +33,8 @@ pub struct Patch {
     pub drive: Option<String>,
     /// For MuJoCo.
     pub mjcf: ForMujoco,
+    /// For Gazebo and USD, where the model is a URDF: ending and text.
+    pub others: Vec<(&'static str, String)>,
     /// Code for simulators, where one has no parameter for a cause.
     pub code: Option<Code>,
     /// Values of all causes, tab-separated.
@@ -58,12 +64,31 @@ impl Patch {
                 let drive = drive.map(|text| (out.with_extension("drive.toml"), text));
                 let snippet = (out.with_extension("mjcf.xml"), text.clone());
                 let first = std::iter::once((out.to_owned(), self.urdf.clone()));
-                first.chain(drive).chain([snippet]).collect()
+                let others = self.others.iter();
+                let others =
+                    others.map(|(ending, text)| (out.with_extension(ending), text.clone()));
+                first.chain(drive).chain([snippet]).chain(others).collect()
             }
         };
         files.extend(self.code.iter().flat_map(|c| c.files(out)));
         files.push((out.with_extension("values.tsv"), self.values.clone()));
         Ok(files)
+    }
+
+    /// Removes what an earlier patch to `out` has left and this one does not write, as it would be taken for a part of it; returns the
+    /// paths. A file that does not begin as this program's do stays.
+    pub fn remove_stale(&self, out: &Path) -> Vec<PathBuf> {
+        let drive = out.with_extension("drive.toml");
+        let mut stale = Vec::new();
+        if self.code.is_none() {
+            let generated = |path: &PathBuf| code::is_generated(path);
+            stale.extend(code::names(out).into_iter().filter(generated));
+        }
+        if self.drive.is_none() && values::is_drive(&drive) {
+            stale.push(drive);
+        }
+        stale.retain(|path| std::fs::remove_file(path).is_ok());
+        stale
     }
 
     /// What has a place in the model and could not be written there; one line each.
@@ -103,11 +128,16 @@ pub fn patch(
     };
     let settings = values::settings(&model.robot, &patched.robot);
     let changed = of(Effect::RotorInertia).next().is_some();
+    let mut others = Vec::new();
     let (urdf, mjcf) = match description {
-        Description::Urdf(text) => (
-            text.clone(),
-            ForMujoco::Snippet(mjcf::snippet(&patched, &zeros)),
-        ),
+        Description::Urdf(text) => {
+            others.push(("sdf", sdf::document(&patched)));
+            others.push(("usda", usd::layer(&patched)));
+            (
+                text.clone(),
+                ForMujoco::Snippet(mjcf::snippet(&patched, &zeros)),
+            )
+        }
         Description::Mjcf(own) => {
             let robot = patched.robot.clone().with_gravity(patched.gravity());
             let files = own.with(&robot, &zeros)?;
@@ -119,6 +149,7 @@ pub fn patch(
         urdf: urdf::written(&urdf, &patched, &zeros)?,
         drive: changed.then(|| values::drive(&patched.robot)),
         mjcf,
+        others,
         code: code::code(model, outcome, |e| place(e, whole).is_some()),
         values: values::table(&patched, &settings, whole),
         settings,

@@ -39,7 +39,7 @@ pub fn robot(
 
 /// Where a patch writes an effect; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
 /// needs a drive file for stands in it.
-pub(super) fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
+pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
     if code::holds(effect) {
         return Some("generated code");
     }

@@ -3,6 +3,10 @@
 use super::patched::{Patched, place};
 use physics::robot::{JointKind, Robot};
 use std::fmt::Write;
+use std::path::Path;
+
+/// What a drive file of a patch begins with.
+const DRIVE: &str = "# Seen from the link, kg·m² (kg for a prismatic joint). Merge into the drive file where there is one.";
 
 /// One number to be set, and what three simulators call it.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +86,7 @@ pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> Stri
         let written = place(cause.effect, mjcf).unwrap_or("this table");
         for p in &cause.parameters {
             let joints = p.joint.clone().unwrap_or_else(|| cause.joints.join(","));
+            let joints = cell(&joints);
             let std = p.std.map_or(String::new(), |s| s.to_string());
             let _ = writeln!(
                 out,
@@ -90,7 +95,7 @@ pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> Stri
             );
         }
         if cause.parameters.is_empty() {
-            let joints = cause.joints.join(",");
+            let joints = cell(&cause.joints.join(","));
             let _ = writeln!(out, "{effect}\t{joints}\t\t\t\t\t{written}");
         }
     }
@@ -99,10 +104,23 @@ pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> Stri
         let _ = writeln!(
             out,
             "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}",
-            s.joint, s.what, s.given, s.value, s.unit, s.mujoco, s.isaac, s.gazebo
+            cell(&s.joint),
+            s.what,
+            s.given,
+            s.value,
+            s.unit,
+            s.mujoco,
+            s.isaac,
+            s.gazebo
         );
     }
     out
+}
+
+/// A name in one cell.
+fn cell(name: &str) -> String {
+    let plain = |c: char| if c.is_control() { ' ' } else { c };
+    name.chars().map(plain).collect()
 }
 
 /// A drive file with the rotor inertias of the patched robot.
@@ -112,9 +130,10 @@ pub(super) fn drive(robot: &Robot) -> String {
         .iter()
         .map(|i| format!("{i:?}"))
         .collect();
-    format!(
-        "# Seen from the link, kg·m² (kg for a prismatic joint). Merge into the drive file where there is one.\n\
-         rotor_inertia = [{}]\n",
-        list.join(", ")
-    )
+    format!("{DRIVE}\nrotor_inertia = [{}]\n", list.join(", "))
+}
+
+/// Whether a file is a drive file of a patch.
+pub(super) fn is_drive(path: &Path) -> bool {
+    std::fs::read_to_string(path).is_ok_and(|text| text.starts_with(DRIVE))
 }
