@@ -1,6 +1,7 @@
 //! Command line of `train`.
 
 use crate::estimator::EstimatorArguments;
+use crate::forward::Forward;
 use crate::oracle::Oracle;
 use crate::study::Study;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -108,6 +109,8 @@ pub enum Command {
     Study(Study),
     /// How far a model of a simulated robot is from what can be known: floor, attainable, and what is left by mechanism.
     Oracle(Oracle),
+    /// Positions from torque, the benchmark's forward task, by solving a trained model for the motion.
+    Forward(Forward),
 }
 
 /// Names of the presets.

@@ -7,6 +7,7 @@ pub mod arguments;
 mod checkpoint;
 mod command_line;
 mod estimator;
+pub mod forward;
 mod input;
 pub mod oracle;
 mod output;
