@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Iterator, Sequence, Union
 
 from . import InputError, Report, Robot, _residyn, diagnose
-from .verify import Row, verify
+from .in_mujoco import Row, verify
 
 #: How far MuJoCo's error may be from the report's, relative.
 CLOSE = 0.05

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import residyn
-from residyn import verify
+from residyn import in_mujoco, verify
 
 mujoco = pytest.importorskip("mujoco", reason="PyPI mujoco is not installed: nothing can be verified in it")
 
@@ -100,7 +100,7 @@ def test_generated_code_closes_what_no_parameter_does(tmp_path):
     assert coded.mujoco < 0.3 * patched.mujoco
     assert coded.drift < 0.3 * patched.drift
     torch = pytest.importorskip("torch", reason="PyTorch is not installed: the actuator's law is not compared")
-    callback, actuator = (verify._module(tmp_path / f"corrected_{s}.py") for s in ("mujoco", "isaaclab"))
+    callback, actuator = (in_mujoco._module(tmp_path / f"corrected_{s}.py") for s in ("mujoco", "isaaclab"))
     q, dq, qd, qdd, load = np.random.default_rng(3).normal(size=(5, 40, len(callback.JOINTS)))
     z = np.zeros((40, callback.MEMORY))
     ours = callback.law(q, dq, qd, qdd, load, 0.01, None, z)
@@ -112,7 +112,7 @@ def test_generated_code_closes_what_no_parameter_does(tmp_path):
 
 def test_wrong_joints_are_named():
     with pytest.raises(residyn.InputError, match="no joint named elbow_2"):
-        verify.Simulated(MODEL, ["elbow_2"])
+        in_mujoco.Simulated(MODEL, ["elbow_2"])
 
 
 def test_effect_by_effect(capsys):

@@ -27,7 +27,7 @@ settings! {
         freedom_gain: f64 = 0.02, tuned;
         /// Rows per independent sample at most, and as long as no search has shown how long what is left remembers itself.
         correlated_rows: f64 = 25.0, tuned;
-        /// Rows per independent sample in times of that memory: what is left holds mechanisms that nobody described, which are no noise.
+        /// Rows per independent sample, in rows for which what is left remembers itself: it holds mechanisms that nobody described, which are no noise.
         memories: f64 = 4.0, tuned;
         /// Fewest rows per independent sample.
         fewest_rows: f64 = 8.0, tuned;
