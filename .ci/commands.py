@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "docs/commands"
 #: Where more is said of a command than its options.
 MORE = {
-    "train": ["identification.md", "compensator.md", "formats.md"],
+    "train": ["identification.md", "torque-channel.md", "compensator.md", "formats.md"],
     "eval": ["formats.md", "control.md", "sources.md"],
     "diagnose": ["diagnosis.md", "formats.md"],
     "excite": ["excitation.md"],

@@ -1,5 +1,6 @@
 //! Command line of `train`.
 
+use crate::doctor::Doctor;
 use crate::estimator::EstimatorArguments;
 use crate::oracle::Oracle;
 use crate::study::Study;
@@ -108,6 +109,8 @@ pub enum Command {
     Study(Study),
     /// How far a model of a simulated robot is from what can be known: floor, attainable, and what is left by mechanism.
     Oracle(Oracle),
+    /// How often the check of the torque channel is right, on simulated recordings of every kind.
+    Doctor(Doctor),
 }
 
 /// Names of the presets.

@@ -1,7 +1,7 @@
 //! Command line of `train`.
 
 use crate::arguments::{Arguments, Command};
-use crate::{oracle, run, runtime, study};
+use crate::{doctor, oracle, run, runtime, study};
 use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -14,6 +14,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         None => run(&arguments, &cancel, None),
         Some(Command::Study(study)) => study::run(study, &cancel),
         Some(Command::Oracle(oracle)) => oracle::run(oracle),
+        Some(Command::Doctor(doctor)) => doctor::run(doctor, &cancel),
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,

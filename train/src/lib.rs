@@ -6,6 +6,7 @@
 pub mod arguments;
 mod checkpoint;
 mod command_line;
+pub mod doctor;
 mod estimator;
 mod input;
 pub mod oracle;

@@ -2,7 +2,7 @@
 
 use crate::arguments::Arguments;
 use crate::output::{PAGE, published};
-use datasets::check::{CheckReport, Finding, Severity};
+use datasets::check::{CheckReport, Complaint, Finding, Severity};
 use datasets::metrics::{Row, Scope};
 use model::directory::json;
 use model::directory::metrics::{Member, Metrics};
@@ -54,12 +54,36 @@ pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
                 floor.join(" ")
             );
         }
-        for finding in &report.findings {
+        for complaint in &report.doctor {
+            if whole || complaint.severity == Severity::Severe {
+                doctor(complaint);
+            }
+        }
+        for finding in report.findings.iter().filter(|f| !report.is_told(f)) {
             if whole || finding.severity == Severity::Severe {
                 say!("  {:?}: {}", finding.severity, finding.message);
             }
         }
     }
+}
+
+/// Prints a complaint about the torque channel: what was seen, what it means, what mends it.
+fn doctor(complaint: &Complaint) {
+    let name = complaint.ailment.name().replace('_', " ");
+    let text = format!(
+        "{:?}: torque, {name}: {}. That is {}.",
+        complaint.severity, complaint.seen, complaint.means
+    );
+    say_text!(report::wrapped(&text, WIDTH, "  "));
+    if let Some(lines) = &complaint.drive {
+        say!("    drive file (--drive FILE.toml):");
+        lines.lines().for_each(|line| say!("      {line}"));
+    }
+    say_text!(report::wrapped(
+        &format!("Do: {}.", complaint.advice),
+        WIDTH,
+        "    "
+    ));
 }
 
 /// Prints the first screen: what was learned, how good it is, what to look at, where everything else is.
@@ -151,10 +175,14 @@ fn look_at(fit: &Fit, metrics: &Metrics, checks: &[CheckReport]) -> Vec<String> 
 fn findings(checks: &[CheckReport], severity: Severity) -> Vec<String> {
     let all: Vec<&Finding> = checks
         .iter()
-        .flat_map(|c| &c.findings)
+        .flat_map(|c| c.findings.iter().filter(|f| !c.is_told(f)))
         .filter(|f| f.severity == severity)
         .collect();
-    let mut lines = Vec::new();
+    let complaints = checks.iter().flat_map(|c| &c.doctor);
+    let mut lines: Vec<String> = complaints
+        .filter(|c| c.severity == severity)
+        .map(|c| format!("Torque: {}. That is {}.", c.seen, c.means))
+        .collect();
     for (i, finding) in all.iter().enumerate() {
         if all[..i].iter().any(|f| f.kind == finding.kind) {
             continue;

@@ -4,10 +4,12 @@
 //! - `lag`: filters between a torque and its log.
 //! - `effects`: what a sealed case can withhold, one file per effect.
 //! - [`protocols`]: recordings as the source papers made theirs.
+//! - [`channels`]: raw recordings whose torque came through a channel with one fault.
 //! - [`raw`]: recordings as a controller logs them, with what is true of their torque channel.
 #![forbid(unsafe_code)]
 
 pub mod cases;
+pub mod channels;
 mod command_line;
 mod effects;
 mod error;

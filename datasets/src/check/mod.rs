@@ -4,11 +4,13 @@
 
 mod channels;
 mod clock;
+mod complaint;
 mod finding;
 mod torque;
 mod velocity;
 
 pub use channels::{STILL, moves, plateau};
+pub use complaint::{Ailment, Complaint};
 pub use finding::{CheckOptions, Finding, JointFigures, Kind, Severity};
 
 use crate::channel::ChannelEstimate;
@@ -35,6 +37,8 @@ pub struct CheckReport {
     /// Delay, scale and offset of the torque, where a model was at hand to compare it with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<ChannelEstimate>,
+    /// What is wrong with the torque channel, where a model was at hand: worst first.
+    pub doctor: Vec<Complaint>,
     /// Repeated motions and the floor that follows.
     pub repeatability: Option<Repeatability>,
     /// Findings, worst first.
@@ -46,6 +50,19 @@ impl CheckReport {
     pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
         self.findings.extend(findings);
         self.findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
+    }
+
+    /// Whether the doctor tells of a finding's torque already, and more.
+    pub fn is_told(&self, finding: &Finding) -> bool {
+        use Ailment::{Current, Dead, Motor, PerMille, Percent, Saturated, Scale, Sign};
+        let told: &[Ailment] = match finding.kind {
+            Kind::TorqueScale => &[Current, Motor, PerMille, Percent, Scale, Sign],
+            Kind::DeadChannel => &[Dead],
+            Kind::TorquePlateau => &[Saturated],
+            _ => return false,
+        };
+        let mut own = self.doctor.iter().filter(|c| told.contains(&c.ailment));
+        own.any(|c| finding.joint.is_none_or(|j| c.joints.contains(&j)))
     }
 
     /// The worst severity; `None` when nothing was found.
@@ -97,6 +114,7 @@ pub fn check(
         rate_hz: prepared.report.rate_hz,
         joints,
         channel: None,
+        doctor: Vec::new(),
         repeatability: repeats::repeatability(recording, &prepared.at_samples.qd, &pairs),
         findings,
     })

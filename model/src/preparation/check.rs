@@ -1,11 +1,13 @@
 //! The check of a recording with the robot at hand: the torque's channel, and which parameters the motion tells apart.
 
-use crate::preparation::channel;
+use crate::preparation::{channel, doctor};
 use ::identify::base::{BaseParameters, Extra};
 use ::identify::least_squares::{
     Accumulator, LeastSquaresError, SolveOptions, SubRegressors, Triangle, solve,
 };
-use datasets::check::{CheckOptions, CheckReport, Finding, Kind, Severity, check, moves};
+use datasets::check::{
+    Ailment, CheckOptions, CheckReport, Complaint, Finding, Kind, Severity, check, moves,
+};
 use datasets::prepare::{PrepareError, PrepareOptions, Prepared, prepare};
 use datasets::{Problem, Recording};
 use ndarray::Array2;
@@ -87,10 +89,28 @@ pub fn check_recording(
                 source,
             })?;
         let channel = channel::estimate(robot, recording, &prepared);
-        report.add(channel.findings(&settings.joints).into_iter().chain(poor));
+        let complaints = doctor::examine(robot, recording, &prepared, &channel);
+        let mut found = channel.findings(&settings.joints);
+        found.retain(|f| f.kind != Kind::TorqueScale || is_confirmed(&complaints, f.joint));
+        report.add(found.into_iter().chain(poor));
         report.channel = Some(channel);
+        report.doctor = complaints;
     }
     Ok(report)
+}
+
+/// Whether the doctor, who knows friction too, finds that a scale or sign is another. A torque without gravity or sign has
+/// no scale.
+fn is_confirmed(complaints: &[Complaint], joint: Option<usize>) -> bool {
+    let scaled = |c: &&Complaint| {
+        use Ailment::{Current, Motor, PerMille, Percent, Scale, Sign};
+        matches!(
+            c.ailment,
+            Current | Motor | PerMille | Percent | Scale | Sign
+        )
+    };
+    let mut all = complaints.iter().filter(scaled);
+    all.any(|c| joint.is_none_or(|j| c.joints.contains(&j)))
 }
 
 /// Samples looked at: evenly thinned.

@@ -4,6 +4,7 @@ pub mod channel;
 pub mod check;
 pub mod choice;
 pub mod cutoff;
+pub mod doctor;
 pub mod setup;
 pub mod torque_band;
 pub mod units;

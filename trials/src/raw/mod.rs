@@ -8,8 +8,8 @@
 
 mod channel;
 mod clock;
-mod robot;
-mod sensors;
+pub(crate) mod robot;
+pub(crate) mod sensors;
 mod truth;
 mod write;
 
@@ -29,11 +29,11 @@ use sha2::{Digest, Sha256};
 use std::ops::Range;
 
 /// Time before each recorded trajectory, in which filters settle, s.
-const RUN_IN: f64 = 0.5;
+pub(crate) const RUN_IN: f64 = 0.5;
 /// Part of a single motion, or of several, that is for fitting.
 const TRAIN: f64 = 0.6;
 /// Robots tried until one follows its reference.
-const ATTEMPTS: u64 = 50;
+pub(crate) const ATTEMPTS: u64 = 50;
 
 /// A raw recording with its answer.
 #[derive(Debug, Clone)]
@@ -78,9 +78,9 @@ fn attempt_case(
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<RawCase>, SimulateError> {
     let rate_hz = [50.0, 100.0, 125.0, 200.0, 250.0, 500.0, 1000.0][rng.random_range(0..7)];
-    let drawn = robot::draw(rng);
+    let drawn = robot::draw(robot::SEEN_AT_THE_JOINT, rng);
     let session = robot::session(&drawn.nominal, RUN_IN, rng);
-    let Some(trace) = robot::run(&drawn, &session, TRACE_HZ, rng)? else {
+    let Some(trace) = robot::run(&drawn, &session, TRACE_HZ, 1.0, rng)? else {
         return Ok(None);
     };
     let parts = recorded_parts(&trace, &session);

@@ -35,11 +35,14 @@ pub struct Drawn {
     mechanisms: Vec<(Box<dyn Withheld>, f64)>,
 }
 
-/// A random robot with a little of everything.
-pub fn draw(rng: &mut ChaCha8Rng) -> Drawn {
+/// Part of the robots of raw recordings whose torque is that of sensors at the joints.
+pub const SEEN_AT_THE_JOINT: f64 = 0.2;
+
+/// A random robot with a little of everything; a part `at_the_joint` of them shows little of its gears' friction, as
+/// sensors at the joints do.
+pub fn draw(at_the_joint: f64, rng: &mut ChaCha8Rng) -> Drawn {
     let mut nominal = relative(rng);
-    // Sensors at the joints see little of the gear's friction.
-    if rng.random_bool(0.2) {
+    if rng.random_bool(at_the_joint) {
         let part = rng.random_range(0.05..0.2);
         for joint in &mut nominal.joints {
             joint.friction *= part;
@@ -154,7 +157,8 @@ pub fn session(arm: &Arm, run_in: f64, rng: &mut ChaCha8Rng) -> Session {
     Session::new(segments.collect(), GAP, arm.dof())
 }
 
-/// The motion and torque of the session at `rate_hz`; none if the robot does not follow its reference.
+/// The motion and torque of the session at `rate_hz`; none if the robot does not follow its reference. Errors of the
+/// controller's own sensors are `coarse` times the usual ones.
 ///
 /// # Errors
 /// The drawn bodies make no possible robot.
@@ -162,6 +166,7 @@ pub fn run(
     drawn: &Drawn,
     session: &Session,
     rate_hz: f64,
+    coarse: f64,
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Trace>, RobotError> {
     let n = drawn.nominal.dof();
@@ -171,8 +176,13 @@ pub fn run(
     }
     let speed = drawn.nominal.speed();
     let sensing = Sensing {
-        count: drawn.nominal.reach.iter().map(|r| r * 1e-5).collect(),
-        velocity_noise: speed.iter().map(|v| v * 3e-4).collect(),
+        count: drawn
+            .nominal
+            .reach
+            .iter()
+            .map(|r| r * 1e-5 * coarse)
+            .collect(),
+        velocity_noise: speed.iter().map(|v| v * 3e-4 * coarse).collect(),
         corner: 60.0,
     };
     let bandwidth = rng.random_range(4.0..9.0);

@@ -11,7 +11,7 @@
 mod delay;
 mod fit;
 mod rows;
-mod systems;
+pub(in crate::preparation) mod systems;
 
 use crate::preparation::cutoff::{self, CutoffError};
 use datasets::Recording;

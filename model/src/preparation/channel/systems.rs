@@ -21,7 +21,7 @@ const ROWS: usize = 12_000;
 
 /// Columns and torque of all joints.
 #[derive(Clone)]
-pub(super) struct Systems {
+pub(in crate::preparation) struct Systems {
     /// Base parameters of the robot with its rotors.
     pub base: BaseParameters,
     /// One for each joint; none for a joint that never moves or whose torque keeps one value.
@@ -34,7 +34,7 @@ pub(super) struct Systems {
 
 /// Columns of one joint, low-passed like its torque.
 #[derive(Clone)]
-pub(super) struct Joint {
+pub(in crate::preparation) struct Joint {
     /// Torque per standard parameter of the links, 10 N columns; empty where it is zero throughout.
     pub standard: Vec<Vec<f64>>,
     /// Torque of the robot as described, counterbalance included.

@@ -8,6 +8,7 @@
 //! screw_lead = [0, 0, 0.02, 0, 0, 0]                       # m per turn behind the gear; 0: none
 //! rotor_inertia = [0.5, 0.5, 0.3, 0.1, 0.1, 0.1]           # kg·m², seen from the link
 //! direction = [1, 1, -1, 1, 1, 1]                          # sign of the recorded motion and torque
+//! torque_scale = [1, 1, 1, -1, 1, 1]                       # what the recorded torque is multiplied by, beside its unit
 //! zero = [0, -1.5708, 0, 0, 0, 0]                          # rad or m: q = direction·recorded + zero
 //! torque_delay = [3, 3, 3, 3, 3, 3]                        # cycles by which the drive is sent its additive torque late
 //! torque_threshold = [300, 300, 150, 28, 28, 28]           # N·m or N: more additive torque is refused by the controller
@@ -20,7 +21,7 @@
 //! [units]
 //! time = "ms"         # s (default), ms, us, ns
 //! angle = "deg"       # rad (default), deg: positions, velocities and accelerations of rotating joints
-//! torque = "current"  # link (default), motor (N·m at the motor), current (A), rated (per mille of rated current)
+//! torque = "current"  # link (default), motor (N·m at the motor), current (A), rated, percent (‰, % of rated current)
 //!
 //! [torque_filter]     # zero-phase Chebyshev low-pass that the recorded torque has been through
 //! order = 4
@@ -57,6 +58,8 @@ pub struct Drive {
     pub rotor_inertia: Option<Vec<f64>>,
     /// Sign (1 or −1) of recorded motion and torque against the URDF's.
     pub direction: Option<Vec<f64>>,
+    /// What recorded torque is multiplied by, beside its unit; negative where its sign is not the motion's.
+    pub torque_scale: Option<Vec<f64>>,
     /// Joint zeros, rad or m: q = direction·recorded + zero.
     pub zero: Option<Vec<f64>>,
     /// Whole cycles of the controller by which an additive torque is sent late, to meet a motion that follows its command late.
@@ -133,6 +136,7 @@ impl Drive {
             ("screw_lead", &self.screw_lead),
             ("rotor_inertia", &self.rotor_inertia),
             ("direction", &self.direction),
+            ("torque_scale", &self.torque_scale),
             ("zero", &self.zero),
             ("torque_delay", &delay),
             ("torque_threshold", &self.torque_threshold),
@@ -153,6 +157,7 @@ impl Drive {
             let possible = |v: f64| match name {
                 "zero" => v.is_finite(),
                 "direction" => v.abs() == 1.0,
+                "torque_scale" => v.is_finite() && v != 0.0,
                 "rotor_inertia" | "screw_lead" | "torque_delay" => v.is_finite() && v >= 0.0,
                 _ => v.is_finite() && v > 0.0,
             };
@@ -160,6 +165,7 @@ impl Drive {
                 let allowed = match name {
                     "zero" => "a finite number is needed",
                     "direction" => "only 1 and -1 are possible",
+                    "torque_scale" => "a number that is not zero is needed",
                     "rotor_inertia" | "screw_lead" | "torque_delay" => "it cannot be negative",
                     _ => "a positive number is needed (give a sign by direction)",
                 };
@@ -284,13 +290,13 @@ impl Drive {
                     TorqueUnit::Link => 1.0,
                     TorqueUnit::Motor => gear()?,
                     TorqueUnit::Current => gear()? * constant()?,
-                    TorqueUnit::Rated => {
+                    TorqueUnit::Rated | TorqueUnit::Percent => {
                         let rated = need(own(&self.rated_current), "rated_current")?;
-                        1e-3 * rated * constant()? * gear()?
+                        self.units.torque.part_of_rated() * rated * constant()? * gear()?
                     }
                 };
                 Ok(Conversion {
-                    scale: unit * self.sign(i),
+                    scale: unit * self.sign(i) * own(&self.torque_scale).unwrap_or(1.0),
                     offset: 0.0,
                 })
             })
@@ -348,6 +354,12 @@ mod tests {
             .expect("everything is known");
         // 2 A / 1000 · 0.125 N·m/A · 101
         assert!((torque[0].scale - 0.025_25).abs() < 1e-15);
+        let text = "rated_current = [2, 2, 2, 2, 2, 2]\ntorque_scale = [1, -2, 1, 1, 1, 1]\n\
+                    units.torque = \"percent\"";
+        let percent = Drive::from_toml(text, &ur5()).expect("a valid file");
+        let torque = percent.torque_conversion(&ur5()).expect("all known");
+        assert!((torque[0].scale - 0.2525).abs() < 1e-14);
+        assert!((torque[1].scale + 0.505).abs() < 1e-14);
     }
 
     /// A screw of 20 mm lead behind a 2:1 gear: one turn of the motor is 10 mm, so 1 N·m is 2π / 0.01 N.
@@ -383,6 +395,10 @@ mod tests {
             ("gear_ratio = [0, 1, 1, 1, 1, 1]", "joint 1 is 0"),
             ("direction = [2, 1, 1, 1, 1, 1]", "only 1 and -1"),
             ("screw_lead = [0.02, 0, 0, 0, 0, 0]", "which rotates"),
+            (
+                "torque_scale = [0, 1, 1, 1, 1, 1]",
+                "torque_scale of joint 1",
+            ),
             ("gears = [1]", "unknown field"),
             ("gear_ratio = 3", "invalid type"),
             ("[units]\ntorque = \"amps\"", "unknown variant"),

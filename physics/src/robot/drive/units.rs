@@ -53,9 +53,20 @@ pub enum TorqueUnit {
     Current,
     /// Current of the motor, per mille of its rated current (CiA 402, object 6078h).
     Rated,
+    /// The same in per cent.
+    Percent,
 }
 
 impl TorqueUnit {
+    /// One step of it as a part of the rated current; 1 where it is no such part.
+    pub(super) fn part_of_rated(self) -> f64 {
+        match self {
+            Self::Rated => 1e-3,
+            Self::Percent => 1e-2,
+            Self::Link | Self::Motor | Self::Current => 1.0,
+        }
+    }
+
     /// As the file names it.
     pub(super) fn name(self) -> &'static str {
         match self {
@@ -63,6 +74,7 @@ impl TorqueUnit {
             Self::Motor => "motor",
             Self::Current => "current",
             Self::Rated => "rated",
+            Self::Percent => "percent",
         }
     }
 }

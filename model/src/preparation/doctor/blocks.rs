@@ -1,0 +1,115 @@
+//! Least squares whose deviations come from leaving blocks of time out.
+
+use signal::cholesky;
+
+/// Blocks of rows that are left out in turn.
+const BLOCKS: usize = 8;
+/// What is added to the products of columns of unit norm, so that columns that are combinations of others do no harm.
+const RIDGE: f64 = 1e-7;
+
+/// Products of columns and target, block by block.
+pub(super) struct Blocks {
+    width: usize,
+    /// Lower triangles of the products of all columns, the target last, one per block.
+    products: Vec<Vec<f64>>,
+}
+
+/// A number with its deviation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Estimate {
+    pub value: f64,
+    pub std: f64,
+}
+
+impl Blocks {
+    /// Of rows of `width` columns each.
+    pub fn new(rows: &[f64], target: &[f64], width: usize) -> Self {
+        let count = target.len();
+        let p = width + 1;
+        let products = (0..BLOCKS)
+            .map(|b| {
+                let mut sum = vec![0.0; p * p];
+                let mut line = vec![0.0; p];
+                for k in b * count / BLOCKS..(b + 1) * count / BLOCKS {
+                    line[..width].copy_from_slice(&rows[k * width..(k + 1) * width]);
+                    line[width] = target[k];
+                    for i in 0..p {
+                        for j in 0..=i {
+                            sum[i * p + j] += line[i] * line[j];
+                        }
+                    }
+                }
+                sum
+            })
+            .collect();
+        Self { width, products }
+    }
+
+    fn sum(&self, without: Option<usize>) -> Vec<f64> {
+        let mut all = vec![0.0; (self.width + 1).pow(2)];
+        for (b, own) in self.products.iter().enumerate() {
+            if Some(b) != without {
+                all.iter_mut().zip(own).for_each(|(a, o)| *a += o);
+            }
+        }
+        all
+    }
+
+    fn solved(&self, sum: &[f64], columns: &[usize]) -> Vec<f64> {
+        let p = self.width + 1;
+        let of = |i: usize, j: usize| sum[i.max(j) * p + i.min(j)];
+        let scale: Vec<f64> = columns
+            .iter()
+            .map(|&c| of(c, c).sqrt().max(f64::MIN_POSITIVE))
+            .collect();
+        let n = columns.len();
+        let mut a = vec![0.0; n * n];
+        let mut x = vec![0.0; n];
+        for i in 0..n {
+            for j in 0..n {
+                a[i * n + j] = of(columns[i], columns[j]) / (scale[i] * scale[j]);
+            }
+            a[i * n + i] += RIDGE;
+            x[i] = of(columns[i], self.width) / scale[i];
+        }
+        cholesky::factor_above(&mut a, n, RIDGE);
+        cholesky::solve(&a, &mut x);
+        x.iter().zip(&scale).map(|(x, s)| x / s).collect()
+    }
+
+    /// Coefficients of some columns alone.
+    pub fn coefficients(&self, columns: &[usize]) -> Vec<f64> {
+        self.solved(&self.sum(None), columns)
+    }
+
+    /// Squared errors that some columns leave.
+    pub fn left(&self, columns: &[usize]) -> f64 {
+        let p = self.width + 1;
+        let sum = self.sum(None);
+        let x = self.solved(&sum, columns);
+        let of = |i: usize, j: usize| sum[i.max(j) * p + i.min(j)];
+        let mut left = of(self.width, self.width);
+        for (i, &c) in columns.iter().enumerate() {
+            left -= 2.0 * x[i] * of(c, self.width);
+            for (j, &d) in columns.iter().enumerate() {
+                left += x[i] * x[j] * of(c, d);
+            }
+        }
+        left.max(0.0)
+    }
+
+    /// A function of the coefficients of some columns, with its deviation by the jackknife over blocks.
+    pub fn estimate(&self, columns: &[usize], of: impl Fn(&[f64]) -> f64) -> Estimate {
+        let value = of(&self.coefficients(columns));
+        let others: Vec<f64> = (0..BLOCKS)
+            .map(|b| of(&self.solved(&self.sum(Some(b)), columns)))
+            .collect();
+        let count = BLOCKS as f64;
+        let mean = others.iter().sum::<f64>() / count;
+        let square: f64 = others.iter().map(|o| (o - mean).powi(2)).sum();
+        Estimate {
+            value,
+            std: (square * (count - 1.0) / count).sqrt(),
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! What is known of each joint's torque before anything is said of it.
+
+use super::blocks::{Blocks, Estimate};
+use super::number::Numbers;
+use crate::preparation::channel::systems::{Joint, Systems};
+use datasets::Recording;
+use datasets::channel::{ChannelEstimate, JointChannel};
+use datasets::prepare::Prepared;
+use nalgebra::Vector3;
+use physics::robot::Robot;
+use rayon::prelude::*;
+use signal::delay::{Search, rows_at};
+
+/// Part of the samples below zero from which on a torque has its sign.
+pub(super) const FEW: f64 = 0.002;
+/// Friction of a joint but the offset: viscous, Coulomb, two bends.
+const FRICTION: usize = 4;
+
+/// One joint.
+pub(super) struct Evidence {
+    /// The numbers.
+    pub numbers: Numbers,
+    /// Delay, scale, offset and sign.
+    pub channel: JointChannel,
+    /// What the model says; none for a joint that never moves or whose torque keeps one value.
+    pub fitted: Option<Fitted>,
+}
+
+/// What a rigid body with friction, fitted to this joint alone, says of its torque. Everything is of rows that are
+/// low-passed.
+pub(super) struct Fitted {
+    /// Part of the torque's variance that is explained.
+    pub explained: f64,
+    /// Squared error with gravity over that without.
+    pub gravity: f64,
+    /// Part of the described torque's deviation that gravity makes.
+    pub loaded: f64,
+    /// Recorded over described torque beside friction: with the rotor's inertia in it, which makes it larger.
+    pub scale: Estimate,
+    /// Power of friction over deviation of torque and velocity: positive where it takes energy.
+    pub friction: Estimate,
+    /// Deviation of the described torque.
+    pub described: f64,
+    /// Squared error over that of the folded torque, unfolded by the model's sign.
+    pub folded: f64,
+    /// A limit that the torque may be cut at.
+    pub limit: Limit,
+}
+
+/// How the largest torques lie.
+pub(super) struct Limit {
+    /// Their level, in the unit of the recording.
+    pub level: f64,
+    /// Part of the rows that lie at it.
+    pub share: f64,
+    /// Part of the rows at which the model, fitted to smaller torques, goes beyond it while the torque keeps it.
+    pub beyond: f64,
+    /// Separate stretches of such rows.
+    pub visits: usize,
+    /// Rows at the level over rows as far below it as is usual.
+    pub crowd: f64,
+}
+
+/// Evidence of all joints; none without torque.
+pub(super) fn gather(
+    robot: &Robot,
+    recording: &Recording,
+    prepared: &Prepared,
+    channel: &ChannelEstimate,
+) -> Option<Vec<Evidence>> {
+    let with = Systems::new(robot, recording, prepared)?;
+    let weightless = robot.clone().with_gravity(Vector3::zeros());
+    let without = Systems::new(&weightless, recording, prepared)?;
+    let delay = channel.delay.value.unwrap_or(0.0);
+    (0..robot.dof())
+        .into_par_iter()
+        .map(|j| {
+            let joints = with.joints[j].as_ref().zip(without.joints[j].as_ref());
+            let numbers = Numbers::of(recording, j)?;
+            Some(Evidence {
+                channel: channel.joints[j].clone(),
+                fitted: joints
+                    .and_then(|(a, b)| fit((&with, a), (&without, b), j, delay, numbers.negative)),
+                numbers,
+            })
+        })
+        .collect()
+}
+
+/// Columns of a joint at a delay, row after row, with their number and the target.
+struct Rows {
+    values: Vec<f64>,
+    target: Vec<f64>,
+    width: usize,
+}
+
+impl Rows {
+    fn column(&self, c: usize) -> impl Iterator<Item = f64> + '_ {
+        self.values.iter().skip(c).step_by(self.width).copied()
+    }
+}
+
+fn rows(systems: &Systems, joint: &Joint, index: usize, delay: f64) -> Option<Rows> {
+    let mut system = systems.system(joint, index);
+    // The described torque comes last: it is looked at, not fitted.
+    system.columns.push(joint.rigid.clone());
+    let width = system.columns.len();
+    let (values, target) = rows_at(&system, delay, &Search::default())?;
+    Some(Rows {
+        values,
+        target,
+        width,
+    })
+}
+
+fn fit(
+    (with, joint): (&Systems, &Joint),
+    (without, bare): (&Systems, &Joint),
+    index: usize,
+    delay: f64,
+    negative: f64,
+) -> Option<Fitted> {
+    let all = rows(with, joint, index, delay)?;
+    let none = rows(without, bare, index, delay)?;
+    let count = all.target.len();
+    let blocks = Blocks::new(&all.values, &all.target, all.width);
+    let model: Vec<usize> = (0..all.width - 1).collect();
+    let friction_starts = all.width - 1 - joint.friction.len();
+    let offset = friction_starts;
+    let spread = blocks.left(&[offset]);
+    let left = blocks.left(&model);
+    let left_without = {
+        let blocks = Blocks::new(&none.values, &none.target, none.width);
+        blocks.left(&(0..none.width - 1).collect::<Vec<_>>())
+    };
+    let rigid: Vec<f64> = all.column(all.width - 1).collect();
+    let gravity: Vec<f64> = rigid
+        .iter()
+        .zip(none.column(none.width - 1))
+        .map(|(a, b)| a - b)
+        .collect();
+    let described = deviation(&rigid);
+    let sliding: Vec<usize> = (offset + 1..offset + 1 + FRICTION).collect();
+    let speed: Vec<f64> = all.column(offset + 1).collect();
+    let power: Vec<f64> = sliding
+        .iter()
+        .map(|&c| all.column(c).zip(&speed).map(|(f, v)| f * v).sum::<f64>() / count as f64)
+        .collect();
+    let size = (spread / count as f64).sqrt() * rms(&speed);
+    let friction = blocks.estimate(&model, |x| {
+        let own = sliding.iter().zip(&power);
+        own.map(|(&c, p)| x[c] * p).sum::<f64>() / size.max(f64::MIN_POSITIVE)
+    });
+    let mut plain = vec![all.width - 1];
+    plain.extend(offset..offset + 1 + FRICTION);
+    let scale = blocks.estimate(&plain, |x| x[0]);
+    Some(Fitted {
+        explained: 1.0 - left / spread.max(f64::MIN_POSITIVE),
+        gravity: left / left_without.max(f64::MIN_POSITIVE),
+        loaded: deviation(&gravity) / described.max(f64::MIN_POSITIVE),
+        scale,
+        friction,
+        described,
+        folded: if negative < FEW {
+            folded(&all, &model, &rigid, &speed, left)
+        } else {
+            1.0
+        },
+        limit: limit(&all, &model),
+    })
+}
+
+/// Rounds in which a sign is found.
+const ROUNDS: usize = 10;
+
+/// Squared error left of the torque's size with the model's sign, over what the torque as it stands leaves: the sign that
+/// the model itself would have, from some first guesses.
+fn folded(rows: &Rows, model: &[usize], rigid: &[f64], speed: &[f64], left: f64) -> f64 {
+    let (r, v) = (
+        rms(rigid).max(f64::MIN_POSITIVE),
+        rms(speed).max(f64::MIN_POSITIVE),
+    );
+    let mut best = left;
+    for weight in [0.0, 0.7, 3.0] {
+        let mut guess: Vec<f64> = rigid
+            .iter()
+            .zip(speed)
+            .map(|(t, s)| t / r + weight * s / v)
+            .collect();
+        for _ in 0..ROUNDS {
+            let target: Vec<f64> = rows
+                .target
+                .iter()
+                .zip(&guess)
+                .map(|(t, g)| t * g.signum())
+                .collect();
+            let blocks = Blocks::new(&rows.values, &target, rows.width);
+            let x = blocks.coefficients(model);
+            best = best.min(blocks.left(model));
+            guess = predicted(rows, model, &x);
+        }
+    }
+    best / left.max(f64::MIN_POSITIVE)
+}
+
+fn predicted(rows: &Rows, model: &[usize], x: &[f64]) -> Vec<f64> {
+    let lines = rows.values.chunks(rows.width);
+    lines
+        .map(|line| model.iter().zip(x).map(|(&c, x)| x * line[c]).sum())
+        .collect()
+}
+
+/// Part of the largest torques that a limit may be.
+const TOP: f64 = 0.98;
+/// Torque below this part of the limit is fitted; above it the model has to be to count as beyond.
+const INSIDE: f64 = 0.95;
+const OUTSIDE: f64 = 1.05;
+/// Where the model goes beyond, the torque lies within these parts of the limit.
+const KEEPS: [f64; 2] = [0.85, 1.1];
+
+/// Bands of |torque|, as parts of the limit, whose rows are compared: at it and below it, equally wide.
+const AT: [f64; 2] = [0.97, 1.03];
+const BELOW: [f64; 2] = [0.87, 0.93];
+
+/// The limit that the largest torques may show, and how a model fitted to smaller torques alone goes beyond it.
+fn limit(rows: &Rows, model: &[usize]) -> Limit {
+    let sizes: Vec<f64> = rows.target.iter().map(|t| t.abs()).collect();
+    let level = signal::quantile::quantile(sizes.clone(), TOP).unwrap_or(0.0);
+    let (mut values, mut target) = (Vec::new(), Vec::new());
+    for (line, t) in rows.values.chunks(rows.width).zip(&rows.target) {
+        if t.abs() < INSIDE * level {
+            values.extend_from_slice(line);
+            target.push(*t);
+        }
+    }
+    let blocks = Blocks::new(&values, &target, rows.width);
+    let error = (blocks.left(model) / target.len().max(1) as f64).sqrt();
+    let modelled = predicted(rows, model, &blocks.coefficients(model));
+    let (mut beyond, mut visits, mut was) = (0, 0, false);
+    for (t, m) in rows.target.iter().zip(&modelled) {
+        let keeps = (KEEPS[0] * level..KEEPS[1] * level).contains(&(t * m.signum()));
+        let is = keeps && m.abs() > OUTSIDE * level + 2.0 * error;
+        beyond += usize::from(is);
+        visits += usize::from(is && !was);
+        was = is;
+    }
+    let within = |[low, high]: [f64; 2]| {
+        let count = sizes
+            .iter()
+            .filter(|s| (low * level..high * level).contains(s))
+            .count();
+        count as f64
+    };
+    Limit {
+        level,
+        beyond: beyond as f64 / sizes.len().max(1) as f64,
+        visits,
+        share: within(AT) / sizes.len().max(1) as f64,
+        crowd: within(AT) / within(BELOW).max(1.0),
+    }
+}
+
+fn rms(x: &[f64]) -> f64 {
+    (x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64).sqrt()
+}
+
+fn deviation(x: &[f64]) -> f64 {
+    let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
+    (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len().max(1) as f64).sqrt()
+}

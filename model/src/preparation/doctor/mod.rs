@@ -1,0 +1,93 @@
+//! The doctor of the torque channel: what a recorded torque is, before any physics is fitted to it for keeps.
+//!
+//! For every joint the numbers themselves are looked at (`number`), and what a rigid body with friction, fitted to that
+//! joint alone, says of them (`evidence`): such a fit knows neither the described inertials nor the unit. Described
+//! inertials count for scale, sign and unit alone. The questions come in this order, and an answer ends those that
+//! it makes meaningless: is there a signal (`signal`); has it a sign (`source`); does gravity show; which unit (`unit`) and
+//! which sign (`sign`); does friction show; is it measured, or filtered; is it cut, or coarse.
+
+mod blocks;
+mod evidence;
+mod number;
+mod patient;
+mod sign;
+mod signal;
+mod source;
+mod unit;
+
+use datasets::Recording;
+use datasets::channel::ChannelEstimate;
+use datasets::check::{Ailment, Complaint};
+use datasets::prepare::Prepared;
+use patient::Patient;
+use physics::robot::Robot;
+
+/// Complaints about the torque of a recording of `robot`, worst first; none about a torque of the drives in N·m (N) on the
+/// link, and none without torque. `prepared` and `channel` come from the same recording.
+pub fn examine(
+    robot: &Robot,
+    recording: &Recording,
+    prepared: &Prepared,
+    channel: &ChannelEstimate,
+) -> Vec<Complaint> {
+    if recording.dof() != robot.dof() {
+        return Vec::new();
+    }
+    let Some(joints) = evidence::gather(robot, recording, prepared, channel) else {
+        return Vec::new();
+    };
+    let patient = Patient {
+        robot,
+        recording,
+        joints: &joints,
+    };
+    if let Some(absolute) = source::absolute(&patient) {
+        return [Some(absolute), signal::quantised(&patient)]
+            .into_iter()
+            .flatten()
+            .collect();
+    }
+    let mut found: Vec<Complaint> = signal::dead(&patient).into_iter().collect();
+    let noiseless = source::noiseless(&patient);
+    let smeared = noiseless
+        .as_ref()
+        .is_some_and(|c| c.ailment == Ailment::Filtered);
+    match source::weightless(&patient) {
+        // Without gravity a described torque is no measure of scale or sign.
+        Some(weightless) => found.push(weightless),
+        None => found.extend(
+            [unit::of_all(&patient, smeared), sign::turned(&patient)]
+                .into_iter()
+                .flatten(),
+        ),
+    }
+    found.extend(source::behind_the_gear(&patient));
+    found.extend(noiseless);
+    found.extend(signal::saturated(&patient));
+    found.extend(signal::quantised(&patient));
+    merged(&mut found);
+    found.sort_by_key(|c| std::cmp::Reverse(c.severity));
+    found
+}
+
+/// Two complaints that both want `torque_scale` get one line between them.
+fn merged(found: &mut [Complaint]) {
+    let scales = |c: &Complaint| -> Option<Vec<f64>> {
+        let inside = c.drive.as_ref()?.strip_prefix("torque_scale = [")?;
+        let each = inside.strip_suffix(']')?.split(", ");
+        each.map(|v| v.parse().ok()).collect()
+    };
+    let Some(sign) = found.iter().position(|c| c.ailment == Ailment::Sign) else {
+        return;
+    };
+    let other = (0..found.len()).find(|&i| i != sign && scales(&found[i]).is_some());
+    let Some((other, both)) =
+        other.and_then(|o| Some((o, scales(&found[o])?.into_iter().zip(scales(&found[sign])?))))
+    else {
+        return;
+    };
+    let product: Vec<f64> = both.map(|(a, b)| a * b).collect();
+    let line = Some(patient::list("torque_scale", &product));
+    found[other].drive.clone_from(&line);
+    found[sign].drive = line;
+}

@@ -1,0 +1,73 @@
+//! What the doctor is shown, and how a complaint is put.
+
+use super::evidence::{Evidence, Fitted};
+use datasets::Recording;
+use datasets::check::{Ailment, Complaint, Severity};
+use physics::robot::Robot;
+
+/// A recording of a robot with what is known of each joint's torque.
+pub(super) struct Patient<'a> {
+    pub robot: &'a Robot,
+    pub recording: &'a Recording,
+    pub joints: &'a [Evidence],
+}
+
+impl Patient<'_> {
+    /// Joints with a model beside their torque, by index.
+    pub fn fitted(&self) -> impl Iterator<Item = (usize, &Evidence, &Fitted)> {
+        let all = self.joints.iter().enumerate();
+        all.filter_map(|(j, e)| Some((j, e, e.fitted.as_ref()?)))
+    }
+
+    /// Every joint.
+    pub fn all(&self) -> Vec<usize> {
+        (0..self.joints.len()).collect()
+    }
+
+    /// Names of some joints.
+    pub fn names(&self, joints: &[usize]) -> String {
+        if joints.len() == self.joints.len() && joints.len() > 1 {
+            return "all joints".to_owned();
+        }
+        let name = |&j: &usize| self.robot.joints()[j].name.as_str();
+        joints.iter().map(name).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// A complaint without lines of a drive file.
+pub(super) fn complaint(
+    ailment: Ailment,
+    severity: Severity,
+    joints: Vec<usize>,
+    [seen, means, advice]: [String; 3],
+) -> Complaint {
+    Complaint {
+        ailment,
+        severity,
+        joints,
+        seen,
+        means,
+        drive: None,
+        advice,
+    }
+}
+
+/// A list of one value per joint for a drive file.
+pub(super) fn list(key: &str, values: &[f64]) -> String {
+    let each: Vec<String> = values.iter().map(|v| short(*v)).collect();
+    format!("{key} = [{}]", each.join(", "))
+}
+
+/// Four significant digits.
+pub(super) fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return "0".to_owned();
+    }
+    let digits = 3 - value.abs().log10().floor() as i32;
+    let text = format!("{value:.*}", digits.clamp(0, 12) as usize);
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}

@@ -1,0 +1,205 @@
+//! What the torque of all joints is, if not that of the drives: without sign, without gravity, behind the gear, computed,
+//! filtered.
+
+use super::evidence::{Evidence, FEW};
+use super::patient::{Patient, complaint};
+use super::signal::is_dead;
+use crate::preparation::torque_band;
+use datasets::TorqueFilter;
+use datasets::check::{Ailment, Complaint, Severity};
+use signal::quantile::{median, quantile};
+
+/// A torque without sign leaves at most this part of its squared error when the model's sign is put before it.
+const FOLDED: f64 = 0.5;
+/// Gravity's part of a joint's described torque, and what that is of the deviation of the recorded one, from which it has
+/// to show.
+const LOADED: (f64, f64) = (0.2, 0.25);
+/// Squared error with gravity over that without it, from which gravity does not show: of every loaded joint, and in
+/// the median.
+const WEIGHTLESS: (f64, f64) = (0.4, 0.75);
+/// Friction's part of torque, in (just below) the median of the joints, below which it is not that of a motor and its gear.
+const FRICTIONLESS: (f64, f64) = (0.45, 0.1);
+/// Noise over deviation, in the median of the joints, that no sensor is below.
+const NOISELESS: f64 = 2.5e-3;
+/// Sharpest corner over deviation, of the joint that has the sharpest, below which a torque without noise was smoothed:
+/// friction turns round, encoders have counts.
+const CORNER: f64 = 3e-3;
+
+/// A torque without sign: nowhere below zero, and explained with the model's sign before it.
+pub(super) fn absolute(patient: &Patient) -> Option<Complaint> {
+    let alive = || patient.fitted().filter(|(_, e, _)| !is_dead_number(e));
+    let never = alive().all(|(_, e, _)| e.numbers.negative < FEW);
+    let folded: Vec<usize> = alive()
+        .filter(|(_, _, f)| f.folded < FOLDED)
+        .map(|(j, ..)| j)
+        .collect();
+    let best = alive().map(|(_, _, f)| f.folded).fold(1.0, f64::min);
+    (never && !folded.is_empty()).then(|| {
+        complaint(
+            Ailment::Absolute,
+            Severity::Severe,
+            patient.all(),
+            [
+                format!(
+                    "no torque is ever below zero, and {} touch it and turn back: with the sign of the motion's own torque before \
+                     them, a model leaves {:.0} % of the squared error that it leaves of them as they stand",
+                    patient.names(&folded),
+                    100.0 * best
+                ),
+                "the size of the torque, without its sign".to_owned(),
+                "log the signed value, or name its column in the drive file (columns.tau = \"…\"); a sign that was not recorded cannot \
+                 be brought back"
+                    .to_owned(),
+            ],
+        )
+    })
+}
+
+/// A folded torque is hardly explained, so that only its numbers tell whether it is one.
+fn is_dead_number(evidence: &Evidence) -> bool {
+    evidence.numbers.spread == 0.0
+}
+
+/// A torque from which gravity's is taken off: on every joint that carries weight a model without gravity does as well.
+pub(super) fn weightless(patient: &Patient) -> Option<Complaint> {
+    let loaded: Vec<(usize, f64)> = patient
+        .fitted()
+        .filter(|(_, e, _)| !is_dead(e))
+        .filter(|(_, e, f)| {
+            f.loaded > LOADED.0 && f.loaded * f.described > LOADED.1 * e.numbers.spread
+        })
+        .map(|(j, _, f)| (j, f.gravity))
+        .collect();
+    let least = loaded.iter().map(|l| l.1).fold(f64::INFINITY, f64::min);
+    let middle = median(loaded.iter().map(|l| l.1).collect())?;
+    (least > WEIGHTLESS.0 && middle > WEIGHTLESS.1).then(|| {
+        let joints: Vec<usize> = loaded.iter().map(|l| l.0).collect();
+        complaint(
+            Ailment::GravityRemoved,
+            Severity::Severe,
+            joints.clone(),
+            [
+                format!(
+                    "gravity, which should make most of the torque of {}, does not show: a model with it leaves {middle:.2} times the \
+                     squared error of one without",
+                    patient.names(&joints)
+                ),
+                "a torque from which the controller's own gravity torque is taken off, as some makers log it by default".to_owned(),
+                "add --gravity 0,0,0 to the command: the model is then one of this channel, and a controller that compensates gravity \
+                 itself takes it as it is; or name the column of the whole torque in the drive file (columns.tau = \"…\")"
+                    .to_owned(),
+            ],
+        )
+    })
+}
+
+/// A torque that knows no friction of motor and gear.
+pub(super) fn behind_the_gear(patient: &Patient) -> Option<Complaint> {
+    let parts: Vec<f64> = patient
+        .fitted()
+        .filter(|(_, e, _)| !is_dead(e))
+        .map(|(_, _, f)| f.friction.value)
+        .collect();
+    let middle = quantile(parts, FRICTIONLESS.0)?;
+    (middle.abs() < FRICTIONLESS.1).then(|| {
+        complaint(
+            Ailment::JointSensor,
+            Severity::Note,
+            patient.all(),
+            [
+                format!(
+                    "friction makes {:.1} % of the torque in the median of the joints",
+                    100.0 * middle.max(0.0)
+                ),
+                "a torque sensor behind the gear, or a torque computed for there: it sees no friction of motor and gear".to_owned(),
+                "right for the model of the links and for a controller of joint torque; a feed-forward of motor current needs the \
+                 friction as well, which the motors' currents show (columns.tau, units.torque = \"current\")"
+                    .to_owned(),
+            ],
+        )
+    })
+}
+
+/// A torque without any sensor's noise: commanded or computed where it has corners, filtered where it has none.
+pub(super) fn noiseless(patient: &Patient) -> Option<Complaint> {
+    let recording = patient.recording;
+    if let Some(declared) = recording.torque_filter {
+        return declared
+            .recognised
+            .then(|| of_filter(patient, Some(declared)));
+    }
+    let alive = || patient.joints.iter().filter(|e| !is_dead(e));
+    if alive().any(|e| e.numbers.step.is_some()) {
+        return None;
+    }
+    let noise = median(
+        alive()
+            .map(|e| e.numbers.noise / e.numbers.spread)
+            .collect(),
+    )?;
+    let corners = alive().map(|e| e.numbers.corner / e.numbers.spread);
+    let smooth = corners.fold(0.0, f64::max) < CORNER;
+    let one = std::slice::from_ref(recording);
+    match (smooth, noise < NOISELESS) {
+        (true, _) => Some(of_filter(
+            patient,
+            torque_band::recognise(patient.robot, one),
+        )),
+        (false, true) => Some(of_command(patient, noise)),
+        (false, false) => None,
+    }
+}
+
+fn of_command(patient: &Patient, noise: f64) -> Complaint {
+    complaint(
+        Ailment::Commanded,
+        Severity::Warning,
+        patient.all(),
+        [
+            format!(
+                "{noise:.1e} of the torque's deviation is noise in the median of the joints, and it comes in no steps"
+            ),
+            "a commanded or computed torque, not a measured one: what the drive does of it (its lag, its limits, its offset) is not in \
+             it, and neither is what the controller does not know"
+                .to_owned(),
+            "name the column of the measured current or torque in the drive file (columns.tau = \"…\")".to_owned(),
+        ],
+    )
+}
+
+fn of_filter(patient: &Patient, filter: Option<TorqueFilter>) -> Complaint {
+    let seen = match &filter {
+        Some(f) => format!(
+            "the torque's spectrum is empty above {:.1} Hz, and a model explains it better through that filter",
+            f.half_power_hz()
+        ),
+        None => "the torque has neither noise nor corners: not even where a joint turns round"
+            .to_owned(),
+    };
+    let advice = match &filter {
+        Some(_) => {
+            "declare it, so that every model is compared behind the same filter; it is found and used for this command already"
+        }
+        None => {
+            "log it unfiltered if you can; if you know the filter, declare it (torque_filter.order, .cutoff_hz, .ripple_db)"
+        }
+    };
+    Complaint {
+        drive: filter.map(|f| {
+            format!(
+                "torque_filter.order = {}\ntorque_filter.cutoff_hz = {:.3}\ntorque_filter.ripple_db = {}",
+                f.order, f.cutoff_hz, f.ripple_db
+            )
+        }),
+        ..complaint(
+            Ailment::Filtered,
+            Severity::Note,
+            patient.all(),
+            [
+                seen,
+                "a low-pass forwards and backwards before it was stored: friction is smeared over its reversals".to_owned(),
+                advice.to_owned(),
+            ],
+        )
+    }
+}

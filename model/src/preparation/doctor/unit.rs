@@ -1,0 +1,342 @@
+//! Unit of a torque.
+
+use super::evidence::Evidence;
+use super::patient::{Patient, complaint, list, short};
+use super::signal::{is_cut, is_dead};
+use datasets::check::{Ailment, Complaint, Severity};
+use signal::quantile::median;
+
+/// Scales that a described robot and a nominal torque constant leave open.
+const USUAL: [f64; 2] = [0.75, 1.3];
+/// A scale below this is a unit's.
+const SMALL: f64 = 1.0 / 3.0;
+/// Deviations by which a scale has to be clear of a border.
+pub(super) const CLEAR: f64 = 3.0;
+/// Largest per cents of a motion, how far apart they are on its joints at most, and how far apart scales then are at least.
+const PER_CENTS: [f64; 2] = [30.0, 400.0];
+const ALIKE: f64 = 5.0;
+const UNLIKE: f64 = 1.6;
+
+/// Interval of a joint's scale, recorded over described, and its middle.
+pub(super) fn scale(evidence: &Evidence) -> Option<(f64, [f64; 2])> {
+    evidence
+        .channel
+        .scale
+        .value
+        .zip(evidence.channel.scale.interval)
+}
+
+/// What a joint's scale is at most: with the inertia of its rotor it would only be less.
+fn at_most(evidence: &Evidence) -> Option<f64> {
+    let scale = evidence.fitted.as_ref()?.scale;
+    Some(scale.value.abs() + CLEAR * scale.std)
+}
+
+/// Best guess of a joint's scale without its sign.
+fn size(evidence: &Evidence) -> Option<f64> {
+    match scale(evidence) {
+        Some((value, _)) => Some(value.abs()),
+        None => at_most(evidence)
+            .filter(|most| *most < SMALL)
+            .and_then(|_| Some(evidence.fitted.as_ref()?.scale.value.abs())),
+    }
+    .filter(|s| *s > 0.0)
+}
+
+/// Whether the scale is that of another unit; none where nothing is known.
+fn odd(evidence: &Evidence) -> Option<bool> {
+    if at_most(evidence).is_some_and(|most| most < SMALL) {
+        return Some(true);
+    }
+    let (_, [a, b]) = scale(evidence)?;
+    let (low, high) = if b < 0.0 { (-b, -a) } else { (a, b) };
+    Some(low > USUAL[1] || high < USUAL[0])
+}
+
+/// A logarithm that is normal: its mean and deviation.
+struct Usual(f64, f64);
+
+impl Usual {
+    /// Of a value around `middle`, a factor `within` up or down.
+    fn around(middle: f64, within: f64) -> Self {
+        Self(middle.ln(), within.ln())
+    }
+
+    /// Logarithm of how likely a value is, but for a constant.
+    fn likely(&self, value: f64) -> f64 {
+        -0.5 * ((value.ln() - self.0) / self.1).powi(2) - self.1.ln()
+    }
+}
+
+/// What joints show of their unit, in the median but for the last.
+struct Shown {
+    /// N·m on the link per unit.
+    per_unit: f64,
+    /// The same per unit over gear ratio, and over gear ratio and torque constant, where both are known.
+    at_motor: Option<f64>,
+    per_current: Option<f64>,
+    /// Largest number of each joint: per cents are alike on all of them, torques and currents are not.
+    peaks: Vec<f64>,
+}
+
+/// How precisely a data sheet and a described robot agree on a scale, as a factor.
+const SHEET: f64 = 1.25;
+/// Log-likelihood, two figures together, below which no unit is named.
+const NO_UNIT: f64 = -9.0;
+
+/// The likeliest unit, by what drives of robot arms have: gears of 50 to 160, 0.05 to 0.3 N·m/A, currents of some A, motors of
+/// some N·m, and motions that go to about nine tenths of what is rated.
+fn unit(shown: &Shown) -> Option<Ailment> {
+    let peak = |middle: f64, within: f64| {
+        let usual = Usual::around(middle, within);
+        let sum: f64 = shown.peaks.iter().map(|p| usual.likely(*p)).sum();
+        sum / shown.peaks.len().max(1) as f64
+    };
+    let motor = match shown.at_motor {
+        Some(rest) => Usual::around(1.0, SHEET).likely(rest),
+        None => Usual::around(90.0, 1.6).likely(shown.per_unit),
+    } + peak(2.0, 4.0);
+    let current = match (shown.per_current, shown.at_motor) {
+        (Some(rest), _) => Usual::around(1.0, SHEET).likely(rest),
+        (None, Some(constant)) => Usual::around(0.12, 2.5).likely(constant),
+        (None, None) => Usual::around(10.0, 2.5).likely(shown.per_unit),
+    } + peak(6.0, 4.0);
+    // A rated torque may be anything: only the numbers tell.
+    let rated = |whole: f64| Usual::around(1.0, 6.0).likely(1.0) + peak(0.9 * whole, 2.0);
+    let all = [
+        (Ailment::Motor, motor),
+        (Ailment::Current, current),
+        (Ailment::Percent, rated(100.0)),
+        (Ailment::PerMille, rated(1000.0)),
+    ];
+    let best = all.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 > NO_UNIT).then_some(best.0)
+}
+
+/// Whether the numbers look like per cents: alike on joints whose torques are not.
+fn alike(patient: &Patient, alive: &[usize]) -> bool {
+    let ratio = |values: &[f64]| {
+        let most = values.iter().copied().fold(0.0, f64::max);
+        most / values.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let peaks: Vec<f64> = alive
+        .iter()
+        .map(|&j| patient.joints[j].numbers.largest)
+        .collect();
+    let sizes: Vec<f64> = alive
+        .iter()
+        .filter_map(|&j| size(&patient.joints[j]))
+        .collect();
+    let inside = peaks
+        .iter()
+        .all(|p| (PER_CENTS[0]..PER_CENTS[1]).contains(p));
+    inside && ratio(&peaks) < ALIKE && sizes.len() > 1 && ratio(&sizes) > UNLIKE
+}
+
+/// A torque in another unit than N·m on the link, on most joints; or another scale of single ones. Where the torque is
+/// `smeared` by a filter that nobody declared, a scale says little: only another order of magnitude counts.
+pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
+    let alive: Vec<usize> = (0..patient.joints.len())
+        .filter(|&j| !is_dead(&patient.joints[j]))
+        .collect();
+    let judged: Vec<(usize, bool)> = alive
+        .iter()
+        .filter_map(|&j| Some((j, odd(&patient.joints[j])?)))
+        .collect();
+    let mut far: Vec<usize> = judged.iter().filter(|(_, o)| *o).map(|(j, _)| *j).collect();
+    if far.is_empty() {
+        return None;
+    }
+    let several = far.len() > 1 || patient.joints.len() == 1;
+    let most = (2 * far.len() >= judged.len() && several) || alike(patient, &alive);
+    if smeared {
+        let sizes = alive.iter().filter_map(|&j| size(&patient.joints[j]));
+        let middle = median(sizes.collect())?;
+        if !most || (SMALL..1.0 / SMALL).contains(&middle) {
+            return None;
+        }
+    }
+    // A torque that is cut is smaller than the described one.
+    far.retain(|&j| most || !is_cut(&patient.joints[j]));
+    if far.is_empty() {
+        return None;
+    }
+    Some(if most {
+        of_unit(patient, &alive)
+    } else {
+        of_joints(patient, far)
+    })
+}
+
+fn of_unit(patient: &Patient, alive: &[usize]) -> Complaint {
+    let known: Vec<(usize, f64)> = alive
+        .iter()
+        .filter_map(|&j| Some((j, size(&patient.joints[j])?)))
+        .collect();
+    let of = |f: &dyn Fn(usize, f64) -> Option<f64>| {
+        median(known.iter().filter_map(|&(j, s)| f(j, s)).collect())
+    };
+    let gear = |j: usize| patient.robot.joints()[j].gear_ratio;
+    let constant = |j: usize| patient.robot.joints()[j].torque_constant;
+    let shown = Shown {
+        per_unit: of(&|_, s| Some(1.0 / s)).unwrap_or(f64::NAN),
+        at_motor: of(&|j, s| Some(1.0 / (s * gear(j)?))),
+        per_current: of(&|j, s| Some(1.0 / (s * gear(j)? * constant(j)?))),
+        peaks: alive
+            .iter()
+            .map(|&j| patient.joints[j].numbers.largest)
+            .collect(),
+    };
+    let named = unit(&shown);
+    let ailment = named.unwrap_or(Ailment::Scale);
+    let each: Vec<String> = known
+        .iter()
+        .map(|&(j, s)| format!("{} {}", patient.names(&[j]), short(s)))
+        .collect();
+    let means = match ailment {
+        Ailment::Motor => "torque of the motors, before the gear",
+        Ailment::Current => "motor current in A",
+        Ailment::Percent => "per cent of a rated torque or current",
+        Ailment::PerMille => "per mille of a rated torque or current",
+        _ => "another unit than N·m on the link",
+    };
+    let middle = median(known.iter().map(|k| k.1).collect()).unwrap_or(1.0);
+    let factors: Vec<f64> = patient
+        .all()
+        .iter()
+        .map(|j| {
+            let own = known.iter().find(|k| k.0 == *j);
+            1.0 / own.map_or(middle, |k| k.1)
+        })
+        .collect();
+    let guessed: Vec<usize> = patient
+        .all()
+        .into_iter()
+        .filter(|j| known.iter().all(|k| k.0 != *j))
+        .collect();
+    let every =
+        |f: &dyn Fn(usize) -> Option<f64>| patient.all().into_iter().all(|j| f(j).is_some());
+    let (drive, advice) = match ailment {
+        Ailment::Motor if every(&gear) => (
+            "units.torque = \"motor\"".to_owned(),
+            "the gear ratios are known already".to_owned(),
+        ),
+        Ailment::Current if every(&gear) && every(&constant) => (
+            "units.torque = \"current\"".to_owned(),
+            "gear ratios and torque constants are known already".to_owned(),
+        ),
+        _ => (
+            list("torque_scale", &factors),
+            sheet(patient, ailment, &guessed),
+        ),
+    };
+    Complaint {
+        drive: Some(drive),
+        ..complaint(
+            ailment,
+            Severity::Severe,
+            patient.all(),
+            [
+                format!(
+                    "the numbers are another size than the described robot's torque: times {}; the largest is {} in the median of the \
+                     joints",
+                    each.join(", "),
+                    short(median(shown.peaks.clone()).unwrap_or(0.0))
+                ),
+                means.to_owned(),
+                advice,
+            ],
+        )
+    }
+}
+
+/// What a data sheet would add to scales that the recording shows.
+fn sheet(patient: &Patient, ailment: Ailment, guessed: &[usize]) -> String {
+    let exact = match ailment {
+        Ailment::Motor => "units.torque = \"motor\" and gear_ratio",
+        Ailment::Current => "units.torque = \"current\", gear_ratio and torque_constant",
+        Ailment::Percent => {
+            "units.torque = \"percent\", rated_current, torque_constant and gear_ratio"
+        }
+        Ailment::PerMille => {
+            "units.torque = \"rated\", rated_current, torque_constant and gear_ratio"
+        }
+        _ => "its unit",
+    };
+    let guess = if guessed.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "; {} was not shown by this motion and has the median of the others",
+            patient.names(guessed)
+        )
+    };
+    format!(
+        "the factors are what the described robot says, good to its masses' errors{guess}; from a data sheet, {exact} are better"
+    )
+}
+
+fn of_joints(patient: &Patient, far: Vec<usize>) -> Complaint {
+    let factors: Vec<f64> = patient
+        .all()
+        .iter()
+        .map(|j| {
+            let own = far.contains(j).then(|| size(&patient.joints[*j])).flatten();
+            1.0 / own.unwrap_or(1.0)
+        })
+        .collect();
+    let each = far.iter().map(|&j| {
+        let evidence = &patient.joints[j];
+        match scale(evidence) {
+            Some((value, [low, high])) => format!(
+                "{} is {} times ({} to {}) the described torque",
+                patient.names(&[j]),
+                short(value),
+                short(low),
+                short(high)
+            ),
+            None => format!(
+                "{} is at most {} times the described torque",
+                patient.names(&[j]),
+                short(at_most(evidence).unwrap_or(f64::NAN))
+            ),
+        }
+    });
+    let seen = each.collect::<Vec<_>>().join("; ");
+    Complaint {
+        drive: Some(list("torque_scale", &factors)),
+        ..complaint(
+            Ailment::Scale,
+            Severity::Warning,
+            far,
+            [
+                seen,
+                "a torque constant, gear ratio or unit of that joint alone, or a described mass that is far off".to_owned(),
+                "compare gear ratio and torque constant with the data sheet before you take the factor".to_owned(),
+            ],
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Data sheets: a UR10 (101:1, 0.125 N·m/A), a KR300's motor torque (221:1), a drive's per mille.
+    #[test]
+    fn units_by_data_sheets() {
+        let shown = |per_unit: f64, peak: f64, gear: Option<f64>| Shown {
+            per_unit,
+            at_motor: gear.map(|g| per_unit / g),
+            per_current: None,
+            peaks: vec![peak],
+        };
+        assert_eq!(unit(&shown(12.6, 9.0, None)), Some(Ailment::Current));
+        assert_eq!(unit(&shown(12.6, 9.0, Some(101.0))), Some(Ailment::Current));
+        assert_eq!(unit(&shown(221.0, 15.0, Some(221.0))), Some(Ailment::Motor));
+        assert_eq!(unit(&shown(100.0, 0.6, None)), Some(Ailment::Motor));
+        assert_eq!(unit(&shown(0.8, 110.0, None)), Some(Ailment::Percent));
+        assert_eq!(unit(&shown(0.05, 900.0, None)), Some(Ailment::PerMille));
+        assert_eq!(unit(&shown(1e6, 1e-6, None)), None);
+    }
+}

@@ -1,0 +1,81 @@
+//! The torque channel's doctor: every fault on a simulated recording, its remedy, and a user's way with a file.
+
+use datasets::write;
+use physics::robot::Robot;
+use serde_json::Value;
+use tests::program::{json, program, run};
+use tests::synthetic::{Plan, record};
+
+/// One recording of each kind; `train doctor` with more of them, on other seeds, prints the table of docs/torque-channel.md.
+#[test]
+fn every_fault_is_named_and_mended() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("doctor.json");
+    let mut doctor = program("train");
+    doctor.args(["doctor", "--cases", "1", "--healthy", "3", "--seed", "611"]);
+    run(doctor.args(["--quiet", "--json"]).arg(&file)).succeeded();
+    let figures = json(&file);
+    assert_eq!(figures["schema"], "doctor/1");
+    let kinds = figures["kinds"].as_array().expect("kinds");
+    assert_eq!(kinds.len(), 13);
+    for kind in kinds {
+        let outcomes = kind["outcomes"].as_array().expect("outcomes");
+        for outcome in outcomes {
+            assert_eq!(outcome["right"], true, "{}: {outcome}", kind["fault"]);
+            assert_ne!(outcome["mended"], false, "{}: {outcome}", kind["fault"]);
+        }
+    }
+}
+
+#[test]
+fn torque_of_the_motors_is_named_and_the_line_given_mends_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let robot = Robot::builtin("ur5").expect("built in");
+    let mut recording = record(&robot, &Plan::default());
+    let tau = recording.tau.as_mut().expect("torque");
+    tau.mapv_inplace(|t| t / 101.0);
+    // The third joint's sign is turned as well.
+    tau.column_mut(2).mapv_inplace(|t| -t);
+    let data = folder.path().join("motors.csv");
+    write(&recording, &data).expect("a file");
+    let checked = |more: &[&str]| -> Value {
+        let mut train = program("train");
+        train.args(["--robot", "ur5", "--check-only", "--json", "--data"]);
+        let ended = run(train.arg(&data).args(more));
+        serde_json::from_str(&ended.succeeded().out).expect("JSON")
+    };
+    let found = checked(&[]);
+    let complaints = found[0]["doctor"].as_array().expect("a list");
+    let named = |name: &str| complaints.iter().find(|c| c["ailment"] == name);
+    let motor = named("motor").unwrap_or_else(|| panic!("{complaints:#?}"));
+    let sign = named("sign").unwrap_or_else(|| panic!("{complaints:#?}"));
+    assert_eq!(sign["joints"], serde_json::json!([2]));
+    for part in ["seen", "means", "advice"] {
+        assert!(!motor[part].as_str().expect("text").is_empty());
+    }
+    let lines = |c: &Value| c["drive"].as_str().expect("lines").to_owned();
+    // `units` is a table of its own: lines of the top come first.
+    let drive = folder.path().join("drive.toml");
+    std::fs::write(&drive, format!("{}\n{}\n", lines(sign), lines(motor))).expect("written");
+    let mended = checked(&["--drive", &drive.to_string_lossy()]);
+    let severe = |c: &&Value| c["severity"] != "note";
+    let left: Vec<&Value> = mended[0]["doctor"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter(severe)
+        .collect();
+    assert!(left.is_empty(), "{left:#?}");
+    // The words that a person reads.
+    let mut train = program("train");
+    train.args(["--robot", "ur5", "--check-only", "--data"]);
+    let screen = run(train.arg(&data)).succeeded().out.clone();
+    for part in [
+        "torque, motor:",
+        "torque, sign:",
+        "drive file (--drive FILE.toml):",
+        "units.torque = \"motor\"",
+    ] {
+        assert!(screen.contains(part), "no `{part}` in {screen}");
+    }
+}

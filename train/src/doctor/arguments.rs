@@ -1,0 +1,36 @@
+//! Command line of `train doctor`.
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use std::path::PathBuf;
+use trials::channels::Fault;
+
+/// Examines the torque channels of simulated recordings with one fault each, and of healthy ones, and counts what is
+/// recognised and what its remedies mend.
+#[derive(Debug, Args)]
+pub struct Doctor {
+    /// Recordings of each fault.
+    #[arg(long, default_value_t = 20)]
+    pub cases: u64,
+    /// Healthy recordings.
+    #[arg(long, default_value_t = 200)]
+    pub healthy: u64,
+    /// Seed of robots, motions and channels.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// This kind alone (none: the healthy ones).
+    #[arg(long, value_parser = PossibleValuesParser::new(Fault::ALL.map(Fault::name)))]
+    pub only: Option<String>,
+    /// Write every outcome as JSON.
+    #[arg(long)]
+    pub json: Option<PathBuf>,
+    /// Threads; the result does not depend on it [default: all cores].
+    #[arg(long)]
+    pub threads: Option<usize>,
+    /// Print every recording that was not answered rightly.
+    #[arg(long, conflicts_with = "quiet")]
+    pub verbose: bool,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+}

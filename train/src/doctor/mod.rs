@@ -1,0 +1,72 @@
+//! `train doctor`: how often the torque channel's doctor is right, on simulated recordings of every kind.
+
+mod arguments;
+mod outcome;
+mod tables;
+
+pub use arguments::Doctor;
+
+use crate::progress;
+use crate::runtime::{pool, stop, threads};
+use model::directory::json;
+use model::failure::Failure;
+use outcome::{Counted, Figures, Outcome};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use trials::channels::Fault;
+
+/// Schema of the JSON.
+const SCHEMA: &str = "doctor/1";
+
+/// Runs the command.
+///
+/// # Errors
+/// The interruption, a simulation without result, or a file that cannot be written.
+pub fn run(arguments: &Doctor, cancel: &AtomicBool) -> Result<(), Failure> {
+    let counted = pool(threads(arguments.threads)?)?.install(|| count(arguments, cancel))?;
+    let figures = Figures {
+        schema: SCHEMA,
+        seed: arguments.seed,
+        kinds: counted,
+    };
+    if let Some(path) = &arguments.json {
+        report::write_atomic(path, json(&figures))?;
+    }
+    if !arguments.quiet {
+        tables::print(&figures, arguments.verbose);
+    }
+    Ok(())
+}
+
+fn count(arguments: &Doctor, cancel: &AtomicBool) -> Result<Vec<Counted>, Failure> {
+    let kinds: Vec<Fault> = Fault::ALL
+        .into_iter()
+        .filter(|f| arguments.only.as_ref().is_none_or(|only| only == f.name()))
+        .collect();
+    let number = |fault: Fault| match fault {
+        Fault::None => arguments.healthy,
+        _ => arguments.cases,
+    };
+    let all: u64 = kinds.iter().map(|f| number(*f)).sum();
+    let bar = progress::bar(arguments.quiet, "examining");
+    let done = AtomicU64::new(0);
+    let one = |fault: Fault, index: u64| -> Result<Outcome, Failure> {
+        stop(cancel, "Nothing was written.")?;
+        let outcome = Outcome::of(fault, arguments.seed, index)?;
+        let so_far = done.fetch_add(1, Ordering::Relaxed) + 1;
+        bar.set_position(100 * so_far / all.max(1));
+        Ok(outcome)
+    };
+    let counted = kinds
+        .iter()
+        .map(|&fault| {
+            let outcomes = (0..number(fault))
+                .into_par_iter()
+                .map(|index| one(fault, index))
+                .collect::<Result<_, _>>()?;
+            Ok(Counted::new(fault, outcomes))
+        })
+        .collect();
+    bar.finish_and_clear();
+    counted
+}

@@ -1,0 +1,142 @@
+//! What the doctor says of one simulated recording, and of all of a kind.
+
+use datasets::check::{Ailment, Complaint, Severity};
+use datasets::prepare::{PrepareOptions, prepare};
+use datasets::{Recording, TorqueFilter};
+use model::failure::Failure;
+use model::preparation::{channel, doctor};
+use nalgebra::Vector3;
+use physics::robot::Robot;
+use physics::robot::drive::Drive;
+use serde::Serialize;
+use trials::channels::{ChannelCase, Fault, generate};
+
+/// Contents of `train doctor --json`.
+#[derive(Serialize)]
+pub struct Figures {
+    /// `doctor/1`.
+    pub schema: &'static str,
+    /// Seed of the run.
+    pub seed: u64,
+    /// One for each kind.
+    pub kinds: Vec<Counted>,
+}
+
+/// All recordings of a kind.
+#[derive(Serialize)]
+pub struct Counted {
+    /// What is true of them.
+    pub fault: Fault,
+    /// Recordings that were recognised; of healthy ones, those about which nothing was said.
+    pub right: usize,
+    /// Exact interval of 95 % of that share.
+    pub interval: [f64; 2],
+    /// Recordings of which something else was said as well.
+    pub more: usize,
+    /// Recordings whose remedy was tried, and those that are healthy behind it.
+    pub mended: [usize; 2],
+    /// Each recording.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// One recording.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// Its place in the run.
+    pub index: u64,
+    /// Joints that the fault is of, from 0.
+    pub joints: Vec<usize>,
+    /// Whether it was recognised, on one of its joints at least and on no other; a healthy one, whether nothing was said.
+    pub right: bool,
+    /// Whether it is healthy behind its remedy; null where no line can mend it.
+    pub mended: Option<bool>,
+    /// What was said.
+    pub complaints: Vec<Complaint>,
+}
+
+impl Counted {
+    /// Counts outcomes.
+    pub fn new(fault: Fault, outcomes: Vec<Outcome>) -> Self {
+        let count = |f: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|o| f(o)).count();
+        let right = count(&|o| o.right);
+        let expected = usize::from(fault != Fault::None);
+        Self {
+            fault,
+            right,
+            interval: signal::proportion::interval(right, outcomes.len(), 0.05),
+            more: count(&|o| o.complaints.len() > if o.right { expected } else { 0 }),
+            mended: [
+                count(&|o| o.mended.is_some()),
+                count(&|o| o.mended == Some(true)),
+            ],
+            outcomes,
+        }
+    }
+}
+
+impl Outcome {
+    /// Simulates a recording, examines it, and tries the remedy.
+    pub fn of(fault: Fault, seed: u64, index: u64) -> Result<Self, Failure> {
+        let case = generate(fault, seed, index).map_err(|e| Failure::other(e.to_string()))?;
+        let complaints = examined(&case.robot, &case.recording)?;
+        let own = complaints.iter().find(|c| names(c.ailment, fault));
+        let right = match own {
+            None => fault == Fault::None && complaints.is_empty(),
+            Some(found) => found.joints.iter().all(|j| case.joints.contains(j)),
+        };
+        let mended = match own.filter(|_| right) {
+            Some(complaint) => mended(&case, complaint)?,
+            None => None,
+        };
+        Ok(Self {
+            index,
+            right,
+            mended,
+            joints: case.joints,
+            complaints,
+        })
+    }
+}
+
+/// Whether an ailment is what a fault is called.
+fn names(ailment: Ailment, fault: Fault) -> bool {
+    ailment.name() == fault.name()
+}
+
+fn examined(robot: &Robot, recording: &Recording) -> Result<Vec<Complaint>, Failure> {
+    let options = PrepareOptions::default();
+    let prepared = prepare(recording, &options).map_err(|e| Failure::other(e.to_string()))?;
+    let channel = channel::estimate(robot, recording, &prepared);
+    Ok(doctor::examine(robot, recording, &prepared, &channel))
+}
+
+/// Whether the recording is healthy when the complaint's remedy is taken: the lines of the drive file, or gravity as the
+/// command line takes it. Notes do not count: a declared filter leaves none, a sensor behind the gear is no fault.
+fn mended(case: &ChannelCase, complaint: &Complaint) -> Result<Option<bool>, Failure> {
+    let mut robot = case.robot.clone();
+    let mut recording = case.recording.clone();
+    match (&complaint.drive, complaint.ailment) {
+        (_, Ailment::GravityRemoved) => robot = robot.with_gravity(Vector3::zeros()),
+        (Some(lines), _) => {
+            let failed = |e: &dyn std::fmt::Display| {
+                Failure::other(format!("the remedy {lines:?} is no drive file: {e}"))
+            };
+            let drive = Drive::from_toml(lines, &robot).map_err(|e| failed(&e))?;
+            let conversion = drive.torque_conversion(&robot).map_err(|e| failed(&e))?;
+            recording.torque_filter = drive.torque_filter.map(|f| TorqueFilter {
+                order: f.order,
+                cutoff_hz: f.cutoff_hz,
+                ripple_db: f.ripple_db,
+                recognised: false,
+            });
+            if let Some(tau) = &mut recording.tau {
+                for (mut column, c) in tau.columns_mut().into_iter().zip(conversion) {
+                    column.mapv_inplace(|t| c.scale * t + c.offset);
+                }
+            }
+        }
+        (None, _) => return Ok(None),
+    }
+    let left = examined(&robot, &recording)?;
+    Ok(Some(left.iter().all(|c| c.severity == Severity::Note)))
+}

@@ -1,0 +1,12 @@
+//! What is printed of a drive.
+
+/// What a data sheet says of a joint.
+#[derive(Debug, Clone, Copy)]
+pub struct DataSheet {
+    /// Motor turns per joint turn (motor rad per m of a sliding joint).
+    pub gear_ratio: f64,
+    /// N·m/A at the motor.
+    pub torque_constant: f64,
+    /// Rated torque on the link side, N·m (N).
+    pub rated: f64,
+}
