@@ -52,6 +52,8 @@ pub struct Outcome {
     pub mended: Option<bool>,
     /// What was said.
     pub complaints: Vec<Complaint>,
+    /// What is said behind the remedy, notes left out.
+    pub left: Vec<Complaint>,
 }
 
 impl Counted {
@@ -84,16 +86,17 @@ impl Outcome {
             None => fault == Fault::None && complaints.is_empty(),
             Some(found) => found.joints.iter().all(|j| case.joints.contains(j)),
         };
-        let mended = match own.filter(|_| right) {
-            Some(complaint) => mended(&case, complaint)?,
+        let left = match own.filter(|_| right) {
+            Some(complaint) => left(&case, complaint)?,
             None => None,
         };
         Ok(Self {
             index,
             right,
-            mended,
+            mended: left.as_ref().map(Vec::is_empty),
             joints: case.joints,
             complaints,
+            left: left.unwrap_or_default(),
         })
     }
 }
@@ -110,9 +113,9 @@ fn examined(robot: &Robot, recording: &Recording) -> Result<Vec<Complaint>, Fail
     Ok(doctor::examine(robot, recording, &prepared, &channel))
 }
 
-/// Whether the recording is healthy when the complaint's remedy is taken: the lines of the drive file, or gravity as the
-/// command line takes it. Notes do not count: a declared filter leaves none, a sensor behind the gear is no fault.
-fn mended(case: &ChannelCase, complaint: &Complaint) -> Result<Option<bool>, Failure> {
+/// What is said of the recording when the complaint's remedy is taken: the lines of the drive file, or gravity as the
+/// command line takes it; none where there is no remedy. Notes do not count: a sensor behind the gear is no fault.
+fn left(case: &ChannelCase, complaint: &Complaint) -> Result<Option<Vec<Complaint>>, Failure> {
     let mut robot = case.robot.clone();
     let mut recording = case.recording.clone();
     match (&complaint.drive, complaint.ailment) {
@@ -137,6 +140,7 @@ fn mended(case: &ChannelCase, complaint: &Complaint) -> Result<Option<bool>, Fai
         }
         (None, _) => return Ok(None),
     }
-    let left = examined(&robot, &recording)?;
-    Ok(Some(left.iter().all(|c| c.severity == Severity::Note)))
+    let mut left = examined(&robot, &recording)?;
+    left.retain(|c| c.severity != Severity::Note);
+    Ok(Some(left))
 }

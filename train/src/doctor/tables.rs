@@ -57,9 +57,11 @@ fn wrong(kind: &Counted) {
             outcome.joints,
             outcome.mended
         );
-        for complaint in &outcome.complaints {
+        let first = outcome.complaints.iter().map(|c| ("", c));
+        let left = outcome.left.iter().map(|c| ("behind the remedy, ", c));
+        for (when, complaint) in first.chain(left) {
             say!(
-                "  {} of {:?}: {}",
+                "  {when}{} of {:?}: {}",
                 complaint.ailment.name(),
                 complaint.joints,
                 complaint.seen

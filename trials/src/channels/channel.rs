@@ -41,6 +41,7 @@ pub fn pass(
         let mut values = tau.column(j).to_vec();
         let size = deviation(&values);
         let own = joints.contains(&j);
+        let sensed = !exact && (fault != Fault::Dead || !own);
         if !exact {
             let gain = if calibrated {
                 1.0
@@ -66,7 +67,7 @@ pub fn pass(
         if !whole {
             values.iter_mut().for_each(|v| *v = v.clamp(-limit, limit));
         }
-        if !exact && !(fault == Fault::Dead && own) {
+        if sensed {
             let noise =
                 size * log_uniform(rng, 0.004, 0.04) * if limit.is_finite() { 0.4 } else { 1.0 };
             for v in &mut values {
@@ -89,7 +90,7 @@ pub fn pass(
             Fault::Percent => [0.1, 1.0][rng.random_range(0..2)],
             _ => size * scale.abs() * log_uniform(rng, 0.002, 0.04),
         };
-        if !exact && !(fault == Fault::Dead && own) {
+        if sensed {
             values
                 .iter_mut()
                 .for_each(|v| *v = (*v / step).round() * step);

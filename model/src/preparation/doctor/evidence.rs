@@ -7,7 +7,7 @@ use datasets::Recording;
 use datasets::channel::{ChannelEstimate, JointChannel};
 use datasets::prepare::Prepared;
 use nalgebra::Vector3;
-use physics::robot::Robot;
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use signal::delay::{Search, rows_at};
 
@@ -15,6 +15,8 @@ use signal::delay::{Search, rows_at};
 pub(super) const FEW: f64 = 0.002;
 /// Friction of a joint but the offset: viscous, Coulomb, two bends.
 const FRICTION: usize = 4;
+/// By how much a centre of mass is described wrongly as a matter of course, m.
+const MISPLACED: f64 = 0.01;
 
 /// One joint.
 pub(super) struct Evidence {
@@ -41,6 +43,9 @@ pub(super) struct Fitted {
     pub friction: Estimate,
     /// Deviation of the described torque.
     pub described: f64,
+    /// Part of it that small errors of the described bodies would make: from 1 on the described torque is no measure of
+    /// scale or sign.
+    pub doubt: f64,
     /// Squared error over that of the folded torque, unfolded by the model's sign.
     pub folded: f64,
     /// A limit that the torque may be cut at.
@@ -72,6 +77,7 @@ pub(super) fn gather(
     let weightless = robot.clone().with_gravity(Vector3::zeros());
     let without = Systems::new(&weightless, recording, prepared)?;
     let delay = channel.delay.value.unwrap_or(0.0);
+    let parameters = robot.parameters();
     (0..robot.dof())
         .into_par_iter()
         .map(|j| {
@@ -79,8 +85,10 @@ pub(super) fn gather(
             let numbers = Numbers::of(recording, j)?;
             Some(Evidence {
                 channel: channel.joints[j].clone(),
-                fitted: joints
-                    .and_then(|(a, b)| fit((&with, a), (&without, b), j, delay, numbers.negative)),
+                fitted: joints.and_then(|(a, b)| {
+                    let both = [(&with, a), (&without, b)];
+                    fit(both, j, delay, numbers.negative, &parameters)
+                }),
                 numbers,
             })
         })
@@ -114,11 +122,11 @@ fn rows(systems: &Systems, joint: &Joint, index: usize, delay: f64) -> Option<Ro
 }
 
 fn fit(
-    (with, joint): (&Systems, &Joint),
-    (without, bare): (&Systems, &Joint),
+    [(with, joint), (without, bare)]: [(&Systems, &Joint); 2],
     index: usize,
     delay: f64,
     negative: f64,
+    parameters: &[f64],
 ) -> Option<Fitted> {
     let all = rows(with, joint, index, delay)?;
     let none = rows(without, bare, index, delay)?;
@@ -161,6 +169,7 @@ fn fit(
         scale,
         friction,
         described,
+        doubt: doubt(joint, parameters) / described.max(f64::MIN_POSITIVE),
         folded: if negative < FEW {
             folded(&all, &model, &rigid, &speed, left)
         } else {
@@ -168,6 +177,18 @@ fn fit(
         },
         limit: limit(&all, &model),
     })
+}
+
+/// Deviation of a joint's torque by centres of mass that lie [`MISPLACED`] from where they are described, along each axis of
+/// each link.
+fn doubt(joint: &Joint, parameters: &[f64]) -> f64 {
+    let links = joint.standard.chunks(PARAMETERS_PER_LINK);
+    let own = links.zip(parameters.chunks(PARAMETERS_PER_LINK));
+    let square = own.flat_map(|(columns, p)| {
+        let moments = columns[1..4].iter();
+        moments.map(|c| (MISPLACED * p[0] * deviation(c)).powi(2))
+    });
+    square.sum::<f64>().sqrt()
 }
 
 /// Rounds in which a sign is found.

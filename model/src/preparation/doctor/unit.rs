@@ -10,6 +10,8 @@ use signal::quantile::median;
 const USUAL: [f64; 2] = [0.75, 1.3];
 /// A scale below this is a unit's.
 const SMALL: f64 = 1.0 / 3.0;
+/// Gravity's part of a described torque that bounds a single joint's scale.
+const LOADED: f64 = 0.2;
 /// Deviations by which a scale has to be clear of a border.
 pub(super) const CLEAR: f64 = 3.0;
 /// Largest per cents of a motion, how far apart they are on its joints at most, and how far apart scales then are at least.
@@ -17,37 +19,60 @@ const PER_CENTS: [f64; 2] = [30.0, 400.0];
 const ALIKE: f64 = 5.0;
 const UNLIKE: f64 = 1.6;
 
-/// Interval of a joint's scale, recorded over described, and its middle.
+/// Interval of a joint's scale, recorded over described, and its middle; as much wider as the described torque is in doubt,
+/// and none where that may be nothing at all.
 pub(super) fn scale(evidence: &Evidence) -> Option<(f64, [f64; 2])> {
-    evidence
-        .channel
-        .scale
-        .value
-        .zip(evidence.channel.scale.interval)
+    let doubt = evidence.fitted.as_ref()?.doubt;
+    if doubt >= 1.0 {
+        return None;
+    }
+    let shown = &evidence.channel.scale;
+    let (value, [low, high]) = shown.value.zip(shown.interval)?;
+    let [outwards, inwards] = [1.0 / (1.0 - doubt), 1.0 / (1.0 + doubt)];
+    let low = low * if low < 0.0 { outwards } else { inwards };
+    let high = high * if high < 0.0 { inwards } else { outwards };
+    Some((value, [low, high]))
 }
 
 /// What a joint's scale is at most: with the inertia of its rotor it would only be less.
 fn at_most(evidence: &Evidence) -> Option<f64> {
-    let scale = evidence.fitted.as_ref()?.scale;
-    Some(scale.value.abs() + CLEAR * scale.std)
+    let fitted = evidence.fitted.as_ref()?;
+    let most = fitted.scale.value.abs() + CLEAR * fitted.scale.std;
+    (fitted.doubt < 1.0).then(|| most / (1.0 - fitted.doubt))
+}
+
+/// Whether gravity makes enough of a joint's described torque to bound its scale by: where it is all acceleration, the noise of
+/// that makes any scale too small.
+fn is_loaded(evidence: &Evidence) -> bool {
+    let fitted = evidence.fitted.as_ref();
+    fitted.is_some_and(|f| f.loaded > LOADED)
 }
 
 /// Best guess of a joint's scale without its sign.
 fn size(evidence: &Evidence) -> Option<f64> {
     match scale(evidence) {
         Some((value, _)) => Some(value.abs()),
-        None => at_most(evidence)
-            .filter(|most| *most < SMALL)
-            .and_then(|_| Some(evidence.fitted.as_ref()?.scale.value.abs())),
+        None if is_small(evidence) => Some(evidence.fitted.as_ref()?.scale.value.abs()),
+        None => None,
     }
     .filter(|s| *s > 0.0)
 }
 
 /// Whether the scale is that of another unit; none where nothing is known.
 fn odd(evidence: &Evidence) -> Option<bool> {
-    if at_most(evidence).is_some_and(|most| most < SMALL) {
+    if is_small(evidence) {
         return Some(true);
     }
+    is_outside(evidence)
+}
+
+/// Whether the scale is at most that of another unit.
+fn is_small(evidence: &Evidence) -> bool {
+    at_most(evidence).is_some_and(|most| most < SMALL)
+}
+
+/// Whether all of the scale's interval is outside what is usual; none without one.
+fn is_outside(evidence: &Evidence) -> Option<bool> {
     let (_, [a, b]) = scale(evidence)?;
     let (low, high) = if b < 0.0 { (-b, -a) } else { (a, b) };
     Some(low > USUAL[1] || high < USUAL[0])
@@ -157,7 +182,9 @@ pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
         }
     }
     // A torque that is cut is smaller than the described one.
-    far.retain(|&j| most || !is_cut(&patient.joints[j]));
+    let alone =
+        |e: &Evidence| !is_cut(e) && (is_outside(e) == Some(true) || (is_small(e) && is_loaded(e)));
+    far.retain(|&j| most || alone(&patient.joints[j]));
     if far.is_empty() {
         return None;
     }
@@ -200,14 +227,12 @@ fn of_unit(patient: &Patient, alive: &[usize]) -> Complaint {
         Ailment::PerMille => "per mille of a rated torque or current",
         _ => "another unit than N·m on the link",
     };
-    let middle = median(known.iter().map(|k| k.1).collect()).unwrap_or(1.0);
+    // Drives of neighbours are most alike.
+    let nearest = |j: usize| known.iter().min_by_key(|k| k.0.abs_diff(j));
     let factors: Vec<f64> = patient
         .all()
         .iter()
-        .map(|j| {
-            let own = known.iter().find(|k| k.0 == *j);
-            1.0 / own.map_or(middle, |k| k.1)
-        })
+        .map(|&j| 1.0 / nearest(j).map_or(1.0, |k| k.1))
         .collect();
     let guessed: Vec<usize> = patient
         .all()
@@ -267,7 +292,7 @@ fn sheet(patient: &Patient, ailment: Ailment, guessed: &[usize]) -> String {
         String::new()
     } else {
         format!(
-            "; {} was not shown by this motion and has the median of the others",
+            "; {} was not shown by this motion and has the nearest joint's",
             patient.names(guessed)
         )
     };
