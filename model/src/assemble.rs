@@ -107,7 +107,8 @@ fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<Memo
     memory
 }
 
-fn base_parameters(robot: &Robot, estimated: &Estimated) -> Vec<BaseParameter> {
+/// Base parameters of `robot` as they are stored.
+pub(crate) fn base_parameters(robot: &Robot, estimated: &Estimated) -> Vec<BaseParameter> {
     let base = BaseParameters::of_robot(robot, &[]);
     let nominal = base.base_from(&robot.parameters());
     let names = base.base_names();

@@ -9,6 +9,7 @@ use crate::physics_fit::FitError;
 use crate::preparation::check::CheckError;
 use crate::preparation::setup::SetupError;
 use crate::residual::ResidualError;
+use crate::sums::SumsError;
 
 /// One line for the user, a hint, and the exit status.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,6 +90,24 @@ impl From<FitError> for Failure {
             }
             FitError::Baseline(_) => "Record more samples: three per joint are the least.",
             _ => return Self::other(error.to_string()),
+        };
+        Self::input(error.to_string(), hint)
+    }
+}
+
+impl From<SumsError> for Failure {
+    fn from(error: SumsError) -> Self {
+        let hint = match error {
+            SumsError::Fit(e) => return e.into(),
+            SumsError::OtherRobot => {
+                "Use one accumulator for each robot, of the same description on every machine."
+            }
+            SumsError::OtherPreparation { .. } => {
+                "Give all workers the same cutoff_hz, or the empty copy of an accumulator that has its first recording."
+            }
+            SumsError::Broken(_) => {
+                "Make it again from its recordings: it is cut, or of another version."
+            }
         };
         Self::input(error.to_string(), hint)
     }

@@ -20,6 +20,7 @@ pub mod preparation;
 pub mod residual;
 pub mod session;
 pub mod spread;
+pub mod sums;
 pub mod tables;
 pub mod torque_channel;
 pub mod urdf;

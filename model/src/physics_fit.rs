@@ -6,7 +6,7 @@ use crate::directory::{ModelFile, Preprocessing};
 use crate::identify::diagnostics::{self, Conditioning, Diagnostics};
 use crate::identify::error::IdentifyError;
 use crate::identify::identification::{Identified, IdentifyOptions, identify};
-use crate::identify::target::Target;
+use crate::identify::target::{self, Target};
 use crate::predict::predict;
 use crate::preparation::choice;
 use crate::preparation::cutoff::{self, CutoffError};
@@ -108,28 +108,11 @@ pub fn fit_physics(
         );
     }
     let session = Session::new(parts, &[]);
-    // A known counterbalance or spring is not identified: its torque is taken off before the fit.
-    let known: Vec<Array2<f64>> = session.parts[..data.len()]
+    let rest = data
         .iter()
-        .map(|part| {
-            let mut table = Array2::zeros((part.at_samples.len(), robot.dof()));
-            for p in robot.passive() {
-                let q = part.fine.q.column(p.joint());
-                let fine: Vec<f64> = q.iter().map(|&q| p.torque(q)).collect();
-                let mut column = table.column_mut(p.joint());
-                column += &ndarray::Array1::from(part.to_samples(&fine));
-            }
-            table
-        })
-        .collect();
-    let mut rest = Vec::new();
-    for (recording, known) in data.iter().zip(&known) {
-        let tau = recording
-            .tau
-            .as_ref()
-            .ok_or_else(|| IdentifyError::NoTorque(recording.source.clone()))?;
-        rest.push(tau - known);
-    }
+        .zip(&session.parts)
+        .map(|(recording, part)| target::identified(robot, recording, part))
+        .collect::<Result<Vec<_>, IdentifyError>>()?;
     let recordings: Vec<&Recording> = data.iter().collect();
     let target = Target {
         tau: rest.iter().collect(),

@@ -11,14 +11,18 @@ The numbers are those of the programs `train`, `eval` and `diagnose`, to the las
 """
 
 from ._residyn import InputError, Robot
+from .accumulator import Accumulator, Identified, Parameter
 from .diagnosis import Cause, Place, Push, Report, Step, diagnose
 from .model import Model, Prediction, identify, train
 from .recording import Recording
 
 __all__ = [
+    "Accumulator",
     "Cause",
+    "Identified",
     "InputError",
     "Model",
+    "Parameter",
     "Place",
     "Prediction",
     "Push",

@@ -9,6 +9,7 @@ mod model;
 mod recording;
 mod robot;
 mod simulated;
+mod sums;
 mod training;
 
 /// Python module `residyn._residyn`.
@@ -26,6 +27,8 @@ mod _residyn {
     use crate::robot::Robot;
     #[pymodule_export]
     use crate::simulated::{effects, simulate_case};
+    #[pymodule_export]
+    use crate::sums::Sums;
     #[pymodule_export]
     use crate::training::train;
 }

@@ -7,6 +7,7 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix, regressor};
 use physics::robot::PARAMETERS_PER_LINK;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::PathBuf;
 
 /// A serial arm: a built-in name or a description by path.
@@ -166,6 +167,15 @@ impl Robot {
             },
         )?;
         PyArray1::from_vec(py, y).reshape([n, dof, width])
+    }
+
+    /// Pickled as it was asked for: the description has to be readable where it is unpickled.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((String,), Bound<'py, PyDict>)> {
+        let named = PyDict::new(py);
+        named.set_item("joints", &self.chosen)?;
+        named.set_item("drive", &self.drive)?;
+        named.set_item("gravity", self.gravity)?;
+        Ok(((self.source.clone(),), named))
     }
 
     fn __repr__(&self) -> String {

@@ -182,6 +182,33 @@ impl Triangle {
         })
     }
 
+    /// The entries on and above the diagonal of the factor of [A b], (p + 1)(p + 2)/2 of them, column by column.
+    pub fn values(&self) -> Vec<f64> {
+        let columns = 0..self.factor.ncols();
+        columns
+            .flat_map(|j| (0..=j).map(move |i| self.factor[(i, j)]))
+            .collect()
+    }
+
+    /// The triangle of `columns` unknowns and `rows` rows with these [`Triangle::values`].
+    ///
+    /// # Errors
+    /// Another number of values; NaN or infinite ones.
+    pub fn from_values(
+        columns: usize,
+        rows: usize,
+        values: &[f64],
+    ) -> Result<Self, LeastSquaresError> {
+        let n = columns + 1;
+        check_size("the stored triangle", values.len(), n * (n + 1) / 2)?;
+        if !values.iter().all(|v| v.is_finite()) {
+            return Err(LeastSquaresError::NotFinite);
+        }
+        let at = |i: usize, j: usize| values[j * (j + 1) / 2 + i];
+        let factor = Mat::from_fn(n, n, |i, j| if i <= j { at(i, j) } else { 0.0 });
+        Ok(Self { factor, rows })
+    }
+
     pub(super) fn factor(&self) -> MatRef<'_, f64> {
         self.factor.as_ref()
     }

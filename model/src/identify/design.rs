@@ -204,6 +204,24 @@ impl JointSystem {
         })
     }
 
+    /// From the factors of stretches of rows that follow each other, whose columns are the base parameters `acting` on this
+    /// joint and `terms` terms; all of them are one cell.
+    ///
+    /// # Errors
+    /// No stretch, or stretches of different numbers of columns.
+    pub fn of_blocks(
+        acting: Vec<usize>,
+        terms: usize,
+        blocks: &[Triangle],
+    ) -> Result<Self, LeastSquaresError> {
+        Ok(Self {
+            acting,
+            terms,
+            cells: vec![Triangle::stack(blocks)?],
+            blocks: blocks.iter().map(Gram::from).collect(),
+        })
+    }
+
     /// Number of base parameters that act on this joint.
     pub fn rigid(&self) -> usize {
         self.acting.len()

@@ -11,6 +11,7 @@ mod rows;
 mod solution;
 
 pub use options::{Estimator, EstimatorOptions, Lmi};
+pub(crate) use passes::solve_systems;
 pub use possible::constrained;
 pub use prior::Known;
 pub(crate) use solution::offsets;

@@ -5,9 +5,11 @@ use super::possible::condition;
 use super::solution::{EstimatorReport, Solution, made_possible, offsets};
 use crate::identify::design::{Data, JointSystem, joined, joined_blocks};
 use crate::identify::error::IdentifyError;
+use ::identify::base::BaseParameters;
 use ::identify::least_squares::{Gram, Triangle, block_covariance, solve as least_squares};
 use ndarray::Array2;
 use physics::effects::Term;
+use physics::robot::Robot;
 use rayon::prelude::*;
 
 /// Passes in which weights settle.
@@ -22,7 +24,17 @@ pub(super) fn solve(
     options: &EstimatorOptions,
 ) -> Result<Solution, IdentifyError> {
     let systems = data.systems(&terms, load, true)?;
-    let (firsts, total) = offsets(data.base.len(), &terms);
+    solve_systems((data.robot, data.base), &systems, terms, options)
+}
+
+/// The same from the systems of all joints, with blocks, of a robot with these base parameters.
+pub(crate) fn solve_systems(
+    (robot, base): (&Robot, &BaseParameters),
+    systems: &[JointSystem],
+    terms: Vec<Vec<Term>>,
+    options: &EstimatorOptions,
+) -> Result<Solution, IdentifyError> {
+    let (firsts, total) = offsets(base.len(), &terms);
     let joints: Vec<(&JointSystem, Vec<usize>)> = systems
         .iter()
         .zip(firsts)
@@ -37,7 +49,7 @@ pub(super) fn solve(
         .iter()
         .map(|(s, _)| if weighted { s.target_deviation() } else { 1.0 })
         .collect();
-    let settings = options.solve_options(data.base.len(), &terms);
+    let settings = options.solve_options(base.len(), &terms);
     let given = match &options.given {
         Some(given) => Some(given.rows(total)?),
         None => None,
@@ -62,7 +74,7 @@ pub(super) fn solve(
             Lmi::Off => false,
         };
         let feasible = if feasible {
-            let condition = condition(data.robot, data.base, &terms, &triangle)?;
+            let condition = condition(robot, base, &terms, &triangle)?;
             Some(condition.fit(&triangle, estimate.sigma2)?)
         } else {
             None
