@@ -1,7 +1,7 @@
 //! The recording itself.
 
 use crate::TorqueFilter;
-use ndarray::{Array2, Axis};
+use ndarray::{Array2, Axis, concatenate};
 use std::ops::Range;
 
 /// One trajectory of a recording: rows between two breaks.
@@ -238,6 +238,42 @@ impl Recording {
             torque_filter: self.torque_filter,
             notes: self.notes.clone(),
         }
+    }
+
+    /// One recording of all trajectories of several of one robot, in the order given. Optional tables that one of them lacks are left
+    /// out; none of no recording.
+    ///
+    /// # Panics
+    /// If their numbers of joints differ.
+    pub fn joined(all: &[Self]) -> Option<Self> {
+        let (first, others) = all.split_first()?;
+        let mut out = first.clone();
+        for next in others {
+            let start = out.len();
+            out.trajectories
+                .extend(next.trajectories.iter().map(|t| Trajectory {
+                    label: t.label.clone(),
+                    range: start + t.range.start..start + t.range.end,
+                }));
+            out.time.extend_from_slice(&next.time);
+            let both = |a: &Array2<f64>, b: &Array2<f64>| {
+                concatenate(Axis(0), &[a.view(), b.view()])
+                    .expect("recordings of one robot have the same joints")
+            };
+            let some = |a: &Option<Array2<f64>>, b: &Option<Array2<f64>>| {
+                Some(both(a.as_ref()?, b.as_ref()?))
+            };
+            out.q = both(&out.q, &next.q);
+            out.tau = some(&out.tau, &next.tau);
+            out.qd = some(&out.qd, &next.qd);
+            out.qdd = some(&out.qdd, &next.qdd);
+            out.ql = some(&out.ql, &next.ql);
+            out.q_ref = some(&out.q_ref, &next.q_ref);
+            out.qd_ref = some(&out.qd_ref, &next.qd_ref);
+            out.temp = some(&out.temp, &next.temp);
+            out.source = format!("{}, {}", out.source, next.source);
+        }
+        Some(out)
     }
 
     /// Splits by trajectories: `(the others, the chosen ones)`, both in file order.

@@ -4,6 +4,7 @@ mod bag;
 mod contained;
 mod csv;
 mod footer;
+mod lerobot;
 mod mat;
 mod npy;
 mod npz;
@@ -22,6 +23,9 @@ pub(crate) use parquet::TORQUE_FILTER_KEY;
 /// [`ReadError`] for a file that cannot be used, with the place and what to do. Nothing is
 /// repaired: no value is made up and no row is left out.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
+    if lerobot::is_dataset(path) {
+        return lerobot::read(path, options);
+    }
     let format = Format::of(path)?;
     if format == Format::Bag {
         return bag::read(bag::Input::Path(path), path, options);

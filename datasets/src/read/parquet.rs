@@ -1,4 +1,4 @@
-//! Parquet: flat columns of numbers, labels as text or integers.
+//! Parquet: columns of numbers, labels as text or integers; of a column of lists of one length each element is a column.
 
 use super::contained::contained;
 use super::footer::plausible;
@@ -9,11 +9,16 @@ use parquet::basic::Type as PhysicalType;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::ColumnDescriptor;
 use std::path::Path;
 
 /// Key of the file's metadata under which the writer of this crate notes the torque filter.
 pub(crate) const TORQUE_FILTER_KEY: &str = "residyn.torque_filter";
+
+/// Most elements of a list that are columns: pictures are none.
+const LONGEST: usize = 1024;
 
 /// Rows decoded at a time.
 const BATCH: usize = 8192;
@@ -45,7 +50,8 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         SerializedFileReader::new(owned).map_err(|e| damaged(e.to_string()).in_file(file))?;
     let meta = reader.metadata().file_metadata();
     let schema = meta.schema_descr_ptr();
-    let header: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
+    let parts = elements(reader.metadata());
+    let header: Vec<String> = parts.iter().map(|p| p.name.clone()).collect();
     let layout = Layout::resolve(
         &header,
         &options.columns,
@@ -56,9 +62,11 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
     let mut numbers = Vec::new();
     let mut labels = None;
     for column in &layout.used {
-        let descr = schema.column(column.index);
-        if descr.max_rep_level() > 0 {
-            return Err(Problem::ColumnType("list".to_owned()).in_column(file, &column.name));
+        let part = &parts[column.index];
+        let descr = schema.column(part.column);
+        if descr.max_rep_level() > 1 {
+            let kind = "list of lists".to_owned();
+            return Err(Problem::ColumnType(kind).in_column(file, &column.name));
         }
         let mut sink = match column.role {
             Role::Label => Sink::Labels(LabelRuns::default()),
@@ -68,14 +76,18 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         for group in 0..reader.num_row_groups() {
             let column_reader = reader
                 .get_row_group(group)
-                .and_then(|g| g.get_column_reader(column.index))
+                .and_then(|g| g.get_column_reader(part.column))
                 .map_err(|e| damaged(e.to_string()).in_column(file, &column.name))?;
-            drain(column_reader, descr.max_def_level(), &mut sink, &mut row).map_err(|stop| {
-                match stop {
-                    Stop::Decoder(e) => damaged(e.to_string()).in_column(file, &column.name),
-                    Stop::Value(p) => p.in_column(file, &column.name).at_row(row),
-                    Stop::Column(p) => p.in_column(file, &column.name),
-                }
+            drain(
+                column_reader,
+                (descr.max_def_level(), part.of),
+                &mut sink,
+                &mut row,
+            )
+            .map_err(|stop| match stop {
+                Stop::Decoder(e) => damaged(e.to_string()).in_column(file, &column.name),
+                Stop::Value(p) => p.in_column(file, &column.name).at_row(row),
+                Stop::Column(p) => p.in_column(file, &column.name),
             })?;
         }
         match sink {
@@ -101,6 +113,53 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         torque_filter,
     };
     assemble(&layout, columns, options, file)
+}
+
+/// A column of the header: one of the file, or an element of its lists.
+struct Part {
+    name: String,
+    /// Of the file.
+    column: usize,
+    of: Option<Element>,
+}
+
+/// An element of lists of one length.
+#[derive(Clone, Copy)]
+struct Element {
+    index: usize,
+    length: usize,
+}
+
+/// The header: a list of k numbers per row is `NAME[0]` to `NAME[k-1]`. Lists of different lengths, of which the number of values
+/// is no multiple of the rows, stay one column, which is refused where it is used.
+fn elements(meta: &ParquetMetaData) -> Vec<Part> {
+    let columns = meta.file_metadata().schema_descr().columns();
+    let one = |(column, descr): (usize, &std::sync::Arc<ColumnDescriptor>)| -> Vec<Part> {
+        let path = descr.path().parts();
+        let whole = |of| Part {
+            name: descr.path().string(),
+            column,
+            of,
+        };
+        if descr.max_rep_level() == 0 {
+            return vec![whole(None)];
+        }
+        let groups = meta.row_groups();
+        let values: i64 = groups.iter().map(|g| g.column(column).num_values()).sum();
+        let rows: i64 = groups.iter().map(|g| g.num_rows()).sum::<i64>().max(1);
+        let length = usize::try_from(values / rows).unwrap_or(0);
+        // NAME.list.element, in whatever words.
+        let base = path[..path.len().saturating_sub(2).max(1)].join(".");
+        if descr.max_rep_level() > 1 || !(1..=LONGEST).contains(&length) || values % rows != 0 {
+            return vec![whole(None)];
+        }
+        let element = |index| Part {
+            name: format!("{base}[{index}]"),
+            ..whole(Some(Element { index, length }))
+        };
+        (0..length).map(element).collect()
+    };
+    columns.iter().enumerate().flat_map(one).collect()
 }
 
 /// Reads `none` or `order,cutoff_hz,ripple_db`.
@@ -150,7 +209,15 @@ enum Value<'a> {
     Text(&'a [u8]),
 }
 
-fn drain(reader: ColumnReader, level: i16, sink: &mut Sink, row: &mut usize) -> Result<(), Stop> {
+/// Level of a value that is there, and which element of a row's list is meant.
+type Wanted = (i16, Option<Element>);
+
+fn drain(
+    reader: ColumnReader,
+    level: Wanted,
+    sink: &mut Sink,
+    row: &mut usize,
+) -> Result<(), Stop> {
     let unusable = |kind: PhysicalType| Err(Stop::Column(Problem::ColumnType(kind.to_string())));
     match reader {
         ColumnReader::BoolColumnReader(r) => {
@@ -180,28 +247,45 @@ fn drain(reader: ColumnReader, level: i16, sink: &mut Sink, row: &mut usize) -> 
 
 fn drain_typed<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
-    level: i16,
+    (level, element): Wanted,
     sink: &mut Sink,
     row: &mut usize,
     convert: impl for<'a> Fn(&'a T::T) -> Value<'a>,
 ) -> Result<(), Stop> {
     let mut values = Vec::with_capacity(BATCH);
     let mut levels = Vec::with_capacity(BATCH);
+    let mut repeated = Vec::new();
+    let Element { index, length } = element.unwrap_or(Element {
+        index: 0,
+        length: 1,
+    });
     loop {
         values.clear();
         levels.clear();
+        repeated.clear();
         let wanted = (level > 0).then_some(&mut levels);
+        let lists = element.is_some().then_some(&mut repeated);
         let (records, read, _) = reader
-            .read_records(BATCH, wanted, None, &mut values)
+            .read_records(BATCH, wanted, lists, &mut values)
             .map_err(Stop::Decoder)?;
         if records == 0 {
             return Ok(());
         }
-        if read < records {
-            *row += levels.iter().position(|&l| l < level).unwrap_or(0);
+        if let Some(at) = levels.iter().position(|&l| l < level) {
+            *row += at / length;
             return Err(Stop::Value(Problem::MissingValue));
         }
-        for value in &values {
+        // A list begins where nothing is repeated: each after `length` values.
+        let odd = |(i, r): (usize, &i16)| (*r == 0) != (i % length == 0);
+        if let Some(at) = repeated.iter().enumerate().position(odd) {
+            *row += at / length;
+            let kind = format!("a list of another length than {length}");
+            return Err(Stop::Value(Problem::ColumnType(kind)));
+        }
+        if read != records * length {
+            return Err(Stop::Value(Problem::MissingValue));
+        }
+        for value in values.iter().skip(index).step_by(length) {
             sink.push(convert(value)).map_err(Stop::Value)?;
             *row += 1;
         }

@@ -9,18 +9,23 @@ pub fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// SHA-256 of a file, or of the files of a folder one behind the other by name; read in pieces, for recordings may be large.
+/// SHA-256 of a file, or of all files below a folder one behind the other by name; read in pieces, for recordings may be large.
 ///
 /// # Errors
 /// A file cannot be read.
 pub fn sha256_of(path: &Path) -> std::io::Result<String> {
-    let mut files = vec![path.to_owned()];
-    if path.is_dir() {
-        let entries: Result<Vec<_>, _> = std::fs::read_dir(path)?.collect();
-        files = entries?.into_iter().map(|e| e.path()).collect();
-        files.retain(|file: &PathBuf| file.is_file());
-        files.sort();
+    let mut files: Vec<PathBuf> = Vec::new();
+    let mut open = vec![path.to_owned()];
+    while let Some(next) = open.pop() {
+        if next.is_dir() {
+            for entry in std::fs::read_dir(next)? {
+                open.push(entry?.path());
+            }
+        } else {
+            files.push(next);
+        }
     }
+    files.sort();
     let mut hash = Sha256::new();
     let mut piece = vec![0; 1 << 16];
     for file in files {

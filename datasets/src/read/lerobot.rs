@@ -1,0 +1,125 @@
+//! LeRobot data sets: a folder whose `meta/info.json` names the elements of the features, and Parquet files of one or more episodes
+//! each (versions 2 and 3 of the format).
+//!
+//! Time is `timestamp`, which restarts with every episode, and an episode is a trajectory. Features are lists of one element per motor;
+//! the drive file says which are joints, by the data set's own names (`observation.state.shoulder_pan.pos`) or by number
+//! (`observation.state[0]`).
+
+use super::parquet;
+use crate::columns::ColumnMap;
+use crate::{Problem, ReadError, ReadOptions, Recording};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// What makes a folder a data set.
+const INFO: &str = "meta/info.json";
+
+/// Whether a folder is a data set.
+pub(super) fn is_dataset(folder: &Path) -> bool {
+    folder.join(INFO).is_file()
+}
+
+/// Reads all episodes.
+pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
+    let info = folder.join(INFO);
+    let text = std::fs::read(&info).map_err(|e| Problem::Io(e).in_file(&info))?;
+    let info: Value = serde_json::from_slice(&text).map_err(|e| {
+        let (format, detail) = ("LeRobot", e.to_string());
+        Problem::Damaged { format, detail }.in_file(&info)
+    })?;
+    let options = ReadOptions {
+        columns: by_number(&options.columns, &info),
+        ..options.clone()
+    };
+    let mut episodes = Vec::new();
+    for file in files(&folder.join("data"))? {
+        let bytes = std::fs::read(&file).map_err(|e| Problem::Io(e).in_file(&file))?;
+        episodes.push(parquet::read(&bytes, &file, &options)?);
+    }
+    let mut whole = Recording::joined(&episodes).ok_or_else(|| Problem::Empty.in_file(folder))?;
+    whole.source = folder.display().to_string();
+    Ok(whole)
+}
+
+/// The Parquet files below a folder, in the order of their names: chunks, then files or episodes.
+fn files(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(folder) = open.pop() {
+        let io = |e: std::io::Error| Problem::Io(e).in_file(&folder);
+        for entry in std::fs::read_dir(&folder).map_err(io)? {
+            let path = entry.map_err(io)?.path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|e| e == "parquet") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// The map with the data set's own names of elements as numbers, and its time and episodes where nothing else is said.
+fn by_number(map: &ColumnMap, info: &Value) -> ColumnMap {
+    let mut map = map.clone();
+    for (key, own) in [("time", "timestamp"), ("trajectory", "episode_index")] {
+        map.names.entry(key.to_owned()).or_insert(own.to_owned());
+    }
+    let features = info["features"].as_object();
+    let named: Vec<(String, String)> = features
+        .into_iter()
+        .flatten()
+        .flat_map(|(feature, of)| {
+            let each = elements(&of["names"]).into_iter().enumerate();
+            each.map(move |(k, name)| (format!("{feature}.{name}"), format!("{feature}[{k}]")))
+        })
+        .collect();
+    for name in map.names.values_mut() {
+        if let Some((_, number)) = named.iter().find(|(n, _)| n == name) {
+            name.clone_from(number);
+        }
+    }
+    map
+}
+
+/// Names of a feature's elements: a list, or lists by kind (`{"motors": […]}`).
+fn elements(names: &Value) -> Vec<String> {
+    let text = |v: &Value| v.as_str().map(str::to_owned);
+    match names {
+        Value::Array(list) => list.iter().filter_map(text).collect(),
+        Value::Object(kinds) => kinds.values().flat_map(elements).collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_elements_are_numbers() {
+        let info = serde_json::json!({"features": {
+            "observation.state": {"names": ["pan.pos", "lift.pos"]},
+            "observation.load": {"names": {"motors": ["pan", "lift"]}},
+        }});
+        let mut map = ColumnMap::default();
+        for (key, name) in [
+            ("q1", "observation.state.lift.pos"),
+            ("tau1", "observation.load.pan"),
+            ("q2", "x"),
+        ] {
+            map.names.insert(key.to_owned(), name.to_owned());
+        }
+        let map = by_number(&map, &info);
+        let name = |key: &str| map.names[key].as_str();
+        assert_eq!(
+            [name("q1"), name("tau1"), name("q2")],
+            ["observation.state[1]", "observation.load[0]", "x"]
+        );
+        assert_eq!(
+            [name("time"), name("trajectory")],
+            ["timestamp", "episode_index"]
+        );
+    }
+}
