@@ -6,6 +6,7 @@ use datasets::prepare::PrepareError;
 use datasets::write::WriteProblem;
 use model::baseline::BaselineError;
 use model::directory::DirectoryError;
+use model::physics_fit::FitError;
 use model::preparation::cutoff::CutoffError;
 use model::preparation::setup::SetupError;
 use physics::robot::RobotError;
@@ -55,6 +56,9 @@ pub enum DiagnoseError {
         /// What is needed.
         needed: f64,
     },
+    /// Nothing can be identified from the earlier recordings.
+    #[error(transparent)]
+    Before(Box<FitError>),
     /// The learned step failed.
     #[error("the compensator cannot be trained on what is left: {0}")]
     Learn(#[from] model::residual::ResidualError),
@@ -84,6 +88,12 @@ impl From<SetupError> for DiagnoseError {
 impl From<DirectoryError> for DiagnoseError {
     fn from(error: DirectoryError) -> Self {
         Self::Directory(Box::new(error))
+    }
+}
+
+impl From<FitError> for DiagnoseError {
+    fn from(error: FitError) -> Self {
+        Self::Before(Box::new(error))
     }
 }
 

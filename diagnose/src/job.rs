@@ -3,12 +3,13 @@
 use crate::advice::directory::{self, Directory};
 use crate::advice::next_motion::{self, Experiment};
 use crate::advice::patch::{self, Patch};
-use crate::diagnosis::{Options, diagnose};
+use crate::diagnosis::{Earlier, Options, diagnose, since};
 use crate::error::DiagnoseError;
-use crate::input::budget;
 use crate::input::given::Given;
+use crate::input::{before, budget};
 use crate::outcome::Outcome;
 use crate::report::page;
+use crate::schema::Compared;
 use datasets::Recording;
 use std::path::PathBuf;
 
@@ -29,9 +30,37 @@ pub enum Subject {
     },
     /// Model directory.
     Model(PathBuf),
+    /// The robot as its own earlier recordings have it: what has changed since is looked for.
+    Before {
+        /// Built-in robot, URDF or MJCF, for lengths and axes.
+        source: String,
+        /// Its joints, where an MJCF holds more.
+        joints: Vec<String>,
+        /// Gravity in the base frame, m/s², where it is not the description's.
+        gravity: Option<[f64; 3]>,
+        /// The earlier recordings.
+        recordings: Vec<PathBuf>,
+    },
 }
 
 impl Subject {
+    /// The same robot as its earlier recordings have it; a model directory stays what it is.
+    pub fn as_in(self, recordings: Vec<PathBuf>) -> Self {
+        match self {
+            Self::Robot {
+                source,
+                joints,
+                gravity,
+            } if !recordings.is_empty() => Self::Before {
+                source,
+                joints,
+                gravity,
+                recordings,
+            },
+            other => other,
+        }
+    }
+
     /// A built-in robot, URDF or MJCF with all of its joints and gravity as the description has it.
     pub fn robot(source: impl Into<String>) -> Self {
         Self::Robot {
@@ -51,8 +80,8 @@ pub struct Job {
     pub drive: Option<PathBuf>,
     /// Recordings that effects are fitted on.
     pub data: Vec<PathBuf>,
-    /// Recording that every figure is measured on.
-    pub heldout: PathBuf,
+    /// Recording that every figure is measured on; where there is none, trajectories of `data` that are then not fitted.
+    pub heldout: Option<PathBuf>,
     /// Cut-off of the motion's low-pass, Hz; chosen where none is given.
     pub cutoff_hz: Option<f64>,
     /// Draw no surrogates.
@@ -85,7 +114,7 @@ impl Job {
             subject,
             drive: None,
             data,
-            heldout: heldout.into(),
+            heldout: Some(heldout.into()),
             cutoff_hz: None,
             fast: false,
             learn: false,
@@ -99,6 +128,7 @@ impl Job {
     /// Files that cannot be used.
     pub fn run(self, stage: impl Fn(&'static str)) -> Result<Done, DiagnoseError> {
         let drive = self.drive.as_deref();
+        let mut earlier = None;
         let mut given = match &self.subject {
             Subject::Robot {
                 source,
@@ -106,23 +136,57 @@ impl Job {
                 gravity,
             } => Given::robot(source, joints, drive, *gravity)?,
             Subject::Model(directory) => Given::model(directory, drive)?,
+            Subject::Before {
+                source,
+                joints,
+                gravity,
+                recordings,
+            } => {
+                stage("identifying the robot as it was");
+                let before =
+                    Given::before(source, joints, drive, *gravity, recordings, self.cutoff_hz)?;
+                earlier = Some(before.1);
+                before.0
+            }
         };
         stage("reading");
-        let (data, short) = budget::within(given.data(&self.data)?);
-        let (heldout, short_heldout) = budget::within(given.heldout(&self.heldout)?);
+        let data = given.data(&self.data)?;
+        let (data, heldout) = match &self.heldout {
+            Some(path) => (data, given.heldout(path)?),
+            None => before::split(&data),
+        };
+        let (data, short) = budget::within(data);
+        let (heldout, short_heldout) = budget::within(heldout);
+        let options = match earlier {
+            Some(before) => {
+                given.model = given.model.on_clock_of(&[&data, &heldout])?;
+                since(&given.model, &before, &data, self.cutoff_hz)
+            }
+            None => Options::default(),
+        };
         stage("looking for causes");
         let options = Options {
             cutoff_hz: self.cutoff_hz,
             learn: self.learn,
             simulate: true,
             surrogates: if self.fast { 0 } else { SURROGATES },
-            ..Options::default()
+            ..options
         };
+        let usual = options.earlier.as_ref().and_then(Earlier::usual);
         let mut outcome = diagnose(&given.model, &data, &heldout, &options)?;
         let next = match self.next {
             true => next_motion::design(&given.model, &outcome)?,
             false => None,
         };
+        if let (Subject::Before { recordings, .. }, Some(replay)) =
+            (&self.subject, given.model.replay())
+        {
+            outcome.diagnosis.compared = Some(Compared {
+                before: recordings.iter().map(|p| p.display().to_string()).collect(),
+                repeated: [&data, &heldout].map(|r| replay.known(r).0),
+                usual: usual.map(|u| u.structured.clone()),
+            });
+        }
         outcome.diagnosis.next_experiment = next.as_ref().map(|n| n.summary.clone());
         let fast = self
             .fast
@@ -162,14 +226,20 @@ impl Done {
         let name = |p: &PathBuf| p.display().to_string();
         let data: Vec<String> = self.job.data.iter().map(name).collect();
         let subject = match &self.job.subject {
-            Subject::Robot { source, .. } => ("robot".to_owned(), source.clone()),
+            Subject::Robot { source, .. } | Subject::Before { source, .. } => {
+                ("robot".to_owned(), source.clone())
+            }
             Subject::Model(directory) => ("model".to_owned(), name(directory)),
         };
-        let inputs = [
-            subject,
-            ("data".to_owned(), data.join(", ")),
-            ("held out".to_owned(), name(&self.job.heldout)),
-        ];
+        let held = self.job.heldout.as_ref();
+        let held = held.map_or("trajectories of the same".to_owned(), name);
+        let mut inputs = vec![subject];
+        if let Subject::Before { recordings, .. } = &self.job.subject {
+            let before: Vec<String> = recordings.iter().map(name).collect();
+            inputs.push(("before".to_owned(), before.join(", ")));
+        }
+        inputs.push(("data".to_owned(), data.join(", ")));
+        inputs.push(("held out".to_owned(), held));
         page::render(&self.outcome, &inputs, patch)
     }
 

@@ -87,8 +87,9 @@ impl Parts<'_> {
     }
 }
 
-/// What the physical terms remember at the end of each training trajectory on the clock.
-fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<Memory> {
+/// What the physical terms remember at the end of each trajectory of the first `recordings` that is on the clock
+/// ([`Session::clock`]).
+pub fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<Memory> {
     let load = session.load(model.load_robot());
     let mut memory = vec![
         Memory {

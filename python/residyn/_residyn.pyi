@@ -72,8 +72,9 @@ class Diagnosis:
 def diagnose(
     robot: Optional[Robot],
     model: Optional[Path],
+    before: Sequence[Path],
     data: Sequence[Path],
-    heldout: Path,
+    heldout: Optional[Path],
     *,
     drive: Optional[Path],
     cutoff_hz: Optional[float],

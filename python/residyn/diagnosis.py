@@ -122,8 +122,9 @@ class Report:
 def diagnose(
     given: Union[_residyn.Robot, Model, str, os.PathLike],
     data: Union[RecordingLike, Sequence[RecordingLike]],
-    heldout: RecordingLike,
+    heldout: Optional[RecordingLike] = None,
     *,
+    before: Union[RecordingLike, Sequence[RecordingLike]] = (),
     drive: Union[str, os.PathLike, None] = None,
     cutoff_hz: Optional[float] = None,
     fast: bool = False,
@@ -133,7 +134,9 @@ def diagnose(
     """Diagnoses the gap between a simulator's torque and a real robot's.
 
     `given` is the simulator's model, a `Robot` (or its name or path), or an identified `Model`. Effects are fitted on `data`;
-    every figure is measured on `heldout`. `drive` is needed for a `Model` alone, a `Robot` has its own. Ctrl-C returns at once.
+    every figure is measured on `heldout`. With `before`, earlier recordings of the same robot, the report says what has changed since
+    then; of `given`, a `Robot`, lengths and axes are used, and without `heldout` every third trajectory of `data` is held out.
+    `drive` is needed for a `Model` alone, a `Robot` has its own. Ctrl-C returns at once.
     """
     if isinstance(given, (str, os.PathLike)):
         given = _residyn.Robot(os.fspath(given))
@@ -141,13 +144,19 @@ def diagnose(
     model = None if robot is not None else given.directory
     if robot is not None and drive is None:
         drive = robot.drive
-    data = several(data)
-    with paths(*data, heldout) as files:
+    before, data = several(before), several(data)
+    if before and robot is None:
+        raise _residyn.InputError("before needs a Robot: its lengths and axes")
+    if heldout is None and not before:
+        raise _residyn.InputError("heldout is needed: a recording that is not in data")
+    held = [] if heldout is None else [heldout]
+    with paths(*before, *data, *held) as files:
         done = _residyn.diagnose(
             robot,
             model,
-            files[:-1],
-            files[-1],
+            files[: len(before)],
+            files[len(before) : len(before) + len(data)],
+            files[-1] if held else None,
             drive=None if drive is None else Path(drive),
             cutoff_hz=cutoff_hz,
             fast=fast,

@@ -15,16 +15,17 @@ use std::sync::Mutex;
 #[pyclass(frozen, module = "residyn")]
 pub struct Diagnosis(Mutex<Done>);
 
-/// Diagnoses `data` and `heldout` against a robot's description, or a model directory.
+/// Diagnoses `data` and `heldout` against a robot's description, its recordings `before`, or a model directory.
 #[pyfunction]
-#[pyo3(signature = (robot, model, data, heldout, *, drive, cutoff_hz, fast, learn, next_motion))]
+#[pyo3(signature = (robot, model, before, data, heldout, *, drive, cutoff_hz, fast, learn, next_motion))]
 #[allow(clippy::too_many_arguments)] // one each of the command line's
 pub fn diagnose(
     py: Python,
     robot: Option<&Robot>,
     model: Option<PathBuf>,
+    before: Vec<PathBuf>,
     data: Vec<PathBuf>,
-    heldout: PathBuf,
+    heldout: Option<PathBuf>,
     drive: Option<PathBuf>,
     cutoff_hz: Option<f64>,
     fast: bool,
@@ -37,7 +38,7 @@ pub fn diagnose(
         (None, None) => return Err(crate::error::refused("a robot or a model is needed")),
     };
     let job = Job {
-        subject,
+        subject: subject.as_in(before),
         drive,
         data,
         heldout,

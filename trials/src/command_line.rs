@@ -2,6 +2,7 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+use crate::protocols::changed::{Change, changed};
 use crate::protocols::payload::{LoadedArm, loaded};
 use crate::{Protocol, SimulateError, cases, raw};
 use clap::builder::PossibleValuesParser;
@@ -86,6 +87,28 @@ enum What {
         /// Torque as drives with wrong torque constants record it; truth.json holds the gains that undo it.
         #[arg(long)]
         wrong_drives: bool,
+    },
+    /// An arm on two days between which one thing was changed, for `diagnose --before`: robot.urdf, whose masses are up to a
+    /// fifth off, before.parquet, after.parquet and truth.json.
+    Changed {
+        /// Folder to write into.
+        #[arg(long)]
+        out: PathBuf,
+        /// What was changed.
+        #[arg(long, value_parser = PossibleValuesParser::new(Change::ALL.map(Change::name)))]
+        change: String,
+        /// Which arm.
+        #[arg(long, default_value = "ur5", value_parser = arm)]
+        arm: LoadedArm,
+        /// The same motions on both days.
+        #[arg(long)]
+        again: bool,
+        /// Seed of change, motion and noise.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// The arm without anything that a rigid model with viscous and Coulomb friction lacks.
+        #[arg(long)]
+        plain: bool,
     },
 }
 
@@ -188,6 +211,21 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
                 made = made.with_wrong_drives(*seed);
             }
             for file in made.write(out)? {
+                report::say!("{}", file.display());
+            }
+            Ok(())
+        }
+        What::Changed {
+            out,
+            change,
+            arm,
+            again,
+            seed,
+            plain,
+        } => {
+            let change = Change::ALL.into_iter().find(|c| c.name() == change);
+            let change = change.unwrap_or(Change::None);
+            for file in changed(*arm, change, *again, *plain, *seed)?.write(out)? {
                 report::say!("{}", file.display());
             }
             Ok(())

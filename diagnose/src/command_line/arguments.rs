@@ -22,39 +22,53 @@ pub struct Command {
 #[derive(Subcommand)]
 pub enum Proof {
     /// Diagnoses sealed simulated cases with a withheld effect, and scores the answers.
-    Prove {
-        /// Number of cases.
+    Prove(Sealed),
+    /// Diagnoses simulated arms before and after a change (payload, friction, torque constant, mount, joint zero or none), with the same
+    /// motions and with others, and scores the answers.
+    Changes {
+        /// Number of pairs; 24 hold every change on both arms with either motion.
         #[arg(long, default_value_t = 24)]
         cases: u64,
         /// Seed of the draw.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Cases nearer to real recordings: descriptions that are further off, small effects on every joint, filtered currents,
-        /// other rates, days and stamps, two effects on one joint, pushes at rest.
-        #[arg(long, conflicts_with = "leave_one_out")]
-        hard: bool,
-        /// Cases of this kind alone: an effect's name, none, outside or two (with --hard two_same_joint or contact_at_rest).
-        #[arg(long)]
-        only: Option<String>,
-        /// Draw none of this effect, as before it entered the catalogue.
-        #[arg(long, conflicts_with_all = ["hard", "leave_one_out"], value_parser = PossibleValuesParser::new(EFFECTS))]
-        without: Option<String>,
-        /// Also take each case's effect out of the catalogue, and say what is named instead.
-        #[arg(long)]
-        leave_one_out: bool,
-        /// Also print the weights of a confidence that these cases give, and how reliable it is on cases left out.
-        #[arg(long)]
-        calibrate: bool,
-        /// Folder of an earlier run, with the program as it is now: its cases count for the weights as well. May be repeated.
-        #[arg(long, value_name = "DIR", requires = "calibrate")]
-        with: Vec<PathBuf>,
-        /// Skip what takes surrogates of the recordings.
-        #[arg(long)]
-        fast: bool,
-        /// Folder for cases, answers and reports. A case whose report is there already is scored by it.
-        #[arg(long)]
-        out: Option<PathBuf>,
     },
+}
+
+/// Sealed cases.
+#[derive(Args)]
+pub struct Sealed {
+    /// Number of cases.
+    #[arg(long, default_value_t = 24)]
+    pub cases: u64,
+    /// Seed of the draw.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Cases nearer to real recordings: descriptions that are further off, small effects on every joint, filtered currents,
+    /// other rates, days and stamps, two effects on one joint, pushes at rest.
+    #[arg(long, conflicts_with = "leave_one_out")]
+    pub hard: bool,
+    /// Cases of this kind alone: an effect's name, none, outside or two (with --hard two_same_joint or contact_at_rest).
+    #[arg(long)]
+    pub only: Option<String>,
+    /// Draw none of this effect, as before it entered the catalogue.
+    #[arg(long, conflicts_with_all = ["hard", "leave_one_out"], value_parser = PossibleValuesParser::new(EFFECTS))]
+    pub without: Option<String>,
+    /// Also take each case's effect out of the catalogue, and say what is named instead.
+    #[arg(long)]
+    pub leave_one_out: bool,
+    /// Also print the weights of a confidence that these cases give, and how reliable it is on cases left out.
+    #[arg(long)]
+    pub calibrate: bool,
+    /// Folder of an earlier run, with the program as it is now: its cases count for the weights as well. May be repeated.
+    #[arg(long, value_name = "DIR", requires = "calibrate")]
+    pub with: Vec<PathBuf>,
+    /// Skip what takes surrogates of the recordings.
+    #[arg(long)]
+    pub fast: bool,
+    /// Folder for cases, answers and reports. A case whose report is there already is scored by it.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
 }
 
 /// A diagnosis.
@@ -75,12 +89,15 @@ pub struct Arguments {
     /// An identified model instead: a model directory that `train` wrote.
     #[arg(long, value_name = "DIR", conflicts_with = "gravity")]
     pub model: Option<PathBuf>,
+    /// Earlier recordings of the same robot: says what has changed since, with --robot for its lengths and axes alone.
+    #[arg(long, num_args = 1.., conflicts_with_all = ["model", "learn", "next"])]
+    pub before: Vec<PathBuf>,
     /// Recordings of the real robot on which effects are fitted.
     #[arg(long, required = true, num_args = 1..)]
     pub data: Vec<PathBuf>,
-    /// Recording on which every figure is measured.
-    #[arg(long)]
-    pub heldout: PathBuf,
+    /// Recording on which every figure is measured [default with --before: every third trajectory of --data].
+    #[arg(long, required_unless_present = "before")]
+    pub heldout: Option<PathBuf>,
     /// Gravity in the base frame, m/s².
     #[arg(
         long,

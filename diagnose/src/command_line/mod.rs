@@ -6,7 +6,7 @@ mod arguments;
 
 use crate::directory::Directory;
 use crate::{DiagnoseError, Done, Job, Options, Subject, patch, prove, words};
-use arguments::{Arguments, Command, Proof};
+use arguments::{Arguments, Command, Proof, Sealed};
 use clap::Parser;
 use indicatif::ProgressBar;
 use physics::robot::Description;
@@ -20,7 +20,7 @@ use std::time::Duration;
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let command = Command::parse_from(arguments);
     match (command.proof, command.arguments) {
-        (Some(proof), _) => match run_proof(&proof) {
+        (Some(proof), _) => match run_proof(proof) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 report::warn!("error: {error}");
@@ -105,7 +105,7 @@ fn job(arguments: &Arguments) -> Job {
         (None, None) => unreachable!("the command line demands one of them"),
     };
     Job {
-        subject,
+        subject: subject.as_in(arguments.before.clone()),
         drive: arguments.drive.clone(),
         data: arguments.data.clone(),
         heldout: arguments.heldout.clone(),
@@ -154,8 +154,21 @@ fn files(
     Ok(files)
 }
 
-fn run_proof(proof: &Proof) -> Result<(), prove::ProveError> {
-    let Proof::Prove {
+fn run_proof(proof: Proof) -> Result<(), prove::ProveError> {
+    match proof {
+        Proof::Prove(sealed) => prove_sealed(&sealed),
+        Proof::Changes { cases, seed } => {
+            let bar = ProgressBar::new(cases);
+            let told = prove::changed::run(cases, seed, || bar.inc(1))?;
+            bar.finish_and_clear();
+            report::say!("{}", prove::changed::table(&told).to_text());
+            Ok(())
+        }
+    }
+}
+
+fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
+    let Sealed {
         cases,
         seed,
         hard,

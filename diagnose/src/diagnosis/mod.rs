@@ -1,13 +1,17 @@
 //! The whole diagnosis of a pair of recordings.
 
+mod earlier;
 mod late;
 mod memory;
 mod options;
 mod searched;
 mod units;
+mod usual;
 
 pub use crate::outcome::Outcome;
+pub use earlier::{Earlier, Usual};
 pub use options::Options;
+pub(crate) use usual::options as since;
 
 use crate::advice::patch;
 use crate::catalogue::effect::Effect;
@@ -90,6 +94,10 @@ pub fn diagnose(
         &settings.motion,
     );
     let judging = &settings.measure.verdict;
+    let (floors, left) = match &options.earlier {
+        Some(earlier) => (earlier.floors(floors), earlier.beyond(left, judging.beyond)),
+        None => (floors, left),
+    };
     let dead = &channels.dead;
     let rest = remainder(&floors, &judged, &skipped, &left, &names, dead, judging);
     let pushed = |c: &Cause| c.effect == Effect::ExternalContact;
@@ -133,6 +141,7 @@ pub fn diagnose(
         joints: names.clone(),
         verdict,
         reason,
+        compared: None,
         ladder,
         places: places(model, &frames, &explanation, settings),
         causes: units::of_causes(explanation.causes.clone(), &model.robot),

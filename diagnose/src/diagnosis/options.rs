@@ -1,6 +1,7 @@
 //! What a diagnosis is asked for.
 
-use crate::catalogue::effect::Effect;
+use super::earlier::Earlier;
+use crate::catalogue::choice::Choice;
 use crate::settings::Settings;
 
 /// What a diagnosis is to do.
@@ -8,8 +9,10 @@ use crate::settings::Settings;
 pub struct Options {
     /// How gaps are weighed.
     pub settings: Settings,
-    /// Effect that is left out of the catalogue, for the proof.
-    pub withheld: Option<Effect>,
+    /// Which effects are looked for.
+    pub effects: Choice,
+    /// The robot's earlier recordings that the gap is measured from, where it is no simulator's.
+    pub earlier: Option<Earlier>,
     /// Cut-off of the motion's low-pass, Hz; chosen from the fitted recording where none is given.
     pub cutoff_hz: Option<f64>,
     /// Train a compensator on what the causes leave.

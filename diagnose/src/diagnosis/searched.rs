@@ -117,9 +117,15 @@ impl<'a> Searcher<'a> {
         }
     }
 
+    /// What the robot's own model earns where nothing has changed, nats.
+    fn chance(&self) -> f64 {
+        let earlier = self.options.earlier.as_ref();
+        earlier.map_or(0.0, |e| e.chance(self.frames.data.len()))
+    }
+
     /// What a search of the whole recording finds.
     pub(super) fn first(&self) -> Result<Findings, DiagnoseError> {
-        self.find(&self.weight, 0.0)
+        self.find(&self.weight, self.chance())
     }
 
     /// Rows for which what a search leaves on each joint, out of fold, remembers itself.
@@ -135,7 +141,7 @@ impl<'a> Searcher<'a> {
     pub(super) fn searched(&self, first: Findings) -> Result<Searched, DiagnoseError> {
         let samples = self.frames.data.tau.nrows();
         let found = self.listed(first, &self.weight, &vec![false; samples]);
-        let look = (self.options.withheld != Some(Effect::ExternalContact))
+        let look = (self.options.effects.holds(Effect::ExternalContact))
             .then(|| !self.repeats(&found.left));
         let contact = self.contact(&found, look)?;
         let (found, contact, skipped) = self.apart(found, contact)?;
@@ -157,8 +163,8 @@ impl<'a> Searcher<'a> {
     /// What a search finds; samples that are left out have no weight.
     fn find(&self, weight: &Array2<f64>, chance: f64) -> Result<Findings, DiagnoseError> {
         let own = self.options.settings.clone();
-        let withheld = self.options.withheld;
-        find(self.model, self.frames, weight, own, withheld, chance)
+        let effects = self.options.effects;
+        find(self.model, self.frames, weight, own, effects, chance)
     }
 
     /// One search without the samples that are `skipped`, which have no weight either.
@@ -176,8 +182,16 @@ impl<'a> Searcher<'a> {
         let (model, frames, settings) = (self.model, self.frames, &self.options.settings);
         let data = &frames.data;
         let scored = Scored::new(&self.channels.dead, skipped.iter().map(|s| !s).collect());
-        let moves = self.channels.moves;
-        let listing = list(model, frames, &mut findings, weight, &scored, moves);
+        let (effects, moves) = (self.options.effects, self.channels.moves);
+        let listing = list(
+            model,
+            frames,
+            &mut findings,
+            weight,
+            &scored,
+            effects,
+            moves,
+        );
         let left = examine(
             data,
             &listing.residual,
@@ -246,7 +260,7 @@ impl<'a> Searcher<'a> {
         }
         let part = self.options.settings.traces.contact.suspected;
         let suspected = suspected(&self.frames.data, &found.judged, part);
-        let clean = self.search(&self.without(&suspected), &suspected, 0.0)?;
+        let clean = self.search(&self.without(&suspected), &suspected, self.chance())?;
         Ok(self.pushed(&clean, true))
     }
 
@@ -265,7 +279,7 @@ impl<'a> Searcher<'a> {
         while let Some(cut) = near.take() {
             let first = skipped.iter().all(|s| !s);
             skipped.iter_mut().zip(cut).for_each(|(s, n)| *s |= n);
-            found = self.search(&self.without(&skipped), &skipped, 0.0)?;
+            found = self.search(&self.without(&skipped), &skipped, self.chance())?;
             let more = |c: &Contact| contact.as_ref().is_some_and(|known| c.size > known.size);
             let again = || self.pushed(&found, !self.repeats(&found.left)).filter(more);
             if first && let Some(all) = again() {
@@ -300,7 +314,7 @@ impl<'a> Searcher<'a> {
         if let Some(namings) = namings {
             return Ok((found, Some(null), namings));
         }
-        found = self.search(weight, skipped, null.level())?;
+        found = self.search(weight, skipped, null.level().max(self.chance()))?;
         // Where a cause is left beside parameters, it has to be named again.
         let mut namings = Vec::new();
         if found.findings.least_earned().is_finite() {

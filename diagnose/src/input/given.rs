@@ -1,13 +1,13 @@
 //! Model and recordings as the command line names them.
 
+use super::before;
 use crate::error::DiagnoseError;
 use crate::simulator::NominalModel;
-use datasets::{Part, ReadOptions, Recording, Trajectory, read};
+use datasets::{Part, ReadOptions, Recording, read};
 use model::directory::{ModelFile, Source};
 use model::evaluation::read_options;
 use model::preparation::setup::{Setup, SetupError};
 use model::preparation::units::refuse_degrees;
-use ndarray::{Array2, Axis, concatenate};
 use physics::robot::Description;
 use std::path::{Path, PathBuf};
 
@@ -51,6 +51,30 @@ impl Given {
         })
     }
 
+    /// A robot as its earlier recordings have it, and these, joined: of its description, lengths and axes are used.
+    ///
+    /// # Errors
+    /// As [`Self::robot`], or earlier recordings that cannot be used.
+    pub fn before(
+        name: &str,
+        joints: &[String],
+        drive: Option<&Path>,
+        gravity: Option<[f64; 3]>,
+        recordings: &[PathBuf],
+        cutoff_hz: Option<f64>,
+    ) -> Result<(Self, Recording), DiagnoseError> {
+        let mut setup = Setup::with_joints(name, joints, drive, gravity)?;
+        let read = setup.read_training(recordings)?;
+        let given = Self {
+            model: before::model(&setup.robot, &read, cutoff_hz)?,
+            description: setup.description.clone(),
+            sources: Vec::new(),
+            reading: Reading::Robot(Box::new(setup)),
+        };
+        let read = Recording::joined(&read).expect("the command line demands one");
+        Ok((given, read))
+    }
+
     /// The physics of a model directory.
     ///
     /// # Errors
@@ -87,7 +111,7 @@ impl Given {
         Ok(if all.len() == 1 {
             all.remove(0)
         } else {
-            joined(&all)
+            Recording::joined(&all).expect("the command line demands one")
         })
     }
 
@@ -112,34 +136,4 @@ fn of_model(
     let recording = read(path, options)?;
     refuse_degrees(&model.robot, &recording).map_err(SetupError::from)?;
     Ok(recording)
-}
-
-/// One recording of all trajectories. Optional tables that one of them lacks are left out.
-fn joined(all: &[Recording]) -> Recording {
-    let mut out = all[0].clone();
-    for next in &all[1..] {
-        let start = out.len();
-        out.trajectories
-            .extend(next.trajectories.iter().map(|t| Trajectory {
-                label: t.label.clone(),
-                range: start + t.range.start..start + t.range.end,
-            }));
-        out.time.extend_from_slice(&next.time);
-        let both = |a: &Array2<f64>, b: &Array2<f64>| {
-            concatenate(Axis(0), &[a.view(), b.view()])
-                .expect("recordings of one robot have the same joints")
-        };
-        let some =
-            |a: &Option<Array2<f64>>, b: &Option<Array2<f64>>| Some(both(a.as_ref()?, b.as_ref()?));
-        out.q = both(&out.q, &next.q);
-        out.tau = some(&out.tau, &next.tau);
-        out.qd = some(&out.qd, &next.qd);
-        out.qdd = some(&out.qdd, &next.qdd);
-        out.ql = some(&out.ql, &next.ql);
-        out.q_ref = some(&out.q_ref, &next.q_ref);
-        out.qd_ref = some(&out.qd_ref, &next.qd_ref);
-        out.temp = some(&out.temp, &next.temp);
-        out.source = format!("{}, {}", out.source, next.source);
-    }
-    out
 }

@@ -1,5 +1,6 @@
 //! What the command line names: model and recordings, checked, on their clocks.
 
+pub(crate) mod before;
 pub mod budget;
 pub(crate) mod frames;
 pub(crate) mod given;

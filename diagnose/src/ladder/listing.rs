@@ -4,6 +4,7 @@
 //! fall of the error is drawn again from blocks of time. A cause whose interval holds zero is taken back, the weakest
 //! first, since two that share a torque may each be spared while the other stands.
 
+use crate::catalogue::choice::Choice;
 use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::out_of_fold::{OutOfFold, gain};
@@ -29,13 +30,14 @@ pub struct Listing {
 }
 
 /// Takes back what does not pay, and says what the rest touches. `weight` on the fitted rows, shape (rows, joints); `scored`
-/// is what of the fitted recording is judged; `moves` is false where there is hardly any motion to say anything.
+/// is what of the fitted recording is judged, `effects` what may be listed; `moves` is false where there is hardly any motion to say anything.
 pub fn list(
     model: &NominalModel,
     frames: &Frames,
     found: &mut Findings,
     weight: &Array2<f64>,
     scored: &Scored,
+    effects: Choice,
     moves: bool,
 ) -> Listing {
     let gap = scored.judged(gap(model, &frames.data, &frames.scale));
@@ -58,11 +60,12 @@ pub fn list(
     let structure: Vec<(usize, Vec<usize>)> =
         causes.into_iter().map(|c| (c.accepted, c.joints)).collect();
     let last = found.refit(model, &frames.scale, &found.structure(), Free::All);
-    let parameters = if moves {
+    let mut parameters = if moves {
         parameters(model, frames, found, &unseen, scored, &structure)
     } else {
         Vec::new()
     };
+    parameters.retain(|p| effects.holds(p.0));
     Listing {
         parameters,
         given: total(&scored.figures(&gap, &frames.data, Scope::All)),

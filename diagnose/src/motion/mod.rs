@@ -2,6 +2,7 @@
 
 pub(crate) mod channel;
 pub(crate) mod delay;
+pub(crate) mod executions;
 pub(crate) mod floor;
 pub(crate) mod frame;
 pub(crate) mod motor;

@@ -1,6 +1,7 @@
 //! The proof: sealed simulated cases with a withheld effect, diagnosed and scored.
 
 mod calibration;
+pub mod changed;
 mod named;
 mod rates;
 mod reliability;
@@ -8,6 +9,7 @@ mod score;
 mod sizes;
 mod withheld;
 
+use crate::catalogue::choice::Choice;
 use crate::catalogue::effect::Effect;
 use crate::diagnosis::{Options, diagnose};
 use crate::simulator::NominalModel;
@@ -212,7 +214,7 @@ pub fn leave_one_out(
         };
         let case = generate(&spec, seed)?;
         let options = Options {
-            withheld: Some(effect),
+            effects: Choice::Without(effect),
             ..Options::default()
         };
         let found = report_of(&case, &options)?;

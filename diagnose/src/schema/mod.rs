@@ -19,6 +19,9 @@ pub struct Diagnosis {
     /// Why nothing can be said, where the verdict is `cannot_tell`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// The earlier recordings that the gap is measured from instead of a simulator's model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compared: Option<Compared>,
     /// How far the gap shrinks, step by step, on the held-out recording.
     pub ladder: Vec<Step>,
     /// Where the gap lies.
@@ -79,6 +82,20 @@ impl Verdict {
             Verdict::CannotTell => "cannot_tell",
         }
     }
+}
+
+/// Earlier recordings of the robot.
+#[derive(Clone, Debug, Serialize)]
+pub struct Compared {
+    /// Files.
+    pub before: Vec<String>,
+    /// Part of the fitted and of the held-out samples whose motion the earlier recordings hold: there torque is compared with
+    /// torque, elsewhere with the model identified from them.
+    pub repeated: [f64; 2],
+    /// Where the motion is another: error with structure, over the joint's torque, that is left on each joint where nothing has changed
+    /// (`nrmse` of `unexplained` is to be compared with it).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub usual: Option<Vec<f64>>,
 }
 
 /// A step of the ladder.

@@ -3,7 +3,7 @@
 use crate::algebra::fit::Variable;
 use crate::algebra::folds::folds;
 use crate::algebra::gram::Grams;
-use crate::catalogue::effect::Effect;
+use crate::catalogue::choice::Choice;
 use crate::catalogue::{
     self, Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
 };
@@ -125,7 +125,7 @@ impl Columns {
     }
 }
 
-/// Finds the causes; `withheld` is left out of the catalogue, and what earns no more than `chance`, in nats, is none.
+/// Finds the causes; `effects` are looked for, and what earns no more than `chance`, in nats, is none.
 ///
 /// # Errors
 /// None beyond those of the model's own numbers.
@@ -134,7 +134,7 @@ pub fn find(
     frames: &Frames,
     weight: &Array2<f64>,
     settings: Settings,
-    withheld: Option<Effect>,
+    effects: Choice,
     chance: f64,
 ) -> Result<Findings, DiagnoseError> {
     let (data, scale) = (&frames.data, &frames.scale);
@@ -147,7 +147,7 @@ pub fn find(
     let (present, residual) = first_fit(model, frames, &given, left, weight, &settings)?;
     let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
     let mut candidates = catalogue::catalogue(&scene);
-    candidates.retain(|c| Some(c.effect) != withheld);
+    effects.retain(&mut candidates);
     let on_time = on_time(&scene, data, &residual, weight);
     for j in 0..data.dof() {
         let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));
@@ -168,7 +168,7 @@ pub fn find(
     if let Some(blows) = impacts::clearest(data, &residual, &load, &settings.traces.blows) {
         candidates.extend(backlash::struck(&scene, blows.joint));
     }
-    candidates.retain(|c| Some(c.effect) != withheld);
+    effects.retain(&mut candidates);
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let grams = dictionary.grams(&scene, data, &y, weight, &folds);
     let objective = Objective::new(&grams, scale, &settings.search);
@@ -292,6 +292,17 @@ impl Findings {
         };
         let each = self.accepted.iter().filter_map(own);
         each.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The most that one earned; zero where there is none.
+    pub fn most_earned(&self) -> f64 {
+        let own = |a: &Accepted| {
+            let mut tried = a.tried.iter();
+            let own = tried.find(|t| t.candidate == a.candidate)?;
+            Some(self.earned(own))
+        };
+        let each = self.accepted.iter().filter_map(own);
+        each.fold(0.0, f64::max)
     }
 
     /// The candidate behind an accepted cause.

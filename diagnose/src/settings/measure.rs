@@ -18,6 +18,8 @@ settings! {
     VerdictSettings {
         /// Structure left on some joint, relative to its torque, from which it counts as clear.
         clear: f64 = 0.03, tuned;
+        /// The same over what is usual of the robot's own model, where there is no simulator's.
+        beyond: f64 = 2.0, tuned;
         /// Part of the whole squared gap that such structure must be.
         clear_share: f64 = 0.06, tuned;
         /// Structure left on some joint, relative to its torque, that is clear whatever part of the gap it is.

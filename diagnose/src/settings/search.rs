@@ -7,6 +7,12 @@ settings! {
         inertial_tolerance: f64 = 0.025, tuned;
         /// Deviation of given friction coefficients that is nothing to report, relative.
         friction_tolerance: f64 = 0.12, tuned;
+        /// The same of parameters that the robot's own earlier recordings gave.
+        inertial_of_own: f64 = 0.003, tuned;
+        /// The same where the motion is that of the earlier recordings.
+        inertial_repeated: f64 = 1e-4, tuned;
+        /// The same of friction.
+        friction_of_own: f64 = 0.01, tuned;
         /// Torque of a change of friction that nobody would report however small the coefficient is, over the joint's.
         unreported: f64 = 0.003, tuned;
         /// Torque that friction which the model lacks may make, over the joint's, one deviation.

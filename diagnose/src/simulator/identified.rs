@@ -1,8 +1,11 @@
 //! The physics of a model directory as the model that a gap is measured from.
 
 use crate::motion::frame::Frame;
+use datasets::Prepared;
 use datasets::channel::Estimate95;
 use feedforward::clock::Memory;
+use identify::base::BaseParameters;
+use model::assemble::memory;
 use model::directory::ModelFile;
 use model::predict::predict_noted;
 use model::session::{Session, spans};
@@ -24,6 +27,18 @@ pub(crate) struct IdentifiedFile {
     pub(crate) channel: Option<TorqueChannel>,
     /// How much later it was recorded than the motion.
     pub(crate) torque_delay: Option<Estimate95>,
+}
+
+/// Parameters of all links with the torque of the identified ones: the description's, changed where the recordings say
+/// so. What no motion of the mounted arm shows, a tilt of its base does, and zero would be a poor guess of it.
+fn filled(nominal: &Robot, identified: &Robot) -> Vec<f64> {
+    let base = BaseParameters::of_robot(nominal, &[]);
+    let given = nominal.parameters();
+    let found = base.base_from(&identified.parameters());
+    let both = found.iter().zip(base.base_from(&given));
+    let change: Vec<f64> = both.map(|(found, given)| found - given).collect();
+    let change = base.standard_from(&change);
+    given.iter().zip(change).map(|(g, c)| g + c).collect()
 }
 
 /// An identified torque model with what it remembers of its training.
@@ -59,9 +74,10 @@ impl Identified {
             values.into_iter().map(|v: f64| v.max(0.0)).collect()
         };
         let (viscous, coulomb) = (friction(Sliding::Viscous), friction(Sliding::Coulomb));
+        let nominal = file.physics.nominal()?;
         let mut robot = model
             .robot()
-            .clone()
+            .with_parameters(&filled(&nominal, model.robot()))?
             .with_friction(&viscous, &coulomb)?
             .with_rotor_inertia(&value(&Term::RotorInertia))?;
         for weighted in model.terms().iter().flatten() {
@@ -69,7 +85,7 @@ impl Identified {
                 robot = robot.with_passive(passive)?;
             }
         }
-        let sizes = file.physics.nominal()?.with_friction(&viscous, &coulomb)?;
+        let sizes = nominal.with_friction(&viscous, &coulomb)?;
         let identified = Self {
             model,
             clock: file.clock.clone(),
@@ -84,22 +100,30 @@ impl Identified {
         Ok((robot, identified))
     }
 
+    /// The same on the clock of other recordings than those that it was trained on.
+    pub(super) fn on_clock_of(&mut self, recordings: Vec<Prepared>) {
+        let count = recordings.len();
+        let session = Session::new(recordings, &[]);
+        self.memory = memory(&self.model, &session, count);
+        self.clock = session.clock(count);
+    }
+
     /// Torque at the recorded samples, shape (samples, joints).
     pub(super) fn predicted(&self, frame: &Frame) -> Array2<f64> {
-        // A recording that the model was trained on is its clock; any other may continue it.
-        let known = |start: f64| self.clock.iter().any(|k| (k[0] - start).abs() < SAME_START);
-        let own = spans(frame.motion()).iter().all(|s| known(s[0]));
-        let (clock, memory): (&[_], &[_]) = if own {
-            (&[], &[])
-        } else {
-            (&self.clock, &self.memory)
-        };
+        // What is known of the frame's own trajectories is computed again; it may continue any other.
+        let own = spans(frame.motion());
+        let other = |k: &[f64; 2]| !own.iter().any(|s| (s[0] - k[0]).abs() < SAME_START);
+        let known = self.clock.iter().zip(&self.memory);
+        let (clock, memory): (Vec<[f64; 2]>, Vec<Memory>) = known
+            .filter(|(k, _)| other(k))
+            .map(|(k, m)| (*k, m.clone()))
+            .unzip();
         let channel = self.file.channel.as_ref();
         let mut prepared = frame.prepared().clone();
         if let Some(channel) = channel {
             channel.turn(&mut prepared.fine);
         }
-        let session = Session::new(vec![prepared], clock);
-        predict_noted(&self.model, &session, memory, channel).swap_remove(0)
+        let session = Session::new(vec![prepared], &clock);
+        predict_noted(&self.model, &session, &memory, channel).swap_remove(0)
     }
 }

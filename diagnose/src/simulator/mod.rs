@@ -2,15 +2,20 @@
 
 mod identified;
 pub(crate) mod possible;
+mod replay;
+
+pub use replay::Replay;
 
 use crate::error::DiagnoseError;
 use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
-use datasets::PrepareOptions;
+use datasets::{PrepareOptions, Recording, prepare};
 use identified::{Identified, IdentifiedFile};
 use model::directory::ModelFile;
+use model::preparation::cutoff;
 use ndarray::Array2;
 use physics::robot::{Joint, PARAMETERS_PER_LINK, Robot, RobotError};
+use std::sync::Arc;
 
 /// What the simulator computes torque with: a robot with its friction, or an identified model.
 #[derive(Clone, Debug)]
@@ -19,6 +24,7 @@ pub struct NominalModel {
     pub robot: Robot,
     identified: Option<Identified>,
     preparation: Option<PrepareOptions>,
+    replay: Option<Arc<Replay>>,
 }
 
 impl NominalModel {
@@ -28,6 +34,7 @@ impl NominalModel {
             robot,
             identified: None,
             preparation: None,
+            replay: None,
         }
     }
 
@@ -41,7 +48,49 @@ impl NominalModel {
             robot,
             identified: Some(identified),
             preparation: Some(file.preprocessing.options(None)),
+            replay: None,
         })
+    }
+
+    /// The same with what it left of the recordings that it was identified on, where a later one repeats their motions.
+    pub fn with_replay(self, replay: Replay) -> Self {
+        Self {
+            replay: Some(Arc::new(replay)),
+            ..self
+        }
+    }
+
+    /// The same on the clock of recordings of another day, by their motion alone; a model that was not identified remembers
+    /// nothing.
+    ///
+    /// # Errors
+    /// A recording that cannot be prepared.
+    pub fn on_clock_of(mut self, recordings: &[&Recording]) -> Result<Self, DiagnoseError> {
+        if let (Some(identified), Some(options)) = (&mut self.identified, &self.preparation) {
+            let one = |recording: &&Recording| {
+                prepare(recording, &cutoff::for_recording(options, recording)).map_err(|error| {
+                    DiagnoseError::Prepare {
+                        source_name: recording.source.clone(),
+                        error,
+                    }
+                })
+            };
+            identified.on_clock_of(recordings.iter().map(one).collect::<Result<_, _>>()?);
+        }
+        Ok(self)
+    }
+
+    /// What the model replays, where it does.
+    pub fn replay(&self) -> Option<&Replay> {
+        self.replay.as_deref()
+    }
+
+    /// The same without: the model alone speaks.
+    pub fn alone(self) -> Self {
+        Self {
+            replay: None,
+            ..self
+        }
     }
 
     /// The robot whose masses and lengths say how large a change of a parameter is. Identified parameters are
@@ -67,13 +116,17 @@ impl NominalModel {
 
     /// Torque that the simulator predicts at the recorded samples, shape (samples, joints): inverse dynamics +
     /// damping·q̇ + friction·sign(q̇), with rotor inertia, counterbalance and springs where the model has them; or the
-    /// identified model's torque, memory included.
+    /// identified model's torque, memory included, and what it left where it replays an earlier recording.
     pub fn predicted(&self, frame: &Frame, scale: &Scale) -> Array2<f64> {
-        match &self.identified {
+        let torque = match &self.identified {
             Some(identified) => identified.predicted(frame),
             None => {
                 frame.table_to_samples(&Scene::new(&self.robot, frame.motion(), scale).predicted())
             }
+        };
+        match &self.replay {
+            Some(replay) => torque + replay.at(frame),
+            None => torque,
         }
     }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::catalogue::choice::Choice;
 use crate::search::find::find;
 use crate::settings::Settings;
 use std::collections::BTreeMap;
@@ -16,7 +17,7 @@ fn nulls(index: u64, seed: u64) -> [Null; 2] {
     let settings = Settings::default();
     let frames = Frames::new(&model, &case.train, &case.test, None, &settings.input).unwrap();
     let weight = frames.data.weights(&settings.motion);
-    let found = find(&model, &frames, &weight, settings, None, 0.0).unwrap();
+    let found = find(&model, &frames, &weight, settings, Choice::All, 0.0).unwrap();
     let last = SURROGATES + FURTHER;
     with(&model, &frames, &found, &weight, |source| {
         [0..SURROGATES, SURROGATES..last].map(|s| source.null(s))

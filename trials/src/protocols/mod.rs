@@ -1,5 +1,6 @@
 //! Recordings made as the source papers made theirs, of simulated robots whose parameters are known.
 
+pub mod changed;
 mod effects;
 mod foxbot;
 mod kr300;

@@ -37,7 +37,7 @@ impl LoadedArm {
         }
     }
 
-    fn machine(self) -> Result<Machine, SimulateError> {
+    pub(super) fn machine(self) -> Result<Machine, SimulateError> {
         match self {
             Self::Ur5 => ur5::machine(),
             Self::Seven => Ok(seven()),
@@ -107,7 +107,7 @@ pub fn loaded(arm: LoadedArm, plain: bool, seed: u64) -> Result<Loaded, Simulate
 }
 
 /// A body of 1 to 4 kg up to 0.25 m beyond the flange, not a point.
-fn body(rng: &mut ChaCha8Rng) -> Inertia {
+pub(super) fn body(rng: &mut ChaCha8Rng) -> Inertia {
     let mass = rng.random_range(1.0..4.0);
     let com = Vector3::new(0.0, 0.0, rng.random_range(0.05..0.2)) + 0.06 * unit_vector(rng);
     let gyration = Vector3::from_fn(|_, _| rng.random_range(0.04..0.1_f64));

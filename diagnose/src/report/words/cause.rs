@@ -7,6 +7,8 @@ use crate::schema::{Cause, Parameter};
 /// Cause, joint and size.
 pub fn sentence(cause: &Cause) -> String {
     let of = |p: &Parameter| match &p.joint {
+        // A time is on no joint.
+        _ if cause.effect == Effect::ExternalContact => format!(", {}", value(p)),
         Some(joint) if cause.joints.len() > 1 => format!(", {} on {joint}", value(p)),
         _ => format!(", {}", value(p)),
     };

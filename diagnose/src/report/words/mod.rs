@@ -136,7 +136,7 @@ fn ambiguities(d: &Diagnosis) -> Vec<String> {
 /// Causes that wider tolerances of the description would take over.
 fn supposed(d: &Diagnosis) -> Vec<String> {
     let one = |cause: &Cause| {
-        let right_to = cause.right_to?;
+        let right_to = cause.right_to.filter(|_| d.compared.is_none())?;
         Some(format!(
             "Supposes that the description's inertial parameters are right to {:.0} %: {} on {}; were they further off, they would be the answer.",
             100.0 * right_to,
@@ -241,7 +241,11 @@ fn verdict(d: &Diagnosis) -> String {
         nrmse(d.ladder.first()),
         nrmse(last)
     );
+    let since = d.compared.is_some();
     let says = match d.verdict {
+        Verdict::NoGap if since => "Nothing has changed beyond noise",
+        Verdict::Explained if since => "What has changed is explained",
+        Verdict::PartlyExplained if since => "What has changed is explained in part",
         Verdict::NoGap => {
             "Nothing is missing: what separates model and recording is noise and small parameter changes"
         }
@@ -253,9 +257,12 @@ fn verdict(d: &Diagnosis) -> String {
                 .iter()
                 .max_by(|a, b| a.nrmse.unwrap_or(0.0).total_cmp(&b.nrmse.unwrap_or(0.0)));
             let place = worst.map_or("", |w| w.joint.as_str());
-            return format!(
-                "Something is there that the catalogue does not know, on {place} ({figures})."
-            );
+            let what = if since {
+                "Something has changed that is none of what is looked for"
+            } else {
+                "Something is there that the catalogue does not know"
+            };
+            return format!("{what}, on {place} ({figures}).");
         }
         Verdict::CannotTell => {
             let reason = d.reason.as_deref().unwrap_or_default();

@@ -1,0 +1,78 @@
+//! What a robot's earlier recordings say of a later one, beside the model that was identified from them.
+
+use crate::traces::unknown::Left;
+
+/// What is found and left where nothing has changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Usual {
+    /// Most that a cause earned, nats by row.
+    pub(crate) earned: f64,
+    /// Root mean square of what was left in motion, N·m (N), by joint.
+    pub(crate) left: Vec<f64>,
+    /// The part of it with structure, over the joint's torque.
+    pub(crate) structured: Vec<f64>,
+}
+
+impl Usual {
+    /// The larger of each.
+    pub(super) fn most(self, other: Self) -> Self {
+        let larger =
+            |a: Vec<f64>, b: Vec<f64>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
+        Self {
+            earned: self.earned.max(other.earned),
+            left: larger(self.left, other.left),
+            structured: larger(self.structured, other.structured),
+        }
+    }
+}
+
+/// What the earlier recordings say of a later one.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Earlier {
+    /// The motion is the same: what the model lacks cancels, and the noise of so many executions on average is added.
+    Repeated(f64),
+    /// It is another: the model's misfit on motions that it does not know is the least that can be told; none where the
+    /// earlier recordings are one trajectory.
+    Other(Option<Usual>),
+}
+
+impl Earlier {
+    /// What the earlier recordings show where nothing has changed, where that was looked for.
+    pub(crate) fn usual(&self) -> Option<&Usual> {
+        match self {
+            Self::Other(usual) => usual.as_ref(),
+            Self::Repeated(_) => None,
+        }
+    }
+
+    /// What chance earns on so many rows, nats.
+    pub(super) fn chance(&self, rows: usize) -> f64 {
+        self.usual().map_or(0.0, |u| u.earned * rows as f64)
+    }
+
+    /// The least that can be left, joint by joint.
+    pub(super) fn floors(&self, floors: Vec<Option<f64>>) -> Vec<Option<f64>> {
+        match self {
+            Self::Repeated(executions) => {
+                let both = (1.0 + 1.0 / executions.max(1.0)).sqrt();
+                floors.into_iter().map(|f| f.map(|f| both * f)).collect()
+            }
+            Self::Other(Some(usual)) => {
+                let both = floors.into_iter().zip(&usual.left);
+                both.map(|(f, l)| Some(f.map_or(*l, |f| f.max(*l))))
+                    .collect()
+            }
+            Self::Other(None) => floors,
+        }
+    }
+
+    /// What has structure beyond `margin` times the usual.
+    pub(super) fn beyond(&self, left: Vec<Option<Left>>, margin: f64) -> Vec<Option<Left>> {
+        let Some(usual) = self.usual() else {
+            return left;
+        };
+        let both = left.into_iter().zip(&usual.structured);
+        both.map(|(l, s)| l.filter(|l| l.structured() > margin * s))
+            .collect()
+    }
+}

@@ -1,0 +1,133 @@
+//! What a robot's own earlier recordings show when nothing has changed.
+//!
+//! Each part of the earlier recordings is diagnosed against the model of the others, as a later recording is against all:
+//! what is found there is the model's own misfit on motions that it does not know, and what has changed must be more.
+
+use super::earlier::{Earlier, Usual};
+use super::options::Options;
+use super::searched::{Channels, Searched, Searcher};
+use crate::catalogue::choice::Choice;
+use crate::error::DiagnoseError;
+use crate::input::before;
+use crate::input::frames::Frames;
+use crate::motion::standing::State;
+use crate::settings::Settings;
+use crate::simulator::{NominalModel, Replay};
+use crate::traces::unknown::Left;
+use datasets::{Folds, Recording};
+use physics::robot::Robot;
+use rayon::prelude::*;
+
+/// Parts of the earlier recordings.
+const PARTS: usize = 3;
+/// Part of the later recording's time in motions of the earlier ones from which torque is compared with torque.
+const REPEATED: f64 = 0.5;
+
+/// How a later recording is diagnosed against earlier ones, joined, and the model identified from them.
+pub(crate) fn options(
+    model: &NominalModel,
+    before: &Recording,
+    after: &Recording,
+    cutoff_hz: Option<f64>,
+) -> Options {
+    let (share, executions) = model.replay().map_or((0.0, 0.0), |r| r.known(after));
+    if share >= REPEATED {
+        return changes(Earlier::Repeated(executions));
+    }
+    let usual = usual(model, before, cutoff_hz, &changes(Earlier::Other(None)));
+    changes(Earlier::Other(usual))
+}
+
+/// What is looked for: the links are what they were, and the robot's own model is nearer than a description is. How sure a
+/// name is was learned from descriptions, and is not said.
+fn changes(earlier: Earlier) -> Options {
+    let mut settings = Settings::default();
+    let search = &mut settings.search;
+    search.inertial_tolerance = match earlier {
+        Earlier::Repeated(_) => search.inertial_repeated,
+        Earlier::Other(_) => search.inertial_of_own,
+    };
+    search.friction_tolerance = search.friction_of_own;
+    settings.measure.confidence.weights = None;
+    Options {
+        settings,
+        effects: Choice::Changes,
+        earlier: Some(earlier),
+        ..Options::default()
+    }
+}
+
+/// From earlier recordings, joined, and the model identified from them; none where they are one trajectory, or where no part of
+/// them is enough to identify anything.
+fn usual(
+    model: &NominalModel,
+    before: &Recording,
+    cutoff_hz: Option<f64>,
+    options: &Options,
+) -> Option<Usual> {
+    let groups = Folds::of_visits(&[before], PARTS).of_trajectories(&[before]);
+    let parts: Vec<Vec<usize>> = (0..PARTS)
+        .map(|part| {
+            let own = groups[0].iter().enumerate();
+            own.filter(|(_, g)| **g == part).map(|(i, _)| i).collect()
+        })
+        .filter(|part: &Vec<usize>| !part.is_empty() && part.len() < before.trajectories.len())
+        .collect();
+    let each: Vec<Usual> = parts
+        .par_iter()
+        .filter_map(|part| of_part(model.sizes(), before, part, cutoff_hz, options).ok())
+        .collect();
+    let own = of_whole(model, before);
+    each.into_iter().reduce(Usual::most).map(|u| u.most(own))
+}
+
+fn of_part(
+    robot: &Robot,
+    before: &Recording,
+    part: &[usize],
+    cutoff_hz: Option<f64>,
+    options: &Options,
+) -> Result<Usual, DiagnoseError> {
+    let (others, own) = before.split(part);
+    let model = before::model(robot, &[others], cutoff_hz)?;
+    let model = model.alone().on_clock_of(&[&own])?;
+    let settings = &options.settings;
+    let frames = Frames::new(&model, &own, &own, cutoff_hz, &settings.input)?;
+    let channels = Channels::new(&frames, settings);
+    let searcher = Searcher::new(&model, &frames, &channels, options);
+    let Searched {
+        findings,
+        left,
+        judged,
+        ..
+    } = searcher.searched(searcher.first()?)?;
+    let rows = frames.data.len() as f64;
+    let moving = |j: usize| {
+        let both = judged.gap.column(j).into_iter().zip(judged.state.column(j));
+        let squares = both
+            .filter(|(_, s)| **s == State::Moving)
+            .map(|(g, _)| g * g);
+        let (sum, n) = squares.fold((0.0, 0.0), |(sum, n), x| (sum + x, n + 1.0));
+        f64::sqrt(sum / f64::max(n, 1.0))
+    };
+    Ok(Usual {
+        earned: findings.most_earned() / rows,
+        left: (0..robot.dof()).map(moving).collect(),
+        structured: left
+            .iter()
+            .map(|l| l.as_ref().map_or(0.0, Left::structured))
+            .collect(),
+    })
+}
+
+/// What the model leaves of the recordings that it was identified from: one of a part may be the better one.
+fn of_whole(model: &NominalModel, before: &Recording) -> Usual {
+    let left = model.replay().map_or_else(Vec::new, Replay::left);
+    let tau = before.tau.as_ref();
+    let over = |(j, l): (usize, &f64)| tau.map_or(0.0, |t| l / t.column(j).std(0.0).max(1e-9));
+    Usual {
+        earned: 0.0,
+        structured: left.iter().enumerate().map(over).collect(),
+        left,
+    }
+}
