@@ -19,6 +19,8 @@ const LOADED: (f64, f64) = (0.2, 0.25);
 const WEIGHTLESS: (f64, f64) = (0.4, 0.75);
 /// Friction's part of torque, in (just below) the median of the joints, below which it is not that of a motor and its gear.
 const FRICTIONLESS: (f64, f64) = (0.45, 0.1);
+/// Deviation of that part, in the median of the joints, from which nothing is known of it.
+const UNSURE: f64 = 0.05;
 /// Noise over deviation, in the median of the joints, that no sensor is below.
 const NOISELESS: f64 = 2.5e-3;
 /// Sharpest corner over deviation, of the joint that has the sharpest, below which a torque without noise was smoothed:
@@ -93,23 +95,22 @@ pub(super) fn weightless(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// A torque that knows no friction of motor and gear.
+/// A torque that knows no friction of motor and gear: it takes little energy, and that is certain, on most joints.
 pub(super) fn behind_the_gear(patient: &Patient) -> Option<Complaint> {
-    let parts: Vec<f64> = patient
-        .fitted()
-        .filter(|(_, e, _)| !is_dead(e))
-        .map(|(_, _, f)| f.friction.value)
-        .collect();
+    let alive = || patient.fitted().filter(|(_, e, _)| !is_dead(e));
+    let parts = alive().map(|(_, _, f)| f.friction.value).collect();
     let middle = quantile(parts, FRICTIONLESS.0)?;
-    (middle.abs() < FRICTIONLESS.1).then(|| {
+    let doubt = median(alive().map(|(_, _, f)| f.friction.std).collect())?;
+    (middle.abs() < FRICTIONLESS.1 && middle > -doubt && doubt < UNSURE).then(|| {
         complaint(
             Ailment::JointSensor,
             Severity::Note,
             patient.all(),
             [
                 format!(
-                    "friction makes {:.1} % of the torque in the median of the joints",
-                    100.0 * middle.max(0.0)
+                    "friction makes {:.1} ± {:.1} % of the torque in the median of the joints",
+                    100.0 * middle.max(0.0),
+                    100.0 * doubt
                 ),
                 "a torque sensor behind the gear, or a torque computed for there: it sees no friction of motor and gear".to_owned(),
                 "right for the model of the links and for a controller of joint torque; a feed-forward of motor current needs the \
