@@ -3,6 +3,7 @@
 use crate::directory::DirectoryError;
 use crate::evaluation::EvaluateError;
 use crate::identify::error::IdentifyError;
+use crate::inversion::InversionError;
 use crate::leaderboard::LeaderboardError;
 use crate::payload::PayloadError;
 use crate::physics_fit::FitError;
@@ -177,11 +178,25 @@ impl From<EvaluateError> for Failure {
         match error {
             EvaluateError::Directory(e) => e.into(),
             EvaluateError::Residual(e) => e.into(),
+            EvaluateError::Inversion(e) => e.into(),
             EvaluateError::Joints { .. } => Self::input(error.to_string(), ""),
             EvaluateError::Degrees(e) => Self::input(e.to_string(), ""),
             e => Self::input(
                 e.to_string(),
                 "Check the recording with train --check-only.",
+            ),
+        }
+    }
+}
+
+impl From<InversionError> for Failure {
+    fn from(error: InversionError) -> Self {
+        match error {
+            InversionError::Directory(e) => e.into(),
+            InversionError::Residual(e) => e.into(),
+            e => Self::input(
+                e.to_string(),
+                "Give recordings of many trajectories of one length, with torque, such as the KR300 benchmark's.",
             ),
         }
     }

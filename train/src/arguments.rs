@@ -2,6 +2,7 @@
 
 use crate::doctor::Doctor;
 use crate::estimator::EstimatorArguments;
+use crate::forward::Forward;
 use crate::oracle::Oracle;
 use crate::study::Study;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -111,6 +112,8 @@ pub enum Command {
     Oracle(Oracle),
     /// How often the check of the torque channel is right, on simulated recordings of every kind.
     Doctor(Doctor),
+    /// Positions from torque, the benchmark's forward task, by solving a trained model for the motion.
+    Forward(Forward),
 }
 
 /// Names of the presets.

@@ -1,7 +1,7 @@
 //! Command line of `train`.
 
 use crate::arguments::{Arguments, Command};
-use crate::{doctor, oracle, run, runtime, study};
+use crate::{doctor, forward, oracle, run, runtime, study};
 use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -15,6 +15,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Study(study)) => study::run(study, &cancel),
         Some(Command::Oracle(oracle)) => oracle::run(oracle),
         Some(Command::Doctor(doctor)) => doctor::run(doctor, &cancel),
+        Some(Command::Forward(forward)) => forward::run(forward, &cancel),
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,

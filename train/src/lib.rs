@@ -8,6 +8,7 @@ mod checkpoint;
 mod command_line;
 pub mod doctor;
 mod estimator;
+pub mod forward;
 mod input;
 pub mod oracle;
 mod output;

@@ -2,6 +2,7 @@
 
 use crate::baseline::BaselineError;
 use crate::directory::DirectoryError;
+use crate::inversion::InversionError;
 use crate::preparation::units::Degrees;
 use crate::residual::ResidualError;
 use datasets::metrics::ShapeError;
@@ -28,6 +29,9 @@ pub enum EvaluateError {
     /// The compensator.
     #[error(transparent)]
     Residual(#[from] ResidualError),
+    /// Positions from torque.
+    #[error(transparent)]
+    Inversion(#[from] InversionError),
     /// The linear baseline.
     #[error(transparent)]
     Baseline(#[from] BaselineError),

@@ -10,6 +10,8 @@ pub use share::Share;
 
 use crate::baseline::published::Published;
 use crate::directory::ModelFile;
+use crate::inversion::{Inversion, PHYSICS_FORWARD};
+use crate::loaded::Loaded;
 use crate::page::Subject;
 use crate::predict::parameter_deviation;
 use crate::preparation::setup::{self, Setup, SetupError};
@@ -25,7 +27,6 @@ use ndarray::Array2;
 use physics::torque_model::TorqueModelError;
 use serde::Serialize;
 use std::path::Path;
-use variants::Loaded;
 
 /// Settings of [`evaluate`].
 #[derive(Clone, Debug, Default)]
@@ -72,6 +73,8 @@ pub struct Evaluation {
     pub physics: Array2<f64>,
     /// Standard deviation of `torque`.
     pub deviation: Array2<f64>,
+    /// Positions from torque alone, where the model was taught them and the recording has the rate.
+    pub positions: Option<Array2<f64>>,
 }
 
 /// Options for reading recordings of a stored model's robot.
@@ -172,7 +175,24 @@ pub fn evaluate(
     if let Some(forward) = &file.forward_baseline {
         rows.extend(forward.rows(&recording, &motion.qd)?.into_iter().flatten());
     }
+    let inversion = Inversion::load(directory, file.joints.len())?;
+    let fits = |i: &Inversion| recording.tau.is_some() && i.prior.covers(&recording);
+    let positions = inversion
+        .filter(fits)
+        .map(|i| i.positions(&loaded, &recording))
+        .transpose()?;
+    if let Some(q) = &positions {
+        rows.extend(Row::both_scopes(
+            PHYSICS_FORWARD,
+            &recording.q,
+            q,
+            &motion.qd,
+        )?);
+    }
     let mut notes = notes(&session, 0, file);
+    if positions.is_some() {
+        notes.push(format!("{PHYSICS_FORWARD}: positions from the recorded torque and the first position of each trajectory, by solving the model for the motion (train forward); every position has seen the torque of its whole trajectory. Its figures are about positions, RMSE in rad (m)."));
+    }
     notes.extend(of_variants);
     let repeatability = repeats::repeatability(&recording, &motion.qd, &repeats::find(&recording));
     let score = |name: &str| {
@@ -211,6 +231,7 @@ pub fn evaluate(
         torque,
         physics,
         deviation,
+        positions,
     })
 }
 

@@ -1,40 +1,14 @@
 //! The same model fed other motion of the same recording: planned, and derived as a control loop must.
 
 use super::error::EvaluateError;
-use crate::directory::ModelFile;
-use crate::predict::predict_noted;
-use crate::residual;
+use crate::loaded::Loaded;
 use crate::session::Session;
 use datasets::Recording;
 use datasets::metrics::Row;
 use datasets::prepare::Prepared;
-use feedforward::network::Compensator;
-use ndarray::Array2;
-use physics::torque_model::TorqueModel;
 use signal::filter::Causal;
 use signal::sos::Section;
 use std::f64::consts::FRAC_1_SQRT_2;
-
-/// A model loaded for evaluation.
-pub(super) struct Loaded<'a> {
-    pub file: &'a ModelFile,
-    pub model: &'a TorqueModel,
-    pub compensator: Option<&'a Compensator>,
-}
-
-impl Loaded<'_> {
-    /// Torque of the physics alone and of the whole model, shape (samples, joints), for the only
-    /// recording of `session`.
-    pub fn torque(&self, session: &Session) -> Result<[Array2<f64>; 2], EvaluateError> {
-        let channel = self.file.preprocessing.channel.as_ref();
-        let physics = predict_noted(self.model, session, &self.file.memory, channel).swap_remove(0);
-        let torque = match self.compensator {
-            Some(c) => &physics + &residual::predict(c, self.file, self.model, session, 0)?,
-            None => physics.clone(),
-        };
-        Ok([physics, torque])
-    }
-}
 
 /// Rows for planned motion, where the recording has it, and for causally derived motion, with a note
 /// on each. Measured torque, scope and samples are those of the other rows.
@@ -169,6 +143,7 @@ mod tests {
     use super::*;
     use datasets::Trajectory;
     use datasets::prepare::{PrepareOptions, prepare};
+    use ndarray::Array2;
 
     fn recording(position: impl Fn(f64) -> f64) -> Recording {
         let time: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();

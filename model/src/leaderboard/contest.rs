@@ -9,6 +9,7 @@ use crate::baseline::FORWARD;
 use crate::baseline::published::Task;
 use crate::directory::{ModelFile, Source, Timing};
 use crate::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
+use crate::inversion::PHYSICS_FORWARD;
 use crate::residual::{self, Yardsticks};
 use crate::tables::{RIDGE, TREES};
 use compensator::training::Trees;
@@ -54,8 +55,9 @@ pub fn hold(contest: &Contest) -> Result<Leaderboard, LeaderboardError> {
         for row in model.rows()? {
             enter(&mut board.rows, row);
         }
-        if let Some(row) = model.forward()? {
-            enter(&mut board.forward, row);
+        for row in [model.forward_baseline()?, model.physics_forward()?] {
+            row.into_iter()
+                .for_each(|row| enter(&mut board.forward, row));
         }
         board.models.push(Given {
             directory: model.name,
@@ -192,7 +194,7 @@ impl<'a> Contestant<'a> {
     }
 
     /// Positions simulated from torque, where the model has a baseline for it and the recording its rate.
-    fn forward(&self) -> Result<Option<Entry>, LeaderboardError> {
+    fn forward_baseline(&self) -> Result<Option<Entry>, LeaderboardError> {
         let Some(baseline) = &self.file.forward_baseline else {
             return Ok(None);
         };
@@ -204,6 +206,18 @@ impl<'a> Contestant<'a> {
         let stretches = Stretches::of(&s.trajectories);
         let judged = judge(&s.measured, &s.simulated, &speed, &stretches)?;
         Ok(Some(self.entry(FORWARD, judged)))
+    }
+
+    /// Positions by solving the model for the motion, where it was taught that.
+    fn physics_forward(&self) -> Result<Option<Entry>, LeaderboardError> {
+        let Some(q) = &self.scored.positions else {
+            return Ok(None);
+        };
+        let recording = &self.scored.recording;
+        let speed = &self.scored.session.parts[0].at_samples.qd;
+        let stretches = Stretches::of(&recording.segments());
+        let judged = judge(&recording.q, q, speed, &stretches)?;
+        Ok(Some(self.entry(PHYSICS_FORWARD, judged)))
     }
 
     fn entry(&self, model: &str, judged: [Judged; 2]) -> Entry {

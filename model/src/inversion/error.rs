@@ -1,0 +1,50 @@
+//! Why positions cannot be had from torque.
+
+use crate::directory::DirectoryError;
+use crate::residual::ResidualError;
+use datasets::prepare::PrepareError;
+use physics::torque_model::TorqueModelError;
+
+/// What [`super`] may refuse.
+#[derive(Debug, thiserror::Error)]
+pub enum InversionError {
+    /// Nothing to learn motions from.
+    #[error("there is no trajectory of six samples or more to learn motions from")]
+    NoTrajectory,
+    /// Too few motions.
+    #[error(
+        "{trajectories} trajectories of one length are made of {shapes} shapes: that takes {needed} of them at least"
+    )]
+    TooFew {
+        /// Trajectories of the commonest length.
+        trajectories: usize,
+        /// Shapes that they are made of.
+        shapes: usize,
+        /// Trajectories that it takes.
+        needed: usize,
+    },
+    /// A joint that does not move.
+    #[error("a joint never moves: where it stands cannot be learned from torque")]
+    Still,
+    /// A recording without torque.
+    #[error("`{0}` has no torque")]
+    NoTorque(String),
+    /// A recording of another rate, or with longer trajectories.
+    #[error("`{0}` has another rate than the motions that were learned, or longer trajectories")]
+    Other(String),
+    /// The decomposition did not converge.
+    #[error("the decomposition of the motions did not converge")]
+    Decomposition,
+    /// A model that does not fit together.
+    #[error(transparent)]
+    Model(#[from] TorqueModelError),
+    /// Files of the model directory.
+    #[error(transparent)]
+    Directory(#[from] DirectoryError),
+    /// The found motion cannot be prepared.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// The compensator.
+    #[error(transparent)]
+    Residual(#[from] ResidualError),
+}

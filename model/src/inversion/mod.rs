@@ -1,0 +1,170 @@
+//! The identified model solved for the motion: positions from torque alone, the forward task of the KR300 benchmark.
+//!
+//! Simulating forwards from torque drifts: a joint without gravity is two integrators, and friction at rest holds torque that
+//! moves nothing. Here the torque of a whole trajectory is explained at once. The motion is a sum of shapes that the
+//! training trajectories are made of ([`MotionPrior`]), and [`solve`] finds the coefficients whose torque is nearest to what was recorded, from
+//! the first position on. So it is no simulation sample by sample: every position has seen all torque of its trajectory.
+
+mod error;
+mod law;
+mod prior;
+mod solve;
+mod store;
+
+pub use error::InversionError;
+pub use law::JointFriction;
+pub use prior::MotionPrior;
+pub use store::FILE;
+
+use crate::loaded::Loaded;
+use crate::session::Session;
+use datasets::Recording;
+use law::Law;
+use ndarray::{Array2, Axis, Slice};
+use physics::torque_model::TorqueModel;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use signal::Motion;
+use solve::{Solved, Trajectory};
+
+/// Name of its rows.
+pub const PHYSICS_FORWARD: &str = "physics_forward";
+
+/// What positions are found with, beside the identified model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inversion {
+    /// Motions that are likely.
+    pub prior: MotionPrior,
+    /// Friction of each joint as a curve over speed.
+    pub friction: Vec<JointFriction>,
+}
+
+impl Inversion {
+    /// Learns from recordings with their motion at the samples.
+    ///
+    /// # Errors
+    /// Recordings without torque, too few motions, a joint that hardly moves.
+    pub fn learn(
+        model: &TorqueModel,
+        data: &[(&Recording, &Motion)],
+    ) -> Result<Self, InversionError> {
+        let with_speed: Vec<_> = data.iter().map(|(r, m)| (*r, &m.qd)).collect();
+        let prior = MotionPrior::learn(&with_speed)?;
+        let mut tables: [Vec<_>; 4] = Default::default();
+        for (recording, motion) in data {
+            let no_torque = || InversionError::NoTorque(recording.source.clone());
+            let tau = recording.tau.as_ref().ok_or_else(no_torque)?;
+            for (table, of) in tables
+                .iter_mut()
+                .zip([&motion.q, &motion.qd, &motion.qdd, tau])
+            {
+                table.push(of.view());
+            }
+        }
+        let [q, qd, qdd, tau] = tables.map(|views| {
+            ndarray::concatenate(Axis(0), &views)
+                .unwrap_or_else(|e| unreachable!("one robot's tables: {e}"))
+        });
+        let law = Law::fit(model, &q, &qd, &qdd, &tau)?;
+        Ok(Self {
+            prior,
+            friction: law.friction,
+        })
+    }
+
+    /// Positions of a recording from its torque and the first position of each trajectory, shape (samples, joints).
+    ///
+    /// The motion is first found with the smooth law alone; then what the whole model says of it beyond that law is taken
+    /// from the recorded torque, and it is found again.
+    ///
+    /// # Errors
+    /// A recording without torque, of another rate, or with longer trajectories than those that were learned.
+    pub fn positions(
+        &self,
+        whole: &Loaded,
+        recording: &Recording,
+    ) -> Result<Array2<f64>, InversionError> {
+        let Some(tau) = &recording.tau else {
+            return Err(InversionError::NoTorque(recording.source.clone()));
+        };
+        if !self.prior.covers(recording) {
+            return Err(InversionError::Other(recording.source.clone()));
+        }
+        let law = Law::new(whole.model, self.friction.clone());
+        let first = self.each(&law, recording, tau, |t, _| t.solve())?;
+        let beyond = torque_at(whole, recording, &first.q)? - &first.torque;
+        let known = tau - &beyond;
+        let again = |t: &Trajectory, k: usize| t.refine(first.coefficients[k].clone());
+        Ok(self.each(&law, recording, &known, again)?.q)
+    }
+
+    /// Finds the motion of every trajectory.
+    fn each(
+        &self,
+        law: &Law,
+        recording: &Recording,
+        torque: &Array2<f64>,
+        find: impl Fn(&Trajectory, usize) -> Solved + Sync,
+    ) -> Result<Found, InversionError> {
+        let shapes = self.prior.sampled()?;
+        let segments = recording.segments();
+        let solved: Vec<Solved> = (segments.par_iter().enumerate())
+            .map(|(k, rows)| {
+                let trajectory = Trajectory {
+                    law,
+                    prior: &self.prior,
+                    shapes: &shapes,
+                    torque: torque.slice_axis(Axis(0), Slice::from(rows.clone())),
+                    start: &recording.q.row(rows.start).to_vec(),
+                };
+                find(&trajectory, k)
+            })
+            .collect();
+        let mut found = Found {
+            q: Array2::zeros(torque.dim()),
+            torque: Array2::zeros(torque.dim()),
+            coefficients: Vec::new(),
+        };
+        for (rows, solved) in segments.into_iter().zip(solved) {
+            found
+                .q
+                .slice_axis_mut(Axis(0), Slice::from(rows.clone()))
+                .assign(&solved.q);
+            found
+                .torque
+                .slice_axis_mut(Axis(0), Slice::from(rows))
+                .assign(&solved.torque);
+            found.coefficients.push(solved.coefficients);
+        }
+        Ok(found)
+    }
+}
+
+/// Motions of a recording with the torque of the smooth law, tables of shape (samples, joints).
+struct Found {
+    q: Array2<f64>,
+    torque: Array2<f64>,
+    coefficients: Vec<Vec<f64>>,
+}
+
+/// What the whole model predicts where a recording's positions were these.
+fn torque_at(
+    whole: &Loaded,
+    recording: &Recording,
+    q: &Array2<f64>,
+) -> Result<Array2<f64>, InversionError> {
+    let moved = Recording {
+        q: q.clone(),
+        ql: None,
+        qd: None,
+        qdd: None,
+        ..recording.clone()
+    };
+    let prepared = whole.file.preprocessing.prepare(&moved, None)?;
+    let session = Session::new(vec![prepared], &whole.file.clock);
+    let [_, torque] = whole.torque(&session)?;
+    Ok(torque)
+}
+
+#[cfg(test)]
+mod tests;

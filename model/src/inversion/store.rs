@@ -1,0 +1,80 @@
+//! `forward.json`: what positions are found with, beside the model that it belongs to.
+
+use super::Inversion;
+use crate::directory::{DirectoryError, json};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Name of the file in the model directory.
+pub const FILE: &str = "forward.json";
+/// Version of the file that this program writes and reads.
+const SCHEMA: &str = "forward/1";
+
+#[derive(Serialize, Deserialize)]
+struct Stored<T> {
+    schema: String,
+    #[serde(flatten)]
+    inversion: T,
+}
+
+impl Inversion {
+    /// That of a model directory; none where `train forward` has written none.
+    ///
+    /// # Errors
+    /// A damaged file, one of another version, or of a robot with another number of joints.
+    pub fn load(directory: &Path, joints: usize) -> Result<Option<Self>, DirectoryError> {
+        let path = directory.join(FILE);
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(DirectoryError::Read { path, source }),
+        };
+        let format = |reason: String| DirectoryError::Format {
+            path: path.clone(),
+            reason,
+        };
+        let stored: Stored<Self> =
+            serde_json::from_str(&text).map_err(|e| format(e.to_string()))?;
+        if stored.schema != SCHEMA {
+            return Err(DirectoryError::Schema {
+                path,
+                found: stored.schema,
+                read: SCHEMA,
+            });
+        }
+        let inversion = stored.inversion;
+        if !inversion.fits(joints) {
+            return Err(format(
+                "its tables do not fit together or not the model's joints".into(),
+            ));
+        }
+        Ok(Some(inversion))
+    }
+
+    fn fits(&self, joints: usize) -> bool {
+        let prior = &self.prior;
+        let tables = self.friction.len() == joints
+            && prior.scale.len() == joints
+            && prior.deviation.len() == prior.shapes.len()
+            && !prior.shapes.is_empty()
+            && prior.shapes.iter().all(|s| s.len() == prior.standing.len());
+        let positive = |v: &f64| v.is_finite() && *v > 0.0;
+        let of_joint = |f: &super::JointFriction| positive(&f.speed) && positive(&f.moving);
+        tables
+            && positive(&prior.rate_hz)
+            && prior.scale.iter().chain(&prior.deviation).all(positive)
+            && self.friction.iter().all(of_joint)
+    }
+
+    /// Writes it into a model directory.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn save(&self, directory: &Path) -> Result<(), DirectoryError> {
+        let stored = Stored {
+            schema: SCHEMA.into(),
+            inversion: self,
+        };
+        Ok(report::write_atomic(&directory.join(FILE), json(&stored))?)
+    }
+}
