@@ -94,8 +94,10 @@ impl Inversion {
         let first = self.each(&law, recording, tau, |t, _| t.solve())?;
         let beyond = torque_at(whole, recording, &first.q)? - &first.torque;
         let known = tau - &beyond;
-        let again = |t: &Trajectory, k: usize| t.refine(first.coefficients[k].clone());
-        Ok(self.each(&law, recording, &known, again)?.q)
+        let found = self.each(&law, recording, &known, |t, k| {
+            t.refine(first.coefficients[k].clone())
+        })?;
+        Ok(found.q)
     }
 
     /// Finds the motion of every trajectory.
