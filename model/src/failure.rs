@@ -131,6 +131,10 @@ impl From<DirectoryError> for Failure {
     fn from(error: DirectoryError) -> Self {
         match error {
             DirectoryError::Write(e) => Self::other(e.to_string()),
+            e @ DirectoryError::Other { .. } => Self::input(
+                e.to_string(),
+                "Run train forward on this model again, or remove the file.",
+            ),
             e => Self::input(
                 e.to_string(),
                 "Give a directory that train has written, whole and by this version.",
@@ -157,6 +161,9 @@ impl From<ResidualError> for Failure {
                 e.to_string(),
                 "Leave --gpu out: the CPU trains the same networks. GPUs need cargo build --release --features train/gpu.",
             ),
+            ResidualError::Compensator(e @ compensator::Error::Io { .. }) => {
+                Self::other(e.to_string())
+            }
             ResidualError::Compensator(e) => Self::input(
                 e.to_string(),
                 "See train --check-only, or train with --physics-only.",
@@ -194,6 +201,7 @@ impl From<InversionError> for Failure {
         match error {
             InversionError::Directory(e) => e.into(),
             InversionError::Residual(e) => e.into(),
+            InversionError::Interrupted => Self::interrupted("Nothing was written."),
             e => Self::input(
                 e.to_string(),
                 "Give recordings of many trajectories of one length, with torque, such as the KR300 benchmark's.",

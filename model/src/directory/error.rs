@@ -40,6 +40,12 @@ pub enum DirectoryError {
         /// The schema of this program.
         read: &'static str,
     },
+    /// Made with another model than the one that it stands beside.
+    #[error("{path}: made with another model than the model.json beside it (checksum differs)")]
+    Other {
+        /// The file.
+        path: PathBuf,
+    },
     /// The parts of the model do not fit together.
     #[error("{path}: {source}")]
     Model {

@@ -1,5 +1,5 @@
 //! The model directory: `model.json`, `covariance.json`, `compensator.safetensors`, `metrics.json`, `identified.urdf`,
-//! `timing.json`, and with `train --yardsticks` `yardsticks.json` and `yardsticks.safetensors`.
+//! `timing.json`, with `train --yardsticks` `yardsticks.json` and `yardsticks.safetensors`, after `train forward` `forward.json`.
 
 mod base_parameter;
 mod checksum;
@@ -37,6 +37,9 @@ pub const SCHEMA: &str = "model/1";
 
 /// Files of `train --yardsticks`: figures and trees; the ridge regression, as a compensator is stored.
 pub const YARDSTICKS: [&str; 2] = ["yardsticks.json", "yardsticks.safetensors"];
+
+/// File of `train forward`.
+pub const FORWARD: &str = "forward.json";
 
 /// Contents of `model.json`. Units are SI; joints base first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -320,7 +323,7 @@ impl ModelFile {
     }
 
     /// Writes a whole model directory, which is made where there is none: `model.json` last, so that a directory with one is
-    /// whole. `weights` is `compensator.safetensors`, `urdf` the identified robot. Timing and yardsticks of an earlier training go.
+    /// whole. `weights` is `compensator.safetensors`, `urdf` the identified robot. What stands beside an earlier training (timing, yardsticks, positions from torque) goes.
     ///
     /// # Errors
     /// The directory or a file cannot be written.
@@ -345,7 +348,7 @@ impl ModelFile {
             Some(bytes) => report::write_atomic(&path, bytes)?,
             None => gone(&path)?,
         }
-        for file in [timing::FILE].iter().chain(&YARDSTICKS) {
+        for file in [timing::FILE, FORWARD].iter().chain(&YARDSTICKS) {
             gone(&directory.join(file))?;
         }
         report::write_atomic(&directory.join("metrics.json"), json(metrics))?;
@@ -353,6 +356,15 @@ impl ModelFile {
             report::write_atomic(&directory.join("identified.urdf"), urdf)?;
         }
         self.save(directory)
+    }
+
+    /// SHA-256 of a directory's `model.json`, by which what is made for that model knows it.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn sha256(directory: &Path) -> Result<String, DirectoryError> {
+        let path = directory.join("model.json");
+        sha256_of(&path).map_err(|source| DirectoryError::Read { path, source })
     }
 
     /// The covariance as a table.

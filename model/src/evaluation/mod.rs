@@ -27,6 +27,7 @@ use ndarray::Array2;
 use physics::torque_model::TorqueModelError;
 use serde::Serialize;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// Settings of [`evaluate`].
 #[derive(Clone, Debug, Default)]
@@ -179,7 +180,7 @@ pub fn evaluate(
     let fits = |i: &Inversion| recording.tau.is_some() && i.prior.covers(&recording);
     let positions = inversion
         .filter(fits)
-        .map(|i| i.positions(&loaded, &recording))
+        .map(|i| i.positions(&loaded, &recording, &AtomicBool::new(false)))
         .transpose()?;
     if let Some(q) = &positions {
         rows.extend(Row::both_scopes(

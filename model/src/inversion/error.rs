@@ -32,6 +32,9 @@ pub enum InversionError {
     /// A recording of another rate, or with longer trajectories.
     #[error("`{0}` has another rate than the motions that were learned, or longer trajectories")]
     Other(String),
+    /// Cancelled before the end.
+    #[error("interrupted")]
+    Interrupted,
     /// The decomposition did not converge.
     #[error("the decomposition of the motions did not converge")]
     Decomposition,

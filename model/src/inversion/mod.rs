@@ -14,7 +14,6 @@ mod store;
 pub use error::InversionError;
 pub use law::JointFriction;
 pub use prior::MotionPrior;
-pub use store::FILE;
 
 use crate::loaded::Loaded;
 use crate::session::Session;
@@ -26,6 +25,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use signal::Motion;
 use solve::{Solved, Trajectory};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Name of its rows.
 pub const PHYSICS_FORWARD: &str = "physics_forward";
@@ -75,14 +75,15 @@ impl Inversion {
     /// Positions of a recording from its torque and the first position of each trajectory, shape (samples, joints).
     ///
     /// The motion is first found with the smooth law alone; then what the whole model says of it beyond that law is taken
-    /// from the recorded torque, and it is found again.
+    /// from the recorded torque, and it is found again. Raising `cancel` ends it early.
     ///
     /// # Errors
-    /// A recording without torque, of another rate, or with longer trajectories than those that were learned.
+    /// A recording without torque, of another rate, or with longer trajectories than those that were learned; the interruption.
     pub fn positions(
         &self,
         whole: &Loaded,
         recording: &Recording,
+        cancel: &AtomicBool,
     ) -> Result<Array2<f64>, InversionError> {
         let Some(tau) = &recording.tau else {
             return Err(InversionError::NoTorque(recording.source.clone()));
@@ -91,10 +92,10 @@ impl Inversion {
             return Err(InversionError::Other(recording.source.clone()));
         }
         let law = Law::new(whole.model, self.friction.clone());
-        let first = self.each(&law, recording, tau, |t, _| t.solve())?;
+        let first = self.each(&law, recording, tau, cancel, |t, _| t.solve())?;
         let beyond = torque_at(whole, recording, &first.q)? - &first.torque;
         let known = tau - &beyond;
-        let found = self.each(&law, recording, &known, |t, k| {
+        let found = self.each(&law, recording, &known, cancel, |t, k| {
             t.refine(first.coefficients[k].clone())
         })?;
         Ok(found.q)
@@ -106,6 +107,7 @@ impl Inversion {
         law: &Law,
         recording: &Recording,
         torque: &Array2<f64>,
+        cancel: &AtomicBool,
         find: impl Fn(&Trajectory, usize) -> Solved + Sync,
     ) -> Result<Found, InversionError> {
         let shapes = self.prior.sampled()?;
@@ -118,10 +120,14 @@ impl Inversion {
                     shapes: &shapes,
                     torque: torque.slice_axis(Axis(0), Slice::from(rows.clone())),
                     start: &recording.q.row(rows.start).to_vec(),
+                    cancel,
                 };
                 find(&trajectory, k)
             })
             .collect();
+        if cancel.load(Ordering::SeqCst) {
+            return Err(InversionError::Interrupted);
+        }
         let mut found = Found {
             q: Array2::zeros(torque.dim()),
             torque: Array2::zeros(torque.dim()),

@@ -13,6 +13,8 @@ use std::collections::BTreeMap;
 const LEFT: f64 = 1e-5;
 /// Motions of joints by shape, at least: with fewer the shapes are those very motions.
 const MOTIONS_BY_SHAPE: usize = 4;
+/// Samples that a quintic spline takes.
+const LEAST: usize = 6;
 /// Two recordings have the same rate within this part of it.
 const SAME_RATE: f64 = 0.01;
 
@@ -43,29 +45,30 @@ pub(super) struct Shapes {
 }
 
 impl MotionPrior {
-    /// Learns the shapes from the trajectories of the commonest length; `qd` are the joints' velocities at the samples.
+    /// Learns the shapes from the trajectories of the commonest length, in recordings that have the rate of the first; `qd` are the joints' velocities at the samples.
     ///
     /// # Errors
     /// Too few such trajectories for the number of shapes that they are made of.
     pub fn learn(data: &[(&Recording, &Array2<f64>)]) -> Result<Self, InversionError> {
         let mut lengths: BTreeMap<usize, usize> = BTreeMap::new();
+        let (first, _) = data.first().ok_or(InversionError::NoTrajectory)?;
+        let rate_hz = first.median_step().recip();
+        let same = |r: &Recording| (r.median_step() * rate_hz - 1.0).abs() < SAME_RATE;
+        let data: Vec<_> = data.iter().filter(|(r, _)| same(r)).collect();
         let ranges = |r: &Recording| r.segments().into_iter().map(|s| s.len());
         for length in data.iter().flat_map(|(r, _)| ranges(r)) {
             *lengths.entry(length).or_default() += 1;
         }
         let commonest = lengths
             .iter()
+            .filter(|&(&length, _)| length >= LEAST)
             .max_by_key(|&(length, count)| (count, length));
         let (&samples, &trajectories) = commonest.ok_or(InversionError::NoTrajectory)?;
-        let joints = data[0].0.dof();
-        let rate_hz = data[0].0.median_step().recip();
+        let joints = first.dof();
 
         let mut motions: Vec<(usize, Vec<f64>)> = Vec::new();
         let mut standing = vec![0.0; samples];
         for (recording, qd) in data {
-            if (recording.median_step() * rate_hz - 1.0).abs() > SAME_RATE {
-                continue;
-            }
             for rows in recording
                 .segments()
                 .into_iter()

@@ -12,6 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use signal::cholesky;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// First window, s, and what each grows by.
 const FIRST: f64 = 6.0;
@@ -67,6 +68,8 @@ pub(super) struct Trajectory<'a> {
     pub torque: ArrayView2<'a, f64>,
     /// Where it starts.
     pub start: &'a [f64],
+    /// Raised where the motion is no longer wanted: what is found then is of no use.
+    pub cancel: &'a AtomicBool,
 }
 
 /// Cost at some coefficients, with what the next step needs.
@@ -112,6 +115,9 @@ impl Trajectory<'_> {
         let mut random = ChaCha8Rng::seed_from_u64(0);
         for first in 0..joints.saturating_sub(1) {
             for _ in 0..DRAWS {
+                if self.cancel.load(Ordering::SeqCst) {
+                    return best;
+                }
                 let mut x = best.solved.coefficients.clone();
                 for (i, x) in x.iter_mut().enumerate() {
                     if (first..first + 2).contains(&(i / kept)) {

@@ -1,18 +1,18 @@
 //! `forward.json`: what positions are found with, beside the model that it belongs to.
 
 use super::Inversion;
-use crate::directory::{DirectoryError, json};
+use crate::directory::{DirectoryError, FORWARD, ModelFile, json};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Name of the file in the model directory.
-pub const FILE: &str = "forward.json";
 /// Version of the file that this program writes and reads.
 const SCHEMA: &str = "forward/1";
 
 #[derive(Serialize, Deserialize)]
 struct Stored<T> {
     schema: String,
+    /// SHA-256 of the `model.json` that it was made with.
+    model_sha256: String,
     #[serde(flatten)]
     inversion: T,
 }
@@ -21,9 +21,9 @@ impl Inversion {
     /// That of a model directory; none where `train forward` has written none.
     ///
     /// # Errors
-    /// A damaged file, one of another version, or of a robot with another number of joints.
+    /// A damaged file, one of another version, or one that was made with another `model.json`.
     pub fn load(directory: &Path, joints: usize) -> Result<Option<Self>, DirectoryError> {
-        let path = directory.join(FILE);
+        let path = directory.join(FORWARD);
         let text = match std::fs::read_to_string(&path) {
             Ok(text) => text,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -41,6 +41,9 @@ impl Inversion {
                 found: stored.schema,
                 read: SCHEMA,
             });
+        }
+        if stored.model_sha256 != ModelFile::sha256(directory)? {
+            return Err(DirectoryError::Other { path });
         }
         let inversion = stored.inversion;
         if !inversion.fits(joints) {
@@ -66,15 +69,19 @@ impl Inversion {
             && self.friction.iter().all(of_joint)
     }
 
-    /// Writes it into a model directory.
+    /// Writes it into the directory of the model that it was made with, whose `model.json` has the checksum.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn save(&self, directory: &Path) -> Result<(), DirectoryError> {
+    pub fn save(&self, directory: &Path, model_sha256: &str) -> Result<(), DirectoryError> {
         let stored = Stored {
             schema: SCHEMA.into(),
+            model_sha256: model_sha256.into(),
             inversion: self,
         };
-        Ok(report::write_atomic(&directory.join(FILE), json(&stored))?)
+        Ok(report::write_atomic(
+            &directory.join(FORWARD),
+            json(&stored),
+        )?)
     }
 }

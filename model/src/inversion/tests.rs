@@ -10,6 +10,7 @@ use physics::torque_model::TorqueModel;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
 const SAMPLES: usize = 200;
 const RATE_HZ: f64 = 10.0;
@@ -166,6 +167,7 @@ fn motion_comes_back_from_its_torque() {
         shapes: &shapes,
         torque: torque.view(),
         start: &start,
+        cancel: &AtomicBool::new(false),
     };
     let found = trajectory.solve();
     let worst = (&found.q - &q).iter().fold(0.0_f64, |w, e| w.max(e.abs()));

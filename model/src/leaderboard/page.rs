@@ -24,7 +24,7 @@ pub fn page(board: &Leaderboard) -> Page {
     if !board.forward.is_empty() {
         page = page.section(
             Section::new("Positions from torque")
-                .paragraph("The other way round: positions simulated from the recorded torque over whole trajectories.")
+                .paragraph("The other way round: positions from the recorded torque over whole trajectories. Where there is a row physics_forward, each of its positions has seen all torque of its trajectory, later torque, too; the others are simulated from sample to sample.")
                 .table(scores(&board.forward, |r| Some(&r.all)).caption("NRMSE and R² of positions")),
         );
     }

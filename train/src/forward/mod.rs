@@ -9,10 +9,10 @@ use crate::runtime::{pool, stop, threads};
 use datasets::folds::Folds;
 use datasets::metrics::{Row, Scores};
 use datasets::{Part, Recording, read};
-use model::directory::ModelFile;
+use model::directory::{FORWARD, ModelFile};
 use model::evaluation::read_options;
 use model::failure::Failure;
-use model::inversion::{FILE, Inversion, PHYSICS_FORWARD};
+use model::inversion::{Inversion, PHYSICS_FORWARD};
 use model::loaded::Loaded;
 use model::residual;
 use ndarray::{Array2, Axis, concatenate};
@@ -29,7 +29,14 @@ pub fn run(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {
 }
 
 fn steps(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {
+    if arguments.folds == 1 {
+        return Err(Failure::input(
+            "--folds 1: nothing would be left to learn from",
+            "Give two or more, or 0 to leave the judging out.",
+        ));
+    }
     let file = ModelFile::load(&arguments.model)?;
+    let checksum = ModelFile::sha256(&arguments.model)?;
     let options = read_options(&file, arguments.drive.as_deref(), Part::Train, true)?;
     let mut data: Vec<(Recording, Motion)> = Vec::new();
     for path in &arguments.data {
@@ -58,7 +65,7 @@ fn steps(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {
     let all: Vec<(&Recording, &Motion)> = data.iter().map(|(r, m)| (r, m)).collect();
     let inversion = Inversion::learn(&model, &all)?;
     let judged = judge(&whole, &data, arguments, cancel)?;
-    inversion.save(&arguments.model)?;
+    inversion.save(&arguments.model, &checksum)?;
     if !arguments.quiet {
         let (shapes, samples) = (inversion.prior.shapes.len(), inversion.prior.samples());
         say!("Motions of {samples} samples are made of {shapes} shapes.");
@@ -68,7 +75,7 @@ fn steps(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {
             );
             say_text!(table(&file.joints, &scores).to_text());
         }
-        say!("\n{}", arguments.model.join(FILE).display());
+        say!("\n{}", arguments.model.join(FORWARD).display());
     }
     Ok(())
 }
@@ -82,8 +89,14 @@ fn judge(
 ) -> Result<Option<Row>, Failure> {
     let recordings: Vec<&Recording> = data.iter().map(|(r, _)| r).collect();
     let folds = Folds::of_visits(&recordings, arguments.folds);
-    if arguments.folds < 2 || folds.count < 2 {
+    if arguments.folds == 0 {
         return Ok(None);
+    }
+    if folds.count < 2 {
+        return Err(Failure::input(
+            "all trajectories are of one group, repeats of each other: none can be left out to judge it",
+            "Give recordings of different motions, or --folds 0 to leave the judging out.",
+        ));
     }
     let fold = folds.of_trajectories(&recordings);
     let bar = progress::bar(arguments.quiet, "folds held back");
@@ -111,7 +124,7 @@ fn judge(
         let others: Vec<(&Recording, &Motion)> = others.iter().map(|(r, m)| (r, m)).collect();
         let inversion = Inversion::learn(whole.model, &others)?;
         for (recording, motion) in part(true)? {
-            found.push(inversion.positions(whole, &recording)?);
+            found.push(inversion.positions(whole, &recording, cancel)?);
             measured.push(recording.q.clone());
             speed.push(motion.qd);
         }
