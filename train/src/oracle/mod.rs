@@ -1,13 +1,15 @@
 //! `train oracle`: how far a model of a simulated robot is from what can be known of its torque.
 
 mod arguments;
+mod cutoffs;
 mod figures;
 mod mechanisms;
 mod plant;
 mod tables;
 
 pub use arguments::Oracle;
-pub(crate) use plant::{CUTOFFS, true_torque};
+pub(crate) use cutoffs::at_best_cutoff;
+pub(crate) use plant::true_torque;
 
 use crate::runtime::{pool, threads};
 use figures::Figures;

@@ -1,6 +1,7 @@
 //! The simulated robot behind a model, and its own equations on the motion that the model sees.
 
 use super::arguments::Oracle;
+use super::cutoffs::at_best_cutoff;
 use datasets::metrics::{Scope, Scores, deviations};
 use datasets::{Prepared, Recording};
 use model::directory::ModelFile;
@@ -8,9 +9,6 @@ use model::evaluation::{EvaluateError, Evaluation};
 use model::failure::Failure;
 use ndarray::Array2;
 use trials::protocols::{Effect, Machine, Protocol, cached};
-
-/// Cut-offs of the motion tried beside the model's own, Hz: the true equations need not do best where the model does.
-pub const CUTOFFS: [f64; 4] = [10.0, 15.0, 25.0, 40.0];
 
 /// A simulated robot with the recording that its model is scored on.
 pub struct Plant {
@@ -99,10 +97,7 @@ impl Plant {
         let qd = &own.at_samples.qd;
         let recorded = self.recorded();
         let deviations = deviations(recorded.view(), qd.view());
-        let mut best: Option<(f64, Array2<f64>, Option<f64>)> = None;
-        let most = 0.4 * own.report.rate_hz;
-        let wanted = CUTOFFS.into_iter().filter(|&hz| hz < most).map(Some);
-        for cutoff in std::iter::once(None).chain(wanted) {
+        at_best_cutoff(own.report.rate_hz, |cutoff| {
             let prepared = file
                 .preprocessing
                 .prepare(&self.recording, cutoff)
@@ -115,14 +110,8 @@ impl Plant {
             let scores =
                 Scores::of_errors(errors.view(), &deviations, qd.view(), Scope::All, |_| true)
                     .map_err(|e| Failure::other(e.to_string()))?;
-            let score = scores.mean_nrmse.unwrap_or(f64::INFINITY);
-            if best.as_ref().is_none_or(|(least, ..)| score < *least) {
-                best = Some((score, torque, cutoff));
-            }
-        }
-        let (_, torque, cutoff) =
-            best.ok_or_else(|| Failure::other("no cut-off could be tried"))?;
-        Ok((torque, cutoff))
+            Ok((scores.mean_nrmse.unwrap_or(f64::INFINITY), torque))
+        })
     }
 
     /// What one effect adds to the torque on the prepared motion, N·m, shape (samples, joints).

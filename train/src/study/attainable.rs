@@ -2,7 +2,7 @@
 
 use super::arguments::Study;
 use super::data::{Data, part};
-use crate::oracle::{CUTOFFS, true_torque};
+use crate::oracle::{at_best_cutoff, true_torque};
 use compensator::training::Fold;
 use datasets::prepare::{PrepareOptions, prepare};
 use model::failure::Failure;
@@ -17,10 +17,7 @@ pub fn rmse(study: &Study, data: &Data, folds: &[Fold]) -> Result<Vec<f64>, Fail
     let recording = part(&set, "moves")?;
     let run = &data.moves;
     let physics = data.physics_rmse(folds);
-    let most = 0.4 * run.rate_hz;
-    let wanted = CUTOFFS.into_iter().filter(|&hz| hz < most).map(Some);
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    for cutoff_hz in std::iter::once(None).chain(wanted) {
+    let (errors, _) = at_best_cutoff(run.rate_hz, |cutoff_hz| {
         let options = PrepareOptions {
             cutoff_hz,
             ..PrepareOptions::default()
@@ -40,10 +37,7 @@ pub fn rmse(study: &Study, data: &Data, folds: &[Fold]) -> Result<Vec<f64>, Fail
         };
         let errors: Vec<f64> = (0..data.joints.len()).map(of).collect();
         let total = std::iter::zip(&errors, &physics).map(|(e, p)| e / p).sum();
-        if best.as_ref().is_none_or(|(least, _)| total < *least) {
-            best = Some((total, errors));
-        }
-    }
-    best.map(|(_, errors)| errors)
-        .ok_or_else(|| Failure::other("no cut-off could be tried"))
+        Ok((total, errors))
+    })?;
+    Ok(errors)
 }
