@@ -194,7 +194,7 @@ impl<'a, 'd> Prepared<'a, 'd> {
         member: usize,
         path: Option<PathBuf>,
         control: &Control,
-        report: impl Fn(&State),
+        report: impl Fn(&State, bool),
     ) -> Result<(Vec<f32>, Position), Error> {
         let config = &self.job.config;
         let seed = self.job.seed.wrapping_add(member as u64);
@@ -224,9 +224,10 @@ impl<'a, 'd> Prepared<'a, 'd> {
         )?;
         if let Some(path) = path.as_deref().filter(|path| path.exists()) {
             trainer.state = checkpoint::load(path, &origin, trainer.state)?;
+            report(&trainer.state, true);
         }
         let run = trainer.run(control.cancel, |state| {
-            report(state);
+            report(state, false);
             path.as_deref()
                 .map_or(Ok(()), |path| checkpoint::save(path, &origin, state))
         });
@@ -273,8 +274,8 @@ pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
             let path = control
                 .checkpoints
                 .map(|d| d.join(format!("unit{i}-member{member}.safetensors")));
-            let result = prepared[i].network(member, path, control, |state| {
-                let remaining = clock.epoch_done(index, state);
+            let result = prepared[i].network(member, path, control, |state, kept| {
+                let remaining = clock.note(index, state, kept);
                 if let Some(progress) = control.progress {
                     progress(&describe(&prepared[i], (i, member), state, remaining));
                 }

@@ -27,41 +27,61 @@ pub struct Progress {
     pub remaining: Duration,
 }
 
+/// One network of a training.
+struct Network {
+    /// Cost of an epoch.
+    cost: f64,
+    /// Most epochs it may take.
+    epochs: usize,
+    left: usize,
+    /// Epochs trained here, not taken from a checkpoint.
+    done: usize,
+}
+
 /// Estimates the time left from epochs done, each weighted by samples × parameters.
 pub struct Clock {
     started: Instant,
-    /// Per network: cost of an epoch, epochs left, epochs done here.
-    left: Mutex<Vec<(f64, usize, usize)>>,
+    networks: Mutex<Vec<Network>>,
 }
 
 impl Clock {
     /// From the cost of an epoch of each network and the most epochs that it may take.
     pub fn new(networks: impl Iterator<Item = (f64, usize)>) -> Self {
-        let left = networks.map(|(cost, epochs)| (cost, epochs, 0));
+        let networks = networks.map(|(cost, epochs)| Network {
+            cost,
+            epochs,
+            left: epochs,
+            done: 0,
+        });
         Self {
             started: Instant::now(),
-            left: Mutex::new(left.collect()),
+            networks: Mutex::new(networks.collect()),
         }
     }
 
-    /// Notes an epoch of a network, whose state now is `state`; time left for all of them.
-    pub fn epoch_done(&self, index: usize, state: &State) -> Duration {
-        let mut left = self
-            .left
+    /// Notes the state of a network after an epoch or, `kept`, as its checkpoint had it; time left for all of them, zero
+    /// before anything was trained here.
+    pub fn note(&self, index: usize, state: &State, kept: bool) -> Duration {
+        let mut networks = self
+            .networks
             .lock()
             .unwrap_or_else(|poisoned| poisoned.into_inner());
-        let (_, epochs, done) = &mut left[index];
-        *done += 1;
-        *epochs = if state.progress.finished {
+        let network = &mut networks[index];
+        network.done += usize::from(!kept);
+        network.left = if state.progress.finished {
             0
         } else {
-            epochs.saturating_sub(1)
+            network.epochs.saturating_sub(state.progress.history.len())
         };
         let (mut ahead, mut behind) = (0.0, 0.0);
-        for &(cost, epochs, done) in left.iter() {
-            ahead += cost * epochs as f64;
-            behind += cost * done as f64;
+        for network in networks.iter() {
+            ahead += network.cost * network.left as f64;
+            behind += network.cost * network.done as f64;
         }
-        self.started.elapsed().mul_f64(ahead / behind)
+        if behind > 0.0 {
+            self.started.elapsed().mul_f64(ahead / behind)
+        } else {
+            Duration::ZERO
+        }
     }
 }

@@ -7,6 +7,7 @@ use feedforward::network::Architecture;
 use safetensors::{SafeTensors, serialize};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
 
 #[test]
 fn resumed_training_ends_in_the_same_bytes() {
@@ -43,8 +44,19 @@ fn resumed_training_ends_in_the_same_bytes() {
             ..control
         };
         assert_eq!(uninterrupted, bytes(&train(&jobs, &control).unwrap()));
-        // Finished networks are taken from their checkpoints as they are.
-        assert_eq!(uninterrupted, bytes(&train(&jobs, &control).unwrap()));
+        // Finished networks are taken from their checkpoints as they are, and said to be done.
+        let said = std::sync::Mutex::new(Vec::new());
+        let progress = |p: &compensator::training::Progress| {
+            said.lock()
+                .unwrap()
+                .push((p.epoch, p.finished, p.remaining));
+        };
+        let watched = Control {
+            progress: Some(&progress),
+            ..control
+        };
+        assert_eq!(uninterrupted, bytes(&train(&jobs, &watched).unwrap()));
+        assert_eq!(*said.lock().unwrap(), [(5, true, Duration::ZERO)]);
 
         let file = directory.path().join("unit0-member0.safetensors");
         let whole = std::fs::read(&file).unwrap();
