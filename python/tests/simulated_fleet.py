@@ -1,6 +1,7 @@
 """Short recordings of many robots of one make, in closed form: a folder for each robot, as `python -m residyn.fleet` takes it.
 
     python python/tests/simulated_fleet.py FOLDER --robots 200 --recordings 10
+    python python/tests/simulated_fleet.py FOLDER --against OUT        # how far a fleet's tables are from one process
 
 Robots are UR5s whose inertials, viscous and Coulomb friction differ by a few per cent; the elbows of some are worn (`worn`).
 """
@@ -11,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import residyn
+import residyn.fleet
 
 RATE = 100.0
 #: Viscous and Coulomb friction of each joint, N·m·s/rad and N·m.
@@ -61,6 +63,25 @@ def make(folder, robots, recordings, seconds=10.0, seed=1):
             residyn.Recording(time, q, tau).write(place / f"{k:03d}.parquet")
 
 
+def apart(folder, out):
+    """Largest difference of a fleet's parameters and deviations from those of one process that has a robot's recordings all to
+    itself, over the larger of both; and the number of parameters."""
+    rows = residyn.fleet.Fleet(Path(out)).table("parameters")
+    worst, count = 0.0, 0
+    for place in sorted(Path(folder).iterdir()):
+        one = residyn.Accumulator("ur5")
+        for path in sorted(place.iterdir()):
+            one.add(path)
+        ours = {p.name: np.array([p.value, p.std]) for p in one.finish().parameters}
+        theirs = [row for row in rows if row["robot"] == place.name]
+        assert [row["parameter"] for row in theirs] == list(ours)
+        for row in theirs:
+            own = ours[row["parameter"]]
+            worst = max(worst, np.abs(own - [row["value"], row["std"]]).max() / np.abs(own).max())
+            count += 1
+    return worst, count
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folder")
@@ -68,4 +89,11 @@ if __name__ == "__main__":
     parser.add_argument("--recordings", type=int, default=10)
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=1)
-    make(**vars(parser.parse_args()))
+    parser.add_argument("--against", help="tables of a fleet of the recordings that are there")
+    arguments = vars(parser.parse_args())
+    against = arguments.pop("against")
+    if against is None:
+        make(**arguments)
+    else:
+        worst, count = apart(arguments["folder"], against)
+        print(f"{count} parameters and deviations, at most {worst:.1e} apart")
