@@ -27,6 +27,8 @@ def program():
         command = [str(Path(folder) / name), *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True)
 
+    # Of scripts that call the program by name.
+    run.environment = {**os.environ, "RESIDYN": str(Path(folder) / "residyn")}
     return run
 
 
