@@ -2,7 +2,7 @@
 //!
 //! Simulating forwards from torque drifts: a joint without gravity is two integrators, and friction at rest holds torque that
 //! moves nothing. Here the torque of a whole trajectory is explained at once. The motion is a sum of shapes that the
-//! training trajectories are made of ([`MotionPrior`]), and [`solve`] finds the coefficients whose torque is nearest to what was recorded, from
+//! training trajectories are made of ([`MotionPrior`]), and `solve.rs` finds the coefficients whose torque is nearest to what was recorded, from
 //! the first position on. So it is no simulation sample by sample: every position has seen all torque of its trajectory.
 
 mod error;
