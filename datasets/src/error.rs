@@ -254,7 +254,9 @@ impl Problem {
             }
             Self::Compression(_) => "Write it with lz4, zstd or none (`mcap compress`).",
             Self::NoTopics => "Look at its header.",
-            Self::NoBag => "Give the folder that `ros2 bag record` has written, or a file.",
+            Self::NoBag => {
+                "Give the folder that `ros2 bag record` has written, a LeRobot data set (with meta/info.json), or a file."
+            }
             Self::NoBagTables => "Give a file that `ros2 bag record` has written.",
             Self::Unfinished => "Convert it with `ros2 bag convert`, which reads both.",
             Self::MissingTopic { .. } => {

@@ -66,13 +66,15 @@ impl Earlier {
         }
     }
 
-    /// What has structure beyond `margin` times the usual.
+    /// What has structure beyond `margin` times the usual; nothing where nobody knows what is usual.
     pub(super) fn beyond(&self, left: Vec<Option<Left>>, margin: f64) -> Vec<Option<Left>> {
-        let Some(usual) = self.usual() else {
-            return left;
+        let beyond = |(j, l): (usize, Option<Left>)| match self {
+            Self::Repeated(_) => l,
+            Self::Other(usual) => {
+                let usual = usual.as_ref()?.structured[j];
+                l.filter(|l| l.structured() > margin * usual)
+            }
         };
-        let both = left.into_iter().zip(&usual.structured);
-        both.map(|(l, s)| l.filter(|l| l.structured() > margin * s))
-            .collect()
+        left.into_iter().enumerate().map(beyond).collect()
     }
 }

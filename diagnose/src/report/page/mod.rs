@@ -14,8 +14,18 @@ use report::{Cell, Column, KeyFigure, Page, Section, Table, Tone};
 /// Renders the page. `inputs` names robot and recordings; `patch` is what the causes change in the model.
 pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> String {
     let d = &outcome.diagnosis;
-    let mut page = Page::new("Where the simulator and the robot part")
-        .subtitle("Torque of a simulator's model against a recording of the real robot; every figure is measured on the held-out recording.")
+    let [title, subtitle] = match d.compared {
+        None => [
+            "Where the simulator and the robot part",
+            "Torque of a simulator's model against a recording of the real robot; every figure is measured on the held-out recording.",
+        ],
+        Some(_) => [
+            "What has changed on the robot",
+            "Torque of a later recording against the robot's own earlier ones; every figure is measured on what was held out of the later one.",
+        ],
+    };
+    let mut page = Page::new(title)
+        .subtitle(subtitle)
         .key_figure(KeyFigure::new("verdict", d.verdict.name().replace('_', " ")).tone(tone(d)));
     let nrmse = |at: Option<usize>| {
         let mean = at.and_then(|n| d.ladder[n].all.mean_nrmse);
