@@ -107,8 +107,8 @@ fn error(truth: &Changed, cause: &Value) -> Option<f64> {
     Some(match truth.change {
         Change::Payload => (value("mass")? / truth.size - 1.0).abs(),
         Change::TorqueGain => ((value("gain")? - truth.size) / (truth.size - 1.0)).abs(),
-        // The report's zero is what is to be added to the position, and its tilt is gravity's, not the base's.
-        Change::EncoderOffset => (value("zero")?.abs() / truth.size.abs() - 1.0).abs(),
+        // The report's zero is what is to be added to the position, which undoes the shift.
+        Change::EncoderOffset => ((value("zero")? + truth.size) / truth.size).abs(),
         Change::BaseTilt => {
             let [x, y, _] = truth.vector?;
             let off = (value("tilt_x")? - x).hypot(value("tilt_y")? - y);
