@@ -1,6 +1,7 @@
 //! One number against many: a torque that is scaled on two joints is a gain, links whose inertials stand in a wrong frame
 //! are links.
 
+use crate::shared;
 use datasets::{ReadOptions, Recording, read};
 use diagnose::Effect;
 use diagnose::NominalModel;
@@ -8,8 +9,6 @@ use diagnose::schema::Cause;
 use diagnose::{Options, Outcome, diagnose};
 use nalgebra::{Rotation3, Vector3};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
-use std::io::Write;
-use std::path::PathBuf;
 use trials::cases::{Case, CaseSpec, Kind, generate};
 
 fn clean(index: u64, seed: u64) -> Case {
@@ -113,22 +112,6 @@ fn inertials_in_a_wrong_frame_are_links() {
         let wrong = turned(&robot, &links, Vector3::y());
         links_are_named(&outcome(wrong, &case.train, &case.test), &links);
     }
-}
-
-fn shared(path: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared")
-        .join(path);
-    if path.is_dir() {
-        return Some(path);
-    }
-    // Not println: what goes through it is swallowed where a test passes.
-    let _ = writeln!(
-        std::io::stderr(),
-        "skipped: {} is not there",
-        path.display()
-    );
-    None
 }
 
 #[test]

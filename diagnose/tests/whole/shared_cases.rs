@@ -1,27 +1,12 @@
 //! The shared example cases, where they are there: right answers, and reports as docs/formats.md has them.
 
+use crate::shared;
 use datasets::{ReadOptions, read};
 use diagnose::NominalModel;
 use diagnose::prove::judge;
 use diagnose::{Options, diagnose};
 use physics::robot::Robot;
 use serde_json::Value;
-use std::io::Write;
-use std::path::PathBuf;
-
-fn shared() -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/cases");
-    if path.is_dir() {
-        return Some(path);
-    }
-    // Not println: what goes through it is swallowed where a test passes.
-    let _ = writeln!(
-        std::io::stderr(),
-        "skipped: {} is not there",
-        path.display()
-    );
-    None
-}
 
 fn report(folder: &std::path::Path) -> Value {
     let robot = Robot::from_urdf_file(folder.join("robot.urdf")).unwrap();
@@ -41,7 +26,9 @@ fn report(folder: &std::path::Path) -> Value {
 /// Each of these takes a few seconds; the proof runs the rest.
 #[test]
 fn names_the_cause_says_none_and_says_unknown() {
-    let Some(shared) = shared() else { return };
+    let Some(shared) = shared("cases") else {
+        return;
+    };
     for (case, verdict) in [
         ("07a6dac1d5", "explained"),
         ("7a6b200351", "no_gap"),
