@@ -1,5 +1,6 @@
 //! LeRobot data sets, and lists in Parquet files, as `fixtures/lerobot/make.py` has written them.
 
+use datasets::read::dataset;
 use datasets::{ColumnMap, ReadError, ReadOptions, Recording, read};
 use std::path::{Path, PathBuf};
 
@@ -122,4 +123,43 @@ fn refusals() {
     );
     std::fs::create_dir(folder.path().join("data")).unwrap();
     read(folder.path(), &with(&BY_NAME)).unwrap_err();
+}
+
+#[test]
+fn what_a_data_set_holds_is_listed_by_the_names_that_a_drive_file_takes() {
+    for version in ["v2", "v3"] {
+        let found = dataset(&fixture(version)).unwrap().unwrap();
+        assert_eq!((found.rate_hz, found.episodes), (Some(25.0), None));
+        let state = found
+            .features
+            .iter()
+            .find(|f| f.name == "observation.state");
+        let state = state.unwrap();
+        assert_eq!(state.kind, "float32");
+        assert!(state.columns.contains(&BY_NAME[0].1.to_owned()));
+        assert_eq!(state.columns.len(), 3);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(dataset(folder.path()).unwrap(), None);
+    let meta = folder.path().join("meta");
+    std::fs::create_dir(&meta).unwrap();
+    let write = |text: &str| std::fs::write(meta.join("info.json"), text).unwrap();
+    write(
+        r#"{"fps": 30, "total_episodes": 2, "total_frames": 60, "features": {
+        "timestamp": {"dtype": "float32", "shape": [1], "names": null},
+        "action": {"dtype": "float32", "shape": [2], "names": null},
+        "camera": {"dtype": "video", "shape": [4, 4, 3], "names": ["height", "width", "channels"]}}}"#,
+    );
+    let found = dataset(folder.path()).unwrap().unwrap();
+    assert_eq!((found.episodes, found.frames), (Some(2), Some(60)));
+    let columns = |name: &str| {
+        let own = found.features.iter().find(|f| f.name == name);
+        own.unwrap().columns.clone()
+    };
+    assert_eq!(columns("timestamp"), ["timestamp"]);
+    assert_eq!(columns("action"), ["action[0]", "action[1]"]);
+    assert!(columns("camera").is_empty());
+    write("{");
+    let error = dataset(folder.path()).unwrap_err();
+    assert!(error.to_string().contains("info.json"), "{error}");
 }

@@ -111,10 +111,22 @@ impl Job {
     /// A diagnosis with nothing but what it needs.
     pub fn new(subject: Subject, data: Vec<PathBuf>, heldout: impl Into<PathBuf>) -> Self {
         Self {
+            heldout: Some(heldout.into()),
+            ..Self::of(subject, data)
+        }
+    }
+
+    /// What has changed on a robot since its recordings `before`, with nothing but what that needs: part of `data` is held out.
+    pub fn since(robot: Subject, before: Vec<PathBuf>, data: Vec<PathBuf>) -> Self {
+        Self::of(robot.as_in(before), data)
+    }
+
+    fn of(subject: Subject, data: Vec<PathBuf>) -> Self {
+        Self {
             subject,
             drive: None,
             data,
-            heldout: Some(heldout.into()),
+            heldout: None,
             cutoff_hz: None,
             fast: false,
             learn: false,

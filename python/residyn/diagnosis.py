@@ -114,6 +114,11 @@ class Report:
         of shape (samples, joints); `given` and `explained` are the report's own torque without and with the causes."""
         return self._diagnosis.motion()
 
+    def session(self) -> dict[str, np.ndarray]:
+        """What friction's memory has run through by the end of the held-out recording, in this order: recordings on one clock
+        interleave. `time`, `q`, `qd`, `qdd`, and `row`: which sample of `motion()` each one is, -1 for those of the fitted recording."""
+        return self._diagnosis.session()
+
     def next_motion(self, path: Union[str, os.PathLike]) -> bool:
         """Writes the motion that tells ambiguous causes apart; false where none is needed or none was asked for."""
         return self._diagnosis.next_motion(Path(path))

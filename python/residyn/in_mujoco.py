@@ -85,6 +85,19 @@ class Simulated:
             mujoco.set_mjcb_passive(None)
         return torque
 
+    def along(self, report: Report) -> np.ndarray:
+        """Torque along the report's held-out motion. What friction remembers at the start of a trajectory is of the one before on the same
+        clock, which may be one of the fitted recording's: a callback with memory runs through these, too."""
+        if self.effects is None or not len(self.effects.end[0]):
+            motion = report.motion()
+            return self.inverse(motion["time"], motion["q"], motion["qd"], motion["qdd"])
+        session = report.session()
+        torque = self.inverse(session["time"], session["q"], session["qd"], session["qdd"])
+        own = np.flatnonzero(session["row"] >= 0)
+        own = own[np.argsort(session["row"][own])]
+        self.slides, self.memory = self.slides[own], [self.memory[i] for i in own]
+        return torque[own]
+
     def _at_limit(self) -> np.ndarray:
         """Which joints' friction is at its limit against the motion; true of joints without."""
         import mujoco
@@ -165,7 +178,7 @@ def verify(
         models.append(("patched with code", written[0], code, "explained"))
     clock = 0.0 if motion["clock_known"] else None
     simulated = [Simulated(path, report.joints, code, clock) for _, path, code, _ in models]
-    torques = [s.inverse(time, motion["q"], motion["qd"], motion["qdd"]) for s in simulated]
+    torques = [s.along(report) for s in simulated]
     away = np.logical_and.reduce([np.abs(motion["qd"]) > AWAY, *(s.slides for s in simulated)])
     rows = []
     for (name, _, _, own), one, torque in zip(models, simulated, torques):

@@ -135,6 +135,21 @@ impl Diagnosis {
         })
     }
 
+    /// What memory has run through by the end of the held-out recording, in this order: time, q, qd, qdd, and the sample of
+    /// `motion` that each one is, -1 for those of the fitted recording.
+    fn session<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (motion, rows) = self.with(|d| d.outcome.frames.heldout_walked());
+        let row = |r: Option<usize>| r.map_or(-1, |r| r as i64);
+        let out = PyDict::new(py);
+        out.set_item("time", motion.time.to_pyarray(py))?;
+        out.set_item("q", motion.q.into_pyarray(py))?;
+        out.set_item("qd", motion.qd.into_pyarray(py))?;
+        out.set_item("qdd", motion.qdd.into_pyarray(py))?;
+        let rows: Vec<i64> = rows.into_iter().map(row).collect();
+        out.set_item("row", rows.into_pyarray(py))?;
+        Ok(out)
+    }
+
     /// Writes the next motion as CSV or Parquet; false where none was asked for or none is needed.
     fn next_motion(&self, path: PathBuf) -> PyResult<bool> {
         self.with(|d| d.next.as_ref().map(|n| n.write(&path)).transpose())

@@ -131,6 +131,13 @@ def test_what_lies_beside_a_patched_urdf(tmp_path):
     report = residyn.diagnose(str(case / "robot.urdf"), case / "train.parquet", case / "test.parquet", fast=True)
     (tmp_path / "fixed_mujoco.py").write_text('"""What `diagnose` found and no parameter of MuJoCo holds, of last week."""\n')
     (tmp_path / "fixed_isaaclab.py").write_text("mine = 1\n")
+    # Both recordings are of one clock, trajectory by trajectory in turn: so does friction remember.
+    session, motion = report.session(), report.motion()
+    own = np.flatnonzero(session["row"] >= 0)
+    assert np.all(np.diff(session["time"]) > 0) and len(own) < len(session["row"])
+    order = own[np.argsort(session["row"][own])]
+    for name in ("time", "q", "qd", "qdd"):
+        np.testing.assert_array_equal(session[name][order], motion[name])
     written = {p.name for p in report.patch(tmp_path / "fixed.urdf")}
     assert written == {"fixed.urdf", "fixed.sdf", "fixed.usda", "fixed.mjcf.xml", "fixed.values.tsv"}
     assert not (tmp_path / "fixed_mujoco.py").exists()

@@ -23,6 +23,7 @@ pub mod say;
 pub mod table;
 mod terminal;
 pub mod write;
+pub mod xml;
 
 pub use figure::Figure;
 pub use page::{KeyFigure, Page, Section, Tone};

@@ -4,6 +4,7 @@ use crate::doctor::Doctor;
 use crate::estimator::EstimatorArguments;
 use crate::forward::Forward;
 use crate::oracle::Oracle;
+use crate::runtime::Running;
 use crate::study::Study;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -65,7 +66,8 @@ pub struct Arguments {
     /// Stop after the check of the recordings.
     #[arg(long)]
     pub check_only: bool,
-    /// List the topics of the bags of --data, with types, rates, joints and fields, and stop.
+    /// List the topics of the bags of --data, with types, rates, joints and fields, or the features of its LeRobot data sets with the
+    /// names of their columns, and stop.
     #[arg(long, requires = "data")]
     pub list: bool,
     /// With --check-only: print the check as JSON.
@@ -92,15 +94,12 @@ pub struct Arguments {
     /// Train the networks on a GPU, in a build with the feature `gpu`; the same networks to rounding.
     #[arg(long, conflicts_with = "physics_only")]
     pub gpu: bool,
-    /// Threads; the result does not depend on it [default: all cores].
-    #[arg(long)]
-    pub threads: Option<usize>,
     /// Print everything: all findings, parameters, tests of the residual, scores of every scope.
     #[arg(long, conflicts_with = "quiet")]
     pub verbose: bool,
-    /// Print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
+    /// How it runs.
+    #[command(flatten)]
+    pub running: Running,
 }
 
 /// Jobs beside training.

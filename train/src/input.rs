@@ -71,7 +71,7 @@ fn simulated(
     arguments: &Arguments,
 ) -> Result<(Vec<Recording>, Option<Recording>), Failure> {
     let bar = crate::progress::bar(
-        arguments.quiet,
+        arguments.running.quiet,
         &format!("simulating the {}", protocol.name()),
     );
     let cache = arguments.out.join("simulated");

@@ -17,7 +17,7 @@ pub fn applied(data: Vec<Recording>, arguments: &Arguments) -> Result<Vec<Record
     let one = |mut recording: Recording| {
         if let Some(period) = arguments.average {
             let averaged = average(&recording, period).map_err(wrong)?;
-            if !arguments.quiet {
+            if !arguments.running.quiet {
                 told(
                     &recording.source,
                     &averaged.runs,

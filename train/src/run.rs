@@ -1,7 +1,7 @@
 //! The steps of `train`.
 
 use crate::arguments::{Arguments, PresetName};
-use crate::runtime::{pool, stop, threads};
+use crate::runtime::{pool, stop};
 use crate::{checkpoint, input, output, progress, screen, topics, yardsticks};
 use compensator::training::{Control, Progress, Tensors};
 use datasets::Recording;
@@ -31,7 +31,7 @@ pub fn run(
     if arguments.list {
         return topics::list(&arguments.data);
     }
-    let threads = threads(arguments.threads)?;
+    let threads = arguments.running.threads()?;
     pool(threads)?.install(|| steps(arguments, cancel, watch, threads))
 }
 
@@ -59,7 +59,7 @@ fn steps(
     }
 
     let estimator = arguments.estimator.options(&input.setup.robot)?;
-    let spinner = progress::spinner(arguments.quiet, "identifying");
+    let spinner = progress::spinner(arguments.running.quiet, "identifying");
     let options = FitOptions {
         identify: IdentifyOptions {
             moving_only: arguments.moving_only,
@@ -104,7 +104,7 @@ fn steps(
                 yardsticks: arguments.yardsticks,
             };
             let bar = progress::Training::new(
-                arguments.quiet,
+                arguments.running.quiet,
                 &fit.file.joints,
                 options.networks(fit.file.joints.len()),
             );
@@ -143,7 +143,7 @@ fn steps(
     if let Some(folder) = &folder {
         checkpoint::remove(folder);
     }
-    if !arguments.quiet {
+    if !arguments.running.quiet {
         if arguments.verbose {
             screen::everything(&fit, &metrics, arguments);
         } else {

@@ -1,8 +1,37 @@
 //! Threads and interruption.
 
+use clap::Args;
 use model::failure::Failure;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How a command runs, whatever it does.
+#[derive(Clone, Debug, Args)]
+pub struct Running {
+    /// Threads; the result does not depend on it [default: all cores].
+    #[arg(long)]
+    pub threads: Option<usize>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl Running {
+    /// The number of threads that was asked for: all cores by default.
+    ///
+    /// # Errors
+    /// None at all.
+    pub fn threads(&self) -> Result<usize, Failure> {
+        let all = || std::thread::available_parallelism().map_or(1, usize::from);
+        match self.threads.unwrap_or_else(all) {
+            0 => Err(Failure::input(
+                "--threads 0: at least one thread is needed",
+                "",
+            )),
+            threads => Ok(threads),
+        }
+    }
+}
 
 /// Flag that Ctrl-C raises.
 pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
@@ -16,22 +45,6 @@ pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
     })
     .map_err(|e| Failure::other(e.to_string()))?;
     Ok(cancel)
-}
-
-/// The number of threads that was asked for: all cores by default.
-///
-/// # Errors
-/// None at all.
-pub fn threads(wanted: Option<usize>) -> Result<usize, Failure> {
-    let threads =
-        wanted.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    if threads == 0 {
-        return Err(Failure::input(
-            "--threads 0: at least one thread is needed",
-            "",
-        ));
-    }
-    Ok(threads)
 }
 
 /// A pool of that many threads. The process's own stays as it is: it may belong to somebody else.

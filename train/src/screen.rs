@@ -26,7 +26,7 @@ pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
         say_text!(json(&reports));
         return;
     }
-    if arguments.quiet {
+    if arguments.running.quiet {
         return;
     }
     for note in robot.notes() {

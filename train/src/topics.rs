@@ -1,22 +1,50 @@
-//! What `train --list` prints.
+//! What `train --list` prints: topics of a bag, features of a data set.
 
-use datasets::read::{TopicSummary, topics};
+use datasets::read::{DatasetSummary, TopicSummary, dataset, topics};
 use model::failure::Failure;
 use model::preparation::setup::SetupError;
 use report::say;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Prints the topics of bags.
+/// Prints the topics of bags and the features of data sets.
 ///
 /// # Errors
-/// A recording that cannot be read, or is no bag.
+/// A recording that cannot be read, or is neither.
 pub fn list(paths: &[PathBuf]) -> Result<(), Failure> {
     for path in paths {
+        if let Some(found) = dataset(path).map_err(SetupError::from)? {
+            show_dataset(path, &found);
+            continue;
+        }
         let found = topics(path).map_err(SetupError::from)?;
         say!("{}: {} topics", path.display(), found.len());
         found.iter().for_each(show);
     }
     Ok(())
+}
+
+fn show_dataset(path: &Path, found: &DatasetSummary) {
+    let count = |number: Option<u64>, of: &str| match number {
+        Some(number) => format!(", {number} {of}"),
+        None => String::new(),
+    };
+    let rate = found
+        .rate_hz
+        .map_or(String::new(), |r| format!(", {r:.1} Hz"));
+    say!(
+        "{}: data set of {} features{}{}{rate}",
+        path.display(),
+        found.features.len(),
+        count(found.episodes, "episodes"),
+        count(found.frames, "frames"),
+    );
+    for feature in &found.features {
+        say!("  {} ({})", feature.name, feature.kind);
+        match feature.columns.as_slice() {
+            [] => say!("    no numbers"),
+            columns => say!("    columns: {}", columns.join(", ")),
+        }
+    }
 }
 
 fn show(topic: &TopicSummary) {

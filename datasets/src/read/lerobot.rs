@@ -5,7 +5,7 @@
 //! the drive file says which are joints, by the data set's own names (`observation.state.shoulder_pan.pos`) or by number
 //! (`observation.state[0]`).
 
-use super::parquet;
+use super::parquet::{self, LONGEST};
 use crate::columns::ColumnMap;
 use crate::{Problem, ReadError, ReadOptions, Recording};
 use serde_json::Value;
@@ -14,6 +14,66 @@ use std::path::{Path, PathBuf};
 /// What makes a folder a data set.
 const INFO: &str = "meta/info.json";
 
+/// What a data set holds, by its own `meta/info.json`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DatasetSummary {
+    /// Frames per second; `None` where it is not said.
+    pub rate_hz: Option<f64>,
+    /// Episodes; `None` where it is not said.
+    pub episodes: Option<u64>,
+    /// Frames of all episodes; `None` where it is not said.
+    pub frames: Option<u64>,
+    /// Its features, by name.
+    pub features: Vec<FeatureSummary>,
+}
+
+/// A feature of a data set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeatureSummary {
+    /// Its name.
+    pub name: String,
+    /// Type of its elements (`float32`; `video` and `image` are no numbers).
+    pub kind: String,
+    /// Names by which a drive file calls its elements; that of the feature itself where it has no list of them.
+    pub columns: Vec<String>,
+}
+
+/// What a folder holds, where it is a data set.
+///
+/// # Errors
+/// A `meta/info.json` that cannot be read.
+pub fn dataset(folder: &Path) -> Result<Option<DatasetSummary>, ReadError> {
+    if !is_dataset(folder) {
+        return Ok(None);
+    }
+    let info = info(folder)?;
+    let features = info["features"].as_object().into_iter().flatten();
+    let features = features.map(|(name, of)| {
+        let named = elements(&of["names"]).into_iter();
+        let length = of["shape"][0].as_u64().unwrap_or(1);
+        let numbered = (0..length).map(|k| format!("{name}[{k}]"));
+        let kind = of["dtype"].as_str().unwrap_or("unknown").to_owned();
+        let columns: Vec<String> = match kind.as_str() {
+            "video" | "image" => Vec::new(),
+            _ if length > LONGEST as u64 => Vec::new(),
+            _ if !of["names"].is_null() => named.map(|n| format!("{name}.{n}")).collect(),
+            _ if length > 1 => numbered.collect(),
+            _ => vec![name.clone()],
+        };
+        FeatureSummary {
+            name: name.clone(),
+            kind,
+            columns,
+        }
+    });
+    Ok(Some(DatasetSummary {
+        rate_hz: info["fps"].as_f64(),
+        episodes: info["total_episodes"].as_u64(),
+        frames: info["total_frames"].as_u64(),
+        features: features.collect(),
+    }))
+}
+
 /// Whether a folder is a data set.
 pub(super) fn is_dataset(folder: &Path) -> bool {
     folder.join(INFO).is_file()
@@ -21,14 +81,8 @@ pub(super) fn is_dataset(folder: &Path) -> bool {
 
 /// Reads all episodes.
 pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
-    let info = folder.join(INFO);
-    let text = std::fs::read(&info).map_err(|e| Problem::Io(e).in_file(&info))?;
-    let info: Value = serde_json::from_slice(&text).map_err(|e| {
-        let (format, detail) = ("LeRobot", e.to_string());
-        Problem::Damaged { format, detail }.in_file(&info)
-    })?;
     let options = ReadOptions {
-        columns: by_number(&options.columns, &info),
+        columns: by_number(&options.columns, &info(folder)?),
         ..options.clone()
     };
     let mut episodes = Vec::new();
@@ -39,6 +93,15 @@ pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
     let mut whole = Recording::joined(&episodes).ok_or_else(|| Problem::Empty.in_file(folder))?;
     whole.source = folder.display().to_string();
     Ok(whole)
+}
+
+fn info(folder: &Path) -> Result<Value, ReadError> {
+    let file = folder.join(INFO);
+    let text = std::fs::read(&file).map_err(|e| Problem::Io(e).in_file(&file))?;
+    serde_json::from_slice(&text).map_err(|e| {
+        let (format, detail) = ("LeRobot", e.to_string());
+        Problem::Damaged { format, detail }.in_file(&file)
+    })
 }
 
 /// The Parquet files below a folder, in the order of their names: chunks, then files or episodes.

@@ -14,6 +14,7 @@ use crate::{Problem, ReadError, ReadOptions, Recording};
 use std::path::Path;
 
 pub use bag::TopicSummary;
+pub use lerobot::{DatasetSummary, FeatureSummary, dataset};
 pub use mat::GEAR_RATIOS as KR300_GEAR_RATIOS;
 pub(crate) use parquet::TORQUE_FILTER_KEY;
 

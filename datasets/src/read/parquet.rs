@@ -18,7 +18,7 @@ use std::path::Path;
 pub(crate) const TORQUE_FILTER_KEY: &str = "residyn.torque_filter";
 
 /// Most elements of a list that are columns: pictures are none.
-const LONGEST: usize = 1024;
+pub(super) const LONGEST: usize = 1024;
 
 /// Rows decoded at a time.
 const BATCH: usize = 8192;

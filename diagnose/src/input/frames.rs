@@ -4,12 +4,13 @@ use super::reversal::signs;
 use crate::error::DiagnoseError;
 use crate::motion::channel::Channel;
 use crate::motion::frame::Frame;
-use crate::motion::passage::Passage;
+use crate::motion::passage::{Passage, Terms};
 use crate::motion::scene::Scale;
 use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use datasets::{PrepareOptions, Recording};
 use model::preparation::cutoff::{self, CutoffChoice};
+use signal::Motion;
 use std::sync::Arc;
 
 /// Trajectories that the softness of signs is chosen on, evenly spread.
@@ -29,6 +30,8 @@ pub struct Frames {
     pub cutoff: Option<CutoffChoice>,
     /// Trajectories that the softness of signs is chosen on.
     spread: Vec<usize>,
+    /// Terms of an identified model beside what its robot holds, by joint.
+    beside: Vec<Terms>,
 }
 
 impl Frames {
@@ -77,6 +80,7 @@ impl Frames {
             options,
             cutoff: chosen,
             spread,
+            beside: model.beside(),
         })
     }
 
@@ -101,13 +105,21 @@ impl Frames {
 
     /// Motion of the fitted recording, memory running on through both where they share a clock.
     pub fn passage(&self) -> Passage<'_> {
-        Passage::of(vec![self.data.motion(), self.heldout.motion()], 0).with_wide(self.data.wide())
+        Passage::of(vec![self.data.motion(), self.heldout.motion()], 0)
+            .with_wide(self.data.wide())
+            .with_beside(&self.beside)
     }
 
     /// The same of the held-out one.
     pub fn heldout_passage(&self) -> Passage<'_> {
         Passage::of(vec![self.data.motion(), self.heldout.motion()], 1)
             .with_wide(self.heldout.wide())
+            .with_beside(&self.beside)
+    }
+
+    /// What memory has run through by the end of the held-out recording, at the recorded stamps: see [`Passage::walked`].
+    pub fn heldout_walked(&self) -> (Motion, Vec<Option<usize>>) {
+        Passage::of(vec![self.data.samples(), self.heldout.samples()], 1).walked()
     }
 }
 
@@ -124,4 +136,45 @@ pub fn fresh(recording: &Recording, options: &PrepareOptions) -> Result<Frame, D
         source_name: recording.source.clone(),
         error,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::before;
+    use crate::motion::scene::Scene;
+    use crate::settings::Settings;
+    use ndarray::Array2;
+    use physics::robot::Robot;
+    use trials::protocols::changed::{Change, changed};
+    use trials::protocols::payload::LoadedArm;
+
+    /// Gears with ripple, memory and friction by load: what columns scale is the torque that the gap is measured from.
+    #[test]
+    fn a_scene_has_the_whole_torque_of_an_identified_model() {
+        let days = changed(LoadedArm::Ur5, Change::None, true, false, 7).unwrap();
+        let robot = Robot::from_urdf_str(&days.urdf).unwrap();
+        let model = before::model(&robot, std::slice::from_ref(&days.before), None).unwrap();
+        let model = model.alone();
+        assert!(model.beside().iter().any(|terms| !terms.is_empty()));
+        let (fitted, held) = before::split(&days.after);
+        let settings = Settings::default();
+        let frames = Frames::new(&model, &fitted, &held, None, &settings.input).unwrap();
+        let off = |scene: Scene, frame: &Frame| {
+            let wanted = model.predicted(frame, &frames.scale);
+            let departure = frame.table_to_samples(&scene.predicted()) - &wanted;
+            let power = |t: &Array2<f64>| t.iter().map(|x| x * x).sum::<f64>();
+            (power(&departure) / power(&wanted)).sqrt()
+        };
+        for (passage, frame) in [
+            (frames.passage(), &frames.data),
+            (frames.heldout_passage(), &frames.heldout),
+        ] {
+            let bare = passage.clone().with_beside(&[]);
+            let whole = off(Scene::new(&model.robot, passage, &frames.scale), frame);
+            let bare = off(Scene::new(&model.robot, bare, &frames.scale), frame);
+            // What is left of it is how softly the sign of Coulomb friction turns round.
+            assert!(whole < 0.1 * bare, "{whole:.2e} of {bare:.2e}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! A recording's motion among those of its session, in the order in which memory runs through them.
 
 use model::session::{Start, Step, order};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Axis};
 use physics::effects::{Sample, Term, TermBank};
 use signal::Motion;
 
@@ -13,7 +13,11 @@ pub struct Passage<'a> {
     steps: Vec<Step>,
     clock_known: Vec<bool>,
     wide: Option<&'a Motion>,
+    beside: &'a [Terms],
 }
+
+/// Terms of one joint, each with its factor.
+pub type Terms = Vec<(f64, Term)>;
 
 impl<'a> From<&'a Motion> for Passage<'a> {
     /// A motion of which nothing before is known.
@@ -36,12 +40,23 @@ impl<'a> Passage<'a> {
             steps,
             clock_known,
             wide: None,
+            beside: &[],
         }
     }
 
     /// The same with the motion in the band of the rows, on the same grid, where that is another one.
     pub fn with_wide(self, wide: Option<&'a Motion>) -> Self {
         Self { wide, ..self }
+    }
+
+    /// The same under a model whose joints have terms beside what its robot holds; none, or one list per joint.
+    pub fn with_beside(self, beside: &'a [Terms]) -> Self {
+        Self { beside, ..self }
+    }
+
+    /// Terms of the model beside what its robot holds; none, or one list per joint.
+    pub fn beside(&self) -> &'a [Terms] {
+        self.beside
     }
 
     /// The motion in the band of the rows, where it is another one.
@@ -57,6 +72,39 @@ impl<'a> Passage<'a> {
     /// Whether its time stamps are on the session's clock.
     pub fn clock_known(&self) -> bool {
         self.clock_known[self.part]
+    }
+
+    /// Every sample that memory runs through up to the motion's end, in this order, and the row of the motion that it is; none
+    /// of those of other motions.
+    pub fn walked(&self) -> (Motion, Vec<Option<usize>>) {
+        let own = self.motion();
+        let len = self.steps.iter().map(|s| s.rows.len()).sum();
+        let table = || Array2::zeros((len, own.dof()));
+        let mut walked = Motion {
+            time: Vec::with_capacity(len),
+            q: table(),
+            qd: table(),
+            qdd: table(),
+            segments: Vec::with_capacity(self.steps.len()),
+        };
+        let mut rows = Vec::with_capacity(len);
+        for step in &self.steps {
+            let motion = self.motions[step.part];
+            let at = rows.len()..rows.len() + step.rows.len();
+            walked.time.extend(&motion.time[step.rows.clone()]);
+            for (to, from) in [
+                (&mut walked.q, &motion.q),
+                (&mut walked.qd, &motion.qd),
+                (&mut walked.qdd, &motion.qdd),
+            ] {
+                to.slice_axis_mut(Axis(0), at.clone().into())
+                    .assign(&from.slice_axis(Axis(0), step.rows.clone().into()));
+            }
+            let mine = step.part == self.part;
+            rows.extend(step.rows.clone().map(|row| mine.then_some(row)));
+            walked.segments.push(at);
+        }
+        (walked, rows)
     }
 
     /// Sum of terms of one joint over the motion, each with its factor. `load` is the torque that the joints' transmissions

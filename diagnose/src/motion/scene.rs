@@ -67,7 +67,7 @@ pub struct Scene<'a> {
     pub sign: Array2<f64>,
     /// Torque of the rigid body.
     pub rigid: Array2<f64>,
-    /// Viscous and Coulomb friction, rotor inertia, counterbalance, springs.
+    /// Viscous and Coulomb friction, rotor inertia, counterbalance, springs, and what else an identified model's joints have.
     pub drive: Array2<f64>,
     /// Torque of the model as given, where torque is known to be recorded late.
     pub given: Option<Array2<f64>>,
@@ -99,7 +99,7 @@ impl<'a> Scene<'a> {
             rigid_torque(&c.given, &motion.q, &motion.qd, &motion.qdd)
                 + drive_of(&c.given, motion, &sign)
         });
-        Self {
+        let mut scene = Self {
             robot,
             motion,
             scale,
@@ -110,7 +110,15 @@ impl<'a> Scene<'a> {
             tangents: Vec::new(),
             wide: None,
             passage,
+        };
+        for (joint, terms) in scene.passage.beside().iter().enumerate() {
+            let torque = scene.terms(joint, terms);
+            for table in std::iter::once(&mut scene.drive).chain(&mut scene.given) {
+                let mut column = table.column_mut(joint);
+                column += &torque;
+            }
         }
+        scene
     }
 
     /// The same with the derivatives that compliant transmissions and joint zeros need.

@@ -1,18 +1,16 @@
 //! Before and after: simulated arms on two days between which one thing was changed, diagnosed from their files.
 
-use super::ProveError;
+use super::sizes::size_error;
+use super::{OUTSIDE, ProveError};
 use crate::job::{Job, Subject};
 use rayon::prelude::*;
 use report::{Cell, Column, Table};
-use serde_json::Value;
+use serde_json::{Value, json};
 use signal::proportion;
 use signal::quantile::median;
 use std::path::Path;
 use trials::protocols::changed::{Change, Changed, changed};
 use trials::protocols::payload::LoadedArm;
-
-/// Chance that an interval does not hold its share.
-const OUTSIDE: f64 = 0.05;
 
 /// One pair of days.
 #[derive(Clone, Debug)]
@@ -62,13 +60,8 @@ fn diagnosed(folder: &Path) -> Result<Value, crate::DiagnoseError> {
     let at = |name: &str| folder.join(name);
     let robot = Subject::robot(at("robot.urdf").display().to_string());
     let job = Job {
-        heldout: None,
         fast: true,
-        ..Job::new(
-            robot.as_in(vec![at("before.parquet")]),
-            vec![at("after.parquet")],
-            "",
-        )
+        ..Job::since(robot, vec![at("before.parquet")], vec![at("after.parquet")])
     };
     let done = job.run(|_| ())?;
     Ok(serde_json::from_str(&done.json()).expect("own JSON"))
@@ -93,29 +86,20 @@ fn judge(truth: &Changed, again: bool, report: &Value) -> Told {
         right: found.is_some() || truth.change == Change::None && causes.is_empty(),
         more: causes.iter().any(|c| !own(&c)),
         unknown: report["verdict"] == "unknown_effect",
-        error: found.and_then(|cause| error(truth, cause)),
+        error: found.and_then(|cause| size_error(&answer(truth), cause)),
     }
 }
 
-/// Error of a size, relative to the change.
-fn error(truth: &Changed, cause: &Value) -> Option<f64> {
-    let parameters = cause["parameters"].as_array()?;
-    let value = |name: &str| {
-        let own = parameters.iter().find(|p| p["name"] == name)?;
-        own["value"].as_f64()
+/// A change as a sealed case has an effect; factors on friction are no size that a report has, too.
+fn answer(truth: &Changed) -> Value {
+    let parameters = match (truth.change, truth.vector) {
+        (Change::Payload, _) => json!({"mass": truth.size}),
+        (Change::TorqueGain, _) => json!({"gain": truth.size}),
+        (Change::EncoderOffset, _) => json!({"zero": truth.size}),
+        (Change::BaseTilt, Some([x, y, _])) => json!({"tilt_x": x, "tilt_y": y}),
+        _ => json!({}),
     };
-    Some(match truth.change {
-        Change::Payload => (value("mass")? / truth.size - 1.0).abs(),
-        Change::TorqueGain => ((value("gain")? - truth.size) / (truth.size - 1.0)).abs(),
-        // The report's zero is what is to be added to the position, which undoes the shift.
-        Change::EncoderOffset => ((value("zero")? + truth.size) / truth.size).abs(),
-        Change::BaseTilt => {
-            let [x, y, _] = truth.vector?;
-            let off = (value("tilt_x")? - x).hypot(value("tilt_y")? - y);
-            off / truth.size
-        }
-        Change::None | Change::FrictionParameters => return None,
-    })
+    json!({"effect": truth.change.name(), "parameters": parameters})
 }
 
 /// The answers by change and motion.

@@ -32,6 +32,9 @@ pub use score::{Score, judge, mean};
 pub use sizes::detected_from;
 pub use withheld::{Answer, LeftOut, table as withheld_table};
 
+/// Chance that the interval of a rate does not hold its share.
+const OUTSIDE: f64 = 0.05;
+
 /// Kinds of case that withhold none, several or an unlisted effect.
 const NO_SINGLE: [&str; 4] = ["none", "outside", "two", "two_same_joint"];
 

@@ -1,12 +1,9 @@
 //! How far a proof's shares are known from its number of cases.
 
-use super::NO_SINGLE;
 use super::score::Score;
+use super::{NO_SINGLE, OUTSIDE};
 use report::{Cell, Column, Table};
 use signal::proportion;
-
-/// Chance that an interval does not hold its share.
-const OUTSIDE: f64 = 0.05;
 
 /// A score, and whether it is that of single effects only.
 type Rate = (&'static str, bool, fn(&Score) -> Option<f64>);

@@ -1,6 +1,7 @@
 //! The physics of a model directory as the model that a gap is measured from.
 
 use crate::motion::frame::Frame;
+use crate::motion::passage::Terms;
 use datasets::Prepared;
 use datasets::channel::Estimate95;
 use feedforward::clock::Memory;
@@ -13,7 +14,7 @@ use model::torque_channel::TorqueChannel;
 use ndarray::Array2;
 use physics::effects::{Sliding, Term};
 use physics::robot::Robot;
-use physics::torque_model::{TorqueModel, TorqueModelError, TorqueModelRecord};
+use physics::torque_model::{TorqueModel, TorqueModelError, TorqueModelRecord, WeightedTerm};
 
 /// Difference of start times within which two trajectories are the same one, s.
 const SAME_START: f64 = 1e-6;
@@ -98,6 +99,26 @@ impl Identified {
             sizes,
         };
         Ok((robot, identified))
+    }
+
+    /// Terms that no robot holds, and friction below zero, which a robot's is not, by joint.
+    pub(super) fn beside(&self) -> Vec<Terms> {
+        let plain = [Sliding::Viscous, Sliding::Coulomb].map(Term::Sliding);
+        let of = |list: &Vec<WeightedTerm>| {
+            let rest = list.iter().filter(|w| {
+                w.term != Term::RotorInertia
+                    && !plain.contains(&w.term)
+                    && w.term.passive().is_none()
+            });
+            let rest = rest.map(|w| (w.value, w.term.clone()));
+            let negative = plain.iter().map(|kind| {
+                let same = list.iter().filter(|w| w.term == *kind);
+                let sum: f64 = same.map(|w| w.value).sum();
+                (sum.min(0.0), kind.clone())
+            });
+            rest.chain(negative.filter(|n| n.0 < 0.0)).collect()
+        };
+        self.model.terms().iter().map(of).collect()
     }
 
     /// The same on the clock of other recordings than those that it was trained on.

@@ -8,6 +8,7 @@ pub use replay::Replay;
 
 use crate::error::DiagnoseError;
 use crate::motion::frame::Frame;
+use crate::motion::passage::Terms;
 use crate::motion::scene::{Scale, Scene};
 use datasets::{PrepareOptions, Recording, prepare};
 use identified::{Identified, IdentifiedFile};
@@ -102,6 +103,11 @@ impl NominalModel {
     /// How recordings were prepared that the parameters were identified on; none where nothing was.
     pub fn preparation(&self) -> Option<&PrepareOptions> {
         self.preparation.as_ref()
+    }
+
+    /// Terms of an identified model beside what [`NominalModel::robot`] holds, by joint; nothing where none was identified.
+    pub fn beside(&self) -> Vec<Terms> {
+        self.identified.as_ref().map_or(Vec::new(), |i| i.beside())
     }
 
     /// The model file that the model comes from, where it does.

@@ -17,11 +17,10 @@ fn days(folder: &Path, change: Change, again: bool) -> Value {
 fn report(folder: &Path, heldout: Option<PathBuf>) -> Value {
     let at = |name: &str| folder.join(name);
     let robot = Subject::robot(at("robot.urdf").display().to_string());
-    let subject = robot.as_in(vec![at("before.parquet")]);
     let job = Job {
         heldout,
         fast: true,
-        ..Job::new(subject, vec![at("after.parquet")], "")
+        ..Job::since(robot, vec![at("before.parquet")], vec![at("after.parquet")])
     };
     serde_json::from_str(&job.run(|_| ()).unwrap().json()).unwrap()
 }

@@ -1,5 +1,6 @@
 //! A writer of SVG elements.
 
+use crate::xml::shown;
 use std::fmt::Write;
 
 /// Collects elements; numbers are written with two decimals at most, text is escaped.
@@ -99,7 +100,7 @@ impl Svg {
 
     pub(super) fn text(&mut self, class: &str, (x, y): (f64, f64), anchor: Anchor, text: &str) {
         self.open_text(class, (x, y), anchor);
-        let _ = write!(self.body, ">{}</text>", escape(text));
+        let _ = write!(self.body, ">{}</text>", shown(text));
     }
 
     /// Text read from bottom to top, around its middle.
@@ -109,7 +110,7 @@ impl Svg {
         let _ = write!(
             self.body,
             " transform=\"rotate(-90 {x} {y})\">{}</text>",
-            escape(text)
+            shown(text)
         );
     }
 
@@ -129,7 +130,7 @@ impl Svg {
 
     pub(super) fn finish(self) -> String {
         let (width, height) = (Number(self.width), Number(self.height));
-        let label = escape(&self.label);
+        let label = shown(&self.label);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
              width=\"{width}\" height=\"{height}\" role=\"img\" aria-label=\"{label}\">{}</svg>",
@@ -152,24 +153,6 @@ impl std::fmt::Display for Number {
     }
 }
 
-/// Text as XML character data or attribute value; characters that XML cannot carry become U+FFFD.
-pub(super) fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\t' | '\n' | '\r' => out.push(' '),
-            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 /// Width of a text in px at the figures' font size of 12 px: a proportional font's average, rounded up.
 pub(super) fn text_width(text: &str) -> f64 {
     use unicode_width::UnicodeWidthStr;
@@ -188,13 +171,5 @@ mod tests {
         assert_eq!(shown(-0.001), "0");
         assert_eq!(shown(f64::NAN), "0");
         assert_eq!(shown(1e9), "1000000000");
-    }
-
-    #[test]
-    fn markup_in_text_is_escaped() {
-        assert_eq!(
-            escape("<a href='x'>&\"\u{1b}"),
-            "&lt;a href=&#39;x&#39;&gt;&amp;&quot;\u{fffd}"
-        );
     }
 }

@@ -1,5 +1,6 @@
 //! Command line of `train doctor`.
 
+use crate::runtime::Running;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
@@ -24,13 +25,10 @@ pub struct Doctor {
     /// Write every outcome as JSON.
     #[arg(long)]
     pub json: Option<PathBuf>,
-    /// Threads; the result does not depend on it [default: all cores].
-    #[arg(long)]
-    pub threads: Option<usize>,
     /// Print every recording that was not answered rightly.
     #[arg(long, conflicts_with = "quiet")]
     pub verbose: bool,
-    /// Print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
+    /// How it runs.
+    #[command(flatten)]
+    pub running: Running,
 }

@@ -7,7 +7,7 @@ mod tables;
 pub use arguments::Doctor;
 
 use crate::progress;
-use crate::runtime::{pool, stop, threads};
+use crate::runtime::{pool, stop};
 use model::directory::json;
 use model::failure::Failure;
 use outcome::{Counted, Figures, Outcome};
@@ -23,7 +23,7 @@ const SCHEMA: &str = "doctor/1";
 /// # Errors
 /// The interruption, a simulation without result, or a file that cannot be written.
 pub fn run(arguments: &Doctor, cancel: &AtomicBool) -> Result<(), Failure> {
-    let counted = pool(threads(arguments.threads)?)?.install(|| count(arguments, cancel))?;
+    let counted = pool(arguments.running.threads()?)?.install(|| count(arguments, cancel))?;
     let figures = Figures {
         schema: SCHEMA,
         seed: arguments.seed,
@@ -32,7 +32,7 @@ pub fn run(arguments: &Doctor, cancel: &AtomicBool) -> Result<(), Failure> {
     if let Some(path) = &arguments.json {
         report::write_atomic(path, json(&figures))?;
     }
-    if !arguments.quiet {
+    if !arguments.running.quiet {
         tables::print(&figures, arguments.verbose);
     }
     Ok(())
@@ -48,7 +48,7 @@ fn count(arguments: &Doctor, cancel: &AtomicBool) -> Result<Vec<Counted>, Failur
         _ => arguments.cases,
     };
     let all: u64 = kinds.iter().map(|f| number(*f)).sum();
-    let bar = progress::bar(arguments.quiet, "examining");
+    let bar = progress::bar(arguments.running.quiet, "examining");
     let done = AtomicU64::new(0);
     let one = |fault: Fault, index: u64| -> Result<Outcome, Failure> {
         stop(cancel, "Nothing was written.")?;

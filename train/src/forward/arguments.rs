@@ -1,5 +1,6 @@
 //! Command line of `train forward`.
 
+use crate::runtime::Running;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -19,10 +20,7 @@ pub struct Forward {
     /// Folds of whole groups of trajectories that are left out in turn to judge it; 0: none.
     #[arg(long, default_value_t = 4)]
     pub folds: usize,
-    /// Threads; the result does not depend on it [default: all cores].
-    #[arg(long)]
-    pub threads: Option<usize>,
-    /// Print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
+    /// How it runs.
+    #[command(flatten)]
+    pub running: Running,
 }

@@ -5,7 +5,7 @@ mod arguments;
 pub use arguments::Forward;
 
 use crate::progress;
-use crate::runtime::{pool, stop, threads};
+use crate::runtime::{pool, stop};
 use datasets::folds::Folds;
 use datasets::metrics::{Row, Scores};
 use datasets::{Part, Recording, read};
@@ -25,7 +25,7 @@ use std::sync::atomic::AtomicBool;
 /// # Errors
 /// A model or recordings that cannot be used, or the interruption.
 pub fn run(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {
-    pool(threads(arguments.threads)?)?.install(|| steps(arguments, cancel))
+    pool(arguments.running.threads()?)?.install(|| steps(arguments, cancel))
 }
 
 fn steps(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {
@@ -66,7 +66,7 @@ fn steps(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {
     let inversion = Inversion::learn(&model, &all)?;
     let judged = judge(&whole, &data, arguments, cancel)?;
     inversion.save(&arguments.model, &checksum)?;
-    if !arguments.quiet {
+    if !arguments.running.quiet {
         let (shapes, samples) = (inversion.prior.shapes.len(), inversion.prior.samples());
         say!("Motions of {samples} samples are made of {shapes} shapes.");
         if let Some(scores) = judged {
@@ -99,7 +99,7 @@ fn judge(
         ));
     }
     let fold = folds.of_trajectories(&recordings);
-    let bar = progress::bar(arguments.quiet, "folds held back");
+    let bar = progress::bar(arguments.running.quiet, "folds held back");
     let (mut measured, mut found, mut speed) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..folds.count {
         stop(cancel, "Nothing was written.")?;

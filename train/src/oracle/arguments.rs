@@ -1,5 +1,6 @@
 //! Command line of `train oracle`.
 
+use crate::runtime::Running;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -13,10 +14,7 @@ pub struct Oracle {
     /// Write the figures as JSON.
     #[arg(long)]
     pub json: Option<PathBuf>,
-    /// Threads; the result does not depend on it [default: all cores].
-    #[arg(long)]
-    pub threads: Option<usize>,
-    /// Print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
+    /// How it runs.
+    #[command(flatten)]
+    pub running: Running,
 }

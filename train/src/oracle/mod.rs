@@ -11,7 +11,7 @@ pub use arguments::Oracle;
 pub(crate) use cutoffs::at_best_cutoff;
 pub(crate) use plant::true_torque;
 
-use crate::runtime::{pool, threads};
+use crate::runtime::pool;
 use figures::Figures;
 use model::directory::{ModelFile, json};
 use model::evaluation::{EvaluateOptions, evaluate};
@@ -23,7 +23,7 @@ use plant::Plant;
 /// # Errors
 /// A model of no simulated robot, or files that cannot be read or written.
 pub fn run(arguments: &Oracle) -> Result<(), Failure> {
-    pool(threads(arguments.threads)?)?.install(|| steps(arguments))
+    pool(arguments.running.threads()?)?.install(|| steps(arguments))
 }
 
 fn steps(arguments: &Oracle) -> Result<(), Failure> {
@@ -37,7 +37,7 @@ fn steps(arguments: &Oracle) -> Result<(), Failure> {
     if let Some(path) = &arguments.json {
         report::write_atomic(path, json(&figures))?;
     }
-    if !arguments.quiet {
+    if !arguments.running.quiet {
         tables::print(&figures);
     }
     Ok(())

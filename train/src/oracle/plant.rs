@@ -39,7 +39,7 @@ impl Plant {
             .find(|p| p.name() == builtin.name())
             .filter(|_| arguments.model.join("simulated").is_dir())
             .ok_or_else(refused)?;
-        let bar = crate::progress::bar(arguments.quiet, "simulating without noise");
+        let bar = crate::progress::bar(arguments.running.quiet, "simulating without noise");
         let show = |done: f64| bar.set_position((100.0 * done) as u64);
         let failed = |e: trials::SimulateError| Failure::other(e.to_string());
         let seed = file.provenance.seed;

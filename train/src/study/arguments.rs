@@ -1,5 +1,6 @@
 //! Command line of `train study`.
 
+use crate::runtime::Running;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -22,10 +23,7 @@ pub struct Study {
     /// Folder that keeps the networks until the study is complete: the same command goes on from them.
     #[arg(long, default_value = "residyn-model/study")]
     pub checkpoints: PathBuf,
-    /// Threads; the result does not depend on it [default: all cores].
-    #[arg(long)]
-    pub threads: Option<usize>,
-    /// Print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
+    /// How it runs.
+    #[command(flatten)]
+    pub running: Running,
 }

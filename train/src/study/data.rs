@@ -90,13 +90,13 @@ impl Data {
     /// Simulates, or takes from the cache, and identifies the published physics (rigid body, viscous and
     /// Coulomb friction) on the identification recording alone. `span`: torques are smoothed by RLOESS over so many samples first.
     pub fn simulated(study: &Study, span: Option<usize>) -> Result<Self, Failure> {
-        let bar = crate::progress::bar(study.quiet, "simulating the ur5");
+        let bar = crate::progress::bar(study.running.quiet, "simulating the ur5");
         let set = cached(Protocol::Ur5, study.seed, &study.cache, &|done| {
             bar.set_position((100.0 * done) as u64);
         })
         .map_err(|e| Failure::other(e.to_string()))?;
         bar.finish_and_clear();
-        let spinner = crate::progress::spinner(study.quiet, "identifying");
+        let spinner = crate::progress::spinner(study.running.quiet, "identifying");
         let robot = Robot::builtin("ur5").ok_or_else(|| Failure::other("no built-in ur5"))?;
         let taken = |name: &str| -> Result<Recording, Failure> {
             let recording = part(&set, name)?;

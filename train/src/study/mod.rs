@@ -13,7 +13,7 @@ mod verification;
 
 pub use arguments::Study;
 
-use crate::runtime::{pool, stop, threads};
+use crate::runtime::{pool, stop};
 use comparisons::Comparisons;
 use compensator::training::Control;
 use data::Data;
@@ -29,7 +29,7 @@ use trial::Outcome;
 /// # Errors
 /// Data that cannot be simulated or written, or the interruption.
 pub fn run(study: &Study, cancel: &AtomicBool) -> Result<(), Failure> {
-    let threads = threads(study.threads)?;
+    let threads = study.running.threads()?;
     pool(threads)?.install(|| steps(study, cancel, threads))
 }
 
@@ -39,7 +39,7 @@ fn steps(study: &Study, cancel: &AtomicBool, threads: usize) -> Result<(), Failu
     let settings = Settings::new(study.quick, &data, study.seed)?;
     let kind = if study.quick { "quick-" } else { "" };
     let kept = study.checkpoints.join(format!("{kind}{}", study.seed));
-    let bar = crate::progress::bar(study.quiet, "training");
+    let bar = crate::progress::bar(study.running.quiet, "training");
     let finished = AtomicUsize::new(0);
     let show = |p: &compensator::training::Progress| {
         if p.finished {
@@ -60,7 +60,7 @@ fn steps(study: &Study, cancel: &AtomicBool, threads: usize) -> Result<(), Failu
     };
     // Every table is printed as soon as it stands, so that an interrupted study has shown what it knows.
     let tell = |print: &dyn Fn()| {
-        if !study.quiet {
+        if !study.running.quiet {
             ProgressBar::suspend(&bar, print);
         }
     };

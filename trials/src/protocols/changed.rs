@@ -1,5 +1,6 @@
 //! An arm recorded on two days, between which one thing was changed.
 
+use super::excitation::{RUNS, excitation};
 use super::payload::{LoadedArm, body};
 use super::runs::{Machine, Plan};
 use crate::SimulateError;
@@ -8,8 +9,6 @@ use datasets::Recording;
 use nalgebra::Vector3;
 use physics::robot::to_urdf;
 use plant::arm::{Arm, altered};
-use plant::reference::{Multisine, Pace, Segment, Session};
-use plant::run::Clock;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -85,10 +84,6 @@ pub struct Days {
     pub truth: Changed,
 }
 
-/// Trajectories of a day, their length and distance, s.
-const RUNS: usize = 4;
-const LENGTH: f64 = 25.0;
-const GAP: f64 = 2.0;
 /// How much longer the arm was warm when the second day's first trajectory began, s.
 const WARMER: f64 = 30.0;
 
@@ -109,18 +104,9 @@ pub fn changed(
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x6265_666f_7265);
     let (other, gain, truth) = altered_by(change, &machine, &mut rng);
     let mut day = |start: f64| -> Vec<Plan> {
-        let plan = |index: usize| Plan {
-            session: motion(&machine.arm, &mut rng),
-            offset: start + index as f64 * (LENGTH + GAP),
-            labels: vec![format!("{}", index + 1)],
-            clock: Clock {
-                step: 5e-4,
-                control: 2,
-                sample: 10,
-            },
-            part: 0,
-        };
-        (0..RUNS).map(plan).collect()
+        (0..RUNS)
+            .map(|index| excitation(&machine.arm, index, start, &mut rng))
+            .collect()
     };
     let first = day(0.0);
     let mut second = day(WARMER);
@@ -148,11 +134,6 @@ pub fn changed(
         after,
         truth,
     })
-}
-
-fn motion(arm: &Arm, rng: &mut ChaCha8Rng) -> Session {
-    let series = Multisine::draw(arm, &Pace::lively(), LENGTH, rng);
-    Session::new(vec![(Segment::Multisine(series), LENGTH)], GAP, arm.dof())
 }
 
 /// The arm as a description has it that nobody measured.

@@ -2,6 +2,7 @@
 
 pub mod changed;
 mod effects;
+mod excitation;
 mod foxbot;
 mod kr300;
 pub mod payload;

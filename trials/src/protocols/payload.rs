@@ -1,6 +1,7 @@
 //! An arm recorded twice: as it is, and with a body on its last link.
 
 use super::effects::JointEffects;
+use super::excitation::{RUNS, excitation};
 use super::runs::{Machine, Plan};
 use super::ur5;
 use crate::SimulateError;
@@ -11,8 +12,6 @@ use physics::robot::{Inertia, Robot, to_urdf};
 use plant::families;
 use plant::measure::Errors;
 use plant::random::unit_vector;
-use plant::reference::{Multisine, Pace, Segment, Session};
-use plant::run::Clock;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -60,10 +59,6 @@ pub struct Loaded {
     pub gains: Vec<f64>,
 }
 
-/// Trajectories without the body, and the length of all, s.
-const RUNS: usize = 4;
-const LENGTH: f64 = 25.0;
-
 /// Simulates both recordings; `plain`: the arm without anything that a rigid model with viscous and Coulomb friction lacks.
 ///
 /// # Errors
@@ -76,20 +71,7 @@ pub fn loaded(arm: LoadedArm, plain: bool, seed: u64) -> Result<Loaded, Simulate
     let mut carrying = machine.clone();
     carrying.arm.attach(&body);
     let n = machine.arm.dof();
-    let mut plan = |index: usize| {
-        let series = Multisine::draw(&machine.arm, &Pace::lively(), LENGTH, &mut rng);
-        Plan {
-            session: Session::new(vec![(Segment::Multisine(series), LENGTH)], 2.0, n),
-            offset: index as f64 * (LENGTH + 2.0),
-            labels: vec![format!("{}", index + 1)],
-            clock: Clock {
-                step: 5e-4,
-                control: 2,
-                sample: 10,
-            },
-            part: 0,
-        }
-    };
+    let mut plan = |index: usize| excitation(&machine.arm, index, 0.0, &mut rng);
     let without: Vec<Plan> = (0..RUNS).map(&mut plan).collect();
     let with = [plan(RUNS)];
     let one = |recordings: Vec<Recording>| {

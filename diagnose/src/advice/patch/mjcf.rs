@@ -1,8 +1,8 @@
 //! The patched robot as MuJoCo's XML has it: elements to be merged into a model by their names.
 
 use super::patched::{Patched, number};
-use super::xml::escape;
 use crate::catalogue::effect::Effect;
+use report::xml::attribute;
 use std::fmt::Write;
 
 /// A well-formed document with `<option>`, every joint and body of the robot, and what else has a place.
@@ -13,7 +13,7 @@ pub(super) fn snippet(patched: &Patched, zeros: &[f64]) -> String {
     let _ = writeln!(out, "  <option gravity=\"{} {} {}\"/>", g.x, g.y, g.z);
     out.push_str("  <worldbody>\n");
     for (joint, zero) in robot.joints().iter().zip(zeros) {
-        let (body, name) = (escape(&joint.link.name), escape(&joint.name));
+        let (body, name) = (attribute(&joint.link.name), attribute(&joint.name));
         let inertia = &joint.link.inertia;
         let (c, i) = (inertia.com(), inertia.about_com());
         let _ = writeln!(out, "    <body name=\"{body}\">");

@@ -7,7 +7,6 @@ mod sdf;
 mod urdf;
 mod usd;
 mod values;
-mod xml;
 
 use crate::advice::code::{self, Code};
 use crate::catalogue::effect::Effect;

@@ -1,7 +1,7 @@
 //! The patched robot as Gazebo's SDF has it: links and joints by their names, to be merged into a model.
 
 use super::patched::Patched;
-use super::xml::escape;
+use report::xml::attribute;
 use std::fmt::Write;
 
 /// A document with the inertial of every link that a joint moves, bodies fixed to it included, as Gazebo lumps them when it reads a
@@ -22,7 +22,7 @@ pub(super) fn document(patched: &Patched) -> String {
     let _ = writeln!(
         out,
         "<sdf version=\"1.9\">\n  <model name=\"{}\">",
-        escape(robot.name())
+        attribute(robot.name())
     );
     for joint in robot.joints() {
         let inertia = &joint.link.inertia;
@@ -30,7 +30,7 @@ pub(super) fn document(patched: &Patched) -> String {
         let _ = writeln!(
             out,
             "    <link name=\"{}\">\n      <inertial>\n        <pose>{} {} {} 0 0 0</pose>\n        <mass>{}</mass>\n        <inertia>",
-            escape(&joint.link.name),
+            attribute(&joint.link.name),
             c.x,
             c.y,
             c.z,
@@ -53,7 +53,7 @@ pub(super) fn document(patched: &Patched) -> String {
             out,
             "    <joint name=\"{}\">\n      <axis>\n        <dynamics>\n          <damping>{}</damping>\n          <friction>{}</friction>\n        \
              </dynamics>\n      </axis>\n    </joint>",
-            escape(&joint.name),
+            attribute(&joint.name),
             joint.damping,
             joint.friction
         );
