@@ -17,7 +17,8 @@ pub fn list(paths: &[PathBuf]) -> Result<(), Failure> {
             continue;
         }
         let found = topics(path).map_err(SetupError::from)?;
-        say!("{}: {} topics", path.display(), found.len());
+        let topics = if found.len() == 1 { "topic" } else { "topics" };
+        say!("{}: {} {topics}", path.display(), found.len());
         found.iter().for_each(show);
     }
     Ok(())

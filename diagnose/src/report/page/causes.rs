@@ -2,7 +2,7 @@
 
 use crate::advice::patch::{ForMujoco, Patch};
 use crate::outcome::Outcome;
-use crate::report::words::{name, told};
+use crate::report::words::{corrected, name, told};
 use crate::schema::{Cause, Diagnosis, Parameter};
 use report::figure::{Bars, Ink};
 use report::{Cell, Column, Section, Table};
@@ -72,7 +72,7 @@ pub(super) fn section(outcome: &Outcome) -> Section {
             Column::number("chance of such a gain"),
             Column::text("shown by the held-out recording"),
             Column::text("could also be"),
-            Column::text("in the simulator"),
+            Column::text(format!("in the {}", corrected(d))),
         ]);
     let table = d.causes.iter().fold(Table::new(head), |t, c| {
         let rivals: Vec<String> = c.ambiguous_with.iter().map(|e| name(*e)).collect();
@@ -181,7 +181,7 @@ pub(super) fn simulators(d: &Diagnosis, patch: &Patch) -> Section {
                 },
             ])
         });
-    let mut section = Section::new("What to set in the simulator");
+    let mut section = Section::new(format!("What to set in the {}", corrected(d)));
     if d.causes.is_empty() {
         section =
             section.paragraph("Nothing has to change; the values below fit the recording best.");

@@ -23,7 +23,7 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
             out.push(format!("Biggest cause: {}.", sentence(first)));
             out.push(format!("  {}", closes(first)));
             let advice = advice(first);
-            out.push(format!("  In the simulator: {}", advice[0]));
+            out.push(format!("  In the {}: {}", corrected(d), advice[0]));
             out.extend(advice[1..].iter().map(|l| format!("  {l}")));
             out.extend(also("Also", others));
         }
@@ -42,6 +42,14 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
     out.extend(d.next_experiment.as_ref().map(experiment_designed));
     out.extend(unknowable(d));
     out
+}
+
+/// What the causes correct: a simulator's model, or the robot's own of before.
+pub fn corrected(d: &Diagnosis) -> &'static str {
+    match d.compared {
+        None => "simulator",
+        Some(_) => "earlier model",
+    }
 }
 
 /// What bounds hold, and what that costs.
