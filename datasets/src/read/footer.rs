@@ -1,7 +1,7 @@
-//! The footer of a Parquet file, looked through before a decoder is trusted with it.
+//! The footer of a Parquet file and the headers of its pages, looked through before a decoder is trusted with them.
 //!
-//! A list in it may claim billions of elements that take no bytes; a decoder then counts through them. The footer
-//! is Thrift's compact protocol, in which an element takes at least one byte.
+//! A list in them may claim billions of elements that take no bytes, or lie beyond the end; a decoder then counts through
+//! them. They are Thrift's compact protocol, in which an element takes at least one byte.
 
 /// Depth to which structures nest, at most.
 const DEEPEST: usize = 64;
@@ -19,7 +19,48 @@ pub(super) fn plausible(file: &[u8]) -> bool {
     }
 }
 
-/// What is left of the footer.
+/// The same of the headers of a column's pages, which follow each other, each before its page. The format has no list in them,
+/// so that there is to be none, and fields that a decoder knows are of the kind that it takes them for.
+pub(super) fn plausible_pages(column: &[u8]) -> bool {
+    let mut walk = Walk(column);
+    while !walk.0.is_empty() {
+        let Some(page) = walk.shaped(&HEADER, 0) else {
+            return false;
+        };
+        // A page that is cut off, or of no sensible size, the decoder refuses.
+        if u64::try_from(page)
+            .ok()
+            .and_then(|n| walk.skip(n))
+            .is_none()
+        {
+            return true;
+        }
+    }
+    true
+}
+
+/// A structure of the format: kinds of its fields from 1 on (1 is a flag, 5 and 6 are integers, 8 is a text, 12 a structure), and
+/// what the structures in it are.
+struct Shape(&'static [u8], &'static [(i16, &'static Shape)]);
+
+const STATISTICS: Shape = Shape(&[8, 8, 6, 6, 8, 8, 1, 1], &[]);
+const DATA: Shape = Shape(&[5, 5, 5, 5, 12], &[(5, &STATISTICS)]);
+const DICTIONARY: Shape = Shape(&[5, 5, 1], &[]);
+const DATA_2: Shape = Shape(&[5, 5, 5, 5, 5, 5, 1, 12], &[(8, &STATISTICS)]);
+const UNKNOWN: Shape = Shape(&[], &[]);
+/// Of a page; field 3 is its size.
+const HEADER: Shape = Shape(
+    &[5, 5, 5, 5, 12, 12, 12, 12],
+    &[(5, &DATA), (7, &DICTIONARY), (8, &DATA_2)],
+);
+const SIZE: i16 = 3;
+
+/// A signed number as it is stored.
+fn zigzag(stored: u64) -> i64 {
+    (stored >> 1) as i64 ^ -((stored & 1) as i64)
+}
+
+/// What is left of the footer or of a column.
 struct Walk<'a>(&'a [u8]);
 
 impl Walk<'_> {
@@ -44,6 +85,46 @@ impl Walk<'_> {
             }
         }
         None
+    }
+
+    /// Skips a structure without lists; its third field where that is an integer, else −1. Numbers are cut to what a decoder keeps.
+    fn shaped(&mut self, shape: &Shape, depth: usize) -> Option<i32> {
+        if depth > DEEPEST {
+            return None;
+        }
+        let (mut field, mut third) = (0_i16, -1);
+        loop {
+            let head = self.byte()?;
+            let kind = head & 0x0f;
+            if kind == 0 {
+                return Some(third);
+            }
+            field = match head >> 4 {
+                0 => zigzag(self.varint()?) as i16,
+                more => field.wrapping_add(i16::from(more)),
+            };
+            let known = usize::try_from(field).ok().and_then(|f| f.checked_sub(1));
+            let known = known.and_then(|f| shape.0.get(f));
+            // Both values of a flag are kinds.
+            if known.is_some_and(|k| *k != if kind == 2 { 1 } else { kind }) {
+                return None;
+            }
+            match kind {
+                1 | 2 => {}
+                5 => {
+                    let value = zigzag(self.varint()?) as i32;
+                    if field == SIZE {
+                        third = value;
+                    }
+                }
+                9..=11 => return None,
+                12 => {
+                    let inner = shape.1.iter().find(|s| s.0 == field);
+                    self.shaped(inner.map_or(&UNKNOWN, |s| s.1), depth + 1)?;
+                }
+                other => self.value(other, depth)?,
+            }
+        }
     }
 
     fn structure(&mut self, depth: usize) -> Option<()> {
@@ -122,5 +203,28 @@ mod tests {
         // The same of three flags.
         assert!(plausible(&file(&[0xf9, 0x31, 1, 2, 1, 0x00])));
         assert!(plausible(b"PAR1") && plausible(b""));
+    }
+
+    #[test]
+    fn a_page_header_claims_no_more_than_its_column_holds() {
+        // Kind 0, sizes 4 and 4, a data page of 1 value; then the page; twice.
+        let data = [0x2c, 0x15, 0x02, 0x15, 0x00, 0x15, 0x06, 0x15, 0x06, 0x00];
+        let header = [&[0x15, 0x00, 0x15, 0x08, 0x15, 0x08][..], &data, &[0x00]].concat();
+        let page = [&header[..], &[1, 2, 3, 4]].concat();
+        assert!(plausible_pages(&[&page[..], &page].concat()));
+        // Cut off: the decoder says so.
+        assert!(plausible_pages(&page[..page.len() - 1]));
+        assert!(plausible_pages(b""));
+        for lying in [
+            // Field 9: a list of 2³² − 1 doubles, one of a flag, a text of 5 bytes of which 1 is there.
+            &[0x69, 0xf7, 0xff, 0xff, 0xff, 0xff, 0x0f, 0x00][..],
+            &[0x69, 0x11, 0x01, 0x00],
+            &[0x68, 0x05, 0x00],
+            // Field 7, which is a structure, as a flag; a list in it.
+            &[0x41, 0x00],
+            &[0x4c, 0x49, 0xf7, 0xff, 0xff, 0xff, 0xff, 0x0f, 0x00, 0x00],
+        ] {
+            assert!(!plausible_pages(&[&page[..], &header[..6], lying].concat()));
+        }
     }
 }

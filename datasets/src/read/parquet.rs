@@ -1,7 +1,7 @@
 //! Parquet: columns of numbers, labels as text or integers; of a column of lists of one length each element is a column.
 
 use super::contained::contained;
-use super::footer::plausible;
+use super::footer::{plausible, plausible_pages};
 use crate::assemble::{Columns, LabelRuns, assemble};
 use crate::columns::{Layout, Role};
 use crate::{Problem, ReadError, ReadOptions, Recording, TorqueFilter};
@@ -74,6 +74,11 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         };
         let mut row = 0;
         for group in 0..reader.num_row_groups() {
+            let chunk = reader.metadata().row_group(group).column(part.column);
+            if !plausible_pages(within(bytes, chunk.byte_range())) {
+                let detail = "the header of a page claims more than it holds".to_owned();
+                return Err(damaged(detail).in_column(file, &column.name));
+            }
             let column_reader = reader
                 .get_row_group(group)
                 .and_then(|g| g.get_column_reader(part.column))
@@ -113,6 +118,13 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         torque_filter,
     };
     assemble(&layout, columns, options, file)
+}
+
+/// What a file holds of a range given by start and length.
+fn within(bytes: &[u8], (start, length): (u64, u64)) -> &[u8] {
+    let at = |n: u64| usize::try_from(n).map_or(bytes.len(), |n| n.min(bytes.len()));
+    let (start, end) = (at(start), at(start.saturating_add(length)));
+    &bytes[start..end]
 }
 
 /// A column of the header: one of the file, or an element of its lists.
