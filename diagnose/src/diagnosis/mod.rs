@@ -5,6 +5,7 @@ mod late;
 mod memory;
 mod options;
 mod searched;
+mod turns;
 mod units;
 mod usual;
 
@@ -59,8 +60,8 @@ pub fn diagnose(
         if frames.scale.memory.is_some() && late::alike(known, said.as_ref()) {
             break;
         }
-        let memory = Searcher::new(model, &frames, &channels, options).memory(&first);
-        frames.hear(model, said, memory, &settings.input);
+        let left = Searcher::new(model, &frames, &channels, options).left(&first);
+        frames.hear(model, said, left, &settings.input);
         first = Searcher::new(model, &frames, &channels, options).first()?;
     }
     let Searched {

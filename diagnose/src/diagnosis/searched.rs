@@ -1,10 +1,10 @@
 //! The search on the fitted recording, again and again: without what was pushed, and above what chance earns.
 
-use super::memory;
 use super::options::Options;
+use super::{memory, turns};
 use crate::catalogue::effect::Effect;
 use crate::error::DiagnoseError;
-use crate::input::frames::Frames;
+use crate::input::frames::{Frames, Rest};
 use crate::ladder::listing::{Listing, list};
 use crate::ladder::out_of_fold::OutOfFold;
 use crate::ladder::scores::{Scored, total};
@@ -104,6 +104,9 @@ impl<'a> Searcher<'a> {
         options: &'a Options,
     ) -> Self {
         let mut weight = frames.data.weights(&options.settings.motion);
+        if let Some(turning) = &frames.turning {
+            weight = at_most(weight, turning);
+        }
         let columns = weight.columns_mut().into_iter().zip(&channels.dead);
         for (mut column, _) in columns.filter(|d| *d.1) {
             column.fill(0.0);
@@ -128,13 +131,19 @@ impl<'a> Searcher<'a> {
         self.find(&self.weight, self.chance())
     }
 
-    /// Rows for which what a search leaves on each joint, out of fold, remembers itself.
-    pub(super) fn memory(&self, found: &Findings) -> Vec<f64> {
+    /// What a search leaves out of fold says of the rows.
+    pub(super) fn left(&self, found: &Findings) -> Rest {
         let (frames, data) = (self.frames, &self.frames.data);
+        let motion = &self.options.settings.motion;
         let gap = gap(self.model, data, &frames.scale);
         let unseen = OutOfFold::new(found, frames, &gap, &self.weight);
         let left = data.table_thin(&unseen.residual(&found.tight_fit(&frames.scale)));
-        memory::of_joints(&left, &self.weight, &data.rows)
+        let turning = turns::weights(&left, data, motion);
+        let weight = at_most(data.weights(motion), &turning);
+        Rest {
+            memory: memory::of_joints(&left, &weight, &data.rows),
+            turning,
+        }
     }
 
     /// Causes and pushes; `first` is what [`Self::first`] found.
@@ -324,4 +333,11 @@ impl<'a> Searcher<'a> {
         }
         Ok((found, Some(null), namings))
     }
+}
+
+/// The smaller of two weights, row by row.
+fn at_most(weight: Array2<f64>, most: &Array2<f64>) -> Array2<f64> {
+    ndarray::Zip::from(&weight)
+        .and(most)
+        .map_collect(|a, b| a.min(*b))
 }

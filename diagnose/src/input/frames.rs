@@ -10,11 +10,20 @@ use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use datasets::{PrepareOptions, Recording};
 use model::preparation::cutoff::{self, CutoffChoice};
+use ndarray::Array2;
 use signal::Motion;
 use std::sync::Arc;
 
 /// Trajectories that the softness of signs is chosen on, evenly spread.
 const TRAJECTORIES: usize = 4;
+
+/// What a search left on the fitted rows says of them.
+pub struct Rest {
+    /// Rows for which each joint's rest remembers itself.
+    pub memory: Vec<f64>,
+    /// See [`Frames::turning`].
+    pub turning: Array2<f64>,
+}
 
 /// The recordings on their clocks.
 pub struct Frames {
@@ -28,6 +37,8 @@ pub struct Frames {
     pub options: PrepareOptions,
     /// How the cut-off was chosen; none where it was given or a model's.
     pub cutoff: Option<CutoffChoice>,
+    /// Most that the fitted rows may weigh, shape (rows, joints), going by what a search left around the joints' turns; none before one.
+    pub turning: Option<Array2<f64>>,
     /// Trajectories that the softness of signs is chosen on.
     spread: Vec<usize>,
     /// Terms of an identified model beside what its robot holds, by joint.
@@ -79,18 +90,19 @@ impl Frames {
             scale,
             options,
             cutoff: chosen,
+            turning: None,
             spread,
             beside: model.beside(),
         })
     }
 
-    /// Has all columns as late as a search said, and looks again how friction turns round. `memory`: rows for which what that search
-    /// left on each joint remembers itself.
+    /// Has all columns as late as a search said, and looks again how friction turns round. `left`: what the rest of that search says of
+    /// the rows.
     pub fn hear(
         &mut self,
         model: &NominalModel,
         channel: Option<Channel>,
-        memory: Vec<f64>,
+        left: Rest,
         settings: &InputSettings,
     ) {
         if channel.is_some() || self.scale.channel.is_some() {
@@ -100,7 +112,8 @@ impl Frames {
                 ..self.data.scale(&[&self.heldout], &signs)
             };
         }
-        self.scale.memory = Some(memory.into());
+        self.scale.memory = Some(left.memory.into());
+        self.turning = Some(left.turning);
     }
 
     /// Motion of the fitted recording, memory running on through both where they share a clock.

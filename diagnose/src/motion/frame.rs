@@ -246,6 +246,27 @@ impl Frame {
         out
     }
 
+    /// Rows between each row and the nearest one in which the joint turns round or stands, shape (rows, joints); the trajectory's length
+    /// where it does neither.
+    pub fn rows_to_turns(&self, speed: f64) -> Array2<usize> {
+        let turning = self.slow(speed, 0);
+        let mut out = Array2::zeros(turning.dim());
+        for (j, mut out) in out.columns_mut().into_iter().enumerate() {
+            for range in &self.rows {
+                let mut pass = |rows: &mut dyn Iterator<Item = usize>, first: bool| {
+                    let mut far = range.len();
+                    for i in rows {
+                        far = if turning[[i, j]] { 0 } else { far + 1 };
+                        out[i] = if first { far } else { far.min(out[i]) };
+                    }
+                };
+                pass(&mut range.clone(), true);
+                pass(&mut range.clone().rev(), false);
+            }
+        }
+        out
+    }
+
     /// Weights of the rows, shape (rows, joints).
     pub fn weights(&self, settings: &MotionSettings) -> Array2<f64> {
         // A slow recording shows every reversal whole, but what a standing joint holds depends on how it came there: that

@@ -80,13 +80,30 @@ fn creep(
     rest: &Range<usize>,
     settings: &MotionSettings,
 ) -> Vec<Option<f64>> {
-    let (speed, time) = (settings.stays_speed, settings.stays_time);
+    way(
+        frame,
+        joint,
+        rest,
+        settings,
+        settings.stays_speed * settings.stays_time,
+    )
+}
+
+/// Which way a joint moves by `least` or more around each sample of a rest. Its motor or its neighbours move it that way; where a push does,
+/// the motor's torque goes the other way.
+fn way(
+    frame: &Frame,
+    joint: usize,
+    rest: &Range<usize>,
+    settings: &MotionSettings,
+    least: f64,
+) -> Vec<Option<f64>> {
     let q = frame.samples().q.column(joint);
-    let half = ((0.5 * time * frame.report().rate_hz).round() as usize).max(1);
+    let half = ((0.5 * settings.stays_time * frame.report().rate_hz).round() as usize).max(1);
     let way = |i: usize| {
         let a = i.saturating_sub(half).max(rest.start);
         let travel = q[(i + half).min(rest.end - 1)] - q[a];
-        (travel.abs() >= speed * time).then(|| travel.signum())
+        (travel.abs() >= least).then(|| travel.signum())
     };
     rest.clone().map(way).collect()
 }
@@ -150,6 +167,8 @@ pub fn judge(
             let usual = usual(&held, most, settings);
             let creep = creep(frame, j, &(start..end), settings);
             let lead = (settings.stays_time * frame.report().rate_hz).round() as usize;
+            let gave = way(frame, j, &(start..end), settings, settings.gives);
+            let long = (settings.gives_time * frame.report().rate_hz).round() as usize;
             let (mut least, mut largest) = (usual, usual);
             for (i, x) in (start..end).zip(&held) {
                 // Friction of a joint that is about to creep, creeps or has crept has turned towards its creep.
@@ -158,7 +177,12 @@ pub fn judge(
                     let turned = way * settings.breakaway * most;
                     (least, largest) = (least.min(turned), largest.max(turned));
                 }
-                let change = x - x.clamp(least, largest);
+                // Friction of one that gave way a little is turned that way, for a while.
+                let there = (i - start).saturating_sub(long)..(i + lead + 1).min(end) - start;
+                let there = gave[there].iter().flatten();
+                let there = there.map(|way| way * settings.breakaway * most);
+                let (lower, upper) = there.fold((least, largest), |(a, b), x| (a.min(x), b.max(x)));
+                let change = x - x.clamp(lower, upper);
                 // What counts as constant is no change.
                 let constant = change.clamp(-settings.constant * most, settings.constant * most);
                 gap[[i, j]] = usual - usual.clamp(-most, most) + change - constant;
@@ -218,36 +242,36 @@ mod tests {
     use super::*;
     use datasets::Recording;
 
-    /// A joint that turns for 4 s, then rests for 4 s, but for the way that it creeps from 6 to 6.8 s, rad/s.
-    fn frame(creep: f64) -> Frame {
+    /// A joint that turns for 4 s, then rests for 4 s, but for the way that it creeps from 6 to 6.8 s, rad/s; its motor's torque.
+    fn frame(creep: f64, tau: &Array2<f64>) -> Frame {
         let time: Vec<f64> = (0..800).map(|i| 0.01 * f64::from(i)).collect();
         let q = Array2::from_shape_fn((800, 1), |(i, _)| {
             let t = time[i].min(4.0);
             let crept = creep * (time[i].min(6.8) - 6.0).max(0.0);
             1.0 - (std::f64::consts::TAU * t / 4.0).cos() + crept
         });
-        let tau = Array2::from_shape_fn((800, 1), |(i, _)| (0.3 * time[i]).sin());
+        let tau = tau.clone();
         let recording = Recording::new("r", time, q, Some(tau.clone()));
         Frame::new(&recording, tau, &datasets::PrepareOptions::low_passed(8.0)).unwrap()
     }
 
     #[test]
     fn friction_at_rest_is_no_gap_and_a_push_is() {
-        let frame = frame(0.0);
         let coulomb = Coulomb {
             torque: vec![2.0],
             sign: Array2::zeros((800, 1)),
         };
         let settings = MotionSettings::default();
-        let states = states(&frame, &settings);
+        let mut residual = Array2::from_elem((800, 1), 1.5);
+        let still = frame(0.0, &residual);
+        let states = states(&still, &settings);
         assert_eq!(states[[100, 0]], State::Moving);
         assert_eq!(states[[600, 0]], State::Standing);
-        let mut residual = Array2::from_elem((800, 1), 1.5);
-        let held = judge(&frame, &residual, &coulomb, &settings).gap;
+        let held = judge(&still, &residual, &coulomb, &settings).gap;
         assert_eq!((held[[100, 0]], held[[600, 0]]), (1.5, 0.0));
         // A push of 10 N·m in part of the rest, and a rest that friction cannot hold.
         (600..650).for_each(|i| residual[[i, 0]] += 10.0);
-        let pushed = judge(&frame, &residual, &coulomb, &settings).gap;
+        let pushed = judge(&frame(0.0, &residual), &residual, &coulomb, &settings).gap;
         assert!(
             (pushed[[620, 0]] - 9.7).abs() < 1e-9,
             "all but 15 % of 2 N·m"
@@ -255,36 +279,38 @@ mod tests {
         assert_eq!(pushed[[700, 0]], 0.0);
         let heavy = Array2::from_elem((800, 1), 5.0);
         assert_eq!(
-            judge(&frame, &heavy, &coulomb, &settings).gap[[700, 0]],
+            judge(&frame(0.0, &heavy), &heavy, &coulomb, &settings).gap[[700, 0]],
             3.0
         );
     }
 
-    /// A joint that creeps down turns its friction down, before the way shows; a push that moves it down leaves torque upwards.
+    /// A joint that its motor moved up a little is held up there; where a push moved it up, its motor pulls down.
     #[test]
-    fn friction_that_turns_towards_a_creep_is_no_departure() {
-        let settings = MotionSettings::default();
+    fn friction_of_a_joint_that_gave_way_is_no_departure() {
         let coulomb = Coulomb {
             torque: vec![2.0],
             sign: Array2::zeros((800, 1)),
         };
+        let settings = MotionSettings::default();
         let departure =
-            |creep: f64, crept: f64| {
+            |speed: f64, held: f64| {
                 let residual = Array2::from_shape_fn((800, 1), |(i, _)| {
-                    if (590..700).contains(&i) { crept } else { 1.5 }
+                    if (600..680).contains(&i) { held } else { -1.0 }
                 });
-                let judged = judge(&frame(creep), &residual, &coulomb, &settings);
-                assert_eq!(judged.state[[650, 0]], State::Standing);
-                [595, 650].map(|i| judged.departure[[i, 0]])
+                let judged = judge(&frame(speed, &residual), &residual, &coulomb, &settings);
+                judged.departure[[650, 0]]
             };
-        assert_eq!(departure(-0.004, -2.2), [0.0, 0.0]);
-        assert_eq!(departure(-0.004, 6.0), [4.5, 4.5]);
-        assert_eq!(departure(0.0, -2.2).map(f64::round), [-4.0, -4.0]);
+        assert_eq!(departure(1e-3, 2.0), 0.0);
+        assert!(
+            (departure(1e-3, 3.0) - 0.6).abs() < 1e-9,
+            "1.2 · 2 N·m are friction's"
+        );
+        assert_eq!((departure(-1e-3, 2.0), departure(0.0, 2.0)), (3.0, 3.0));
     }
 
     #[test]
     fn how_long_a_rest_is_judged_is_a_setting() {
-        let frame = frame(0.0);
+        let frame = frame(0.0, &Array2::zeros((800, 1)));
         let longer = MotionSettings {
             rest: 5.0,
             ..MotionSettings::default()

@@ -24,6 +24,10 @@ settings! {
         staying: f64 = 0.5, tuned;
         /// Time for which a push may move a joint at rest, s: the rest goes on.
         budges_time: f64 = 0.3, tuned;
+        /// Way within `stays_time` from which friction of a joint at rest has turned that way, rad (m).
+        gives: f64 = 1e-4, tuned;
+        /// Time for which it stays turned, s.
+        gives_time: f64 = 1.0, tuned;
         /// Way that it may move it, rad (m).
         budges_way: f64 = 0.01, tuned;
         /// Time at either end of a rest where the joint still comes to rest or leaves it, s.

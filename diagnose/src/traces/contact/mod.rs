@@ -5,9 +5,11 @@
 //! the last loaded joint names the link. Of a joint at rest, what departs from what it holds most of the time counts.
 //! Pushed samples are fitted and scored nowhere.
 //! Confounders: any rare event that repeats with the motion, which a learner then predicts; a fault of one joint's
-//! torque channel or transmission that comes and goes, which loads no other joint; vibration, which swings about zero.
+//! torque channel or transmission that comes and goes, which loads no other joint; a torque that is cut off; vibration, which swings about
+//! zero.
 
 mod crossings;
+mod cut_off;
 mod repeated;
 mod steady;
 mod windows;
@@ -17,6 +19,7 @@ use crate::motion::standing::Judged;
 use crate::schema::Push;
 use crate::settings::ContactSettings;
 use crossings::cross;
+use cut_off::cut_off;
 use ndarray::{Array2, ArrayView1, ArrayViewMut1};
 use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::Robot;
@@ -203,6 +206,10 @@ pub fn detect(
     let blows = |j: usize| cross(frame, torque.column(j), load.column(j), &pushed, settings);
     let most = (0..dof).max_by(|&a, &b| part[a].total_cmp(&part[b]));
     if most.is_some_and(blows) {
+        return None;
+    }
+    let cut = |j: usize| cut_off(frame.tau.column(j), torque.column(j)) > settings.cut_off;
+    if most.is_some_and(cut) {
         return None;
     }
     let piece = (settings.steady_time * rate).round() as usize;
