@@ -4,7 +4,7 @@ use physics::robot::Robot;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use trials::cases::{CaseSpec, Kind, draw, draw_hard, generate, write_all};
+use trials::cases::{CaseSpec, Kind, Sensors, draw, draw_hard, generate, write_all};
 
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
@@ -42,7 +42,7 @@ fn threads_do_not_change_a_byte() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| write_all(&specs, 3, folder.path(), |_, _| {}))
+        pool.install(|| write_all(&specs, 3, Sensors::default(), folder.path(), |_, _| {}))
             .unwrap();
         files(folder.path())
     };

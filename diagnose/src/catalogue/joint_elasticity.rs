@@ -66,6 +66,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                     frequency,
                     damping,
                     rotor,
+                    half_play: 0.0,
                 };
                 let column = Column::whole(scene.dof(), move |s| spring.change(s, joint));
                 let bound = Bound::Between(0.5, 2.0);
@@ -103,6 +104,6 @@ fn compliant(
 }
 
 /// Mean inertia that the joint turns, kg·m².
-fn own_inertia(scene: &Scene, joint: usize) -> f64 {
+pub(super) fn own_inertia(scene: &Scene, joint: usize) -> f64 {
     (scene.tangents[joint].qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
 }

@@ -160,7 +160,7 @@ pub fn diagnose(
         simulation,
         next_experiment: None,
         unexplained: rest,
-        notes: notes(&frames, &settings.input),
+        notes: notes(&frames, &names, &settings.input),
     };
     Ok(Outcome {
         diagnosis,

@@ -101,13 +101,16 @@ impl Frames {
 
     /// Motion of the fitted recording, memory running on through both where they share a clock.
     pub fn passage(&self) -> Passage<'_> {
-        Passage::of(vec![self.data.motion(), self.heldout.motion()], 0).with_wide(self.data.wide())
+        Passage::of(vec![self.data.motion(), self.heldout.motion()], 0)
+            .with_wide(self.data.wide())
+            .with_sensed(self.data.sensed())
     }
 
     /// The same of the held-out one.
     pub fn heldout_passage(&self) -> Passage<'_> {
         Passage::of(vec![self.data.motion(), self.heldout.motion()], 1)
             .with_wide(self.heldout.wide())
+            .with_sensed(self.heldout.sensed())
     }
 }
 

@@ -4,6 +4,7 @@ use crate::catalogue::effect::Effect;
 use crate::catalogue::info::Need;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
+use crate::motion::sensed::Sensed;
 use crate::schema::NotIdentifiable;
 use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
@@ -140,7 +141,7 @@ fn derivatives(report: &PrepareReport) -> String {
 }
 
 /// What was done to the recordings.
-pub fn notes(frames: &Frames, settings: &InputSettings) -> Vec<String> {
+pub fn notes(frames: &Frames, names: &[String], settings: &InputSettings) -> Vec<String> {
     let mut out = Vec::new();
     for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {
         let r = frame.report();
@@ -154,6 +155,8 @@ pub fn notes(frames: &Frames, settings: &InputSettings) -> Vec<String> {
             r.rate_hz,
             derivatives(r)
         ));
+        let refused = frame.sensed().map_or(&[][..], Sensed::refused).iter();
+        out.extend(refused.map(|(j, why)| format!("{what}: {}: {why}", names[*j])));
     }
     let (a, b) = (
         frames.data.report().rate_hz,

@@ -31,6 +31,14 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
         .first()
         .filter(|_| candidate.joints.len() == 1)
         .map(|&j| names[j].clone());
+    let measured = candidate.sizes.iter().map(|s| Parameter {
+        name: s.name.to_owned(),
+        joint: joint.clone(),
+        value: s.value,
+        std: Some(s.std),
+        unit: s.unit.to_owned(),
+    });
+    out.extend(measured);
     let grid = |&(name, value, unit): &(&'static str, f64, &'static str)| Parameter {
         name: name.to_owned(),
         joint: joint.clone(),
@@ -90,8 +98,9 @@ fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
                 p.value = 1.0 / p.value;
                 p.unit = "N·m/rad".to_owned();
             }
+            parameters.retain(|p| p.name != "share");
         }
-        // Of a play found by its blows: how much of what it foretells is in the torque, no number of a simulator.
+        // Of what was found by its blows or by another sensor: how much of what it foretells is in the torque, no number of a simulator.
         Effect::Backlash => parameters.retain(|p| p.name != "share"),
         _ => {}
     }

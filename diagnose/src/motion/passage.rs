@@ -1,5 +1,6 @@
 //! A recording's motion among those of its session, in the order in which memory runs through them.
 
+use super::sensed::Sensed;
 use model::session::{Start, Step, order};
 use ndarray::{Array1, Array2};
 use physics::effects::{Sample, Term, TermBank};
@@ -13,6 +14,7 @@ pub struct Passage<'a> {
     steps: Vec<Step>,
     clock_known: Vec<bool>,
     wide: Option<&'a Motion>,
+    sensed: Option<&'a Sensed>,
 }
 
 impl<'a> From<&'a Motion> for Passage<'a> {
@@ -36,6 +38,7 @@ impl<'a> Passage<'a> {
             steps,
             clock_known,
             wide: None,
+            sensed: None,
         }
     }
 
@@ -47,6 +50,16 @@ impl<'a> Passage<'a> {
     /// The motion in the band of the rows, where it is another one.
     pub fn wide(&self) -> Option<&'a Motion> {
         self.wide
+    }
+
+    /// The same with what further sensors say of the motion.
+    pub fn with_sensed(self, sensed: Option<&'a Sensed>) -> Self {
+        Self { sensed, ..self }
+    }
+
+    /// What further sensors say of the motion.
+    pub fn sensed(&self) -> Option<&'a Sensed> {
+        self.sensed
     }
 
     /// The motion.

@@ -4,6 +4,7 @@ use crate::algebra::fit::Variable;
 use crate::algebra::folds::folds;
 use crate::algebra::gram::Grams;
 use crate::catalogue::choice::Choice;
+use crate::catalogue::gear::{Link, links};
 use crate::catalogue::{
     self, Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
 };
@@ -146,7 +147,8 @@ pub fn find(
     let left = punctual.as_ref().unwrap_or(&gap);
     let (present, residual) = first_fit(model, frames, &given, left, weight, &settings)?;
     let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
-    let mut candidates = catalogue::catalogue(&scene);
+    let links = links(&scene, data, weight);
+    let mut candidates = catalogue::catalogue(&scene, &links);
     effects.retain(&mut candidates);
     let on_time = on_time(&scene, data, &residual, weight);
     for j in 0..data.dof() {
@@ -166,7 +168,9 @@ pub fn find(
     }
     let load = data.table_to_samples(&scene.rigid);
     if let Some(blows) = impacts::clearest(data, &residual, &load, &settings.traces.blows) {
-        candidates.extend(backlash::struck(&scene, blows.joint));
+        if matches!(links[blows.joint], Link::Unknown) {
+            candidates.extend(backlash::struck(&scene, blows.joint));
+        }
     }
     effects.retain(&mut candidates);
     let dictionary = Dictionary::new(data.dof(), &candidates);

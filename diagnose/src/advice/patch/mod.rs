@@ -150,7 +150,7 @@ pub fn patch(
         drive: changed.then(|| values::drive(&patched.robot)),
         mjcf,
         others,
-        code: code::code(model, outcome, |e| place(e, whole).is_some()),
+        code: code::code(model, outcome, |c| place(c, whole).is_some()),
         values: values::table(&patched, &settings, whole),
         settings,
     })
@@ -159,7 +159,7 @@ pub fn patch(
 /// One line on what the patch holds; `mjcf` says whether the model is one, which has a place for rotor inertias too.
 pub fn summary(causes: &[Cause], mjcf: bool) -> String {
     let format = if mjcf { "MJCF" } else { "URDF" };
-    let inside = |c: &&Cause| place(c.effect, mjcf) == Some(format);
+    let inside = |c: &&Cause| place(c, mjcf) == Some(format);
     let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(inside);
     let list = |c: &[&Cause]| {
         let one = |c: &&Cause| {
@@ -176,7 +176,7 @@ pub fn summary(causes: &[Cause], mjcf: bool) -> String {
         }
     };
     let (code, beside): (Vec<&Cause>, Vec<&Cause>) =
-        outside.into_iter().partition(|c| code::holds(c.effect));
+        outside.into_iter().partition(|c| code::holds(c));
     format!(
         "in the {format}: {}; in generated code: {}; beside it: {}",
         list(&inside),

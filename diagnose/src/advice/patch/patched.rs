@@ -37,16 +37,16 @@ pub fn robot(
     possible::robot(model.sizes(), &model.moved(&change)?)?.with_rotor_inertia(&inertia)
 }
 
-/// Where a patch writes an effect; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
+/// Where a patch writes a cause; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
 /// needs a drive file for stands in it.
-pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
-    if code::holds(effect) {
+pub fn place(cause: &Cause, mjcf: bool) -> Option<&'static str> {
+    if code::holds(cause) {
         return Some("generated code");
     }
-    match (effect.info().place, mjcf) {
+    match (cause.effect.info().place, mjcf) {
         (place, false) => place,
         (Some("URDF"), true) => Some("MJCF"),
-        (_, true) => (effect == Effect::RotorInertia).then_some("MJCF"),
+        (_, true) => (cause.effect == Effect::RotorInertia).then_some("MJCF"),
     }
 }
 

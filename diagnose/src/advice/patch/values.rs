@@ -83,7 +83,7 @@ pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> Stri
     let mut out = String::from("effect\tjoints\tparameter\tvalue\tstd\tunit\twritten to\n");
     for cause in patched.causes {
         let effect = cause.effect.name();
-        let written = place(cause.effect, mjcf).unwrap_or("this table");
+        let written = place(cause, mjcf).unwrap_or("this table");
         for p in &cause.parameters {
             let joints = p.joint.clone().unwrap_or_else(|| cause.joints.join(","));
             let joints = cell(&joints);

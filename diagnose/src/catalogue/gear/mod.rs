@@ -1,0 +1,174 @@
+//! `joint_elasticity` and `backlash` where the link's own encoder was recorded: how far the link departs from its motor is measured, and so
+//! is what that changes of the torque. Which of the two it is, and of what size, the departure itself says ([`flanks`]).
+//!
+//! On a recording without that encoder the columns are those of the transmission with the sizes found.
+
+mod flanks;
+
+use super::candidate::{Bound, Candidate, Column, Quantity, Size};
+use super::effect::Effect;
+use super::joint_elasticity::own_inertia;
+use super::transmission::{Gap, Spring, recorded};
+use crate::motion::frame::Frame;
+use crate::motion::motor::Band;
+use crate::motion::scene::Scene;
+use flanks::{Flanks, Rows, flanks};
+use ndarray::{Array1, Array2};
+
+/// Change of the torque by a departure, relative to the joint's, below which the link stands where its motor does.
+const STIFF: f64 = 0.006;
+/// Deviations of a stiffness above nothing, and part of the torque beyond the motor's own that it explains, from which a departure is
+/// the gear's and not the encoder's.
+const SURE: f64 = 3.0;
+const EXPLAINS: f64 = 0.05;
+/// What a departure that goes with the torque is worth, nats.
+const WITNESSED: f64 = 40.0;
+/// Parts of the joint's inertia that turn with the motor, beside the one that the torque says.
+const ROTORS: [f64; 3] = [0.0, 0.25, 0.45];
+/// Damping ratios of a simulated gear.
+const DAMPING: [f64; 2] = [0.02, 0.6];
+
+/// What a joint's link encoder says of its gear.
+#[derive(Clone, Copy, Debug)]
+pub enum Link {
+    /// Nothing: none was recorded, or what it shows is its own noise.
+    Unknown,
+    /// The link stands where the motor does.
+    Stiff,
+    /// The gear gives way.
+    Gives(Gear),
+}
+
+/// A gear as the departure of its link shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct Gear {
+    flanks: Flanks,
+    /// Parts of the joint's inertia that may turn with the motor.
+    rotors: [f64; 4],
+}
+
+/// What each joint's link encoder says; `weight` on the fitted rows, shape (rows, joints). `scene` has tangents.
+pub fn links(scene: &Scene, frame: &Frame, weight: &Array2<f64>) -> Vec<Link> {
+    let of = |j: usize| link(scene, frame, weight, j).unwrap_or(Link::Unknown);
+    (0..scene.dof()).map(of).collect()
+}
+
+fn link(scene: &Scene, frame: &Frame, weight: &Array2<f64>, joint: usize) -> Option<Link> {
+    let [departure, rate, _] = scene.departed(joint, Band::Rows)?;
+    let middle = departure.mean()?;
+    let change = recorded(scene, joint, Band::Rows, 0.0, middle)?;
+    let change = frame.reduce_each(&[&change.column(joint).to_owned()]);
+    if change[0].std(0.0) < STIFF * scene.scale.torque[joint] {
+        return Some(Link::Stiff);
+    }
+    let own = scene.robot.parameters();
+    let first = physics::robot::PARAMETERS_PER_LINK * joint;
+    let own = own[first..].first_chunk()?;
+    let m = scene.motion;
+    let fine = [
+        departure.clone(),
+        rate.clone(),
+        m.qd.column(joint).to_owned(),
+        scene.sign.column(joint).to_owned(),
+        m.qdd.column(joint).to_owned(),
+        scene.torque_of_link(joint, own).column(joint).to_owned(),
+    ];
+    // As late as the torque.
+    let late = |x: &Array1<f64>| match &scene.scale.channel {
+        Some(channel) => channel.recorded(m, joint, x.view()),
+        None => x.clone(),
+    };
+    let fine = fine.each_ref().map(late);
+    let reduced = frame.reduce_each(&fine.each_ref());
+    let [departure, rate, qd, sign, qdd, own] = reduced.try_into().ok()?;
+    let rows = Rows {
+        motor: [
+            qd.to_vec(),
+            sign.to_vec(),
+            qdd.to_vec(),
+            vec![1.0; frame.len()],
+        ],
+        departure: departure.to_vec(),
+        rate: rate.to_vec(),
+        own: own.to_vec(),
+        torque: frame.thin(&frame.tau.column(joint).to_vec()).to_vec(),
+        counts: weight.column(joint).iter().map(|w| *w > 0.0).collect(),
+        trajectories: frame.rows.clone(),
+        rate_hz: frame.row_rate(),
+    };
+    let found = flanks(rows)?;
+    let [stiffness, std] = found.stiffness;
+    if stiffness < SURE * std || found.explained < EXPLAINS {
+        return None;
+    }
+    let share = (found.inertia / own_inertia(scene, joint)).clamp(0.0, 0.8);
+    let [none, quarter, half] = ROTORS;
+    Some(Link::Gives(Gear {
+        flanks: found,
+        rotors: [share, none, quarter, half],
+    }))
+}
+
+/// Candidates of a joint whose gear gives way.
+pub(super) fn candidates(scene: &Scene, joint: usize, gear: &Gear) -> Vec<Candidate> {
+    let found = &gear.flanks;
+    let [between, beyond] = found.parts;
+    let [stiffness, stiffness_std] = found.stiffness;
+    let winds = Size {
+        name: "stiffness",
+        value: stiffness,
+        std: stiffness_std,
+        unit: "N·m/rad",
+    };
+    let plays = found.half_gap.map(|[value, std]| Size {
+        name: "half_play",
+        value,
+        std,
+        unit: "rad",
+    });
+    let (effect, sizes) = match plays {
+        Some(play) if between > beyond => (Effect::Backlash, vec![play, winds]),
+        play => (
+            Effect::JointElasticity,
+            std::iter::once(winds).chain(play).collect(),
+        ),
+    };
+    let zero = 0.5 * (found.at[0] + found.at[1]);
+    let half_play = plays.map_or(0.0, |p| p.value);
+    let inertia = own_inertia(scene, joint);
+    let mut all = Vec::new();
+    for rotor in gear.rotors {
+        let moved = (1.0 - rotor) * inertia;
+        let omega = (stiffness / moved).sqrt();
+        let damping = found.damping / (2.0 * (stiffness * moved).sqrt());
+        let spring = Spring {
+            frequency: omega / std::f64::consts::TAU,
+            damping: damping.clamp(DAMPING[0], DAMPING[1]),
+            rotor,
+            half_play,
+        };
+        let simulated = move |s: &Scene| match effect {
+            Effect::Backlash => Gap { half_play, rotor }.change(s, joint),
+            _ => spring.change(s, joint),
+        };
+        let mut push = |column: Column| {
+            let share = Quantity::plain("share", "1", Some(joint));
+            let bound = Bound::Between(0.4, 1.6);
+            let mut one = Candidate::single(effect, joint, share, bound, column).with_shape(
+                "rotor_share",
+                rotor,
+                "1",
+            );
+            one.sizes.clone_from(&sizes);
+            one.evidence = WITNESSED;
+            all.push(one);
+        };
+        for band in [Band::Rows, Band::Motion] {
+            push(Column::whole(scene.dof(), move |s| {
+                recorded(s, joint, band, rotor, zero).unwrap_or_else(|| simulated(s))
+            }));
+        }
+        push(Column::whole(scene.dof(), simulated));
+    }
+    all
+}
