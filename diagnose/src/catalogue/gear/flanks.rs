@@ -61,8 +61,6 @@ pub(super) struct Flanks {
     pub stiffness: [f64; 2],
     /// Half of the gap and its deviation; none of a spring.
     pub half_gap: Option<[f64; 2]>,
-    /// Damping, N·m·s/rad.
-    pub damping: f64,
     /// Inertia that turns with the motor, kg·m².
     pub inertia: f64,
     /// Part of the squared torque beyond what the motor itself takes that the gear accounts for.
@@ -308,7 +306,6 @@ pub(super) fn flanks(mut rows: Rows) -> Option<Flanks> {
         at,
         stiffness: [stiffness, floor(LAWS[0], stiffness, stiffness_std)],
         half_gap: has_gap.then(|| [half, floor(LAWS[1], half, half_std)]),
-        damping: fit.coefficients[2].max(0.0),
         inertia,
         explained: 1.0 - fit.square / motor.max(f64::MIN_POSITIVE),
         parts: [
@@ -391,5 +388,84 @@ impl Products {
         x[of] = 1.0;
         cholesky::solve(&factor, &mut x);
         Some(x[of] / (scale[of] * scale[of])).filter(|v| v.is_finite() && *v >= 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE: f64 = 62.5;
+
+    /// A gear with a gap under a load of several frequencies, its motor with friction and inertia; the departure follows the load.
+    fn rows(stiffness: f64, half: f64, zero: f64) -> Rows {
+        let n = 4 * 900;
+        let t = |i: usize| i as f64 / RATE;
+        let of = |f: &dyn Fn(f64) -> f64| -> Vec<f64> { (0..n).map(|i| f(t(i))).collect() };
+        let load = of(&|t| 8.0 * (1.1 * t).sin() + 5.0 * (3.7 * t).cos() + 2.0 * (0.3 * t).sin());
+        let qd = of(&|t| 0.8 * (1.9 * t).cos() + 0.3 * (0.7 * t).sin());
+        let qdd = of(&|t| -1.52 * (1.9 * t).sin() + 0.21 * (0.7 * t).cos());
+        let sign: Vec<f64> = qd.iter().map(|v| (v / 0.01).tanh()).collect();
+        let departure: Vec<f64> = load
+            .iter()
+            .map(|l| zero + l / stiffness + half * (l / 0.2).tanh())
+            .collect();
+        let rate = (0..n)
+            .map(|i| {
+                let (a, b) = (i.saturating_sub(1), (i + 1).min(n - 1));
+                (departure[b] - departure[a]) * RATE / (b - a) as f64
+            })
+            .collect();
+        let torque = (0..n)
+            .map(|i| load[i] + 0.4 * qd[i] + 1.5 * sign[i] + 0.2 * qdd[i])
+            .collect();
+        Rows {
+            departure,
+            rate,
+            motor: [qd, sign, qdd, vec![1.0; n]],
+            own: of(&|t| (1.3 * t).sin()),
+            torque,
+            counts: vec![true; n],
+            trajectories: (0..4).map(|k| k * 900..(k + 1) * 900).collect(),
+            rate_hz: RATE,
+        }
+    }
+
+    #[test]
+    fn a_spring_is_a_spring_and_its_stiffness_lies_in_its_interval() {
+        let found = flanks(rows(2000.0, 0.0, 0.01)).unwrap();
+        let [stiffness, std] = found.stiffness;
+        assert!((stiffness / 2000.0 - 1.0).abs() < 0.01, "{stiffness}");
+        assert!(std < 0.06 * stiffness);
+        assert!(found.half_gap.is_none());
+        assert!((found.at[0] - 0.01).abs() < 1e-4 && found.at[0] == found.at[1]);
+        assert!((found.inertia - 0.2).abs() < 0.01, "{}", found.inertia);
+        assert!(found.explained > 0.99);
+    }
+
+    #[test]
+    fn a_gap_is_told_from_its_wind_up() {
+        let found = flanks(rows(5000.0, 0.004, -0.02)).unwrap();
+        let [half, std] = found.half_gap.unwrap();
+        assert!((half - 0.004).abs() < 2.0 * std, "{half} ± {std}");
+        assert!((found.stiffness[0] / 5000.0 - 1.0).abs() < 0.05);
+        let [between, beyond] = found.parts;
+        assert!(between > beyond, "{between} {beyond}");
+        let middle = 0.5 * (found.at[0] + found.at[1]);
+        assert!((middle + 0.02).abs() < 2e-4, "{middle}");
+    }
+
+    #[test]
+    fn a_departure_that_has_nothing_to_do_with_the_torque_explains_nothing() {
+        let mut own = rows(2000.0, 0.0, 0.0);
+        let mut state = 1u64;
+        for x in &mut own.departure {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            *x = 1e-5 * ((state >> 40) as f64 / 16_777_216.0 - 0.5);
+        }
+        own.rate.fill(0.0);
+        assert!(flanks(own).is_none_or(|f| f.explained < 0.05));
     }
 }

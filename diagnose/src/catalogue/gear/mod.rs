@@ -7,7 +7,7 @@ mod flanks;
 
 use super::candidate::{Bound, Candidate, Column, Quantity, Size};
 use super::effect::Effect;
-use super::joint_elasticity::own_inertia;
+use super::joint_elasticity::{ROUNDING, compliant, own_inertia};
 use super::transmission::{Gap, Spring, recorded};
 use crate::motion::frame::Frame;
 use crate::motion::motor::Band;
@@ -17,7 +17,7 @@ use ndarray::{Array1, Array2};
 
 /// Change of the torque by a departure, relative to the joint's, below which the link stands where its motor does.
 const STIFF: f64 = 0.006;
-/// Deviations of a stiffness above nothing, and part of the torque beyond the motor's own that it explains, from which a departure is
+/// Deviations of a stiffness or a gap above nothing, and part of the torque beyond the motor's own that it explains, from which a departure is
 /// the gear's and not the encoder's.
 const SURE: f64 = 3.0;
 const EXPLAINS: f64 = 0.05;
@@ -25,8 +25,10 @@ const EXPLAINS: f64 = 0.05;
 const WITNESSED: f64 = 40.0;
 /// Parts of the joint's inertia that turn with the motor, beside the one that the torque says.
 const ROTORS: [f64; 3] = [0.0, 0.25, 0.45];
-/// Damping ratios of a simulated gear.
-const DAMPING: [f64; 2] = [0.02, 0.6];
+/// Damping ratios of a simulated gear: how long it rings is known worst, and what rings wrongly is worse than what does not.
+const DAMPING: [f64; 4] = [0.06, 0.15, 0.35, 0.7];
+/// Deflection beyond the flanks over that between them from which a gap's stiffness is told: less is hidden by the rows' band.
+const TOLD: f64 = 0.3;
 
 /// What a joint's link encoder says of its gear.
 #[derive(Clone, Copy, Debug)]
@@ -97,8 +99,9 @@ fn link(scene: &Scene, frame: &Frame, weight: &Array2<f64>, joint: usize) -> Opt
         rate_hz: frame.row_rate(),
     };
     let found = flanks(rows)?;
-    let [stiffness, std] = found.stiffness;
-    if stiffness < SURE * std || found.explained < EXPLAINS {
+    let sure = |[value, std]: [f64; 2]| value > SURE * std;
+    let seen = sure(found.stiffness) || found.half_gap.is_some_and(sure);
+    if found.stiffness[0] <= 0.0 || !seen || found.explained < EXPLAINS {
         return None;
     }
     let share = (found.inertia / own_inertia(scene, joint)).clamp(0.0, 0.8);
@@ -127,7 +130,13 @@ pub(super) fn candidates(scene: &Scene, joint: usize, gear: &Gear) -> Vec<Candid
         unit: "rad",
     });
     let (effect, sizes) = match plays {
-        Some(play) if between > beyond => (Effect::Backlash, vec![play, winds]),
+        Some(play) if between > beyond => {
+            let told = (beyond > TOLD * between).then_some(winds);
+            (
+                Effect::Backlash,
+                std::iter::once(play).chain(told).collect(),
+            )
+        }
         play => (
             Effect::JointElasticity,
             std::iter::once(winds).chain(play).collect(),
@@ -139,18 +148,23 @@ pub(super) fn candidates(scene: &Scene, joint: usize, gear: &Gear) -> Vec<Candid
     let mut all = Vec::new();
     for rotor in gear.rotors {
         let moved = (1.0 - rotor) * inertia;
-        let omega = (stiffness / moved).sqrt();
-        let damping = found.damping / (2.0 * (stiffness * moved).sqrt());
-        let spring = Spring {
-            frequency: omega / std::f64::consts::TAU,
-            damping: damping.clamp(DAMPING[0], DAMPING[1]),
-            rotor,
-            half_play,
+        let frequency = (stiffness / moved).sqrt() / std::f64::consts::TAU;
+        let springs = DAMPING.map(|damping| {
+            Simulated::Spring(Spring {
+                frequency,
+                damping,
+                rotor,
+                half_play,
+            })
+        });
+        let gap = (half_play > 0.0).then_some(Simulated::Gap(Gap { half_play, rotor }));
+        let seen = recorded(scene, joint, Band::Motion, rotor, zero);
+        let wind_ups = ROUNDING.map(|r| Simulated::WindUp([1.0 / stiffness, rotor, r]));
+        let gears = springs.into_iter().chain(wind_ups).chain(gap);
+        let Some((gear, part)) = nearest(scene, joint, gears, seen) else {
+            continue;
         };
-        let simulated = move |s: &Scene| match effect {
-            Effect::Backlash => Gap { half_play, rotor }.change(s, joint),
-            _ => spring.change(s, joint),
-        };
+        let simulated = move |s: &Scene| gear.change(s, joint) * part;
         let mut push = |column: Column| {
             let share = Quantity::plain("share", "1", Some(joint));
             let bound = Bound::Between(0.4, 1.6);
@@ -171,4 +185,46 @@ pub(super) fn candidates(scene: &Scene, joint: usize, gear: &Gear) -> Vec<Candid
         push(Column::whole(scene.dof(), simulated));
     }
     all
+}
+
+/// A gear of the sizes found, for recordings without the link's encoder.
+#[derive(Clone, Copy)]
+enum Simulated {
+    Spring(Spring),
+    Gap(Gap),
+    /// A spring without its own oscillation: compliance, the motor's part of the inertia, rounding of the torque, s.
+    WindUp([f64; 3]),
+}
+
+impl Simulated {
+    fn change(&self, scene: &Scene, joint: usize) -> Array2<f64> {
+        match *self {
+            Self::Spring(spring) => spring.change(scene, joint),
+            Self::Gap(gap) => gap.change(scene, joint),
+            Self::WindUp([compliance, rotor, rounding]) => {
+                compliant(scene, joint, compliance, rotor, rounding)
+            }
+        }
+    }
+}
+
+/// The one of some gears that foretells best how the recorded departure changes the joint's torque, and the part of its change that is
+/// right: an oscillation out of phase foretells nothing.
+fn nearest(
+    scene: &Scene,
+    joint: usize,
+    gears: impl Iterator<Item = Simulated>,
+    seen: Option<Array2<f64>>,
+) -> Option<(Simulated, f64)> {
+    let seen = seen?;
+    let seen = seen.column(joint);
+    let told = |gear: Simulated| {
+        let change = gear.change(scene, joint);
+        let own = change.column(joint);
+        let part = (own.dot(&seen) / own.dot(&own).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let removed = part * (2.0 * own.dot(&seen) - part * own.dot(&own));
+        (removed, gear, part)
+    };
+    let best = gears.map(told).max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, gear, part)| (gear, part))
 }
