@@ -17,8 +17,10 @@ const STILL: f64 = 1e-3;
 const FOLLOWS: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 /// Largest distance of both zeros, rad (m).
 const APART: f64 = 1.0;
-/// Largest departure from the motor over the motion, both root mean square: no gear gives way by more.
+/// Largest departure from the motor over the motion, both root mean square, and in rad (m) where the motion is small: no gear gives way
+/// by more than both.
 const DEPARTS: f64 = 0.1;
+const GIVES: f64 = 0.05;
 /// Temperatures that a joint can have, °C.
 const POSSIBLE: std::ops::RangeInclusive<f64> = -60.0..=200.0;
 /// Range below which a temperature says nothing, K.
@@ -138,7 +140,7 @@ fn link(q: ArrayView1<f64>, ql: ArrayView1<f64>) -> Result<(), String> {
     }
     let squares: f64 = q.iter().zip(ql).map(|(a, b)| (a - b - apart).powi(2)).sum();
     let departs = (squares / n).sqrt();
-    if departs > DEPARTS * spread {
+    if departs > (DEPARTS * spread).max(GIVES) {
         return refuse(format!(
             "it departs from q by {departs:.2} rad (m), which no gear does"
         ));

@@ -21,7 +21,7 @@ use physics::robot::{Description, Edited, to_urdf};
 use std::path::{Path, PathBuf};
 
 pub use code::beyond;
-use patched::{Patched, joint, number};
+use patched::{Patched, joint, number, place_of};
 pub use patched::{place, robot};
 pub use values::Setting;
 
@@ -150,7 +150,7 @@ pub fn patch(
         drive: changed.then(|| values::drive(&patched.robot)),
         mjcf,
         others,
-        code: code::code(model, outcome, |c| place(c, whole).is_some()),
+        code: code::code(model, outcome, |c| place_of(c, whole).is_some()),
         values: values::table(&patched, &settings, whole),
         settings,
     })
@@ -159,7 +159,7 @@ pub fn patch(
 /// One line on what the patch holds; `mjcf` says whether the model is one, which has a place for rotor inertias too.
 pub fn summary(causes: &[Cause], mjcf: bool) -> String {
     let format = if mjcf { "MJCF" } else { "URDF" };
-    let inside = |c: &&Cause| place(c, mjcf) == Some(format);
+    let inside = |c: &&Cause| place_of(c, mjcf) == Some(format);
     let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(inside);
     let list = |c: &[&Cause]| {
         let one = |c: &&Cause| {

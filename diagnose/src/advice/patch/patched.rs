@@ -37,17 +37,23 @@ pub fn robot(
     possible::robot(model.sizes(), &model.moved(&change)?)?.with_rotor_inertia(&inertia)
 }
 
-/// Where a patch writes a cause; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
+/// Where a patch writes an effect; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
 /// needs a drive file for stands in it.
-pub fn place(cause: &Cause, mjcf: bool) -> Option<&'static str> {
-    if code::holds(cause) {
+pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
+    if effect.info().coded {
         return Some("generated code");
     }
-    match (cause.effect.info().place, mjcf) {
+    match (effect.info().place, mjcf) {
         (place, false) => place,
         (Some("URDF"), true) => Some("MJCF"),
-        (_, true) => (cause.effect == Effect::RotorInertia).then_some("MJCF"),
+        (_, true) => (effect == Effect::RotorInertia).then_some("MJCF"),
     }
+}
+
+/// The same of a cause: what is coded as an effect may go with something that no simulator has.
+pub(super) fn place_of(cause: &Cause, mjcf: bool) -> Option<&'static str> {
+    let coded = cause.effect.info().coded;
+    place(cause.effect, mjcf).filter(|_| !coded || code::holds(cause))
 }
 
 /// A parameter of a cause; zero where it has none of this name.
