@@ -331,3 +331,32 @@ fn wide(
     };
     Ok(Some(prepare(recording, &options)?.fine))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_counted_from_on_both_sides() {
+        // A joint turns round every second; another never does.
+        let time: Vec<f64> = (0..=400).map(|i| 0.01 * f64::from(i)).collect();
+        let q = Array2::from_shape_fn((401, 2), |(i, j)| match j {
+            0 => 1.0 - (std::f64::consts::PI * time[i]).cos(),
+            _ => time[i],
+        });
+        let tau = Array2::from_shape_fn((401, 2), |(i, _)| time[i].sin());
+        let recording = Recording::new("r", time, q, Some(tau.clone()));
+        let frame = Frame::new(&recording, tau, &PrepareOptions::low_passed(8.0)).unwrap();
+        let rows = frame.rows_to_turns(0.05);
+        let at = |s: f64| (s * frame.row_rate()).round() as usize;
+        assert_eq!(rows[[at(1.0), 0]], 0);
+        // The turn itself is one row.
+        let near = [0.8, 1.2].map(|s| rows[[at(s), 0]] as f64 / frame.row_rate());
+        assert!(
+            near.iter()
+                .all(|t| (t - 0.2).abs() < 1.5 / frame.row_rate()),
+            "{near:?}"
+        );
+        assert!(rows.column(1).iter().all(|r| *r >= frame.len()));
+    }
+}

@@ -38,6 +38,8 @@ pub struct Judged {
     pub gap: Array2<f64>,
     /// The residual; of a joint at rest, its departure from what it holds most of the time.
     pub departure: Array2<f64>,
+    /// The same beyond what friction holds of a joint at rest that gave way a little.
+    pub beyond: Array2<f64>,
 }
 
 /// How each joint moves at the recorded samples.
@@ -148,7 +150,7 @@ pub fn judge(
     settings: &MotionSettings,
 ) -> Judged {
     let mut state = states(frame, settings);
-    let (mut gap, mut departure) = (residual.clone(), residual.clone());
+    let [mut gap, mut departure, mut beyond] = [0; 3].map(|_| residual.clone());
     for j in 0..frame.dof() {
         let most = coulomb.torque[j].abs();
         let mut start = 0;
@@ -177,12 +179,13 @@ pub fn judge(
                     let turned = way * settings.breakaway * most;
                     (least, largest) = (least.min(turned), largest.max(turned));
                 }
+                let change = x - x.clamp(least, largest);
                 // Friction of one that gave way a little is turned that way, for a while.
                 let there = (i - start).saturating_sub(long)..(i + lead + 1).min(end) - start;
                 let there = gave[there].iter().flatten();
                 let there = there.map(|way| way * settings.breakaway * most);
                 let (lower, upper) = there.fold((least, largest), |(a, b), x| (a.min(x), b.max(x)));
-                let change = x - x.clamp(lower, upper);
+                beyond[[i, j]] = x - x.clamp(lower, upper);
                 // What counts as constant is no change.
                 let constant = change.clamp(-settings.constant * most, settings.constant * most);
                 gap[[i, j]] = usual - usual.clamp(-most, most) + change - constant;
@@ -199,6 +202,7 @@ pub fn judge(
         state,
         gap,
         departure,
+        beyond,
     }
 }
 
@@ -284,28 +288,50 @@ mod tests {
         );
     }
 
+    /// A joint that creeps down turns its friction down, before the way shows; a push that moves it down leaves torque upwards.
+    #[test]
+    fn friction_that_turns_towards_a_creep_is_no_departure() {
+        let settings = MotionSettings::default();
+        let coulomb = Coulomb {
+            torque: vec![2.0],
+            sign: Array2::zeros((800, 1)),
+        };
+        let departure =
+            |creep: f64, crept: f64| {
+                let residual = Array2::from_shape_fn((800, 1), |(i, _)| {
+                    if (590..700).contains(&i) { crept } else { 1.5 }
+                });
+                let judged = judge(&frame(creep, &residual), &residual, &coulomb, &settings);
+                assert_eq!(judged.state[[650, 0]], State::Standing);
+                [595, 650].map(|i| judged.departure[[i, 0]])
+            };
+        assert_eq!(departure(-0.004, -2.2), [0.0, 0.0]);
+        assert_eq!(departure(-0.004, 6.0), [4.5, 4.5]);
+        assert_eq!(departure(0.0, -2.2).map(f64::round), [-4.0, -4.0]);
+    }
+
     /// A joint that its motor moved up a little is held up there; where a push moved it up, its motor pulls down.
     #[test]
-    fn friction_of_a_joint_that_gave_way_is_no_departure() {
+    fn friction_holds_a_joint_that_gave_way() {
         let coulomb = Coulomb {
             torque: vec![2.0],
             sign: Array2::zeros((800, 1)),
         };
         let settings = MotionSettings::default();
-        let departure =
+        let beyond =
             |speed: f64, held: f64| {
                 let residual = Array2::from_shape_fn((800, 1), |(i, _)| {
                     if (600..680).contains(&i) { held } else { -1.0 }
                 });
                 let judged = judge(&frame(speed, &residual), &residual, &coulomb, &settings);
-                judged.departure[[650, 0]]
+                judged.beyond[[650, 0]]
             };
-        assert_eq!(departure(1e-3, 2.0), 0.0);
+        assert_eq!(beyond(1e-3, 2.0), 0.0);
         assert!(
-            (departure(1e-3, 3.0) - 0.6).abs() < 1e-9,
+            (beyond(1e-3, 3.0) - 0.6).abs() < 1e-9,
             "1.2 · 2 N·m are friction's"
         );
-        assert_eq!((departure(-1e-3, 2.0), departure(0.0, 2.0)), (3.0, 3.0));
+        assert_eq!((beyond(-1e-3, 2.0), beyond(0.0, 2.0)), (3.0, 3.0));
     }
 
     #[test]

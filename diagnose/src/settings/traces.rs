@@ -58,7 +58,7 @@ settings! {
         /// Fewest changes that tell.
         fewest_crossings: usize = 4, tuned;
         /// Part of the squared torque of the most loaded joint from which bursts are a torque that is cut off.
-        cut_off: f64 = 0.5, physics;
+        cut_off: f64 = 0.5, tuned;
         /// Part of the error that a learner may predict for the rest to count as contact in motion.
         learnable: f64 = 0.35, tuned;
         /// Part of the recording that is left out, where nothing explains what is left, to see whether a push had bent the fit.

@@ -118,9 +118,16 @@ pub fn detect(
         before.any(|w| adjacent(&windows.samples, w, b.start) && quiet(w))
             && after.any(|w| adjacent(&windows.samples, b.end - 1, w) && quiet(w))
     };
+    // Friction of a joint that gave way a little holds it there: against a push, motor torque and way are opposite.
+    let unheld = |w: usize, j: usize| {
+        let of = windows.samples[w].clone();
+        let mean = of.clone().map(|i| left.beyond[[i, j]]).sum::<f64>() / of.len() as f64;
+        windows.standing[[w, j]] && mean.abs() > settings.height * levels[j][1]
+    };
+    let pushed = |b: &Range<usize>| b.clone().any(|w| (0..dof).any(|j| unheld(w, j)));
     bursts.retain(|b| {
         if at_rest(b) {
-            between(b)
+            pushed(b) && between(b)
         } else {
             b.len() >= settings.fewest
         }

@@ -181,9 +181,9 @@ pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
             return None;
         }
     }
-    // A torque that is cut is smaller than the described one.
-    let alone =
-        |e: &Evidence| !is_cut(e) && (is_outside(e) == Some(true) || (is_small(e) && is_loaded(e)));
+    // A torque that is cut is smaller than the described one. Where the scale has an interval, that decides; a bound does only without one.
+    let small = |e: &Evidence| is_small(e) && is_loaded(e);
+    let alone = |e: &Evidence| !is_cut(e) && is_outside(e).unwrap_or_else(|| small(e));
     far.retain(|&j| most || alone(&patient.joints[j]));
     if far.is_empty() {
         return None;
