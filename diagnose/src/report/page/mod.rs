@@ -6,7 +6,7 @@ mod maps;
 
 use crate::advice::patch::Patch;
 use crate::outcome::Outcome;
-use crate::report::words::{closes, lines, name, worst_findings};
+use crate::report::words::{closes, joined, lines, name, worst_findings};
 use crate::schema::{Diagnosis, Verdict};
 use report::figure::{Bars, Ink, Waterfall};
 use report::{Cell, Column, KeyFigure, Page, Section, Table, Tone};
@@ -78,7 +78,7 @@ fn words(d: &Diagnosis) -> Section {
     for line in lines(d).iter().filter(|l| !findings.contains(l)) {
         match said.last_mut() {
             Some(last) if line.starts_with(' ') => {
-                *last = format!("{}; {}", last.trim_end_matches('.'), line.trim());
+                *last = joined(last, line);
             }
             _ => said.push(line.clone()),
         }

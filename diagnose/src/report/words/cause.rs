@@ -65,9 +65,17 @@ pub fn plain(effect: Effect) -> &'static str {
 
 /// What to set in a simulator, in one line.
 pub fn told(cause: &Cause) -> String {
-    let lines = advice(cause);
-    let all: Vec<&str> = lines.iter().map(|l| l.trim()).collect();
-    all.join("; ").replacen(":;", ":", 1)
+    let lines = advice(cause).into_iter();
+    lines
+        .reduce(|said, line| joined(&said, &line))
+        .unwrap_or_default()
+}
+
+/// A line and the next one as one.
+pub fn joined(said: &str, line: &str) -> String {
+    let said = said.trim_end_matches('.');
+    let mark = if said.ends_with(':') { "" } else { ";" };
+    format!("{said}{mark} {}", line.trim())
 }
 
 /// What to set in a simulator; values of several joints follow joint by joint.

@@ -2,7 +2,7 @@
 
 mod cause;
 
-pub use cause::{advice, closes, name, plain, sentence, told};
+pub use cause::{advice, closes, joined, name, plain, sentence, told};
 
 use crate::catalogue::effect::Effect;
 use crate::schema::Bounds;
