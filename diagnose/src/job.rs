@@ -205,8 +205,9 @@ impl Job {
             .then(|| "no surrogates were drawn (--fast)".to_owned());
         let robot = given.model.robot.notes().iter().cloned();
         let run = [short, short_heldout, fast].into_iter().flatten();
-        let notes: Vec<String> = robot.chain(run).collect();
+        let mut notes: Vec<String> = robot.chain(run).collect();
         outcome.diagnosis.notes.extend(notes.iter().cloned());
+        notes.extend(outcome.sensors.iter().cloned());
         Ok(Done {
             given,
             outcome,

@@ -21,4 +21,6 @@ pub struct Outcome {
     pub learned: Option<Learned>,
     /// What has structure of what is left, per joint, on the fitted recording.
     pub left: Vec<Option<Left>>,
+    /// What link encoders and thermometers show beside the causes, a line each; among the diagnosis's notes, too.
+    pub sensors: Vec<String>,
 }

@@ -135,6 +135,13 @@ impl Plant {
         self.q.len()
     }
 
+    /// Relative temperature of joint `j` where a mechanism has one.
+    pub fn warmth(&self, j: usize) -> Option<f64> {
+        self.resisting[j]
+            .iter()
+            .find_map(|&m| self.mechanisms[m].warmth())
+    }
+
     /// One step of `dt` seconds from time `t` under the motor torques `u` (N·m).
     pub fn step(&mut self, t: f64, dt: f64, u: &[f64]) {
         let n = self.dof();

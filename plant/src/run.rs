@@ -37,6 +37,10 @@ pub struct Trace {
     pub exerted: Vec<f64>,
     /// Commanded position.
     pub q_ref: Vec<f64>,
+    /// Position of the link behind each motor's transmission.
+    pub link: Vec<f64>,
+    /// Relative temperature where a mechanism has one, as [`crate::mechanism::Mechanism::warmth`]; else not a number.
+    pub warmth: Vec<f64>,
 }
 
 impl Trace {
@@ -103,6 +107,8 @@ pub fn run(
         qdd: Vec::with_capacity(samples * n),
         q_ref: Vec::with_capacity(samples * n),
         exerted: Vec::with_capacity(samples * n * mechanisms),
+        link: Vec::with_capacity(samples * n),
+        warmth: Vec::with_capacity(samples * n),
         lengths,
         ..Trace::default()
     };
@@ -118,6 +124,8 @@ pub fn run(
         .collect::<Vec<_>>()
         .into_iter()
         .peekable();
+    // What stands between a motor and the next one is its transmission.
+    let ends: Vec<usize> = axes.iter().skip(1).copied().chain([plant.dof()]).collect();
     let mut command = Command::new(n);
     let mut torque = vec![0.0; n];
     let mut u = vec![0.0; plant.dof()];
@@ -148,6 +156,8 @@ pub fn run(
                 trace.q.push(plant.q[axis]);
                 trace.qd.push(plant.v[axis]);
                 before[j] = plant.a[axis];
+                trace.link.push(plant.q[axis..ends[j]].iter().sum());
+                trace.warmth.push(plant.warmth(axis).unwrap_or(f64::NAN));
             }
             exerted_before.copy_from_slice(&plant.exerted);
         }

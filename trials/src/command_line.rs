@@ -47,8 +47,14 @@ enum What {
         #[arg(long, conflicts_with = "hard", value_parser = PossibleValuesParser::new(cases::EFFECTS))]
         without: Option<String>,
         /// Cases of this effect alone: the first that the seed deals.
-        #[arg(long, conflicts_with_all = ["hard", "without"], value_parser = PossibleValuesParser::new(cases::EFFECTS))]
+        #[arg(long, conflicts_with = "without", value_parser = PossibleValuesParser::new(cases::EFFECTS))]
         only: Option<String>,
+        /// Encoders on the links as well: columns ql1, ql2, …
+        #[arg(long)]
+        link_encoders: bool,
+        /// Thermometers in the joints as well: columns temp1, temp2, …
+        #[arg(long)]
+        temperatures: bool,
     },
     /// Raw recordings as a controller logs them: robot.urdf, train.csv and test.csv for each, and truth/ID.json with delay,
     /// scale and offset of the torque.
@@ -166,11 +172,18 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
             hard,
             without,
             only,
+            link_encoders,
+            temperatures,
         } => {
+            let sensors = cases::Sensors {
+                links: *link_encoders,
+                temperatures: *temperatures,
+            };
             let bar = bar(*cases, arguments.quiet);
             let without = without.as_deref().and_then(cases::effect_index);
             let count = *cases as usize;
             let specs: Vec<_> = match only {
+                Some(only) if *hard => cases::draw_hard_only(only, *seed).take(count).collect(),
                 Some(only) => cases::draw_only(only, *seed).take(count).collect(),
                 None if *hard => (0..*cases).map(|i| cases::draw_hard(i, *seed)).collect(),
                 None => {
@@ -178,7 +191,7 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
                     (0..*cases).map(draw).collect()
                 }
             };
-            cases::write_all(&specs, *seed, out, |id, _| {
+            cases::write_all(&specs, *seed, sensors, out, |id, _| {
                 bar.set_message(id.to_owned());
                 bar.inc(1);
             })?;

@@ -4,7 +4,9 @@ use physics::robot::Robot;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use trials::cases::{CaseSpec, Kind, draw, draw_hard, generate, write_all};
+use trials::cases::{
+    CaseSpec, Kind, Sensors, draw, draw_hard, draw_only, generate, generate_with, write_all,
+};
 
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
@@ -42,7 +44,7 @@ fn threads_do_not_change_a_byte() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| write_all(&specs, 3, folder.path(), |_, _| {}))
+        pool.install(|| write_all(&specs, 3, Sensors::default(), folder.path(), |_, _| {}))
             .unwrap();
         files(folder.path())
     };
@@ -205,4 +207,35 @@ fn hard_cases_keep_their_promises() {
         assert!(floor < with && with < 0.13, "{name}: {with} over {floor}");
         assert!(oracle.as_given.unwrap() > with, "{name}");
     });
+}
+
+/// Further sensors add their columns and change nothing else; the link of a gear that gives way is seen to depart from its motor.
+#[test]
+fn further_sensors_record_beside_the_others() {
+    let spec = draw_only("joint_elasticity", 5).next().unwrap();
+    let plain = generate(&spec, 5).unwrap();
+    let sensors = Sensors {
+        links: true,
+        temperatures: true,
+    };
+    let mut more = generate_with(&spec, 5, sensors).unwrap();
+    assert!(plain.train.ql.is_none() && plain.train.temp.is_none());
+    let yields = more.truth.effects[0].reference_joint.clone();
+    let ql = more.train.ql.take().unwrap();
+    let apart = &more.train.q - &ql;
+    let departs: Vec<f64> = apart.columns().into_iter().map(|c| c.std(0.0)).collect();
+    for (j, own) in departs.iter().enumerate() {
+        assert_eq!(
+            *own > 2e-4,
+            format!("joint{}", j + 1) == yields,
+            "{departs:?}"
+        );
+    }
+    let temp = more.train.temp.take().unwrap();
+    assert!(temp.iter().all(|t| (10.0..80.0).contains(t)));
+    for column in temp.columns() {
+        assert!(column[column.len() - 1] > column[0] + 1.0, "gears warm up");
+    }
+    (more.test.ql, more.test.temp) = (None, None);
+    assert_eq!((more.train, more.test), (plain.train, plain.test));
 }

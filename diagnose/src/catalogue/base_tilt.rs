@@ -52,6 +52,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         quantities,
         change: None,
         shape,
+        sizes: Vec::new(),
         evidence: 0.0,
     }]
 }

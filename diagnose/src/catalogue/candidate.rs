@@ -87,6 +87,19 @@ impl Quantity {
     }
 }
 
+/// A size that a sensor of its own measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// Name, that of docs/formats.md.
+    pub name: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Its deviation.
+    pub std: f64,
+    /// Unit.
+    pub unit: &'static str,
+}
+
 /// A hypothesis: an effect at one place with fixed shape parameters.
 pub struct Candidate {
     /// The effect.
@@ -105,6 +118,8 @@ pub struct Candidate {
     pub change: Option<[f64; PARAMETERS_PER_LINK]>,
     /// Shape parameters: name, value, unit.
     pub shape: Vec<(&'static str, f64, &'static str)>,
+    /// Sizes that a sensor of their own measured.
+    pub sizes: Vec<Size>,
     /// What speaks for it beside the error that it removes, nats.
     pub evidence: f64,
 }
@@ -127,6 +142,7 @@ impl Candidate {
             quantities: vec![quantity],
             change: None,
             shape: Vec::new(),
+            sizes: Vec::new(),
             evidence: 0.0,
         }
     }

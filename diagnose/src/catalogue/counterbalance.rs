@@ -52,6 +52,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                 .map(|n| Quantity::plain(n, "N·m", Some(joint)))
                 .collect(),
             shape: vec![("middle", middle, "rad"), ("half_range", half, "rad")],
+            sizes: Vec::new(),
             change: None,
             evidence: 0.0,
         })

@@ -1,10 +1,12 @@
 //! `friction_drift`: friction that changes over the session. Profiles over the share of the session that has
-//! passed, times viscous, Coulomb or both columns. Confounders: one-off errors of friction parameters.
+//! passed, times viscous, Coulomb or both columns; where the joint's temperature was recorded, over that as well. Confounders: one-off
+//! errors of friction parameters.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
 use crate::motion::scene::Scene;
+use ndarray::Array1;
 use physics::effects::{Drift, Sliding, Term, WarmUp};
 
 /// What is known of it beside its columns.
@@ -20,6 +22,11 @@ pub(super) const INFO: Info = Info {
 
 /// Time constants relative to the session; infinity stands for a straight line.
 const CONSTANTS: [f64; 4] = [0.1, 0.3, 1.0, f64::INFINITY];
+/// Temperatures over which what warmth changes has faded to 1/e, relative to those of the recording; infinity stands for a straight line.
+const FADING: [f64; 3] = [0.3, 0.8, f64::INFINITY];
+
+/// Name of the shape parameter that only drift by a temperature has.
+pub(crate) const REFERENCE: &str = "reference_temperature";
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let mut all = Vec::new();
@@ -27,21 +34,102 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         // Falling to the given value as well as leaving it: either end may be the model's.
         for end in [0.0, 1.0] {
             let drifting = |friction| Column::terms(joint, terms(scene, friction, constant, end));
-            let viscous = drifting(Sliding::Viscous);
-            let coulomb = drifting(scene.coulomb(joint));
-            let v = || Quantity::plain("viscous", "N·m·s/rad", Some(joint));
-            let c = || Quantity::plain("coulomb", "N·m", Some(joint));
-            let new =
-                |q, column| {
-                    Candidate::single(Effect::FrictionDrift, joint, q, Bound::Free, column)
-                        .with_shape("time_constant", constant, "session")
-                };
-            all.push(new(v(), viscous.clone()));
-            all.push(new(c(), coulomb.clone()));
-            all.push(new(v(), viscous.clone()).and(c(), Bound::Free, coulomb));
+            let names = [("viscous", "N·m·s/rad"), ("coulomb", "N·m")];
+            let each = [drifting(Sliding::Viscous), drifting(scene.coulomb(joint))];
+            let three = viscous_coulomb_both(joint, names, each);
+            all.extend(three.map(|c| c.with_shape("time_constant", constant, "session")));
+        }
+    }
+    all.extend(by_temperature(scene, joint));
+    all
+}
+
+/// Candidates with viscous, Coulomb and both columns.
+fn viscous_coulomb_both(
+    joint: usize,
+    names: [(&'static str, &'static str); 2],
+    [viscous, coulomb]: [Column; 2],
+) -> [Candidate; 3] {
+    let [v, c] = names.map(|(name, unit)| Quantity::plain(name, unit, Some(joint)));
+    let new = |q: &Quantity, column: &Column| {
+        let (effect, column) = (Effect::FrictionDrift, column.clone());
+        Candidate::single(effect, joint, q.clone(), Bound::Free, column)
+    };
+    [
+        new(&v, &viscous),
+        new(&c, &coulomb),
+        new(&v, &viscous).and(c, Bound::Free, coulomb),
+    ]
+}
+
+/// Candidates over the joint's temperature, where it was recorded.
+fn by_temperature(scene: &Scene, joint: usize) -> Vec<Candidate> {
+    let Some(t) = scene.temperature(joint) else {
+        return Vec::new();
+    };
+    let low = t.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = t.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut all = Vec::new();
+    for fading in FADING {
+        let law = Warmth {
+            fading: fading * (high - low),
+            reference: low,
+        };
+        // Either end may be the model's, as with time.
+        for neutral in [0.0, law.at(high)] {
+            let usual = t.mapv(|t| law.at(t)).mean().unwrap_or(0.0);
+            let column = |friction: Sliding| {
+                Column::own(joint, move |s| {
+                    let rubs = s.terms(joint, &[(1.0, Term::Sliding(friction))]);
+                    law.factor(s, joint, usual).mapv_into(|x| x - neutral) * rubs
+                })
+            };
+            let names = [
+                ("viscous_per_kelvin", "N·m·s/(rad·K)"),
+                ("coulomb_per_kelvin", "N·m/K"),
+            ];
+            let each = [column(Sliding::Viscous), column(scene.coulomb(joint))];
+            let given = if neutral == 0.0 { low } else { high };
+            let three = viscous_coulomb_both(joint, names, each).map(|c| {
+                let c = c.with_shape(REFERENCE, low, "°C");
+                let c = c.with_shape("given_temperature", given, "°C");
+                match fading.is_finite() {
+                    true => c.with_shape("fading", law.fading, "K"),
+                    false => c,
+                }
+            });
+            all.extend(three);
         }
     }
     all
+}
+
+/// How a friction goes with temperature, with slope 1 at the reference.
+#[derive(Clone, Copy, Debug)]
+struct Warmth {
+    /// Rise over which the slope falls to 1/e, K; infinity: a straight line.
+    fading: f64,
+    /// °C.
+    reference: f64,
+}
+
+impl Warmth {
+    fn at(self, temperature: f64) -> f64 {
+        let rise = temperature - self.reference;
+        if self.fading.is_finite() {
+            -self.fading * (-rise / self.fading).exp_m1()
+        } else {
+            rise
+        }
+    }
+
+    /// Over a scene; `usual` where its temperature is unknown.
+    fn factor(self, scene: &Scene, joint: usize, usual: f64) -> Array1<f64> {
+        match scene.temperature(joint) {
+            Some(t) => t.mapv(|t| self.at(t)),
+            None => Array1::from_elem(scene.len(), usual),
+        }
+    }
 }
 
 /// Friction times the share of the way that has been gone since the session's start, less `end`: an exponential's
@@ -72,4 +160,30 @@ fn terms(scene: &Scene, friction: Sliding, constant: f64, end: f64) -> Vec<(f64,
     };
     terms.retain(|t| t.0 != 0.0);
     terms
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warmth_has_slope_one_at_its_reference_and_fades() {
+        let (straight, fading) = (
+            Warmth {
+                fading: f64::INFINITY,
+                reference: 25.0,
+            },
+            Warmth {
+                fading: 5.0,
+                reference: 25.0,
+            },
+        );
+        for law in [straight, fading] {
+            assert_eq!(law.at(25.0), 0.0);
+            assert!((law.at(25.01) - 0.01).abs() < 1e-4);
+        }
+        assert_eq!(straight.at(35.0), 10.0);
+        assert!((fading.at(30.0) - 5.0 * (1.0 - (-1.0f64).exp())).abs() < 1e-12);
+        assert!(fading.at(1000.0) < 5.0 + 1e-9);
+    }
 }

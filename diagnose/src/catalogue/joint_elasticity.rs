@@ -28,7 +28,7 @@ pub(super) const INFO: Info = Info {
 const FREQUENCIES: [f64; 4] = [4.5, 7.5, 12.0, 20.0];
 /// Rounding of the spring torque before it is differentiated twice, s: noise of the acceleration grows with the
 /// square of the frequency, the wind-up of a motion does not.
-const ROUNDING: [f64; 2] = [0.01, 0.025];
+pub(super) const ROUNDING: [f64; 2] = [0.01, 0.025];
 
 /// Frequencies of the oscillating link, Hz, and its damping ratios.
 const RESONANCES: [f64; 7] = [3.5, 5.0, 7.0, 9.5, 13.0, 18.0, 25.0];
@@ -66,6 +66,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                     frequency,
                     damping,
                     rotor,
+                    half_play: 0.0,
                 };
                 let column = Column::whole(scene.dof(), move |s| spring.change(s, joint));
                 let bound = Bound::Between(0.5, 2.0);
@@ -78,7 +79,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
 
 /// Change of the rigid torque by a transmission of the given compliance, rad/(N·m), a part of the joint's inertia turning with
 /// the motor.
-fn compliant(
+pub(super) fn compliant(
     scene: &Scene,
     joint: usize,
     compliance: f64,
@@ -103,6 +104,6 @@ fn compliant(
 }
 
 /// Mean inertia that the joint turns, kg·m².
-fn own_inertia(scene: &Scene, joint: usize) -> f64 {
+pub(super) fn own_inertia(scene: &Scene, joint: usize) -> f64 {
     (scene.tangents[joint].qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
 }

@@ -11,6 +11,7 @@ pub(crate) mod effect;
 mod encoder_offset;
 mod external_contact;
 mod friction_drift;
+pub(crate) mod gear;
 pub(crate) mod info;
 mod joint_coupling;
 mod joint_elasticity;
@@ -28,10 +29,13 @@ mod transmission;
 
 use crate::motion::scene::Scene;
 use effect::Effect;
+use gear::Link;
 use info::Info;
 use serde::{Serialize, Serializer};
 
-pub use candidate::{Bound, Candidate, Column, ColumnTorque};
+pub(crate) use friction_drift::REFERENCE;
+
+pub use candidate::{Bound, Candidate, Column, ColumnTorque, Size};
 pub use parameters::base_columns;
 
 impl Effect {
@@ -76,8 +80,8 @@ impl Serialize for Effect {
     }
 }
 
-/// Everything that needs no look at the residual.
-pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
+/// Everything that needs no look at the residual; `links` are what the joints' link encoders say, where there are any.
+pub fn catalogue(scene: &Scene, links: &[Link]) -> Vec<Candidate> {
     let mut all = Vec::new();
     all.extend(parameters::candidates(scene));
     all.extend(base_tilt::candidates(scene));
@@ -95,8 +99,14 @@ pub fn catalogue(scene: &Scene) -> Vec<Candidate> {
         all.extend(friction_drift::candidates(scene, joint));
         all.extend(torque_ripple::slow(scene, joint));
         all.extend(joint_coupling::candidates(scene, joint));
-        all.extend(joint_elasticity::candidates(scene, joint));
-        all.extend(backlash::candidates(scene, joint));
+        match links.get(joint) {
+            Some(Link::Stiff) => {}
+            Some(Link::Gives(gear)) => all.extend(gear::candidates(scene, joint, gear)),
+            Some(Link::Unknown) | None => {
+                all.extend(joint_elasticity::candidates(scene, joint));
+                all.extend(backlash::candidates(scene, joint));
+            }
+        }
     }
     all
 }
@@ -136,7 +146,7 @@ mod tests {
             memory: None,
         };
         let scene = Scene::new(&robot, &motion, &scale).with_tangents();
-        let mut all = catalogue(&scene);
+        let mut all = catalogue(&scene, &[]);
         all.extend(torque_ripple::candidates(1, &[17.0]));
         all.extend(position_dependent_friction::candidates(&scene, 1, &[17.0]));
         let mut compared = 0;

@@ -122,6 +122,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
             .collect(),
         change: None,
         shape: Vec::new(),
+        sizes: Vec::new(),
         evidence: 0.0,
     };
     // Before the last link's parameters, whose columns are the same: of two equal answers the first wins.
@@ -235,6 +236,7 @@ fn displaced(dof: usize, link: usize) -> Candidate {
             .collect(),
         change: None,
         shape: Vec::new(),
+        sizes: Vec::new(),
         evidence: 0.0,
     }
 }

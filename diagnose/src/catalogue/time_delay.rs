@@ -126,6 +126,7 @@ fn candidate(joints: Vec<usize>, late: Late, alone: bool) -> Candidate {
         bounds: vec![Bound::Between(0.6, 1.6)],
         quantities: vec![Quantity::scaled("delay", "s", joint, late.delay())],
         shape: corner.into_iter().collect(),
+        sizes: Vec::new(),
         change: None,
         evidence: 0.0,
     }

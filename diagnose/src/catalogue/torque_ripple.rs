@@ -56,6 +56,7 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
                 bounds: vec![Bound::Free; 2 * n],
                 quantities: Vec::new(),
                 shape: orders[..n].iter().map(|&k| ("order", k, "1/rad")).collect(),
+                sizes: Vec::new(),
                 change: None,
                 evidence: 0.0,
             };

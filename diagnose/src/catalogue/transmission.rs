@@ -7,6 +7,7 @@
 
 use crate::motion::motor::{Band, Motor};
 use crate::motion::scene::Scene;
+use crate::motion::sensed::Departure;
 use ndarray::{Array1, Array2, Axis};
 
 /// A spring.
@@ -18,6 +19,8 @@ pub(super) struct Spring {
     pub damping: f64,
     /// Part of the joint's inertia that turns with the motor.
     pub rotor: f64,
+    /// Half of the play under its wind-up, rad.
+    pub half_play: f64,
 }
 
 /// A gap between flanks on which the link stays where it lands: how it would bounce on stiff flanks cannot be foretold, and
@@ -37,8 +40,19 @@ const LANDING: f64 = 0.015;
 /// Least part of its inertia that is the link's in any position.
 const LEAST_LINK: f64 = 0.05;
 
-/// Departure of the link from the motor with its derivatives, per sample.
-type Departure = [Array1<f64>; 3];
+/// Change of the rigid torque of all joints where the link's departure was recorded, shape (samples, joints); none where it was not.
+/// `zero`: what the encoders show where the transmission carries nothing.
+pub(super) fn recorded(
+    scene: &Scene,
+    joint: usize,
+    band: Band,
+    rotor: f64,
+    zero: f64,
+) -> Option<Array2<f64>> {
+    let [x, v, a] = scene.departed(joint, band)?;
+    let departure = [x - zero, v.clone(), a.clone()];
+    Some(changed(&scene.motor(joint, band), rotor, &departure))
+}
 
 impl Spring {
     /// Change of the rigid torque of all joints, shape (samples, joints).
@@ -57,12 +71,19 @@ impl Spring {
         let needed = needed(motor, self.rotor);
         let mut out = [0, 1, 2].map(|_| Array1::zeros(scene.len()));
         for segment in &scene.motion.segments {
-            let mut x = needed[segment.start] / (omega * omega);
+            let first = needed[segment.start];
+            let mut x = first / (omega * omega) + self.half_play * first.signum();
             let mut v = 0.0;
             for i in segment.clone() {
                 let mut sum = 0.0;
                 for _ in 0..substeps {
-                    let a = (needed[i] - omega * omega * x - damping * v) / (1.0 + h * damping);
+                    let depth = x - x.clamp(-self.half_play, self.half_play);
+                    let rubs = if self.half_play > 0.0 && depth == 0.0 {
+                        0.0
+                    } else {
+                        damping
+                    };
+                    let a = (needed[i] - omega * omega * depth - rubs * v) / (1.0 + h * rubs);
                     v += h * a;
                     x += h * v;
                     sum += a;
@@ -225,6 +246,7 @@ mod tests {
             frequency: 12.0,
             damping: 0.5,
             rotor: 0.0,
+            half_play: 0.0,
         };
         let part = (5.0 / (std::f64::consts::TAU * spring.frequency)).powi(2);
         let change = spring.change(&scene, 0).column(0).to_owned();

@@ -54,6 +54,12 @@ pub struct Sealed {
     /// Draw none of this effect, as before it entered the catalogue.
     #[arg(long, conflicts_with_all = ["hard", "leave_one_out"], value_parser = PossibleValuesParser::new(EFFECTS))]
     pub without: Option<String>,
+    /// Encoders on the links as well.
+    #[arg(long, conflicts_with = "leave_one_out")]
+    pub link_encoders: bool,
+    /// Thermometers in the joints as well.
+    #[arg(long, conflicts_with = "leave_one_out")]
+    pub temperatures: bool,
     /// Also take each case's effect out of the catalogue, and say what is named instead.
     #[arg(long)]
     pub leave_one_out: bool,
@@ -66,7 +72,8 @@ pub struct Sealed {
     /// Skip what takes surrogates of the recordings.
     #[arg(long)]
     pub fast: bool,
-    /// Folder for cases, answers and reports. A case whose report is there already is scored by it.
+    /// Folder for cases, answers and reports. A case whose report is there already is scored by it,
+    /// whatever sensors it had.
     #[arg(long)]
     pub out: Option<PathBuf>,
 }

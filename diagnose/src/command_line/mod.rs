@@ -179,6 +179,8 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
         with,
         fast,
         out,
+        link_encoders,
+        temperatures,
     } = proof;
     let options = Options {
         surrogates: if *fast { 0 } else { crate::SURROGATES },
@@ -192,6 +194,10 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
         hard: *hard,
         only,
         without: without.as_deref().and_then(trials::cases::effect_index),
+        sensors: trials::cases::Sensors {
+            links: *link_encoders,
+            temperatures: *temperatures,
+        },
     };
     let scores = prove::prove(&draw, &options, out, || bar.inc(1))?;
     bar.finish_and_clear();

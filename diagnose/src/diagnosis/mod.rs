@@ -5,6 +5,7 @@ mod late;
 mod memory;
 mod options;
 mod searched;
+mod seen;
 mod turns;
 mod units;
 mod usual;
@@ -52,18 +53,7 @@ pub fn diagnose(
     let settings = &options.settings;
     let mut frames = Frames::new(model, data, heldout, options.cutoff_hz, &settings.input)?;
     let channels = Channels::new(&frames, settings);
-    let mut first = Searcher::new(model, &frames, &channels, options).first()?;
-    // Looked for again as it is recorded, and with as many independent samples as what is left shows.
-    for _ in 0..late::ROUNDS {
-        let known = frames.scale.channel.as_deref();
-        let said = late::channel(&first, &model.robot);
-        if frames.scale.memory.is_some() && late::alike(known, said.as_ref()) {
-            break;
-        }
-        let left = Searcher::new(model, &frames, &channels, options).left(&first);
-        frames.hear(model, said, left, &settings.input);
-        first = Searcher::new(model, &frames, &channels, options).first()?;
-    }
+    let first = first(model, &mut frames, &channels, options)?;
     let Searched {
         mut findings,
         listing,
@@ -137,6 +127,9 @@ pub fn diagnose(
     };
     let mut unknowable = not_identifiable(&frames, recordings.first(), &names, &settings.input);
     unknowable.extend(channels.unusable(&names));
+    let causes = units::of_causes(explanation.causes.clone(), &model.robot);
+    let sensors = seen::beside(&frames, &findings.links, &causes, &model.robot);
+    let done = notes(&frames, &settings.input).into_iter();
     let diagnosis = Diagnosis {
         schema: "diagnosis/1",
         joints: names.clone(),
@@ -145,7 +138,7 @@ pub fn diagnose(
         compared: None,
         ladder,
         places: places(model, &frames, &explanation, settings),
-        causes: units::of_causes(explanation.causes.clone(), &model.robot),
+        causes,
         resonances: resonances(
             &frames.data,
             &standing_out(model, &frames, &findings),
@@ -161,7 +154,7 @@ pub fn diagnose(
         simulation,
         next_experiment: None,
         unexplained: rest,
-        notes: notes(&frames, &settings.input),
+        notes: done.chain(sensors.iter().cloned()).collect(),
     };
     Ok(Outcome {
         diagnosis,
@@ -170,7 +163,45 @@ pub fn diagnose(
         explanation,
         learned,
         left,
+        sensors,
     })
+}
+
+/// What a first search finds, once the frames are as its own rest shows them: torque as late as it is recorded, as many independent samples
+/// as are left, and the weights of rows near turns.
+fn first(
+    model: &NominalModel,
+    frames: &mut Frames,
+    channels: &Channels,
+    options: &Options,
+) -> Result<Findings, DiagnoseError> {
+    let mut first = Searcher::new(model, frames, channels, options).first()?;
+    for _ in 0..late::ROUNDS {
+        let known = frames.scale.channel.as_deref();
+        let said = late::channel(&first, &model.robot);
+        if frames.scale.memory.is_some() && late::alike(known, said.as_ref()) {
+            break;
+        }
+        let left = Searcher::new(model, frames, channels, options).left(&first);
+        frames.hear(model, said, left, &options.settings.input);
+        first = Searcher::new(model, frames, channels, options).first()?;
+    }
+    Ok(first)
+}
+
+/// The first search of a diagnosis: recordings, findings and the rows' weights.
+#[cfg(test)]
+pub(crate) fn first_search(
+    model: &NominalModel,
+    [data, heldout]: [&Recording; 2],
+    options: &Options,
+) -> Result<(Frames, Findings, ndarray::Array2<f64>), DiagnoseError> {
+    let settings = &options.settings;
+    let mut frames = Frames::new(model, data, heldout, options.cutoff_hz, &settings.input)?;
+    let channels = Channels::new(&frames, settings);
+    let found = first(model, &mut frames, &channels, options)?;
+    let weight = Searcher::new(model, &frames, &channels, options).weight;
+    Ok((frames, found, weight))
 }
 
 /// Where the gap lies in the held-out recording.

@@ -93,7 +93,7 @@ pub(super) struct Searcher<'a> {
     channels: &'a Channels,
     options: &'a Options,
     /// Weights of the fitted rows, shape (rows, joints).
-    weight: Array2<f64>,
+    pub(super) weight: Array2<f64>,
 }
 
 impl<'a> Searcher<'a> {

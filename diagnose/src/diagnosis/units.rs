@@ -1,21 +1,26 @@
 //! Units of joints that slide.
 
 use crate::catalogue::effect::Effect;
-use crate::schema::{Cause, Place};
+use crate::schema::{Cause, Parameter, Place};
 use physics::robot::Robot;
 
 /// Units of joints that slide instead of turning. Inertial parameters are those of links.
 pub(super) fn of_causes(mut causes: Vec<Cause>, robot: &Robot) -> Vec<Cause> {
-    let slides = |name: &Option<String>| name.as_ref().is_some_and(|n| slides(robot, n));
     for cause in &mut causes {
         if matches!(cause.effect, Effect::LinkParameters | Effect::Payload) {
             continue;
         }
-        for p in cause.parameters.iter_mut().filter(|p| slides(&p.joint)) {
-            p.unit = linear(&p.unit).unwrap_or(&p.unit).to_owned();
-        }
+        of_parameters(&mut cause.parameters, robot);
     }
     causes
+}
+
+/// The same of numbers of joints.
+pub(super) fn of_parameters(parameters: &mut [Parameter], robot: &Robot) {
+    let slides = |name: &Option<String>| name.as_ref().is_some_and(|n| slides(robot, n));
+    for p in parameters.iter_mut().filter(|p| slides(&p.joint)) {
+        p.unit = linear(&p.unit).unwrap_or(&p.unit).to_owned();
+    }
 }
 
 /// The same of regions.
@@ -36,6 +41,8 @@ fn linear(unit: &str) -> Option<&'static str> {
     Some(match unit {
         "N·m" => "N",
         "N·m·s/rad" => "N·s/m",
+        "N·m·s/(rad·K)" => "N·s/(m·K)",
+        "N·m/K" => "N/K",
         "N·m/rad" => "N/m",
         "kg·m²" => "kg",
         "rad" => "m",

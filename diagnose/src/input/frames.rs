@@ -121,6 +121,7 @@ impl Frames {
         Passage::of(vec![self.data.motion(), self.heldout.motion()], 0)
             .with_wide(self.data.wide())
             .with_beside(&self.beside)
+            .with_sensed(self.data.sensed())
     }
 
     /// The same of the held-out one.
@@ -128,6 +129,7 @@ impl Frames {
         Passage::of(vec![self.data.motion(), self.heldout.motion()], 1)
             .with_wide(self.heldout.wide())
             .with_beside(&self.beside)
+            .with_sensed(self.heldout.sensed())
     }
 
     /// What memory has run through by the end of the held-out recording, at the recorded stamps: see [`Passage::walked`].

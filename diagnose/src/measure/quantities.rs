@@ -1,7 +1,7 @@
 //! Sizes of causes, how sure their names are, and what else they could be.
 
-use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
+use crate::catalogue::{Candidate, Size};
 use crate::input::frames::Frames;
 use crate::schema::Parameter;
 use crate::search::find::Findings;
@@ -31,6 +31,7 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
         .first()
         .filter(|_| candidate.joints.len() == 1)
         .map(|&j| names[j].clone());
+    out.extend(measured(&candidate.sizes, joint.as_ref()));
     let grid = |&(name, value, unit): &(&'static str, f64, &'static str)| Parameter {
         name: name.to_owned(),
         joint: joint.clone(),
@@ -41,6 +42,18 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
     out.extend(candidate.shape.iter().map(grid));
     derived(candidate.effect, &mut out);
     out
+}
+
+/// Sizes that a sensor measured, as the report's quantities.
+pub fn measured(sizes: &[Size], joint: Option<&String>) -> Vec<Parameter> {
+    let one = |s: &Size| Parameter {
+        name: s.name.to_owned(),
+        joint: joint.cloned(),
+        value: s.value,
+        std: Some(s.std),
+        unit: s.unit.to_owned(),
+    };
+    sizes.iter().map(one).collect()
 }
 
 /// Quantities that users ask for, from those that are linear.
@@ -90,8 +103,9 @@ fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
                 p.value = 1.0 / p.value;
                 p.unit = "N·m/rad".to_owned();
             }
+            parameters.retain(|p| p.name != "share");
         }
-        // Of a play found by its blows: how much of what it foretells is in the torque, no number of a simulator.
+        // Of what was found by its blows or by another sensor: how much of what it foretells is in the torque, no number of a simulator.
         Effect::Backlash => parameters.retain(|p| p.name != "share"),
         _ => {}
     }

@@ -2,6 +2,7 @@
 //! stamps, and the thinned rows that are fitted.
 
 use crate::motion::scene::Scale;
+use crate::motion::sensed::Sensed;
 use crate::settings::MotionSettings;
 use datasets::prepare::{PrepareError, PrepareReport};
 use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
@@ -22,6 +23,7 @@ const ANALYSIS_CUTOFF: f64 = 0.4;
 pub struct Frame {
     prepared: Prepared,
     wide: Option<Motion>,
+    sensed: Option<Sensed>,
     /// Recorded torque at the recorded stamps, shape (samples, joints).
     pub tau: Array2<f64>,
     /// Rows that are fitted, by trajectory.
@@ -47,6 +49,8 @@ impl Frame {
         let stride = ((rate / ANALYSIS_RATE).round() as usize).max(1);
         let band = ANALYSIS_CUTOFF * rate / stride as f64;
         let wide = wide(recording, &prepared, options, band)?;
+        let cutoff = prepared.report.cutoff_hz;
+        let sensed = Sensed::new(recording, &prepared.fine, options, cutoff, band)?;
         // A recording that was low-passed before it was stored is fitted as it is.
         let lowpass = (stride > 1)
             .then(|| butterworth(4, band, rate).ok())
@@ -61,6 +65,7 @@ impl Frame {
         Ok(Self {
             prepared,
             wide,
+            sensed,
             tau,
             rows,
             labels: recording
@@ -115,6 +120,11 @@ impl Frame {
     /// transmission.
     pub fn wide(&self) -> Option<&Motion> {
         self.wide.as_ref()
+    }
+
+    /// What sensors beside the motors' encoders say, where there were any.
+    pub fn sensed(&self) -> Option<&Sensed> {
+        self.sensed.as_ref()
     }
 
     /// Motion at the recorded stamps.

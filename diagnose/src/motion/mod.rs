@@ -9,4 +9,5 @@ pub(crate) mod motor;
 pub(crate) mod passage;
 pub(crate) mod rigid;
 pub(crate) mod scene;
+pub(crate) mod sensed;
 pub(crate) mod standing;

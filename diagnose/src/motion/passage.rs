@@ -1,5 +1,6 @@
 //! A recording's motion among those of its session, in the order in which memory runs through them.
 
+use super::sensed::Sensed;
 use model::session::{Start, Step, order};
 use ndarray::{Array1, Array2, Axis};
 use physics::effects::{Sample, Term, TermBank};
@@ -14,6 +15,7 @@ pub struct Passage<'a> {
     clock_known: Vec<bool>,
     wide: Option<&'a Motion>,
     beside: &'a [Terms],
+    sensed: Option<&'a Sensed>,
 }
 
 /// Terms of one joint, each with its factor.
@@ -41,6 +43,7 @@ impl<'a> Passage<'a> {
             clock_known,
             wide: None,
             beside: &[],
+            sensed: None,
         }
     }
 
@@ -62,6 +65,16 @@ impl<'a> Passage<'a> {
     /// The motion in the band of the rows, where it is another one.
     pub fn wide(&self) -> Option<&'a Motion> {
         self.wide
+    }
+
+    /// The same with what further sensors say of the motion.
+    pub fn with_sensed(self, sensed: Option<&'a Sensed>) -> Self {
+        Self { sensed, ..self }
+    }
+
+    /// What further sensors say of the motion.
+    pub fn sensed(&self) -> Option<&'a Sensed> {
+        self.sensed
     }
 
     /// The motion.

@@ -5,6 +5,7 @@ use crate::motion::channel::Channel;
 use crate::motion::motor::{Band, Motor, Tangent, Wide, tangents};
 use crate::motion::passage::Passage;
 use crate::motion::rigid::{rigid_torque, rows};
+use crate::motion::sensed::Departure;
 use nalgebra::Vector3;
 use ndarray::{Array1, Array2, Axis, Zip};
 use physics::dynamics::inverse_dynamics_with_gravity;
@@ -149,6 +150,16 @@ impl<'a> Scene<'a> {
             rigid: rigid.column(joint),
             tangent: &tangents[joint],
         }
+    }
+
+    /// Departure of a joint's link from its motor as it was recorded, but for a constant.
+    pub fn departed(&self, joint: usize, band: Band) -> Option<&'a Departure> {
+        self.passage.sensed()?.departure(joint, band)
+    }
+
+    /// Recorded temperature of a joint, °C.
+    pub fn temperature(&self, joint: usize) -> Option<&'a Array1<f64>> {
+        self.passage.sensed()?.temperature(joint)
     }
 
     /// Number of samples.

@@ -21,7 +21,8 @@ use serde_json::Value;
 use signal::quantile::median;
 use std::path::Path;
 use trials::cases::{
-    Case, CaseSpec, EFFECTS, Kind, draw, draw_hard, draw_without, generate, name, write,
+    Case, CaseSpec, EFFECTS, Kind, Sensors, draw, draw_hard, draw_without, generate, generate_with,
+    name, write,
 };
 
 pub use calibration::{left_out, table as weights_table};
@@ -94,6 +95,8 @@ pub struct Draw<'a> {
     pub only: Option<&'a str>,
     /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
     pub without: Option<usize>,
+    /// What sensors they have beyond the motors' own.
+    pub sensors: Sensors,
 }
 
 /// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it, and scores a report
@@ -113,6 +116,7 @@ pub fn prove(
         hard,
         only,
         without,
+        sensors,
     } = *wanted;
     let draw = |index| match hard {
         true => draw_hard(index, seed),
@@ -152,7 +156,7 @@ pub fn prove(
                     ..judge(&truth, &found)
                 });
             }
-            let case = generate(&spec, seed)?;
+            let case = generate_with(&spec, seed, sensors)?;
             let found = report_of(&case, options)?;
             if let (Some(out), Some(folder)) = (out, &reports) {
                 write(&case, out)?;
@@ -268,6 +272,7 @@ pub fn table(scores: &[Score]) -> Table {
         "false unknown",
         "false no gap",
         "size error",
+        "size covered",
         "found from %",
     ];
     let mut columns = vec![Column::text("truth"), Column::number("cases")];
@@ -290,6 +295,7 @@ pub fn table(scores: &[Score]) -> Table {
             cell(|s| s.false_unknown),
             cell(|s| s.false_no_gap),
             Cell::optional(median(of.iter().filter_map(|s| s.size).collect()), 2),
+            cell(|s| s.covered),
             Cell::optional(
                 detected_from(of.iter().filter_map(|s| s.detection).collect()).map(|s| 100.0 * s),
                 0,

@@ -1,7 +1,7 @@
 //! Scores of a report against a sealed answer.
 
 use super::named::{Named, named};
-use super::sizes::size_error;
+use super::sizes::{covered, size_error};
 use serde_json::Value;
 
 /// Scores of one case; None where a score does not apply.
@@ -33,6 +33,8 @@ pub struct Score {
     pub false_unknown: Option<f64>,
     /// Relative error of the reported size, where mechanism and detector share a parameter.
     pub size: Option<f64>,
+    /// The true size lies in the reported one's 90 % interval.
+    pub covered: Option<f64>,
     /// Of a single effect: its share of its joint's torque, and whether it was named.
     pub detection: Option<(f64, bool)>,
     /// Its structural causes for whose names something speaks.
@@ -270,6 +272,10 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
     if let [only] = effects
         && !answer.names.is_empty()
     {
+        s.covered = cause_of(only).and_then(|c| covered(only, c)).map(one);
+        if foreign(only) {
+            s.kind = format!("{kind}, foreign gear");
+        }
         s.detection = Some((number(only, "share"), cause_of(only).is_some()));
     }
     let ladder = list(&report["ladder"]);
@@ -285,6 +291,12 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
         s.closure = Some((given - squares(&last["nrmse"])) / (given - best));
     }
     s
+}
+
+/// Whether an effect is a gear of other laws than the detector's.
+fn foreign(effect: &Value) -> bool {
+    let mechanism = text(effect, "mechanism");
+    mechanism.starts_with("wind_up") || mechanism.starts_with("play_with")
 }
 
 /// Mean of a score over the cases where it applies.

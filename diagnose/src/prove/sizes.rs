@@ -19,6 +19,9 @@ const COMMON: [(&str, &str, f64, &str, f64); 11] = [
     ("encoder_offset", "zero", -1.0, "zero", 0.0),
 ];
 
+/// Deviations on either side that hold 90 % of a normal distribution.
+const TWO_SIDED: f64 = 1.645;
+
 /// Relative error of the size of a true effect as a reported cause has it; of several components, of the vector. None
 /// where mechanism and detector share no parameter.
 pub fn size_error(effect: &Value, cause: &Value) -> Option<f64> {
@@ -32,6 +35,21 @@ pub fn size_error(effect: &Value, cause: &Value) -> Option<f64> {
         size += wanted * wanted;
     }
     (size > 0.0).then(|| (off / size).sqrt())
+}
+
+/// Whether the 90 % interval of a true effect's size holds it; none where mechanism and detector share no one number, or no deviation
+/// is reported.
+pub fn covered(effect: &Value, cause: &Value) -> Option<bool> {
+    let name = effect["effect"].as_str()?;
+    let mut own = COMMON.iter().filter(|c| c.0 == name);
+    let (Some((_, truth, factor, reported, _)), None) = (own.next(), own.next()) else {
+        return None;
+    };
+    let wanted = effect["parameters"][*truth].as_f64()? * factor;
+    let list = cause["parameters"].as_array()?;
+    let found = list.iter().find(|p| p["name"] == *reported)?;
+    let (value, std) = (found["value"].as_f64()?, found["std"].as_f64()?);
+    Some((value - wanted).abs() <= TWO_SIDED * std)
 }
 
 /// Smallest share of a joint's torque from which on every case is found: cases as (share, found).
@@ -58,6 +76,17 @@ mod tests {
             size_error(&json!({"effect": "stribeck_friction"}), &cause),
             None
         );
+    }
+
+    #[test]
+    fn an_interval_holds_the_true_size_or_not() {
+        let truth = json!({"effect": "backlash", "parameters": {"play": 0.02}});
+        let cause = |value: f64| json!({"parameters": [{"name": "half_play", "value": value, "std": 1e-3}]});
+        assert_eq!(covered(&truth, &cause(0.0115)), Some(true));
+        assert_eq!(covered(&truth, &cause(0.012)), Some(false));
+        assert_eq!(covered(&truth, &json!({"parameters": []})), None);
+        let tilt = json!({"effect": "base_tilt", "parameters": {"tilt_x": 0.1, "tilt_y": 0.1}});
+        assert_eq!(covered(&tilt, &cause(0.1)), None);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::algebra::fit::Variable;
 use crate::algebra::folds::folds;
 use crate::algebra::gram::Grams;
 use crate::catalogue::choice::Choice;
+use crate::catalogue::gear::{Link, links};
 use crate::catalogue::{
     self, Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
 };
@@ -42,6 +43,8 @@ pub struct Accepted {
 pub struct Findings {
     /// The model with the first fit's parameters: what derived columns are built on.
     pub present: Robot,
+    /// What each joint's link encoder says of its gear.
+    pub links: Vec<Link>,
     /// The catalogue with the lines found in this recording.
     pub candidates: Vec<Candidate>,
     /// Its columns.
@@ -146,7 +149,8 @@ pub fn find(
     let left = punctual.as_ref().unwrap_or(&gap);
     let (present, residual) = first_fit(model, frames, &given, left, weight, &settings)?;
     let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
-    let mut candidates = catalogue::catalogue(&scene);
+    let links = links(&scene, data, weight);
+    let mut candidates = catalogue::catalogue(&scene, &links);
     effects.retain(&mut candidates);
     let on_time = on_time(&scene, data, &residual, weight);
     for j in 0..data.dof() {
@@ -165,7 +169,9 @@ pub fn find(
         candidates.extend(flat.map(|(limit, _)| saturation::flat_top(j, limit)));
     }
     let load = data.table_to_samples(&scene.rigid);
-    if let Some(blows) = impacts::clearest(data, &residual, &load, &settings.traces.blows) {
+    if let Some(blows) = impacts::clearest(data, &residual, &load, &settings.traces.blows)
+        && matches!(links[blows.joint], Link::Unknown)
+    {
         candidates.extend(backlash::struck(&scene, blows.joint));
     }
     effects.retain(&mut candidates);
@@ -210,6 +216,7 @@ pub fn find(
     let std = selection.fit.std();
     Ok(Findings {
         present,
+        links,
         candidates,
         dictionary,
         grams,

@@ -67,6 +67,8 @@ impl Search<'_> {
                 s.late_alone
             }
             Effect::TimeDelay => s.late_part,
+            // Another sensor saw it.
+            _ if !candidate.sizes.is_empty() => f64::NEG_INFINITY,
             // Vibration of whatever kind is a spring's, for a part of its error.
             Effect::JointElasticity => s.plainly,
             effect => effect.info().least_fraction,

@@ -1,7 +1,6 @@
 use super::*;
-use crate::catalogue::choice::Choice;
-use crate::search::find::find;
-use crate::settings::Settings;
+use crate::Options;
+use crate::diagnosis::first_search;
 use std::collections::BTreeMap;
 use trials::cases::{draw as drawn, generate};
 
@@ -14,10 +13,8 @@ const FURTHER: u64 = 200;
 fn nulls(index: u64, seed: u64) -> [Null; 2] {
     let case = generate(&drawn(index, seed), seed).unwrap();
     let model = NominalModel::new(physics::robot::Robot::from_urdf_str(&case.urdf).unwrap());
-    let settings = Settings::default();
-    let frames = Frames::new(&model, &case.train, &case.test, None, &settings.input).unwrap();
-    let weight = frames.data.weights(&settings.motion);
-    let found = find(&model, &frames, &weight, settings, Choice::All, 0.0).unwrap();
+    let recordings = [&case.train, &case.test];
+    let (frames, found, weight) = first_search(&model, recordings, &Options::default()).unwrap();
     let last = SURROGATES + FURTHER;
     with(&model, &frames, &found, &weight, |source| {
         [0..SURROGATES, SURROGATES..last].map(|s| source.null(s))

@@ -5,4 +5,5 @@ mod command_line;
 mod mjcf;
 mod model_directory;
 mod next_motion;
+mod sensors;
 mod visibility;

@@ -2,6 +2,7 @@
 
 use diagnose::Options;
 use diagnose::prove::{Answer, Draw, leave_one_out, mean, prove, table};
+use trials::cases::Sensors;
 
 #[test]
 #[ignore = "long: by hand, with --ignored"]
@@ -13,6 +14,7 @@ fn a_few_sealed_cases() {
         hard: false,
         only: None,
         without: None,
+        sensors: Sensors::default(),
     };
     let scores = prove(&draw, &Options::default(), Some(folder.path()), || ()).unwrap();
     println!("{}", table(&scores).to_text());
@@ -61,9 +63,36 @@ fn friction_that_changes_with_position_has_its_name() {
         hard: false,
         only: Some("position_dependent_friction"),
         without: None,
+        sensors: Sensors::default(),
     };
     let scores = prove(&draw, &Options::default(), None, || ()).unwrap();
     println!("{}", table(&scores).to_text());
     let all: Vec<_> = scores.iter().collect();
     assert!(mean(&all, |s| s.top3).unwrap() >= 0.75);
+}
+
+/// The project's own gears with play, of which the detector knows neither the flanks' law nor where the encoder's zero is.
+#[test]
+fn a_link_encoder_measures_play() {
+    let draw = Draw {
+        cases: 2,
+        seed: 9101,
+        hard: false,
+        only: Some("backlash"),
+        without: None,
+        sensors: Sensors {
+            links: true,
+            temperatures: false,
+        },
+    };
+    let options = Options {
+        surrogates: 0,
+        ..Options::default()
+    };
+    let scores = prove(&draw, &options, None, || ()).unwrap();
+    println!("{}", table(&scores).to_text());
+    let all: Vec<_> = scores.iter().collect();
+    assert_eq!(mean(&all, |s| s.top3), Some(1.0));
+    assert_eq!(mean(&all, |s| s.covered), Some(1.0));
+    assert!(scores.iter().all(|s| s.size.unwrap() < 0.05));
 }

@@ -58,4 +58,9 @@ pub trait Mechanism: Send {
 
     /// Takes the states over the step, which ended at the velocities `v`.
     fn advance(&mut self, _now: &Instant, _v: &[f64]) {}
+
+    /// Relative temperature of [`Mechanism::joint`], 1 at the steady state of its mean power, where it has one.
+    fn warmth(&self) -> Option<f64> {
+        None
+    }
 }

@@ -46,4 +46,8 @@ impl Mechanism for WarmingGrease {
         let power = self.warm(v[self.joint]) * v[self.joint];
         self.warmth += (power / self.power - self.warmth) * now.dt / self.time;
     }
+
+    fn warmth(&self) -> Option<f64> {
+        Some(self.warmth)
+    }
 }

@@ -6,6 +6,7 @@ use super::hard;
 use super::kind::{CaseSpec, Kind};
 use super::oracle::oracle;
 use super::rehearsal::Rehearsal;
+use super::sensors::{Sensors, link_and_warmth};
 use super::size::{ROUNDS, Sized, column_rms, shares, sized, without_vibration};
 use super::truth::Truth;
 use crate::SimulateError;
@@ -58,6 +59,14 @@ pub fn name(spec: &CaseSpec, seed: u64) -> String {
 /// # Errors
 /// No robot suited the case in 200 draws.
 pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
+    generate_with(spec, seed, Sensors::default())
+}
+
+/// The same case with what further sensors record; all else of it is the same.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_with(spec: &CaseSpec, seed: u64, sensors: Sensors) -> Result<Case, SimulateError> {
     let begun = Instant::now();
     let (key, id) = (key(spec, seed), name(spec, seed));
     for attempt in 0..ATTEMPTS {
@@ -76,6 +85,7 @@ pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
         if let Some(mut case) = case {
             case.truth.seed = [seed, spec.index, attempt];
             case.truth.seconds = begun.elapsed().as_secs_f64();
+            sensors.record(&mut case, key);
             return Ok(case);
         }
     }
@@ -258,7 +268,8 @@ fn finish(
         torque: shares.map(|(e, t)| e * t).collect(),
         ..experiment.errors.clone()
     };
-    let (recording, noise) = record(trace, &run.noted, &scaled, rng);
+    let (mut recording, noise) = record(trace, &run.noted, &scaled, rng);
+    link_and_warmth(trace, experiment.plain, &mut recording);
     let (train, test) = recording.split(&HELD_OUT);
     let held_out = |table: &[f64]| -> Vec<f64> {
         let bounds = trace.bounds();

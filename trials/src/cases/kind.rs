@@ -90,6 +90,13 @@ pub fn draw_only(kind: &str, seed: u64) -> impl Iterator<Item = CaseSpec> {
         .filter(move |spec| spec.kind.name() == kind)
 }
 
+/// The hard cases of one kind, by its name, that the run with this seed deals.
+pub fn draw_hard_only(kind: &str, seed: u64) -> impl Iterator<Item = CaseSpec> {
+    (0..)
+        .map(move |index| draw_hard(index, seed))
+        .filter(move |spec| spec.kind.name() == kind)
+}
+
 /// Hard cases after which kinds are balanced: 60 without effect, 60 outside the catalogue, 48 of contact (half at rest), 44 of
 /// elasticity, of backlash and of two effects on one joint each, and 200 of the other effects, ten each.
 pub const HARD_ROUND: u64 = 500;

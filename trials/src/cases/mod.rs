@@ -12,20 +12,23 @@ mod hard;
 mod kind;
 mod oracle;
 mod rehearsal;
+mod sensors;
 mod size;
 mod truth;
 mod write;
 
 pub use crate::effects::EFFECTS;
 pub use case::Case;
-pub use generate::{generate, name};
+pub use generate::{generate, generate_with, name};
 pub use hard::{HardTruth, NamedShare};
 pub use kind::{
-    CaseSpec, HARD_ROUND, Kind, ROUND, draw, draw_hard, draw_only, draw_without, effect_index,
+    CaseSpec, HARD_ROUND, Kind, ROUND, draw, draw_hard, draw_hard_only, draw_only, draw_without,
+    effect_index,
 };
 #[cfg(test)]
 pub(crate) use oracle::left_by_parameters;
 pub use oracle::{Nrmse, Oracle};
+pub use sensors::Sensors;
 pub use truth::{PlantTruth, Truth, TruthEffect};
 pub use write::{write, write_all};
 pub(crate) use write::{write_sealed, write_whole};

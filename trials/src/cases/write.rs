@@ -1,8 +1,9 @@
 //! Cases as files.
 
 use super::case::Case;
-use super::generate::generate;
+use super::generate::generate_with;
 use super::kind::CaseSpec;
+use super::sensors::Sensors;
 use crate::SimulateError;
 use datasets::Recording;
 use rayon::prelude::*;
@@ -50,7 +51,7 @@ pub(crate) fn write_sealed(
     write_whole(&path, &text)
 }
 
-/// Generates cases of a run and writes them, on the threads of the current pool. `done` is told the
+/// Generates cases of a run with some further sensors and writes them, on the threads of the current pool. `done` is told the
 /// name and kind of each as it is written.
 ///
 /// # Errors
@@ -58,11 +59,12 @@ pub(crate) fn write_sealed(
 pub fn write_all(
     cases: &[CaseSpec],
     seed: u64,
+    sensors: Sensors,
     folder: &Path,
     done: impl Fn(&str, &str) + Sync,
 ) -> Result<(), SimulateError> {
     cases.par_iter().try_for_each(|spec| {
-        let case = generate(spec, seed)?;
+        let case = generate_with(spec, seed, sensors)?;
         write(&case, folder)?;
         done(&case.id, &case.truth.kind);
         Ok(())

@@ -4,8 +4,8 @@
 
 mod law;
 
-use crate::catalogue::ColumnTorque;
 use crate::catalogue::effect::Effect;
+use crate::catalogue::{ColumnTorque, REFERENCE};
 use crate::outcome::Outcome;
 use crate::schema::Cause;
 use crate::schema::value::value;
@@ -36,9 +36,9 @@ const MARK: &str = "\"\"\"What `diagnose` found and no";
 /// Simulators that code is generated for, with the text that it is written into.
 const SIMULATORS: [(&str, &str); 2] = [("mujoco", MUJOCO), ("isaaclab", ISAAC_LAB)];
 
-/// Whether generated code holds an effect.
-pub(super) fn holds(effect: Effect) -> bool {
-    effect.info().coded
+/// Whether generated code holds a cause: simulators have no temperature of a joint.
+pub(super) fn holds(cause: &Cause) -> bool {
+    cause.effect.info().coded && !cause.parameters.iter().any(|p| p.name == REFERENCE)
 }
 
 /// Why neither a description nor code holds an effect.
@@ -47,22 +47,23 @@ pub fn beyond(effect: Effect) -> &'static str {
         Effect::JointElasticity | Effect::Backlash => {
             "needs a joint of its own between rotor and link, which is not written"
         }
+        Effect::FrictionDrift => "goes with a joint's temperature, which no simulator has",
         _ => "not a simulator's matter",
     }
 }
 
 /// The code for the accepted causes, with the coefficients that the report names; none where there is nothing to hold.
-/// `described` says which effects stand in the corrected description.
+/// `described` says which causes stand in the corrected description.
 pub(super) fn code(
     model: &NominalModel,
     outcome: &Outcome,
-    described: impl Fn(Effect) -> bool,
+    described: impl Fn(&Cause) -> bool,
 ) -> Option<Code> {
     let found = &outcome.findings;
     let mut pieces = Vec::new();
     for (cause, accepted) in found.accepted.iter().enumerate() {
         let candidate = found.candidate(cause);
-        if !holds(candidate.effect) {
+        if !candidate.effect.info().coded {
             continue;
         }
         for (variable, column) in accepted.variables.clone().zip(&candidate.columns) {
@@ -96,8 +97,8 @@ pub(super) fn code(
         law.lines.iter().any(|l| l.starts_with(&start))
     });
     let causes = &outcome.diagnosis.causes;
-    let (held, rest): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(|c| holds(c.effect));
-    let rest = rest.into_iter().filter(|c| !described(c.effect));
+    let (held, rest): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(|c| holds(c));
+    let rest = rest.into_iter().filter(|c| !described(c));
     Some(Code {
         joints: of(&law.joints),
         softness: law.joints.iter().map(|&j| softness[j]).collect(),

@@ -2,8 +2,8 @@
 //! model carries.
 
 use crate::algebra::fit::Fit;
-use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
+use crate::catalogue::{Candidate, REFERENCE};
 use crate::outcome::Outcome;
 use crate::simulator::NominalModel;
 use datasets::channel::Estimate95;
@@ -13,6 +13,11 @@ use physics::robot::Robot;
 
 /// Two-sided 95 % of a normal distribution, deviations.
 const TWO_SIDED: f64 = 1.96;
+
+/// Whether a drift goes with a recorded temperature instead of the clock.
+fn by_temperature(candidate: &Candidate) -> bool {
+    candidate.shape.iter().any(|s| s.0 == REFERENCE)
+}
 
 /// Channel, delay, tilt, and what is left out.
 pub(super) struct Recorded {
@@ -100,6 +105,10 @@ impl Recorded {
                 };
             }
             Effect::JointElasticity | Effect::Backlash => {
+                self.left_out.push(candidate.effect.name().to_owned());
+            }
+            // No control loop is told a temperature.
+            Effect::FrictionDrift if by_temperature(candidate) => {
                 self.left_out.push(candidate.effect.name().to_owned());
             }
             _ => return false,

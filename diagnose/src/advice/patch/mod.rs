@@ -20,7 +20,7 @@ use physics::robot::{Description, Edited, to_urdf};
 use std::path::{Path, PathBuf};
 
 pub use code::beyond;
-use patched::{Patched, joint, number};
+use patched::{Patched, joint, number, place_of};
 pub use patched::{place, robot};
 pub use values::Setting;
 
@@ -149,7 +149,7 @@ pub fn patch(
         drive: changed.then(|| values::drive(&patched.robot)),
         mjcf,
         others,
-        code: code::code(model, outcome, |e| place(e, whole).is_some()),
+        code: code::code(model, outcome, |c| place_of(c, whole).is_some()),
         values: values::table(&patched, &settings, whole),
         settings,
     })
@@ -158,7 +158,7 @@ pub fn patch(
 /// One line on what the patch holds; `mjcf` says whether the model is one, which has a place for rotor inertias too.
 pub fn summary(causes: &[Cause], mjcf: bool) -> String {
     let format = if mjcf { "MJCF" } else { "URDF" };
-    let inside = |c: &&Cause| place(c.effect, mjcf) == Some(format);
+    let inside = |c: &&Cause| place_of(c, mjcf) == Some(format);
     let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(inside);
     let list = |c: &[&Cause]| {
         let one = |c: &&Cause| {
@@ -175,7 +175,7 @@ pub fn summary(causes: &[Cause], mjcf: bool) -> String {
         }
     };
     let (code, beside): (Vec<&Cause>, Vec<&Cause>) =
-        outside.into_iter().partition(|c| code::holds(c.effect));
+        outside.into_iter().partition(|c| code::holds(c));
     format!(
         "in the {format}: {}; in generated code: {}; beside it: {}",
         list(&inside),

@@ -40,7 +40,7 @@ pub fn robot(
 /// Where a patch writes an effect; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
 /// needs a drive file for stands in it.
 pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
-    if code::holds(effect) {
+    if effect.info().coded {
         return Some("generated code");
     }
     match (effect.info().place, mjcf) {
@@ -48,6 +48,12 @@ pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
         (Some("URDF"), true) => Some("MJCF"),
         (_, true) => (effect == Effect::RotorInertia).then_some("MJCF"),
     }
+}
+
+/// The same of a cause: what is coded as an effect may go with something that no simulator has.
+pub(super) fn place_of(cause: &Cause, mjcf: bool) -> Option<&'static str> {
+    let coded = cause.effect.info().coded;
+    place(cause.effect, mjcf).filter(|_| !coded || code::holds(cause))
 }
 
 /// A parameter of a cause; zero where it has none of this name.

@@ -1,6 +1,6 @@
 //! Values for simulators without a file format of their own here, and the drive file.
 
-use super::patched::{Patched, place};
+use super::patched::{Patched, place_of};
 use physics::robot::{JointKind, Robot};
 use std::fmt::Write;
 use std::path::Path;
@@ -83,7 +83,7 @@ pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> Stri
     let mut out = String::from("effect\tjoints\tparameter\tvalue\tstd\tunit\twritten to\n");
     for cause in patched.causes {
         let effect = cause.effect.name();
-        let written = place(cause.effect, mjcf).unwrap_or("this table");
+        let written = place_of(cause, mjcf).unwrap_or("this table");
         for p in &cause.parameters {
             let joints = p.joint.clone().unwrap_or_else(|| cause.joints.join(","));
             let joints = cell(&joints);

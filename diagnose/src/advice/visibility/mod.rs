@@ -135,7 +135,7 @@ fn scale(robot: &Robot, motion: &Motion, rate: f64) -> Scale {
 /// The catalogue with a ripple of each joint; of each effect and quantity at each place the candidates of fewest coefficients.
 /// Links turned by right angles and friction that builds up slowly have no size of their own.
 fn candidates(scene: &Scene, motion: &Motion) -> Vec<Candidate> {
-    let mut all = catalogue(scene);
+    let mut all = catalogue(scene, &[]);
     for (j, joint) in scene.robot.joints().iter().enumerate() {
         let fastest = motion
             .qd

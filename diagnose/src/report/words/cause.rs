@@ -1,5 +1,6 @@
 //! One cause in words: what it is, how much it closes, what to set.
 
+use crate::catalogue::REFERENCE;
 use crate::catalogue::effect::Effect;
 use crate::schema::value::value;
 use crate::schema::{Cause, Parameter};
@@ -13,7 +14,16 @@ pub fn sentence(cause: &Cause) -> String {
         _ => format!(", {}", value(p)),
     };
     let size = cause.parameters.first().map_or(String::new(), of);
-    format!("{} on {}{size}", plain(cause.effect), place(cause))
+    format!("{} on {}{size}", what(cause), place(cause))
+}
+
+/// What a cause is, in plain words.
+fn what(cause: &Cause) -> &'static str {
+    if cause.parameters.iter().any(|p| p.name == REFERENCE) {
+        "friction that goes with the joint's temperature"
+    } else {
+        plain(cause.effect)
+    }
 }
 
 /// Where a cause acts.

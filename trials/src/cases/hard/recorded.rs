@@ -9,6 +9,7 @@ use crate::cases::case::Case;
 use crate::cases::experiment::{Experiment, Run, beyond};
 use crate::cases::kind::Kind;
 use crate::cases::oracle::{Oracle, oracle};
+use crate::cases::sensors::warmth;
 use crate::cases::size::column_rms;
 use crate::cases::truth::Truth;
 use crate::effects::joint_name;
@@ -45,12 +46,13 @@ impl Recorded<'_> {
     /// The bodies make no possible robot; torques of other sizes than the recording.
     pub fn finish(
         &self,
-        first: Run,
+        mut first: Run,
         found: &[Vec<f64>],
         background: &[Vec<f64>],
         rng: &mut ChaCha8Rng,
     ) -> Result<Option<Case>, SimulateError> {
         let torque_rms = column_rms(&first.noted, first.trace.dof);
+        first.trace.warmth = warmth(&first.trace, &self.drawn.plain);
         let channel = channel::draw(&torque_rms, rng);
         let (log, errors) = (sensors::draw(rng), self.experiment.errors);
         let first_log = channel.log(&first.noted, &first.trace.bounds(), rng);
@@ -62,9 +64,11 @@ impl Recorded<'_> {
             None => None,
             Some(later) => {
                 let plain = robot::another_day(&self.drawn.plain, rng);
-                let Some(run) = self.run_again(&plain, later, ChaCha8Rng::from_rng(rng))? else {
+                let Some(mut run) = self.run_again(&plain, later, ChaCha8Rng::from_rng(rng))?
+                else {
                     return Ok(None);
                 };
+                run.trace.warmth = warmth(&run.trace, &plain);
                 let logged = channel.log(&run.noted, &run.trace.bounds(), rng);
                 Some((plain, later, run, logged))
             }

@@ -61,7 +61,8 @@ pub fn draw(rng: &mut ChaCha8Rng) -> Log {
 }
 
 impl Log {
-    /// The log of some stretches of a trace, one trajectory each; `torque` is on the clock of the trace.
+    /// The log of some stretches of a trace, one trajectory each; `torque` is on the clock of the trace. Positions of links and relative
+    /// temperatures are the true ones.
     pub fn record(
         &self,
         trace: &Trace,
@@ -73,6 +74,8 @@ impl Log {
         let n = trace.dof;
         let tick = 1.0 / TRACE_HZ;
         let (mut time, mut q, mut qd, mut tau) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut link, mut warmth) = (Vec::new(), Vec::new());
+        let last = trace.len() - 1;
         let mut trajectories = Vec::new();
         for (index, part) in parts.iter().enumerate() {
             let first = time.len();
@@ -86,6 +89,9 @@ impl Log {
                     qd.push(velocity + errors.velocity[j] * normal(rng));
                     // The log has the number of the nearest tick.
                     tau.push(torque[at.round() as usize * n + j]);
+                    let [before, after] = [k, (k + 1).min(last)].map(|row| trace.link[row * n + j]);
+                    link.push(before + w * (after - before));
+                    warmth.push(trace.warmth[k * n + j]);
                 }
             }
             trajectories.push(Trajectory {
@@ -97,6 +103,8 @@ impl Log {
         let table = |values: Vec<f64>| Array2::from_shape_fn((rows, n), |(k, j)| values[k * n + j]);
         let mut recording = Recording::new("simulation", time, table(q), Some(table(tau)));
         recording.qd = self.velocity.then(|| table(qd));
+        recording.ql = Some(table(link));
+        recording.temp = Some(table(warmth));
         recording.trajectories = trajectories;
         recording
     }

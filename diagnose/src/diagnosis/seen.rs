@@ -1,0 +1,54 @@
+//! What sensors beside the motors' own show and no cause names, and which of them are not used.
+
+use super::units;
+use crate::catalogue::effect::Effect;
+use crate::catalogue::gear::{Gear, Link};
+use crate::input::frames::Frames;
+use crate::measure::quantities::measured;
+use crate::motion::sensed::Sensed;
+use crate::schema::Cause;
+use crate::schema::value::value;
+use physics::robot::Robot;
+
+/// A line for each sensor that is not used, and for each gear that is seen to give way and is no cause.
+pub(super) fn beside(
+    frames: &Frames,
+    links: &[Link],
+    causes: &[Cause],
+    robot: &Robot,
+) -> Vec<String> {
+    let names = robot.joint_names();
+    let mut out = Vec::new();
+    for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {
+        let refused = frame.sensed().map_or(&[][..], Sensed::refused).iter();
+        out.extend(refused.map(|(j, why)| format!("{what}: {}: {why}", names[*j])));
+    }
+    out.extend(no_causes(links, causes, robot));
+    out
+}
+
+fn no_causes(links: &[Link], causes: &[Cause], robot: &Robot) -> Vec<String> {
+    let named = |joint: &String| {
+        let gears = [Effect::JointElasticity, Effect::Backlash];
+        let mut causes = causes.iter();
+        causes.any(|c| gears.contains(&c.effect) && c.joints.contains(joint))
+    };
+    let names = robot.joint_names();
+    let joints = names.iter().zip(links);
+    let gives = joints.filter_map(|(joint, link)| match link {
+        Link::Gives(gear) if !named(joint) => Some((joint, gear)),
+        _ => None,
+    });
+    let line = |(joint, gear): (&String, &Gear)| {
+        let (effect, sizes) = gear.told();
+        let mut sizes = measured(&sizes, Some(joint));
+        units::of_parameters(&mut sizes, robot);
+        let sizes: Vec<String> = sizes.iter().map(value).collect();
+        format!(
+            "{joint}: the link's encoder shows {} ({}); no cause, for what it changes of the torque cannot be told from the rest",
+            effect.name(),
+            sizes.join(", ")
+        )
+    };
+    gives.map(line).collect()
+}
