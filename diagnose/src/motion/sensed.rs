@@ -6,9 +6,10 @@
 use super::motor::Band;
 use datasets::prepare::PrepareError;
 use datasets::{PrepareOptions, Recording, prepare};
-use ndarray::{Array1, Array2, ArrayView1};
+use ndarray::{Array1, Array2, ArrayView1, Axis};
 use signal::Motion;
 use signal::quantile::median;
+use signal::resample::linear;
 use std::ops::Range;
 
 /// Motion below which a joint says nothing of its sensors, rad (m).
@@ -220,16 +221,9 @@ fn on_fine(recording: &Recording, t: ArrayView1<f64>, fine: &Motion) -> Array1<f
     let mut out = Array1::zeros(fine.len());
     for (rows, grid) in recording.segments().into_iter().zip(&fine.segments) {
         let smooth = smoothed(&recording.time, t, &rows);
-        let time = &recording.time[rows.clone()];
-        for i in grid.clone() {
-            let right = time
-                .partition_point(|&x| x < fine.time[i])
-                .min(rows.len() - 1);
-            let left = right.saturating_sub(1);
-            let step = (time[right] - time[left]).max(1e-12);
-            let part = ((fine.time[i] - time[left]) / step).clamp(0.0, 1.0);
-            out[i] = smooth[left] + part * (smooth[right] - smooth[left]);
-        }
+        let at = linear(&recording.time[rows], &smooth, &fine.time[grid.clone()]);
+        out.slice_axis_mut(Axis(0), grid.clone().into())
+            .assign(&Array1::from(at));
     }
     out
 }
@@ -267,7 +261,6 @@ fn smoothed(time: &[f64], t: ArrayView1<f64>, rows: &Range<usize>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ndarray::Axis;
 
     fn recording(link: impl Fn(f64) -> f64, temp: impl Fn(f64) -> f64) -> Recording {
         let time: Vec<f64> = (0..2000).map(|i| 0.005 * f64::from(i)).collect();

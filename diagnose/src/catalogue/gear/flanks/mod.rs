@@ -10,7 +10,7 @@ mod rows;
 mod sides;
 
 use products::Products;
-use rows::{EXPLAINS, LAWS, SURE, rms};
+use rows::{EXPLAINS, LAWS, SURE, jackknife, rms};
 use signal::correlation::correlation_time;
 use signal::quantile::{median, quantile};
 
@@ -90,25 +90,18 @@ impl Rows {
         out
     }
 
-    /// Products of some columns and the torque over some rows.
-    fn products(&self, columns: &[Vec<f64>], rows: &[usize]) -> Products {
-        let n = columns.len();
-        let mut own = Products::new(n);
-        let mut row = vec![0.0; n];
-        for &i in rows.iter().filter(|&&i| self.counts[i]) {
-            row.iter_mut().zip(columns).for_each(|(x, c)| *x = c[i]);
-            own.row(&row, self.torque[i]);
-        }
-        own
+    /// Products of columns and the torque over some rows.
+    fn torque_of(&self, columns: &[Vec<f64>], rows: &[usize]) -> Products {
+        let columns: Vec<&Vec<f64>> = columns.iter().collect();
+        self.products(&columns, &self.torque, rows)
     }
 
     /// Fit with the flanks in one place; `tie` is how firmly the own link's part is held at none.
     fn fit(&self, at: [f64; 2], tie: f64) -> Option<Fit> {
         let columns = self.columns(at);
         let all: Vec<usize> = (0..self.torque.len()).collect();
-        let coefficients = self
-            .products(&columns, &all)
-            .solve((columns.len() - 1, tie))?;
+        let own = columns.len() - 1;
+        let coefficients = self.torque_of(&columns, &all).held((own, tie)).solve()?;
         let residual: Vec<f64> = all
             .iter()
             .map(|&i| {
@@ -145,7 +138,7 @@ impl Rows {
             let mut columns = self.columns(best.at);
             let n = columns.len();
             columns.extend(self.moved(&best));
-            let solution = self.products(&columns, &all).solve((n - 1, tie));
+            let solution = self.torque_of(&columns, &all).held((n - 1, tie)).solve();
             let Some(solution) = solution else {
                 break;
             };
@@ -176,10 +169,11 @@ impl Rows {
         let blocks: Vec<Products> = self
             .blocks()
             .iter()
-            .map(|rows| self.products(&columns, rows))
+            .map(|rows| self.torque_of(&columns, rows))
             .collect();
         let mut whole = Products::new(columns.len());
         blocks.iter().for_each(|b| whole.add(b, 1.0));
+        let whole = whole.held((n - 1, tie));
         let asked = |x: &[f64]| {
             let half = if gap { 0.5 * (x[n + 1] - x[n]) } else { 0.0 };
             [x[0], half]
@@ -189,20 +183,15 @@ impl Rows {
             .filter_map(|b| {
                 let mut rest = whole.clone();
                 rest.add(b, -1.0);
-                rest.solve((n - 1, tie)).map(|x| asked(&x))
+                rest.solve().map(|x| asked(&x))
             })
             .collect();
-        let count = without.len() as f64;
-        if count < 3.0 {
-            return None;
-        }
-        let left_out = [0, 1].map(|k| {
-            let mean = without.iter().map(|x| x[k]).sum::<f64>() / count;
-            let square = without.iter().map(|x| (x[k] - mean).powi(2)).sum::<f64>();
-            ((count - 1.0) / count * square).sqrt()
+        let [stiffness, half] = [0, 1].map(|k| {
+            let each: Vec<f64> = without.iter().map(|x| x[k]).collect();
+            jackknife(&each)
         });
-        let posterior = whole.variance((n - 1, tie), 0)? * fit.square * memory;
-        Some([left_out[0].max(posterior.sqrt()), left_out[1]])
+        let posterior = whole.variance(0)? * fit.square * memory;
+        Some([stiffness?.max(posterior.sqrt()), half?])
     }
 
     /// Leaves out rows that a fit misses by far.

@@ -1,76 +1,56 @@
 //! Sums of products of columns, and what follows from them.
 
-use signal::cholesky;
+use crate::algebra::cholesky::Cholesky;
+use ndarray::{Array1, Array2};
 
-/// Sums of products.
+/// Sums of products of columns with each other, below the diagonal and on it, and with what was measured.
 #[derive(Clone)]
 pub(super) struct Products {
-    gram: Vec<f64>,
-    right: Vec<f64>,
+    gram: Array2<f64>,
+    right: Array1<f64>,
 }
 
 impl Products {
     /// No rows yet, of `n` columns.
     pub(super) fn new(n: usize) -> Self {
         Self {
-            gram: vec![0.0; n * n],
-            right: vec![0.0; n],
+            gram: Array2::zeros((n, n)),
+            right: Array1::zeros(n),
         }
     }
 
     /// Adds one row and what was measured there.
     pub(super) fn row(&mut self, row: &[f64], measured: f64) {
-        let n = row.len();
-        for a in 0..n {
-            for b in 0..=a {
-                self.gram[a * n + b] += row[a] * row[b];
+        for (a, x) in row.iter().enumerate() {
+            for (b, y) in row[..=a].iter().enumerate() {
+                self.gram[[a, b]] += x * y;
             }
-            self.right[a] += row[a] * measured;
+            self.right[a] += x * measured;
         }
     }
 
     /// Adds those of other rows, by a factor.
     pub(super) fn add(&mut self, other: &Self, factor: f64) {
-        let sum = |a: &mut [f64], b: &[f64]| {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
-        };
-        sum(&mut self.gram, &other.gram);
-        sum(&mut self.right, &other.right);
+        self.gram.scaled_add(factor, &other.gram);
+        self.right.scaled_add(factor, &other.right);
     }
 
-    /// Factor of the scaled system, one column held at none so firmly, and its scales; a column that is nothing, or a copy, is pinned.
-    fn factor(&self, (held, tie): (usize, f64)) -> (Vec<f64>, Vec<f64>) {
-        let n = self.right.len();
-        let mut gram = self.gram.clone();
-        gram[held * n + held] += tie;
-        let scale: Vec<f64> = (0..n)
-            .map(|i| gram[i * n + i].max(f64::MIN_POSITIVE).sqrt())
-            .collect();
-        for i in 0..n {
-            for j in 0..n {
-                gram[i * n + j] /= scale[i] * scale[j];
-            }
-            gram[i * n + i] += 1e-10;
-        }
-        cholesky::factor_above(&mut gram, n, 1e-12);
-        (gram, scale)
+    /// Coefficients.
+    pub(super) fn solve(&self) -> Option<Vec<f64>> {
+        let x = Cholesky::new(&self.gram).solve(self.right.view());
+        x.iter().all(|x| x.is_finite()).then(|| x.to_vec())
     }
 
-    /// Coefficients; one column is held at none so firmly.
-    pub(super) fn solve(&self, tied: (usize, f64)) -> Option<Vec<f64>> {
-        let (factor, scale) = self.factor(tied);
-        let mut x: Vec<f64> = self.right.iter().zip(&scale).map(|(r, s)| r / s).collect();
-        cholesky::solve(&factor, &mut x);
-        x.iter_mut().zip(&scale).for_each(|(x, s)| *x /= s);
-        x.iter().all(|x| x.is_finite()).then_some(x)
+    /// The same with one coefficient held at none so firmly.
+    pub(super) fn held(&self, (column, tie): (usize, f64)) -> Self {
+        let mut own = self.clone();
+        own.gram[[column, column]] += tie;
+        own
     }
 
     /// Variance of a coefficient for residuals of unit variance.
-    pub(super) fn variance(&self, tied: (usize, f64), of: usize) -> Option<f64> {
-        let (factor, scale) = self.factor(tied);
-        let mut x = vec![0.0; scale.len()];
-        x[of] = 1.0;
-        cholesky::solve(&factor, &mut x);
-        Some(x[of] / (scale[of] * scale[of])).filter(|v| v.is_finite() && *v >= 0.0)
+    pub(super) fn variance(&self, of: usize) -> Option<f64> {
+        let variance = Cholesky::new(&self.gram).inverse_diagonal()[of];
+        variance.is_finite().then_some(variance)
     }
 }

@@ -64,10 +64,26 @@ impl Rows {
         self.trajectories.iter().flat_map(cut).collect()
     }
 
+    /// Products of some columns and what was measured over some rows.
+    pub(super) fn products(
+        &self,
+        columns: &[&Vec<f64>],
+        measured: &[f64],
+        over: &[usize],
+    ) -> Products {
+        let mut sums = Products::new(columns.len());
+        let mut row = vec![0.0; columns.len()];
+        for &i in over.iter().filter(|&&i| self.counts[i]) {
+            row.iter_mut().zip(columns).for_each(|(x, c)| *x = c[i]);
+            sums.row(&row, measured[i]);
+        }
+        sums
+    }
+
     /// Sum of squares of the torque that some columns leave.
     pub(super) fn left(&self, columns: &[&Vec<f64>]) -> Option<f64> {
         let all: Vec<usize> = (0..self.torque.len()).collect();
-        let x = solved(self, columns, &self.torque, &all)?;
+        let x = self.products(columns, &self.torque, &all).solve()?;
         let counted = all.iter().filter(|&&i| self.counts[i]);
         let left = counted.map(|&i| {
             let each = columns.iter().zip(&x);
@@ -77,20 +93,12 @@ impl Rows {
     }
 }
 
-/// Coefficients of columns for what was measured, over some rows.
-pub(super) fn solved(
-    rows: &Rows,
-    columns: &[&Vec<f64>],
-    measured: &[f64],
-    over: &[usize],
-) -> Option<Vec<f64>> {
-    let mut sums = Products::new(columns.len());
-    let mut row = vec![0.0; columns.len()];
-    for &i in over.iter().filter(|&&i| rows.counts[i]) {
-        row.iter_mut().zip(columns).for_each(|(x, c)| *x = c[i]);
-        sums.row(&row, measured[i]);
-    }
-    sums.solve((0, 0.0))
+/// Deviation of a number by what it is without each block (jackknife); none of fewer than three.
+pub(super) fn jackknife(without: &[f64]) -> Option<f64> {
+    let count = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / count;
+    let square = without.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+    (count >= 3.0).then(|| ((count - 1.0) / count * square).sqrt())
 }
 
 /// Root mean square.

@@ -1,6 +1,6 @@
 //! A gap between flanks that are too stiff for their deflection to show: the link stands on one side or on the other, as its load has it.
 
-use super::rows::{EXPLAINS, Flanks, LAWS, Rows, SURE, rms, solved};
+use super::rows::{EXPLAINS, Flanks, LAWS, Rows, SURE, jackknife, rms};
 use signal::quantile::{median, quantile};
 
 /// Most of the rows on the way between the sides (nearer to the middle than half of the way), least on either side, and most that a side
@@ -47,7 +47,8 @@ pub(super) fn sides(rows: &Rows) -> Option<Flanks> {
     let all: Vec<usize> = (0..own.len()).collect();
     let pushed = [&[&side], &motor[..]].concat();
     let explained = 1.0 - rows.left(&pushed)? / rows.left(&motor)?.max(f64::MIN_POSITIVE);
-    if explained < EXPLAINS || solved(rows, &pushed, &rows.torque, &all)?[0] < 0.0 {
+    let by_side = rows.products(&pushed, &rows.torque, &all).solve()?[0];
+    if explained < EXPLAINS || by_side < 0.0 {
         return None;
     }
     // What the flanks give way by goes with the torque.
@@ -61,19 +62,15 @@ pub(super) fn sides(rows: &Rows) -> Option<Flanks> {
             .copied()
             .filter(|i| !block.contains(i))
             .collect();
-        solved(rows, &columns, own, &rest).map(|x| x[0])
+        rows.products(&columns, own, &rest).solve().map(|x| x[0])
     });
     let without: Vec<f64> = without.collect::<Option<_>>()?;
-    let found = solved(rows, &columns, own, &stands)?[0];
-    let count = without.len() as f64;
-    let mean = without.iter().sum::<f64>() / count;
-    let square = without.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+    let found = rows.products(&columns, own, &stands).solve()?[0];
     // How much of the way is the flanks' own is only known so well.
-    let std = ((count - 1.0) / count * square)
-        .sqrt()
+    let std = jackknife(&without)?
         .hypot(LAWS[1] * found)
         .hypot(0.5 * (half - found));
-    (count >= 3.0 && found > SURE * std).then(|| Flanks {
+    (found > SURE * std).then(|| Flanks {
         at: [middle - found, middle + found],
         stiffness: None,
         half_gap: Some([found, std]),
