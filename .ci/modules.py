@@ -30,7 +30,7 @@ def crate_modules(source):
         if parts[-1] in ("mod", "lib", "main"):
             top = parts[-1] == "main"
             parts = parts[:-1] + (["main"] if top else [])
-        if parts[-1:] == ["tests"]:
+        if "tests" in parts:
             continue
         modules[tuple(parts)] = file
     return modules

@@ -4,6 +4,7 @@
 //! Σ_j w_j ‖y_j − X_j β‖² + Σ λ β².
 
 use crate::algebra::cholesky::Cholesky;
+use crate::algebra::folds::jackknife;
 use crate::algebra::gram::Grams;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
@@ -86,6 +87,17 @@ impl<'a> Fit<'a> {
         self.all.factor.inverse_diagonal().mapv(f64::sqrt)
     }
 
+    /// The same, or how much they differ between the fits without each fold (jackknife), where that is more: what no model knows is
+    /// no noise, and another motion has more of it or less.
+    pub fn deviations(&self) -> Array1<f64> {
+        let mut out = self.std();
+        for (i, std) in out.iter_mut().enumerate() {
+            let without: Vec<f64> = self.parts.iter().map(|p| p.beta[i]).collect();
+            *std = jackknife(&without).map_or(*std, |j| j.max(*std));
+        }
+        out
+    }
+
     /// Posterior covariance of the coefficients, given the weights.
     pub fn covariance(&self) -> Array2<f64> {
         self.all
@@ -132,6 +144,11 @@ impl<'a> Fit<'a> {
             gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&fitted(&gram.xx, &x))
         })
         .collect()
+    }
+
+    /// Squared error of each fold left out, by joint, (N·m)².
+    pub fn errors(&self) -> impl Iterator<Item = &[f64]> {
+        self.parts.iter().map(|p| &p.error[..])
     }
 
     /// Leave-one-fold-out squared error by joint, (N·m)².

@@ -30,9 +30,17 @@ pub fn folds(trajectories: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
         .collect()
 }
 
+/// Deviation of a number by what it is without each block (jackknife); none of fewer than three.
+pub fn jackknife(without: &[f64]) -> Option<f64> {
+    let count = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / count;
+    let square = without.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+    (count >= 3.0).then(|| ((count - 1.0) / count * square).sqrt())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::folds;
+    use super::{folds, jackknife};
 
     #[test]
     fn folds_cover_every_row_once() {
@@ -43,5 +51,16 @@ mod tests {
             let rows: Vec<usize> = folds.into_iter().flatten().flatten().collect();
             assert_eq!(rows, (0..50 * n).collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn the_jackknife_of_a_mean_is_its_deviation() {
+        let values = [1.0, 2.0, 4.0, 7.0];
+        let without = values.map(|v| (14.0 - v) / 3.0);
+        // Spread of the values over the square root of their number.
+        let variance = values.iter().map(|v| (v - 3.5_f64).powi(2)).sum::<f64>() / 3.0;
+        let std = jackknife(&without).unwrap();
+        assert!((std - (variance / 4.0).sqrt()).abs() < 1e-12, "{std}");
+        assert_eq!(jackknife(&without[..2]), None);
     }
 }

@@ -88,7 +88,7 @@ impl<'f, 'a> Beside<'f, 'a> {
         let mut error = vec![0.0; self.fit.grams.dof()];
         let mut score = |common: &Common, gamma: &Array1<f64>| {
             for (j, e) in error.iter_mut().enumerate() {
-                *e += common.part.error[j] + self.change(common, j, added, &rows, gamma);
+                *e += self.error(common, j, added, &rows, gamma);
             }
         };
         if self.scored.is_empty() {
@@ -102,6 +102,31 @@ impl<'f, 'a> Beside<'f, 'a> {
             penalty: penalty(&self.fit.variables, &beta) + penalty(added, &gamma),
             gamma: gamma.to_vec(),
         }
+    }
+
+    /// Squared error by scored part, then joint, (N·m)², with `added` columns, of those that were prepared, as well.
+    pub fn parts(&self, added: &[Variable]) -> Vec<Vec<f64>> {
+        let rows: Vec<usize> = added.iter().map(|v| self.row[&v.column]).collect();
+        let of = |common: &Common| {
+            let gamma = self.gamma(common, added, &rows);
+            let joints = 0..self.fit.grams.dof();
+            joints
+                .map(|j| self.error(common, j, added, &rows, &gamma).max(0.0))
+                .collect()
+        };
+        self.scored.iter().map(of).collect()
+    }
+
+    /// ‖y − Xβ‖² of one joint on the scored rows.
+    fn error(
+        &self,
+        common: &Common,
+        joint: usize,
+        added: &[Variable],
+        rows: &[usize],
+        gamma: &Array1<f64>,
+    ) -> f64 {
+        common.part.error[joint] + self.change(common, joint, added, rows, gamma)
     }
 
     /// Coefficients of the added columns.
@@ -250,6 +275,10 @@ mod tests {
             }
             prop_assert!((trial.penalty - full.penalty()).abs() < 1e-9);
             prop_assert!((trial.gamma[1] - full.beta()[3]).abs() < 1e-9);
+            let parts = Beside::new(&fit, &[3, 2], Scored::LeftOut).parts(&[v(2), v(3)]);
+            for (a, b) in parts.iter().zip(full.errors()) {
+                prop_assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9));
+            }
             let glance = Beside::new(&fit, &[0, 2, 3], Scored::Fitted).trial(&[v(2), v(3)]);
             for (a, b) in glance.error.iter().zip(full.error_of(full.beta())) {
                 prop_assert!((a - b).abs() < 1e-9);

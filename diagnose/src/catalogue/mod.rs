@@ -4,7 +4,7 @@
 mod asymmetric_friction;
 pub mod backlash;
 mod base_tilt;
-mod candidate;
+pub(crate) mod candidate;
 pub(crate) mod choice;
 mod counterbalance;
 pub(crate) mod effect;

@@ -23,6 +23,28 @@ pub struct Command {
 pub enum Proof {
     /// Diagnoses sealed simulated cases with a withheld effect, and scores the answers.
     Prove(Sealed),
+    /// Diagnoses and scores cases that `simulate cases` or another simulator has written into a folder: `cases/NAME` with a description,
+    /// `train.parquet` and `test.parquet`, and `truth/NAME.json`.
+    Score {
+        /// The folder. Reports go into its `reports`; one that is there already is scored as it is.
+        folder: PathBuf,
+        /// Skip what takes surrogates of the recordings.
+        #[arg(long)]
+        fast: bool,
+    },
+    /// Diagnoses sealed simulated cases, every other one hard, with the ten thresholds that matter most at half and at double their value,
+    /// without surrogates, and scores the answers.
+    Thresholds {
+        /// Number of cases.
+        #[arg(long, default_value_t = 30)]
+        cases: u64,
+        /// Seed of the draw.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Folder for the reports. A report that is there already is scored as it is.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
     /// Diagnoses simulated arms before and after a change (payload, friction, torque constant, mount, joint zero or none), with the same
     /// motions and with others, and scores the answers.
     Changes {

@@ -24,7 +24,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 report::warn!("error: {error}");
-                ExitCode::FAILURE
+                ExitCode::from(if error.is_input() { 2 } else { 1 })
             }
         },
         (None, Some(arguments)) => match run(&arguments) {
@@ -157,6 +157,21 @@ fn files(
 fn run_proof(proof: Proof) -> Result<(), prove::ProveError> {
     match proof {
         Proof::Prove(sealed) => prove_sealed(&sealed),
+        Proof::Score { folder, fast } => {
+            let names = prove::given::names(&folder)?;
+            let bar = ProgressBar::new(names.len() as u64);
+            let scores = prove::given::given(&folder, &names, fast, || bar.inc(1))?;
+            bar.finish_and_clear();
+            say_scores(&scores);
+            Ok(())
+        }
+        Proof::Thresholds { cases, seed, out } => {
+            let bar = ProgressBar::new(prove::thresholds::diagnoses(cases));
+            let tried = prove::thresholds::run(cases, seed, out.as_deref(), || bar.inc(1))?;
+            bar.finish_and_clear();
+            report::say!("{}", prove::thresholds::table(&tried).to_text());
+            Ok(())
+        }
         Proof::Changes { cases, seed } => {
             let bar = ProgressBar::new(cases);
             let told = prove::changed::run(cases, seed, || bar.inc(1))?;
@@ -165,6 +180,16 @@ fn run_proof(proof: Proof) -> Result<(), prove::ProveError> {
             Ok(())
         }
     }
+}
+
+/// Scores by kind of case, and rates.
+fn say_scores(scores: &[prove::Score]) {
+    let stored = scores.iter().filter(|s| s.stored).count();
+    if stored > 0 {
+        report::say!("{stored} of the reports were there already.");
+    }
+    report::say!("{}", prove::table(scores).to_text());
+    report::say!("{}", prove::rates_table(scores).to_text());
 }
 
 fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
@@ -201,12 +226,7 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
     };
     let scores = prove::prove(&draw, &options, out, || bar.inc(1))?;
     bar.finish_and_clear();
-    let stored = scores.iter().filter(|s| s.stored).count();
-    if stored > 0 {
-        report::say!("{stored} of the reports were there already.");
-    }
-    report::say!("{}", prove::table(&scores).to_text());
-    report::say!("{}", prove::rates_table(&scores).to_text());
+    say_scores(&scores);
     let said = prove::said(&scores, &options.settings.measure.confidence);
     if !said.is_empty() {
         report::say!("{}", prove::reliability_table(&said).to_text());

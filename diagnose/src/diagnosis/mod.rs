@@ -28,6 +28,7 @@ use crate::measure::friction::friction;
 use crate::measure::learned::learned;
 use crate::measure::locate::locate;
 use crate::measure::moved::moved;
+use crate::measure::other_day;
 use crate::measure::resonance::{resonances, standing_out};
 use crate::measure::verdict::{Evidence, remainder, verdict};
 use crate::motion::floor::floor;
@@ -73,7 +74,8 @@ pub fn diagnose(
         null: null.as_ref(),
         namings: &namings,
         left: &left,
-        look,
+        // What a few seconds say goes no further than their motion: beyond it everything departs.
+        look: look.filter(|_| !frames.data.is_short(&settings.ladder)),
     };
     let explanation = explain(model, &frames, &findings, &said);
     let names = model.robot.joint_names();
@@ -90,6 +92,7 @@ pub fn diagnose(
         None => (floors, left),
     };
     let dead = &channels.dead;
+    let judged = judged.off_turns(&frames.data, &settings.motion);
     let rest = remainder(&floors, &judged, &skipped, &left, &names, dead, judging);
     let pushed = |c: &Cause| c.effect == Effect::ExternalContact;
     let evidence = Evidence {
@@ -103,6 +106,8 @@ pub fn diagnose(
         cut: explanation.cut,
     };
     let (verdict, reason) = verdict(&evidence, judging);
+    let rest_of = &listing.residual;
+    let other = other_day::changed(model, &frames, &findings, &explanation, rest_of, &skipped);
     let mut quiet = listing.residual;
     for (mut row, _) in quiet.rows_mut().into_iter().zip(&skipped).filter(|r| *r.1) {
         row.fill(0.0);
@@ -129,7 +134,7 @@ pub fn diagnose(
     unknowable.extend(channels.unusable(&names));
     let causes = units::of_causes(explanation.causes.clone(), &model.robot);
     let sensors = seen::beside(&frames, &findings.links, &causes, &model.robot);
-    let done = notes(&frames, &settings.input).into_iter();
+    let done = notes(&frames, &settings.input, &settings.ladder).into_iter();
     let diagnosis = Diagnosis {
         schema: "diagnosis/1",
         joints: names.clone(),
@@ -154,7 +159,10 @@ pub fn diagnose(
         simulation,
         next_experiment: None,
         unexplained: rest,
-        notes: done.chain(sensors.iter().cloned()).collect(),
+        notes: done
+            .chain(other_day::note(&other, &names))
+            .chain(sensors.iter().cloned())
+            .collect(),
     };
     Ok(Outcome {
         diagnosis,

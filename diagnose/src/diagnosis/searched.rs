@@ -311,7 +311,8 @@ impl<'a> Searcher<'a> {
         skipped: &[bool],
     ) -> Result<(Search, Option<Null>, Vec<Option<Naming>>), DiagnoseError> {
         let (model, frames, surrogates) = (self.model, self.frames, self.options.surrogates);
-        if surrogates == 0 || !self.channels.moves {
+        let short = frames.data.is_short(&self.options.settings.ladder);
+        if surrogates == 0 || short || !self.channels.moves {
             return Ok((found, None, Vec::new()));
         }
         let (null, namings) = surrogates::with(model, frames, &found.findings, weight, |source| {

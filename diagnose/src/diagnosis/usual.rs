@@ -102,6 +102,7 @@ fn of_part(
         ..
     } = searcher.searched(searcher.first()?)?;
     let rows = frames.data.len() as f64;
+    let judged = judged.off_turns(&frames.data, &options.settings.motion);
     let moving = |j: usize| {
         let both = judged.gap.column(j).into_iter().zip(judged.state.column(j));
         let squares = both

@@ -4,8 +4,8 @@ use crate::catalogue::effect::Effect;
 use crate::catalogue::info::Need;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
-use crate::schema::NotIdentifiable;
-use crate::settings::InputSettings;
+use crate::schema::{NotIdentifiable, SHORT};
+use crate::settings::{InputSettings, LadderSettings};
 use crate::simulator::NominalModel;
 use datasets::Recording;
 use datasets::check::{CheckOptions, CheckReport, check};
@@ -140,7 +140,7 @@ fn derivatives(report: &PrepareReport) -> String {
 }
 
 /// What was done to the recordings.
-pub fn notes(frames: &Frames, settings: &InputSettings) -> Vec<String> {
+pub fn notes(frames: &Frames, settings: &InputSettings, ladder: &LadderSettings) -> Vec<String> {
     let mut out = Vec::new();
     for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {
         let r = frame.report();
@@ -159,6 +159,14 @@ pub fn notes(frames: &Frames, settings: &InputSettings) -> Vec<String> {
         frames.data.report().rate_hz,
         frames.heldout.report().rate_hz,
     );
+    let seconds = frames.data.len() as f64 / frames.data.row_rate();
+    if frames.data.is_short(ladder) {
+        out.push(format!(
+            "{SHORT}: {seconds:.1} s of motion have too few stretches of {} s for a null. No chance of a gain and no confidence is estimated, \
+             what halves a joint's error out of fold is listed as well, and no push is looked for in the held-out recording",
+            ladder.stretch
+        ));
+    }
     if (a / b - 1.0).abs() > settings.rates {
         out.push(format!(
             "the recordings have different rates ({a:.0} and {b:.0} Hz): the held-out motion is resampled to the grid \

@@ -31,6 +31,11 @@ impl Scored {
         table
     }
 
+    /// Whether a sample is scored.
+    pub fn keeps(&self, sample: usize) -> bool {
+        self.kept[sample]
+    }
+
     /// Number of samples.
     pub fn samples(&self) -> usize {
         self.kept.iter().filter(|k| **k).count()

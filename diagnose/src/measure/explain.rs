@@ -13,7 +13,7 @@ use crate::ladder::scores::{Scored, total};
 use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
 use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, judge};
-use crate::schema::{Cause, Step, Support};
+use crate::schema::{Cause, SHORT, Step, Support};
 use crate::search::find::{Accepted, Columns, Findings, gap};
 use crate::simulator::NominalModel;
 use crate::surrogates::{Naming, Null};
@@ -146,6 +146,7 @@ pub fn explain(
     };
     let shares = shapley(&gap_held, &parts, &deviation, &listed);
     let block = (settings.ladder.stretch * held.report().rate_hz) as usize;
+    let short = frames.data.is_short(&settings.ladder);
     let mut causes = Vec::new();
     for (part, share) in parts.iter().zip(&shares).filter(|(p, _)| listed(p)) {
         let contact = part.effect == Effect::ExternalContact;
@@ -221,6 +222,7 @@ pub fn explain(
             right_to: cause
                 .and_then(|a| a.against.within)
                 .map(|factor| factor * settings.search.inertial_tolerance),
+            remark: short.then_some(SHORT),
         });
     }
     causes.sort_by(|a, b| b.share_of_gap.total_cmp(&a.share_of_gap));

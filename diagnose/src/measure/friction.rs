@@ -1,6 +1,7 @@
 //! Friction as one number: all that resists a joint's motion at a speed, whatever the causes call it.
 
 use crate::input::frames::Frames;
+use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
 use crate::schema::Friction;
 use crate::search::find::{Columns, Findings};
@@ -22,27 +23,9 @@ pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<
         ..frames.scale.clone()
     };
     let scene = Scene::new(&found.present, frames.passage(), &on_time).with_tangents();
-    let (variables, beta) = &found.tight;
-    let rubs = |i: usize| {
-        let n = PARAMETERS_PER_LINK * model.robot.dof();
-        let of = |c: usize| {
-            found.accepted[c].variables.contains(&i) && found.candidate(c).effect.info().friction
-        };
-        (n..found.base).contains(&i) || (0..found.accepted.len()).any(of)
-    };
-    let kept: Vec<usize> = (0..variables.len()).filter(|i| rubs(*i)).collect();
-    let variables: Vec<_> = kept.iter().map(|&i| variables[i]).collect();
-    let beta: Array1<f64> = kept.iter().map(|&i| beta[i]).collect();
-    let columns = Columns::new(&found.dictionary, &scene, frame, &variables);
-    let mut torque: Array2<f64> = columns.torque(frame.tau.dim(), &variables, &beta);
+    let torque = resisting(model, found, &scene, frame);
     let qd = &frame.samples().qd;
-    let sign = frame.table_to_samples(&scene.sign);
     let joints = model.robot.joints();
-    for (j, joint) in joints.iter().enumerate() {
-        let mut own = torque.column_mut(j);
-        own.scaled_add(joint.damping, &qd.column(j));
-        own.scaled_add(joint.friction, &sign.column(j));
-    }
     let least = (found.settings.measure.said.friction * frame.report().rate_hz).ceil() as usize;
     joints
         .iter()
@@ -65,6 +48,36 @@ pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<
             }
         })
         .collect()
+}
+
+/// Torque of all friction at a frame's recorded samples, of the fit near the given parameters, shape (samples, joints). `scene` shows the frame's motion.
+pub(super) fn resisting(
+    model: &NominalModel,
+    found: &Findings,
+    scene: &Scene,
+    frame: &Frame,
+) -> Array2<f64> {
+    let (variables, beta) = &found.tight;
+    let rubs = |i: usize| {
+        let n = PARAMETERS_PER_LINK * model.robot.dof();
+        let of = |c: usize| {
+            found.accepted[c].variables.contains(&i) && found.candidate(c).effect.info().friction
+        };
+        (n..found.base).contains(&i) || (0..found.accepted.len()).any(of)
+    };
+    let kept: Vec<usize> = (0..variables.len()).filter(|i| rubs(*i)).collect();
+    let variables: Vec<_> = kept.iter().map(|&i| variables[i]).collect();
+    let beta: Array1<f64> = kept.iter().map(|&i| beta[i]).collect();
+    let columns = Columns::new(&found.dictionary, scene, frame, &variables);
+    let mut torque: Array2<f64> = columns.torque(frame.tau.dim(), &variables, &beta);
+    let qd = &frame.samples().qd;
+    let sign = frame.table_to_samples(&scene.sign);
+    for (j, joint) in model.robot.joints().iter().enumerate() {
+        let mut own = torque.column_mut(j);
+        own.scaled_add(joint.damping, &qd.column(j));
+        own.scaled_add(joint.friction, &sign.column(j));
+    }
+    torque
 }
 
 /// Half the difference of the torque between both directions at a speed: of each the line through what was recorded near

@@ -8,6 +8,7 @@ pub(crate) mod friction;
 pub(crate) mod learned;
 pub(crate) mod locate;
 pub(crate) mod moved;
+pub(crate) mod other_day;
 pub(crate) mod quantities;
 pub(crate) mod resonance;
 pub(crate) mod verdict;

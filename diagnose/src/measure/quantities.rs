@@ -14,16 +14,29 @@ use physics::robot::PARAMETERS_PER_LINK;
 pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Parameter> {
     let accepted = &found.accepted[cause];
     let candidate = found.candidate(cause);
+    let shapes = shapes(found, cause);
+    let alike = |k: usize, name: &'static str| {
+        shapes.iter().filter_map(move |(weight, t)| {
+            let quantities = &found.candidates[t.candidate].quantities;
+            let q = quantities.get(k).filter(|q| q.name == name)?;
+            Some((*weight, q.offset + q.factor * t.gamma[k]))
+        })
+    };
     let mut out: Vec<Parameter> = candidate
         .quantities
         .iter()
         .zip(accepted.variables.clone())
-        .map(|(q, i)| Parameter {
-            name: q.name.to_owned(),
-            joint: q.joint.map(|j| names[j].clone()),
-            value: q.offset + q.factor * found.tight.1[i],
-            std: Some((q.factor * found.std[i]).abs()),
-            unit: q.unit.to_owned(),
+        .enumerate()
+        .map(|(k, (q, i))| {
+            let value = q.offset + q.factor * found.tight.1[i];
+            let own = q.factor * found.std[i];
+            Parameter {
+                name: q.name.to_owned(),
+                joint: q.joint.map(|j| names[j].clone()),
+                value,
+                std: Some(own.hypot(around(value, alike(k, q.name)))),
+                unit: q.unit.to_owned(),
+            }
         })
         .collect();
     let joint = candidate
@@ -36,12 +49,66 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
         name: name.to_owned(),
         joint: joint.clone(),
         value: if value.is_finite() { value } else { 0.0 },
-        std: None,
+        std: of_grid(found, &shapes, name, value),
         unit: unit.to_owned(),
     };
     out.extend(candidate.shape.iter().map(grid));
     derived(candidate.effect, &mut out);
     out
+}
+
+/// Shapes of a cause that were tried in its place, each with how nearly it explains as much: what lies within `leftover` of the gain is
+/// within what a wrong form leaves behind. Weights of 1 and less.
+fn shapes(found: &Findings, cause: usize) -> Vec<(f64, &Tried)> {
+    let accepted = &found.accepted[cause];
+    let own = found.candidate(cause);
+    let gain = |t: &Tried| found.earned(t);
+    let mut tried = accepted.tried.iter();
+    let Some(best) = tried.find(|t| t.candidate == accepted.candidate).map(gain) else {
+        return Vec::new();
+    };
+    let scale = (found.settings.search.leftover * best).max(1.0);
+    let alike = |t: &&Tried| {
+        let c = &found.candidates[t.candidate];
+        c.effect == own.effect && c.joints == own.joints && c.driver == own.driver
+    };
+    let weight = |t: &Tried| ((gain(t) - best).min(0.0) / scale).exp();
+    accepted
+        .tried
+        .iter()
+        .filter(alike)
+        .map(|t| (weight(t), t))
+        .collect()
+}
+
+/// Deviation from `value` of weighed numbers.
+fn around(value: f64, numbers: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (sum, square) = numbers.fold((0.0, 0.0), |(sum, square), (weight, x)| {
+        (sum + weight, square + weight * (x - value).powi(2))
+    });
+    (square / f64::max(sum, 1.0)).sqrt()
+}
+
+/// Deviation of a number of the cause's shape, of which a grid was tried: among the shapes that explain nearly as much, and no less than that of
+/// a number between its neighbours. None where there is but one.
+fn of_grid(found: &Findings, shapes: &[(f64, &Tried)], name: &str, value: f64) -> Option<f64> {
+    let number = |(weight, t): &(f64, &Tried)| {
+        let shape = &found.candidates[t.candidate].shape;
+        shape.iter().find(|s| s.0 == name).map(|s| (*weight, s.1))
+    };
+    let numbers: Vec<(f64, f64)> = shapes.iter().filter_map(number).collect();
+    let beside = |sign: f64| {
+        let steps = numbers.iter().map(|(_, x)| sign * (x - value));
+        steps
+            .filter(|d| *d > 0.0 && d.is_finite())
+            .min_by(f64::total_cmp)
+    };
+    let cell = match (beside(1.0), beside(-1.0)) {
+        (Some(up), Some(down)) => 0.5 * (up + down),
+        (one, other) => one.or(other)?,
+    };
+    let finite = numbers.into_iter().filter(|n| n.1.is_finite());
+    Some(around(value, finite).max(cell / 12.0_f64.sqrt()))
 }
 
 /// Sizes that a sensor measured, as the report's quantities.

@@ -9,6 +9,7 @@ use crate::motion::standing::{Judged, State};
 use crate::schema::{Unexplained, Verdict};
 use crate::settings::VerdictSettings;
 use crate::traces::unknown::Left;
+use ndarray::Array2;
 
 /// What the verdict is made of.
 pub(crate) struct Evidence<'a> {
@@ -44,7 +45,7 @@ pub(crate) fn dead(frame: &Frame, settings: &VerdictSettings) -> Vec<bool> {
 /// Whether some joint with a torque channel moves long enough to be judged.
 pub(crate) fn moves(
     frame: &Frame,
-    states: &ndarray::Array2<State>,
+    states: &Array2<State>,
     dead: &[bool],
     settings: &VerdictSettings,
 ) -> bool {

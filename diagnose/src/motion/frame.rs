@@ -3,7 +3,7 @@
 
 use crate::motion::scene::Scale;
 use crate::motion::sensed::Sensed;
-use crate::settings::MotionSettings;
+use crate::settings::{LadderSettings, MotionSettings};
 use datasets::prepare::{PrepareError, PrepareReport};
 use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
 use ndarray::{Array1, Array2, ArrayView1};
@@ -155,6 +155,11 @@ impl Frame {
     /// Rows per second.
     pub fn row_rate(&self) -> f64 {
         self.report().rate_hz / self.stride as f64
+    }
+
+    /// Whether there are fewer stretches than it takes to say what chance earns.
+    pub fn is_short(&self, settings: &LadderSettings) -> bool {
+        (self.len() as f64) < settings.fewest * settings.stretch * self.row_rate()
     }
 
     /// A torque at the recorded samples on the rows that are fitted: low-passed within each

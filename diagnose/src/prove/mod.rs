@@ -2,11 +2,13 @@
 
 mod calibration;
 pub mod changed;
+pub mod given;
 mod named;
 mod rates;
 mod reliability;
 mod score;
 mod sizes;
+pub mod thresholds;
 mod withheld;
 
 use crate::catalogue::choice::Choice;
@@ -19,7 +21,7 @@ use report::{Cell, Column, Table};
 use serde::Serialize;
 use serde_json::Value;
 use signal::quantile::median;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use trials::cases::{
     Case, CaseSpec, EFFECTS, Kind, Sensors, draw, draw_hard, draw_without, generate, generate_with,
     name, write,
@@ -45,6 +47,14 @@ pub enum ProveError {
     /// A case cannot be made or written.
     #[error(transparent)]
     Simulate(#[from] trials::SimulateError),
+    /// A case that several diagnoses share cannot be made.
+    #[error("case {case}: {error}")]
+    Made {
+        /// Its name.
+        case: String,
+        /// Why.
+        error: String,
+    },
     /// A case cannot be diagnosed.
     #[error("case {case}: {error}")]
     Diagnose {
@@ -72,6 +82,14 @@ pub enum ProveError {
         /// Why.
         error: std::io::Error,
     },
+    /// No cases of whatever simulator.
+    #[error("no cases in {path}: {error}; cases/NAME and truth/NAME.json are needed")]
+    Given {
+        /// The folder or file.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
     /// A folder cannot be made.
     #[error("cannot make {path}: {error}")]
     Folder {
@@ -80,6 +98,17 @@ pub enum ProveError {
         /// Why.
         error: std::io::Error,
     },
+}
+
+impl ProveError {
+    /// Whether what was asked for, or given, is to blame.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Kind { .. } | Self::Kept { .. } | Self::Given { .. } => true,
+            Self::Diagnose { error, .. } => error.is_input(),
+            _ => false,
+        }
+    }
 }
 
 /// Which cases a proof draws.
@@ -139,13 +168,7 @@ pub fn prove(
         .filter(|spec| only.is_none_or(|name| spec.kind.name() == name))
         .take(cases as usize)
         .collect();
-    let reports = out.map(|o| o.join("reports"));
-    if let Some(folder) = &reports {
-        std::fs::create_dir_all(folder).map_err(|error| ProveError::Folder {
-            path: folder.display().to_string(),
-            error,
-        })?;
-    }
+    let reports = out.map(|o| folder_of(&o.join("reports"))).transpose()?;
     specs
         .into_par_iter()
         .map(|spec| {
@@ -167,6 +190,15 @@ pub fn prove(
             Ok(judge(&json(&case.truth), &found))
         })
         .collect()
+}
+
+/// A folder that is there from now on.
+fn folder_of(path: &Path) -> Result<PathBuf, ProveError> {
+    let made = std::fs::create_dir_all(path).map_err(|error| ProveError::Folder {
+        path: path.display().to_string(),
+        error,
+    });
+    made.map(|()| path.to_owned())
 }
 
 /// Answer of a case and report on it, where an earlier run has left both: the report is written last.
@@ -272,6 +304,7 @@ pub fn table(scores: &[Score]) -> Table {
         "false unknown",
         "false no gap",
         "size error",
+        "size off, deviations",
         "size covered",
         "found from %",
     ];
@@ -295,6 +328,10 @@ pub fn table(scores: &[Score]) -> Table {
             cell(|s| s.false_unknown),
             cell(|s| s.false_no_gap),
             Cell::optional(median(of.iter().filter_map(|s| s.size).collect()), 2),
+            Cell::optional(
+                median(of.iter().filter_map(|s| s.off.map(f64::abs)).collect()),
+                2,
+            ),
             cell(|s| s.covered),
             Cell::optional(
                 detected_from(of.iter().filter_map(|s| s.detection).collect()).map(|s| 100.0 * s),

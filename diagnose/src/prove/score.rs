@@ -1,7 +1,7 @@
 //! Scores of a report against a sealed answer.
 
 use super::named::{Named, named};
-use super::sizes::{covered, size_error};
+use super::sizes::{covered, deviations, size_error};
 use serde_json::Value;
 
 /// Scores of one case; None where a score does not apply.
@@ -33,6 +33,8 @@ pub struct Score {
     pub false_unknown: Option<f64>,
     /// Relative error of the reported size, where mechanism and detector share a parameter.
     pub size: Option<f64>,
+    /// Deviations by which the reported size is off.
+    pub off: Option<f64>,
     /// The true size lies in the reported one's 90 % interval.
     pub covered: Option<f64>,
     /// Of a single effect: its share of its joint's torque, and whether it was named.
@@ -272,7 +274,8 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
     if let [only] = effects
         && !answer.names.is_empty()
     {
-        s.covered = cause_of(only).and_then(|c| covered(only, c)).map(one);
+        s.off = cause_of(only).and_then(|c| deviations(only, c));
+        s.covered = s.off.map(covered).map(one);
         if foreign(only) {
             s.kind = format!("{kind}, foreign gear");
         }

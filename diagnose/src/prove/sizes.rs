@@ -37,9 +37,9 @@ pub fn size_error(effect: &Value, cause: &Value) -> Option<f64> {
     (size > 0.0).then(|| (off / size).sqrt())
 }
 
-/// Whether the 90 % interval of a true effect's size holds it; none where mechanism and detector share no one number, or no deviation
-/// is reported.
-pub fn covered(effect: &Value, cause: &Value) -> Option<bool> {
+/// By how many of its deviations the reported size of a true effect is too large; none where mechanism and detector share no one number,
+/// or no deviation is reported.
+pub fn deviations(effect: &Value, cause: &Value) -> Option<f64> {
     let name = effect["effect"].as_str()?;
     let mut own = COMMON.iter().filter(|c| c.0 == name);
     let (Some((_, truth, factor, reported, _)), None) = (own.next(), own.next()) else {
@@ -49,14 +49,29 @@ pub fn covered(effect: &Value, cause: &Value) -> Option<bool> {
     let list = cause["parameters"].as_array()?;
     let found = list.iter().find(|p| p["name"] == *reported)?;
     let (value, std) = (found["value"].as_f64()?, found["std"].as_f64()?);
-    Some((value - wanted).abs() <= TWO_SIDED * std)
+    (std > 0.0).then(|| (value - wanted) / std)
 }
 
-/// Smallest share of a joint's torque from which on every case is found: cases as (share, found).
+/// Whether the 90 % interval of a size holds the true one, which is so many deviations away.
+pub fn covered(deviations: f64) -> bool {
+    deviations.abs() <= TWO_SIDED
+}
+
+/// Part of the cases that has to be found for a share to be one that is.
+const FOUND: f64 = 0.8;
+
+/// Smallest share of a joint's torque from which on that part of the cases is found: cases as (share, found).
 pub fn detected_from(mut cases: Vec<(f64, bool)>) -> Option<f64> {
     cases.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let found = cases.iter().take_while(|c| c.1);
-    found.last().map(|c| c.0)
+    let mut found = 0.0;
+    let mut from = None;
+    for (i, (share, own)) in cases.into_iter().enumerate() {
+        found += f64::from(u8::from(own));
+        if found >= FOUND * (i + 1) as f64 {
+            from = Some(share);
+        }
+    }
+    from
 }
 
 #[cfg(test)]
@@ -82,17 +97,22 @@ mod tests {
     fn an_interval_holds_the_true_size_or_not() {
         let truth = json!({"effect": "backlash", "parameters": {"play": 0.02}});
         let cause = |value: f64| json!({"parameters": [{"name": "half_play", "value": value, "std": 1e-3}]});
-        assert_eq!(covered(&truth, &cause(0.0115)), Some(true));
-        assert_eq!(covered(&truth, &cause(0.012)), Some(false));
-        assert_eq!(covered(&truth, &json!({"parameters": []})), None);
+        let off = |value| deviations(&truth, &cause(value));
+        assert!((off(0.0115).unwrap() - 1.5).abs() < 1e-9);
+        assert_eq!(off(0.0115).map(covered), Some(true));
+        assert_eq!(off(0.008).map(covered), Some(false));
+        assert_eq!(deviations(&truth, &json!({"parameters": []})), None);
         let tilt = json!({"effect": "base_tilt", "parameters": {"tilt_x": 0.1, "tilt_y": 0.1}});
-        assert_eq!(covered(&tilt, &cause(0.1)), None);
+        assert_eq!(deviations(&tilt, &cause(0.1)), None);
     }
 
     #[test]
-    fn one_miss_hides_what_is_smaller() {
-        let cases = vec![(0.3, true), (0.05, true), (0.1, false), (0.2, true)];
-        assert_eq!(detected_from(cases), Some(0.2));
+    fn four_of_five_are_found_from_some_share_on() {
+        let shares = [0.4, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05];
+        let found = [true, false, true, true, true, false, false];
+        let cases = shares.into_iter().zip(found).collect();
+        // Two of three are too few, four of five are enough, and of smaller ones not enough are found.
+        assert_eq!(detected_from(cases), Some(0.15));
         assert_eq!(detected_from(vec![(0.3, false)]), None);
     }
 }

@@ -216,7 +216,13 @@ pub struct Cause {
     pub ambiguous_with: Vec<Effect>,
     /// Relative deviation of the description's inertial parameters up to which it is found; null where it is found at any.
     pub right_to: Option<f64>,
+    /// What has to be known to trust it: `short recording`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remark: Option<&'static str>,
 }
+
+/// Remark on what a few seconds show: nothing says how often chance does.
+pub const SHORT: &str = "short recording";
 
 /// A candidate that was tried.
 #[derive(Clone, Debug, Serialize)]

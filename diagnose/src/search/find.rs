@@ -16,6 +16,7 @@ use crate::search::dictionary::Dictionary;
 use crate::search::objective::Objective;
 use crate::search::on_time::on_time;
 use crate::search::select::Tried;
+use crate::search::short::pieces;
 use crate::search::simplest::{Against, Answer, Simplest};
 use crate::settings::Settings;
 use crate::simulator::NominalModel;
@@ -25,6 +26,7 @@ use datasets::check::plateau;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// An accepted cause among the candidates.
 #[derive(Clone, Debug)]
@@ -32,7 +34,7 @@ pub struct Accepted {
     /// Index of its candidate.
     pub candidate: usize,
     /// Its variables in the fit.
-    pub variables: std::ops::Range<usize>,
+    pub variables: Range<usize>,
     /// Everything tried in its place, best first.
     pub tried: Vec<Tried>,
     /// How it stands against the parameters.
@@ -57,7 +59,7 @@ pub struct Findings {
     pub accepted: Vec<Accepted>,
     /// Variables and coefficients, the base near the given values.
     pub tight: (Vec<Variable>, Array1<f64>),
-    /// Posterior standard deviations of the same.
+    /// Standard deviations of the same, see [`Fit::deviations`](crate::algebra::fit::Fit::deviations).
     pub std: Array1<f64>,
     /// The best of what was not accepted.
     pub rest: Vec<Tried>,
@@ -110,7 +112,7 @@ impl Columns {
     pub fn add(
         &self,
         out: &mut Array2<f64>,
-        samples: std::ops::Range<usize>,
+        samples: Range<usize>,
         variables: &[Variable],
         beta: &Array1<f64>,
     ) {
@@ -185,13 +187,20 @@ pub fn find(
         model,
         chance,
     };
+    let mut answer = simplest.answer();
+    if data.is_short(&settings.ladder) {
+        let rows = |fold: &Vec<Range<usize>>| fold.iter().map(ExactSizeIterator::len).sum();
+        let rows: Vec<usize> = folds.iter().map(rows).collect();
+        let pieces = pieces(&rows, settings.ladder.piece * data.row_rate());
+        answer = simplest.halving(answer, &pieces, &settings.ladder);
+    }
     let Answer {
         selection,
         steps,
         rest,
         base,
         against,
-    } = simplest.answer();
+    } = answer;
     let mut start = base.len();
     let accepted = selection
         .accepted
@@ -213,7 +222,7 @@ pub fn find(
         selection.fit.variables.clone(),
         selection.fit.beta().clone(),
     );
-    let std = selection.fit.std();
+    let std = selection.fit.deviations();
     Ok(Findings {
         present,
         links,

@@ -5,5 +5,6 @@ pub(crate) mod find;
 pub(crate) mod objective;
 mod on_time;
 pub(crate) mod select;
+mod short;
 pub(crate) mod simplest;
 mod worth;

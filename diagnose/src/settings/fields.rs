@@ -21,6 +21,19 @@ macro_rules! settings {
             }
         }
 
+        impl $name {
+            /// Multiplies a field, of a list each value, by a factor; false where there is none of that name.
+            pub(super) fn scale(&mut self, field: &str, factor: f64) -> bool {
+                match field {
+                    $(stringify!($field) => {
+                        $crate::settings::fields::Scaled::scale(&mut self.$field, factor);
+                        true
+                    })+
+                    _ => false,
+                }
+            }
+        }
+
         #[cfg(test)]
         impl $name {
             /// Name, default, source and meaning of each field.
@@ -29,4 +42,40 @@ macro_rules! settings {
             ];
         }
     };
+}
+
+/// A number, or a list of them, that can be made larger or smaller.
+pub(super) trait Scaled {
+    /// Multiplies it by a factor.
+    fn scale(&mut self, factor: f64);
+}
+
+impl Scaled for f64 {
+    fn scale(&mut self, factor: f64) {
+        *self *= factor;
+    }
+}
+
+impl Scaled for f32 {
+    fn scale(&mut self, factor: f64) {
+        *self *= factor as f32;
+    }
+}
+
+impl<T: Scaled> Scaled for Option<T> {
+    fn scale(&mut self, factor: f64) {
+        self.iter_mut().for_each(|x| x.scale(factor));
+    }
+}
+
+impl Scaled for usize {
+    fn scale(&mut self, factor: f64) {
+        *self = (*self as f64 * factor).round() as usize;
+    }
+}
+
+impl<T: Scaled, const N: usize> Scaled for [T; N] {
+    fn scale(&mut self, factor: f64) {
+        self.iter_mut().for_each(|x| x.scale(factor));
+    }
 }

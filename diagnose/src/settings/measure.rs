@@ -11,6 +11,18 @@ pub struct MeasureSettings {
     pub resonance: ResonanceSettings,
     /// Rivals, regions, parameters, friction.
     pub said: SaidSettings,
+    /// Friction of another day.
+    pub other_day: OtherDaySettings,
+}
+
+settings! {
+    /// When friction of the held-out recording is another.
+    OtherDaySettings {
+        /// Chance of saying so of a joint whose friction differs as it does between trajectories.
+        chance: f64 = 0.002, tuned;
+        /// Least change that is said, relative.
+        least: f64 = 0.02, tuned;
+    }
 }
 
 settings! {

@@ -28,7 +28,8 @@ pub use advice::AdviceSettings;
 pub use input::InputSettings;
 pub use ladder::LadderSettings;
 pub use measure::{
-    ConfidenceSettings, MeasureSettings, ResonanceSettings, SaidSettings, VerdictSettings,
+    ConfidenceSettings, MeasureSettings, OtherDaySettings, ResonanceSettings, SaidSettings,
+    VerdictSettings,
 };
 pub use motion::MotionSettings;
 pub use search::SearchSettings;
@@ -51,4 +52,29 @@ pub struct Settings {
     pub measure: MeasureSettings,
     /// What is advised.
     pub advice: AdviceSettings,
+}
+
+impl Settings {
+    /// The same with one number, `room.field` as the documentation names it, multiplied by a factor; none where there is no such number.
+    pub fn scaled(&self, name: &str, factor: f64) -> Option<Self> {
+        let mut own = self.clone();
+        let (room, field) = name.rsplit_once('.')?;
+        let known = match room {
+            "motion" => own.motion.scale(field, factor),
+            "input" => own.input.scale(field, factor),
+            "traces.contact" => own.traces.contact.scale(field, factor),
+            "traces.blows" => own.traces.blows.scale(field, factor),
+            "traces.structure" => own.traces.structure.scale(field, factor),
+            "search" => own.search.scale(field, factor),
+            "ladder" => own.ladder.scale(field, factor),
+            "measure.verdict" => own.measure.verdict.scale(field, factor),
+            "measure.confidence" => own.measure.confidence.scale(field, factor),
+            "measure.resonance" => own.measure.resonance.scale(field, factor),
+            "measure.said" => own.measure.said.scale(field, factor),
+            "measure.other_day" => own.measure.other_day.scale(field, factor),
+            "advice" => own.advice.scale(field, factor),
+            _ => false,
+        };
+        known.then_some(own)
+    }
 }

@@ -5,7 +5,7 @@ use super::*;
 const DOCUMENT: &str = include_str!("../../../docs/diagnosis.md");
 
 /// Every group with its place among the settings.
-const GROUPS: [(&str, &[[&str; 4]]); 12] = [
+const GROUPS: [(&str, &[[&str; 4]]); 13] = [
     ("motion", MotionSettings::FIELDS),
     ("input", InputSettings::FIELDS),
     ("traces.contact", ContactSettings::FIELDS),
@@ -17,6 +17,7 @@ const GROUPS: [(&str, &[[&str; 4]]); 12] = [
     ("measure.confidence", ConfidenceSettings::FIELDS),
     ("measure.resonance", ResonanceSettings::FIELDS),
     ("measure.said", SaidSettings::FIELDS),
+    ("measure.other_day", OtherDaySettings::FIELDS),
     ("advice", AdviceSettings::FIELDS),
 ];
 
@@ -47,4 +48,21 @@ fn the_documented_thresholds_are_the_codes_and_no_contract_is_missing() {
     for (_, row) in rows.iter().filter(|(source, _)| *source == "contract") {
         assert!(documented.contains(&row.as_str()), "not documented: {row}");
     }
+}
+
+#[test]
+fn every_number_can_be_scaled_by_its_name() {
+    let settings = Settings::default();
+    for (group, fields) in GROUPS {
+        for [name, ..] in fields {
+            assert!(
+                settings.scaled(&format!("{group}.{name}"), 2.0).is_some(),
+                "{group}.{name}"
+            );
+        }
+    }
+    let halved = settings.scaled("search.enough", 0.5).unwrap();
+    assert_eq!(halved.search.enough, 0.5 * settings.search.enough);
+    assert_eq!(halved.search.cost, settings.search.cost);
+    assert!(settings.scaled("search.nothing", 2.0).is_none());
 }

@@ -1,3 +1,5 @@
+mod decoys;
+
 use super::*;
 use crate::Options;
 use crate::diagnosis::first_search;

@@ -5,5 +5,6 @@ mod command_line;
 mod mjcf;
 mod model_directory;
 mod next_motion;
+mod score;
 mod sensors;
 mod visibility;

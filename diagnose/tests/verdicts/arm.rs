@@ -39,7 +39,7 @@ impl Noise {
 }
 
 /// Torque beyond the model's by trajectory, time in it, q̇ of all joints and joint, N·m.
-type Extra<'a> = dyn Fn(usize, f64, &[f64], usize) -> f64 + 'a;
+pub type Extra<'a> = dyn Fn(usize, f64, &[f64], usize) -> f64 + 'a;
 
 /// What a recording shows.
 pub struct Shown<'a> {

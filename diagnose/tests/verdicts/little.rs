@@ -1,6 +1,7 @@
 //! Recordings that say little.
 
-use crate::arm::{Noise, Shown, effects, moving, nothing, report, standing};
+use crate::arm::{Extra, Noise, Shown, effects, moving, nothing, report, reported, standing};
+use diagnose::Options;
 use serde_json::json;
 
 #[test]
@@ -99,4 +100,49 @@ fn a_parked_joint_is_in_no_mean() {
             assert!((mean - 0.5 * (known[0] + known[1])).abs() < 1e-12);
         }
     }
+}
+
+/// Four runs of a second: too short for a null, not for what is most of a joint's error in each of them.
+#[test]
+fn four_seconds_show_a_wrist_that_is_coupled() {
+    let short = |seed, more: &Extra| {
+        let reach = [0.8, 0.5, 0.6];
+        Shown {
+            seed,
+            trajectories: 4,
+            seconds: 1.0,
+            reach,
+            more,
+        }
+        .recording()
+    };
+    let coupled = |_: usize, _: f64, qd: &[f64], j: usize| [0.0, 0.0, 0.4][j] * qd[0];
+    let found = report(&short(1, &coupled), &moving(7, &coupled));
+    let causes = found["causes"].as_array().unwrap();
+    let own = causes.iter().find(|c| c["effect"] == "joint_coupling");
+    let own = own.unwrap_or_else(|| panic!("{:#}", found["causes"]));
+    assert_eq!(
+        (&own["joints"][0], &own["driver"]),
+        (&json!("j3"), &json!("j1"))
+    );
+    assert!(own["confidence"].is_null() && own["p_value"].is_null());
+    assert_eq!(own["remark"], "short recording");
+    let notes = found["notes"].as_array().unwrap();
+    let said = |n: &serde_json::Value| n.as_str().unwrap().starts_with("short recording");
+    assert!(notes.iter().any(said), "{notes:#?}");
+    // By its gain in nats it would not be.
+    let mut long = Options::default();
+    long.settings.ladder.fewest = 0.0;
+    let found = reported(&short(1, &coupled), &moving(7, &coupled), &long);
+    assert!(
+        !effects(&found).contains(&"joint_coupling"),
+        "{:#}",
+        found["causes"]
+    );
+    let sound = report(&short(1, &nothing), &moving(7, &nothing));
+    let structural = sound["causes"].as_array().unwrap();
+    assert!(
+        structural.iter().all(|c| c["kind"] == "parameter"),
+        "{structural:#?}"
+    );
 }

@@ -10,7 +10,7 @@ mod products;
 mod shifted;
 mod system;
 
-pub use system::{Delay, Search, System, student_975};
+pub use system::{Delay, Search, System, student, student_975};
 
 use shifted::Shifted;
 

@@ -69,5 +69,10 @@ impl Delay {
 
 /// The value that Student's t with `dof` degrees of freedom exceeds with a chance of 2.5 %; infinite without any.
 pub fn student_975(dof: usize) -> f64 {
-    StudentsT::new(0.0, 1.0, dof as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+    student(0.025, dof)
+}
+
+/// The same of another chance.
+pub fn student(chance: f64, dof: usize) -> f64 {
+    StudentsT::new(0.0, 1.0, dof as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - chance))
 }

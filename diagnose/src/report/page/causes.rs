@@ -86,7 +86,12 @@ pub(super) fn section(outcome: &Outcome) -> Section {
             .chain(sure.then(|| Cell::optional(c.confidence, 2)));
         t.row(cells.chain([
             Cell::optional(c.p_value, 3),
-            Cell::text(if c.confirmed { "yes" } else { "no" }),
+            Cell::text(match (c.confirmed, c.remark) {
+                (true, None) => "yes".to_owned(),
+                (true, Some(remark)) => format!("yes ({remark})"),
+                (false, None) => "no".to_owned(),
+                (false, Some(remark)) => format!("no ({remark})"),
+            }),
             if rivals.is_empty() {
                 Cell::missing()
             } else {

@@ -14,7 +14,8 @@ pub fn sentence(cause: &Cause) -> String {
         _ => format!(", {}", value(p)),
     };
     let size = cause.parameters.first().map_or(String::new(), of);
-    format!("{} on {}{size}", what(cause), place(cause))
+    let remark = cause.remark.map_or(String::new(), |r| format!(" ({r})"));
+    format!("{} on {}{size}{remark}", what(cause), place(cause))
 }
 
 /// What a cause is, in plain words.

@@ -9,8 +9,9 @@ mod products;
 mod rows;
 mod sides;
 
+use crate::algebra::folds::jackknife;
 use products::Products;
-use rows::{EXPLAINS, LAWS, SURE, jackknife, rms};
+use rows::{EXPLAINS, LAWS, SURE, rms};
 use signal::correlation::correlation_time;
 use signal::quantile::{median, quantile};
 

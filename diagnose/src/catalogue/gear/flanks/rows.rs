@@ -93,14 +93,6 @@ impl Rows {
     }
 }
 
-/// Deviation of a number by what it is without each block (jackknife); none of fewer than three.
-pub(super) fn jackknife(without: &[f64]) -> Option<f64> {
-    let count = without.len() as f64;
-    let mean = without.iter().sum::<f64>() / count;
-    let square = without.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-    (count >= 3.0).then(|| ((count - 1.0) / count * square).sqrt())
-}
-
 /// Root mean square.
 pub(super) fn rms(x: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = x.fold((0.0, 0usize), |(s, n), x| (s + x * x, n + 1));

@@ -1,6 +1,7 @@
 //! A gap between flanks that are too stiff for their deflection to show: the link stands on one side or on the other, as its load has it.
 
-use super::rows::{EXPLAINS, Flanks, LAWS, Rows, SURE, jackknife, rms};
+use super::rows::{EXPLAINS, Flanks, LAWS, Rows, SURE, rms};
+use crate::algebra::folds::jackknife;
 use signal::quantile::{median, quantile};
 
 /// Most of the rows on the way between the sides (nearer to the middle than half of the way), least on either side, and most that a side

@@ -1,0 +1,125 @@
+//! Whether the held-out recording is of another day: friction that is more or less there than where it was fitted.
+//!
+//! Of each joint the factor on all of its friction that what is left asks for, on every trajectory of either recording by itself. How much it
+//! differs between trajectories of the fitted recording says what is nothing. It changes no cause, no size and no verdict.
+
+use crate::input::frames::Frames;
+use crate::measure::explain::Explanation;
+use crate::measure::friction::resisting;
+use crate::motion::frame::Frame;
+use crate::motion::scene::Scene;
+use crate::search::find::Findings;
+use crate::settings::OtherDaySettings;
+use crate::simulator::NominalModel;
+use ndarray::Array2;
+use signal::delay::student;
+
+/// A joint whose friction is another in the held-out recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Changed {
+    /// Joint.
+    pub joint: usize,
+    /// Friction there over that of the fitted recording, less one.
+    pub change: f64,
+    /// Its deviation.
+    pub std: f64,
+}
+
+/// Joints whose friction is another. `left` and `skipped` are of the fitted recording at its samples: what the causes leave out of fold,
+/// shape (samples, joints), and what a push has cut.
+pub fn changed(
+    model: &NominalModel,
+    frames: &Frames,
+    found: &Findings,
+    explanation: &Explanation,
+    left: &Array2<f64>,
+    skipped: &[bool],
+) -> Vec<Changed> {
+    let settings = &found.settings.measure.other_day;
+    let scene = |passage| Scene::new(&found.present, passage, &frames.scale).with_tangents();
+    let there = scene(frames.heldout_passage());
+    let friction = [
+        resisting(model, found, &scene(frames.passage()), &frames.data),
+        resisting(model, found, &there, &frames.heldout),
+    ];
+    let kept = |i: usize| !skipped[i];
+    let scored = |i: usize| explanation.scored.keeps(i);
+    (0..model.robot.dof())
+        .filter_map(|j| {
+            let own = factors(&frames.data, left, &friction[0], j, &kept);
+            let other = factors(
+                &frames.heldout,
+                &explanation.residual,
+                &friction[1],
+                j,
+                &scored,
+            );
+            difference(&own, &other, settings).map(|(change, std)| Changed {
+                joint: j,
+                change,
+                std,
+            })
+        })
+        .collect()
+}
+
+/// By trajectory: what is left, regressed on the friction.
+fn factors(
+    frame: &Frame,
+    left: &Array2<f64>,
+    friction: &Array2<f64>,
+    joint: usize,
+    kept: &dyn Fn(usize) -> bool,
+) -> Vec<f64> {
+    let of = |rows: std::ops::Range<usize>| {
+        let (mut product, mut square) = (0.0, 0.0);
+        for i in rows.filter(|i| kept(*i)) {
+            let f = friction[[i, joint]];
+            product += f * left[[i, joint]];
+            square += f * f;
+        }
+        (square > 0.0).then(|| product / square)
+    };
+    let each = frame.rows.iter().cloned();
+    each.filter_map(|rows| of(frame.samples_of(rows))).collect()
+}
+
+/// Difference of the means and its deviation, where it is too large to be one between trajectories of a day.
+fn difference(own: &[f64], other: &[f64], settings: &OtherDaySettings) -> Option<(f64, f64)> {
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    let squares = |x: &[f64]| {
+        let mean = mean(x);
+        x.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+    };
+    if own.is_empty() || other.is_empty() {
+        return None;
+    }
+    let freedom = (own.len() + other.len())
+        .checked_sub(2)
+        .filter(|f| *f > 1)?;
+    let spread = ((squares(own) + squares(other)) / freedom as f64).sqrt();
+    let std = spread * (1.0 / own.len() as f64 + 1.0 / other.len() as f64).sqrt();
+    let change = mean(other) - mean(own);
+    let most = student(0.5 * settings.chance, freedom);
+    (change.abs() > settings.least && change.abs() > most * std).then_some((change, std))
+}
+
+/// What is said of it.
+pub fn note(changed: &[Changed], names: &[String]) -> Option<String> {
+    let one = |c: &Changed| {
+        format!(
+            "{} {:+.0} % (± {:.0} %)",
+            names[c.joint],
+            100.0 * c.change,
+            100.0 * c.std
+        )
+    };
+    let list: Vec<String> = changed.iter().map(one).collect();
+    (!list.is_empty()).then(|| {
+        format!(
+            "heldout: friction is another there than in data, as on another day or at another temperature: {}; no cause, size or verdict \
+             comes from that, but it is in every error on the held-out recording",
+            list.join(", ")
+        )
+    })
+}
