@@ -123,3 +123,28 @@ pub fn note(changed: &[Changed], names: &[String]) -> Option<String> {
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_one_that_trajectories_of_a_day_do_not_show() {
+        let settings = OtherDaySettings::default();
+        let own = [0.01, -0.01, 0.0, 0.02, -0.02, 0.0];
+        let (change, std) = difference(&own, &[0.09, 0.11, 0.1], &settings).unwrap();
+        assert!(
+            (change - 0.1).abs() < 1e-12 && (0.005..0.02).contains(&std),
+            "{std}"
+        );
+        // As far apart as the trajectories are.
+        assert_eq!(difference(&own, &[0.03, 0.0, 0.02], &settings), None);
+        // Sure, and nothing.
+        assert_eq!(
+            difference(&[0.0, 1e-4, 0.0], &[0.01, 0.0101], &settings),
+            None
+        );
+        // Two numbers have no spread.
+        assert_eq!(difference(&[0.0], &[0.1], &settings), None);
+    }
+}

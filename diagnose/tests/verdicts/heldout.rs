@@ -62,3 +62,30 @@ fn a_limit_that_only_the_heldout_recording_reaches_is_no_cause() {
     );
     assert_eq!(found["verdict"], "no_gap", "of the fitted recording");
 }
+
+/// Friction of one joint a tenth larger in the held-out recording is said, on that joint alone, and changes no cause.
+#[test]
+fn friction_of_another_day_is_said() {
+    let warmer = |_: usize, _: f64, qd: &[f64], j: usize| {
+        [0.0, 0.1, 0.0][j] * (2.0 * qd[j] + 3.0 * qd[j].signum())
+    };
+    let of = |found: &serde_json::Value| -> Vec<String> {
+        let notes = found["notes"].as_array().unwrap();
+        let notes = notes.iter().map(|n| n.as_str().unwrap().to_owned());
+        notes
+            .filter(|n| n.contains("friction is another"))
+            .collect()
+    };
+    let same = report(&moving(1, &nothing), &moving(7, &nothing));
+    assert_eq!(of(&same), Vec::<String>::new());
+    let other = report(&moving(1, &nothing), &moving(7, &warmer));
+    let said = of(&other);
+    assert_eq!(said.len(), 1, "{:#}", other["notes"]);
+    assert!(
+        said[0].contains("j2 +1") && !said[0].contains("j1 ") && !said[0].contains("j3 "),
+        "{}",
+        said[0]
+    );
+    assert_eq!(other["causes"], same["causes"]);
+    assert_eq!(other["verdict"], same["verdict"]);
+}
