@@ -11,6 +11,7 @@ use datasets::Recording;
 use datasets::check::{CheckOptions, CheckReport, check};
 use datasets::prepare::{PrepareReport, Source};
 use model::preparation::channel;
+use model::preparation::check::channel_findings;
 
 /// Checks both recordings, the fitted one, then the held-out one: what `train` checks, but for what its own fit needs.
 pub fn checked(
@@ -36,7 +37,8 @@ fn one(model: &NominalModel, frame: &Frame, recording: &Recording) -> Option<Che
     // Against the robot's own earlier recordings the channel is a cause among others: no description says how large torque is.
     if model.replay().is_none() {
         let channel = channel::estimate(&model.robot, recording, frame.prepared());
-        report.add(channel.findings(&options.joints));
+        let found = channel_findings(&model.robot, recording, frame.prepared(), &channel);
+        report.add(found);
         report.channel = Some(channel);
     }
     Some(report)

@@ -5,6 +5,7 @@ use ::identify::base::{BaseParameters, Extra};
 use ::identify::least_squares::{
     Accumulator, LeastSquaresError, SolveOptions, SubRegressors, Triangle, solve,
 };
+use datasets::channel::ChannelEstimate;
 use datasets::check::{
     Ailment, CheckOptions, CheckReport, Complaint, Finding, Kind, Severity, check, moves,
 };
@@ -90,13 +91,32 @@ pub fn check_recording(
             })?;
         let channel = channel::estimate(robot, recording, &prepared);
         let complaints = doctor::examine(robot, recording, &prepared, &channel);
-        let mut found = channel.findings(&settings.joints);
-        found.retain(|f| f.kind != Kind::TorqueScale || is_confirmed(&complaints, f.joint));
+        let found = confirmed(channel.findings(&settings.joints), &complaints);
         report.add(found.into_iter().chain(poor));
         report.channel = Some(channel);
         report.doctor = complaints;
     }
     Ok(report)
+}
+
+/// What of a recording's channel is worth a sentence, scales as far as the doctor finds them too.
+pub fn channel_findings(
+    robot: &Robot,
+    recording: &Recording,
+    prepared: &Prepared,
+    channel: &ChannelEstimate,
+) -> Vec<Finding> {
+    let found = channel.findings(&robot.joint_names());
+    if found.iter().all(|f| f.kind != Kind::TorqueScale) {
+        return found;
+    }
+    let complaints = doctor::examine(robot, recording, prepared, channel);
+    confirmed(found, &complaints)
+}
+
+fn confirmed(mut found: Vec<Finding>, complaints: &[Complaint]) -> Vec<Finding> {
+    found.retain(|f| f.kind != Kind::TorqueScale || is_confirmed(complaints, f.joint));
+    found
 }
 
 /// Whether the doctor, who knows friction too, finds that a scale or sign is another. A torque without gravity or sign has
