@@ -27,15 +27,15 @@ def made(folder, *arguments):
 
 
 def test_the_same_seed_writes_the_same_bytes_and_the_effect_is_named(tmp_path):
-    arguments = ("--seed", "3", "--only", "torque_offset")
+    arguments = ("--seed", "3", "--only", "torque_gain")
     truth, files = made(tmp_path / "a", *arguments)
     assert made(tmp_path / "b", *arguments)[1] == files
     withheld = truth["effects"][0]
-    assert withheld["effect"] == "torque_offset" and 0.05 <= withheld["share"] <= 0.35
+    assert withheld["effect"] == "torque_gain" and 0.05 <= withheld["share"] <= 0.35
     case = tmp_path / "a" / "cases" / truth["case"]
     found = residyn.diagnose(case / "robot.xml", case / "train.parquet", case / "test.parquet", fast=True)
     causes = [c for c in found.raw["causes"] if c["kind"] == "structure"]
-    assert [c["effect"] for c in causes] == ["torque_offset"], causes
+    assert [c["effect"] for c in causes] == ["torque_gain"], causes
     assert causes[0]["joints"] == withheld["joints"]
-    value = {p["name"]: p for p in causes[0]["parameters"]}["offset"]
-    assert value["value"] == pytest.approx(withheld["parameters"]["offset"], abs=3 * value["std"])
+    value = {p["name"]: p for p in causes[0]["parameters"]}["gain"]
+    assert value["value"] == pytest.approx(withheld["parameters"]["gain"], abs=3 * value["std"])
