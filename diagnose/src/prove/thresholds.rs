@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::OnceLock;
 use trials::SimulateError;
-use trials::cases::{Case, draw, draw_hard, generate, name};
+use trials::cases::{Case, CaseSpec, draw, draw_hard, generate, name};
 
 /// Those numbers.
 const NUMBERS: [&str; 10] = [
@@ -74,8 +74,9 @@ pub fn run(
         };
         let case = OneCase {
             id: name(&spec, seed),
+            spec,
+            seed,
             made: OnceLock::new(),
-            make: || generate(&spec, seed),
             out,
         };
         let score = |folder: &str, options: &Options| {
@@ -98,10 +99,11 @@ pub fn run(
 }
 
 /// A case that is made once something has to be diagnosed on it.
-struct OneCase<'a, F> {
+struct OneCase<'a> {
     id: String,
+    spec: CaseSpec,
+    seed: u64,
     made: OnceLock<Result<Box<Case>, SimulateError>>,
-    make: F,
     out: Option<&'a Path>,
 }
 
@@ -122,7 +124,7 @@ fn variants(usual: &Options) -> Vec<Variant> {
     NUMBERS.into_iter().flat_map(of).collect()
 }
 
-impl<F: Fn() -> Result<Case, SimulateError> + Sync> OneCase<'_, F> {
+impl OneCase<'_> {
     /// Its score, from the report in `folder` where there is one.
     fn scored(&self, folder: &str, options: &Options) -> Result<Score, ProveError> {
         let folder = self.out.map(|out| out.join(folder));
@@ -132,7 +134,9 @@ impl<F: Fn() -> Result<Case, SimulateError> + Sync> OneCase<'_, F> {
         if let Some(kept) = kept {
             return Ok(judge(&kept["truth"], &kept["report"]));
         }
-        let made = self.made.get_or_init(|| (self.make)().map(Box::new));
+        let made = self
+            .made
+            .get_or_init(|| generate(&self.spec, self.seed).map(Box::new));
         let case = made.as_ref().map_err(|e| ProveError::Made {
             case: self.id.clone(),
             error: e.to_string(),

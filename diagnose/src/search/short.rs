@@ -11,7 +11,6 @@ use crate::search::select::{Search, Selection, Tried};
 use crate::search::simplest::{Against, Answer, Simplest};
 use crate::settings::LadderSettings;
 use std::collections::HashSet;
-use std::sync::OnceLock;
 
 /// Folds of each piece: neighbours together until they are about as long as one has to be.
 pub(super) fn pieces(rows: &[usize], least: f64) -> Vec<Vec<usize>> {
@@ -42,16 +41,7 @@ impl<'a> Simplest<'a> {
         pieces: &[Vec<usize>],
         settings: &LadderSettings,
     ) -> Answer<'a> {
-        let search = Search {
-            objective: self.objective,
-            candidates: self.candidates,
-            members: self.members,
-            robot: self.model.sizes(),
-            base: answer.base.clone(),
-            barred: HashSet::new(),
-            chance: self.chance,
-            missing: OnceLock::new(),
-        };
+        let search = self.search(answer.base.clone(), HashSet::new());
         let mut accepted = answer.selection.accepted.clone();
         while let Some(more) = self.halves(&search, &accepted, pieces, settings) {
             accepted.push(more);
@@ -112,12 +102,12 @@ impl<'a> Simplest<'a> {
         let halves = |t: &&Tried| {
             let after = by_piece(&beside.parts(&search.variables(t.candidate)), pieces);
             let on = |j: usize| {
-                let each = after.iter().zip(&before);
+                let mut each = after.iter().zip(&before);
                 let halved = |(after, before): (&Vec<f64>, &Vec<f64>)| {
                     after[j] <= settings.on_every * before[j]
                 };
                 pieces.len() > 1
-                    && each.clone().all(halved)
+                    && each.all(halved)
                     && t.error[j] <= settings.halved * refitted(j).min(whole[j])
             };
             self.candidates[t.candidate].joints.iter().any(|&j| on(j))

@@ -168,17 +168,22 @@ impl<'a> Simplest<'a> {
         (0..self.candidates.len()).filter(same).collect()
     }
 
-    fn run(&self, freedom: f64, barred: HashSet<usize>) -> Run<'a> {
-        let search = Search {
+    /// A search beside some base, some candidates aside.
+    pub(super) fn search(&self, base: Vec<Variable>, barred: HashSet<usize>) -> Search<'a> {
+        Search {
             objective: self.objective,
             candidates: self.candidates,
             members: self.members,
             robot: self.model.sizes(),
-            base: self.objective.base(self.model, freedom),
+            base,
             barred,
             chance: self.chance,
             missing: OnceLock::new(),
-        };
+        }
+    }
+
+    fn run(&self, freedom: f64, barred: HashSet<usize>) -> Run<'a> {
+        let search = self.search(self.objective.base(self.model, freedom), barred);
         let selection = search.run();
         let accepted = &selection.accepted;
         let own = self.relative(&selection.fit);
