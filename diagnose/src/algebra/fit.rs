@@ -49,13 +49,7 @@ pub struct Fit<'a> {
 impl<'a> Fit<'a> {
     /// Fits `variables`.
     pub fn new(grams: &'a Grams, variables: Vec<Variable>, weights: Vec<f64>) -> Self {
-        let places: Vec<Vec<(usize, usize)>> = (0..grams.dof())
-            .map(|j| {
-                let place =
-                    |(i, v): (usize, &Variable)| Some((i, grams.layout.position(j, v.column)?));
-                variables.iter().enumerate().filter_map(place).collect()
-            })
-            .collect();
+        let places = places(grams, &variables);
         let all = part(grams, &variables, &weights, &places, None);
         let folds: Vec<usize> = (0..grams.folds.len()).collect();
         let parts = folds
@@ -182,13 +176,47 @@ fn fitted(xx: &Array2<f64>, x: &Array1<f64>) -> Array1<f64> {
     out
 }
 
-fn part(
+/// Places of the variables among the active columns of each joint: (variable, place).
+fn places(grams: &Grams, variables: &[Variable]) -> Vec<Vec<(usize, usize)>> {
+    let of = |j: usize| {
+        let place = |(i, v): (usize, &Variable)| Some((i, grams.layout.position(j, v.column)?));
+        variables.iter().enumerate().filter_map(place).collect()
+    };
+    (0..grams.dof()).map(of).collect()
+}
+
+/// Squared error by joint on each fold, by the fit to the others, summed over folds, (N·m)²: that of [`Fit::error`] without all else that a fit
+/// is asked for.
+pub fn left_out_error(grams: &Grams, variables: &[Variable], weights: &[f64]) -> Vec<f64> {
+    let places = places(grams, variables);
+    let of = |f: usize| -> Vec<f64> {
+        let (_, beta) = solved(grams, variables, weights, &places, Some(f));
+        let each = grams.folds[f].iter().zip(&places);
+        each.map(|(gram, place)| {
+            let mut error = gram.yy;
+            for &(i, p) in place {
+                let row = gram.xx.row(p);
+                let fitted: f64 = place.iter().map(|&(k, r)| row[r] * beta[k]).sum();
+                error += beta[i] * (fitted - 2.0 * gram.xy[p]);
+            }
+            error.max(0.0)
+        })
+        .collect()
+    };
+    let folds: Vec<Vec<f64>> = (0..grams.folds.len()).into_par_iter().map(of).collect();
+    (0..grams.dof())
+        .map(|j| folds.iter().map(|e| e[j]).sum())
+        .collect()
+}
+
+/// The factor of the normal equations, and the coefficients.
+fn solved(
     grams: &Grams,
     variables: &[Variable],
     weights: &[f64],
     places: &[Vec<(usize, usize)>],
     left_out: Option<usize>,
-) -> Part {
+) -> (Cholesky, Array1<f64>) {
     let m = variables.len();
     let mut a = Array2::<f64>::zeros((m, m));
     let mut b = Array1::<f64>::zeros(m);
@@ -207,6 +235,17 @@ fn part(
     }
     let factor = Cholesky::new(&a);
     let beta = factor.solve(b.view());
+    (factor, beta)
+}
+
+fn part(
+    grams: &Grams,
+    variables: &[Variable],
+    weights: &[f64],
+    places: &[Vec<(usize, usize)>],
+    left_out: Option<usize>,
+) -> Part {
+    let (factor, beta) = solved(grams, variables, weights, places, left_out);
     let scored = left_out.map_or(&grams.total, |f| &grams.folds[f]);
     let mut correlation = Vec::with_capacity(grams.dof());
     let mut error = Vec::with_capacity(grams.dof());

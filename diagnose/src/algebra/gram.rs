@@ -5,7 +5,10 @@
 //! columns that touch that joint are formed once; every fit, leave-one-fold-out error and share
 //! afterwards is algebra on them, independent of the number of samples.
 
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, MatMut, MatRef, Par};
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2};
+use std::ops::Range;
 
 /// Products of one joint's rows in one fold. With X (samples, active columns of the joint) and y
 /// the torque to explain: XᵀX, Xᵀy, yᵀy.
@@ -24,17 +27,32 @@ pub struct JointGram {
 impl JointGram {
     /// Products of the rows `x` and `y`, each multiplied by its weight.
     pub fn new(x: ArrayView2<f64>, y: ArrayView1<f64>, weight: ArrayView1<f64>) -> Self {
-        let root = weight.mapv(f64::sqrt);
-        let mut xw = x.to_owned();
-        for (mut row, &r) in xw.rows_mut().into_iter().zip(&root) {
-            row *= r;
+        let all = 0..x.nrows();
+        Self::of_rows(x.columns().into_iter(), &[all], y, weight)
+    }
+
+    /// Products of columns on some `rows`, and of those of `y`, each row multiplied by its weight.
+    pub fn of_rows<'x>(
+        columns: impl ExactSizeIterator<Item = ArrayView1<'x, f64>>,
+        rows: &[Range<usize>],
+        y: ArrayView1<f64>,
+        weight: ArrayView1<f64>,
+    ) -> Self {
+        let picked: Vec<usize> = rows.iter().cloned().flatten().collect();
+        let root: Vec<f64> = picked.iter().map(|&i| weight[i].sqrt()).collect();
+        let (k, n) = (columns.len(), picked.len());
+        let mut x = Vec::with_capacity(k * n);
+        for column in columns {
+            let own = rows.iter().cloned().flatten().map(|i| column[i]);
+            x.extend(own.zip(&root).map(|(x, r)| x * r));
         }
-        let yw = &y * &root;
+        let yw: Array1<f64> = picked.iter().zip(&root).map(|(&i, r)| y[i] * r).collect();
+        let x = Array2::from_shape_vec((k, n), x).expect("every column has its rows");
         Self {
-            xx: xw.t().dot(&xw),
-            xy: xw.t().dot(&yw),
+            xy: x.dot(&yw),
             yy: yw.dot(&yw),
-            samples: weight.sum(),
+            samples: picked.iter().map(|&i| weight[i]).sum(),
+            xx: outer(&x),
         }
     }
 
@@ -44,6 +62,34 @@ impl JointGram {
         self.yy += other.yy;
         self.samples += other.samples;
     }
+}
+
+/// X·Xᵀ: half of it is computed.
+fn outer(x: &Array2<f64>) -> Array2<f64> {
+    let (k, n) = x.dim();
+    let mut out = Array2::zeros((k, k));
+    let values = x.as_slice().expect("a new table is in standard layout");
+    let x = MatRef::from_row_major_slice(values, k, n);
+    let product = out
+        .as_slice_mut()
+        .expect("a new table is in standard layout");
+    triangular::matmul(
+        MatMut::from_row_major_slice_mut(product, k, k),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        x,
+        BlockStructure::Rectangular,
+        x.transpose(),
+        BlockStructure::Rectangular,
+        1.0,
+        Par::Seq,
+    );
+    for i in 0..k {
+        for j in 0..i {
+            product[j * k + i] = product[i * k + j];
+        }
+    }
+    out
 }
 
 /// Which columns touch which joint.

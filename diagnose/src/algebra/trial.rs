@@ -5,7 +5,8 @@
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::{Fit, Part, Variable, penalty};
-use ndarray::{Array1, Array2, Axis};
+use crate::algebra::gram::JointGram;
+use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -29,6 +30,9 @@ pub enum Scored {
     Fitted,
 }
 
+/// Columns that are prepared together.
+const TOGETHER: usize = 256;
+
 /// Columns that may be added to a fit.
 pub struct Beside<'f, 'a> {
     fit: &'f Fit<'a>,
@@ -42,12 +46,39 @@ pub struct Beside<'f, 'a> {
 struct Common<'f> {
     part: &'f Part,
     left_out: Option<usize>,
+    /// [`TOGETHER`] columns each.
+    blocks: Vec<Block>,
+}
+
+/// The same of some columns.
+struct Block {
     /// CᵀWX, shape (columns, fitted).
     cross: Array2<f64>,
     /// V, shape (columns, fitted).
     moved: Array2<f64>,
-    /// By joint, where the part is scored: the places of V that touch it, and their product with XᵀX of the scored rows.
-    onto: Vec<[Array2<f64>; 2]>,
+    /// By joint, where the part is scored.
+    scored: Vec<OnJoint>,
+}
+
+/// What adding columns changes of ‖y − Xβ‖² of one joint's scored rows. With coefficients γ that is γᵀQγ + 2sᵀγ,
+/// Q = (C − XVᵀ)ᵀ(C − XVᵀ) and s = −(C − XVᵀ)ᵀ(y − Xβ).
+struct OnJoint {
+    /// The places of V that touch the joint, shape (columns, places).
+    moved: Array2<f64>,
+    /// Their product with XᵀX.
+    product: Array2<f64>,
+    /// Diagonal of Q.
+    square: Vec<f64>,
+    /// s
+    slope: Vec<f64>,
+}
+
+/// A column that is tried: its number, and where it is among the prepared ones.
+#[derive(Clone, Copy)]
+struct Place<'b> {
+    column: usize,
+    block: &'b Block,
+    row: usize,
 }
 
 impl<'f, 'a> Beside<'f, 'a> {
@@ -56,18 +87,17 @@ impl<'f, 'a> Beside<'f, 'a> {
         let mut columns = columns.to_vec();
         columns.sort_unstable();
         columns.dedup();
-        let (left_out, all) = match scored {
-            Scored::LeftOut => (&fit.parts[..], Common::new(fit, &fit.all, None, &columns)),
-            Scored::Fitted => (
-                &[][..],
-                Common::new(fit, &fit.all, None, &columns).onto(fit),
-            ),
+        let left_out = match scored {
+            Scored::LeftOut => &fit.parts[..],
+            Scored::Fitted => &[],
         };
-        let scored = left_out
-            .par_iter()
-            .enumerate()
-            .map(|(f, part)| Common::new(fit, part, Some(f), &columns).onto(fit))
-            .collect();
+        let all = || Common::new(fit, &fit.all, None, &columns, left_out.is_empty());
+        let folds = || {
+            let folds = left_out.par_iter().enumerate();
+            let each = folds.map(|(f, part)| Common::new(fit, part, Some(f), &columns, true));
+            each.collect()
+        };
+        let (all, scored) = rayon::join(all, folds);
         let row = columns.into_iter().enumerate().map(|(r, c)| (c, r));
         Self {
             fit,
@@ -83,7 +113,8 @@ impl<'f, 'a> Beside<'f, 'a> {
         let gamma = self.gamma(&self.all, added, &rows);
         let mut beta = self.fit.all.beta.clone();
         for (&r, &g) in rows.iter().zip(&gamma) {
-            beta.scaled_add(-g, &self.all.moved.row(r));
+            let (block, i) = self.all.place(r);
+            beta.scaled_add(-g, &block.moved.row(i));
         }
         let mut error = vec![0.0; self.fit.grams.dof()];
         let mut score = |common: &Common, gamma: &Array1<f64>| {
@@ -117,18 +148,6 @@ impl<'f, 'a> Beside<'f, 'a> {
         self.scored.iter().map(of).collect()
     }
 
-    /// ‖y − Xβ‖² of one joint on the scored rows.
-    fn error(
-        &self,
-        common: &Common,
-        joint: usize,
-        added: &[Variable],
-        rows: &[usize],
-        gamma: &Array1<f64>,
-    ) -> f64 {
-        common.part.error[joint] + self.change(common, joint, added, rows, gamma)
-    }
-
     /// Coefficients of the added columns.
     fn gamma(&self, common: &Common, added: &[Variable], rows: &[usize]) -> Array1<f64> {
         let (k, grams) = (added.len(), self.fit.grams);
@@ -150,17 +169,22 @@ impl<'f, 'a> Beside<'f, 'a> {
                 right[a] += w * (total.xy[row] - out.map_or(0.0, |g| g.xy[row]));
             }
             own[[a, a]] += v.precision;
-            let cross = common.cross.row(rows[a]);
+            let (block, i) = common.place(rows[a]);
+            let cross = block.cross.row(i);
             right[a] -= cross.dot(&common.part.beta);
             for (b, &r) in rows.iter().enumerate().take(a + 1) {
-                own[[a, b]] -= cross.dot(&common.moved.row(r));
+                let (block, i) = common.place(r);
+                own[[a, b]] -= cross.dot(&block.moved.row(i));
             }
+        }
+        if k == 1 && own[[0, 0]] > f64::MIN_POSITIVE {
+            return right / own[[0, 0]];
         }
         Cholesky::new(&own).solve(right.view())
     }
 
-    /// Change of ‖y − Xβ‖² of one joint on the scored rows.
-    fn change(
+    /// ‖y − Xβ‖² of one joint on the scored rows.
+    fn error(
         &self,
         common: &Common,
         joint: usize,
@@ -168,36 +192,86 @@ impl<'f, 'a> Beside<'f, 'a> {
         rows: &[usize],
         gamma: &Array1<f64>,
     ) -> f64 {
+        let places = added.iter().zip(rows).map(|(v, &r)| {
+            let (block, row) = common.place(r);
+            Place {
+                column: v.column,
+                block,
+                row,
+            }
+        });
+        let places = places.zip(gamma);
+        let mut change = 0.0;
+        for (a, (one, &g)) in places.clone().enumerate() {
+            let own = &one.block.scored[joint];
+            change += g * (g * own.square[one.row] + 2.0 * own.slope[one.row]);
+            for (other, &h) in places.clone().take(a) {
+                change += 2.0 * g * h * self.between(common, joint, one, other);
+            }
+        }
+        common.part.error[joint] + change
+    }
+
+    /// Element of Q for two columns.
+    fn between(&self, common: &Common, joint: usize, one: Place, other: Place) -> f64 {
         let grams = self.fit.grams;
         let gram = &common.left_out.map_or(&grams.total, |f| &grams.folds[f])[joint];
-        let (places, correlation) = (&self.fit.places[joint], &common.part.correlation[joint]);
-        let [moved, product] = &common.onto[joint];
-        let mut old = Array1::<f64>::zeros(places.len());
-        let mut square = Array1::<f64>::zeros(places.len());
-        for (&r, &g) in rows.iter().zip(gamma) {
-            old.scaled_add(-g, &moved.row(r));
-            square.scaled_add(-g, &product.row(r));
-        }
-        let slope: f64 = places
-            .iter()
-            .zip(&old)
-            .map(|(&(_, p), d)| d * correlation[p])
-            .sum();
-        let mut change = old.dot(&square) - 2.0 * slope;
-        let place = |(v, &g): (&Variable, &f64)| Some((grams.layout.position(joint, v.column)?, g));
-        let new: Vec<(usize, f64)> = added.iter().zip(gamma).filter_map(place).collect();
-        for &(p, g) in &new {
-            let row = gram.xx.row(p);
-            let with_old: f64 = places.iter().zip(&old).map(|(&(_, r), d)| row[r] * d).sum();
-            let with_new: f64 = new.iter().map(|&(r, h)| row[r] * h).sum();
-            change += g * (2.0 * with_old + with_new - 2.0 * correlation[p]);
-        }
-        change
+        let place = |of: Place| grams.layout.position(joint, of.column);
+        let [a, b] = [one, other].map(|of| &of.block.scored[joint]);
+        let onto = |p: Option<usize>, moved: ArrayView1<f64>| {
+            p.map_or(0.0, |p| onto(gram, p, &self.fit.places[joint], moved))
+        };
+        let (p, q) = (place(one), place(other));
+        let both = p.zip(q).map_or(0.0, |(p, q)| gram.xx[[p, q]]);
+        a.moved.row(one.row).dot(&b.product.row(other.row))
+            - onto(p, b.moved.row(other.row))
+            - onto(q, a.moved.row(one.row))
+            + both
     }
 }
 
+/// What a column at place `p` of a joint has in common with a change of the fitted ones that touch it.
+fn onto(gram: &JointGram, p: usize, places: &[(usize, usize)], moved: ArrayView1<f64>) -> f64 {
+    let row = gram.xx.row(p);
+    places
+        .iter()
+        .zip(moved)
+        .map(|(&(_, r), m)| row[r] * m)
+        .sum()
+}
+
 impl<'f> Common<'f> {
-    fn new(fit: &Fit, part: &'f Part, left_out: Option<usize>, columns: &[usize]) -> Self {
+    /// With what the error of its rows needs, where it is `scored`.
+    fn new(
+        fit: &Fit,
+        part: &'f Part,
+        left_out: Option<usize>,
+        columns: &[usize],
+        scored: bool,
+    ) -> Self {
+        let blocks = columns.par_chunks(TOGETHER);
+        let blocks = blocks.map(|some| Block::new(fit, part, left_out, some, scored));
+        Self {
+            part,
+            left_out,
+            blocks: blocks.collect(),
+        }
+    }
+
+    /// Block of a prepared column, and its row there.
+    fn place(&self, row: usize) -> (&Block, usize) {
+        (&self.blocks[row / TOGETHER], row % TOGETHER)
+    }
+}
+
+impl Block {
+    fn new(
+        fit: &Fit,
+        part: &Part,
+        left_out: Option<usize>,
+        columns: &[usize],
+        scored: bool,
+    ) -> Self {
         let grams = fit.grams;
         let mut cross = Array2::<f64>::zeros((columns.len(), fit.variables.len()));
         for (mut cross, &column) in cross.rows_mut().into_iter().zip(columns) {
@@ -212,32 +286,59 @@ impl<'f> Common<'f> {
                 }
             }
         }
+        let moved = part.factor.solve_rows(&cross);
+        let joints = 0..if scored { grams.dof() } else { 0 };
+        let scored = joints
+            .map(|j| {
+                let gram = &left_out.map_or(&grams.total, |f| &grams.folds[f])[j];
+                OnJoint::new(fit, part, gram, j, columns, &moved)
+            })
+            .collect();
         Self {
-            moved: part.factor.solve_rows(&cross),
-            part,
-            left_out,
             cross,
-            onto: Vec::new(),
+            moved,
+            scored,
         }
     }
+}
 
-    /// The same, with what the error of its scored rows needs.
-    fn onto(self, fit: &Fit) -> Self {
-        let each = fit.places.iter().zip(&self.part.products);
-        let onto = each.map(|(places, products)| {
-            let variables: Vec<usize> = places.iter().map(|&(i, _)| i).collect();
-            let moved = self.moved.select(Axis(1), &variables);
-            let product = moved.dot(products);
-            [moved, product]
-        });
-        let onto = onto.collect();
-        Self { onto, ..self }
+impl OnJoint {
+    fn new(
+        fit: &Fit,
+        part: &Part,
+        gram: &JointGram,
+        joint: usize,
+        columns: &[usize],
+        moved: &Array2<f64>,
+    ) -> Self {
+        let (places, correlation) = (&fit.places[joint], &part.correlation[joint]);
+        let variables: Vec<usize> = places.iter().map(|p| p.0).collect();
+        let moved = moved.select(Axis(1), &variables);
+        let product = moved.dot(&part.products[joint]);
+        let known: Array1<f64> = places.iter().map(|&(_, p)| correlation[p]).collect();
+        let (mut square, mut slope) = (Vec::new(), moved.dot(&known).to_vec());
+        let rows = moved.rows().into_iter().zip(product.rows());
+        for (((moved, product), slope), &column) in rows.zip(&mut slope).zip(columns) {
+            let mut own = moved.dot(&product);
+            if let Some(p) = fit.grams.layout.position(joint, column) {
+                own += gram.xx[[p, p]] - 2.0 * onto(gram, p, places, moved);
+                *slope -= correlation[p];
+            }
+            square.push(own);
+        }
+        Self {
+            moved,
+            product,
+            square,
+            slope,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::algebra::fit::left_out_error;
     use crate::algebra::gram::{Grams, JointGram, Layout};
     use proptest::prelude::*;
 
@@ -271,6 +372,10 @@ mod tests {
             let trial = Beside::new(&fit, &[3, 2], Scored::LeftOut).trial(&[v(2), v(3)]);
             let full = Fit::new(&grams, vec![v(0), v(1), v(2), v(3)], vec![1.0, 2.0]);
             for (a, b) in trial.error.iter().zip(full.error()) {
+                prop_assert!((a - b).abs() < 1e-9);
+            }
+            let alone = left_out_error(&grams, &full.variables, &full.weights);
+            for (a, b) in alone.iter().zip(full.error()) {
                 prop_assert!((a - b).abs() < 1e-9);
             }
             prop_assert!((trial.penalty - full.penalty()).abs() < 1e-9);

@@ -101,6 +101,7 @@ pub struct Size {
 }
 
 /// A hypothesis: an effect at one place with fixed shape parameters.
+#[derive(Clone)]
 pub struct Candidate {
     /// The effect.
     pub effect: Effect,

@@ -37,7 +37,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let new = |quantity, bound, column| {
         Candidate::single(Effect::EncoderOffset, joint, quantity, bound, column)
     };
-    let slope = Column::whole(scene.dof(), move |s| s.tangents[joint].q.clone());
+    let slope = Column::whole(scene.dof(), move |s| s.tangent(joint).q.clone());
     let zero = Quantity::plain("zero", "rad", Some(joint));
     let larger = LARGER.into_iter().map(|angle| {
         let turned = Column::whole(scene.dof(), move |s| {

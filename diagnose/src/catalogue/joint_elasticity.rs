@@ -105,5 +105,5 @@ pub(super) fn compliant(
 
 /// Mean inertia that the joint turns, kg·m².
 pub(super) fn own_inertia(scene: &Scene, joint: usize) -> f64 {
-    (scene.tangents[joint].qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
+    (scene.tangent(joint).qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
 }

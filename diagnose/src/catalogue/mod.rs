@@ -145,7 +145,7 @@ mod tests {
             channel: None,
             memory: None,
         };
-        let scene = Scene::new(&robot, &motion, &scale).with_tangents();
+        let scene = Scene::new(&robot, &motion, &scale);
         let mut all = catalogue(&scene, &[]);
         all.extend(torque_ripple::candidates(1, &[17.0]));
         all.extend(position_dependent_friction::candidates(&scene, 1, &[17.0]));

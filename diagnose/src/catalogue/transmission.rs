@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn a_link_crosses_the_gap_at_each_change_of_its_load_and_gives_back_what_it_brings() {
         let (robot, motion, scale) = swinging();
-        let scene = Scene::new(&robot, &motion, &scale).with_tangents();
+        let scene = Scene::new(&robot, &motion, &scale);
         for rotor in [0.0, 0.4] {
             let half_play = 0.004;
             let gap = Gap { half_play, rotor };
@@ -241,7 +241,7 @@ mod tests {
     fn a_spring_adds_what_its_equation_says() {
         // Far below its resonance a spring gives way by T/K: M·(q̈ − δ̈) with δ̈ = −(ω/Ω)²·q̈ to first order.
         let (robot, motion, scale) = swinging();
-        let scene = Scene::new(&robot, &motion, &scale).with_tangents();
+        let scene = Scene::new(&robot, &motion, &scale);
         let spring = Spring {
             frequency: 12.0,
             damping: 0.5,

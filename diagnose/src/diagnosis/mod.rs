@@ -115,7 +115,12 @@ pub fn diagnose(
     let recordings = checked(model, &frames, [data, heldout]);
     let mut ladder = explanation.ladder.clone();
     let learned = if options.learn {
-        learned(&frames, &quiet, &findings.present, &settings.measure.said)?
+        learned(
+            &frames,
+            &quiet,
+            &findings.ground.present,
+            &settings.measure.said,
+        )?
     } else {
         None
     };
@@ -133,7 +138,7 @@ pub fn diagnose(
     let mut unknowable = not_identifiable(&frames, recordings.first(), &names, &settings.input);
     unknowable.extend(channels.unusable(&names));
     let causes = units::of_causes(explanation.causes.clone(), &model.robot);
-    let sensors = seen::beside(&frames, &findings.links, &causes, &model.robot);
+    let sensors = seen::beside(&frames, &findings.ground.links, &causes, &model.robot);
     let done = notes(&frames, &settings.input, &settings.ladder).into_iter();
     let diagnosis = Diagnosis {
         schema: "diagnosis/1",
@@ -183,16 +188,25 @@ fn first(
     channels: &Channels,
     options: &Options,
 ) -> Result<Findings, DiagnoseError> {
-    let mut first = Searcher::new(model, frames, channels, options).first()?;
+    let mut first = Searcher::new(model, frames, channels, options).first(None)?;
     for _ in 0..late::ROUNDS {
         let known = frames.scale.channel.as_deref();
         let said = late::channel(&first, &model.robot);
         if frames.scale.memory.is_some() && late::alike(known, said.as_ref()) {
             break;
         }
-        let left = Searcher::new(model, frames, channels, options).left(&first);
+        let searcher = Searcher::new(model, frames, channels, options);
+        let left = searcher.left(&first);
+        // Columns that are to be late are others.
+        let on_time = known.is_none() && said.is_none();
+        let ground = if on_time {
+            searcher.known(&first)
+        } else {
+            None
+        };
+        drop(first);
         frames.hear(model, said, left, &options.settings.input);
-        first = Searcher::new(model, frames, channels, options).first()?;
+        first = Searcher::new(model, frames, channels, options).first(ground)?;
     }
     Ok(first)
 }

@@ -13,6 +13,7 @@ use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, Judged, judge, states};
 use crate::schema::NotIdentifiable;
 use crate::search::find::{Findings, find, gap};
+use crate::search::ground::Ground;
 use crate::settings::Settings;
 use crate::simulator::NominalModel;
 use crate::surrogates::{self, Naming, Null};
@@ -20,6 +21,7 @@ use crate::traces::contact::{Contact, detect, suspected};
 use crate::traces::unknown::{Left, examine};
 use datasets::metrics::Scope;
 use ndarray::Array2;
+use std::sync::Arc;
 
 /// Which joints of the fitted recording can be judged.
 pub(super) struct Channels {
@@ -127,8 +129,14 @@ impl<'a> Searcher<'a> {
     }
 
     /// What a search of the whole recording finds.
-    pub(super) fn first(&self) -> Result<Findings, DiagnoseError> {
-        self.find(&self.weight, self.chance())
+    pub(super) fn first(&self, ground: Option<Arc<Ground>>) -> Result<Findings, DiagnoseError> {
+        self.find(&self.weight, self.chance(), ground)
+    }
+
+    /// What a search of the same frames, other rows left out, has in common with another; what a link's encoder says goes by the rows.
+    pub(super) fn known(&self, found: &Findings) -> Option<Arc<Ground>> {
+        let sensed = self.frames.data.sensed().is_some();
+        (!sensed).then(|| Arc::clone(&found.ground))
     }
 
     /// What a search leaves out of fold says of the rows.
@@ -170,20 +178,34 @@ impl<'a> Searcher<'a> {
     }
 
     /// What a search finds; samples that are left out have no weight.
-    fn find(&self, weight: &Array2<f64>, chance: f64) -> Result<Findings, DiagnoseError> {
+    fn find(
+        &self,
+        weight: &Array2<f64>,
+        chance: f64,
+        ground: Option<Arc<Ground>>,
+    ) -> Result<Findings, DiagnoseError> {
         let own = self.options.settings.clone();
         let effects = self.options.effects;
-        find(self.model, self.frames, weight, own, effects, chance)
+        find(
+            self.model,
+            self.frames,
+            weight,
+            own,
+            effects,
+            chance,
+            ground,
+        )
     }
 
-    /// One search without the samples that are `skipped`, which have no weight either.
+    /// One search more without the samples that are `skipped`, which have no weight either; `known` is what it has in common with others.
     fn search(
         &self,
         weight: &Array2<f64>,
         skipped: &[bool],
         chance: f64,
+        known: Option<Arc<Ground>>,
     ) -> Result<Search, DiagnoseError> {
-        Ok(self.listed(self.find(weight, chance)?, weight, skipped))
+        Ok(self.listed(self.find(weight, chance, known)?, weight, skipped))
     }
 
     /// What a search found, as it is listed.
@@ -207,7 +229,7 @@ impl<'a> Searcher<'a> {
             &data.pick(|i| skipped[i]),
             settings,
         );
-        let scene = Scene::new(&findings.present, frames.passage(), &frames.scale);
+        let scene = Scene::new(&findings.ground.present, frames.passage(), &frames.scale);
         let load = data.table_to_samples(&scene.rigid);
         let coulomb = Coulomb {
             torque: listing.coulomb.clone(),
@@ -269,7 +291,8 @@ impl<'a> Searcher<'a> {
         }
         let part = self.options.settings.traces.contact.suspected;
         let suspected = suspected(&self.frames.data, &found.judged, part);
-        let clean = self.search(&self.without(&suspected), &suspected, self.chance())?;
+        let known = self.known(&found.findings);
+        let clean = self.search(&self.without(&suspected), &suspected, self.chance(), known)?;
         Ok(self.pushed(&clean, true))
     }
 
@@ -288,7 +311,9 @@ impl<'a> Searcher<'a> {
         while let Some(cut) = near.take() {
             let first = skipped.iter().all(|s| !s);
             skipped.iter_mut().zip(cut).for_each(|(s, n)| *s |= n);
-            found = self.search(&self.without(&skipped), &skipped, self.chance())?;
+            let known = self.known(&found.findings);
+            drop(found);
+            found = self.search(&self.without(&skipped), &skipped, self.chance(), known)?;
             let more = |c: &Contact| contact.as_ref().is_some_and(|known| c.size > known.size);
             let again = || self.pushed(&found, !self.repeats(&found.left)).filter(more);
             if first && let Some(all) = again() {
@@ -306,7 +331,7 @@ impl<'a> Searcher<'a> {
     )]
     fn above_chance(
         &self,
-        mut found: Search,
+        found: Search,
         weight: &Array2<f64>,
         skipped: &[bool],
     ) -> Result<(Search, Option<Null>, Vec<Option<Naming>>), DiagnoseError> {
@@ -324,7 +349,10 @@ impl<'a> Searcher<'a> {
         if let Some(namings) = namings {
             return Ok((found, Some(null), namings));
         }
-        found = self.search(weight, skipped, null.level().max(self.chance()))?;
+        let known = self.known(&found.findings);
+        drop(found);
+        let level = null.level().max(self.chance());
+        let found = self.search(weight, skipped, level, known)?;
         // Where a cause is left beside parameters, it has to be named again.
         let mut namings = Vec::new();
         if found.findings.least_earned().is_finite() {

@@ -100,7 +100,7 @@ fn of_part(
         left,
         judged,
         ..
-    } = searcher.searched(searcher.first()?)?;
+    } = searcher.searched(searcher.first(None)?)?;
     let rows = frames.data.len() as f64;
     let judged = judged.off_turns(&frames.data, &options.settings.motion);
     let moving = |j: usize| {

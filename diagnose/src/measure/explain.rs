@@ -83,7 +83,11 @@ pub fn explain(
         let spread = held.tau.columns().into_iter().map(|c| c.std(0.0));
         deviation = spread.map(|s| Some(s).filter(|s| *s > 0.0)).collect();
     }
-    let scene = Scene::new(&found.present, frames.heldout_passage(), &frames.scale).with_tangents();
+    let scene = Scene::new(
+        &found.ground.present,
+        frames.heldout_passage(),
+        &frames.scale,
+    );
     let columns = Columns::new(&found.dictionary, &scene, held, &found.tight.0);
     let shape = gap_held.dim();
     let left = |causes: &[usize], free: Free| {

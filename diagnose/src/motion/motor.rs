@@ -1,9 +1,10 @@
 //! How the rigid torque changes with one joint's motion, and what drives that joint's transmission.
 
-use super::rigid::rigid_torque;
 use ndarray::{Array2, ArrayView1};
+use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::Robot;
 use signal::Motion;
+use std::sync::OnceLock;
 
 /// Change of a position (rad) or velocity (rad/s) over which the rigid torque is differenced.
 const STEP: f64 = 1e-4;
@@ -23,7 +24,7 @@ pub struct Tangent {
 pub(super) struct Wide<'a> {
     pub motion: &'a Motion,
     pub rigid: Array2<f64>,
-    pub tangents: Vec<Tangent>,
+    pub tangents: Tangents,
 }
 
 /// Band of the motion that drives a transmission.
@@ -47,18 +48,58 @@ pub struct Motor<'s> {
     pub tangent: &'s Tangent,
 }
 
-/// Derivatives by each joint's motion.
-pub(super) fn tangents(robot: &Robot, m: &Motion, rigid: &Array2<f64>) -> Vec<Tangent> {
-    let shifted = |table: &Array2<f64>, joint: usize, step: f64| {
-        let mut t = table.clone();
-        t.column_mut(joint).mapv_inplace(|x| x + step);
-        t
-    };
-    (0..robot.dof())
-        .map(|j| Tangent {
-            q: (rigid_torque(robot, &shifted(&m.q, j, STEP), &m.qd, &m.qdd) - rigid) / STEP,
-            qd: (rigid_torque(robot, &m.q, &shifted(&m.qd, j, STEP), &m.qdd) - rigid) / STEP,
-            qdd: rigid_torque(robot, &m.q, &m.qd, &shifted(&m.qdd, j, 1.0)) - rigid,
-        })
-        .collect()
+/// Derivatives by each joint's motion, each computed when it is first asked for: few columns need any.
+pub(super) struct Tangents(Vec<OnceLock<Tangent>>);
+
+impl Tangents {
+    pub(super) fn new(dof: usize) -> Self {
+        Self((0..dof).map(|_| OnceLock::new()).collect())
+    }
+
+    /// Derivatives by one joint's motion. `rigid` is the torque of the robot on the motion.
+    pub(super) fn by(
+        &self,
+        joint: usize,
+        robot: &Robot,
+        motion: &Motion,
+        rigid: &Array2<f64>,
+    ) -> &Tangent {
+        self.0[joint].get_or_init(|| Tangent::new(robot, motion, rigid, joint))
+    }
+}
+
+impl Tangent {
+    // On one thread: a worker that waited for others here could be given a column that waits for this one.
+    fn new(robot: &Robot, m: &Motion, rigid: &Array2<f64>, joint: usize) -> Self {
+        let mut workspace = Workspace::new(robot);
+        let [mut by_q, mut by_qd, mut by_qdd] = [(); 3].map(|()| Array2::zeros(rigid.dim()));
+        let mut moved = vec![0.0; robot.dof()];
+        let mut tau = vec![0.0; robot.dof()];
+        for (i, rigid) in rigid.rows().into_iter().enumerate() {
+            let [q, qd, qdd] = [&m.q, &m.qd, &m.qdd].map(|t| {
+                let all = t.as_slice().expect("tables are in standard layout");
+                &all[i * t.ncols()..(i + 1) * t.ncols()]
+            });
+            let mut difference = |which: usize, step: f64, out: &mut Array2<f64>| {
+                let mut at = [q, qd, qdd];
+                moved.copy_from_slice(at[which]);
+                moved[joint] += step;
+                at[which] = &moved;
+                inverse_dynamics(robot, &mut workspace, at[0], at[1], at[2], &mut tau);
+                let change = tau.iter().zip(rigid).map(|(t, r)| (t - r) / step);
+                out.row_mut(i)
+                    .iter_mut()
+                    .zip(change)
+                    .for_each(|(o, c)| *o = c);
+            };
+            difference(0, STEP, &mut by_q);
+            difference(1, STEP, &mut by_qd);
+            difference(2, 1.0, &mut by_qdd);
+        }
+        Self {
+            q: by_q,
+            qd: by_qd,
+            qdd: by_qdd,
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //! the present model predicts on it. Measured torque is no part of it.
 
 use crate::motion::channel::Channel;
-use crate::motion::motor::{Band, Motor, Tangent, Wide, tangents};
+use crate::motion::motor::{Band, Motor, Tangent, Tangents, Wide};
 use crate::motion::passage::Passage;
 use crate::motion::rigid::{rigid_torque, rows};
 use crate::motion::sensed::Departure;
@@ -13,6 +13,7 @@ use physics::effects::{
     Coupling, EarlySign, FrictionShape, Harmonic, PositionFriction, Sliding, Term,
 };
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use rayon::prelude::*;
 use signal::Motion;
 use std::sync::Arc;
 
@@ -72,8 +73,7 @@ pub struct Scene<'a> {
     pub drive: Array2<f64>,
     /// Torque of the model as given, where torque is known to be recorded late.
     pub given: Option<Array2<f64>>,
-    /// Partial derivatives of the rigid torque, by joint that moves.
-    pub tangents: Vec<Tangent>,
+    tangents: Tangents,
     wide: Option<Wide<'a>>,
     passage: Passage<'a>,
 }
@@ -95,6 +95,11 @@ impl<'a> Scene<'a> {
                 .for_each(|s, &qd, &qdd| *s = own.at(qd, qdd));
         }
         let rigid = rigid_torque(robot, &motion.q, &motion.qd, &motion.qdd);
+        let wide = passage.wide().map(|motion| Wide {
+            motion,
+            rigid: rigid_torque(robot, &motion.q, &motion.qd, &motion.qdd),
+            tangents: Tangents::new(robot.dof()),
+        });
         let drive = drive_of(robot, motion, &sign);
         let given = scale.channel.as_ref().map(|c| {
             rigid_torque(&c.given, &motion.q, &motion.qd, &motion.qdd)
@@ -108,8 +113,8 @@ impl<'a> Scene<'a> {
             rigid,
             drive,
             given,
-            tangents: Vec::new(),
-            wide: None,
+            tangents: Tangents::new(robot.dof()),
+            wide,
             passage,
         };
         for (joint, terms) in scene.passage.beside().iter().enumerate() {
@@ -122,17 +127,17 @@ impl<'a> Scene<'a> {
         scene
     }
 
-    /// The same with the derivatives that compliant transmissions and joint zeros need.
-    pub fn with_tangents(mut self) -> Self {
-        self.tangents = tangents(self.robot, self.motion, &self.rigid);
-        self.wide = self.passage.wide().map(|motion| {
-            let rigid = rigid_torque(self.robot, &motion.q, &motion.qd, &motion.qdd);
-            let tangents = tangents(self.robot, motion, &rigid);
-            Wide {
-                motion,
-                rigid,
-                tangents,
-            }
+    /// Partial derivatives of the rigid torque by the motion of a joint.
+    pub fn tangent(&self, joint: usize) -> &Tangent {
+        self.tangents
+            .by(joint, self.robot, self.motion, &self.rigid)
+    }
+
+    /// The same with all derivatives of the motion in the band of the rows, both cores at work.
+    pub fn with_tangents(self) -> Self {
+        (0..self.dof()).into_par_iter().for_each(|joint| {
+            self.tangent(joint);
+            self.motor(joint, Band::Rows);
         });
         self
     }
@@ -144,11 +149,12 @@ impl<'a> Scene<'a> {
             .map_or((self.motion, &self.rigid, &self.tangents), |w| {
                 (w.motion, &w.rigid, &w.tangents)
             });
+        let tangent = tangents.by(joint, self.robot, motion, rigid);
         Motor {
             joint,
             qdd: motion.qdd.column(joint),
             rigid: rigid.column(joint),
-            tangent: &tangents[joint],
+            tangent,
         }
     }
 
@@ -294,7 +300,7 @@ impl<'a> Scene<'a> {
     pub fn departure(&self, joint: usize, dq: &Array1<f64>) -> Array2<f64> {
         let rate = self.derivative(dq);
         let acceleration = self.derivative(&rate);
-        let by = &self.tangents[joint];
+        let by = self.tangent(joint);
         let column = |x: &Array1<f64>| x.clone().insert_axis(Axis(1));
         &by.q * &column(dq) + &by.qd * &column(&rate) + &by.qdd * &column(&acceleration)
     }

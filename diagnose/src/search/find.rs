@@ -4,20 +4,22 @@ use crate::algebra::fit::Variable;
 use crate::algebra::folds::folds;
 use crate::algebra::gram::Grams;
 use crate::catalogue::choice::Choice;
-use crate::catalogue::gear::{Link, links};
+use crate::catalogue::gear::Link;
 use crate::catalogue::{
-    self, Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
+    Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
 };
 use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
 use crate::search::dictionary::Dictionary;
+use crate::search::ground::Ground;
 use crate::search::objective::Objective;
 use crate::search::on_time::on_time;
 use crate::search::select::Tried;
 use crate::search::short::pieces;
 use crate::search::simplest::{Against, Answer, Simplest};
+use crate::search::tables::Tables;
 use crate::settings::Settings;
 use crate::simulator::NominalModel;
 use crate::traces::impacts;
@@ -27,6 +29,7 @@ use ndarray::{Array1, Array2, ArrayView1, Axis};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// An accepted cause among the candidates.
 #[derive(Clone, Debug)]
@@ -43,14 +46,14 @@ pub struct Accepted {
 
 /// What the search came to.
 pub struct Findings {
-    /// The model with the first fit's parameters: what derived columns are built on.
-    pub present: Robot,
-    /// What each joint's link encoder says of its gear.
-    pub links: Vec<Link>,
+    /// What it has in common with other searches of the recording.
+    pub ground: Arc<Ground>,
     /// The catalogue with the lines found in this recording.
     pub candidates: Vec<Candidate>,
     /// Its columns.
     pub dictionary: Dictionary,
+    /// The same on the fitted rows.
+    pub tables: Tables,
     /// Products over the fitted recording.
     pub grams: Grams,
     /// Number of base variables, first in every fit.
@@ -130,7 +133,8 @@ impl Columns {
     }
 }
 
-/// Finds the causes; `effects` are looked for, and what earns no more than `chance`, in nats, is none.
+/// Finds the causes; `effects` are looked for, and what earns no more than `chance`, in nats, is none. `ground` is that of an earlier search
+/// of the same frames.
 ///
 /// # Errors
 /// None beyond those of the model's own numbers.
@@ -141,6 +145,7 @@ pub fn find(
     settings: Settings,
     effects: Choice,
     chance: f64,
+    ground: Option<Arc<Ground>>,
 ) -> Result<Findings, DiagnoseError> {
     let (data, scale) = (&frames.data, &frames.scale);
     let gap = gap(model, data, scale);
@@ -149,11 +154,17 @@ pub fn find(
     let given = Scene::new(&model.robot, frames.passage(), scale);
     let punctual = given.lateness().map(|l| &gap - &data.table_to_samples(&l));
     let left = punctual.as_ref().unwrap_or(&gap);
-    let (present, residual) = first_fit(model, frames, &given, left, weight, &settings)?;
-    let scene = Scene::new(&present, frames.passage(), scale).with_tangents();
-    let links = links(&scene, data, weight);
-    let mut candidates = catalogue::catalogue(&scene, &links);
-    effects.retain(&mut candidates);
+    let (fitted, residual) = first_fit(model, frames, &given, left, weight, &settings)?;
+    let present = ground.as_ref().map_or(fitted, |g| g.present.clone());
+    let mut scene = Scene::new(&present, frames.passage(), scale);
+    let ground = match ground {
+        Some(known) => known,
+        None => {
+            scene = scene.with_tangents();
+            Arc::new(Ground::new(&scene, data, weight, effects))
+        }
+    };
+    let mut candidates = ground.candidates.clone();
     let on_time = on_time(&scene, data, &residual, weight);
     for j in 0..data.dof() {
         let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));
@@ -172,13 +183,16 @@ pub fn find(
     }
     let load = data.table_to_samples(&scene.rigid);
     if let Some(blows) = impacts::clearest(data, &residual, &load, &settings.traces.blows)
-        && matches!(links[blows.joint], Link::Unknown)
+        && matches!(ground.links[blows.joint], Link::Unknown)
     {
         candidates.extend(backlash::struck(&scene, blows.joint));
     }
     effects.retain(&mut candidates);
     let dictionary = Dictionary::new(data.dof(), &candidates);
-    let grams = dictionary.grams(&scene, data, &y, weight, &folds);
+    let tables = ground.tables.further(&dictionary, &scene, data);
+    // Its derivatives need not stay in memory beside the products.
+    drop(scene);
+    let grams = tables.grams(&y, weight, &folds);
     let objective = Objective::new(&grams, scale, &settings.search);
     let simplest = Simplest {
         objective: &objective,
@@ -224,10 +238,10 @@ pub fn find(
     );
     let std = selection.fit.deviations();
     Ok(Findings {
-        present,
-        links,
+        ground,
         candidates,
         dictionary,
+        tables,
         grams,
         base: base.len(),
         accepted,
@@ -252,7 +266,8 @@ fn first_fit(
     let data = &frames.data;
     let dictionary = Dictionary::new(data.dof(), &[]);
     let y = data.table_thin(gap);
-    let grams = dictionary.grams(given, data, &y, weight, &folds(&data.rows));
+    let tables = Tables::new(&dictionary, given, data);
+    let grams = tables.grams(&y, weight, &folds(&data.rows));
     let objective = Objective::new(&grams, &frames.scale, &settings.search);
     let base = objective.base(model, 1.0);
     let fit = objective.fit(base.clone());

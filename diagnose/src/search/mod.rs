@@ -2,9 +2,11 @@
 
 pub(crate) mod dictionary;
 pub(crate) mod find;
+pub(crate) mod ground;
 pub(crate) mod objective;
 mod on_time;
 pub(crate) mod select;
 mod short;
 pub(crate) mod simplest;
+pub(crate) mod tables;
 mod worth;

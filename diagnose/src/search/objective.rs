@@ -5,7 +5,7 @@
 //! is what the given parameters must be bent for the explanation to hold, so that an explanation by few
 //! parameters beats the same torque explained by bending many.
 
-use crate::algebra::fit::{Fit, Variable};
+use crate::algebra::fit::{Fit, Variable, left_out_error};
 use crate::algebra::gram::Grams;
 use crate::algebra::trial::Trial;
 use crate::motion::scene::Scale;
@@ -100,13 +100,11 @@ impl<'a> Objective<'a> {
 
     /// Fits variables, the joints' weights found in three passes.
     pub fn fit(&self, variables: Vec<Variable>) -> Fit<'a> {
-        let empty: Vec<f64> = self.grams.total.iter().map(|g| g.yy).collect();
-        let mut fit = Fit::new(self.grams, variables.clone(), self.weights(&empty));
+        let mut error: Vec<f64> = self.grams.total.iter().map(|g| g.yy).collect();
         for _ in 0..3 {
-            let weights = self.weights(&fit.error());
-            fit = Fit::new(self.grams, variables.clone(), weights);
+            error = left_out_error(self.grams, &variables, &self.weights(&error));
         }
-        fit
+        Fit::new(self.grams, variables, self.weights(&error))
     }
 
     /// A candidate's coefficient: its torque may reach a multiple of the joint's, one deviation.

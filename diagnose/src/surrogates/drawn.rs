@@ -2,7 +2,7 @@
 
 use crate::algebra::fit::Fit;
 use crate::algebra::many::RightHands;
-use crate::search::dictionary::Stretches;
+use crate::search::tables::Stretches;
 use ndarray::{Array1, Array2, Axis};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

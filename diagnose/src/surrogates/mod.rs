@@ -22,11 +22,10 @@ use crate::algebra::folds::folds;
 use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::out_of_fold::OutOfFold;
-use crate::motion::scene::Scene;
-use crate::search::dictionary::Stretches;
 use crate::search::find::{Findings, gap};
 use crate::search::objective::Objective;
 use crate::search::select::Search;
+use crate::search::tables::Stretches;
 use crate::simulator::NominalModel;
 use ndarray::Array2;
 use std::collections::HashSet;
@@ -59,7 +58,6 @@ pub fn with<T>(
     let (frame, scale) = (&frames.data, &frames.scale);
     let objective = Objective::new(&found.grams, scale, &found.settings.search);
     let fit = found.tight_fit(scale);
-    let scene = Scene::new(&found.present, frames.passage(), scale).with_tangents();
     let gap = gap(model, frame, scale);
     let unseen = OutOfFold::new(found, frames, &gap, weight);
     let residual = frame.table_thin(&unseen.residual(&fit));
@@ -85,9 +83,7 @@ pub fn with<T>(
             .collect(),
         search,
         fit: &fit,
-        stretches: found
-            .dictionary
-            .by_stretch(&scene, frame, &residual, weight, &cut),
+        stretches: found.tables.by_stretch(&residual, weight, &cut),
         residual: &residual,
         weight,
         cut: &cut,

@@ -36,7 +36,7 @@ pub fn visible(robot: &Robot, motion: &Motion, noise: &[f64], settings: &Setting
     let rate = rate(motion);
     let (motion, share) = on_one_clock(motion, rate);
     let scale = scale(robot, &motion, rate);
-    let scene = Scene::new(robot, &motion, &scale).with_tangents();
+    let scene = Scene::new(robot, &motion, &scale);
     let candidates = candidates(&scene, &motion);
     let judge = Judge::new(&scene, &candidates, noise, settings, rate, share);
     let mut groups: Vec<Vec<Choice>> = Vec::new();

@@ -137,7 +137,10 @@ fn orders(outcome: &Outcome, joint: usize) -> Option<Figure> {
 
 /// Units of position, velocity and torque of a joint.
 fn units(outcome: &Outcome, joint: usize) -> [&'static str; 3] {
-    if outcome.findings.present.joints()[joint].kind.is_rotation() {
+    if outcome.findings.ground.present.joints()[joint]
+        .kind
+        .is_rotation()
+    {
         ["rad", "rad/s", "N·m"]
     } else {
         ["m", "m/s", "N"]

@@ -11,6 +11,7 @@ use crate::search::dictionary::Dictionary;
 use crate::search::find::gap;
 use crate::search::objective::Objective;
 use crate::search::select::Search;
+use crate::search::tables::Tables;
 use crate::simulator::NominalModel;
 use ndarray::Array1;
 use physics::robot::Robot;
@@ -27,16 +28,8 @@ fn elsewhere(values: &Array1<f64>, n: usize) -> Array1<f64> {
 /// A candidate with other columns.
 fn with(candidate: &Candidate, columns: Vec<Column>) -> Candidate {
     Candidate {
-        effect: candidate.effect,
-        joints: candidate.joints.clone(),
-        driver: candidate.driver,
         columns,
-        bounds: candidate.bounds.clone(),
-        quantities: candidate.quantities.clone(),
-        change: candidate.change,
-        shape: candidate.shape.clone(),
-        sizes: candidate.sizes.clone(),
-        evidence: candidate.evidence,
+        ..candidate.clone()
     }
 }
 
@@ -81,7 +74,7 @@ fn what_another_trajectory_moved_explains_nothing() {
             first_search(&model, recordings, &Options::default()).unwrap();
         let data = &frames.data;
         let own = found.candidates.iter();
-        let mut all: Vec<Candidate> = own.clone().map(|c| with(c, c.columns.clone())).collect();
+        let mut all: Vec<Candidate> = own.clone().cloned().collect();
         // Where each candidate's decoy stands among them.
         let mut places = Vec::new();
         for candidate in own {
@@ -90,9 +83,10 @@ fn what_another_trajectory_moved_explains_nothing() {
             all.extend(decoy);
         }
         let dictionary = Dictionary::new(data.dof(), &all);
-        let scene = Scene::new(&found.present, frames.passage(), &frames.scale).with_tangents();
+        let scene = Scene::new(&found.ground.present, frames.passage(), &frames.scale);
         let y = data.table_thin(&gap(&model, data, &frames.scale));
-        let grams = dictionary.grams(&scene, data, &y, &weight, &folds(&data.rows));
+        let tables = Tables::new(&dictionary, &scene, data);
+        let grams = tables.grams(&y, &weight, &folds(&data.rows));
         let objective = Objective::new(&grams, &frames.scale, &found.settings.search);
         let search = Search {
             objective: &objective,

@@ -1,0 +1,157 @@
+//! The columns of a dictionary on the rows that are fitted, and their products.
+
+use crate::algebra::gram::{Grams, JointGram, Layout};
+use crate::motion::frame::Frame;
+use crate::motion::scene::Scene;
+use crate::search::dictionary::Dictionary;
+use ndarray::{Array2, ArrayView1};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What a fit leaves, by stretch of time.
+pub struct Stretches {
+    /// Fold of each stretch.
+    pub fold: Vec<usize>,
+    /// By joint, shape (active columns, stretches).
+    pub products: Vec<Array2<f64>>,
+    /// Weighted sums of squares, shape (stretches, joints).
+    pub squares: Array2<f64>,
+}
+
+/// Columns on the rows that are fitted. They are most of what a search holds and most of its time, and do not change with what rows weigh: searches of
+/// one recording share those of the catalogue, each adding what it picked from the torque.
+pub struct Tables {
+    layout: Layout,
+    /// Number of columns that are shared: the first ones.
+    common: usize,
+    /// By joint, shape (columns that touch it, rows): those that are shared, and the further ones.
+    shared: Arc<Vec<Array2<f64>>>,
+    own: Vec<Array2<f64>>,
+}
+
+impl Tables {
+    /// All columns of a dictionary.
+    pub fn new(dictionary: &Dictionary, scene: &Scene, frame: &Frame) -> Self {
+        let layout = dictionary.layout(scene.dof());
+        let shared = Arc::new(shown(dictionary, &layout, scene, frame, 0));
+        let own = vec![Array2::zeros((0, frame.len())); scene.dof()];
+        Self {
+            layout,
+            common: dictionary.len(),
+            shared,
+            own,
+        }
+    }
+
+    /// The same of a dictionary that begins with the shared columns.
+    pub fn further(&self, dictionary: &Dictionary, scene: &Scene, frame: &Frame) -> Self {
+        let layout = dictionary.layout(scene.dof());
+        Self {
+            own: shown(dictionary, &layout, scene, frame, self.common),
+            layout,
+            shared: Arc::clone(&self.shared),
+            ..*self
+        }
+    }
+
+    /// Columns that touch a joint, in the order of [`Layout::active`].
+    fn columns(&self, joint: usize) -> impl ExactSizeIterator<Item = ArrayView1<'_, f64>> {
+        let (shared, own) = (&self.shared[joint], &self.own[joint]);
+        let first = shared.nrows();
+        (0..first + own.nrows()).map(move |p| {
+            if p < first {
+                shared.row(p)
+            } else {
+                own.row(p - first)
+            }
+        })
+    }
+
+    /// Products of all columns and the gap `y` (rows, joints), by fold of whole trajectories.
+    pub fn grams(
+        &self,
+        y: &Array2<f64>,
+        weight: &Array2<f64>,
+        folds: &[Vec<Range<usize>>],
+    ) -> Grams {
+        let dof = self.layout.dof();
+        let cells: Vec<(usize, usize)> = (0..folds.len())
+            .flat_map(|f| (0..dof).map(move |j| (f, j)))
+            .collect();
+        let grams: Vec<JointGram> = cells
+            .into_par_iter()
+            .map(|(f, j)| {
+                JointGram::of_rows(self.columns(j), &folds[f], y.column(j), weight.column(j))
+            })
+            .collect();
+        let mut grams = grams.into_iter();
+        let folds = folds.iter().map(|_| grams.by_ref().take(dof).collect());
+        Grams::new(self.layout.clone(), folds.collect())
+    }
+
+    /// Products of all columns with what a fit leaves of the fitted rows, by stretch of time; each stretch lies in one fold.
+    pub fn by_stretch(
+        &self,
+        residual: &Array2<f64>,
+        weight: &Array2<f64>,
+        stretches: &[(usize, Range<usize>)],
+    ) -> Stretches {
+        let weighted = residual * weight;
+        let of_joint = |j: usize| {
+            let left: Vec<f64> = weighted.column(j).to_vec();
+            let mut out = Array2::zeros((self.layout.active[j].len(), stretches.len()));
+            for (mut row, column) in out.rows_mut().into_iter().zip(self.columns(j)) {
+                for (sum, (_, rows)) in row.iter_mut().zip(stretches) {
+                    let left = ArrayView1::from(&left[rows.clone()]);
+                    *sum = column
+                        .slice_axis(ndarray::Axis(0), rows.clone().into())
+                        .dot(&left);
+                }
+            }
+            out
+        };
+        let squares = Array2::from_shape_fn((stretches.len(), self.layout.dof()), |(b, j)| {
+            let rows = stretches[b].1.clone();
+            rows.map(|i| weighted[[i, j]] * residual[[i, j]]).sum()
+        });
+        Stretches {
+            fold: stretches.iter().map(|s| s.0).collect(),
+            squares,
+            products: (0..self.layout.dof())
+                .into_par_iter()
+                .map(of_joint)
+                .collect(),
+        }
+    }
+}
+
+/// Columns from `first` on, by joint, shape (columns that touch it, rows).
+fn shown(
+    dictionary: &Dictionary,
+    layout: &Layout,
+    scene: &Scene,
+    frame: &Frame,
+    first: usize,
+) -> Vec<Array2<f64>> {
+    let before: Vec<usize> = layout
+        .active
+        .iter()
+        .map(|active| active.partition_point(|&c| c < first))
+        .collect();
+    let mut out: Vec<Array2<f64>> = layout
+        .active
+        .iter()
+        .zip(&before)
+        .map(|(active, before)| Array2::zeros((active.len() - before, frame.len())))
+        .collect();
+    for batch in dictionary.batches(scene.dof(), first) {
+        for (c, j, values) in dictionary.reduced(scene, frame, &batch) {
+            let p = layout
+                .position(j, c)
+                .expect("a column touches the joints that it names");
+            out[j].row_mut(p - before[j]).assign(&values);
+        }
+    }
+    out
+}
