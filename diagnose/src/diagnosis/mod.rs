@@ -200,7 +200,7 @@ fn first(
         // Columns that are to be late are others.
         let on_time = known.is_none() && said.is_none();
         let ground = if on_time {
-            searcher.known(&first)
+            Searcher::known(&first)
         } else {
             None
         };

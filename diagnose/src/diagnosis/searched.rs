@@ -3,6 +3,7 @@
 use super::options::Options;
 use super::{memory, turns};
 use crate::catalogue::effect::Effect;
+use crate::catalogue::gear::Link;
 use crate::error::DiagnoseError;
 use crate::input::frames::{Frames, Rest};
 use crate::ladder::listing::{Listing, list};
@@ -133,10 +134,11 @@ impl<'a> Searcher<'a> {
         self.find(&self.weight, self.chance(), ground)
     }
 
-    /// What a search of the same frames, other rows left out, has in common with another; what a link's encoder says goes by the rows.
-    pub(super) fn known(&self, found: &Findings) -> Option<Arc<Ground>> {
-        let sensed = self.frames.data.sensed().is_some();
-        (!sensed).then(|| Arc::clone(&found.ground))
+    /// What a search of the same frames has in common with another, whatever its rows weigh; what a link's encoder says of a gear goes by the rows.
+    pub(super) fn known(found: &Findings) -> Option<Arc<Ground>> {
+        let said = |link: &Link| !matches!(link, Link::Unknown);
+        let ground = &found.ground;
+        (!ground.links.iter().any(said)).then(|| Arc::clone(ground))
     }
 
     /// What a search leaves out of fold says of the rows.
@@ -291,7 +293,7 @@ impl<'a> Searcher<'a> {
         }
         let part = self.options.settings.traces.contact.suspected;
         let suspected = suspected(&self.frames.data, &found.judged, part);
-        let known = self.known(&found.findings);
+        let known = Self::known(&found.findings);
         let clean = self.search(&self.without(&suspected), &suspected, self.chance(), known)?;
         Ok(self.pushed(&clean, true))
     }
@@ -311,7 +313,7 @@ impl<'a> Searcher<'a> {
         while let Some(cut) = near.take() {
             let first = skipped.iter().all(|s| !s);
             skipped.iter_mut().zip(cut).for_each(|(s, n)| *s |= n);
-            let known = self.known(&found.findings);
+            let known = Self::known(&found.findings);
             drop(found);
             found = self.search(&self.without(&skipped), &skipped, self.chance(), known)?;
             let more = |c: &Contact| contact.as_ref().is_some_and(|known| c.size > known.size);
@@ -349,7 +351,7 @@ impl<'a> Searcher<'a> {
         if let Some(namings) = namings {
             return Ok((found, Some(null), namings));
         }
-        let known = self.known(&found.findings);
+        let known = Self::known(&found.findings);
         drop(found);
         let level = null.level().max(self.chance());
         let found = self.search(weight, skipped, level, known)?;
