@@ -46,6 +46,14 @@ fn case() -> Case {
         .expect("an endless run holds one")
 }
 
+/// Largest resident size of this process, as the kernel says it.
+fn most_memory() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mut lines = status.lines();
+    let said = lines.find_map(|l| l.strip_prefix("VmHWM:"));
+    said.map_or_else(|| "not known".into(), |s| s.trim().into())
+}
+
 fn benchmark(criterion: &mut Criterion) {
     let case = case();
     let model = NominalModel::new(Robot::from_urdf_str(&case.urdf).expect("a robot"));
@@ -60,6 +68,7 @@ fn benchmark(criterion: &mut Criterion) {
     group.bench_function("one case", |b| {
         b.iter(|| black_box(run(&case.train, &case.test)));
     });
+    println!("most memory so far: {}", most_memory());
     // Elements per second must not fall from the first to the second.
     let (few, one) = (case.train.select(&[0, 1]), case.test.select(&[0]));
     for times in [1, 10] {

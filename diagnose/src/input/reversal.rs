@@ -13,6 +13,7 @@ use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2, ArrayView1, Axis, Zip};
 use physics::effects::EarlySign;
+use rayon::prelude::*;
 
 /// Velocities tried below which the sign of a motion is softened, rad/s (m/s); docs/formats.md allows up to 0.005.
 const SOFTNESSES: [f64; 6] = [0.0004, 0.0007, 0.0012, 0.002, 0.0032, 0.005];
@@ -105,7 +106,7 @@ pub fn signs(
             as_a_whole: as_a_whole.fold(at_once, f64::min),
         }
     };
-    let turns: Vec<Turn> = (0..frame.dof()).map(one).collect();
+    let turns: Vec<Turn> = (0..frame.dof()).into_par_iter().map(one).collect();
     // What makes friction early, or torque, is no matter of one joint: where a joint cannot tell them apart others do.
     let enough = 1.0 - settings.softness;
     let over_whole = |t: &Turn| (t.early.1 / t.as_a_whole).ln();

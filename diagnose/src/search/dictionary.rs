@@ -10,7 +10,7 @@ use physics::robot::PARAMETERS_PER_LINK;
 use rayon::prelude::*;
 
 /// Columns that are in memory at the fine rate together, beside the inertial ones, which one pass over the motion gives.
-const BATCH: usize = 32;
+const BATCH: usize = 16;
 
 /// Columns that the low-pass takes together.
 const TOGETHER: usize = 8;

@@ -166,21 +166,24 @@ pub fn find(
     };
     let mut candidates = ground.candidates.clone();
     let on_time = on_time(&scene, data, &residual, weight);
-    for j in 0..data.dof() {
+    let seen = |j: usize| -> Vec<Candidate> {
         let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));
         let lines = |residual: ArrayView1<f64>, most| {
             Orders::new(residual, q, scale.speed[j], data.report().rate_hz)
                 .map_or_else(Vec::new, |o| o.lines(most))
         };
         let orders = lines(on_time.column(j), torque_ripple::LINES);
-        candidates.extend(torque_ripple::candidates(j, &orders));
+        let mut seen = torque_ripple::candidates(j, &orders);
         // What resists the motion turns with it.
         let resisting = &on_time.column(j) * &qd.mapv(|v| (v / scale.softness[j]).tanh());
         let orders = lines(resisting.view(), position_dependent_friction::LINES);
-        candidates.extend(position_dependent_friction::candidates(&scene, j, &orders));
+        seen.extend(position_dependent_friction::candidates(&scene, j, &orders));
         let flat = plateau(&data.tau.column(j).to_vec());
-        candidates.extend(flat.map(|(limit, _)| saturation::flat_top(j, limit)));
-    }
+        seen.extend(flat.map(|(limit, _)| saturation::flat_top(j, limit)));
+        seen
+    };
+    let each: Vec<Vec<Candidate>> = (0..data.dof()).into_par_iter().map(seen).collect();
+    candidates.extend(each.into_iter().flatten());
     let load = data.table_to_samples(&scene.rigid);
     if let Some(blows) = impacts::clearest(data, &residual, &load, &settings.traces.blows)
         && matches!(ground.links[blows.joint], Link::Unknown)

@@ -1,6 +1,7 @@
 //! Least squares from products of columns with the target last.
 
 use crate::cholesky;
+use ndarray::{ArrayView1, ArrayView2};
 
 /// Adds the products of one row to the upper triangle.
 pub(super) fn add_row(sums: &mut [f64], row: &[f64], y: f64) {
@@ -12,6 +13,19 @@ pub(super) fn add_row(sums: &mut [f64], row: &[f64], y: f64) {
         }
     }
     sums[p * (p + 1) + p] += y * y;
+}
+
+/// The same of all rows of `p` columns each, and of the target.
+pub(super) fn sums(rows: &[f64], p: usize, target: &[f64]) -> Vec<f64> {
+    let x = ArrayView2::from_shape((target.len(), p), rows).expect("p values of each row");
+    let y = ArrayView1::from(target);
+    let (products, last) = (x.t().dot(&x), x.t().dot(&y));
+    let mut out = Vec::with_capacity((p + 1) * (p + 1));
+    for (row, &last) in products.rows().into_iter().zip(&last) {
+        out.extend(row.iter().copied().chain([last]));
+    }
+    out.extend(last.iter().copied().chain([y.dot(&y)]));
+    out
 }
 
 /// Ridge of columns of unit norm: holds what the rows do not show.

@@ -1,7 +1,7 @@
 //! Columns that can be shifted by any delay, and what a delay leaves.
 
 use super::cubic::{b_spline, slopes, weights};
-use super::products::{add_row, dot, fitted, own_part};
+use super::products::{add_row, dot, fitted, own_part, sums};
 use super::system::{Delay, Search, System};
 use crate::correlation::correlation_time;
 use std::ops::Range;
@@ -79,11 +79,8 @@ impl<'a> Shifted<'a> {
     pub fn error(&self, delay: f64) -> f64 {
         let p = self.splines.len();
         let x = self.columns(delay, false);
-        let mut sums = vec![0.0; (p + 1) * (p + 1)];
-        for (row, y) in x.chunks(p).zip(self.target()) {
-            add_row(&mut sums, row, y);
-        }
-        fitted(&sums, p).1
+        let y: Vec<f64> = self.target().collect();
+        fitted(&sums(&x, p, &y), p).1
     }
 
     /// The delay with its deviation: one Gauss–Newton step about it with each block left out.
@@ -91,11 +88,8 @@ impl<'a> Shifted<'a> {
         let p = self.splines.len();
         let x = self.columns(delay, false);
         let slope = self.columns(delay, true);
-        let mut sums = vec![0.0; (p + 1) * (p + 1)];
-        for (row, y) in x.chunks(p).zip(self.target()) {
-            add_row(&mut sums, row, y);
-        }
-        let (coefficients, _) = fitted(&sums, p);
+        let y: Vec<f64> = self.target().collect();
+        let (coefficients, _) = fitted(&sums(&x, p, &y), p);
         // ∂(Xβ)/∂d beside the columns.
         let lines: Vec<(Vec<f64>, f64)> = x
             .chunks(p)

@@ -56,31 +56,32 @@ impl Rows {
         columns.extend([joint.rigid.clone(), joint.rotor.clone()]);
         columns.extend(joint.friction.iter().cloned());
         let own = columns.len() - shared;
-        let slope = known.is_some();
-        if let Some(known) = known {
+        let whole = known.map(|known| {
             // The whole prediction: its slope, with the sign of a delay, is the last column.
             let mut whole = vec![0.0; joint.torque.len()];
             for (column, c) in columns.iter().zip(known) {
                 whole.iter_mut().zip(column).for_each(|(w, v)| *w += c * v);
             }
-            columns.push(whole);
-        }
+            whole
+        });
+        columns.extend(whole.clone());
         let width = columns.len();
-        let system = System {
+        let system = |columns| System {
             columns,
             target: joint.torque.clone(),
             segments: systems.segments.clone(),
             steps: systems.steps.clone(),
         };
-        let (mut values, target) = rows_at(&system, delay, &search)?;
-        if slope {
+        let (mut values, target) = rows_at(&system(columns), delay, &search)?;
+        let slope = whole.is_some();
+        if let Some(whole) = whole {
             // Central difference over a few ms of a spline: as good as its derivative.
             let h = 1e-3;
-            let [before, after] = [delay - h, delay + h].map(|d| rows_at(&system, d, &search));
+            let alone = system(vec![whole]);
+            let [before, after] = [delay - h, delay + h].map(|d| rows_at(&alone, d, &search));
             let (before, after) = (before?.0, after?.0);
             for row in 0..target.len() {
-                let at = row * width + width - 1;
-                values[at] = (after[at] - before[at]) / (2.0 * h);
+                values[row * width + width - 1] = (after[row] - before[row]) / (2.0 * h);
             }
         }
         let mut rows = Self {
