@@ -6,7 +6,7 @@ use crate::motion::sensed::Sensed;
 use crate::settings::{LadderSettings, MotionSettings};
 use datasets::prepare::{PrepareError, PrepareReport};
 use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
-use ndarray::{Array1, Array2, ArrayView1};
+use ndarray::{Array1, Array2, ArrayView1, Axis};
 use physics::effects::EarlySign;
 use signal::Motion;
 use signal::filter::{filtfilt, filtfilt_each};
@@ -241,24 +241,15 @@ impl Frame {
 
     /// Rows slower than `speed`, crossings of zero velocity, and `reach` rows on either side.
     fn slow(&self, speed: f64, reach: usize) -> Array2<bool> {
-        let mut out = Array2::from_elem((self.len(), self.dof()), false);
-        for j in 0..self.dof() {
-            let column = self.samples().qd.column(j);
-            let qd = self.pick(|i| column[i]);
-            for range in &self.rows {
-                for i in range.clone() {
-                    let crossed = i + 1 < range.end && qd[i] * qd[i + 1] < 0.0;
-                    if qd[i].abs() < speed || crossed {
-                        let (a, b) = (
-                            i.saturating_sub(reach).max(range.start),
-                            (i + reach + 1).min(range.end),
-                        );
-                        (a..b).for_each(|k| out[[k, j]] = true);
-                    }
-                }
-            }
-        }
-        out
+        let qd = self.samples().qd.select(Axis(0), &self.pick(|i| i));
+        turning(&qd, &self.rows, speed, reach)
+    }
+
+    /// Recorded samples at a reversal of a joint, as far as the low-pass smears it; shape (samples, joints).
+    pub fn samples_at_reversals(&self, settings: &MotionSettings) -> Array2<bool> {
+        let reach = (settings.reversal_time * self.report().rate_hz).ceil() as usize;
+        let motion = self.samples();
+        turning(&motion.qd, &motion.segments, settings.reversal_speed, reach)
     }
 
     /// Rows between each row and the nearest one in which the joint turns round or stands, shape (rows, joints); the trajectory's length
@@ -327,6 +318,23 @@ impl Frame {
             memory: None,
         }
     }
+}
+
+/// Where a joint is slower than `speed` or its velocity crosses zero, and what lies within `reach` on either side of the same stretch; shape of `qd`.
+fn turning(qd: &Array2<f64>, stretches: &[Range<usize>], speed: f64, reach: usize) -> Array2<bool> {
+    let mut out = Array2::from_elem(qd.dim(), false);
+    for (j, qd) in qd.columns().into_iter().enumerate() {
+        for range in stretches {
+            for i in range.clone() {
+                let crossed = i + 1 < range.end && qd[i] * qd[i + 1] < 0.0;
+                if qd[i].abs() < speed || crossed {
+                    let first = i.saturating_sub(reach).max(range.start);
+                    (first..(i + reach + 1).min(range.end)).for_each(|k| out[[k, j]] = true);
+                }
+            }
+        }
+    }
+    out
 }
 
 /// Motion in the band of the rows, where the cut-off lies below it.

@@ -145,22 +145,10 @@ fn rests(frame: &Frame, joint: usize, settings: &MotionSettings) -> Vec<Range<us
 impl Judged {
     /// The same, with samples in passing as far as the low-pass smears the joint's reversals.
     pub fn off_turns(mut self, frame: &Frame, settings: &MotionSettings) -> Self {
-        let motion = frame.samples();
-        let reach = (settings.reversal_time * frame.report().rate_hz).ceil() as usize;
-        for (j, qd) in motion.qd.columns().into_iter().enumerate() {
-            for segment in &motion.segments {
-                for i in segment.clone() {
-                    let crossed = i + 1 < segment.end && qd[i] * qd[i + 1] < 0.0;
-                    if qd[i].abs() >= settings.reversal_speed && !crossed {
-                        continue;
-                    }
-                    let first = i.saturating_sub(reach).max(segment.start);
-                    for k in first..(i + reach + 1).min(segment.end) {
-                        if self.state[[k, j]] == State::Moving {
-                            self.state[[k, j]] = State::Passing;
-                        }
-                    }
-                }
+        let states = self.state.iter_mut();
+        for (state, turning) in states.zip(&frame.samples_at_reversals(settings)) {
+            if *turning && *state == State::Moving {
+                *state = State::Passing;
             }
         }
         self

@@ -1,7 +1,7 @@
 //! Cases that stand in a folder, by whatever simulator.
 
-use super::score::{Score, judge};
-use super::{ProveError, folder_of, stored};
+use super::score::Score;
+use super::{ProveError, folder_of, scored};
 use crate::job::{Job, Subject};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -46,19 +46,11 @@ pub fn given(
     fast: bool,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Score>, ProveError> {
-    let reports = folder_of(&folder.join("reports"))?;
+    folder_of(&folder.join("reports"))?;
     let of = |name: &String| {
-        if let Some((truth, found)) = stored(folder, name) {
-            done();
-            return Ok(Score {
-                stored: true,
-                ..judge(&truth, &found)
-            });
-        }
-        let (truth, found) = one(folder, name, fast)?;
-        report::write_atomic(&reports.join(format!("{name}.json")), format!("{found:#}"))?;
+        let score = scored(Some(folder), name, || one(folder, name, fast))?;
         done();
-        Ok(judge(&truth, &found))
+        Ok(score)
     };
     names.par_iter().map(of).collect()
 }

@@ -168,28 +168,45 @@ pub fn prove(
         .filter(|spec| only.is_none_or(|name| spec.kind.name() == name))
         .take(cases as usize)
         .collect();
-    let reports = out.map(|o| folder_of(&o.join("reports"))).transpose()?;
+    if let Some(out) = out {
+        folder_of(&out.join("reports"))?;
+    }
     specs
         .into_par_iter()
         .map(|spec| {
-            if let Some((truth, found)) = out.and_then(|o| stored(o, &name(&spec, seed))) {
-                done();
-                return Ok(Score {
-                    stored: true,
-                    ..judge(&truth, &found)
-                });
-            }
-            let case = generate_with(&spec, seed, sensors)?;
-            let found = report_of(&case, options)?;
-            if let (Some(out), Some(folder)) = (out, &reports) {
-                write(&case, out)?;
-                let text = format!("{found:#}");
-                report::write_atomic(&folder.join(format!("{}.json", case.id)), &text)?;
-            }
+            let score = scored(out, &name(&spec, seed), || {
+                let case = generate_with(&spec, seed, sensors)?;
+                let found = report_of(&case, options)?;
+                if let Some(out) = out {
+                    write(&case, out)?;
+                }
+                Ok((json(&case.truth), found))
+            })?;
             done();
-            Ok(judge(&json(&case.truth), &found))
+            Ok(score)
         })
         .collect()
+}
+
+/// Score of a case, by the report that an earlier run has left in a folder, or else by the answer and report that are `made`, which is written
+/// into its `reports`.
+fn scored(
+    folder: Option<&Path>,
+    id: &str,
+    made: impl FnOnce() -> Result<(Value, Value), ProveError>,
+) -> Result<Score, ProveError> {
+    if let Some((truth, found)) = folder.and_then(|f| stored(f, id)) {
+        return Ok(Score {
+            stored: true,
+            ..judge(&truth, &found)
+        });
+    }
+    let (truth, found) = made()?;
+    if let Some(folder) = folder {
+        let path = folder.join("reports").join(format!("{id}.json"));
+        report::write_atomic(&path, format!("{found:#}"))?;
+    }
+    Ok(judge(&truth, &found))
 }
 
 /// A folder that is there from now on.

@@ -45,7 +45,7 @@ pub struct Gear {
     rotors: Vec<f64>,
 }
 
-/// What each joint's link encoder says; `weight` on the fitted rows, shape (rows, joints). `scene` has tangents.
+/// What each joint's link encoder says; `weight` on the fitted rows, shape (rows, joints).
 pub fn links(scene: &Scene, frame: &Frame, weight: &Array2<f64>) -> Vec<Link> {
     let of = |j: usize| link(scene, frame, weight, j).unwrap_or(Link::Unknown);
     (0..scene.dof()).map(of).collect()
