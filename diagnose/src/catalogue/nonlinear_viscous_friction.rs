@@ -13,6 +13,7 @@ pub(super) const INFO: Info = Info {
     plain: "nonlinear viscous friction",
     confounders: &[Effect::FrictionParameters, Effect::StribeckFriction],
     friction: true,
+    least_fraction: 0.15,
     needs: &[Need::Speed],
     coded: true,
     ..Info::NEW

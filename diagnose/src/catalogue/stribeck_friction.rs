@@ -25,8 +25,11 @@ pub(super) const INFO: Info = Info {
 };
 
 /// Stribeck velocities relative to the joint's root mean square velocity. What is narrower than the softened sign is
-/// not told from it.
-const VELOCITIES: [f64; 7] = [0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0];
+/// not told from it. Half as many leave so much of a law between two of them that a second curve, of viscous friction, pays for
+/// itself beside a Stribeck force twice as large.
+const VELOCITIES: [f64; 12] = [
+    0.015, 0.03, 0.043, 0.06, 0.085, 0.12, 0.17, 0.25, 0.35, 0.5, 0.71, 1.0,
+];
 /// Least Stribeck velocity over that of the softened sign.
 const NARROWEST: f64 = 8.0;
 /// Exponents: Tustin's and the Gaussian form.

@@ -1,7 +1,7 @@
 //! Scores of a report against a sealed answer.
 
 use super::named::{Named, named};
-use super::sizes::{covered, deviations, size_error};
+use super::sizes::{as_recorded, covered, deviations, size_error};
 use serde_json::Value;
 
 /// Scores of one case; None where a score does not apply.
@@ -268,13 +268,13 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
     };
     let sizes: Vec<f64> = effects
         .iter()
-        .filter_map(|e| size_error(e, cause_of(e)?))
+        .filter_map(|e| size_error(&as_recorded(e, truth), cause_of(e)?))
         .collect();
     s.size = (!sizes.is_empty()).then(|| sizes.iter().sum::<f64>() / sizes.len() as f64);
     if let [only] = effects
         && !answer.names.is_empty()
     {
-        s.off = cause_of(only).and_then(|c| deviations(only, c));
+        s.off = cause_of(only).and_then(|c| deviations(&as_recorded(only, truth), c));
         s.covered = s.off.map(covered).map(one);
         if foreign(only) {
             s.kind = format!("{kind}, foreign gear");

@@ -22,6 +22,28 @@ const COMMON: [(&str, &str, f64, &str, f64); 11] = [
 /// Deviations on either side that hold 90 % of a normal distribution.
 const TWO_SIDED: f64 = 1.645;
 
+/// An effect as the recording of a case shows it: where the torque passed through filters it is late by their lag beside what was
+/// withheld, and nothing parts the two.
+pub fn as_recorded(effect: &Value, truth: &Value) -> Value {
+    let mut shown = effect.clone();
+    let lags = truth["hard"]["lowpass"]["lag_ms"].as_array();
+    let lags: Vec<f64> = lags
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_f64)
+        .collect();
+    let delay = effect["parameters"]["delay"].as_f64();
+    if let ("time_delay", Some(delay), false) = (
+        effect["effect"].as_str().unwrap_or_default(),
+        delay,
+        lags.is_empty(),
+    ) {
+        let lag = 1e-3 * lags.iter().sum::<f64>() / lags.len() as f64;
+        shown["parameters"]["delay"] = (delay + lag).into();
+    }
+    shown
+}
+
 /// Relative error of the size of a true effect as a reported cause has it; of several components, of the vector. None
 /// where mechanism and detector share no parameter.
 pub fn size_error(effect: &Value, cause: &Value) -> Option<f64> {
@@ -91,6 +113,18 @@ mod tests {
             size_error(&json!({"effect": "stribeck_friction"}), &cause),
             None
         );
+    }
+
+    #[test]
+    fn what_was_withheld_and_a_filter_are_late_together() {
+        let delay = json!({"effect": "time_delay", "parameters": {"delay": 0.03}});
+        let truth = json!({"hard": {"lowpass": {"lag_ms": [10.0, 20.0]}}});
+        let late = |effect: &Value, truth: &Value| as_recorded(effect, truth)["parameters"].clone();
+        let shown = late(&delay, &truth)["delay"].as_f64().unwrap();
+        assert!((shown - 0.045).abs() < 1e-12);
+        assert_eq!(late(&delay, &json!({})), delay["parameters"]);
+        let gain = json!({"effect": "torque_gain", "parameters": {"gain": 1.2}});
+        assert_eq!(late(&gain, &truth), gain["parameters"]);
     }
 
     #[test]

@@ -13,6 +13,25 @@ use crate::settings::SearchSettings;
 use crate::simulator::{NominalModel, link_sizes};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
+/// Factors on the tolerances of the given parameters: links are rarely off as friction is.
+#[derive(Clone, Copy, Debug)]
+pub struct Freedom {
+    /// Of the inertial parameters.
+    pub links: f64,
+    /// Of Coulomb and viscous friction.
+    pub friction: f64,
+}
+
+impl From<f64> for Freedom {
+    /// The same factor on both.
+    fn from(both: f64) -> Self {
+        Self {
+            links: both,
+            friction: both,
+        }
+    }
+}
+
 /// The criterion for one set of products.
 pub struct Objective<'a> {
     /// Products of the dictionary.
@@ -130,12 +149,12 @@ impl<'a> Objective<'a> {
     /// The base columns with the given parameters' tolerances, `freedom` times as wide, as priors. A coefficient of friction
     /// that the model has at zero is missing, joint by joint, and free: nobody claimed that it is zero. One that was
     /// identified as zero is.
-    pub fn base(&self, model: &NominalModel, freedom: f64) -> Vec<Variable> {
-        let s = self.settings;
+    pub fn base(&self, model: &NominalModel, freedom: impl Into<Freedom>) -> Vec<Variable> {
+        let (s, freedom) = (self.settings, freedom.into());
         let joints = model.sizes().joints();
         let mut deviations: Vec<f64> = joints
             .iter()
-            .flat_map(|j| link_sizes(j).map(|x| freedom * s.inertial_tolerance * x))
+            .flat_map(|j| link_sizes(j).map(|x| freedom.links * s.inertial_tolerance * x))
             .collect();
         let damping = joints.iter().map(|j| j.damping);
         let coulomb = joints.iter().map(|j| j.friction);
@@ -147,7 +166,7 @@ impl<'a> Objective<'a> {
             deviations.push(if given == 0.0 && !model.is_identified() {
                 s.missing / size
             } else {
-                freedom * (s.friction_tolerance * given).max(s.unreported / size)
+                freedom.friction * (s.friction_tolerance * given).max(s.unreported / size)
             });
         }
         deviations

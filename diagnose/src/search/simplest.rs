@@ -11,7 +11,7 @@
 use crate::algebra::fit::{Fit, Variable};
 use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
-use crate::search::objective::Objective;
+use crate::search::objective::{Freedom, Objective};
 use crate::search::select::{Search, Selection, Tried, without};
 use crate::simulator::NominalModel;
 use physics::robot::PARAMETERS_PER_LINK;
@@ -73,16 +73,20 @@ impl<'a> Simplest<'a> {
     /// The simplest causes that stand.
     pub fn answer(&self) -> Answer<'a> {
         let settings = self.objective.settings;
-        let runs: Vec<(f64, Run)> = settings.tolerant.map(|f| (f, self.fewer(f))).into();
+        // A recording of few joints says little of the tolerance: then the stated one stands.
+        let runs = settings.tolerant.map(|links| {
+            let friction = self.friction(links);
+            let run = self.fewer(Freedom { links, friction });
+            let surprise = run.surprise() + settings.widening * links.log2();
+            (links, surprise, run)
+        });
         let found: Vec<(f64, Vec<usize>)> = runs
             .iter()
-            .map(|(f, run)| (*f, run.selection.accepted.clone()))
+            .map(|(links, _, run)| (*links, run.selection.accepted.clone()))
             .collect();
-        // A recording of few joints says little of the tolerance: then the stated one stands.
-        let surprise = |(f, run): &(f64, Run)| run.surprise() + settings.widening * f.log2();
-        let standing = runs.into_iter().filter(|(_, run)| run.stands());
-        let likeliest = standing.min_by(|a, b| surprise(a).total_cmp(&surprise(b)));
-        if let Some((_, run)) = likeliest {
+        let standing = runs.into_iter().filter(|(_, _, run)| run.stands());
+        let likeliest = standing.min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((_, _, run)) = likeliest {
             let within = |cause: usize| self.within(&found, cause);
             return run.answer(within);
         }
@@ -90,7 +94,7 @@ impl<'a> Simplest<'a> {
         for freedom in settings.wider {
             let mut barred = HashSet::new();
             for _ in 0..ROUNDS {
-                let tried = self.run(freedom, barred.clone());
+                let tried = self.run(freedom.into(), barred.clone());
                 if tried.stands() {
                     return tried.answer(|_| None);
                 }
@@ -106,7 +110,7 @@ impl<'a> Simplest<'a> {
                 }
             }
         }
-        last.unwrap_or_else(|| self.run(1.0, HashSet::new()))
+        last.unwrap_or_else(|| self.run(1.0.into(), HashSet::new()))
             .answer(|_| None)
     }
 
@@ -118,9 +122,23 @@ impl<'a> Simplest<'a> {
         (widest + 1 < found.len()).then(|| found[widest].0)
     }
 
+    /// Factor on the tolerances of friction under which the recording is likeliest without any cause, the links' given: one
+    /// factor on both lets friction that is right keep the links' tolerance down, and the last link's error look like a payload.
+    fn friction(&self, links: f64) -> f64 {
+        let settings = self.objective.settings;
+        let surprise = |friction: f64| {
+            let base = self.objective.base(self.model, Freedom { links, friction });
+            let fit = self.objective.fit(base);
+            self.objective.of_fit(&fit, 0) + fit.width() + settings.widening * friction.log2()
+        };
+        let each = settings.tolerant.map(|f| (f, surprise(f)));
+        let likeliest = each.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        likeliest.map_or(links, |(friction, _)| friction)
+    }
+
     /// The search without a link's full set of parameters, where it needs fewer coefficients than the search with them and
     /// stands against the refit; else the search with them.
-    fn fewer(&self, freedom: f64) -> Run<'a> {
+    fn fewer(&self, freedom: Freedom) -> Run<'a> {
         let full = self.run(freedom, HashSet::new());
         let many = |c: usize| self.is_many(c);
         if !full.selection.accepted.iter().any(|&c| many(c)) {
@@ -182,7 +200,7 @@ impl<'a> Simplest<'a> {
         }
     }
 
-    fn run(&self, freedom: f64, barred: HashSet<usize>) -> Run<'a> {
+    fn run(&self, freedom: Freedom, barred: HashSet<usize>) -> Run<'a> {
         let search = self.search(self.objective.base(self.model, freedom), barred);
         let selection = search.run();
         let accepted = &selection.accepted;
@@ -276,14 +294,24 @@ impl<'a> Run<'a> {
     }
 
     /// −ln of how likely the recording is under the tolerances and the causes, nats, but for a constant: J, and what the width of
-    /// the tolerances costs. A cause that parameters can absorb has to earn its name against wider tolerances, too.
+    /// the tolerances costs. A cause that parameters can absorb has to earn its name against wider tolerances, too; a body on the last
+    /// link by every joint, whose number says how many of its ten coefficients show.
     fn surprise(&self) -> f64 {
         let Selection { accepted, fit } = &self.selection;
         let search = &self.search;
-        let grams = search.objective.grams;
-        let base = Fit::new(grams, search.base.clone(), fit.weights.clone());
-        let absorbable = self.over_refit.iter().flatten().count() as f64;
-        let names = search.objective.settings.enough * absorbable;
+        let settings = search.objective.settings;
+        let base = Fit::new(
+            search.objective.grams,
+            search.base.clone(),
+            fit.weights.clone(),
+        );
+        let absorbable = accepted.iter().zip(&self.over_refit);
+        let absorbable = absorbable.filter(|(_, over)| over.is_some());
+        let name = |cause: usize| match search.candidates[cause].effect {
+            Effect::Payload => settings.body * search.robot.dof() as f64,
+            _ => settings.enough,
+        };
+        let names: f64 = absorbable.map(|(&cause, _)| name(cause)).sum();
         search.objective.of_fit(fit, 0) + search.charge(accepted) + base.width() + names
     }
 

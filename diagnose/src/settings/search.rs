@@ -83,8 +83,10 @@ settings! {
         rivalled: f64 = 2.0, contract;
         /// Part of the largest change that makes a joint one of the cause's in that comparison.
         touched: f64 = 0.35, tuned;
-        /// Factors on the tolerances among which the recording chooses: a description is rarely right to a few percent.
+        /// Factors on the tolerances among which the recording chooses, of links and friction each: a description is rarely right to a few percent.
         tolerant: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0], tuned;
+        /// What a body on the last link has to be worth against wider tolerances for every joint, nats.
+        body: f64 = 2.5, tuned;
         /// What each doubling of the tolerances costs, nats.
         widening: f64 = 4.0, tuned;
         /// Factors under which what no few parameters explain is left to the parameters.
