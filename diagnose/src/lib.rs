@@ -2,7 +2,7 @@
 //! it, and how far it shrinks.
 //!
 //! [`diagnose`] takes the simulator's model and two recordings to an [`Outcome`]. The way there, room by room, each
-//! using only those before it:
+//! using only those before it (the names of effects, of `catalogue`, are everywhere):
 //!
 //! | room | what stands there |
 //! |---|---|
@@ -15,8 +15,8 @@
 //! | `traces` | what is seen in a residual itself: pushes, blows, lines of position |
 //! | `catalogue` | every effect as columns of torque |
 //! | `search` | from the catalogue to the causes |
-//! | `surrogates` | the recording as it would be if nothing were missing, or if a cause or its rival were true |
 //! | `ladder` | fits of what was found, and which causes are listed |
+//! | `surrogates` | the recording as it would be if nothing were missing, or if a cause or its rival were true |
 //! | `measure` | shares, sizes, intervals, what is left, the verdict |
 //! | `advice` | corrected model, next motion, what a motion would show |
 //! | `report` | words and page |

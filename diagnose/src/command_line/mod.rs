@@ -190,6 +190,9 @@ fn say_scores(scores: &[prove::Score]) {
     }
     report::say!("{}", prove::table(scores).to_text());
     report::say!("{}", prove::rates_table(scores).to_text());
+    if let Some(drawn) = prove::drawn_table(scores) {
+        report::say!("{}", drawn.to_text());
+    }
 }
 
 fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {

@@ -269,17 +269,16 @@ fn simulated(
     Ok(follow::compare(held, &before, &after))
 }
 
-/// The best candidate of each effect and place beyond the accepted causes.
+/// The best candidate of each effect and place that was tried in the place of an accepted cause, or beside all of them: of each of these lists
+/// the first, then the second.
 fn tested(findings: &Findings, names: &[String], null: Option<&Null>) -> Vec<Tested> {
     let most = findings.settings.measure.said.candidates;
     let mut seen: Vec<(Effect, Vec<usize>, Option<usize>)> = Vec::new();
     let mut out = Vec::new();
-    for t in findings
-        .accepted
-        .iter()
-        .flat_map(|a| &a.tried)
-        .chain(&findings.rest)
-    {
+    let lists = findings.accepted.iter().map(|a| &a.tried);
+    let lists: Vec<_> = lists.chain([&findings.rest]).collect();
+    let longest = lists.iter().map(|l| l.len()).max().unwrap_or(0);
+    for t in (0..longest).flat_map(|k| lists.iter().filter_map(move |l| l.get(k))) {
         let c = &findings.candidates[t.candidate];
         let key = (c.effect, c.joints.clone(), c.driver);
         if seen.contains(&key) || out.len() >= most {

@@ -10,9 +10,36 @@ pub(super) fn of_causes(mut causes: Vec<Cause>, robot: &Robot) -> Vec<Cause> {
         if matches!(cause.effect, Effect::LinkParameters | Effect::Payload) {
             continue;
         }
-        of_parameters(&mut cause.parameters, robot);
+        match cause.driver.clone() {
+            Some(driver) => of_coupling(&mut cause.parameters, &driver, robot),
+            None => of_parameters(&mut cause.parameters, robot),
+        }
     }
     causes
+}
+
+/// Units of what one joint's motion does to another.
+fn of_coupling(parameters: &mut [Parameter], driver: &str, robot: &Robot) {
+    for p in parameters {
+        let driven = p.joint.as_ref().is_some_and(|j| slides(robot, j));
+        let unit = mixed(&p.unit, driven, slides(robot, driver));
+        p.unit = unit.unwrap_or(&p.unit).to_owned();
+    }
+}
+
+/// What an angular unit becomes where the driven joint slides, or the driving one.
+fn mixed(unit: &str, driven: bool, driver: bool) -> Option<&'static str> {
+    Some(match (unit, driven, driver) {
+        (_, false, false) => return None,
+        (_, true, true) => return linear(unit),
+        ("N·m", true, false) => "N",
+        ("N·m·s/rad", true, false) => "N·s/rad",
+        ("N·m·s/rad", false, true) => "N·s",
+        ("N·m/rad", true, false) => "N/rad",
+        ("N·m/rad", false, true) => "N",
+        ("kg·m²", ..) => "kg·m",
+        _ => return None,
+    })
 }
 
 /// The same of numbers of joints.
@@ -40,6 +67,7 @@ fn slides(robot: &Robot, joint: &str) -> bool {
 fn linear(unit: &str) -> Option<&'static str> {
     Some(match unit {
         "N·m" => "N",
+        "N·m·s" => "N·s",
         "N·m·s/rad" => "N·s/m",
         "N·m·s/(rad·K)" => "N·s/(m·K)",
         "N·m/K" => "N/K",
@@ -51,4 +79,19 @@ fn linear(unit: &str) -> Option<&'static str> {
         "1/rad" => "1/m",
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mixed;
+
+    #[test]
+    fn a_coupling_is_per_motion_of_its_driver() {
+        assert_eq!(mixed("N·m·s/rad", true, false), Some("N·s/rad"));
+        assert_eq!(mixed("N·m·s/rad", false, true), Some("N·s"));
+        assert_eq!(mixed("kg·m²", false, true), Some("kg·m"));
+        assert_eq!(mixed("kg·m²", true, true), Some("kg"));
+        assert_eq!(mixed("N·m", false, true), None);
+        assert_eq!(mixed("N·m/rad", false, false), None);
+    }
 }

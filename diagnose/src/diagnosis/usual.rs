@@ -77,7 +77,7 @@ fn usual(
         .par_iter()
         .filter_map(|part| of_part(model.sizes(), before, part, cutoff_hz, options).ok())
         .collect();
-    let own = of_whole(model, before);
+    let own = of_whole(model);
     each.into_iter().reduce(Usual::most).map(|u| u.most(own))
 }
 
@@ -92,15 +92,16 @@ fn of_part(
     let model = before::model(robot, &[others], cutoff_hz)?;
     let model = model.alone().on_clock_of(&[&own])?;
     let settings = &options.settings;
-    let frames = Frames::new(&model, &own, &own, cutoff_hz, &settings.input)?;
+    let mut frames = Frames::new(&model, &own, &own, cutoff_hz, &settings.input)?;
     let channels = Channels::new(&frames, settings);
+    let found = super::first(&model, &mut frames, &channels, options)?;
     let searcher = Searcher::new(&model, &frames, &channels, options);
     let Searched {
         findings,
         left,
         judged,
         ..
-    } = searcher.searched(searcher.first(None)?)?;
+    } = searcher.searched(found)?;
     let rows = frames.data.len() as f64;
     let judged = judged.off_turns(&frames.data, &options.settings.motion);
     let moving = |j: usize| {
@@ -121,14 +122,13 @@ fn of_part(
     })
 }
 
-/// What the model leaves of the recordings that it was identified from: one of a part may be the better one.
-fn of_whole(model: &NominalModel, before: &Recording) -> Usual {
+/// What the model leaves of the recordings that it was identified from: one of a part may be the better one. How much of it has structure
+/// the parts say.
+fn of_whole(model: &NominalModel) -> Usual {
     let left = model.replay().map_or_else(Vec::new, Replay::left);
-    let tau = before.tau.as_ref();
-    let over = |(j, l): (usize, &f64)| tau.map_or(0.0, |t| l / t.column(j).std(0.0).max(1e-9));
     Usual {
         earned: 0.0,
-        structured: left.iter().enumerate().map(over).collect(),
+        structured: vec![0.0; left.len()],
         left,
     }
 }

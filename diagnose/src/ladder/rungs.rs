@@ -96,7 +96,7 @@ impl Findings {
         let (beta, std) = {
             let objective = Objective::new(&self.grams, scale, &self.settings.search);
             let fit = objective.fit(variables.clone());
-            (fit.beta().clone(), fit.std())
+            (fit.beta().clone(), fit.deviations())
         };
         self.tight = (variables, beta);
         self.std = std;

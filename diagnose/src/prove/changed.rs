@@ -80,11 +80,16 @@ fn judge(truth: &Changed, again: bool, report: &Value) -> Told {
     };
     let own = |cause: &&Value| cause["effect"] == truth.change.name() && on_joint(cause);
     let found = causes.iter().find(own);
+    // Friction is one cause with all its joints.
+    let wider = |cause: &Value| {
+        let joints = cause["joints"].as_array().map_or(0, Vec::len);
+        truth.joint.is_some() && joints > 1
+    };
     Told {
         change: truth.change,
         again,
         right: found.is_some() || truth.change == Change::None && causes.is_empty(),
-        more: causes.iter().any(|c| !own(&c)),
+        more: causes.iter().any(|c| !own(&c)) || found.is_some_and(wider),
         unknown: report["verdict"] == "unknown_effect",
         error: found.and_then(|cause| size_error(&answer(truth), cause)),
     }

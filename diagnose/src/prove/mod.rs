@@ -1,7 +1,10 @@
 //! The proof: sealed simulated cases with a withheld effect, diagnosed and scored.
 
+mod by_drawn;
 mod calibration;
 pub mod changed;
+mod drawn;
+mod error;
 pub mod given;
 mod named;
 mod rates;
@@ -27,7 +30,10 @@ use trials::cases::{
     name, write,
 };
 
+pub use by_drawn::table as drawn_table;
 pub use calibration::{left_out, table as weights_table};
+pub use drawn::Drawn;
+pub use error::ProveError;
 pub use named::Named;
 pub use rates::table as rates_table;
 pub use reliability::{said, table as reliability_table};
@@ -40,76 +46,6 @@ const OUTSIDE: f64 = 0.05;
 
 /// Kinds of case that withhold none, several or an unlisted effect.
 const NO_SINGLE: [&str; 4] = ["none", "outside", "two", "two_same_joint"];
-
-/// A proof that cannot be run.
-#[derive(Debug, thiserror::Error)]
-pub enum ProveError {
-    /// A case cannot be made or written.
-    #[error(transparent)]
-    Simulate(#[from] trials::SimulateError),
-    /// A case that several diagnoses share cannot be made.
-    #[error("case {case}: {error}")]
-    Made {
-        /// Its name.
-        case: String,
-        /// Why.
-        error: String,
-    },
-    /// A case cannot be diagnosed.
-    #[error("case {case}: {error}")]
-    Diagnose {
-        /// Its name.
-        case: String,
-        /// Why.
-        error: Box<crate::error::DiagnoseError>,
-    },
-    /// No such kind of case.
-    #[error("no cases are of the kind {name}; there are {kinds}")]
-    Kind {
-        /// Asked for.
-        name: String,
-        /// Those that exist.
-        kinds: String,
-    },
-    /// A report cannot be written.
-    #[error(transparent)]
-    Write(#[from] report::WriteError),
-    /// No cases of an earlier run.
-    #[error("no cases and reports of an earlier run in {path}: {error}")]
-    Kept {
-        /// The folder.
-        path: String,
-        /// Why.
-        error: std::io::Error,
-    },
-    /// No cases of whatever simulator.
-    #[error("no cases in {path}: {error}; cases/NAME and truth/NAME.json are needed")]
-    Given {
-        /// The folder or file.
-        path: String,
-        /// Why.
-        error: std::io::Error,
-    },
-    /// A folder cannot be made.
-    #[error("cannot make {path}: {error}")]
-    Folder {
-        /// The folder.
-        path: String,
-        /// Why.
-        error: std::io::Error,
-    },
-}
-
-impl ProveError {
-    /// Whether what was asked for, or given, is to blame.
-    pub fn is_input(&self) -> bool {
-        match self {
-            Self::Kind { .. } | Self::Kept { .. } | Self::Given { .. } => true,
-            Self::Diagnose { error, .. } => error.is_input(),
-            _ => false,
-        }
-    }
-}
 
 /// Which cases a proof draws.
 #[derive(Debug, Clone, Copy)]
@@ -156,7 +92,9 @@ pub fn prove(
     } else {
         &["none", "outside", "two"]
     };
-    let kinds = EFFECTS.iter().chain(kinds).copied();
+    let drawn = EFFECTS.iter().enumerate();
+    let drawn = drawn.filter(|(i, _)| Some(*i) != without);
+    let kinds = drawn.map(|(_, effect)| effect).chain(kinds).copied();
     if let Some(name) = only.filter(|name| !kinds.clone().any(|k| k == *name)) {
         return Err(ProveError::Kind {
             name: name.to_owned(),
@@ -174,7 +112,11 @@ pub fn prove(
     specs
         .into_par_iter()
         .map(|spec| {
-            let score = scored(out, &name(&spec, seed), || {
+            let id = name(&spec, seed);
+            if let Some(out) = out {
+                same_draw(out, &id, spec.kind.name())?;
+            }
+            let score = scored(out, &id, || {
                 let case = generate_with(&spec, seed, sensors)?;
                 let found = report_of(&case, options)?;
                 if let Some(out) = out {
@@ -207,6 +149,18 @@ fn scored(
         report::write_atomic(&path, format!("{found:#}"))?;
     }
     Ok(judge(&truth, &found))
+}
+
+/// Refuses a folder whose case of that name is of another kind: other draws deal other kinds under the same names.
+fn same_draw(folder: &Path, id: &str, kind: &str) -> Result<(), ProveError> {
+    match stored(folder, id) {
+        Some((truth, _)) if truth["kind"] != kind => Err(ProveError::Other {
+            path: folder.display().to_string(),
+            case: id.to_owned(),
+            kind: truth["kind"].as_str().unwrap_or_default().to_owned(),
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// A folder that is there from now on.
@@ -390,5 +344,28 @@ mod tests {
         file("reports", "b", r#"{"verdict": "no_gap", "causes": []}"#);
         let scores = kept(folder.path()).unwrap();
         assert_eq!((scores.len(), scores[0].false_alarm), (1, Some(0.0)));
+
+        // Another draw deals other kinds under the same names.
+        assert!(same_draw(folder.path(), "a", "none").is_ok());
+        assert!(
+            same_draw(folder.path(), "b", "payload").is_ok(),
+            "no answer"
+        );
+        let refused = same_draw(folder.path(), "a", "payload");
+        assert!(matches!(refused, Err(ProveError::Other { .. })));
+    }
+
+    #[test]
+    fn a_kind_that_is_left_out_is_not_drawn_for_ever() {
+        let draw = Draw {
+            cases: 1,
+            seed: 1,
+            hard: false,
+            only: Some("payload"),
+            without: trials::cases::effect_index("payload"),
+            sensors: Sensors::default(),
+        };
+        let refused = prove(&draw, &Options::default(), None, || ());
+        assert!(matches!(refused, Err(ProveError::Kind { .. })));
     }
 }

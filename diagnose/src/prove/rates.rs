@@ -39,7 +39,8 @@ fn any(_: &Score) -> bool {
     true
 }
 
-fn single(score: &Score) -> bool {
+/// Whether a case withholds one listed effect.
+pub(super) fn single(score: &Score) -> bool {
     !NO_SINGLE.contains(&score.kind.as_str())
 }
 

@@ -1,5 +1,6 @@
 //! Scores of a report against a sealed answer.
 
+use super::drawn::Drawn;
 use super::named::{Named, named};
 use super::sizes::{as_recorded, covered, deviations, size_error};
 use serde_json::Value;
@@ -41,6 +42,8 @@ pub struct Score {
     pub detection: Option<(f64, bool)>,
     /// Its structural causes for whose names something speaks.
     pub named: Vec<Named>,
+    /// What else was drawn of a hard case.
+    pub drawn: Option<Drawn>,
     /// Whether an earlier run into the same folder had diagnosed it.
     pub stored: bool,
 }
@@ -201,6 +204,7 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
         kind: kind.clone(),
         extra: Some(one(causes.iter().any(is_false))),
         named: named(truth, report, |c| answer.is_beside(c)),
+        drawn: Drawn::of(truth),
         ..Score::default()
     };
     if !answer.names.is_empty() {
@@ -264,7 +268,7 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
     let cause_of = |e: &Value| {
         causes
             .iter()
-            .find(|c| text(c, "effect") == text(e, "effect"))
+            .find(|c| text(c, "effect") == text(e, "effect") && answer.is_true(c))
     };
     let sizes: Vec<f64> = effects
         .iter()
@@ -372,6 +376,7 @@ mod tests {
         let truth = hard("stribeck_friction", "a");
         let other = judge(&truth, &report(&[("stribeck_friction", "b")]));
         assert_eq!((other.top1, other.found), (Some(0.0), Some(0.0)));
+        assert_eq!(other.detection.map(|d| d.1), Some(false));
         let own = judge(&truth, &report(&[("stribeck_friction", "a")]));
         assert_eq!((own.top1, own.found), (Some(1.0), Some(1.0)));
     }

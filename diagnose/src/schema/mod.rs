@@ -231,7 +231,7 @@ pub struct Tested {
     pub effect: Effect,
     /// Joints.
     pub joints: Vec<String>,
-    /// Part of the joints' squared error that it removes on trajectories left out, the accepted causes in place.
+    /// Part of the joints' squared gap that is closed on trajectories left out with it in the place of an accepted cause, or beside all of them.
     pub gap_closed: f64,
     /// Chance of so large a gain anywhere in the catalogue, from surrogates; null where none were drawn.
     pub p_value: Option<f64>,

@@ -316,27 +316,24 @@ impl Findings {
         tried.gain - self.candidates[tried.candidate].evidence
     }
 
-    /// The least that a cause beyond parameters earned; infinite where there is none.
-    pub fn least_earned(&self) -> f64 {
-        let own = |a: &Accepted| {
+    /// What each cause beyond parameters earned.
+    fn each_earned(&self) -> impl Iterator<Item = f64> {
+        self.accepted.iter().filter_map(|a| {
             let mut tried = a.tried.iter();
             let own = tried.find(|t| t.candidate == a.candidate)?;
             let parameter = self.candidates[a.candidate].effect.info().parameter;
             (!parameter).then(|| self.earned(own))
-        };
-        let each = self.accepted.iter().filter_map(own);
-        each.fold(f64::INFINITY, f64::min)
+        })
     }
 
-    /// The most that one earned; zero where there is none.
+    /// The least of it; infinite where there is none.
+    pub fn least_earned(&self) -> f64 {
+        self.each_earned().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The most of it; zero where there is none.
     pub fn most_earned(&self) -> f64 {
-        let own = |a: &Accepted| {
-            let mut tried = a.tried.iter();
-            let own = tried.find(|t| t.candidate == a.candidate)?;
-            Some(self.earned(own))
-        };
-        let each = self.accepted.iter().filter_map(own);
-        each.fold(0.0, f64::max)
+        self.each_earned().fold(0.0, f64::max)
     }
 
     /// The candidate behind an accepted cause.

@@ -1,4 +1,4 @@
-//! What a short recording shows: a cause that halves a joint's error on every piece of it that a fit left out.
+//! What a short recording shows: a cause that halves a joint's error on what fits left out, and its squared error on every piece of it.
 //!
 //! A few seconds hold too few independent samples for a gain in nats to say much, and too few stretches for a null. An effect that is most
 //! of a joint's error shows all the same, in each second by a fit to the others.

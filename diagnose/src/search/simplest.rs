@@ -77,7 +77,8 @@ impl<'a> Simplest<'a> {
         let runs = settings.tolerant.map(|links| {
             let friction = self.friction(links);
             let run = self.fewer(Freedom { links, friction });
-            let surprise = run.surprise() + settings.widening * links.log2();
+            let widened = links.log2() + friction.log2();
+            let surprise = run.surprise() + settings.widening * widened;
             (links, surprise, run)
         });
         let found: Vec<(f64, Vec<usize>)> = runs

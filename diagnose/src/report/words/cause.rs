@@ -66,7 +66,8 @@ fn percent(part: f64) -> f64 {
 
 /// The effect's name as a heading.
 pub fn name(effect: Effect) -> String {
-    effect.name().replace('_', " ")
+    let name = effect.name().replace('_', " ");
+    name.replace("stribeck", "Stribeck")
 }
 
 /// The effect's name in plain words.

@@ -1,0 +1,81 @@
+//! What a proof cannot be run for.
+
+/// A proof that cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum ProveError {
+    /// A case cannot be made or written.
+    #[error(transparent)]
+    Simulate(#[from] trials::SimulateError),
+    /// A case that several diagnoses share cannot be made.
+    #[error("case {case}: {error}")]
+    Made {
+        /// Its name.
+        case: String,
+        /// Why.
+        error: String,
+    },
+    /// A case cannot be diagnosed.
+    #[error("case {case}: {error}")]
+    Diagnose {
+        /// Its name.
+        case: String,
+        /// Why.
+        error: Box<crate::error::DiagnoseError>,
+    },
+    /// No such kind of case.
+    #[error("no cases are of the kind {name}; there are {kinds}")]
+    Kind {
+        /// Asked for.
+        name: String,
+        /// Those that exist.
+        kinds: String,
+    },
+    /// A report cannot be written.
+    #[error(transparent)]
+    Write(#[from] report::WriteError),
+    /// No cases of an earlier run.
+    #[error("no cases and reports of an earlier run in {path}: {error}")]
+    Kept {
+        /// The folder.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// No cases of whatever simulator.
+    #[error("no cases in {path}: {error}; cases/NAME and truth/NAME.json are needed")]
+    Given {
+        /// The folder or file.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// A report of an earlier run is of another draw.
+    #[error("{path} has case {case} of another draw, of the kind {kind}; take another --out")]
+    Other {
+        /// The folder.
+        path: String,
+        /// Name of the case.
+        case: String,
+        /// Its kind there.
+        kind: String,
+    },
+    /// A folder cannot be made.
+    #[error("cannot make {path}: {error}")]
+    Folder {
+        /// The folder.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
+}
+
+impl ProveError {
+    /// Whether what was asked for, or given, is to blame.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Kind { .. } | Self::Kept { .. } | Self::Given { .. } | Self::Other { .. } => true,
+            Self::Diagnose { error, .. } => error.is_input(),
+            _ => false,
+        }
+    }
+}
