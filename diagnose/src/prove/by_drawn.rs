@@ -1,10 +1,8 @@
 //! How the scores of hard cases go with what was drawn beside the effect.
 
-use super::OUTSIDE;
-use super::rates::single;
+use super::rates::{interval, single};
 use super::score::{Score, mean};
 use report::{Cell, Column, Table};
-use signal::proportion;
 
 /// Shares of the joint's torque from which an effect counts as middling and large.
 const SHARES: [f64; 2] = [0.08, 0.15];
@@ -39,8 +37,7 @@ fn groups(score: &Score) -> Vec<String> {
     groups
 }
 
-/// Scores by what was drawn, those of single effects and false causes of all, with the intervals of Clopper and Pearson; none without hard
-/// cases.
+/// Scores by what was drawn, those of single effects and false causes of all, with intervals; none without hard cases.
 pub fn table(scores: &[Score]) -> Option<Table> {
     let mut names: Vec<String> = scores.iter().flat_map(groups).collect();
     names.sort_unstable();
@@ -59,8 +56,7 @@ pub fn table(scores: &[Score]) -> Option<Table> {
         let own: Vec<&Score> = own.collect();
         let lone: Vec<&Score> = own.iter().copied().filter(|s| single(s)).collect();
         let hits: f64 = lone.iter().filter_map(|s| s.top1).sum();
-        let [low, _] = proportion::interval(hits.floor() as usize, lone.len(), OUTSIDE);
-        let [_, high] = proportion::interval(hits.ceil() as usize, lone.len(), OUTSIDE);
+        let [low, high] = interval(hits, lone.len());
         table.push([
             Cell::text(name),
             Cell::number(lone.len() as f64, 0),

@@ -49,7 +49,14 @@ fn of(kind: &str, score: &Score) -> bool {
     score.kind.split(',').next() == Some(kind)
 }
 
-/// Shares with the intervals of Clopper and Pearson. A half hit is none for the lower end and a whole one for the upper end.
+/// Interval of Clopper and Pearson of a share. A half hit is none for the lower end and a whole one for the upper end.
+pub(super) fn interval(hits: f64, cases: usize) -> [f64; 2] {
+    let [low, _] = proportion::interval(hits.floor() as usize, cases, OUTSIDE);
+    let [_, high] = proportion::interval(hits.ceil() as usize, cases, OUTSIDE);
+    [low, high]
+}
+
+/// Shares with their intervals.
 pub fn table(scores: &[Score]) -> Table {
     let mut table = Table::new([
         Column::text("rate"),
@@ -65,8 +72,7 @@ pub fn table(scores: &[Score]) -> Table {
             continue;
         }
         let (sum, n) = (hits.iter().sum::<f64>(), hits.len());
-        let [low, _] = proportion::interval(sum.floor() as usize, n, OUTSIDE);
-        let [_, high] = proportion::interval(sum.ceil() as usize, n, OUTSIDE);
+        let [low, high] = interval(sum, n);
         let places = if sum.fract() == 0.0 { 0 } else { 1 };
         table.push([
             Cell::text(name),
