@@ -148,8 +148,8 @@ pub(crate) fn assemble(
         )
     };
     recording.trajectories = labelled;
+    recording.trajectories = split_at_jumps(recording.trajectories, &recording.time);
     let step = recording.median_step();
-    recording.trajectories = split_at_jumps(recording.trajectories, &recording.time, step);
     recording.torque_filter = match torque_filter {
         Some(own) => own,
         None => options
@@ -162,9 +162,12 @@ pub(crate) fn assemble(
 
 /// Breaks trajectories where the clock jumps forward, so that nothing is filtered over a hole.
 /// A piece too short for the filters stays with its neighbour; the recording check names it.
-fn split_at_jumps(trajectories: Vec<Trajectory>, time: &[f64], step: f64) -> Vec<Trajectory> {
+fn split_at_jumps(trajectories: Vec<Trajectory>, time: &[f64]) -> Vec<Trajectory> {
     let mut pieces = Vec::with_capacity(trajectories.len());
     for Trajectory { label, range } in trajectories {
+        // Its own: trajectories of one file may differ in rate.
+        let steps = time[range.clone()].windows(2).map(|w| w[1] - w[0]);
+        let step = signal::quantile::median(steps.collect()).unwrap_or(f64::NAN);
         let mut start = range.start;
         for row in range.start + MIN_SAMPLES..(range.end + 1).saturating_sub(MIN_SAMPLES) {
             if time[row] - time[row - 1] > BREAK_STEPS * step && row - start >= MIN_SAMPLES {

@@ -81,6 +81,10 @@ fn each_fault_is_found_and_nothing_else() {
     let mut r = good();
     r.q[(500, 1)] += 0.5;
     assert!(kinds(&r).contains(&(Kind::CorruptRow, Some(1))));
+    // With its neighbours it is more than a hundredth of a short recording.
+    let mut short = good().stretches(&[(0, 0..250)]);
+    short.q[(120, 1)] += 0.5;
+    assert!(kinds(&short).contains(&(Kind::CorruptRow, Some(1))));
 
     let mut r = good();
     r.time[300..1000].iter_mut().for_each(|t| *t += 0.05);

@@ -1,6 +1,6 @@
 //! Preprocessing against motions whose derivatives are known, and on the shared recordings.
 
-use datasets::prepare::{Derivatives, Source};
+use datasets::prepare::{Derivatives, PrepareError, Source};
 use datasets::{
     Part, PrepareOptions, ReadOptions, Recording, TorqueFilter, Trajectory, prepare, read,
 };
@@ -218,6 +218,24 @@ fn slow_recordings_are_interpolated_and_columns_come_back_through_the_torque_fil
         (back[300] - 0.5).abs() < 0.1 && back[280].abs() < 0.1 && (back[320] - 0.955).abs() < 0.1
     );
     assert!(back.iter().all(|v| (-0.3..1.3).contains(v)));
+}
+
+/// Stamps in microseconds, and a clock that is set while it records, have grids beyond memory: both are refused.
+#[test]
+fn stamps_that_are_no_seconds_are_refused() {
+    let (good, _) = noisy(1e-5, None);
+    let options = PrepareOptions::default();
+    let mut fast = good.clone();
+    fast.time.iter_mut().for_each(|t| *t *= 1e6);
+    let refused = prepare(&fast, &options).unwrap_err();
+    assert!(matches!(refused, PrepareError::Clock { .. }), "{refused}");
+    assert!(refused.advice().contains("units.time"), "{refused}");
+    let mut set = good;
+    set.time[3760..].iter_mut().for_each(|t| *t += 1.7e9);
+    let Err(PrepareError::Clock { row, label, .. }) = prepare(&set, &options) else {
+        panic!("a clock that was set");
+    };
+    assert_eq!((row, label.as_str()), (3761, "b"));
 }
 
 #[test]

@@ -104,6 +104,14 @@ impl From<CutoffError> for DiagnoseError {
 }
 
 impl DiagnoseError {
+    /// What to do about it, where the message does not say.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Prepare { error, .. } => Some(error.advice()).filter(|text| !text.is_empty()),
+            _ => None,
+        }
+    }
+
     /// Whether the input is at fault (exit status 2) rather than the machine (1).
     pub fn is_input(&self) -> bool {
         match self {

@@ -63,7 +63,7 @@ pub fn design(
         }),
         home: given.home.clone(),
         tool: (!given.regions.is_empty())
-            .then(|| ToolRoom::new(robot, given.tool, given.regions.clone())),
+            .then(|| ToolRoom::new(robot, &given.limits, given.tool, given.regions.clone())),
     };
     let extras = extras(&arguments.columns);
     let base = BaseParameters::of_robot(robot, &extras);

@@ -241,7 +241,8 @@ fn home_tool_and_repeats_are_kept() {
         lower: [-0.9, -0.9, -0.2],
         upper: [0.9, 0.9, 1.2],
     };
-    let tool = identify::excitation::ToolRoom::new(&robot, [0.0, 0.0, 0.1], vec![region]);
+    let limits = identify::excitation::MotionLimits::of_robot(&robot);
+    let tool = identify::excitation::ToolRoom::new(&robot, &limits, [0.0, 0.0, 0.1], vec![region]);
     assert!(rows.iter().all(|r| tool.clearance(&r[1..7]) > 0.0));
 }
 

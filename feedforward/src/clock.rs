@@ -16,6 +16,16 @@ pub struct Memory {
     pub inputs: Vec<BankState>,
 }
 
+/// Longest sampling period that a network stands, in periods of its training: its windows last that much longer then.
+pub const LONGEST_PERIOD: f64 = 1.5;
+
+/// Every how many samples one goes into a network's window, from the samples per period of its training; None where samples
+/// are too far apart for it.
+pub fn stride(samples_per_period: f64) -> Option<usize> {
+    let stride = samples_per_period.round().max(1.0);
+    (samples_per_period * LONGEST_PERIOD >= stride).then_some(stride as usize)
+}
+
 /// The last of the spans of time (first and last stamp, s) that ended before `time`, where the pause in
 /// between is short enough to carry memory over.
 pub fn last_before(spans: &[[f64; 2]], time: f64) -> Option<usize> {
@@ -30,6 +40,16 @@ pub fn last_before(spans: &[[f64; 2]], time: f64) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn windows_keep_their_length_within_a_half() {
+        assert_eq!(stride(1.0), Some(1));
+        assert_eq!(stride(1.4), Some(1));
+        assert_eq!(stride(10.2), Some(10));
+        assert_eq!(stride(0.7), Some(1));
+        assert_eq!(stride(0.6), None);
+        assert_eq!(stride(f64::NAN), None);
+    }
 
     #[test]
     fn the_nearest_span_within_reach() {

@@ -1,6 +1,6 @@
 //! Torque feedforward from a model directory.
 
-use crate::clock::{Memory, last_before};
+use crate::clock::{LONGEST_PERIOD, Memory, last_before, stride};
 use crate::inputs::{CompensatorRecord, Signal};
 use crate::network::{Compensator, Error as NetworkError, Stream};
 use physics::effects::{BankState, Sample, Term, TermBank};
@@ -39,7 +39,22 @@ pub enum LoadError {
     /// The control period.
     #[error("a control period of {0} s is not positive")]
     Period(f64),
+    /// The control period is none for the compensator's windows.
+    #[error(
+        "the compensator was trained on samples {trained} s apart: a control period of {period} s is outside {:.1e} to {:.1e} s",
+        trained / MOST_STREAMS as f64,
+        trained * LONGEST_PERIOD
+    )]
+    Windows {
+        /// The control period, s.
+        period: f64,
+        /// The period of training, s.
+        trained: f64,
+    },
 }
+
+/// Most control periods within the period of a network; each has windows and states of its own.
+const MOST_STREAMS: usize = 2000;
 
 /// The part of `model.json` that the run-time needs.
 #[derive(serde::Deserialize)]
@@ -109,8 +124,21 @@ impl Feedforward {
     /// Loads a model directory for a loop of `period` seconds (None: the period of training).
     ///
     /// # Errors
-    /// Missing, damaged or altered files, another version, or parts of different robots.
+    /// Missing, damaged or altered files, another version, or parts of different robots; a period that is more than 1.5 times as
+    /// long as that of the compensator's training, or less than a 2000th of it ([`Self::load_physics`] takes any).
     pub fn load(directory: &Path, period: Option<f64>) -> Result<Self, LoadError> {
+        Self::read(directory, period, true)
+    }
+
+    /// Loads the physics of a model directory alone, whether it has a compensator or not.
+    ///
+    /// # Errors
+    /// As [`Self::load`], but for the compensator's.
+    pub fn load_physics(directory: &Path, period: Option<f64>) -> Result<Self, LoadError> {
+        Self::read(directory, period, false)
+    }
+
+    fn read(directory: &Path, period: Option<f64>, compensated: bool) -> Result<Self, LoadError> {
         let path = directory.join("model.json");
         let text = std::fs::read_to_string(&path).map_err(|source| LoadError::Read {
             path: path.clone(),
@@ -138,11 +166,11 @@ impl Feedforward {
             return Err(LoadError::Period(period));
         }
         let residual = match &json.compensator {
-            Some(record) => {
+            Some(record) if compensated => {
                 let compensator = load_network(directory, record, &json.physics.joints)?;
                 Some(Residual::new(record, &compensator, model.dof(), period)?)
             }
-            None => None,
+            _ => None,
         };
         Ok(Self {
             predictor: model.predictor(),
@@ -218,9 +246,17 @@ impl Feedforward {
     /// Torque of every joint (N·m or N) for the motion of this control period; all slices have one
     /// entry per joint, in URDF order.
     ///
+    /// Where a value of the motion is not finite every torque is NaN, and what the model remembers stays as it was: the next finite
+    /// sample goes on from there.
+    ///
     /// # Panics
     /// When a slice has another length.
     pub fn torque(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
+        if ![q, qd, qdd].iter().all(|x| x.iter().all(|v| v.is_finite())) {
+            tau.fill(f64::NAN);
+            self.skip();
+            return;
+        }
         let dt = std::mem::replace(&mut self.elapsed, self.period);
         self.predictor.step(self.clock, dt, q, qd, qdd, tau);
         if let Some(residual) = &mut self.residual {
@@ -239,6 +275,20 @@ impl Feedforward {
         }
         if let Some(clock) = &mut self.clock {
             *clock += self.period;
+        }
+    }
+
+    /// Lets a control period pass without a sample.
+    fn skip(&mut self) {
+        // At the start of a recording nothing lies before the next sample, however late it comes.
+        if self.elapsed > 0.0 {
+            self.elapsed += self.period;
+        }
+        if let Some(clock) = &mut self.clock {
+            *clock += self.period;
+        }
+        if let Some(residual) = &mut self.residual {
+            residual.turn = (residual.turn + 1) % residual.streams.len();
         }
     }
 }
@@ -268,7 +318,12 @@ impl Residual {
                 }
             });
         }
-        let turns = (record.period / period).round().max(1.0) as usize;
+        let turns = stride(record.period / period)
+            .filter(|turns| *turns <= MOST_STREAMS)
+            .ok_or(LoadError::Windows {
+                period,
+                trained: record.period,
+            })?;
         let stream = compensator.stream()?;
         Ok(Self {
             columns: terms.iter().map(|t| vec![0.0; t.len()]).collect(),

@@ -114,7 +114,11 @@ pub fn physics_out_of_fold(
     }
     let mut cells = vec![Normal::empty(next); folds];
     for (joint, (places, tables)) in columns.iter().enumerate() {
-        let sigma = fit.identified.residual_std[joint].max(f64::MIN_POSITIVE);
+        let sigma = fit.identified.residual_std[joint];
+        // A joint without rows, or without any error, tells of nothing.
+        if sigma <= f64::MIN_POSITIVE {
+            continue;
+        }
         for (part, table) in tables.iter().enumerate() {
             let Some(tau) = &data[part].tau else { continue };
             let qd = fit.session.parts[part].at_samples.qd.column(joint);

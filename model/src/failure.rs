@@ -77,9 +77,7 @@ impl From<SetupError> for Failure {
 impl From<FitError> for Failure {
     fn from(error: FitError) -> Self {
         let hint = match &error {
-            FitError::Prepare { .. } => {
-                "Give a recording with longer trajectories, or another --cutoff-hz."
-            }
+            FitError::Prepare { source, .. } => source.advice(),
             FitError::Identify(IdentifyError::NoTorque(_)) => {
                 "Only eval --predict takes a recording without torque."
             }
@@ -117,9 +115,7 @@ impl From<SumsError> for Failure {
 impl From<CheckError> for Failure {
     fn from(error: CheckError) -> Self {
         let hint = match &error {
-            CheckError::Prepare { .. } => {
-                "Give a recording with longer trajectories, or another --cutoff-hz."
-            }
+            CheckError::Prepare { source, .. } => source.advice(),
             CheckError::Check { problem, .. } => problem.advice(),
             CheckError::LeastSquares { .. } => return Self::other(error.to_string()),
         };

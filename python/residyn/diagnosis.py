@@ -109,9 +109,10 @@ class Report:
         self._diagnosis.write_model(Path(directory))
         return Model(directory)
 
-    def motion(self) -> dict[str, np.ndarray]:
+    def motion(self) -> dict[str, Any]:
         """The held-out recording as it was scored: `time`, and `q`, `qd`, `qdd` (after the low-pass) and the recorded `tau`
-        of shape (samples, joints); `given` and `explained` are the report's own torque without and with the causes."""
+        of shape (samples, joints); `given` and `explained` are the report's own torque without and with the causes; `clock_known` says
+        whether its session's clock is."""
         return self._diagnosis.motion()
 
     def session(self) -> dict[str, np.ndarray]:

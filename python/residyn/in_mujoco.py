@@ -56,6 +56,9 @@ class Simulated:
         if missing:
             raise InputError(f"{os.fspath(model)} has no joint named {', '.join(missing)}")
         self.qpos, self.dof = self.model.jnt_qposadr[found], self.model.jnt_dofadr[found]
+        #: Positions and velocities of the scene that are not the arm's.
+        self.still = np.setdiff1d(np.arange(self.model.nq), self.qpos)
+        self.rest = np.setdiff1d(np.arange(self.model.nv), self.dof)
         self.data = mujoco.MjData(self.model)
         #: The generated callback; `memory` after each sample of the last inverse dynamics.
         self.effects = None if code is None else _module(code).Effects(self.model, clock)
@@ -115,18 +118,20 @@ class Simulated:
         step, off = self.model.opt.timestep, []
         mujoco.set_mjcb_passive(self.effects)
         try:
-            for start in _starts(time):
+            for start, last in _starts(time):
                 data = mujoco.MjData(self.model)
                 data.time = time[start]
                 data.qpos[self.qpos], data.qvel[self.dof] = q[start], qd[start]
                 if self.effects is not None:
                     self.effects.end = self.memory[start]
-                end = np.searchsorted(time[start:], time[start] + ROLLOUT) + start
+                end = start + np.searchsorted(time[start : last + 1], time[start] + ROLLOUT)
                 part = slice(start, end + 1)
                 for _ in range(round((time[end] - time[start]) / step)):
                     for k, dof in enumerate(self.dof):
                         data.qfrc_applied[dof] = np.interp(data.time + step / 2, time[part], tau[part, k])
                     mujoco.mj_step(self.model, data)
+                    # What else the scene holds stands still, whatever falls on it.
+                    data.qpos[self.still], data.qvel[self.rest] = self.model.qpos0[self.still], 0.0
                 # Where it is at the last recorded instant, not a part of a step from it.
                 rest = time[end] - data.time
                 off.append(data.qpos[self.qpos] + rest * data.qvel[self.dof] - q[end])
@@ -135,13 +140,13 @@ class Simulated:
         return float(np.sqrt(np.mean(np.square(off)))) if off else float("nan")
 
 
-def _starts(time: np.ndarray) -> list[int]:
-    """Starts of rollouts, `EVERY` seconds apart, that do not reach beyond a trajectory."""
+def _starts(time: np.ndarray) -> list[tuple[int, int]]:
+    """Starts of rollouts, `EVERY` seconds apart, that do not reach beyond a trajectory, and the last row of theirs."""
     breaks = np.flatnonzero((np.diff(time) <= 0) | (np.diff(time) > 10 * np.median(np.abs(np.diff(time)))))
     starts = []
     for first, last in zip([0, *(breaks + 1)], [*breaks, len(time) - 1]):
         instants = np.arange(time[first] + 0.5, time[last] - ROLLOUT, EVERY)
-        starts += list(first + np.searchsorted(time[first : last + 1], instants))
+        starts += [(first + k, last) for k in np.searchsorted(time[first : last + 1], instants)]
     return starts
 
 

@@ -34,7 +34,7 @@ class Prediction:
     def nrmse(self, name: str = "physics+compensator", scope: str = "all") -> list[Optional[float]]:
         """Error over the torque's standard deviation by joint; without a compensator, that of the physics."""
         names = [row["name"] for row in self.report["rows"]]
-        wanted = name if name in names else "physics"
+        wanted = "physics" if name == "physics+compensator" and name not in names else name
         for row in self.report["rows"]:
             if row["name"] == wanted and row["scope"] == scope:
                 return row["nrmse"]
@@ -117,7 +117,7 @@ def train(
 ) -> Model:
     """Identifies the physics, trains the compensator on what is left, and writes a model directory: `train`.
 
-    Ctrl-C stops it; with `resume=True` the same call goes on.
+    Ctrl-C stops it; with `resume=True` the same call goes on, where its recordings are files: arrays are written to new ones.
     """
     if not isinstance(robot, _residyn.Robot):
         robot = _residyn.Robot(os.fspath(robot))

@@ -40,7 +40,8 @@ class Recording:
     starts: Sequence[int] = (0,)
     labels: Optional[Sequence[str]] = None
     #: File that it was read from; functions read that file again, with all that it says beside the arrays.
-    source: Optional[Path] = field(default=None, compare=False)
+    #: A copy with other arrays (`dataclasses.replace`) has none.
+    source: Optional[Path] = field(default=None, init=False, compare=False)
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
@@ -69,7 +70,9 @@ class Recording:
     def read(cls, path: Union[str, os.PathLike], robot: Optional[_residyn.Robot] = None) -> "Recording":
         """Reads .csv, .parquet, .npz, .mcap, rosbag2 folders (.mat of the KR300 benchmark); `robot` says names and units of columns."""
         path = Path(path)
-        return cls(**_residyn.read_recording(path, robot), source=path)
+        recording = cls(**_residyn.read_recording(path, robot))
+        object.__setattr__(recording, "source", path)
+        return recording
 
     def write(self, path: Union[str, os.PathLike]) -> None:
         """Writes .csv or .parquet, by the ending."""

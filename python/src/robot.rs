@@ -78,6 +78,9 @@ impl Robot {
         drive: Option<PathBuf>,
         gravity: Option<[f64; 3]>,
     ) -> PyResult<Self> {
+        if gravity.is_some_and(|g| g.iter().any(|v| !v.is_finite())) {
+            return Err(refused("gravity has a value that is not finite".to_owned()));
+        }
         Ok(Self {
             source: source.to_owned(),
             setup: Setup::with_joints(source, &joints, drive.as_deref(), gravity).map_err(raise)?,

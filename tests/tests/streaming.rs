@@ -2,8 +2,8 @@
 
 use datasets::prepare::{Derivatives, PrepareOptions, Prepared, prepare};
 use datasets::{ReadOptions, Recording};
-use feedforward::Feedforward;
 use feedforward::clock::LONGEST_PAUSE;
+use feedforward::{Feedforward, LoadError};
 use physics::robot::Robot;
 use signal::Motion;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -176,7 +176,54 @@ fn same_torque_as_eval_at_the_recorded_rate() {
             worst < 1e-6,
             "{worst} N·m from eval, start {start} s, pause {pause} s"
         );
+        a_sample_that_is_not_finite(&model, &motion.at_samples);
     }
+    periods_of_the_compensator(&place("model"));
+}
+
+/// Every torque of a sample with a hole is NaN; those after it are as they would have been, from a second later on to a
+/// thousandth of the largest.
+fn a_sample_that_is_not_finite(model: &Feedforward, motion: &Motion) {
+    let [mut whole, mut holed] = [model.clone(), model.clone()];
+    let [mut a, mut b] = [(); 2].map(|()| vec![0.0; model.dof()]);
+    whole.reset(None);
+    holed.reset(None);
+    let (mut largest, mut worst) = (0.0_f64, 0.0_f64);
+    let rows = motion.segments[0].len().min(400);
+    let hole = rows / 2;
+    for row in 0..rows {
+        let [q, qd, mut qdd] =
+            [&motion.q, &motion.qd, &motion.qdd].map(|table| table.row(row).to_vec());
+        whole.torque(&q, &qd, &qdd, &mut a);
+        if row == hole {
+            qdd[1] = f64::NAN;
+        }
+        holed.torque(&q, &qd, &qdd, &mut b);
+        assert_eq!(b.iter().all(|t| t.is_nan()), row == hole);
+        assert!(row == hole || b.iter().all(|t| t.is_finite()));
+        largest = a.iter().fold(largest, |l, t| l.max(t.abs()));
+        if row > hole + 100 {
+            worst = worst.max(difference(&a, &b));
+        }
+    }
+    assert!(worst < 1e-3 * largest, "{worst} of {largest} N·m");
+}
+
+/// A network of 100 Hz goes with no loop in which its windows were twice as long, or its copies without number.
+fn periods_of_the_compensator(model: &Path) {
+    for period in [0.02, 1e-9, 1e-300] {
+        let refused = Feedforward::load(model, Some(period));
+        assert!(
+            matches!(refused, Err(LoadError::Windows { .. })),
+            "{period}"
+        );
+        assert!(Feedforward::load_physics(model, Some(period)).is_ok());
+    }
+    for period in [0.0, f64::NAN] {
+        let refused = Feedforward::load(model, Some(period));
+        assert!(matches!(refused, Err(LoadError::Period(_))), "{period}");
+    }
+    assert!(Feedforward::load(model, Some(0.001)).is_ok());
 }
 
 /// Recorded at 60 Hz, memory runs on a grid of 120 Hz and the network sees every second point of it: a loop at

@@ -210,10 +210,15 @@ impl Channel<'_> {
                 .iter()
                 .flat_map(|t| t.range.start + 1..t.range.end - 1)
         };
-        let mut sizes: Vec<f64> = rows().map(off).collect();
+        let row = rows().max_by(|&a, &b| off(a).total_cmp(&off(b)))?;
+        // A corrupt row stands out in its neighbours, too.
+        let others = rows().filter(|r| r.abs_diff(row) > 1);
+        let mut sizes: Vec<f64> = others.map(off).collect();
+        if sizes.is_empty() {
+            return None;
+        }
         let at = sizes.len() * 99 / 100;
         let usual = *sizes.select_nth_unstable_by(at, f64::total_cmp).1;
-        let row = rows().max_by(|&a, &b| off(a).total_cmp(&off(b)))?;
         let size = off(row);
         (size > 30.0 * usual && size > 0.01).then(|| Finding {
             row: Some(row + 1),

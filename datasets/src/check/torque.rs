@@ -53,7 +53,10 @@ impl ChannelEstimate {
         if count > 1 && 2 * count > known.len() {
             let list: Vec<String> = self.joints.iter().map(text).collect();
             let middle = signal::quantile::median(known).unwrap_or(f64::NAN);
-            let guess = if middle.abs() < 1.0 {
+            let turned = UNIT_SCALE[0] <= -middle && -middle <= UNIT_SCALE[1];
+            let guess = if turned {
+                "torque of the opposite sign"
+            } else if middle.abs() < 1.0 {
                 "motor current in A or motor-side torque, not joint torque in N·m"
             } else {
                 "another unit than N·m"
@@ -164,6 +167,8 @@ mod tests {
             (None, Severity::Severe)
         );
         assert!(current[0].message.contains("motor current"), "{current:?}");
+        let turned = channel([-0.01, 0.01], &[[-1.05, -0.95], [-1.01, -0.9]]).findings(&names);
+        assert!(turned[0].message.contains("opposite sign"), "{turned:?}");
         assert!(ChannelEstimate::unknown(2).findings(&names).is_empty());
     }
 }

@@ -6,10 +6,12 @@
 //! velocity is used for.
 
 pub mod cutoff;
+mod error;
 pub mod fuse;
 mod options;
 mod report;
 
+pub use error::PrepareError;
 pub use options::{Derivatives, PrepareOptions};
 pub use report::{PrepareReport, Source};
 
@@ -17,29 +19,13 @@ use crate::Recording;
 use cutoff::NoiseFloor;
 use ndarray::Array2;
 use options::SLOW_HZ;
-use signal::spline::{Spline, SplineError};
+use signal::spline::Spline;
 use signal::{Motion, filter, resample, smoother, sos};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A recording that cannot be prepared.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PrepareError {
-    /// The cut-off does not fit the rate.
-    #[error("{0}; give another --cutoff-hz")]
-    Cutoff(#[from] sos::DesignError),
-    /// No spline through a trajectory.
-    #[error("trajectory `{label}`: {source}")]
-    Spline {
-        /// Label.
-        label: String,
-        /// Why.
-        source: SplineError,
-    },
-    /// The fine rate is not a positive number.
-    #[error("fine rate {0} Hz is not positive")]
-    FineRate(f64),
-}
+/// Most points of the fine grid for each sample: a recording of 0.1 Hz at 100 Hz.
+const MOST_POINTS: f64 = 1000.0;
 
 /// Smooth motion of a recording, on a fine uniform grid and at the recorded stamps.
 #[derive(Clone, Debug)]
@@ -67,8 +53,8 @@ struct Grid {
 /// Prepares a recording.
 ///
 /// # Errors
-/// A cut-off that does not fit the rate, or trajectories too short for a spline (the readers
-/// refuse those).
+/// A cut-off or a torque filter that does not fit the rate, stamps in another unit than s, trajectories too short for a
+/// spline (the readers refuse those).
 pub fn prepare(recording: &Recording, options: &PrepareOptions) -> Result<Prepared, PrepareError> {
     if !(options.fine_hz > 0.0 && options.fine_hz.is_finite()) {
         return Err(PrepareError::FineRate(options.fine_hz));
@@ -84,8 +70,11 @@ pub fn prepare(recording: &Recording, options: &PrepareOptions) -> Result<Prepar
     let grids: Vec<Grid> = recording
         .trajectories
         .iter()
-        .map(|t| grid(&recording.time, t.range.clone(), step, factor))
-        .collect();
+        .map(|t| {
+            check_clock(&recording.time, t, step, factor)?;
+            Ok(grid(&recording.time, t.range.clone(), step, factor))
+        })
+        .collect::<Result<_, PrepareError>>()?;
     let slow = rate_hz < SLOW_HZ;
     let fused = fuse_wanted(recording, options, slow);
     let jitter = jitter(recording, step);
@@ -151,7 +140,8 @@ pub fn prepare(recording: &Recording, options: &PrepareOptions) -> Result<Prepar
                 let rate = (s.len() - 1) as f64 / (fine.time[s.end - 1] - fine.time[s.start]);
                 sos::chebyshev1(f.order, f.ripple_db, f.cutoff_hz, rate)
             })
-            .collect::<Result<_, _>>()?,
+            .collect::<Result<_, _>>()
+            .map_err(PrepareError::TorqueFilter)?,
     };
     let report = PrepareReport {
         rate_hz,
@@ -260,6 +250,34 @@ fn label_of(recording: &Recording, grid: &Grid) -> String {
         .iter()
         .find(of)
         .map_or_else(String::new, |t| t.label.clone())
+}
+
+/// Refuses stamps whose grid would have more points than memory.
+fn check_clock(
+    time: &[f64],
+    trajectory: &crate::Trajectory,
+    step: f64,
+    factor: usize,
+) -> Result<(), PrepareError> {
+    let own = &time[trajectory.range.clone()];
+    let samples = own.len();
+    let span = own.last().copied().unwrap_or(f64::NAN) - own.first().copied().unwrap_or(f64::NAN);
+    if span / step * factor as f64 <= MOST_POINTS * samples as f64 {
+        return Ok(());
+    }
+    let gaps = own.windows(2).map(|w| w[1] - w[0]);
+    let (row, gap) = gaps
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .unwrap_or((0, f64::NAN));
+    Err(PrepareError::Clock {
+        label: trajectory.label.clone(),
+        samples,
+        span,
+        step,
+        gap,
+        row: trajectory.range.start + row + 2,
+    })
 }
 
 /// Uniform grids that begin and end exactly with the trajectory.

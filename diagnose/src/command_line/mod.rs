@@ -31,6 +31,9 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 report::warn!("error: {error}");
+                if let Some(hint) = error.hint() {
+                    report::warn!("hint: {hint}");
+                }
                 ExitCode::from(if error.is_input() { 2 } else { 1 })
             }
         },

@@ -1,16 +1,18 @@
 //! Weight matrix packed for matrix × vector at run-time.
 
 use pulp::{Arch, Simd, WithSimd};
+use std::sync::Arc;
 
 /// Outputs computed together; their accumulators stay in vector registers over all inputs.
 const TILE: usize = 32;
 
 /// y = xᵀ·W + b with W cut into tiles of 32 outputs, each stored input by input, so one pass streams the
-/// weights in order. The instruction set is chosen at run-time.
+/// weights in order. The instruction set is chosen at run-time. Copies share the weights: a loop faster than the network has
+/// one state for each of its periods, and all of them stay in the processor's cache.
 #[derive(Debug, Clone)]
 pub(super) struct Packed {
-    tiles: Vec<[f32; TILE]>,
-    bias: Vec<[f32; TILE]>,
+    tiles: Arc<[[f32; TILE]]>,
+    bias: Arc<[[f32; TILE]]>,
     inputs: usize,
 }
 
@@ -30,8 +32,8 @@ impl Packed {
             tile[..part.len()].copy_from_slice(part);
         }
         Self {
-            tiles,
-            bias: padded,
+            tiles: tiles.into(),
+            bias: padded.into(),
             inputs,
         }
     }
@@ -81,7 +83,7 @@ impl WithSimd for Product<'_> {
 fn product<const FUSED: bool>(packed: &Packed, x: &[f32], out: &mut [f32]) {
     let (out, _) = out.as_chunks_mut::<TILE>();
     let tiles = packed.tiles.chunks_exact(packed.inputs);
-    for ((tile, bias), out) in tiles.zip(&packed.bias).zip(out) {
+    for ((tile, bias), out) in tiles.zip(&packed.bias[..]).zip(out) {
         let mut sum = *bias;
         for (row, &x) in tile.iter().zip(x) {
             for j in 0..TILE {

@@ -162,7 +162,7 @@ impl<'a> Separation<'a> {
     /// As [`Excitation::new`].
     ///
     /// # Errors
-    /// Robots of different numbers of joints are judged by the first's noise; a noise deviation that is missing or not positive.
+    /// A noise deviation that is missing or not positive, robots of different numbers of joints among them.
     pub fn new(
         models: [&'a Robot; 2],
         noise: Vec<f64>,

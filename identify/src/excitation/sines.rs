@@ -141,8 +141,8 @@ fn draw(
     let needed = pulsation.iter().map(|&w| time(w)).fold(0.0, f64::max);
     let duration = options.duration.unwrap_or_else(|| needed.ceil());
     if duration < needed {
-        let of = |&j: &usize| time(pulsation[j]) > duration;
-        let joint = (0..n).find(of).unwrap_or(0);
+        let slowest = (0..n).min_by(|&a, &b| pulsation[a].total_cmp(&pulsation[b]));
+        let joint = slowest.unwrap_or(0);
         return Err(ExcitationError::FewCycles {
             joint,
             cycle: TAU / pulsation[joint],

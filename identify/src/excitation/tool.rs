@@ -60,15 +60,20 @@ pub struct ToolRoom<'a> {
 }
 
 impl<'a> ToolRoom<'a> {
-    /// The point is given in the frame of the last joint, m.
-    pub fn new(robot: &'a Robot, point: [f64; 3], regions: Vec<Region>) -> Self {
+    /// The point is given in the frame of the last joint, m; joints move within `limits`, base first, and nowhere else.
+    pub fn new(
+        robot: &'a Robot,
+        limits: &[MotionLimits],
+        point: [f64; 3],
+        regions: Vec<Region>,
+    ) -> Self {
         let point = Vector3::from(point);
         let mut beyond = point.norm();
         let mut reach = Vec::new();
-        for joint in robot.joints().iter().rev() {
+        for (joint, limits) in std::iter::zip(robot.joints(), limits).rev() {
             let slides = joint.kind == JointKind::Prismatic;
             reach.push(if slides { 1.0 } else { beyond });
-            let way = joint.limits.lower.abs().max(joint.limits.upper.abs());
+            let way = limits.lower.abs().max(limits.upper.abs());
             beyond += joint.translation.norm() + if slides { way } else { 0.0 };
         }
         reach.reverse();

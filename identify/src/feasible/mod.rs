@@ -44,7 +44,8 @@ pub struct Feasible {
     pub base: Vec<f64>,
     /// Smallest eigenvalue of the links' pseudo-inertias, each relative to the link's largest: positive.
     pub smallest_eigenvalue: f64,
-    /// What was minimised, less a constant: data term plus distance from the nominal model.
+    /// What was minimised, less a constant: data term plus distance from the nominal model. Of [`Feasibility::standard_from`]
+    /// before its last step.
     pub objective: f64,
     /// Bound on how far `objective` is above the minimum.
     pub gap: f64,
@@ -52,6 +53,13 @@ pub struct Feasible {
     pub status: Status,
     /// Newton steps taken.
     pub steps: usize,
+}
+
+impl Feasible {
+    /// Whether the iteration went as far as it could: to the gap asked for, or to where rounding stopped it.
+    pub fn converged(&self) -> bool {
+        self.status != Status::StepLimit
+    }
 }
 
 impl Feasibility {

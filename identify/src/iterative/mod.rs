@@ -16,12 +16,15 @@
 //! Ordinary and weighted least squares are the same loops with fewer of them ([`Noise`], [`Weight`]).
 
 mod exponent;
+mod noise;
 mod problem;
 #[cfg(test)]
 mod tests;
 mod weight;
 
 pub use exponent::PowerLaw;
+pub use noise::Noise;
+use noise::{covariance, inverse_root, largest_change};
 pub use problem::Problem;
 pub use weight::Weight;
 
@@ -49,17 +52,6 @@ pub enum IterativeError {
         "the weighted system is numerically singular: too few samples are left, or their noise is zero"
     )]
     Singular,
-}
-
-/// Covariance Ω of the torque noise, assumed or estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Noise {
-    /// σ²·1: ordinary least squares.
-    Equal,
-    /// Diagonal: one variance for each joint (eq. 12).
-    PerJoint,
-    /// Any covariance between the joints (eqs 16, 17).
-    Full,
 }
 
 /// When every link must be a possible body.
@@ -135,7 +127,7 @@ pub struct Identification {
     pub exponents: Vec<f64>,
     /// Least-squares problems solved in all.
     pub solutions: usize,
-    /// Whether every loop ended by its tolerance.
+    /// Whether every loop ended by its tolerance, and the last feasible solution before its steps were used up.
     pub converged: bool,
 }
 
@@ -183,7 +175,7 @@ pub fn identify(
         state.weights.assign(problem.kept());
         state.middle_loop(problem, options)?;
         let Some(law) = &options.power_law else { break };
-        if settled || round + 1 == options.rounds[2] {
+        if settled || round + 1 == options.rounds[2].max(1) {
             break;
         }
         let residual = problem.residual(&state.parameters);
@@ -268,11 +260,17 @@ impl State {
         options: &IterativeOptions,
     ) -> Result<(), IterativeError> {
         for _ in 0..options.rounds[0].max(1) {
-            let root = inverse_root(&self.noise)?;
+            let root = inverse_root(&self.noise)?.ok_or(IterativeError::Singular)?;
             let gram = problem.gram(&root, &self.weights);
             self.step(&gram, options)?;
             let residual = problem.residual(&self.parameters);
-            let noise = self.covariance(&residual, problem.columns(), options);
+            let noise = covariance(
+                &residual,
+                &self.weights,
+                problem.columns(),
+                options.weight.variance_of_normal(),
+                options.noise,
+            );
             let change = largest_change(&noise, &self.noise);
             self.noise = noise;
             if change <= options.noise_tolerance {
@@ -309,37 +307,6 @@ impl State {
         }
         Ok(())
     }
-
-    /// Ω from the weighted residual (eqs 17, 27).
-    ///
-    /// Rows count by their weight, parameters are shared out over the joints, and the part of a normal
-    /// distribution that the weight function cuts off is put back; without that, outliers would shrink Ω and
-    /// Ω would make outliers.
-    fn covariance(
-        &self,
-        residual: &Array2<f64>,
-        columns: usize,
-        options: &IterativeOptions,
-    ) -> Mat<f64> {
-        let n = residual.ncols();
-        let kept = options.weight.variance_of_normal();
-        let live: Vec<f64> = (0..n).map(|j| self.weights.column(j).sum()).collect();
-        let weighted = residual * &self.weights.mapv(f64::sqrt);
-        let sums = weighted.t().dot(&weighted);
-        let used = columns as f64 / n as f64;
-        let entry = |j: usize, k: usize| {
-            let count = ((live[j] * live[k]).sqrt() - used).max(1.0);
-            sums[(j, k)] / (count * kept)
-        };
-        match options.noise {
-            Noise::Full => Mat::from_fn(n, n, entry),
-            Noise::PerJoint => Mat::from_fn(n, n, |j, k| if j == k { entry(j, j) } else { 0.0 }),
-            Noise::Equal => {
-                let mean = (0..n).map(|j| entry(j, j)).sum::<f64>() / n as f64;
-                faer::Scale(mean) * Mat::<f64>::identity(n, n)
-            }
-        }
-    }
 }
 
 fn finish(
@@ -348,7 +315,7 @@ fn finish(
     state: State,
     exponents: Vec<f64>,
 ) -> Result<Identification, IterativeError> {
-    let root = inverse_root(&state.noise)?;
+    let root = inverse_root(&state.noise)?.ok_or(IterativeError::Singular)?;
     let mut rows = Accumulator::new(problem.columns());
     let all = 0..problem.samples();
     problem.whitened_blocks(all, &root, &state.weights, |block, live| {
@@ -371,36 +338,9 @@ fn finish(
         weights: state.weights,
         exponents,
         solutions: state.solutions + 1,
-        converged: state.converged,
+        converged: state.converged && feasible.as_ref().is_none_or(Feasible::converged),
         estimate,
         feasible,
         triangle,
     })
-}
-
-/// Ω^(−1/2), symmetric (eq. 18).
-fn inverse_root(noise: &Mat<f64>) -> Result<Mat<f64>, IterativeError> {
-    let eigen = noise
-        .self_adjoint_eigen(faer::Side::Lower)
-        .map_err(|_| LeastSquaresError::Decomposition)?;
-    let (u, values) = (eigen.U(), eigen.S());
-    let n = noise.nrows();
-    if (0..n).any(|i| values[i].is_nan() || values[i] <= 0.0) {
-        return Err(IterativeError::Singular);
-    }
-    let scaled = Mat::from_fn(n, n, |i, j| u[(i, j)] / values[j].sqrt());
-    Ok(scaled * u.transpose())
-}
-
-/// Largest change of an entry, relative to the deviations of its two joints.
-fn largest_change(new: &Mat<f64>, old: &Mat<f64>) -> f64 {
-    let n = new.nrows();
-    let mut largest = 0.0_f64;
-    for j in 0..n {
-        for k in 0..n {
-            let scale = (new[(j, j)] * new[(k, k)]).sqrt();
-            largest = largest.max((new[(j, k)] - old[(j, k)]).abs() / scale);
-        }
-    }
-    largest
 }

@@ -139,6 +139,27 @@ fn truth_lies_within_the_deviations_stated() {
     }
 }
 
+/// A joint that stands the whole time has no row that counts; the others are identified all the same.
+#[test]
+fn a_joint_without_rows_takes_no_other_with_it() {
+    let s = Synthetic::new(600, 1.0, 0.05, 3);
+    for noise in [Noise::Equal, Noise::PerJoint, Noise::Full] {
+        let mut problem = s.problem();
+        (0..problem.samples()).for_each(|sample| problem.leave_out(sample, 4));
+        let options = IterativeOptions {
+            noise,
+            ..IterativeOptions::default()
+        };
+        let found = identify(&mut problem, &options).unwrap();
+        assert_eq!(found.weights.column(4).sum(), 0.0);
+        for name in ["fv1", "fc3", "f06"] {
+            let column = s.column(name);
+            let error = (found.estimate.parameters[column] - s.truth[column]).abs();
+            assert!(error < 0.1, "{noise:?}, {name}: {error}");
+        }
+    }
+}
+
 #[test]
 fn full_covariance_finds_the_correlation_and_shrinks_the_deviations() {
     let s = Synthetic::new(2000, 1.0, 0.05, 2);

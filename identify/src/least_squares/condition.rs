@@ -70,8 +70,8 @@ impl SubRegressors {
     }
 }
 
-/// Ratio of the largest to the smallest singular value; infinite for a matrix that lacks rank, 1 for one
-/// without columns.
+/// Ratio of the largest to the smallest singular value; 1e16 and more, or infinite, for a matrix that lacks rank, 1 for
+/// one without columns.
 ///
 /// # Errors
 /// The decomposition does not converge.

@@ -68,8 +68,8 @@ pub fn block_covariance(
 
 /// Deviations of any estimate from the sums of blocks of rows that follow each other: it is made again without each of them.
 ///
-/// Blocks are joined two by two, and each value keeps its largest deviation, as in [`block_covariance`]; none where there are fewer than
-/// 24 blocks.
+/// Blocks are joined two by two as long as 24 are left, an odd last one counting as a block, and each value keeps its largest deviation,
+/// as in [`block_covariance`]; none where there are fewer than 24 blocks.
 ///
 /// # Errors
 /// Blocks of different numbers of columns; whatever the estimate fails with.

@@ -1,6 +1,6 @@
 //! What residual plots show: autocorrelation and normal plot.
 
-use super::{products, trajectories};
+use super::{ROUNDING, products, trajectories};
 
 /// Correlation ρ_k of samples k apart, k = 0 … `lags`, within the trajectories that begin at `starts`; zeros for a
 /// residual that does not vary.
@@ -10,7 +10,7 @@ pub fn autocorrelation(residual: &[f64], starts: &[usize], lags: usize) -> Vec<f
     let energy: f64 = centred.iter().map(|e| e * e).sum();
     let parts = trajectories(&centred, starts);
     let sum = |lag| {
-        if energy > 0.0 {
+        if energy.sqrt() > ROUNDING * mean.abs() * (residual.len() as f64).sqrt() {
             products(&parts, lag) / energy
         } else {
             0.0
@@ -25,7 +25,7 @@ pub fn normal_scores(residual: &[f64], points: usize) -> (Vec<f64>, Vec<f64>) {
     let n = residual.len();
     let mean = residual.iter().sum::<f64>() / n.max(1) as f64;
     let variance = residual.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / n.max(1) as f64;
-    if variance.is_nan() || variance <= 0.0 {
+    if variance.is_nan() || variance.sqrt() <= ROUNDING * mean.abs() {
         return (Vec::new(), Vec::new());
     }
     let mut sorted: Vec<f64> = residual

@@ -80,7 +80,8 @@ fn print(file: &MachineFile, scores: &Scores, source: &str) {
         Column::number("max error / %"),
         Column::number("mean error / %"),
     ]);
-    let percent = |value: Option<f64>| Cell::optional(value.map(|v| 100.0 * v), 2);
+    let percent =
+        |value: Option<f64>| Cell::optional(value.filter(|v| v.is_finite()).map(|v| 100.0 * v), 2);
     for (j, axis) in scores.axes.iter().enumerate() {
         let all = &scores.rows[0].scores;
         table = table.row([

@@ -57,6 +57,11 @@ fn print(file: &MachineFile, found: &MachinePayload, source: &str) {
     }
     say_text!(table.to_text());
     say!();
+    // Nothing of an axis that never moved.
+    let size = |rms: f64| match rms.is_finite() {
+        true => Cell::significant(rms, 3),
+        false => Cell::missing(),
+    };
     let mut table = Table::new([
         Column::text("axis"),
         Column::number("RMS left without it"),
@@ -66,8 +71,8 @@ fn print(file: &MachineFile, found: &MachinePayload, source: &str) {
     for (j, axis) in file.machine.axis.iter().enumerate() {
         table.push([
             Cell::text(&axis.name),
-            Cell::significant(found.rms_without[j], 3),
-            Cell::significant(found.rms_with[j], 3),
+            size(found.rms_without[j]),
+            size(found.rms_with[j]),
             Cell::text(axis.effort_unit()),
         ]);
     }

@@ -122,7 +122,12 @@ pub fn fit(rows: &AxisRows) -> Result<Estimate, LeastSquaresError> {
 /// # Errors
 /// Nothing to fit.
 pub fn fit_towards(rows: &AxisRows, prior: Option<Prior>) -> Result<Estimate, LeastSquaresError> {
-    let size = |axis: &Triangle| (axis.target_sum_of_squares() / axis.rows() as f64).sqrt();
+    // An axis without rows has nothing to be weighed.
+    let deviation = |squares: f64, axis: &Triangle| match axis.rows() {
+        0 => 1.0,
+        rows => (squares / rows as f64).sqrt(),
+    };
+    let size = |axis: &Triangle| deviation(axis.target_sum_of_squares(), axis);
     let mut residual: Vec<f64> = rows.whole.iter().map(size).collect();
     let floor: Vec<f64> = residual
         .iter()
@@ -155,7 +160,7 @@ pub fn fit_towards(rows: &AxisRows, prior: Option<Prior>) -> Result<Estimate, Le
         let weights = residual.clone();
         for ((sigma, axis), floor) in residual.iter_mut().zip(&rows.whole).zip(&floor) {
             let squares = axis.residual_sum_of_squares(&estimate.parameters)?;
-            *sigma = (squares / axis.rows() as f64).sqrt().max(*floor);
+            *sigma = deviation(squares, axis).max(*floor);
         }
         best = Some((estimate, weights));
     }

@@ -28,7 +28,7 @@ pub const ALLOWED: f64 = 0.5;
 pub struct AxisResult {
     /// Name.
     pub name: String,
-    /// Largest torque error over the axis's largest measured torque, over samples in motion.
+    /// Largest torque error over the axis's largest measured torque, over samples in motion; NaN where there is none.
     pub max_relative: f64,
     /// Mean of the same.
     pub mean_relative: f64,
@@ -101,7 +101,7 @@ pub fn identify(
     })
 }
 
-/// Relative errors of one axis over its samples in motion.
+/// Relative errors of one axis over its samples in motion; NaN where it never moves.
 pub fn axis_result(
     name: &str,
     axis: usize,
@@ -119,10 +119,10 @@ pub fn axis_result(
         .iter()
         .map(|&row| (command[(row, axis)] - measured(row)).abs())
         .collect();
-    let count = errors.len().max(1) as f64;
+    let count = errors.len() as f64;
     AxisResult {
         name: name.to_owned(),
-        max_relative: errors.iter().copied().fold(0.0, f64::max) / largest,
+        max_relative: errors.iter().copied().fold(f64::NAN, f64::max) / largest,
         mean_relative: errors.iter().sum::<f64>() / count / largest,
         samples: rows.len(),
         band: band.clone(),

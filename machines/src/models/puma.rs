@@ -6,7 +6,7 @@ use crate::description::Description;
 use faer::Mat;
 use identify::base::{BaseParameters, Extra};
 use physics::dynamics::{Workspace, regressor};
-use physics::robot::{PARAMETERS_PER_LINK, Robot, to_urdf};
+use physics::robot::{PARAMETERS_PER_LINK, Robot, STANDARD_GRAVITY, to_urdf};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
@@ -42,6 +42,24 @@ impl Puma {
         if robot.dof() != 6 || !rotating {
             return Err(description.wrong(format!(
                 "{} is no chain of six rotating joints; give one, or use train for other chains",
+                robot.name()
+            )));
+        }
+        // A machine's model is stored with a URDF, which holds none of these.
+        let elsewhere = [
+            (
+                robot.gravity() != STANDARD_GRAVITY,
+                "another gravity than (0, 0, -9.81) m/s²",
+            ),
+            (!robot.passive().is_empty(), "springs or a counterbalance"),
+            (
+                robot.gravity_compensation().iter().any(|c| *c != 0.0),
+                "compensated gravity",
+            ),
+        ];
+        if let Some((_, what)) = elsewhere.iter().find(|(has, _)| *has) {
+            return Err(description.wrong(format!(
+                "{} has {what}, which this machine's model does not know; use train",
                 robot.name()
             )));
         }

@@ -275,7 +275,17 @@ impl JointSystem {
     }
 }
 
-/// One cell of the folds of all joints as one triangle over `total` parameters, each joint scaled by 1/sigma.
+/// What a joint's rows are scaled by for a residual of deviation `sigma`; a channel without any error is dead and tells of
+/// nothing.
+pub fn scale(sigma: f64) -> f64 {
+    if sigma <= f64::MIN_POSITIVE {
+        0.0
+    } else {
+        1.0 / sigma
+    }
+}
+
+/// One cell of the folds of all joints as one triangle over `total` parameters, each joint scaled by [`scale`].
 pub fn joined(
     joints: &[(&JointSystem, Vec<usize>)],
     sigma: &[f64],
@@ -284,12 +294,12 @@ pub fn joined(
 ) -> Result<Triangle, LeastSquaresError> {
     let mut whole = Triangle::empty(total);
     for ((system, map), sigma) in joints.iter().zip(sigma) {
-        whole.merge(&system.cells[cell].scaled(1.0 / sigma).embed(map, total)?)?;
+        whole.merge(&system.cells[cell].scaled(scale(*sigma)).embed(map, total)?)?;
     }
     Ok(whole)
 }
 
-/// The blocks of all joints over `total` parameters, each joint scaled by 1/sigma.
+/// The blocks of all joints over `total` parameters, each joint scaled by [`scale`].
 pub fn joined_blocks(
     joints: &[(&JointSystem, Vec<usize>)],
     sigma: &[f64],
@@ -301,7 +311,7 @@ pub fn joined_blocks(
         .map(|block| {
             let mut whole = Gram::from(&Triangle::empty(total));
             for ((system, map), sigma) in joints.iter().zip(sigma) {
-                let own = system.blocks[block].scaled(1.0 / sigma);
+                let own = system.blocks[block].scaled(scale(*sigma));
                 whole = whole.plus(&own.embed(map, total)?)?;
             }
             Ok(whole)

@@ -1,6 +1,6 @@
 //! Error of a joint fit of all joints on rows that it has not seen.
 
-use crate::identify::design::JointSystem;
+use crate::identify::design::{JointSystem, scale};
 use crate::identify::selection::FoldGrams;
 use ::identify::least_squares::{Gram, LeastSquaresError, Triangle};
 use datasets::Folds;
@@ -55,10 +55,8 @@ impl<'a> OutOfFold<'a> {
             let mut sum = empty();
             for ((cells, map), sigma) in cells.iter().zip(&maps).zip(&sigma) {
                 if cells[cell].rows() > 0 {
-                    // A channel without any error is dead: it tells of nothing.
-                    let dead = *sigma <= f64::MIN_POSITIVE;
-                    let weight = if dead { 0.0 } else { 1.0 / sigma };
-                    sum = sum.plus(&cells[cell].scaled(weight).embed(map, total)?)?;
+                    let own = cells[cell].scaled(scale(*sigma));
+                    sum = sum.plus(&own.embed(map, total)?)?;
                 }
             }
             Ok(sum)

@@ -14,8 +14,8 @@ use crate::residual::{self, Yardsticks};
 use crate::tables::{RIDGE, TREES};
 use compensator::training::Trees;
 use datasets::{Part, Recording, read};
-use feedforward::Feedforward;
 use feedforward::network::Compensator;
+use feedforward::{Feedforward, LoadError};
 use ndarray::{Array2, Axis};
 use std::path::{Path, PathBuf};
 
@@ -151,12 +151,17 @@ impl<'a> Contestant<'a> {
             ..entry("linear_baseline", &torque)?
         }];
         let training = |whole| self.timing.as_ref().map(|t| Training::of(t, whole));
-        let mut model = Feedforward::load(self.directory, Some(part.report.rate_hz.recip()))?;
+        let period = Some(part.report.rate_hz.recip());
         if let Some(compensator) = &self.compensator {
             rows.push(Entry {
                 parameters: Some(self.file.fitted_parameters()),
                 network_parameters: Some(weights(compensator)),
-                inference_us: inference::microseconds(&mut model, motion),
+                // A recording too slow for the compensator is predicted by the physics alone.
+                inference_us: match Feedforward::load(self.directory, period) {
+                    Ok(mut whole) => inference::microseconds(&mut whole, motion),
+                    Err(LoadError::Windows { .. }) => None,
+                    Err(other) => return Err(other.into()),
+                },
                 training: training(true),
                 ..entry(WHOLE, &self.scored.torque)?
             });
@@ -168,7 +173,7 @@ impl<'a> Contestant<'a> {
                 ..entry(name, &torque)?
             });
         }
-        let mut physics = model.without_compensator();
+        let mut physics = Feedforward::load_physics(self.directory, period)?;
         rows.push(Entry {
             parameters: Some(self.file.fitted_parameters()),
             inference_us: inference::microseconds(&mut physics, motion),

@@ -1,5 +1,6 @@
 //! Recordings at another rate than the network's: windows keep their length in time.
 
+use feedforward::clock::stride;
 use std::ops::Range;
 
 /// Every how many samples of a recording one sample of a window is taken.
@@ -9,16 +10,11 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace(usize);
 
-/// A window may be longer or shorter than in training by this factor.
-const TOLERANCE: f64 = 1.5;
-
 impl Pace {
     /// Pace for a recording at `rate_hz` and a network trained at `period` seconds; None where the
     /// recording is too slow for it.
     pub fn new(rate_hz: f64, period: f64) -> Option<Self> {
-        let exact = rate_hz * period;
-        let stride = exact.round().max(1.0);
-        (exact * TOLERANCE >= stride).then_some(Self(stride as usize))
+        stride(rate_hz * period).map(Self)
     }
 
     /// Rows in the order of the sequences, and the range of each sequence in that order.

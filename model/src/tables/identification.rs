@@ -160,7 +160,9 @@ pub fn estimator(file: &ModelFile, d: &Diagnostics) -> Vec<String> {
         ));
     }
     if !r.converged {
-        lines.push("The iteration stopped at its limit of rounds before it settled.".to_owned());
+        lines.push(
+            "The iteration stopped at its limit of rounds or steps before it settled.".to_owned(),
+        );
     }
     if !d.poorly_determined.is_empty() {
         lines.push(format!(

@@ -277,7 +277,7 @@ fn the_tool_stays_in_its_region() {
             radius: 0.6,
         },
     ];
-    let tool = ToolRoom::new(&robot, [0.0, 0.0, 0.1], regions);
+    let tool = ToolRoom::new(&robot, &[LIMITS; 6], [0.0, 0.0, 0.1], regions);
     let bounds = Bounds {
         tool: Some(tool.clone()),
         ..Bounds::of(vec![LIMITS; 6])
@@ -296,6 +296,7 @@ fn the_tool_stays_in_its_region() {
     }
     let nowhere = ToolRoom::new(
         &robot,
+        &[LIMITS; 6],
         [0.0; 3],
         vec![Region::Sphere {
             centre: [5.0, 0.0, 0.0],

@@ -6,6 +6,7 @@ use super::solution::{EstimatorReport, Solution, made_possible, offsets};
 use crate::identify::design::{Data, JointSystem, joined, joined_blocks};
 use crate::identify::error::IdentifyError;
 use ::identify::base::BaseParameters;
+use ::identify::feasible::Feasible;
 use ::identify::least_squares::{Gram, Triangle, block_covariance, solve as least_squares};
 use ndarray::Array2;
 use physics::effects::Term;
@@ -120,7 +121,7 @@ pub(crate) fn solve_systems(
                 left_out: vec![0.0; terms.len()],
                 exponents: vec![None; terms.len()],
                 solutions: passes,
-                converged: true,
+                converged: feasible.as_ref().is_none_or(Feasible::converged),
                 every: 1,
             },
             estimate,

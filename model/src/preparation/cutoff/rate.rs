@@ -10,7 +10,10 @@ pub const HIGHEST_PART: f64 = 0.4;
 pub fn for_recording(options: &PrepareOptions, recording: &Recording) -> PrepareOptions {
     let highest = HIGHEST_PART / recording.median_step();
     PrepareOptions {
-        cutoff_hz: options.cutoff_hz.map(|hz| hz.min(highest)),
+        // What is no number stays none, and is refused.
+        cutoff_hz: options
+            .cutoff_hz
+            .map(|hz| if hz > highest { highest } else { hz }),
         ..*options
     }
 }

@@ -42,6 +42,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Highest order of the low-pass that a recorded torque has passed.
+const HIGHEST_ORDER: usize = 16;
+
 /// Contents of a drive file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -177,10 +180,15 @@ impl Drive {
         }
         if let Some(filter) = &self.torque_filter {
             let positive = |v: f64| v.is_finite() && v > 0.0;
-            if filter.order == 0 || !positive(filter.cutoff_hz) || !positive(filter.ripple_db) {
+            let order = 1..=HIGHEST_ORDER;
+            if !order.contains(&filter.order)
+                || !positive(filter.cutoff_hz)
+                || !positive(filter.ripple_db)
+            {
                 return Err(RobotError::Drive {
-                    reason: "torque_filter needs a positive order, cutoff_hz and ripple_db"
-                        .to_owned(),
+                    reason: format!(
+                        "torque_filter needs an order of 1 to {HIGHEST_ORDER} and a positive cutoff_hz and ripple_db"
+                    ),
                 });
             }
         }
@@ -196,6 +204,15 @@ impl Drive {
         let mut robot = robot;
         if let Some(values) = &self.gear_ratio {
             robot.each_joint("gear_ratio", values, |j, v| j.gear_ratio = Some(v))?;
+        }
+        if let Some(leads) = &self.screw_lead {
+            // Motor rad per m, as a sliding joint's ratio is; the file has motor turns per turn of the screw.
+            let turns = |own: Option<f64>| self.gear_ratio.as_ref().and(own).unwrap_or(1.0);
+            robot.each_joint("screw_lead", leads, |j, lead| {
+                if lead > 0.0 {
+                    j.gear_ratio = Some(turns(j.gear_ratio) * std::f64::consts::TAU / lead);
+                }
+            })?;
         }
         if let Some(values) = &self.torque_constant {
             robot.each_joint("torque_constant", values, |j, v| {

@@ -43,6 +43,8 @@ pub(super) struct Settings {
     pub least_inertia: f64,
     /// Gravity, m/s².
     pub gravity: Vector3<f64>,
+    /// Whether a flag switches gravity off, whatever its vector.
+    pub weightless: bool,
     /// Density and viscosity of the medium.
     pub medium: [f64; 2],
     /// Whether springs, dampers and dry friction act.
@@ -66,6 +68,7 @@ impl Settings {
             least_mass: 0.0,
             least_inertia: 0.0,
             gravity: STANDARD_GRAVITY,
+            weightless: false,
             medium: [0.0, 0.0],
             springs: true,
             dampers: true,
@@ -156,6 +159,7 @@ impl Settings {
         let off = |name: &str| flags.get(name) == Some("disable");
         if off("gravity") {
             self.gravity = Vector3::zeros();
+            self.weightless = true;
         }
         // Before 3.3 one flag stood for springs and dampers.
         self.springs &= !(off("spring") || off("passive"));

@@ -51,6 +51,17 @@ pub(super) fn changes(
             if old == new {
                 continue;
             }
+            let acts = match name {
+                "damping" => scene.settings.dampers,
+                "frictionloss" => scene.settings.friction,
+                _ => true,
+            };
+            if !acts {
+                changes.left_out.push(format!(
+                    "{name} of joint {}: a <flag> of the model switches it off",
+                    own.name
+                ));
+            }
             if new < reflected {
                 changes.left_out.push(format!(
                     "{name} of joint {}: its actuator alone adds {reflected}, more than the {new} it should have",
@@ -69,6 +80,12 @@ pub(super) fn changes(
             };
             let drawn = own.attributes.number("ref")?.unwrap_or(0.0);
             changes.set(element, "ref", &(drawn - zero / unit).to_string());
+            // A spring rests where it did: its reference is a position of the joint, too.
+            let stiffness = own.attributes.list("stiffness")?.unwrap_or_default();
+            if stiffness.iter().any(|k| *k != 0.0) {
+                let rest = own.attributes.number("springref")?.unwrap_or(0.0);
+                changes.set(element, "springref", &(rest - zero / unit).to_string());
+            }
         }
         if departs(&old.link.inertia, &new.link.inertia) {
             bodies.extend(inertias(chain, link, &new.link.inertia));
@@ -224,6 +241,10 @@ fn rewrite(changes: &mut Changes, inertial: Element<'_, '_>, values: &[(&str, St
 
 /// Writes gravity to the `<option>` that decides it.
 fn gravity(scene: &Scene<'_, '_, '_>, changes: &mut Changes, robot: &Robot) {
+    if scene.settings.weightless {
+        let text = "gravity: a <flag> of the model switches it off".to_owned();
+        changes.left_out.push(text);
+    }
     let value = words(robot.gravity().as_slice());
     let options = scene.root.tagged("option");
     let deciding = options.iter().rev().find(|o| o.get("gravity").is_some());

@@ -1,0 +1,62 @@
+//! Why a recording cannot be prepared.
+
+use signal::sos;
+use signal::spline::SplineError;
+
+/// A recording that cannot be prepared.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PrepareError {
+    /// The cut-off does not fit the rate.
+    #[error("{0}")]
+    Cutoff(#[from] sos::DesignError),
+    /// The low-pass that the recorded torque has passed does not fit the rate.
+    #[error("torque_filter of the drive file: {0}")]
+    TorqueFilter(sos::DesignError),
+    /// Stamps that no recording of as many samples has: another unit than s, or a clock that was set meanwhile.
+    #[error(
+        "trajectory `{label}`: {samples} samples over {span:.6} s, most of them {step:.6} s apart, the largest gap {gap:.6} s before row {row} of \
+         the recording"
+    )]
+    Clock {
+        /// Label.
+        label: String,
+        /// Samples of the trajectory.
+        samples: usize,
+        /// From its first to its last stamp, s.
+        span: f64,
+        /// Median step of the recording, s.
+        step: f64,
+        /// Largest step of the trajectory, s.
+        gap: f64,
+        /// Row after it, from one.
+        row: usize,
+    },
+    /// No spline through a trajectory.
+    #[error("trajectory `{label}`: {source}")]
+    Spline {
+        /// Label.
+        label: String,
+        /// Why.
+        source: SplineError,
+    },
+    /// The fine rate is not a positive number.
+    #[error("fine rate {0} Hz is not positive")]
+    FineRate(f64),
+}
+
+impl PrepareError {
+    /// What to do about it.
+    pub fn advice(&self) -> &'static str {
+        match self {
+            Self::Cutoff(_) => "Give another --cutoff-hz.",
+            Self::TorqueFilter(_) => {
+                "Give the low-pass that the recorded torque has passed (torque_filter of the drive file)."
+            }
+            Self::Clock { .. } => {
+                "Give the unit of time (units.time of the drive file), or cut the recording there."
+            }
+            Self::Spline { .. } => "Give a recording with longer trajectories.",
+            Self::FineRate(_) => "",
+        }
+    }
+}
