@@ -1,6 +1,7 @@
 """The package against the programs: the same numbers, the same words."""
 
 import _thread
+import dataclasses
 import json
 import threading
 import time
@@ -9,9 +10,12 @@ import numpy as np
 import pytest
 
 import residyn
+from residyn.in_mujoco import ROLLOUT, _starts
 
 
 def test_dynamics_agree_with_each_other():
+    with pytest.raises(residyn.InputError, match="finite"):
+        residyn.Robot("ur5", gravity=(float("nan"), 0.0, 0.0))
     robot = residyn.Robot("ur5")
     q, qd, qdd = np.random.default_rng(1).normal(size=(3, 20, robot.dof))
     tau = robot.inverse_dynamics(q, qd, qdd)
@@ -38,6 +42,24 @@ def test_identify_is_train_to_the_last_bit(program, raw, tmp_path):
         assert np.array_equal(found.torque[:, j], printed[f"tau{j + 1}"])
         assert np.array_equal(found.std[:, j], printed[f"tau{j + 1}_std"])
     assert len(found.nrmse()) == len(model.joints)
+    with pytest.raises(KeyError, match="linear"):
+        found.nrmse("linear")
+
+
+def test_a_changed_recording_is_not_read_again_from_its_file(raw, tmp_path):
+    read = residyn.Recording.read(raw / "train.csv")
+    changed = dataclasses.replace(read, tau=2.0 * read.tau)
+    assert read.source == raw / "train.csv" and changed.source is None
+    once, twice = (residyn.identify(raw / "robot.urdf", r, tmp_path / n).predict(read).torque for r, n in ((read, "once"), (changed, "twice")))
+    assert np.vdot(once, twice) / np.vdot(once, once) == pytest.approx(2.0, abs=0.1)
+
+
+def test_rollouts_end_in_their_own_trajectory():
+    time = np.tile(np.arange(10_001) * 1e-3, 2)
+    starts = _starts(time)
+    assert {last for _, last in starts} == {10_000, 20_001}
+    assert all(time[last] - time[start] >= ROLLOUT and start < last for start, last in starts)
+    assert starts[0] == (500, 10_000)
 
 
 def test_arrays_are_as_good_as_files(raw, tmp_path):

@@ -1,6 +1,6 @@
 //! The check of a recording with the robot at hand: the torque's channel, and which parameters the motion tells apart.
 
-use crate::preparation::{channel, cutoff, doctor};
+use crate::preparation::{channel, doctor};
 use ::identify::base::{BaseParameters, Extra};
 use ::identify::least_squares::{
     Accumulator, LeastSquaresError, SolveOptions, SubRegressors, Triangle, solve,
@@ -66,8 +66,7 @@ pub fn check_recording(
     options: &PrepareOptions,
 ) -> Result<CheckReport, CheckError> {
     let file = || recording.source.clone();
-    let options = cutoff::for_recording(options, recording);
-    let prepared = prepare(recording, &options).map_err(|source| CheckError::Prepare {
+    let prepared = prepare(recording, options).map_err(|source| CheckError::Prepare {
         file: file(),
         source,
     })?;
