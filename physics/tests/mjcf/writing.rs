@@ -46,6 +46,30 @@ fn only_changed_attributes_differ() {
     assert_eq!(back.joints()[1].friction, 4.5);
 }
 
+const SPRUNG: &str = r#"<mujoco><option><flag frictionloss="disable" gravity="disable"/></option><worldbody><body name="b">
+<joint name="j" type="slide" axis="1 0 0" stiffness="10" springref="0.3"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+</body></worldbody></mujoco>"#;
+
+/// A spring rests where it did when its joint's zero moves; what a flag switches off is said.
+#[test]
+fn springs_move_with_the_zero_and_flags_are_told() {
+    let mjcf = Mjcf::from_text(SPRUNG, &[]).unwrap();
+    let robot = mjcf.robot().unwrap();
+    let back = read(&main_text(&mjcf, &robot, &[0.1])).unwrap();
+    for q in [-0.4, 0.0, 0.7] {
+        let apart = back.passive()[0].torque(q) - robot.passive()[0].torque(q + 0.1);
+        assert!(apart.abs() < 1e-12, "{q}: {apart}");
+    }
+    let new = robot.clone().with_friction(&[0.0], &[1.2]).unwrap();
+    let new = new.with_gravity([0.0, 0.0, -9.7].into());
+    let edited = mjcf.with(&new, &[]).unwrap();
+    let said = edited.left_out().join("; ");
+    assert!(
+        said.contains("frictionloss of joint j") && said.contains("gravity"),
+        "{said}"
+    );
+}
+
 /// Every model with other numbers is, read again, the robot with those numbers.
 #[test]
 fn what_is_written_is_read_again() {
