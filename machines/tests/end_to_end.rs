@@ -373,6 +373,18 @@ fn a_stored_puma_is_whole() {
     assert_eq!(names(&machine), names(&again));
 }
 
+/// What a stored URDF cannot hold would be lost when the model is read again.
+#[test]
+fn a_puma_with_a_counterbalance_is_refused() {
+    let mut description = Machine::load("puma560")
+        .expect("built in")
+        .description()
+        .clone();
+    description.geometry.robot = Some("kr300".to_owned());
+    let refused = Machine::new(description).map(|_| ()).expect_err("refused");
+    assert!(refused.to_string().contains("counterbalance"), "{refused}");
+}
+
 #[test]
 fn same_seed_same_bytes() {
     let once = || simulate(&description("scara4", 1), &options()).expect("simulates");

@@ -235,6 +235,27 @@ mod tests {
     }
 
     #[test]
+    fn a_screw_turns_its_motor_so_often_per_metre() {
+        let text = r#"<robot name="r"><link name="a"/><link name="b"><inertial><mass value="1"/>
+            <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+            <joint name="s" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+            <limit lower="0" upper="1" effort="1" velocity="1"/></joint></robot>"#;
+        let robot = Robot::from_urdf_str(text).expect("a slide");
+        for (drive, turns) in [
+            ("screw_lead = [0.02]", 50.0),
+            ("gear_ratio = [2]\nscrew_lead = [0.02]", 100.0),
+        ] {
+            let drive = Drive::from_toml(drive, &robot).expect("a drive");
+            let ratio = drive.apply(robot.clone()).expect("one joint").joints()[0].gear_ratio;
+            let expected = turns * std::f64::consts::TAU;
+            assert!(
+                (ratio.expect("a ratio") - expected).abs() < 1e-9,
+                "{ratio:?}"
+            );
+        }
+    }
+
+    #[test]
     fn refusals_say_what_to_do() {
         for (text, expected) in [
             ("gear_ratio = [1, 2]", "has 2 values, but ur5 has 6 joints"),
