@@ -155,7 +155,7 @@ impl From<ResidualError> for Failure {
             ),
             ResidualError::Compensator(e @ compensator::Error::Gpu(_)) => Self::input(
                 e.to_string(),
-                "Leave --gpu out: the CPU trains the same networks. GPUs need cargo build --release --features train/gpu.",
+                "Leave --gpu out: the CPU trains the same networks. GPUs need cargo build --release --features residyn-train/gpu.",
             ),
             ResidualError::Compensator(e @ compensator::Error::Io { .. }) => {
                 Self::other(e.to_string())

@@ -1,5 +1,7 @@
 //! Where burn's own operations train, in place of the kernels.
 
+#[cfg(feature = "gpu")]
+use burn::tensor::wgpu::wgpu;
 use burn::tensor::{DType, Device, Tensor, TensorData};
 
 use crate::Error;
@@ -22,12 +24,20 @@ impl Tensors {
     /// On the GPU that `wgpu` prefers (Vulkan, Metal or DirectX 12). `BURN_DEVICE` must not be set.
     ///
     /// # Errors
-    /// [`Error::Gpu`]: the feature `gpu` is not compiled in, or there is no GPU that can be used.
+    /// [`Error::Gpu`]: the feature `gpu` is not compiled in, or there is no GPU that can be used; a renderer in software is none.
     #[cfg(feature = "gpu")]
     pub fn gpu() -> Result<Self, Error> {
-        let device = Device::wgpu_options()
-            .init()
+        let (device, setup) = Device::wgpu_options()
+            .init_with_setup()
             .map_err(|e| Error::Gpu(format!("no GPU can be used: {e}")))?;
+        let adapter = setup.adapter.get_info();
+        // It would work, for days.
+        if adapter.device_type == wgpu::DeviceType::Cpu {
+            let name = adapter.name;
+            return Err(Error::Gpu(format!(
+                "no GPU can be used: {name} is software on the CPU"
+            )));
+        }
         Ok(Self::on(device, DType::F32, true))
     }
 

@@ -1,4 +1,5 @@
-//! Training through burn's own operations, as on a GPU, here on the CPU.
+//! Training through burn's own operations, here on the CPU; on a GPU where the feature `gpu` is compiled in and one is asked for
+//! (`cargo test --release -p residyn-compensator --features gpu --test training -- --ignored on_a_gpu`).
 
 use crate::hysteresis::{CARRIED, TEST, WINDOW, hysteresis, short};
 use compensator::Error;
@@ -15,6 +16,10 @@ fn on(tensors: &Tensors) -> Control<'_> {
 
 #[test]
 fn ends_where_the_kernels_end() {
+    ends_where_the_kernels_end_on(&Tensors::cpu());
+}
+
+fn ends_where_the_kernels_end_on(tensors: &Tensors) {
     let data = hysteresis();
     let samples = data.samples();
     let mlp = UnitConfig {
@@ -24,7 +29,6 @@ fn ends_where_the_kernels_end() {
         },
         ..short(WINDOW)
     };
-    let tensors = Tensors::cpu();
     for config in [short(WINDOW), short(CARRIED), mlp] {
         let jobs = [data.job(config)];
         let torque = |control: &Control| {
@@ -32,7 +36,7 @@ fn ends_where_the_kernels_end() {
             assert!(unit.enabled);
             predict(unit, &samples, &TEST).unwrap()
         };
-        let [kernels, composed] = [torque(&Control::default()), torque(&on(&tensors))];
+        let [kernels, composed] = [torque(&Control::default()), torque(&on(tensors))];
         let pairs = kernels.iter().zip(&composed);
         let worst = pairs.fold(0.0_f32, |m, (a, b)| m.max((a - b).abs()));
         println!("torques differ by at most {worst:e} N·m");
@@ -43,10 +47,13 @@ fn ends_where_the_kernels_end() {
 
 #[test]
 fn interrupted_and_resumed_as_if_it_never_was() {
+    interrupted_and_resumed_as_if_it_never_was_on(&Tensors::cpu());
+}
+
+fn interrupted_and_resumed_as_if_it_never_was_on(tensors: &Tensors) {
     let data = hysteresis();
     let jobs = [data.job(short(WINDOW))];
-    let tensors = Tensors::cpu();
-    let straight = train(&jobs, &on(&tensors)).unwrap();
+    let straight = train(&jobs, &on(tensors)).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let stop = AtomicBool::new(false);
     let raise = |_: &_| stop.store(true, Ordering::Relaxed);
@@ -54,7 +61,7 @@ fn interrupted_and_resumed_as_if_it_never_was() {
         checkpoints: Some(folder.path()),
         cancel: Some(&stop),
         progress: Some(&raise),
-        ..on(&tensors)
+        ..on(tensors)
     };
     assert!(matches!(train(&jobs, &broken), Err(Error::Interrupted)));
     let kept = Control {
@@ -67,10 +74,19 @@ fn interrupted_and_resumed_as_if_it_never_was() {
         Err(Error::OtherCheckpoint { .. })
     ));
     let resumed = Control {
-        tensors: Some(&tensors),
+        tensors: Some(tensors),
         ..kept
     };
     assert_eq!(train(&jobs, &resumed).unwrap(), straight);
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+#[ignore = "needs a GPU"]
+fn on_a_gpu() {
+    let gpu = Tensors::gpu().unwrap();
+    ends_where_the_kernels_end_on(&gpu);
+    interrupted_and_resumed_as_if_it_never_was_on(&gpu);
 }
 
 #[cfg(not(feature = "gpu"))]
