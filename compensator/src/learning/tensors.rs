@@ -31,7 +31,7 @@ impl Tensors {
             .init_with_setup()
             .map_err(|e| Error::Gpu(format!("no GPU can be used: {e}")))?;
         let adapter = setup.adapter.get_info();
-        // It would work, for days.
+        // It would train, far more slowly than the kernels on the same CPU.
         if adapter.device_type == wgpu::DeviceType::Cpu {
             let name = adapter.name;
             return Err(Error::Gpu(format!(
