@@ -4,6 +4,7 @@ use crate::{Recording, Trajectory, repeats};
 use ndarray::Array2;
 use signal::harmonics::{Harmonics, HarmonicsError};
 use signal::loess::{Loess, LoessError};
+use std::ops::Range;
 
 /// Why periods cannot be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,63 +57,55 @@ pub struct Averaged {
 /// Averages the runs of each motion, sample by sample: x̄(k) = Σ x_s(k)/S (UR5 paper, eq. 13, there with eight runs; COMAU
 /// paper, section 3.4, with 25), and the variance Σ (x_s(k) − x̄(k))²/(S − 1) over all k, which is that of the noise where the
 /// motion repeats. Runs are the whole periods of `period` seconds within each trajectory, where one is given, and trajectories that
-/// repeat a motion ([`repeats::find`]). What is left of a last period is not used.
+/// repeat a motion ([`repeats::find`]). Samples of one time since the start of their runs belong together: a run that lost
+/// one has no part in that average, and the others stay where they are. What is left of a last period is not used.
 ///
 /// # Errors
 /// A period that is no whole number of samples, or a trajectory of less than one.
 pub fn average(recording: &Recording, period: Option<f64>) -> Result<Averaged, PeriodError> {
-    let groups = groups(recording, period)?;
-    let runs: Vec<usize> = groups.iter().map(|g| g.starts.len()).collect();
-    let rows: usize = groups.iter().map(|g| g.length).sum();
+    let motions = motions(recording, period)?;
+    let runs: Vec<usize> = motions.iter().map(|m| m.runs).collect();
+    let samples: Vec<&[usize]> = motions
+        .iter()
+        .flat_map(|m| m.samples.iter().map(Vec::as_slice))
+        .collect();
     let mean = |table: &Array2<f64>| {
-        let mut out = Array2::zeros((rows, table.ncols()));
-        let mut first = 0;
-        for group in &groups {
-            for k in 0..group.length {
-                for start in &group.starts {
-                    let mut row = out.row_mut(first + k);
-                    row += &table.row(start + k);
-                }
-                out.row_mut(first + k)
-                    .mapv_inplace(|v| v / group.starts.len() as f64);
+        let mut out = Array2::zeros((samples.len(), table.ncols()));
+        for (mut mean, rows) in out.rows_mut().into_iter().zip(&samples) {
+            for row in *rows {
+                mean += &table.row(*row);
             }
-            first += group.length;
+            mean.mapv_inplace(|v| v / rows.len() as f64);
         }
         out
     };
-    let freedom: usize = groups.iter().map(|g| g.length * (g.starts.len() - 1)).sum();
+    let freedom: usize = samples.iter().map(|rows| rows.len() - 1).sum();
     let deviation = |table: &Array2<f64>, mean: &Array2<f64>| {
         (freedom > 0).then(|| {
             let mut squares = vec![0.0; table.ncols()];
-            let mut first = 0;
-            for group in &groups {
-                for (start, k) in group
-                    .starts
-                    .iter()
-                    .flat_map(|start| (0..group.length).map(move |k| (start, k)))
-                {
-                    let middle = mean.row(first + k);
-                    let one = table.row(start + k);
-                    for (sum, (x, m)) in squares.iter_mut().zip(one.iter().zip(&middle)) {
+            for (mean, rows) in mean.rows().into_iter().zip(&samples) {
+                for row in rows.iter().map(|row| table.row(*row)) {
+                    for (sum, (x, m)) in squares.iter_mut().zip(row.iter().zip(&mean)) {
                         *sum += (x - m) * (x - m);
                     }
                 }
-                first += group.length;
             }
             let of = |sum: &f64| (sum / freedom as f64).sqrt();
             squares.iter().map(of).collect::<Vec<f64>>()
         })
     };
-    let (mut time, mut trajectories) = (Vec::with_capacity(rows), Vec::new());
-    for group in &groups {
-        trajectories.push(Trajectory {
-            label: group.label.clone(),
-            range: time.len()..time.len() + group.length,
-        });
-        let first = group.starts[0];
-        time.extend_from_slice(&recording.time[first..first + group.length]);
-    }
-    let averaged = recording.map_tables(time, trajectories, mean);
+    // The stamps are those of each motion's first run.
+    let time = samples.iter().map(|rows| recording.time[rows[0]]).collect();
+    let mut first = 0;
+    let trajectories = motions.iter().map(|motion| {
+        let range = first..first + motion.samples.len();
+        first = range.end;
+        Trajectory {
+            label: motion.label.clone(),
+            range,
+        }
+    });
+    let averaged = recording.map_tables(time, trajectories.collect(), mean);
     let torque = recording.tau.as_ref().zip(averaged.tau.as_ref());
     Ok(Averaged {
         position: deviation(&recording.q, &averaged.q),
@@ -122,60 +115,87 @@ pub fn average(recording: &Recording, period: Option<f64>) -> Result<Averaged, P
     })
 }
 
-/// Runs of one motion: rows where each starts, and how many samples all have.
-struct Group {
+/// The runs of one motion.
+struct Motion {
     label: String,
-    starts: Vec<usize>,
-    length: usize,
+    /// How many there are.
+    runs: usize,
+    /// For each sample of the first run its row, and after it the rows of the other runs at the same time since their start.
+    samples: Vec<Vec<usize>>,
 }
 
-fn groups(recording: &Recording, period: Option<f64>) -> Result<Vec<Group>, PeriodError> {
-    let each = period
-        .map(|period| samples_of(recording, period))
-        .transpose()?;
+impl Motion {
+    /// Another run, of these rows, which begins at `start`; rows further than `apart` from every sample of the first are left out.
+    fn take(&mut self, time: &[f64], rows: Range<usize>, start: f64, apart: f64) {
+        self.runs += 1;
+        let origin = time[self.samples[0][0]];
+        for sample in &mut self.samples {
+            let at = start + time[sample[0]] - origin;
+            let after = rows.start + time[rows.clone()].partition_point(|t| *t < at);
+            let nearest = [after.wrapping_sub(1), after]
+                .into_iter()
+                .filter(|row| rows.contains(row))
+                .map(|row| ((time[row] - at).abs(), row))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            sample.extend(nearest.filter(|(gap, _)| *gap < apart).map(|(_, row)| row));
+        }
+    }
+}
+
+fn motions(recording: &Recording, period: Option<f64>) -> Result<Vec<Motion>, PeriodError> {
+    if let Some(period) = period {
+        whole(recording, period)?;
+    }
+    let (time, half) = (&recording.time, 0.5 * recording.median_step());
     let pairs = repeats::find(recording);
-    let mut groups: Vec<Group> = Vec::new();
+    let mut motions: Vec<Motion> = Vec::new();
     let mut place: Vec<usize> = Vec::new();
     for (index, trajectory) in recording.trajectories.iter().enumerate() {
-        let range = &trajectory.range;
-        let length = each.unwrap_or(range.len());
-        let count = range.len() / length;
-        if let (0, Some(period)) = (count, period) {
+        let range = trajectory.range.clone();
+        let start = time[range.start];
+        let seconds = time[range.end - 1] - start + 2.0 * half;
+        // A period is a whole number of samples to a hundredth of one.
+        let runs = period.map_or(1, |length| ((seconds + 0.5 * half) / length) as usize);
+        if let (0, Some(period)) = (runs, period) {
             return Err(PeriodError::Short {
                 file: recording.source.clone(),
                 label: trajectory.label.clone(),
-                seconds: range.len() as f64 * recording.median_step(),
+                seconds,
                 period,
             });
         }
-        let own = (0..count).map(|run| range.start + run * length);
+        let begin = |run: usize| start + run as f64 * period.unwrap_or(seconds);
+        let row = |run: usize| {
+            let before = |t: &f64| period.is_none() || *t < begin(run) - half;
+            match run {
+                0 => range.start,
+                _ => range.start + time[range.clone()].partition_point(before),
+            }
+        };
         // The trajectory before that this one repeats.
-        match pairs.iter().find(|(_, later)| *later == index) {
-            Some(&(earlier, _)) => {
-                let group = &mut groups[place[earlier]];
-                group.length = group.length.min(length);
-                group.starts.extend(own);
-                place.push(place[earlier]);
-            }
-            None => {
-                place.push(groups.len());
-                groups.push(Group {
-                    label: trajectory.label.clone(),
-                    starts: own.collect(),
-                    length,
-                });
-            }
+        let earlier = pairs.iter().find(|(_, later)| *later == index);
+        let known = earlier.map(|(earlier, _)| place[*earlier]);
+        place.push(known.unwrap_or(motions.len()));
+        if known.is_none() {
+            motions.push(Motion {
+                label: trajectory.label.clone(),
+                runs: 1,
+                samples: (row(0)..row(1)).map(|row| vec![row]).collect(),
+            });
+        }
+        for run in usize::from(known.is_none())..runs {
+            motions[place[index]].take(time, row(run)..row(run + 1), begin(run), half);
         }
     }
-    Ok(groups)
+    Ok(motions)
 }
 
-/// A period in samples.
-fn samples_of(recording: &Recording, period: f64) -> Result<usize, PeriodError> {
+/// Whether a period is a whole number of samples.
+fn whole(recording: &Recording, period: f64) -> Result<(), PeriodError> {
     let samples = period / recording.median_step();
     let each = samples.round();
     if samples.is_finite() && each >= 2.0 && (samples - each).abs() < 0.01 {
-        return Ok(each as usize);
+        return Ok(());
     }
     Err(PeriodError::Samples {
         file: recording.source.clone(),
@@ -273,6 +293,23 @@ mod tests {
             average(&recording, Some(20.0)),
             Err(PeriodError::Short { .. })
         ));
+    }
+
+    /// One of three runs lost a sample: its later ones stay with those of the others.
+    #[test]
+    fn a_lost_sample_shifts_nothing() {
+        let kept: Vec<u32> = (0..120).filter(|k| *k != 50).collect();
+        let time: Vec<f64> = kept.iter().map(|k| 0.01 * f64::from(*k)).collect();
+        let wave = |t: f64| (TAU * t / 0.4).sin();
+        let q = Array2::from_shape_fn((119, 1), |(k, _)| wave(time[k]));
+        let recording = Recording::new("test", time, q, None);
+        let averaged = average(&recording, Some(0.4)).unwrap();
+        assert_eq!(averaged.runs, [3]);
+        assert_eq!(averaged.recording.len(), 40);
+        for (t, q) in averaged.recording.time.iter().zip(&averaged.recording.q) {
+            assert!((q - wave(*t)).abs() < 1e-12, "{t}: {q}");
+        }
+        assert!(averaged.position.unwrap()[0] < 1e-12);
     }
 
     /// Three trajectories, the last of which repeats the first: two motions, and half the difference of the two is the deviation over √2.

@@ -44,6 +44,16 @@ pub enum DiagnoseError {
     /// A recording without torque.
     #[error("{0}: no measured torque (columns tau1, tau2, …): a gap cannot be measured without it")]
     NoTorque(String),
+    /// Recordings to be joined that were filtered differently.
+    #[error(
+        "{other}: its torque has been through another low-pass than that of {one}, and one diagnosis takes them as one recording"
+    )]
+    Filters {
+        /// The first recording.
+        one: String,
+        /// The one that differs from it.
+        other: String,
+    },
     /// Too little data for a fit.
     #[error(
         "{source_name}: {seconds:.1} s of motion are too little; record at least {needed:.0} s that move every joint"
@@ -108,6 +118,7 @@ impl DiagnoseError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Prepare { error, .. } => Some(error.advice()).filter(|text| !text.is_empty()),
+            Self::Filters { .. } => Some("Diagnose them one at a time."),
             _ => None,
         }
     }

@@ -5,6 +5,7 @@ use machines::description::Description;
 use machines::identification::{Settings, identify};
 use machines::payload::estimate;
 use machines::plant::{Carried, Options, simulate};
+use machines::prediction::{predict, score};
 use machines::store::MachineFile;
 
 /// A body of 1.5 kg and 0.004 kg·m² against the machine identified without it: what the model can tell of it within five stated
@@ -79,4 +80,45 @@ fn a_body_on_the_last_axis() {
         let [without, with] = [&found.rms_without, &found.rms_with].map(|r| r.iter().sum::<f64>());
         assert!(with < without, "{name} {model}: {with} {without}");
     }
+}
+
+/// An axis that stands tells nothing of the body or of the machine, and spoils nothing of what the others tell.
+#[test]
+fn an_axis_that_stands() {
+    let mut description = Description::load("scara4").expect("built in");
+    let options = Options {
+        rate: 250.0,
+        ..Options::default()
+    };
+    let [bare, _] = simulate(&description, &options).expect("simulates");
+    let machine = Machine::new(description.clone()).expect("a machine");
+    let identified = identify(machine, &bare, &Settings::default()).expect("identifies");
+    let file = MachineFile::of(&identified, Vec::new(), None);
+    let waves = description.motion.as_mut().expect("built in");
+    waves.target[3] = waves.start[3];
+    let with = Options {
+        carried: Carried {
+            mass: 1.5,
+            inertia: 0.004,
+        },
+        seed: 7,
+        ..options
+    };
+    let [loaded, _] = simulate(&description, &with).expect("simulates");
+
+    let found = estimate(&file, &loaded).expect("a body");
+    let mass = found.body.iter().find(|f| f.name == "mass").expect("mass");
+    println!("mass {} ± {} of 1.5", mass.value, mass.std);
+    assert!((mass.value - 1.5).abs() < 5.0 * mass.std && mass.std < 0.1);
+    for left in [&found.rms_without, &found.rms_with] {
+        assert!(left[..3].iter().all(|rms| rms.is_finite()), "{left:?}");
+        assert!(left[3].is_nan(), "{left:?}");
+    }
+
+    let prediction = predict(&file, &loaded).expect("predicts");
+    let scores = score(&file, &loaded, &prediction).expect("scores");
+    assert!(scores.axes[..3].iter().all(|a| a.max_relative.is_finite()));
+    assert!(scores.axes[3].max_relative.is_nan() && !scores.success);
+    let text = serde_json::to_string(&scores.axes[3]).expect("figures");
+    assert!(text.contains("\"max_relative\":null"), "{text}");
 }

@@ -269,6 +269,29 @@ fn a_joint_that_never_moves() {
     }
 }
 
+/// A torque channel that says nothing, of a wrist or of the shoulder, spoils nothing of what the others tell.
+#[test]
+fn a_dead_torque_channel() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("scores.json");
+    for dead in [1, 5] {
+        let mut recording = record(&ur5(), &Plan::default());
+        let tau = recording.tau.as_mut().expect("torque");
+        tau.column_mut(dead).fill(0.0);
+        let data = folder.path().join("dead.csv");
+        Csv::of(&recording).write(&data);
+        let model = train(folder.path(), &data, &["--physics-only"]);
+        run(eval(&model, &data).arg("--json").arg(&out)).succeeded();
+        let scores = json(&out);
+        let nrmse = &row(&scores, "rows", "physics", "all")["nrmse"];
+        for joint in (0..6).filter(|j| *j != dead) {
+            let nrmse = nrmse[joint].as_f64().expect("a figure");
+            // Noise and ripple are about a twentieth of the torque.
+            assert!(nrmse < 0.15, "{dead} dead, joint {joint}: {nrmse}");
+        }
+    }
+}
+
 /// A robot on a wall: gravity along the base's −x, written as docs/formats.md has it.
 #[test]
 fn gravity_of_the_base_frame() {

@@ -38,6 +38,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let new = |q, c| Candidate::single(Effect::AsymmetricFriction, joint, q, Bound::Free, c);
     let against = |c: Candidate| Candidate {
         evidence: -BIAS,
+        shown: None,
         ..c
     };
     let qd = scene.motion.qd.column(joint);

@@ -35,8 +35,9 @@ const ROTORS: [f64; 3] = [0.0, 0.25, 0.45];
 const BLOWS: f64 = 40.0;
 
 /// Candidates of a joint whose blows were found. Their timing is not asked of the column: what of it the play
-/// predicts is taken, in any size.
-pub fn struck(scene: &Scene, joint: usize) -> Vec<Candidate> {
+/// predicts is taken, in any size. `shown` where they are so clear that they name the play by themselves: then one candidate has no
+/// column, for how the motor bounces between its flanks may be all that is left, which nothing foretells.
+pub fn struck(scene: &Scene, joint: usize, shown: Option<f64>) -> Vec<Candidate> {
     let mut all = candidates(scene, joint);
     for c in &mut all {
         c.bounds[0] = Bound::Positive;
@@ -45,6 +46,15 @@ pub fn struck(scene: &Scene, joint: usize) -> Vec<Candidate> {
         c.quantities[0] = Quantity::plain("share", "1", Some(joint));
         c.evidence = BLOWS;
     }
+    if shown.is_some() {
+        let mut without = all[0].clone();
+        without.columns.clear();
+        without.bounds.clear();
+        without.quantities.clear();
+        without.shape.clear();
+        all.push(without);
+    }
+    all.iter_mut().for_each(|c| c.shown = shown);
     all
 }
 

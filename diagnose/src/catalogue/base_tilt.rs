@@ -54,6 +54,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         shape,
         sizes: Vec::new(),
         evidence: 0.0,
+        shown: None,
     }]
 }
 

@@ -123,6 +123,9 @@ pub struct Candidate {
     pub sizes: Vec<Size>,
     /// What speaks for it beside the error that it removes, nats.
     pub evidence: f64,
+    /// Where a trace in the recording shows it by itself, whatever error its columns remove: the chance of such a trace where
+    /// nothing is missing.
+    pub shown: Option<f64>,
 }
 
 impl Candidate {
@@ -145,6 +148,7 @@ impl Candidate {
             shape: Vec::new(),
             sizes: Vec::new(),
             evidence: 0.0,
+            shown: None,
         }
     }
 

@@ -55,6 +55,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             sizes: Vec::new(),
             change: None,
             evidence: 0.0,
+            shown: None,
         })
         .collect()
 }

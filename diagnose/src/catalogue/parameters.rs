@@ -124,6 +124,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         shape: Vec::new(),
         sizes: Vec::new(),
         evidence: 0.0,
+        shown: None,
     };
     // Before the last link's parameters, whose columns are the same: of two equal answers the first wins.
     let mut payload = link(Effect::Payload, dof - 1);
@@ -238,6 +239,7 @@ fn displaced(dof: usize, link: usize) -> Candidate {
         shape: Vec::new(),
         sizes: Vec::new(),
         evidence: 0.0,
+        shown: None,
     }
 }
 

@@ -129,6 +129,7 @@ fn candidate(joints: Vec<usize>, late: Late, alone: bool) -> Candidate {
         sizes: Vec::new(),
         change: None,
         evidence: 0.0,
+        shown: None,
     }
 }
 

@@ -59,6 +59,7 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
                 sizes: Vec::new(),
                 change: None,
                 evidence: 0.0,
+                shown: None,
             };
             for (&order, (s, k)) in orders[..n].iter().zip(NAMES) {
                 c.columns

@@ -97,7 +97,7 @@ impl Given {
     /// that is scored as well.
     ///
     /// # Errors
-    /// A file cannot be used.
+    /// A file cannot be used, or the torque of two of them has been through different low-passes.
     pub fn data(&mut self, paths: &[PathBuf]) -> Result<Recording, DiagnoseError> {
         let mut all = match &mut self.reading {
             Reading::Robot(setup) => setup.read_training(paths)?,
@@ -107,6 +107,13 @@ impl Given {
                 .collect::<Result<_, _>>()?,
         };
         self.sources = all.iter().map(Source::of).collect();
+        let filter = |r: &Recording| r.torque_filter;
+        if let Some(other) = all.iter().find(|r| filter(r) != filter(&all[0])) {
+            return Err(DiagnoseError::Filters {
+                one: all[0].source.clone(),
+                other: other.source.clone(),
+            });
+        }
         // One is not copied: it may fill half the memory.
         Ok(if all.len() == 1 {
             all.remove(0)

@@ -2,7 +2,7 @@
 //!
 //! The search compares sums over that part; here each cause it accepted is left out alone, the others standing, and the
 //! fall of the error is drawn again from blocks of time. A cause whose interval holds zero is taken back, the weakest
-//! first, since two that share a torque may each be spared while the other stands.
+//! first, since two that share a torque may each be spared while the other stands; not one that a trace shows by itself.
 
 use crate::catalogue::choice::Choice;
 use crate::catalogue::effect::Effect;
@@ -50,7 +50,7 @@ pub fn list(
         let causes = left_out(model, frames, found, &unseen);
         let weakest = causes
             .iter()
-            .filter(|c| c.interval[0] <= 0.0)
+            .filter(|c| c.interval[0] <= 0.0 && found.candidate(c.accepted).shown.is_none())
             .min_by(|a, b| a.interval[0].total_cmp(&b.interval[0]));
         match weakest {
             Some(cause) => found.take_back(cause.accepted, &frames.scale),

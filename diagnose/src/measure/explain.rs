@@ -5,6 +5,7 @@
 //! enumeration: φ_k = 2 r·c_k − c_k·Σ_l c_l. What a push leaves out of the score counts as its torque.
 
 use crate::algebra::fit::Fit;
+use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::listing::Listing;
@@ -13,7 +14,7 @@ use crate::ladder::scores::{Scored, total};
 use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
 use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, judge};
-use crate::schema::{Cause, SHORT, Step, Support};
+use crate::schema::{Cause, SHORT, STRUCK, Step, Support};
 use crate::search::find::{Accepted, Columns, Findings, gap};
 use crate::simulator::NominalModel;
 use crate::surrogates::{Naming, Null};
@@ -226,7 +227,7 @@ pub fn explain(
             right_to: cause
                 .and_then(|a| a.against.within)
                 .map(|factor| factor * settings.search.inertial_tolerance),
-            remark: short.then_some(SHORT),
+            remark: remark(short, part.accepted.map(|c| found.candidate(c))),
         });
     }
     causes.sort_by(|a, b| b.share_of_gap.total_cmp(&a.share_of_gap));
@@ -241,8 +242,17 @@ pub fn explain(
     }
 }
 
-/// Chance of a gain like an accepted cause's where nothing is missing.
+/// What has to be known to trust a cause.
+fn remark(short: bool, candidate: Option<&Candidate>) -> Option<&'static str> {
+    let shown = candidate.and_then(|c| c.shown).map(|_| STRUCK);
+    shown.or_else(|| short.then_some(SHORT))
+}
+
+/// Chance of a gain, or of a trace, like an accepted cause's where nothing is missing.
 fn chance(found: &Findings, cause: &Accepted, null: Option<&Null>) -> Option<f64> {
+    if let Some(shown) = found.candidates[cause.candidate].shown {
+        return null.map(|_| shown);
+    }
     let mut tried = cause.tried.iter();
     let own = tried.find(|t| t.candidate == cause.candidate)?;
     null?.p_value(found.candidates[own.candidate].effect, found.earned(own))

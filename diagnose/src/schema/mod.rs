@@ -205,7 +205,7 @@ pub struct Cause {
     pub gap_closed_interval: Option<[f64; 2]>,
     /// Whether the interval excludes zero.
     pub confirmed: bool,
-    /// Chance of so large a gain anywhere in the catalogue, from surrogates; null where none were drawn.
+    /// Chance of so large a gain anywhere in the catalogue, or of so clear a trace, from surrogates; null where none were drawn.
     pub p_value: Option<f64>,
     /// Sizes.
     pub parameters: Vec<Parameter>,
@@ -216,13 +216,16 @@ pub struct Cause {
     pub ambiguous_with: Vec<Effect>,
     /// Relative deviation of the description's inertial parameters up to which it is found; null where it is found at any.
     pub right_to: Option<f64>,
-    /// What has to be known to trust it: `short recording`.
+    /// What has to be known to trust it: `short recording`, or by what it was seen where not by the error that it removes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remark: Option<&'static str>,
 }
 
 /// Remark on what a few seconds show: nothing says how often chance does.
 pub const SHORT: &str = "short recording";
+
+/// Remark on a play that its blows show, whatever error its torque removes.
+pub const STRUCK: &str = "seen by the blows that follow changes of the load's sign";
 
 /// A candidate that was tried.
 #[derive(Clone, Debug, Serialize)]
@@ -233,7 +236,7 @@ pub struct Tested {
     pub joints: Vec<String>,
     /// Part of the joints' squared gap that is closed on trajectories left out with it in the place of an accepted cause, or beside all of them.
     pub gap_closed: f64,
-    /// Chance of so large a gain anywhere in the catalogue, from surrogates; null where none were drawn.
+    /// Chance of so large a gain anywhere in the catalogue, or of so clear a trace, from surrogates; null where none were drawn.
     pub p_value: Option<f64>,
 }
 

@@ -22,7 +22,7 @@ use crate::search::simplest::{Against, Answer, Simplest};
 use crate::search::tables::Tables;
 use crate::settings::Settings;
 use crate::simulator::NominalModel;
-use crate::traces::impacts;
+use crate::traces::impacts::Blows;
 use crate::traces::order::Orders;
 use datasets::check::plateau;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
@@ -185,10 +185,13 @@ pub fn find(
     let each: Vec<Vec<Candidate>> = (0..data.dof()).into_par_iter().map(seen).collect();
     candidates.extend(each.into_iter().flatten());
     let load = data.table_to_samples(&scene.rigid);
-    if let Some(blows) = impacts::clearest(data, &residual, &load, &settings.traces.blows)
-        && matches!(ground.links[blows.joint], Link::Unknown)
+    let asked = &settings.traces.blows;
+    if let Some(blows) = Blows::new(data, &residual, &load, asked)
+        && let Some(clearest) = blows.clearest()
+        && matches!(ground.links[clearest.joint], Link::Unknown)
     {
-        candidates.extend(backlash::struck(&scene, blows.joint));
+        let shown = Some(blows.chance(&clearest)).filter(|chance| *chance <= asked.chance);
+        candidates.extend(backlash::struck(&scene, clearest.joint, shown));
     }
     effects.retain(&mut candidates);
     let dictionary = Dictionary::new(data.dof(), &candidates);
@@ -316,13 +319,14 @@ impl Findings {
         tried.gain - self.candidates[tried.candidate].evidence
     }
 
-    /// What each cause beyond parameters earned.
+    /// What each cause beyond parameters earned that no trace shows by itself.
     fn each_earned(&self) -> impl Iterator<Item = f64> {
         self.accepted.iter().filter_map(|a| {
             let mut tried = a.tried.iter();
             let own = tried.find(|t| t.candidate == a.candidate)?;
-            let parameter = self.candidates[a.candidate].effect.info().parameter;
-            (!parameter).then(|| self.earned(own))
+            let c = &self.candidates[a.candidate];
+            let judged = !c.effect.info().parameter && c.shown.is_none();
+            judged.then(|| self.earned(own))
         })
     }
 

@@ -110,6 +110,8 @@ impl<'a> Search<'a> {
         let all = self.members[candidate].len();
         let shown = self.objective.settings.last_link_price;
         match c.effect {
+            // Its trace has paid for it.
+            _ if c.shown.is_some() => 0,
             Effect::Payload => shown,
             Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => shown.min(all),
             _ => all,
@@ -238,7 +240,8 @@ impl<'a> Search<'a> {
                 .iter()
                 .find(|t| {
                     self.worth(&fit, t, &accepted)
-                        && (self.plain(&fit, t)
+                        && (self.candidates[t.candidate].shown.is_some()
+                            || self.plain(&fit, t)
                             || t.gain > self.relative_price(&accepted, &gains, t.candidate))
                 })
                 .map(|t| (t.candidate, t.gain));
@@ -276,9 +279,13 @@ impl<'a> Search<'a> {
         tried.first().is_some_and(|t| self.worth(&fit, t, &[]))
     }
 
-    /// One round over all but the newest choice: each is replaced by what explains more in its place.
+    /// One round over all but the newest choice: each is replaced by what explains more in its place, but what its trace shows.
     fn exchange(&self, accepted: &mut [usize]) {
+        let shown = |c: usize| self.candidates[c].shown.is_some();
         for i in 0..accepted.len().saturating_sub(1) {
+            if shown(accepted[i]) {
+                continue;
+            }
             let others = without(accepted, i);
             let tried = self.contenders(&self.fit(&others), &others, accepted[i]);
             let own = tried

@@ -13,6 +13,9 @@ impl Search<'_> {
     pub(super) fn worth(&self, fit: &Fit, tried: &Tried, others: &[usize]) -> bool {
         let s = self.objective.settings;
         let c = &self.candidates[tried.candidate];
+        if c.shown.is_some() {
+            return tried.gain >= s.enough;
+        }
         // What else speaks for a candidate helps it against other names; it has to pay by itself.
         let gain = tried.gain - c.evidence;
         if gain < s.enough || (!c.effect.info().parameter && gain <= self.chance) {

@@ -76,9 +76,13 @@ settings! {
         /// Fewest changes of the torque's sign that can be seen.
         fewest: usize = 6, tuned;
         /// Power of the vibration after them over that elsewhere.
-        ratio: f64 = 6.0, tuned;
+        ratio: f64 = 5.0, tuned;
         /// Size of the blows over the joint's torque, root mean square while they last.
         least: f64 = 0.01, tuned;
+        /// Part of the changes after which it has to be louder than usual.
+        followed: f64 = 0.25, tuned;
+        /// Chance of such blows up to which they name a play by themselves, whatever error its torque removes.
+        chance: f64 = 0.01, tuned;
     }
 }
 

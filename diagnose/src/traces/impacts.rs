@@ -4,12 +4,16 @@
 //! flank that rings for some hundredths of a second, above the band in which torques of motion live. When a blow
 //! comes depends on the play, how it rings on much that a model does not know; that it follows the change of sign
 //! does not. So the vibration after such changes is compared with that before them and elsewhere. Reversals of the
-//! motion, where friction jumps, are left out. Confounders: ripple of a fast joint, which vibrates before the change
+//! motion, where friction jumps, are left out. Whether chance would do as much is seen by moving the changes round in
+//! time. Confounders: ripple of a fast joint, which vibrates before the change
 //! as it does after it; delay, whose error is smooth.
 
 use crate::motion::frame::Frame;
 use crate::settings::BlowSettings;
 use ndarray::{Array1, Array2};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use signal::filter::filtfilt;
 use signal::sos::{Section, butterworth};
 use std::ops::Range;
@@ -26,6 +30,9 @@ const OWN: (f64, f64) = (0.04, 0.08);
 const OTHER: (f64, f64) = (0.024, 0.048);
 /// Ends of trajectories that are left out, s.
 const EDGE: f64 = 0.1;
+/// How often the changes of sign are moved in time to see what chance makes of them, and the seed of that.
+const MOVED: u64 = 199;
+const SEED: u64 = 0xB10;
 
 /// Vibration of one joint after its torque changed sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,80 +43,188 @@ pub struct Impacts {
     pub ratio: f64,
     /// Root mean square while blows last, over the deviation of the joint's torque.
     pub size: f64,
+    /// Changes that were seen.
+    pub changes: usize,
+    /// Part of them after which it vibrates more than usual.
+    pub followed: f64,
 }
 
-/// The joint whose blows are clearest, if any joint's are. `residual` and `load`, the torque that its link needs, at
-/// the recorded samples; shape (samples, joints).
-pub fn clearest(
-    frame: &Frame,
-    residual: &Array2<f64>,
-    load: &Array2<f64>,
-    settings: &BlowSettings,
-) -> Option<Impacts> {
-    let fewest = settings.fewest;
-    let rate = frame.report().rate_hz;
-    let high = BAND.1.min(0.35 * rate);
-    if high < 2.0 * BAND.0 {
-        return None;
+impl Impacts {
+    /// How clear they are: the logarithm of the likelihood ratio of as many variances, nats.
+    fn weight(&self) -> f64 {
+        0.5 * self.changes as f64 * self.ratio.ln()
     }
-    let (low, high) = (
-        butterworth(2, BAND.0, rate).ok()?,
-        butterworth(2, high, rate).ok()?,
-    );
-    let samples = frame.samples();
-    let segments = &samples.segments;
-    let turns: Vec<Vec<usize>> = (0..frame.dof())
-        .map(|j| changes(samples.qd.column(j).iter().copied(), segments))
-        .collect();
-    let found = (0..frame.dof()).filter_map(|j| {
-        let own = changes(load.column(j).iter().copied(), segments);
-        let vibration = band(&residual.column(j).to_vec(), segments, &low, &high);
-        let torque = frame.tau.column(j).std(0.0).max(1e-12);
-        let usable = |others: bool| {
-            let mut usable = vec![true; samples.len()];
-            for s in segments {
-                let edge = ((EDGE * rate) as usize).min(s.len());
-                usable[s.start..s.start + edge].fill(false);
-                usable[s.end - edge..s.end].fill(false);
-            }
-            for (k, at) in turns.iter().enumerate().filter(|(k, _)| others || *k == j) {
-                let reach = if k == j { OWN } else { OTHER };
-                mark(&mut usable, at, reach, rate, false);
-            }
-            usable
-        };
-        // Where other joints turn round all the time, their reversals must be borne with.
-        let (ratio, size) = contrast(&vibration, &usable(true), &own, rate, fewest)
-            .or_else(|| contrast(&vibration, &usable(false), &own, rate, fewest))?;
-        Some(Impacts {
-            joint: j,
-            ratio,
-            size: size / torque,
-        })
-    });
-    found
-        .filter(|i| i.ratio > settings.ratio && i.size > settings.least)
-        .max_by(|a, b| a.ratio.total_cmp(&b.ratio))
 }
 
-/// Ratio of the power after the changes to that before them or elsewhere, and the root of the former's excess; none where
-/// fewer than `fewest` changes are seen.
+/// Where blows are looked for on one joint.
+struct Listened {
+    joint: usize,
+    /// Vibration at the recorded samples.
+    vibration: Array1<f64>,
+    /// Deviation of the joint's torque.
+    torque: f64,
+    /// Samples before which the torque changes its sign.
+    changes: Vec<usize>,
+    /// Samples away from reversals and ends.
+    usable: Vec<bool>,
+}
+
+impl Listened {
+    /// What follows some changes; none where fewer than `fewest` are seen.
+    fn after(&self, changes: &[usize], rate: f64, fewest: usize) -> Option<Impacts> {
+        let seen = contrast(&self.vibration, &self.usable, changes, rate, fewest)?;
+        Some(Impacts {
+            joint: self.joint,
+            ratio: seen.ratio,
+            size: seen.excess / self.torque,
+            changes: seen.changes,
+            followed: seen.followed,
+        })
+    }
+}
+
+/// All joints of a recording.
+pub struct Blows<'a> {
+    joints: Vec<Listened>,
+    segments: &'a [Range<usize>],
+    rate: f64,
+    settings: &'a BlowSettings,
+}
+
+impl<'a> Blows<'a> {
+    /// `residual` and `load`, the torque that its link needs, at the recorded samples; shape (samples, joints). None where
+    /// the recording is too slow to hold vibration.
+    pub fn new(
+        frame: &'a Frame,
+        residual: &Array2<f64>,
+        load: &Array2<f64>,
+        settings: &'a BlowSettings,
+    ) -> Option<Self> {
+        let rate = frame.report().rate_hz;
+        let high = BAND.1.min(0.35 * rate);
+        if high < 2.0 * BAND.0 {
+            return None;
+        }
+        let (low, high) = (
+            butterworth(2, BAND.0, rate).ok()?,
+            butterworth(2, high, rate).ok()?,
+        );
+        let samples = frame.samples();
+        let segments = &samples.segments;
+        let turns: Vec<Vec<usize>> = (0..frame.dof())
+            .map(|j| changes(samples.qd.column(j).iter().copied(), segments))
+            .collect();
+        let listened = |joint: usize| {
+            let changes = changes(load.column(joint).iter().copied(), segments);
+            let usable = |others: bool| {
+                let mut usable = vec![true; samples.len()];
+                for s in segments {
+                    let edge = ((EDGE * rate) as usize).min(s.len());
+                    usable[s.start..s.start + edge].fill(false);
+                    usable[s.end - edge..s.end].fill(false);
+                }
+                for (k, at) in turns
+                    .iter()
+                    .enumerate()
+                    .filter(|(k, _)| others || *k == joint)
+                {
+                    let reach = if k == joint { OWN } else { OTHER };
+                    mark(&mut usable, at, reach, rate, false);
+                }
+                usable
+            };
+            let mut one = Listened {
+                joint,
+                vibration: band(&residual.column(joint).to_vec(), segments, &low, &high),
+                torque: frame.tau.column(joint).std(0.0).max(1e-12),
+                usable: usable(true),
+                changes,
+            };
+            // Where other joints turn round all the time, their reversals must be borne with.
+            if one.after(&one.changes, rate, settings.fewest).is_none() {
+                one.usable = usable(false);
+            }
+            one
+        };
+        Some(Self {
+            joints: (0..frame.dof()).map(listened).collect(),
+            segments,
+            rate,
+            settings,
+        })
+    }
+
+    /// The joint whose blows are clearest, if any joint's are.
+    pub fn clearest(&self) -> Option<Impacts> {
+        self.following(|joint| joint.after(&joint.changes, self.rate, self.settings.fewest))
+    }
+
+    fn following(&self, after: impl Fn(&Listened) -> Option<Impacts>) -> Option<Impacts> {
+        let each = self.joints.iter().filter_map(after);
+        let s = self.settings;
+        each.filter(|i| i.ratio > s.ratio && i.size > s.least && i.followed > s.followed)
+            .max_by(|a, b| a.weight().total_cmp(&b.weight()))
+    }
+
+    /// Chance that vibration which follows nothing is as clear: (1 + how often it is)/(1 + [`MOVED`]), the changes of sign of each
+    /// trajectory moved round by a random part of its length.
+    pub fn chance(&self, seen: &Impacts) -> f64 {
+        let as_clear = |number: u64| {
+            let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+            rng.set_stream(number);
+            let by: Vec<usize> = (self.segments.iter())
+                .map(|s| rng.random_range(0..s.len().max(1)))
+                .collect();
+            let clearest = self.following(|joint| {
+                let moved = moved(&joint.changes, self.segments, &by);
+                joint.after(&moved, self.rate, self.settings.fewest)
+            });
+            clearest.is_some_and(|i| i.weight() >= seen.weight())
+        };
+        let reached = (0..MOVED).into_par_iter().filter(|n| as_clear(*n)).count();
+        (1 + reached) as f64 / (1 + MOVED) as f64
+    }
+}
+
+/// Samples moved round within their segments.
+fn moved(at: &[usize], segments: &[Range<usize>], by: &[usize]) -> Vec<usize> {
+    let each = segments.iter().zip(by).flat_map(|(s, by)| {
+        let own = at.iter().filter(|i| s.contains(i));
+        own.map(move |i| s.start + (i - s.start + by) % s.len())
+    });
+    each.collect()
+}
+
+/// Power after changes against that before them or elsewhere, whichever is greater.
+struct Contrast {
+    ratio: f64,
+    /// Root of the excess.
+    excess: f64,
+    /// Changes that are seen.
+    changes: usize,
+    /// Part of them after which it is louder than usual: one loud passage is no blows.
+    followed: f64,
+}
+
+/// What follows some changes; none where fewer than `fewest` are seen.
 fn contrast(
     vibration: &Array1<f64>,
     usable: &[bool],
     at: &[usize],
     rate: f64,
     fewest: usize,
-) -> Option<(f64, f64)> {
+) -> Option<Contrast> {
     let n = usable.len();
     let (mut after, mut before) = (vec![false; n], vec![false; n]);
     mark(&mut after, at, AFTER, rate, true);
     mark(&mut before, at, (BEFORE, 0.0), rate, true);
     let reach = (AFTER.1 * rate) as usize;
-    let seen = at
+    let seen: Vec<usize> = at
         .iter()
-        .filter(|&&i| usable[i..(i + reach).min(n)].iter().filter(|u| **u).count() > reach / 3);
-    if seen.count() < fewest {
+        .copied()
+        .filter(|&i| usable[i..(i + reach).min(n)].iter().filter(|u| **u).count() > reach / 3)
+        .collect();
+    if seen.len() < fewest {
         return None;
     }
     let power = |of: &dyn Fn(usize) -> bool| {
@@ -124,7 +239,21 @@ fn contrast(
     let quiet = power(&|i| before[i] && !after[i]);
     let elsewhere = power(&|i| !before[i] && !after[i]);
     let usual = quiet.into_iter().chain(elsewhere).reduce(f64::max)?;
-    Some((hit / usual.max(1e-300), (hit - usual).max(0.0).sqrt()))
+    let excess = (hit - usual).max(0.0).sqrt();
+    let louder = |i: &&usize| {
+        let rows = (**i..(**i + reach).min(n)).filter(|r| usable[*r]);
+        let (sum, count) = rows.fold((0.0, 0usize), |(s, c), r| {
+            (s + vibration[r] * vibration[r], c + 1)
+        });
+        sum > usual * count as f64
+    };
+    let followed = seen.iter().filter(louder).count() as f64 / seen.len() as f64;
+    Some(Contrast {
+        ratio: hit / usual.max(1e-300),
+        excess,
+        changes: seen.len(),
+        followed,
+    })
 }
 
 /// Samples before which a signal changes its sign, within segments.
@@ -177,12 +306,48 @@ mod tests {
             .collect();
         contrast(&vibration, &vec![true; 5000], &at, rate, 6)
             .unwrap()
-            .0
+            .ratio
     }
 
     #[test]
     fn ringing_after_changes_is_told_from_vibration_throughout() {
         assert!(seen(|since| (-(since as f64) / 8.0).exp()) > BlowSettings::default().ratio);
         assert!(seen(|_| 0.5) < 1.5);
+    }
+
+    /// Blows after every change of a load are no chance; one loud passage that holds as much power is, or is followed too rarely.
+    #[test]
+    fn what_follows_every_change_is_no_chance() {
+        let (n, rate) = (6000, 250.0);
+        let segments = [0..3000, 3000..6000];
+        // Changes at uneven times, for even ones fall on themselves when they are moved.
+        let load = |i: usize| (i as f64 * 0.0157 + 2.0 * (i as f64 * 0.0041).sin()).sin();
+        let at = changes((0..n).map(load), &segments);
+        let settings = BlowSettings::default();
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let noise: Vec<f64> = (0..n).map(|_| rng.random_range(-0.1..0.1)).collect();
+        let of = |loud: &dyn Fn(usize) -> f64| {
+            let vibration = (0..n).map(|i| noise[i] + loud(i) * (i as f64 * 0.7).sin());
+            let joint = Listened {
+                joint: 0,
+                vibration: vibration.collect(),
+                torque: 1.0,
+                changes: at.clone(),
+                usable: vec![true; n],
+            };
+            let blows = Blows {
+                joints: vec![joint],
+                segments: &segments,
+                rate,
+                settings: &settings,
+            };
+            blows.clearest().map(|clearest| blows.chance(&clearest))
+        };
+        let since = |i: usize| at.iter().filter(|a| **a <= i).map(|a| i - a).min();
+        let ringing = |i: usize| since(i).map_or(0.0, |s| (-(s as f64) / 8.0).exp());
+        assert!(of(&ringing).unwrap() <= settings.chance);
+        let first = at[3];
+        let passage = |i: usize| f64::from(u8::from((first..first + 25).contains(&i)));
+        assert!(of(&passage).is_none_or(|chance| chance > settings.chance));
     }
 }

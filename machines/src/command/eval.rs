@@ -2,6 +2,7 @@
 
 use super::Given;
 use crate::MachineError;
+use crate::identification::ALLOWED;
 use crate::prediction::{Prediction, Scores, predict, score};
 use crate::store::MachineFile;
 use report::{Cell, Column, Table, say, say_text};
@@ -95,12 +96,13 @@ fn print(file: &MachineFile, scores: &Scores, source: &str) {
         ]);
     }
     say_text!(table.to_text());
+    let still = scores.axes.iter().find(|a| a.max_relative.is_nan());
+    let verdict = match still {
+        _ if scores.axes.iter().any(|a| a.max_relative > ALLOWED) => "beyond 50 %".to_owned(),
+        Some(axis) => format!("not to be told, {} never moves", axis.name),
+        None => "within 50 %".to_owned(),
+    };
     say!(
-        "RMSE over all samples against the torque as recorded; max and mean error by the rule of the identification: {}",
-        if scores.success {
-            "within 50 %"
-        } else {
-            "beyond 50 %"
-        }
+        "RMSE over all samples against the torque as recorded; max and mean error by the rule of the identification: {verdict}"
     );
 }

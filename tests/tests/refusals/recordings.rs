@@ -194,3 +194,21 @@ fn recording_of_another_robot() {
         &["five.csv", "5 joints", "6"],
     );
 }
+
+/// One diagnosis takes its recordings as one, so their torque has to have been through the same.
+#[test]
+fn filters_that_differ() {
+    let place = folder();
+    let mut one = record(&ur5(), &Plan::default());
+    let raw = place.path().join("raw.parquet");
+    datasets::write(&one, &raw).expect("writable");
+    one.torque_filter = Some(datasets::TorqueFilter::KR300);
+    let filtered = place.path().join("filtered.parquet");
+    datasets::write(&one, &filtered).expect("writable");
+    let mut diagnose = program("diagnose");
+    diagnose.args(["--robot", "ur5", "--data"]);
+    diagnose.arg(&raw).arg(&filtered);
+    let ended = run(diagnose.arg("--heldout").arg(&raw));
+    ended.refused(&["filtered.parquet", "another low-pass", "raw.parquet"]);
+    assert!(ended.err.contains("one at a time"), "{}", ended.err);
+}

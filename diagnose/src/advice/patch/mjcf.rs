@@ -57,6 +57,11 @@ pub(super) fn snippet(patched: &Patched, zeros: &[f64]) -> String {
                 "at {joint}: a second joint between rotor and link, stiffness=\"{}\"",
                 number("stiffness")
             ),
+            Effect::Backlash if number("half_play") == 0.0 => {
+                format!(
+                    "at {joint}: a second joint between rotor and link, of a range that has to be measured"
+                )
+            }
             Effect::Backlash => format!(
                 "at {joint}: a second joint between rotor and link, range=\"{} {}\"",
                 -number("half_play"),

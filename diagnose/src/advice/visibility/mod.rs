@@ -152,7 +152,8 @@ fn candidates(scene: &Scene, motion: &Motion) -> Vec<Candidate> {
         .iter()
         .map(|c| {
             let alike = |o: &&Candidate| {
-                let same = o.effect == c.effect && o.quantities[0].name == c.quantities[0].name;
+                let name = |c: &Candidate| c.quantities.first().map(|q| q.name);
+                let same = o.effect == c.effect && name(o) == name(c);
                 same && o.joints == c.joints && o.driver == c.driver
             };
             let counts = all.iter().filter(alike).map(|o| o.columns.len());
