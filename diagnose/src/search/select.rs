@@ -240,7 +240,7 @@ impl<'a> Search<'a> {
                 .iter()
                 .find(|t| {
                     self.worth(&fit, t, &accepted)
-                        && (self.candidates[t.candidate].shown.is_some()
+                        && (self.by_trace(t.candidate, &accepted)
                             || self.plain(&fit, t)
                             || t.gain > self.relative_price(&accepted, &gains, t.candidate))
                 })

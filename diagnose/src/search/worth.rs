@@ -13,7 +13,7 @@ impl Search<'_> {
     pub(super) fn worth(&self, fit: &Fit, tried: &Tried, others: &[usize]) -> bool {
         let s = self.objective.settings;
         let c = &self.candidates[tried.candidate];
-        if c.shown.is_some() {
+        if self.by_trace(tried.candidate, others) {
             return tried.gain >= s.enough;
         }
         // What else speaks for a candidate helps it against other names; it has to pay by itself.
@@ -50,6 +50,14 @@ impl Search<'_> {
             _ => s.enough_unseen * s.enough,
         };
         (misfit && !memory) || gain > clear
+    }
+
+    /// Whether a trace in the recording names a candidate by itself. A joint's blows shake its neighbours: where the same effect is accepted
+    /// at another place, it has to pay like every other.
+    pub(super) fn by_trace(&self, candidate: usize, others: &[usize]) -> bool {
+        let c = &self.candidates[candidate];
+        let same = |other: &usize| self.candidates[*other].effect == c.effect;
+        c.shown.is_some() && !others.iter().any(same)
     }
 
     /// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
