@@ -31,6 +31,9 @@ const HALF_PLAYS: [f64; 6] = [2e-4, 6e-4, 1.3e-3, 2.6e-3, 5e-3, 9e-3];
 /// two seeds of the project's own simulator, whose gears split their inertia so.
 const ROTORS: [f64; 3] = [0.0, 0.25, 0.45];
 
+/// Parts of a column's torque that a play of its size may be off by: less or more says nothing of the size.
+pub const SIZED: (f64, f64) = (0.3, 2.0);
+
 /// What blows after changes of the torque's sign are worth, nats.
 const BLOWS: f64 = 40.0;
 
@@ -77,7 +80,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                     Effect::Backlash,
                     joint,
                     quantity,
-                    Bound::Between(0.3, 2.0),
+                    Bound::Between(SIZED.0, SIZED.1),
                     column,
                 )
                 .with_shape("rotor_share", rotor, "1"),

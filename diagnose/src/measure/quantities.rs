@@ -1,5 +1,6 @@
 //! Sizes of causes, how sure their names are, and what else they could be.
 
+use crate::catalogue::backlash;
 use crate::catalogue::effect::Effect;
 use crate::catalogue::{Candidate, Size};
 use crate::input::frames::Frames;
@@ -173,7 +174,14 @@ fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
             parameters.retain(|p| p.name != "share");
         }
         // Of what was found by its blows or by another sensor: how much of what it foretells is in the torque, no number of a simulator.
-        Effect::Backlash => parameters.retain(|p| p.name != "share"),
+        Effect::Backlash => {
+            let (least, most) = backlash::SIZED;
+            let beside = |p: &Parameter| p.name == "share" && !(least..=most).contains(&p.value);
+            if parameters.iter().any(beside) {
+                parameters.clear();
+            }
+            parameters.retain(|p| p.name != "share");
+        }
         _ => {}
     }
 }

@@ -8,7 +8,7 @@ use crate::catalogue::effect::Effect;
 use crate::schema::Bounds;
 use crate::schema::Resonance;
 use crate::schema::value::value;
-use crate::schema::{Cause, Diagnosis, NextExperiment, Simulation, Step, Verdict};
+use crate::schema::{Cause, Diagnosis, NextExperiment, STRUCK, Simulation, Step, Verdict};
 use cause::{experiment, place};
 use datasets::check::Severity;
 
@@ -18,6 +18,8 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
     out.extend(worst_findings(d));
     out.extend(d.resonances.iter().map(resonance));
     let (confirmed, rest): (Vec<&Cause>, Vec<&Cause>) = d.causes.iter().partition(|c| c.confirmed);
+    let (traced, rest): (Vec<&Cause>, Vec<&Cause>) =
+        rest.into_iter().partition(|c| c.remark == Some(STRUCK));
     match confirmed.split_first() {
         Some((first, others)) => {
             out.push(format!("Biggest cause: {}.", sentence(first)));
@@ -27,9 +29,14 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
             out.extend(advice[1..].iter().map(|l| format!("  {l}")));
             out.extend(also("Also", others));
         }
+        None if !traced.is_empty() => {}
         None if rest.is_empty() => out.push("No cause to report.".to_owned()),
         None => out.push("No cause shows on the held-out recording.".to_owned()),
     }
+    out.extend(also(
+        "Shown by what the data hold, though its torque cannot be foretold",
+        &traced,
+    ));
     out.extend(also(
         "Found in the data, not confirmed by the held-out recording",
         &rest,
