@@ -50,7 +50,7 @@ pub fn list(
         let causes = left_out(model, frames, found, &unseen);
         let weakest = causes
             .iter()
-            .filter(|c| c.interval[0] <= 0.0 && found.candidate(c.accepted).shown.is_none())
+            .filter(|c| c.interval[0] <= 0.0 && !found.by_trace(c.accepted))
             .min_by(|a, b| a.interval[0].total_cmp(&b.interval[0]));
         match weakest {
             Some(cause) => found.take_back(cause.accepted, &frames.scale),

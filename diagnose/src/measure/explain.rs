@@ -175,7 +175,9 @@ pub fn explain(
         let without = if contact { without } else { kept(&without) };
         let (closed, interval) = closed(&with, &without, &joints, block);
         let cause = part.accepted.map(|c| &found.accepted[c]);
-        let support = part.accepted.and_then(|c| {
+        // Of a trace that names by itself nobody has counted how often it is right.
+        let judged = |c: &usize| found.candidate(*c).shown.is_none();
+        let support = part.accepted.filter(judged).and_then(|c| {
             let naming = said.namings.get(c)?.as_ref()?;
             Support::new(found, &found.accepted[c], naming, said.null?, said.left)
         });
@@ -245,7 +247,7 @@ pub fn explain(
 /// What has to be known to trust a cause.
 fn remark(short: bool, candidate: Option<&Candidate>) -> Option<&'static str> {
     let shown = candidate.and_then(|c| c.shown).map(|_| STRUCK);
-    shown.or_else(|| short.then_some(SHORT))
+    short.then_some(SHORT).or(shown)
 }
 
 /// Chance of a gain, or of a trace, like an accepted cause's where nothing is missing.

@@ -340,6 +340,14 @@ impl Findings {
         self.each_earned().fold(0.0, f64::max)
     }
 
+    /// Whether a trace names an accepted cause by itself, as [`Search::by_trace`](crate::search::select::Search) has it: the same effect at
+    /// another place takes that away.
+    pub fn by_trace(&self, cause: usize) -> bool {
+        let c = self.candidate(cause);
+        let same = |other: usize| other != cause && self.candidate(other).effect == c.effect;
+        c.shown.is_some() && !(0..self.accepted.len()).any(same)
+    }
+
     /// The candidate behind an accepted cause.
     pub fn candidate(&self, cause: usize) -> &Candidate {
         &self.candidates[self.accepted[cause].candidate]

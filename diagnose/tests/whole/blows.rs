@@ -20,5 +20,6 @@ fn play_is_named_where_its_torque_cannot_be_foretold() {
     assert_eq!(play.effect.name(), "backlash");
     assert_eq!(play.joints, ["joint5"]);
     assert!(play.remark.is_some_and(|r| r.contains("blows")), "{play:?}");
+    assert_eq!(play.confidence, None);
     assert!(play.gap_closed.abs() < 0.1, "{play:?}");
 }
