@@ -156,6 +156,17 @@ impl<'a> Searcher<'a> {
         }
     }
 
+    /// What is left beside pushes without the part of the recording in which most is left: who pushes so that it shows also
+    /// pushes so that it hardly does, and that is no effect that nobody knows.
+    fn beside(&self, found: &Search, skipped: &[bool]) -> Vec<Option<Left>> {
+        let settings = &self.options.settings;
+        let data = &self.frames.data;
+        let mut out = suspected(data, &found.judged, settings.traces.contact.suspected);
+        out.iter_mut().zip(skipped).for_each(|(o, s)| *o |= s);
+        let out = data.pick(|i| out[i]);
+        examine(data, &found.listing.residual, &out, settings)
+    }
+
     /// Causes and pushes; `first` is what [`Self::first`] found.
     pub(super) fn searched(&self, first: Findings) -> Result<Searched, DiagnoseError> {
         let samples = self.frames.data.tau.nrows();
@@ -166,11 +177,12 @@ impl<'a> Searcher<'a> {
         let (found, contact, skipped) = self.apart(found, contact)?;
         let weight = self.without(&skipped);
         let (found, null, namings) = self.above_chance(found, &weight, &skipped)?;
+        let beside = contact.is_some().then(|| self.beside(&found, &skipped));
         Ok(Searched {
             look: look.map(|_| !self.repeats(&found.left)),
             findings: found.findings,
             listing: found.listing,
-            left: found.left,
+            left: beside.unwrap_or(found.left),
             judged: found.judged,
             contact,
             skipped,

@@ -1,8 +1,4 @@
 //! What each cause does to the held-out recording: steps, shares, intervals, sizes.
-//!
-//! With r the gap as given and c_k the torques of the causes from one joint fit, the squared error of a set S
-//! of causes is |r − Σ_S c_k|². Shapley's value of a game that is quadratic in its players is exact without
-//! enumeration: φ_k = 2 r·c_k − c_k·Σ_l c_l. What a push leaves out of the score counts as its torque.
 
 use crate::algebra::fit::Fit;
 use crate::catalogue::Candidate;
@@ -12,6 +8,7 @@ use crate::ladder::listing::Listing;
 use crate::ladder::rungs::Free;
 use crate::ladder::scores::{Scored, total};
 use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
+use crate::measure::shares::{closed, lost, normed, shapley};
 use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, judge};
 use crate::schema::{Cause, SHORT, STRUCK, Step, Support};
@@ -149,11 +146,11 @@ pub fn explain(
     let listed = |p: &Part| {
         !p.effect.info().parameter || said.listing.parameters.iter().any(|l| l.0 == p.effect)
     };
-    let shares = shapley(&gap_held, &parts, &deviation, &listed);
     let block = (settings.ladder.stretch * held.report().rate_hz) as usize;
     let short = frames.data.is_short(&settings.ladder);
     let mut causes = Vec::new();
-    for (part, share) in parts.iter().zip(&shares).filter(|(p, _)| listed(p)) {
+    let mut values = Vec::new();
+    for part in parts.iter().filter(|p| listed(p)) {
         let contact = part.effect == Effect::ExternalContact;
         let joints = joints(part, said, here.as_ref());
         let (with, without) = match part.accepted {
@@ -174,6 +171,8 @@ pub fn explain(
         let with = if contact { with } else { kept(&with) };
         let without = if contact { without } else { kept(&without) };
         let (closed, interval) = closed(&with, &without, &joints, block);
+        let own = shapley(&gap_held, &part.torque, &all, &deviation);
+        values.push(own.max(lost(&with, &without, &joints, &deviation)));
         let cause = part.accepted.map(|c| &found.accepted[c]);
         // Of a trace that names by itself nobody has counted how often it is right.
         let judged = |c: &usize| found.candidate(*c).shown.is_none();
@@ -207,7 +206,7 @@ pub fn explain(
             confidence: support.and_then(|s| s.confidence(&settings.measure.confidence)),
             support,
             lead: cause.map(|a| lead(found, &a.tried, a.candidate)),
-            share_of_gap: *share,
+            share_of_gap: 0.0,
             gap_closed: closed,
             // Pushes do not repeat: of what another recording would show they say nothing.
             gap_closed_interval: Some(interval).filter(|_| !contact),
@@ -231,6 +230,9 @@ pub fn explain(
                 .map(|factor| factor * settings.search.inertial_tolerance),
             remark: remark(short, part.accepted.map(|c| found.candidate(c))),
         });
+    }
+    for (cause, share) in causes.iter_mut().zip(normed(&values)) {
+        cause.share_of_gap = share;
     }
     causes.sort_by(|a, b| b.share_of_gap.total_cmp(&a.share_of_gap));
     let lost = cut.iter().filter(|c| **c).count();
@@ -337,66 +339,8 @@ fn parts(
     parts
 }
 
-/// Shares of what the listed causes together remove, in mean over joints of squared NRMSE; they sum to one. What does
-/// harm has none.
-fn shapley(
-    gap: &Array2<f64>,
-    parts: &[Part],
-    deviation: &[Option<f64>],
-    listed: &dyn Fn(&Part) -> bool,
-) -> Vec<f64> {
-    let all: Array2<f64> = parts
-        .iter()
-        .fold(Array2::zeros(gap.dim()), |sum, p| sum + &p.torque);
-    let value = |p: &Part| -> f64 {
-        let each = deviation
-            .iter()
-            .enumerate()
-            .filter_map(|(j, d)| Some((j, (*d)?)));
-        let of = |(j, d): (usize, f64)| {
-            let c = p.torque.column(j);
-            (2.0 * gap.column(j).dot(&c) - c.dot(&all.column(j))) / (d * d)
-        };
-        if listed(p) {
-            each.map(of).sum::<f64>().max(0.0)
-        } else {
-            0.0
-        }
-    };
-    let values: Vec<f64> = parts.iter().map(value).collect();
-    let sum: f64 = values.iter().sum();
-    values
-        .iter()
-        .map(|v| if sum > 0.0 { v / sum } else { 0.0 })
-        .collect()
-}
-
 /// The first link or joint whose parameters were accepted as wrong.
 fn suspected(found: &Findings, effect: Effect) -> Option<&Accepted> {
     let mut of_effect = (0..found.accepted.len()).filter(|&c| found.candidate(c).effect == effect);
     of_effect.next().map(|c| &found.accepted[c])
-}
-
-/// Part of the joints' squared error that is removed, with a 90 % interval by bootstrap over blocks of time.
-fn closed(
-    with: &Array2<f64>,
-    without: &Array2<f64>,
-    joints: &[usize],
-    block: usize,
-) -> (f64, [f64; 2]) {
-    let block = block.max(1);
-    let sums: Vec<(f64, f64)> = (0..with.nrows().div_ceil(block))
-        .map(|b| {
-            let rows = b * block..((b + 1) * block).min(with.nrows());
-            let squares = |t: &Array2<f64>| {
-                joints
-                    .iter()
-                    .map(|&j| rows.clone().map(|i| t[[i, j]] * t[[i, j]]).sum::<f64>())
-                    .sum::<f64>()
-            };
-            let before = squares(without);
-            (before - squares(with), before)
-        })
-        .collect();
-    signal::bootstrap::ratio(&sums)
 }

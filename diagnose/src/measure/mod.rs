@@ -11,4 +11,5 @@ pub(crate) mod moved;
 pub(crate) mod other_day;
 pub(crate) mod quantities;
 pub(crate) mod resonance;
+pub(crate) mod shares;
 pub(crate) mod verdict;

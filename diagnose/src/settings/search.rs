@@ -86,7 +86,7 @@ settings! {
         /// Factors on the tolerances among which the recording chooses, of links and friction each: a description is rarely right to a few percent.
         tolerant: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0], tuned;
         /// What a body on the last link has to be worth against wider tolerances for every joint, nats.
-        body: f64 = 2.5, tuned;
+        body: f64 = 3.75, tuned;
         /// What each doubling of the tolerances costs, nats.
         widening: f64 = 4.0, tuned;
         /// Factors under which what no few parameters explain is left to the parameters.

@@ -20,6 +20,8 @@ use std::ops::Range;
 
 /// Band of the vibration, Hz.
 const BAND: (f64, f64) = (12.0, 40.0);
+/// Least upper end of it, Hz.
+const LOWEST: f64 = 15.0;
 /// Time around a change of sign in which a blow falls, s, before and after.
 const AFTER: (f64, f64) = (0.016, 0.12);
 /// Time before it that must be quiet, s.
@@ -101,13 +103,10 @@ impl<'a> Blows<'a> {
         settings: &'a BlowSettings,
     ) -> Option<Self> {
         let rate = frame.report().rate_hz;
-        let high = BAND.1.min(0.35 * rate);
-        if high < 2.0 * BAND.0 {
-            return None;
-        }
+        let (foot, top) = heard(rate)?;
         let (low, high) = (
-            butterworth(2, BAND.0, rate).ok()?,
-            butterworth(2, high, rate).ok()?,
+            butterworth(2, foot, rate).ok()?,
+            butterworth(2, top, rate).ok()?,
         );
         let samples = frame.samples();
         let segments = &samples.segments;
@@ -184,6 +183,13 @@ impl<'a> Blows<'a> {
         let reached = (0..MOVED).into_par_iter().filter(|n| as_clear(*n)).count();
         (1 + reached) as f64 / (1 + MOVED) as f64
     }
+}
+
+/// Band in which a recording of a rate holds vibration, Hz; none where it is too narrow. A slow recording is listened to
+/// lower, for the first of the ringing is in there, too.
+fn heard(rate: f64) -> Option<(f64, f64)> {
+    let top = BAND.1.min(0.35 * rate);
+    (top >= LOWEST).then(|| (BAND.0.min(0.4 * top), top))
 }
 
 /// Samples moved round within their segments.
