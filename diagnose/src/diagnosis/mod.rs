@@ -59,6 +59,7 @@ pub fn diagnose(
         mut findings,
         listing,
         left,
+        beside,
         judged,
         contact,
         look,
@@ -87,9 +88,12 @@ pub fn diagnose(
         &settings.motion,
     );
     let judging = &settings.measure.verdict;
-    let (floors, left) = match &options.earlier {
-        Some(earlier) => (earlier.floors(floors), earlier.beyond(left, judging.beyond)),
-        None => (floors, left),
+    let (floors, left, beside) = match &options.earlier {
+        Some(earlier) => {
+            let [left, beside] = [left, beside].map(|l| earlier.beyond(l, judging.beyond));
+            (earlier.floors(floors), left, beside)
+        }
+        None => (floors, left, beside),
     };
     let dead = &channels.dead;
     let judged = judged.off_turns(&frames.data, &settings.motion);
@@ -99,7 +103,7 @@ pub fn diagnose(
         dead,
         moves: channels.moves,
         given: listing.given,
-        left: &left,
+        left: &beside,
         rest: &rest,
         causes: !explanation.causes.is_empty(),
         pushed: explanation.causes.iter().any(pushed),

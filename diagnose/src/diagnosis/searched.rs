@@ -75,6 +75,8 @@ pub(super) struct Searched {
     pub listing: Listing,
     /// Structure in what they leave, by joint.
     pub left: Vec<Option<Left>>,
+    /// The same as the verdict takes it: where pushes are known, what is left beside weaker ones.
+    pub beside: Vec<Option<Left>>,
     /// What they leave, by how the joints move.
     pub judged: Judged,
     /// Pushes in the fitted recording.
@@ -156,15 +158,22 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// What is left beside pushes without the part of the recording in which most is left: who pushes so that it shows also
-    /// pushes so that it hardly does, and that is no effect that nobody knows.
+    /// What is left beside pushes, joint by joint the less of that everywhere and that without the part of the rest of the recording
+    /// in which most is left: who pushes so that it shows also pushes so that it hardly does, and that is no effect that nobody knows.
     fn beside(&self, found: &Search, skipped: &[bool]) -> Vec<Option<Left>> {
         let settings = &self.options.settings;
         let data = &self.frames.data;
-        let mut out = suspected(data, &found.judged, settings.traces.contact.suspected);
+        let part = settings.traces.contact.suspected;
+        let mut out = suspected(data, &found.judged, skipped, part);
         out.iter_mut().zip(skipped).for_each(|(o, s)| *o |= s);
         let out = data.pick(|i| out[i]);
-        examine(data, &found.listing.residual, &out, settings)
+        let without = examine(data, &found.listing.residual, &out, settings);
+        let each = found.left.iter().zip(without);
+        let least = |(all, without): (&Option<Left>, Option<Left>)| {
+            let both = all.iter().copied().chain(without);
+            both.min_by(|a, b| a.structured().total_cmp(&b.structured()))
+        };
+        each.map(least).collect()
     }
 
     /// Causes and pushes; `first` is what [`Self::first`] found.
@@ -177,12 +186,16 @@ impl<'a> Searcher<'a> {
         let (found, contact, skipped) = self.apart(found, contact)?;
         let weight = self.without(&skipped);
         let (found, null, namings) = self.above_chance(found, &weight, &skipped)?;
-        let beside = contact.is_some().then(|| self.beside(&found, &skipped));
+        let beside = match contact {
+            Some(_) => self.beside(&found, &skipped),
+            None => found.left.clone(),
+        };
         Ok(Searched {
             look: look.map(|_| !self.repeats(&found.left)),
             findings: found.findings,
             listing: found.listing,
-            left: beside.unwrap_or(found.left),
+            left: found.left,
+            beside,
             judged: found.judged,
             contact,
             skipped,
@@ -304,7 +317,8 @@ impl<'a> Searcher<'a> {
             return Ok(contact);
         }
         let part = self.options.settings.traces.contact.suspected;
-        let suspected = suspected(&self.frames.data, &found.judged, part);
+        let none = vec![false; self.frames.data.tau.nrows()];
+        let suspected = suspected(&self.frames.data, &found.judged, &none, part);
         let known = Self::known(&found.findings);
         let clean = self.search(&self.without(&suspected), &suspected, self.chance(), known)?;
         Ok(self.pushed(&clean, true))

@@ -80,6 +80,15 @@ impl Findings {
         Objective::new(&self.grams, scale, &self.settings.search).fit(self.tight.0.clone())
     }
 
+    /// The same without one of the causes, by index among the accepted.
+    pub fn tight_without(&self, cause: usize, scale: &Scale) -> Fit<'_> {
+        let own = &self.accepted[cause].variables;
+        let each = self.tight.0.iter().enumerate();
+        let others = each.filter(|(i, _)| !own.contains(i)).map(|(_, v)| *v);
+        let objective = Objective::new(&self.grams, scale, &self.settings.search);
+        objective.fit(others.collect())
+    }
+
     /// Takes an accepted cause back, by index among the accepted: it becomes the first of what was not accepted.
     pub fn take_back(&mut self, cause: usize, scale: &Scale) {
         let taken = self.accepted.remove(cause);

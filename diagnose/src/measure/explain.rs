@@ -8,7 +8,7 @@ use crate::ladder::listing::Listing;
 use crate::ladder::rungs::Free;
 use crate::ladder::scores::{Scored, total};
 use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
-use crate::measure::shares::{closed, lost, normed, shapley};
+use crate::measure::shares::{Removed, closed, normed};
 use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, judge};
 use crate::schema::{Cause, SHORT, STRUCK, Step, Support};
@@ -171,8 +171,22 @@ pub fn explain(
         let with = if contact { with } else { kept(&with) };
         let without = if contact { without } else { kept(&without) };
         let (closed, interval) = closed(&with, &without, &joints, block);
-        let own = shapley(&gap_held, &part.torque, &all, &deviation);
-        values.push(own.max(lost(&with, &without, &joints, &deviation)));
+        let alone = match part.accepted.filter(|_| part.effect.info().absorbable) {
+            Some(c) => {
+                let fit = found.tight_without(c, &frames.scale);
+                let torque = columns.torque(shape, &fit.variables, fit.beta());
+                kept(&judged(&gap_held - &torque))
+            }
+            None => without,
+        };
+        let removed = Removed {
+            gap: &gap_held,
+            all: &all,
+            torque: &part.torque,
+            with: &with,
+            without: &alone,
+        };
+        values.push(removed.value(&deviation));
         let cause = part.accepted.map(|c| &found.accepted[c]);
         // Of a trace that names by itself nobody has counted how often it is right.
         let judged = |c: &usize| found.candidate(*c).shown.is_none();

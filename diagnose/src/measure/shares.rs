@@ -10,35 +10,35 @@
 
 use ndarray::Array2;
 
-/// Squared NRMSE, summed over joints, that a cause's torque removes by Shapley's value; `all` is the sum of the causes'
-/// torques. Shapes (samples, joints).
-pub fn shapley(
-    gap: &Array2<f64>,
-    torque: &Array2<f64>,
-    all: &Array2<f64>,
-    deviation: &[Option<f64>],
-) -> f64 {
-    let each = deviation.iter().enumerate();
-    let scored = each.filter_map(|(j, d)| Some((j, (*d)?)));
-    let of = |(j, d): (usize, f64)| {
-        let c = torque.column(j);
-        (2.0 * gap.column(j).dot(&c) - c.dot(&all.column(j))) / (d * d)
-    };
-    scored.map(of).sum()
+/// What a cause removes from the gap; all of shape (samples, joints).
+pub struct Removed<'a> {
+    /// The gap as given.
+    pub gap: &'a Array2<f64>,
+    /// Torques of all causes.
+    pub all: &'a Array2<f64>,
+    /// The cause's own.
+    pub torque: &'a Array2<f64>,
+    /// What all causes leave.
+    pub with: &'a Array2<f64>,
+    /// What the others leave, fitted again.
+    pub without: &'a Array2<f64>,
 }
 
-/// The same that is lost on some joints where a cause is left out, from the residuals with and without it.
-pub fn lost(
-    with: &Array2<f64>,
-    without: &Array2<f64>,
-    joints: &[usize],
-    deviation: &[Option<f64>],
-) -> f64 {
-    let square = |t: &Array2<f64>, j: usize| t.column(j).dot(&t.column(j));
-    let scored = joints.iter().filter_map(|&j| Some((j, deviation[j]?)));
-    scored
-        .map(|(j, d)| (square(without, j) - square(with, j)) / (d * d))
-        .sum()
+impl Removed<'_> {
+    /// Squared NRMSE, summed over joints and samples, by Shapley's value, or what is lost without the cause where that is more.
+    pub fn value(&self, deviation: &[Option<f64>]) -> f64 {
+        let each = deviation.iter().enumerate();
+        let scored = || each.clone().filter_map(|(j, d)| Some((j, (*d)?)));
+        let own = |(j, d): (usize, f64)| {
+            let c = self.torque.column(j);
+            (2.0 * self.gap.column(j).dot(&c) - c.dot(&self.all.column(j))) / (d * d)
+        };
+        let square = |t: &Array2<f64>, j: usize| t.column(j).dot(&t.column(j));
+        let lost =
+            |(j, d): (usize, f64)| (square(self.without, j) - square(self.with, j)) / (d * d);
+        let shapley: f64 = scored().map(own).sum();
+        shapley.max(scored().map(lost).sum())
+    }
 }
 
 /// Shares that sum to one; what does harm has none.
@@ -77,32 +77,53 @@ mod tests {
     use super::*;
     use ndarray::array;
 
-    /// Two torques that nearly cancel: each alone is worth nothing by Shapley's value of one of them, both are needed.
+    /// Two torques that nearly cancel: by Shapley's value one of them is worth less than nothing, and both are needed.
     #[test]
     fn a_cause_that_another_works_against_keeps_what_is_lost_without_it() {
-        // g = a + b, b mostly −a; a third is worth a little and stands alone on another joint.
         let a = array![[2.0, 0.0], [-2.0, 0.0], [2.0, 0.0], [-2.0, 0.0]];
         let b = array![[-3.0, 0.0], [2.0, 0.0], [-3.0, 0.0], [2.0, 0.0]];
+        // Worth a little, on a joint of its own.
         let c = array![[0.0, 0.1], [0.0, -0.1], [0.0, 0.1], [0.0, -0.1]];
         let gap = &a + &b + &c;
-        let deviation = [Some(1.0), Some(1.0)];
-        let value = |t: &Array2<f64>| shapley(&gap, t, &gap, &deviation);
+        let nothing = Array2::zeros((4, 2));
+        // Without one, the best that the other two make of it.
+        let best =
+            |t: &Array2<f64>| t * (gap.column(0).dot(&t.column(0)) / t.column(0).dot(&t.column(0)));
+        let value = |torque: &Array2<f64>, without: &Array2<f64>| {
+            let removed = Removed {
+                gap: &gap,
+                all: &gap,
+                torque,
+                with: &nothing,
+                without,
+            };
+            removed.value(&[Some(1.0), Some(1.0)])
+        };
+        let only = |torque: &Array2<f64>| value(torque, &nothing);
         let total = gap.iter().map(|g| g * g).sum::<f64>();
-        assert!((value(&a) + value(&b) + value(&c) - total).abs() < 1e-12);
-        assert!(value(&a) < 0.0 && value(&c) > 0.0);
-        // Without a, the best factor of b: what is lost is what b cannot make up for.
-        let factor = gap.column(0).dot(&b.column(0)) / b.column(0).dot(&b.column(0));
-        let without = &gap - &c - &(&b * factor);
-        let lost = lost(&Array2::zeros((4, 2)), &without, &[0], &deviation);
-        assert!(lost > value(&c));
-        let shares = normed(&[value(&a).max(lost), value(&b), value(&c), -1.0]);
+        // What is lost counts from zero here, so Shapley's values show where they are positive.
+        assert!((only(&b) + only(&c) - total).abs() > 1e-3 && only(&a) == 0.0);
+        let values = [
+            value(&a, &(&gap - &c - &best(&b))),
+            value(&b, &(&gap - &c - &best(&a))),
+            value(&c, &c),
+        ];
+        assert!(values[0] > values[2] && values[1] > values[2] && values[2] > 0.0);
+        let shares = normed(&[values[0], values[1], values[2], -1.0]);
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert!(shares[0] > shares[2] && shares[3] == 0.0);
+        assert_eq!(shares[3], 0.0);
     }
 
     #[test]
     fn joints_that_are_not_scored_count_nothing() {
-        let (with, without) = (Array2::zeros((3, 2)), Array2::ones((3, 2)));
-        assert_eq!(lost(&with, &without, &[0, 1], &[None, Some(2.0)]), 0.75);
+        let (zero, one) = (Array2::zeros((3, 2)), Array2::ones((3, 2)));
+        let removed = Removed {
+            gap: &one,
+            all: &zero,
+            torque: &zero,
+            with: &zero,
+            without: &one,
+        };
+        assert_eq!(removed.value(&[None, Some(2.0)]), 0.75);
     }
 }

@@ -197,7 +197,7 @@ pub struct Cause {
     /// Gain over the best other name in its place, nats; null for parameters and for contact, which nothing else was tried
     /// against. No probability.
     pub lead: Option<f64>,
-    /// Part of what all causes remove.
+    /// Part of what all causes remove: Shapley's value, or what is lost without the cause if that is more, over the sum of these.
     pub share_of_gap: f64,
     /// Part of the named joints' squared error that it removes.
     pub gap_closed: f64,

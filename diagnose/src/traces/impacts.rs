@@ -1,7 +1,7 @@
 //! Blows of a transmission with play: bursts of vibration right after the transmitted torque has changed its sign.
 //!
 //! A gap is crossed when the link no longer presses on its flank, and each crossing ends with a blow on the other
-//! flank that rings for some hundredths of a second, above the band in which torques of motion live. When a blow
+//! flank that rings for some hundredths of a second, above most of what torques of motion hold. When a blow
 //! comes depends on the play, how it rings on much that a model does not know; that it follows the change of sign
 //! does not. So the vibration after such changes is compared with that before them and elsewhere. Reversals of the
 //! motion, where friction jumps, are left out. Whether chance would do as much is seen by moving the changes round in
@@ -104,6 +104,8 @@ impl<'a> Blows<'a> {
     ) -> Option<Self> {
         let rate = frame.report().rate_hz;
         let (foot, top) = heard(rate)?;
+        // A lower band smears steps of friction further.
+        let wider = BAND.0 / foot;
         let (low, high) = (
             butterworth(2, foot, rate).ok()?,
             butterworth(2, top, rate).ok()?,
@@ -118,7 +120,7 @@ impl<'a> Blows<'a> {
             let usable = |others: bool| {
                 let mut usable = vec![true; samples.len()];
                 for s in segments {
-                    let edge = ((EDGE * rate) as usize).min(s.len());
+                    let edge = count(EDGE * wider, rate).min(s.len());
                     usable[s.start..s.start + edge].fill(false);
                     usable[s.end - edge..s.end].fill(false);
                 }
@@ -127,8 +129,14 @@ impl<'a> Blows<'a> {
                     .enumerate()
                     .filter(|(k, _)| others || *k == joint)
                 {
-                    let reach = if k == joint { OWN } else { OTHER };
-                    mark(&mut usable, at, reach, rate, false);
+                    let (before, after) = if k == joint { OWN } else { OTHER };
+                    mark(
+                        &mut usable,
+                        at,
+                        (wider * before, wider * after),
+                        rate,
+                        false,
+                    );
                 }
                 usable
             };
@@ -224,7 +232,7 @@ fn contrast(
     let (mut after, mut before) = (vec![false; n], vec![false; n]);
     mark(&mut after, at, AFTER, rate, true);
     mark(&mut before, at, (BEFORE, 0.0), rate, true);
-    let reach = (AFTER.1 * rate) as usize;
+    let reach = count(AFTER.1, rate);
     let seen: Vec<usize> = at
         .iter()
         .copied()
@@ -272,8 +280,13 @@ pub(super) fn changes(x: impl Iterator<Item = f64>, segments: &[Range<usize>]) -
         .collect()
 }
 
+/// Whole samples of a time; a rate that the stamps give a little low is taken for the round one.
+fn count(time: f64, rate: f64) -> usize {
+    (time * rate + 0.01) as usize
+}
+
 fn mark(flags: &mut [bool], at: &[usize], reach: (f64, f64), rate: f64, value: bool) {
-    let (before, after) = ((reach.0 * rate) as usize, (reach.1 * rate) as usize);
+    let (before, after) = (count(reach.0, rate), count(reach.1, rate));
     let n = flags.len();
     for &i in at {
         flags[i.saturating_sub(before)..(i + after + 1).min(n)].fill(value);
@@ -313,6 +326,16 @@ mod tests {
         contrast(&vibration, &vec![true; 5000], &at, rate, 6)
             .unwrap()
             .ratio
+    }
+
+    #[test]
+    fn slow_recordings_are_heard_lower_down() {
+        let about = |(a, b): (f64, f64), (c, d): (f64, f64)| (a - c).abs() + (b - d).abs() < 1e-9;
+        assert!(about(heard(250.0).unwrap(), (12.0, 40.0)));
+        assert!(about(heard(100.0).unwrap(), (12.0, 35.0)));
+        assert!(about(heard(50.0).unwrap(), (7.0, 17.5)));
+        assert_eq!(heard(42.0), None);
+        assert_eq!([count(0.04, 49.9999), count(0.04, 250.0)], [2, 10]);
     }
 
     #[test]

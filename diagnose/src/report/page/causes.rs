@@ -102,7 +102,7 @@ pub(super) fn section(outcome: &Outcome) -> Section {
     });
     let mut section = Section::new("Causes")
         .figure(shares.draw(
-            "Shapley shares of squared NRMSE: where causes overlap, each gets its fair part.",
+            "Shapley's value in squared NRMSE, or what is lost without the cause if that is more, as parts of their sum.",
         ))
         .figure(closed.draw(
             "The other causes being in place; intervals by bootstrap over stretches of time.",

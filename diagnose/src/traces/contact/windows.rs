@@ -71,9 +71,9 @@ pub(super) fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
     }
 }
 
-/// Samples of the part of the windows in which most is left, relative to the joints' usual level: where a force from outside may have
+/// Samples of the part of the windows outside of `skipped` in which most is left, relative to the joints' usual level: where a force from outside may have
 /// bent the fit.
-pub fn suspected(frame: &Frame, left: &Judged, part: f64) -> Vec<bool> {
+pub fn suspected(frame: &Frame, left: &Judged, skipped: &[bool], part: f64) -> Vec<bool> {
     let windows = windows(frame, left, true);
     let levels: Vec<f64> = (0..frame.dof())
         .map(|j| windows.usual(j, false, 0.0))
@@ -83,7 +83,9 @@ pub fn suspected(frame: &Frame, left: &Judged, part: f64) -> Vec<bool> {
         each.filter_map(|(j, level)| Some((windows.mean[[w, j]]? / level).powi(2)))
             .sum()
     };
-    let mut order: Vec<(usize, f64)> = (0..windows.samples.len()).map(|w| (w, energy(w))).collect();
+    let rest =
+        (0..windows.samples.len()).filter(|&w| !windows.samples[w].clone().any(|i| skipped[i]));
+    let mut order: Vec<(usize, f64)> = rest.map(|w| (w, energy(w))).collect();
     order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let most = (part * order.len() as f64) as usize;
     let mut out = vec![false; frame.tau.nrows()];
