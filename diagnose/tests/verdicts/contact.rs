@@ -51,3 +51,44 @@ fn pushes_in_one_recording_alone_are_contact() {
     let stands = report(&quiet, &standing(7, &push(40.0)));
     assert!(contact(&stands).is_some(), "{:#}", stands["causes"]);
 }
+
+/// Who pushes so that it shows also pushes so that it hardly does: that is no effect that nobody knows.
+#[test]
+fn weak_pushes_beside_strong_ones_are_no_unknown_effect() {
+    let strong = push(40.0);
+    let more = |run: usize, t: f64, qd: &[f64], j: usize| {
+        let since = t - 8.0;
+        if run < 3 {
+            strong(run, t, qd, j)
+        } else if (0.0..1.6).contains(&since) {
+            // One joint alone: of itself that is none.
+            [0.0, 4.0, 0.0][j] * (std::f64::consts::PI * since / 1.6).sin()
+        } else {
+            0.0
+        }
+    };
+    let found = report(&moving(1, &more), &moving(7, &nothing));
+    let pushes = contact(&found).unwrap()["pushes"].as_array().unwrap();
+    assert_eq!(pushes.len(), 3, "{pushes:#?}");
+    let left = &found["unexplained"][1];
+    assert!(left["nrmse"].as_f64() > Some(0.09), "{left}");
+    assert_eq!(found["verdict"], "partly_explained");
+}
+
+/// What goes on all the time is structure beside pushes, too.
+#[test]
+fn an_unknown_effect_beside_pushes_is_told() {
+    let strong = push(40.0);
+    let more = |run: usize, t: f64, qd: &[f64], j: usize| {
+        let turned = |rate: f64| (rate * t + rate * run as f64).sin();
+        let shaken = [0.0, 1.0, 0.0][j] * (turned(9.7) + turned(13.1));
+        strong(run, t, qd, j) + shaken
+    };
+    let found = report(&moving(1, &more), &moving(7, &more));
+    assert!(contact(&found).is_some(), "{:#}", found["causes"]);
+    assert_eq!(
+        found["verdict"], "unknown_effect",
+        "{:#}",
+        found["unexplained"]
+    );
+}
