@@ -193,8 +193,13 @@ fn say_scores(scores: &[prove::Score]) {
     }
     report::say!("{}", prove::table(scores).to_text());
     report::say!("{}", prove::rates_table(scores).to_text());
-    if let Some(drawn) = prove::drawn_table(scores) {
-        report::say!("{}", drawn.to_text());
+    let tables = [
+        prove::missed_table(scores),
+        prove::false_table(scores),
+        prove::drawn_table(scores),
+    ];
+    for table in tables.into_iter().flatten() {
+        report::say!("{}", table.to_text());
     }
 }
 

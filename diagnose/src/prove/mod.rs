@@ -1,11 +1,14 @@
 //! The proof: sealed simulated cases with a withheld effect, diagnosed and scored.
 
+mod answer;
 mod by_drawn;
 mod calibration;
 pub mod changed;
 mod drawn;
 mod error;
+mod faults;
 pub mod given;
+mod missed;
 mod named;
 mod rates;
 mod reliability;
@@ -34,6 +37,8 @@ pub use by_drawn::table as drawn_table;
 pub use calibration::{left_out, table as weights_table};
 pub use drawn::Drawn;
 pub use error::ProveError;
+pub use faults::{false_table, missed_table};
+pub use missed::Missed;
 pub use named::Named;
 pub use rates::table as rates_table;
 pub use reliability::{said, table as reliability_table};

@@ -1,6 +1,8 @@
 //! Scores of a report against a sealed answer.
 
+use super::answer::{Answer, PARAMETERS, list, number, squares, text, texts};
 use super::drawn::Drawn;
+use super::missed::{Missed, missed};
 use super::named::{Named, named};
 use super::sizes::{as_recorded, covered, deviations, size_error};
 use serde_json::Value;
@@ -20,6 +22,10 @@ pub struct Score {
     pub found: Option<f64>,
     /// Some structural cause is named that is not there at all.
     pub extra: Option<f64>,
+    /// Effects of the structural causes that are not there at all.
+    pub false_causes: Vec<String>,
+    /// Why a single effect is not the first cause.
+    pub missed: Option<Missed>,
     /// A gap that parameters do not close was called none.
     pub false_no_gap: Option<f64>,
     /// Right joints.
@@ -48,116 +54,6 @@ pub struct Score {
     pub stored: bool,
 }
 
-const PARAMETERS: [&str; 2] = ["link_parameters", "friction_parameters"];
-/// Small effects that every joint of a hard case may have.
-const BACKGROUND: [&str; 3] = [
-    "stribeck_friction",
-    "presliding_hysteresis",
-    "torque_ripple",
-];
-
-fn text<'a>(v: &'a Value, key: &str) -> &'a str {
-    v[key].as_str().unwrap_or("")
-}
-
-fn texts(v: &Value) -> Vec<&str> {
-    v.as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(Value::as_str)
-        .collect()
-}
-
-fn squares(v: &Value) -> f64 {
-    v.as_array()
-        .into_iter()
-        .flatten()
-        .map(|x| x.as_f64().unwrap_or(0.0).powi(2))
-        .sum()
-}
-
-/// What is true of a case, as the scores ask for it.
-struct Answer<'a> {
-    /// Names of the withheld effects; none of one outside the catalogue.
-    names: Vec<&'a str>,
-    /// The withheld effects.
-    effects: &'a [Value],
-    /// What else a hard case has.
-    hard: Option<&'a Value>,
-}
-
-impl<'a> Answer<'a> {
-    fn of(truth: &'a Value) -> Self {
-        let effects = list(&truth["effects"]);
-        let names = effects.iter().map(|e| text(e, "effect"));
-        Self {
-            names: names.filter(|e| *e != "unknown").collect(),
-            effects,
-            hard: Some(&truth["hard"]).filter(|h| h.is_object()),
-        }
-    }
-
-    /// Whether a cause is among what a hard case really has besides the withheld effect: background, bias, the filter's lag.
-    fn is_beside(&self, cause: &Value) -> bool {
-        let (Some(hard), name) = (self.hard, text(cause, "effect")) else {
-            return false;
-        };
-        let on = |joint: &str| texts(&cause["joints"]).contains(&joint);
-        let mut background = list(&hard["background"]).iter();
-        name == "time_delay"
-            || background.any(|b| text(b, "effect") == name && on(text(b, "joint")))
-            || (name == "torque_offset" && on(text(&hard["bias"], "joint")))
-    }
-
-    /// Whether a cause is a withheld effect; where the background has the same name on other joints, on one of its own.
-    fn is_true(&self, cause: &Value) -> bool {
-        let name = text(cause, "effect");
-        let joints = texts(&cause["joints"]);
-        let own = |e: &Value| {
-            text(e, "effect") == name && texts(&e["joints"]).iter().any(|j| joints.contains(j))
-        };
-        self.names.contains(&name)
-            && (self.hard.is_none() || !BACKGROUND.contains(&name) || self.effects.iter().any(own))
-    }
-
-    /// 1 for a true cause, half where the truth is only said to be possible instead of it.
-    fn hit(&self, cause: Option<&Value>) -> f64 {
-        let Some(cause) = cause else { return 0.0 };
-        let rivals = texts(&cause["ambiguous_with"]);
-        if self.is_true(cause) {
-            1.0
-        } else if rivals.iter().any(|e| self.names.contains(e)) {
-            0.5
-        } else {
-            0.0
-        }
-    }
-
-    /// Whether parameters leave little of every withheld effect, in a hard case no more than the background on its joint.
-    fn is_absorbed(&self) -> bool {
-        let background = |joint: &str| {
-            let all = self.hard.map_or(&[][..], |h| list(&h["background"]));
-            all.iter()
-                .filter(|b| text(b, "joint") == joint)
-                .map(|b| number(b, "share"))
-                .fold(0.0, f64::max)
-        };
-        let little = |e: &Value| {
-            let below = background(text(e, "reference_joint"));
-            number(e, "share_after_reidentification") < (0.15 * number(e, "share")).max(below)
-        };
-        !self.effects.is_empty() && self.effects.iter().all(little)
-    }
-}
-
-fn list(v: &Value) -> &[Value] {
-    v.as_array().map_or(&[], Vec::as_slice)
-}
-
-fn number(v: &Value, key: &str) -> f64 {
-    v[key].as_f64().unwrap_or(0.0)
-}
-
 fn one(of: bool) -> f64 {
     f64::from(u8::from(of))
 }
@@ -171,38 +67,22 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
     let causes = list(&report["causes"]);
     let verdict = text(report, "verdict");
     let told = !["missing", "cannot_tell"].contains(&verdict);
-    let by_parameters = answer.names.iter().any(|n| PARAMETERS.contains(n));
-    let aside = |name: &str| match answer.hard {
-        Some(_) => {
-            (PARAMETERS.contains(&name) || name == "time_delay") && !answer.names.contains(&name)
-        }
-        None => PARAMETERS.contains(&name) && !by_parameters,
-    };
     let rest: Vec<&Value> = causes
         .iter()
-        .filter(|c| !aside(text(c, "effect")))
+        .filter(|c| !answer.is_aside(text(c, "effect")))
         .collect();
     let absorbed = answer.is_absorbed();
-    let same: Vec<&str> = answer
-        .names
-        .iter()
-        .copied()
-        .chain(
-            answer
-                .effects
-                .iter()
-                .flat_map(|e| texts(&e["indistinguishable"])),
-        )
-        .collect();
-    let is_false = |c: &Value| {
-        let name = text(c, "effect");
-        !PARAMETERS.contains(&name) && !same.contains(&name) && !answer.is_beside(c)
-    };
+    let same = answer.same();
     let kind = text(truth, "kind").to_owned();
     let unknown = one(verdict == "unknown_effect");
+    let false_causes = causes.iter().filter(|c| answer.is_false(c));
+    let false_causes = false_causes
+        .map(|c| text(c, "effect").to_owned())
+        .collect::<Vec<_>>();
     let mut s = Score {
         kind: kind.clone(),
-        extra: Some(one(causes.iter().any(is_false))),
+        extra: Some(one(!false_causes.is_empty())),
+        false_causes,
         named: named(truth, report, |c| answer.is_beside(c)),
         drawn: Drawn::of(truth),
         ..Score::default()
@@ -284,6 +164,7 @@ pub fn judge(truth: &Value, report: &Value) -> Score {
             s.kind = format!("{kind}, foreign gear");
         }
         s.detection = Some((number(only, "share"), cause_of(only).is_some()));
+        s.missed = missed(&answer, &rest);
     }
     let ladder = list(&report["ladder"]);
     let last = ladder
