@@ -25,15 +25,6 @@ pub(super) fn texts(v: &Value) -> Vec<&str> {
         .collect()
 }
 
-/// Sum of the squares of a list.
-pub(super) fn squares(v: &Value) -> f64 {
-    v.as_array()
-        .into_iter()
-        .flatten()
-        .map(|x| x.as_f64().unwrap_or(0.0).powi(2))
-        .sum()
-}
-
 /// What is true of a case, as the scores ask for it.
 pub(super) struct Answer<'a> {
     /// Names of the withheld effects; none of one outside the catalogue.

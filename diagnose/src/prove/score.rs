@@ -1,6 +1,6 @@
 //! Scores of a report against a sealed answer.
 
-use super::answer::{Answer, PARAMETERS, list, number, squares, text, texts};
+use super::answer::{Answer, PARAMETERS, list, number, text, texts};
 use super::drawn::Drawn;
 use super::missed::{Missed, missed};
 use super::named::{Named, named};
@@ -52,6 +52,15 @@ pub struct Score {
     pub drawn: Option<Drawn>,
     /// Whether an earlier run into the same folder had diagnosed it.
     pub stored: bool,
+}
+
+/// Sum of the squares of a list.
+fn squares(v: &Value) -> f64 {
+    v.as_array()
+        .into_iter()
+        .flatten()
+        .map(|x| x.as_f64().unwrap_or(0.0).powi(2))
+        .sum()
 }
 
 fn one(of: bool) -> f64 {
