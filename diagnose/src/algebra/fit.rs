@@ -1,7 +1,7 @@
 //! A penalised least-squares fit with its leave-one-fold-out errors.
 //!
-//! With weights w_j (one per joint) and prior precisions λ the fit minimises
-//! Σ_j w_j ‖y_j − X_j β‖² + Σ λ β².
+//! With weights w_j (one per joint), prior means m and precisions λ the fit minimises
+//! Σ_j w_j ‖y_j − X_j β‖² + Σ λ (β − m)².
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::folds::jackknife;
@@ -9,14 +9,32 @@ use crate::algebra::gram::Grams;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
-/// A fitted coefficient: a column of the dictionary and the precision (1/variance) of its
-/// zero-mean prior. The same column may be fitted twice; the two then share its prior variances.
+/// A fitted coefficient: a column of the dictionary, mean and precision (1/variance) of its
+/// prior. The same column may be fitted twice; the two then share its prior variances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variable {
     /// Column of the dictionary.
     pub column: usize,
     /// 1/variance of the prior, in 1/unit².
     pub precision: f64,
+    /// Mean of the prior, zero of nearly all.
+    pub mean: f64,
+}
+
+impl Variable {
+    /// With a prior about zero.
+    pub fn about_zero(column: usize, precision: f64) -> Self {
+        Self {
+            column,
+            precision,
+            mean: 0.0,
+        }
+    }
+
+    /// λ (β − m)².
+    pub fn penalty(&self, beta: f64) -> f64 {
+        self.precision * (beta - self.mean).powi(2)
+    }
 }
 
 /// Fit of everything but one fold (or of everything), scored on that fold (or on everything).
@@ -152,19 +170,15 @@ impl<'a> Fit<'a> {
             .collect()
     }
 
-    /// Σ λ β².
+    /// Σ λ (β − m)².
     pub fn penalty(&self) -> f64 {
         penalty(&self.variables, &self.all.beta)
     }
 }
 
-/// Σ λ β².
+/// Σ λ (β − m)².
 pub(super) fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
-    variables
-        .iter()
-        .zip(beta)
-        .map(|(v, b)| v.precision * b * b)
-        .sum()
+    variables.iter().zip(beta).map(|(v, b)| v.penalty(*b)).sum()
 }
 
 /// XᵀXβ, of coefficients that are mostly zero: a joint has many columns, and few are fitted.
@@ -232,6 +246,7 @@ fn solved(
     }
     for (i, v) in variables.iter().enumerate() {
         a[[i, i]] += v.precision;
+        b[i] += v.precision * v.mean;
     }
     let factor = Cholesky::new(&a);
     let beta = factor.solve(b.view());

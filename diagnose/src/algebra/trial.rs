@@ -15,7 +15,7 @@ use std::collections::HashMap;
 pub struct Trial {
     /// Squared error, by joint, (N·m)².
     pub error: Vec<f64>,
-    /// Σ λ β² of the fit on all folds.
+    /// Σ λ (β − m)² of the fit on all folds.
     pub penalty: f64,
     /// Coefficients of the added columns.
     pub gamma: Vec<f64>,
@@ -169,6 +169,7 @@ impl<'f, 'a> Beside<'f, 'a> {
                 right[a] += w * (total.xy[row] - out.map_or(0.0, |g| g.xy[row]));
             }
             own[[a, a]] += v.precision;
+            right[a] += v.precision * v.mean;
             let (block, i) = common.place(rows[a]);
             let cross = block.cross.row(i);
             right[a] -= cross.dot(&common.part.beta);
@@ -367,7 +368,7 @@ mod tests {
         #[test]
         fn a_trial_is_the_fit_with_the_columns(values in prop::collection::vec(-1.0..1.0f64, 192)) {
             let grams = grams(&values);
-            let v = |column| Variable { column, precision: 0.1 };
+            let v = |column| Variable { column, precision: 0.1, mean: 0.3 * column as f64 };
             let fit = Fit::new(&grams, vec![v(0), v(1)], vec![1.0, 2.0]);
             let trial = Beside::new(&fit, &[3, 2], Scored::LeftOut).trial(&[v(2), v(3)]);
             let full = Fit::new(&grams, vec![v(0), v(1), v(2), v(3)], vec![1.0, 2.0]);

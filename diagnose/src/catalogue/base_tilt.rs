@@ -53,6 +53,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         change: None,
         shape,
         sizes: Vec::new(),
+        known: None,
         evidence: 0.0,
         shown: None,
     }]

@@ -121,6 +121,8 @@ pub struct Candidate {
     pub shape: Vec<(&'static str, f64, &'static str)>,
     /// Sizes that a sensor of their own measured.
     pub sizes: Vec<Size>,
+    /// Mean and deviation of its coefficients where the recording shows them by itself, whatever the error that its columns leave.
+    pub known: Option<(f64, f64)>,
     /// What speaks for it beside the error that it removes, nats.
     pub evidence: f64,
     /// Where a trace in the recording shows it by itself, whatever error its columns remove: the chance of such a trace where
@@ -147,6 +149,7 @@ impl Candidate {
             change: None,
             shape: Vec::new(),
             sizes: Vec::new(),
+            known: None,
             evidence: 0.0,
             shown: None,
         }

@@ -54,6 +54,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             shape: vec![("middle", middle, "rad"), ("half_range", half, "rad")],
             sizes: Vec::new(),
             change: None,
+            known: None,
             evidence: 0.0,
             shown: None,
         })

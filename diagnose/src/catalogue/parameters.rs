@@ -123,6 +123,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
         change: None,
         shape: Vec::new(),
         sizes: Vec::new(),
+        known: None,
         evidence: 0.0,
         shown: None,
     };
@@ -238,6 +239,7 @@ fn displaced(dof: usize, link: usize) -> Candidate {
         change: None,
         shape: Vec::new(),
         sizes: Vec::new(),
+        known: None,
         evidence: 0.0,
         shown: None,
     }

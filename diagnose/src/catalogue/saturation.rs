@@ -21,11 +21,15 @@ const LIMITS: [f64; 10] = [0.3, 0.38, 0.46, 0.54, 0.62, 0.68, 0.74, 0.8, 0.86, 0
 /// What a flat top of the recorded torque is worth, nats.
 const FLAT_TOP: f64 = 40.0;
 
-/// The limit of a flat top in the recorded torque. Where only one trajectory reaches it, no other can foretell it: it is
-/// taken if the prediction is cut there as much as it should be.
+/// Deviation of the cut from that of the predicted torque, whose peaks err, where the recording shows the limit.
+const CUT: f64 = 0.15;
+
+/// The limit of a flat top in the recorded torque: what lies above it in the prediction is cut, all of it. Where only one trajectory
+/// reaches the limit no other could foretell how much.
 pub fn flat_top(joint: usize, limit: f64) -> Candidate {
     let mut candidate = cut(joint, limit);
     candidate.evidence = FLAT_TOP;
+    candidate.known = Some((1.0, CUT));
     candidate
 }
 

@@ -128,6 +128,7 @@ fn candidate(joints: Vec<usize>, late: Late, alone: bool) -> Candidate {
         shape: corner.into_iter().collect(),
         sizes: Vec::new(),
         change: None,
+        known: None,
         evidence: 0.0,
         shown: None,
     }

@@ -58,6 +58,7 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
                 shape: orders[..n].iter().map(|&k| ("order", k, "1/rad")).collect(),
                 sizes: Vec::new(),
                 change: None,
+                known: None,
                 evidence: 0.0,
                 shown: None,
             };

@@ -1,6 +1,6 @@
 //! What makes one set of causes better than another.
 //!
-//! J = ½ Σ_j n_j log(MSE_j + floor_j²) + ½ Σ λ β² + cost · coefficients, in nats, smaller is better. MSE_j is the
+//! J = ½ Σ_j n_j log(MSE_j + floor_j²) + ½ Σ λ (β − m)² + cost · coefficients, in nats, smaller is better. MSE_j is the
 //! leave-one-fold-out mean squared error of joint j; n_j counts independent samples, not rows; the second term
 //! is what the given parameters must be bent for the explanation to hold, so that an explanation by few
 //! parameters beats the same torque explained by bending many.
@@ -129,19 +129,15 @@ impl<'a> Objective<'a> {
     /// A candidate's coefficient: its torque may reach a multiple of the joint's, one deviation.
     pub fn wide(&self, column: usize) -> Variable {
         let size = self.grams.column_rms(column, &self.torque);
-        Variable {
-            column,
-            precision: (size / self.settings.wide).powi(2).max(1e-12),
-        }
+        Variable::about_zero(column, (size / self.settings.wide).powi(2).max(1e-12))
     }
 
     /// Freedom of a link's parameters when they are suspected.
     pub fn freed_link(&self, robot: &Robot, link: usize) -> Vec<Variable> {
         let first = PARAMETERS_PER_LINK * link;
         let sizes = link_sizes(&robot.joints()[link]);
-        let variable = |(p, size): (usize, f64)| Variable {
-            column: first + p,
-            precision: (self.settings.freed * size).powi(-2),
+        let variable = |(p, size): (usize, f64)| {
+            Variable::about_zero(first + p, (self.settings.freed * size).powi(-2))
         };
         sizes.into_iter().enumerate().map(variable).collect()
     }
@@ -172,10 +168,7 @@ impl<'a> Objective<'a> {
         deviations
             .iter()
             .enumerate()
-            .map(|(column, d)| Variable {
-                column,
-                precision: 1.0 / (d * d),
-            })
+            .map(|(column, d)| Variable::about_zero(column, 1.0 / (d * d)))
             .collect()
     }
 }

@@ -25,7 +25,7 @@ pub struct Tried {
     pub gain: f64,
     /// Leave-one-fold-out squared error by joint.
     pub error: Vec<f64>,
-    /// Σ λ β² of the whole fit.
+    /// Σ λ (β − m)² of the whole fit.
     pub penalty: f64,
     /// Coefficients.
     pub gamma: Vec<f64>,
@@ -70,17 +70,25 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Coefficients of a candidate with wide priors.
+    /// Coefficients of a candidate with wide priors, or with what is known of them.
     pub fn variables(&self, candidate: usize) -> Vec<Variable> {
         let c = &self.candidates[candidate];
         let wide = self.members[candidate]
             .iter()
             .map(|&c| self.objective.wide(c));
+        if let Some((mean, deviation)) = c.known {
+            let known = |&column: &usize| Variable {
+                column,
+                precision: deviation.powi(-2),
+                mean,
+            };
+            return self.members[candidate].iter().map(known).collect();
+        }
         match c.effect {
-            Effect::LinkParameters if c.change.is_some() && c.shape.is_empty() => vec![Variable {
-                column: self.members[candidate][0],
-                precision: self.objective.settings.density.powi(-2),
-            }],
+            Effect::LinkParameters if c.change.is_some() && c.shape.is_empty() => {
+                let precision = self.objective.settings.density.powi(-2);
+                vec![Variable::about_zero(self.members[candidate][0], precision)]
+            }
             Effect::LinkParameters if c.change.is_none() => {
                 let mut freed = self.objective.freed_link(self.robot, c.joints[0]);
                 freed.retain(|v| self.members[candidate].contains(&v.column));

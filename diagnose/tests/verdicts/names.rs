@@ -1,6 +1,7 @@
 //! How far the name of a plain effect is trusted.
 
-use crate::arm::{Shown, drag, moving, report, reported};
+use crate::arm::{Shown, drag, moving, nothing, report, reported};
+use datasets::{Recording, Trajectory};
 use diagnose::Options;
 use serde_json::json;
 
@@ -57,4 +58,42 @@ fn a_name_is_supported_where_surrogates_say_something() {
     assert_eq!(cause["effect"], "nonlinear_viscous_friction");
     assert!(cause["p_value"].is_number());
     assert!(cause["support"].is_null() && cause["confidence"].is_null());
+}
+
+/// Torque that is cut in one run alone is named for it: no other run foretells how much is cut, but the recorded limit says.
+#[test]
+fn a_limit_that_one_run_reaches_is_named() {
+    const LIMIT: f64 = 36.0;
+    let runs = |seed, trajectories, seconds, reach| {
+        let shown = Shown {
+            seed,
+            trajectories,
+            seconds,
+            reach: [0.8, reach, 0.6],
+            more: &nothing,
+        };
+        shown.recording()
+    };
+    let cut = |seed| {
+        let mut strong = runs(seed + 1, 1, 24.0, 2.0);
+        let tau = strong.tau.as_mut().unwrap();
+        tau.column_mut(1).mapv_inplace(|t| t.clamp(-LIMIT, LIMIT));
+        strong.trajectories[0].label = "strong".into();
+        Recording::joined(&[runs(seed, 5, 12.0, 0.1), strong]).unwrap()
+    };
+    let fitted = cut(1);
+    let tau = fitted.tau.as_ref().unwrap().column(1);
+    let reaches = |t: &&Trajectory| t.range.clone().any(|i| tau[i].abs() >= LIMIT);
+    let reached = fitted.trajectories.iter().filter(reaches);
+    assert_eq!(
+        reached.map(|t| &t.label[..]).collect::<Vec<_>>(),
+        ["strong"]
+    );
+    let found = report(&fitted, &cut(7));
+    let cause = &found["causes"][0];
+    assert_eq!(cause["effect"], "saturation", "{:#}", found["causes"]);
+    assert_eq!(cause["joints"], json!(["j2"]));
+    let mut sizes = cause["parameters"].as_array().unwrap().iter();
+    let limit = sizes.find(|p| p["name"] == "limit").unwrap();
+    assert!((limit["value"].as_f64().unwrap() - LIMIT).abs() < 0.5);
 }
