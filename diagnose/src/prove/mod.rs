@@ -44,7 +44,7 @@ pub use rates::table as rates_table;
 pub use reliability::{said, table as reliability_table};
 pub use score::{Score, judge, mean};
 pub use sizes::detected_from;
-pub use withheld::{Answer, LeftOut, table as withheld_table};
+pub use withheld::{Instead, LeftOut, table as withheld_table};
 
 /// Chance that the interval of a rate does not hold its share.
 const OUTSIDE: f64 = 0.05;

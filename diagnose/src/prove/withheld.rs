@@ -7,7 +7,7 @@ use serde_json::Value;
 
 /// What a diagnosis without the right candidate came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum Instead {
     /// The verdict is `unknown_effect`.
     Unknown,
     /// The first structural cause is a stated confounder.
@@ -29,7 +29,7 @@ pub struct LeftOut {
     /// The withheld effect.
     pub effect: Effect,
     /// The answer.
-    pub answer: Answer,
+    pub answer: Instead,
 }
 
 /// Judges a report against a withheld effect.
@@ -46,11 +46,11 @@ pub fn judge(effect: Effect, truth: &Value, report: &Value) -> LeftOut {
             .any(|e| e.as_str().is_some_and(|e| fair.contains(&e)))
     };
     let answer = match first {
-        _ if report["verdict"] == "unknown_effect" => Answer::Unknown,
-        None => Answer::Parameters,
-        Some(c) if named(c) || rivals(c) => Answer::Confounder,
-        Some(c) if c["lead"].as_f64().is_none_or(|l| l >= CLEAR) => Answer::Wrong,
-        Some(_) => Answer::Doubtful,
+        _ if report["verdict"] == "unknown_effect" => Instead::Unknown,
+        None => Instead::Parameters,
+        Some(c) if named(c) || rivals(c) => Instead::Confounder,
+        Some(c) if c["lead"].as_f64().is_none_or(|l| l >= CLEAR) => Instead::Wrong,
+        Some(_) => Instead::Doubtful,
     };
     LeftOut { effect, answer }
 }
@@ -64,18 +64,18 @@ fn indistinguishable(truth: &Value) -> impl Iterator<Item = &str> {
 
 /// Answers by withheld effect, and all together.
 pub fn table(cases: &[LeftOut]) -> Table {
-    const ANSWERS: [(Answer, &str); 5] = [
-        (Answer::Unknown, "unknown"),
-        (Answer::Confounder, "confounder"),
-        (Answer::Parameters, "parameters"),
-        (Answer::Doubtful, "doubtful"),
-        (Answer::Wrong, "wrong name"),
+    const ANSWERS: [(Instead, &str); 5] = [
+        (Instead::Unknown, "unknown"),
+        (Instead::Confounder, "confounder"),
+        (Instead::Parameters, "parameters"),
+        (Instead::Doubtful, "doubtful"),
+        (Instead::Wrong, "wrong name"),
     ];
     let mut columns = vec![Column::text("withheld"), Column::number("cases")];
     columns.extend(ANSWERS.map(|(_, name)| Column::number(name)));
     let mut table = Table::new(columns);
     let mut push = |name: &str, of: Vec<&LeftOut>| {
-        let count = |a: Answer| of.iter().filter(|c| c.answer == a).count() as f64;
+        let count = |a: Instead| of.iter().filter(|c| c.answer == a).count() as f64;
         let mut cells = vec![Cell::text(name), Cell::number(of.len() as f64, 0)];
         cells.extend(ANSWERS.map(|(a, _)| Cell::number(count(a), 0)));
         table.push(cells);
@@ -106,20 +106,23 @@ mod tests {
         let answer = |r: &Value| judge(Effect::Backlash, &truth, r).answer;
         assert_eq!(
             answer(&report("unknown_effect", "payload", 99.0)),
-            Answer::Unknown
+            Instead::Unknown
         );
         assert_eq!(
             answer(&report("explained", "joint_elasticity", 99.0)),
-            Answer::Confounder
+            Instead::Confounder
         );
-        assert_eq!(answer(&report("explained", "payload", 20.0)), Answer::Wrong);
+        assert_eq!(
+            answer(&report("explained", "payload", 20.0)),
+            Instead::Wrong
+        );
         assert_eq!(
             answer(&report("explained", "payload", 3.0)),
-            Answer::Doubtful
+            Instead::Doubtful
         );
         assert_eq!(
             answer(&json!({"verdict": "no_gap", "causes": []})),
-            Answer::Parameters
+            Instead::Parameters
         );
     }
 }

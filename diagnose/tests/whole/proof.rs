@@ -1,7 +1,7 @@
 //! A small run of the proof.
 
 use diagnose::Options;
-use diagnose::prove::{Answer, Draw, leave_one_out, mean, prove, table};
+use diagnose::prove::{Draw, Instead, leave_one_out, mean, prove, table};
 use trials::cases::Sensors;
 
 #[test]
@@ -49,7 +49,7 @@ fn a_withheld_candidate_gives_no_confident_wrong_name() {
     let answers = leave_one_out(6, 11, || ()).unwrap();
     assert!(!answers.is_empty());
     assert!(
-        answers.iter().all(|a| a.answer != Answer::Wrong),
+        answers.iter().all(|a| a.answer != Instead::Wrong),
         "{answers:?}"
     );
 }
