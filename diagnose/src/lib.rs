@@ -20,13 +20,13 @@
 //! | `measure` | shares, sizes, intervals, what is left, the verdict |
 //! | `advice` | corrected model, next motion, what a motion would show |
 //! | `report` | words and page |
-//! | `prove` | the diagnosis of sealed cases |
+//!
+//! Cases that prove it, and the program `diagnose`, are the crate `proof`.
 #![forbid(unsafe_code)]
 
 mod advice;
 mod algebra;
 mod catalogue;
-mod command_line;
 mod diagnosis;
 mod error;
 mod input;
@@ -35,7 +35,6 @@ mod ladder;
 mod measure;
 mod motion;
 mod outcome;
-pub mod prove;
 mod report;
 pub mod schema;
 mod search;
@@ -50,11 +49,11 @@ pub use advice::{directory, next_motion, patch};
 pub use catalogue::choice::Choice;
 pub use catalogue::effect::Effect;
 pub use catalogue::info::{Info, Need};
-pub use command_line::command_line;
 pub use diagnosis::{Earlier, Options, Usual, diagnose};
 pub use error::DiagnoseError;
 pub use input::given::Given;
 pub use job::{Done, Job, SURROGATES, Subject};
+pub use measure::confidence;
 pub use outcome::Outcome;
 pub use settings::Settings;
 pub use simulator::NominalModel;

@@ -27,7 +27,7 @@ const PROGRAMS: [Program; 8] = [
     Program {
         name: "diagnose",
         about: "What a simulator gets wrong: where, which effect, how far it shrinks; the corrected model",
-        run: diagnose::command_line,
+        run: proof::command_line,
     },
     Program {
         name: "excite",

@@ -1,7 +1,7 @@
 //! What the causes do: shares, sizes, intervals, and what is left.
 
 pub(crate) mod bounds;
-pub(crate) mod confidence;
+pub mod confidence;
 pub(crate) mod explain;
 pub(crate) mod follow;
 pub(crate) mod friction;

@@ -4,5 +4,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    diagnose::command_line(std::env::args_os())
+    proof::command_line(std::env::args_os())
 }

@@ -2,7 +2,7 @@
 
 use super::sizes::size_error;
 use super::{OUTSIDE, ProveError};
-use crate::job::{Job, Subject};
+use diagnose::{Job, Subject};
 use rayon::prelude::*;
 use report::{Cell, Column, Table};
 use serde_json::{Value, json};
@@ -56,7 +56,7 @@ pub fn run(cases: u64, seed: u64, done: impl Fn() + Sync) -> Result<Vec<Told>, P
     (0..cases).into_par_iter().map(one).collect()
 }
 
-fn diagnosed(folder: &Path) -> Result<Value, crate::DiagnoseError> {
+fn diagnosed(folder: &Path) -> Result<Value, diagnose::DiagnoseError> {
     let at = |name: &str| folder.join(name);
     let robot = Subject::robot(at("robot.urdf").display().to_string());
     let job = Job {

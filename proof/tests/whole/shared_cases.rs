@@ -3,7 +3,7 @@
 use crate::shared;
 use datasets::{ReadOptions, read};
 use diagnose::NominalModel;
-use diagnose::prove::judge;
+use proof::prove::judge;
 use diagnose::{Options, diagnose};
 use physics::robot::Robot;
 use serde_json::Value;

@@ -1,6 +1,6 @@
 //! The structural causes of reports whose truth is known: what spoke for each, and whether its name is right.
 
-use crate::schema::Support;
+use diagnose::schema::Support;
 use serde_json::Value;
 
 /// A structural cause of a report.

@@ -2,7 +2,7 @@
 
 use super::score::Score;
 use super::{ProveError, folder_of, scored};
-use crate::job::{Job, Subject};
+use diagnose::{Job, Subject};
 use rayon::prelude::*;
 use serde_json::Value;
 use std::path::{Path, PathBuf};

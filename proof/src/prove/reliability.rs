@@ -1,7 +1,7 @@
 //! Whether a confidence is what it says: of the causes that were named with it, so many have to be right.
 
 use super::score::Score;
-use crate::settings::ConfidenceSettings;
+use diagnose::settings::ConfidenceSettings;
 use report::{Cell, Column, Table};
 use signal::proportion;
 

@@ -20,7 +20,7 @@ pub enum ProveError {
         /// Its name.
         case: String,
         /// Why.
-        error: Box<crate::error::DiagnoseError>,
+        error: Box<diagnose::DiagnoseError>,
     },
     /// No such kind of case.
     #[error("no cases are of the kind {name}; there are {kinds}")]

@@ -2,7 +2,7 @@
 
 use super::named::Named;
 use super::score::Score;
-use crate::measure::confidence::{TERMS, WEIGHTS, probability};
+use diagnose::confidence::{TERMS, WEIGHTS, probability};
 use nalgebra::{SMatrix, SVector};
 use report::{Cell, Column, Table};
 
@@ -68,7 +68,7 @@ pub fn table(cases: &[Score]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schema::Support;
+    use diagnose::schema::Support;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 

@@ -2,7 +2,7 @@
 
 use super::score::{Score, judge};
 use super::{ProveError, folder_of, json, report_of};
-use crate::diagnosis::Options;
+use diagnose::Options;
 use rayon::prelude::*;
 use report::{Cell, Column, Table};
 use serde_json::Value;

@@ -17,10 +17,7 @@ mod sizes;
 pub mod thresholds;
 mod withheld;
 
-use crate::catalogue::choice::Choice;
-use crate::catalogue::effect::Effect;
-use crate::diagnosis::{Options, diagnose};
-use crate::simulator::NominalModel;
+use diagnose::{Choice, Effect, NominalModel, Options, diagnose};
 use physics::robot::Robot;
 use rayon::prelude::*;
 use report::{Cell, Column, Table};

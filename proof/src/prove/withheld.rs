@@ -1,7 +1,7 @@
 //! Leave-one-out: the candidate of a case's effect is taken out of the catalogue. The answer must then be that something
 //! unknown is there, or a confounder that the catalogue states; a confident wrong name is the failure.
 
-use crate::catalogue::effect::Effect;
+use diagnose::Effect;
 use report::{Cell, Column, Table};
 use serde_json::Value;
 

@@ -4,8 +4,9 @@
 
 mod arguments;
 
-use crate::directory::Directory;
-use crate::{DiagnoseError, Done, Job, Options, Subject, patch, prove, words};
+use crate::prove;
+use diagnose::directory::Directory;
+use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, patch, words};
 use arguments::{Arguments, Command, Proof, Sealed};
 use clap::Parser;
 use indicatif::ProgressBar;
@@ -219,7 +220,7 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
         temperatures,
     } = proof;
     let options = Options {
-        surrogates: if *fast { 0 } else { crate::SURROGATES },
+        surrogates: if *fast { 0 } else { SURROGATES },
         ..Options::default()
     };
     let bar = ProgressBar::new(*cases);

@@ -1,6 +1,6 @@
 //! `diagnose --before`: what has changed between two recordings of one robot, from their files.
 
-use diagnose::prove::changed::Told;
+use proof::prove::changed::Told;
 use diagnose::{Job, Subject};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -91,7 +91,7 @@ fn the_judge_knows_a_wrong_answer() {
         unknown: false,
         error: right.then_some(0.01),
     };
-    let table = diagnose::prove::changed::table(&[told(true, false), told(false, true)]);
+    let table = proof::prove::changed::table(&[told(true, false), told(false, true)]);
     let text = table.to_text();
     let row = text.lines().find(|l| l.contains("payload")).unwrap();
     let cells: Vec<&str> = row.split_whitespace().collect();

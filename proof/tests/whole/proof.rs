@@ -1,7 +1,7 @@
 //! A small run of the proof.
 
 use diagnose::Options;
-use diagnose::prove::{Draw, Instead, leave_one_out, mean, prove, table};
+use proof::prove::{Draw, Instead, leave_one_out, mean, prove, table};
 use trials::cases::Sensors;
 
 #[test]
