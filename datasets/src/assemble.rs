@@ -1,9 +1,11 @@
 //! From the columns of a file to a [`Recording`]: units, breaks, and every check of the values.
 
-use crate::columns::{Group, Layout, Role};
-use crate::{Problem, ReadError, ReadOptions, Recording, Trajectory};
+use crate::columns::{Affine, Group, Layout, Role};
+use crate::stamps::{self, Clock};
+use crate::{Problem, ReadError, ReadOptions, Recording, Trajectory, held, sources};
 use ndarray::Array2;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::Path;
 
 /// Fewest samples of a trajectory: the padding of the zero-phase filters needs 16 (order 4), the
@@ -44,13 +46,90 @@ impl LabelRuns {
 
 /// Columns of a file as read, before any conversion.
 pub(crate) struct Columns {
-    /// One per [`Layout::used`] that is not a label, in the same order.
+    /// One per [`Layout::used`] that is not a label, in the same order; NaN where a value is missing.
     pub numbers: Vec<Vec<f64>>,
+    /// Cells of `numbers` (column, row) that held nothing at all.
+    pub empty: BTreeSet<(usize, usize)>,
     pub labels: Option<LabelRuns>,
     /// Line of the first data row and lines per row of a text file; `None` for binary ones.
     pub lines: Option<Vec<u64>>,
     /// Filter that the file itself names; `Some(None)`: it says that there is none.
     pub torque_filter: Option<Option<crate::TorqueFilter>>,
+}
+
+/// No counter of 64 bits and no sensor gives a larger number: it is what lay in memory before.
+const LARGEST: f64 = 18_446_744_073_709_551_615.0;
+
+/// Whether a number may be a measurement.
+fn is_value(value: f64) -> bool {
+    value.abs() <= LARGEST && !value.is_subnormal()
+}
+
+/// Rows at which the log stood still: values are missing in at least as many rows on end as a trajectory needs. Fewer are damage,
+/// which is refused.
+struct Holes {
+    rows: Vec<bool>,
+}
+
+impl Holes {
+    fn of(numbers: &[Vec<f64>]) -> Self {
+        let count = numbers.first().map_or(0, Vec::len);
+        let mut rows: Vec<bool> = (0..count)
+            .map(|row| {
+                numbers
+                    .iter()
+                    .any(|c| c.get(row).is_some_and(|v| v.is_nan()))
+            })
+            .collect();
+        let mut start = 0;
+        while start < count {
+            let end = (start..count)
+                .find(|&r| rows[r] != rows[start])
+                .unwrap_or(count);
+            if end - start < MIN_SAMPLES {
+                rows[start..end].fill(false);
+            }
+            start = end;
+        }
+        Self { rows }
+    }
+
+    fn kept<T>(&self, values: Vec<T>) -> Vec<T> {
+        let kept = values.into_iter().zip(&self.rows);
+        kept.filter(|(_, hole)| !**hole).map(|(v, _)| v).collect()
+    }
+
+    /// The trajectories of the rows that are kept, broken at the holes.
+    fn split(&self, trajectories: Vec<Trajectory>) -> Vec<Trajectory> {
+        let mut pieces = Vec::with_capacity(trajectories.len());
+        let mut at = 0;
+        for Trajectory { label, range } in trajectories {
+            let mut start = at;
+            for row in range.clone() {
+                let closes = self.rows[row] || row + 1 == range.end;
+                at += usize::from(!self.rows[row]);
+                if closes && at > start {
+                    pieces.push(Trajectory {
+                        label: label.clone(),
+                        range: start..at,
+                    });
+                    start = at;
+                }
+            }
+        }
+        pieces
+    }
+
+    fn note(&self, count: usize) -> Option<String> {
+        let lost = self.rows.iter().filter(|hole| **hole).count();
+        let begins = |&row: &usize| self.rows[row] && (row == 0 || !self.rows[row - 1]);
+        let first = (0..count).find(begins)?;
+        let holes = (0..count).filter(begins).count();
+        Some(format!(
+            "{lost} rows without values in {holes} stretches, the first from row {}, are left out; trajectories are broken there",
+            first + 1
+        ))
+    }
 }
 
 /// Builds the recording.
@@ -64,37 +143,60 @@ pub(crate) fn assemble(
         numbers,
         labels,
         lines,
+        empty,
         torque_filter,
     } = columns;
+    let rows = numbers.first().map_or(0, Vec::len);
+    if rows == 0 {
+        return Err(Problem::Empty.in_file(file));
+    }
     let place = |mut error: ReadError, row: usize| {
         error.row = Some(row + 1);
         error.line = lines.as_ref().and_then(|l| l.get(row).copied());
         error
     };
-    let mut time = Vec::new();
+    let labelled = match labels {
+        Some(runs) => runs.into_trajectories(),
+        None => vec![Trajectory {
+            label: "0".to_owned(),
+            range: 0..rows,
+        }],
+    };
+    let mut notes = layout.notes.clone();
+    let holes = Holes::of(&numbers);
+    notes.extend(holes.note(rows));
+    let mut clocks: Vec<Clock> = Vec::new();
     let mut tables: BTreeMap<Group, Array2<f64>> = BTreeMap::new();
     let with_numbers = layout.used.iter().filter(|u| u.role != Role::Label);
-    for (column, mut values) in with_numbers.zip(numbers) {
-        if values.is_empty() {
-            return Err(Problem::Empty.in_file(file));
-        }
-        if let Some(row) = values.iter().position(|v| !v.is_finite()) {
-            let problem = Problem::NotFinite(values[row]);
+    for (at, (column, values)) in with_numbers.zip(numbers).enumerate() {
+        let bad = |row: &usize| !holes.rows[*row] && !is_value(values[*row]);
+        if let Some(row) = (0..rows).find(bad) {
+            let problem = match values[row] {
+                _ if empty.contains(&(at, row)) => Problem::MissingValue,
+                value if value.is_finite() => Problem::Unfilled(value),
+                value => Problem::NotFinite(value),
+            };
             return Err(place(problem.in_column(file, &column.name), row));
         }
+        let values: Vec<f64> = holes.kept(values);
         match column.role {
-            Role::Time => {
-                if let Some(scale) = options.columns.time_scale {
-                    values.iter_mut().for_each(|t| *t *= scale);
+            Role::Time => clocks.push(Clock {
+                name: column.name.clone(),
+                stamps: values,
+                unit: column.unit.map(|u| u.scale),
+            }),
+            Role::Nanoseconds => {
+                if let Some(clock) = clocks.last_mut() {
+                    let both = clock.stamps.iter_mut().zip(values);
+                    both.for_each(|(seconds, ns)| *seconds += 1e-9 * ns);
+                    clock.unit = Some(1.0);
                 }
-                time = values;
             }
             Role::Joint(group, joint) => {
-                let unit = options.columns.conversion(group, joint);
-                let rows = values.len();
+                let unit = column.unit.unwrap_or(Affine::IDENTITY);
                 let table = tables
                     .entry(group)
-                    .or_insert_with(|| Array2::zeros((rows, layout.dof)));
+                    .or_insert_with(|| Array2::zeros((values.len(), layout.dof)));
                 for (cell, v) in table.column_mut(joint).iter_mut().zip(values) {
                     *cell = unit.apply(v);
                 }
@@ -102,12 +204,21 @@ pub(crate) fn assemble(
             Role::Label => {}
         }
     }
-    let labelled = match labels {
-        Some(runs) => runs.into_trajectories(),
-        None => vec![Trajectory {
-            label: "0".to_owned(),
-            range: 0..time.len(),
-        }],
+    let row_of = holes.kept((0..rows).collect());
+    let labelled = holes.split(labelled);
+    let breaks: Vec<usize> = labelled.iter().map(|t| t.range.start).collect();
+    let chosen = stamps::choose(clocks, &breaks);
+    let (clock, time) = match (chosen, options.rate_hz) {
+        (Some(chosen), _) => {
+            notes.extend(chosen.notes);
+            (chosen.name, chosen.seconds)
+        }
+        (None, Some(rate)) => {
+            notes.push(format!("no column is a time: rows are taken at {rate} Hz"));
+            let even = row_of.iter().map(|&row| row as f64 / rate);
+            ("rate".to_owned(), even.collect())
+        }
+        (None, None) => return Err(Problem::Empty.in_file(file)),
     };
     for t in &labelled {
         for row in t.range.clone().skip(1) {
@@ -117,8 +228,7 @@ pub(crate) fn assemble(
                     to: time[row],
                     trajectory: t.label.clone(),
                 };
-                let name = options.columns.single("time");
-                return Err(place(problem.in_column(file, &name), row));
+                return Err(place(problem.in_column(file, &clock), row_of[row]));
             }
         }
         if t.range.len() < MIN_SAMPLES {
@@ -127,7 +237,17 @@ pub(crate) fn assemble(
                 samples: t.range.len(),
                 needed: MIN_SAMPLES,
             };
-            return Err(place(problem.in_file(file), t.range.start));
+            return Err(place(problem.in_file(file), row_of[t.range.start]));
+        }
+    }
+    if let Some(tau) = tables.get(&Group::Tau) {
+        let ranges: Vec<Range<usize>> = labelled.iter().map(|t| t.range.clone()).collect();
+        if let Some((second, row)) = sources::second(tau, &ranges) {
+            let zeros = second == sources::Second::Zeros;
+            return Err(place(
+                Problem::TwoSources { zeros }.in_file(file),
+                row_of[row],
+            ));
         }
     }
     let Some(q) = tables.remove(&Group::Q) else {
@@ -148,6 +268,8 @@ pub(crate) fn assemble(
         )
     };
     recording.trajectories = labelled;
+    recording.notes = notes;
+    recording = held::released(recording);
     recording.trajectories = split_at_jumps(recording.trajectories, &recording.time);
     let step = recording.median_step();
     recording.torque_filter = match torque_filter {

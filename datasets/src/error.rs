@@ -1,5 +1,6 @@
 //! Why a file is refused.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
 
@@ -167,6 +168,28 @@ pub enum Problem {
         missing: String,
         /// The columns there are.
         present: String,
+        /// What would say where it is: lines of a drive file, filled in.
+        declare: Option<String>,
+    },
+    /// No column is a torque.
+    #[error("no column is a torque: `{missing}` is missing (the file has: {present})")]
+    NoTorque {
+        /// The column looked for.
+        missing: String,
+        /// The columns there are.
+        present: String,
+    },
+    /// A ROS 1 bag.
+    #[error("is a ROS 1 bag")]
+    Ros1Bag,
+    /// Numbers that lay in memory before.
+    #[error("the value {0:e} is no measurement, but what lay in memory before one was written")]
+    Unfilled(f64),
+    /// Two sources write into one log.
+    #[error("{}", two_sources(*.zeros))]
+    TwoSources {
+        /// The torque of the second is zero throughout.
+        zeros: bool,
     },
     /// More or fewer joints than the robot has.
     #[error("has columns for {found} joints, the robot has {expected}")]
@@ -241,13 +264,28 @@ pub enum Problem {
     },
 }
 
+fn two_sources(zeros: bool) -> &'static str {
+    if zeros {
+        "all torques are zero in rows that alternate with others from here on: two sources write into one log"
+    } else {
+        "every second row holds another signal than its neighbours: two sources write into one log"
+    }
+}
+
 impl Problem {
     /// What to do about it, as a sentence.
-    pub fn advice(&self) -> &'static str {
-        match self {
+    pub fn advice(&self) -> Cow<'static, str> {
+        if let Self::MissingColumn {
+            declare: Some(text),
+            ..
+        } = self
+        {
+            return Cow::Owned(format!("{text}."));
+        }
+        Cow::Borrowed(match self {
             Self::Io(_) => "Check the path and its permissions.",
             Self::UnknownFormat(_) => {
-                "Give a .csv, .parquet, .npz, .mcap, .db3 or (KR300) .mat file, or a rosbag2 folder."
+                "Give a .csv (.txt, .tsv), .parquet, .npz, .mcap, .db3 or (KR300) .mat file, or a rosbag2 folder."
             }
             Self::CutOff { .. } => {
                 "Copy the file again, or save what it holds with `mcap recover`."
@@ -295,7 +333,8 @@ impl Problem {
                 "Add the column, or name the file's own column in the [columns] table of --drive."
             }
             Self::WrongDof { .. } => {
-                "Give the robot that made the recording, with one column per moving joint."
+                "Give the robot that made the recording, with one column per moving joint, or name those of the chain in the [columns] table of \
+                 --drive (q1 = \"…\", tau1 = \"…\")."
             }
             Self::RowLength { .. } => "Repair or remove the row.",
             Self::NotANumber(_) | Self::MissingValue => "Write a number there, or remove the row.",
@@ -304,6 +343,10 @@ impl Problem {
             }
             Self::ColumnType(_) => "Store it as 32 or 64 bit numbers (labels: text or integers).",
             Self::Shape { .. } => "Store one row per sample.",
+            Self::TimeNotIncreasing { from, to, .. } if from == to => {
+                "Stamps repeat: write them with more digits (an epoch in 32 bits has steps of 128 s), leave out rows that stand twice, or leave \
+                 out the column and give the rate by --rate HZ."
+            }
             Self::TimeNotIncreasing { .. } => {
                 "Sort the rows, or give each run its own label in the column `trajectory`."
             }
@@ -314,7 +357,20 @@ impl Problem {
             Self::NotAtRest { .. } => {
                 "Export the file as Parquet with a column `trajectory` that marks the executions."
             }
-        }
+            Self::NoTorque { .. } => {
+                "Name it in the [columns] table of --drive (tau = \"…{}\"). Without torque nothing can be identified; `residyn replay` compares \
+                 a motion with its command, and a model that is there predicts the torque (`eval`)."
+            }
+            Self::Ros1Bag => {
+                "Convert it (pip install rosbags; rosbags-convert --src run.bag --dst run), and give the folder."
+            }
+            Self::Unfilled(_) => {
+                "Leave the value empty where there was none, and record or export the field anew; values are never made up."
+            }
+            Self::TwoSources { .. } => {
+                "Keep the rows of one of them, for example by the name of the publisher or every second row."
+            }
+        })
     }
 
     /// The problem at no particular place of `file`.

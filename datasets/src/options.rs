@@ -17,8 +17,12 @@ pub enum Part {
 pub struct ReadOptions {
     /// Joints of the robot; `None` takes what the file has.
     pub dof: Option<usize>,
-    /// Names of the robot's joints, base first: bags name the joints in their messages. Empty where they are not known.
+    /// Names of the robot's joints, base first: by them columns and the messages of bags are known. Empty where they are not known.
     pub joints: Vec<String>,
+    /// Names of all moving joints of the description, in its order, where the robot is one chain of them.
+    pub described: Vec<String>,
+    /// Rows per second of a table without time.
+    pub rate_hz: Option<f64>,
     /// Part of a .mat file.
     pub part: Part,
     /// Whether a recording without torque is refused. Prediction alone does without.

@@ -60,7 +60,7 @@ fn a_good_file_is_read() {
 fn missing_column() {
     let e = refused(&csv(|l| l[0] = "time,trajectory,q1,q2,tau1,torque2".into()));
     assert!(matches!(e.problem, Problem::MissingColumn { ref missing, .. } if missing == "tau2"));
-    let e = refused(&csv(|l| l[0] = "t,trajectory,q1,q2,tau1,tau2".into()));
+    let e = refused(&csv(|l| l[0] = "when,trajectory,q1,q2,tau1,tau2".into()));
     assert!(matches!(e.problem, Problem::MissingColumn { ref missing, .. } if missing == "time"));
     let e = refused("a damaged head\n1\n2\n");
     assert!(matches!(e.problem, Problem::MissingColumn { .. }));
@@ -69,10 +69,9 @@ fn missing_column() {
 #[test]
 fn torque_may_be_missing_for_prediction_alone() {
     let text = csv(|l| l[0] = "time,trajectory,q1,q2,x,y".into());
-    assert!(matches!(
-        refused(&text).problem,
-        Problem::MissingColumn { .. }
-    ));
+    let e = refused(&text);
+    assert!(matches!(e.problem, Problem::NoTorque { .. }));
+    assert!(e.to_string().contains("residyn replay"), "{e}");
     let o = ReadOptions {
         torque_needed: false,
         ..options()
@@ -188,8 +187,10 @@ fn empty_files_and_files_without_a_header() {
 
 #[test]
 fn unknown_formats_and_absent_files() {
-    let e = read_as("run.txt", b"", &options()).unwrap_err();
-    assert!(matches!(e.problem, Problem::UnknownFormat(ref s) if s == "txt"));
+    let e = read_as("run.xlsx", b"", &options()).unwrap_err();
+    assert!(matches!(e.problem, Problem::UnknownFormat(ref s) if s == "xlsx"));
+    let e = read_as("run.bag", b"#ROSBAG V2.0", &options()).unwrap_err();
+    assert!(e.to_string().contains("rosbags-convert"), "{e}");
     let e = read(Path::new("/nowhere/run.csv"), &options()).unwrap_err();
     assert!(matches!(e.problem, Problem::Io(_)));
     let e = read_as("run.mat", b"MATLAB", &options()).unwrap_err();

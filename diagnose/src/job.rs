@@ -11,6 +11,7 @@ use crate::outcome::Outcome;
 use crate::report::page;
 use crate::schema::Compared;
 use datasets::Recording;
+use model::preparation::setup::refuse_overlap;
 use std::path::PathBuf;
 
 /// Surrogates of a recording: the least chance that they can tell is one in 200.
@@ -78,6 +79,8 @@ pub struct Job {
     pub subject: Subject,
     /// Drive file.
     pub drive: Option<PathBuf>,
+    /// Rows per second of tables without a column of time.
+    pub rate_hz: Option<f64>,
     /// Recordings that effects are fitted on.
     pub data: Vec<PathBuf>,
     /// Recording that every figure is measured on; where there is none, trajectories of `data` that are then not fitted.
@@ -125,6 +128,7 @@ impl Job {
         Self {
             subject,
             drive: None,
+            rate_hz: None,
             data,
             heldout: None,
             cutoff_hz: None,
@@ -146,8 +150,8 @@ impl Job {
                 source,
                 joints,
                 gravity,
-            } => Given::robot(source, joints, drive, *gravity)?,
-            Subject::Model(directory) => Given::model(directory, drive)?,
+            } => Given::robot(source, joints, drive, *gravity)?.at_rate(self.rate_hz),
+            Subject::Model(directory) => Given::model(directory, drive)?.at_rate(self.rate_hz),
             Subject::Before {
                 source,
                 joints,
@@ -155,8 +159,15 @@ impl Job {
                 recordings,
             } => {
                 stage("identifying the robot as it was");
-                let before =
-                    Given::before(source, joints, drive, *gravity, recordings, self.cutoff_hz)?;
+                let before = Given::before(
+                    source,
+                    joints,
+                    drive,
+                    *gravity,
+                    self.rate_hz,
+                    recordings,
+                    self.cutoff_hz,
+                )?;
                 earlier = Some(before.1);
                 before.0
             }
@@ -164,7 +175,11 @@ impl Job {
         stage("reading");
         let data = given.data(&self.data)?;
         let (data, heldout) = match &self.heldout {
-            Some(path) => (data, given.heldout(path)?),
+            Some(path) => {
+                let heldout = given.heldout(path)?;
+                refuse_overlap(std::slice::from_ref(&data), &heldout)?;
+                (data, heldout)
+            }
             None => before::split(&data),
         };
         let (data, short) = budget::within(data);

@@ -67,6 +67,9 @@ pub struct Arguments {
     /// Drive file: names and units of the recording's columns, gear ratios, torque constants.
     #[arg(long)]
     pub drive: Option<PathBuf>,
+    /// Rows per second of tables without a column of time.
+    #[arg(long, value_name = "HZ", value_parser = model::preparation::setup::rate)]
+    pub rate: Option<f64>,
     /// Cut-off of the zero-phase low-pass of the motion, Hz [default: the model's own].
     #[arg(long)]
     pub cutoff_hz: Option<f64>,

@@ -77,7 +77,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     };
     let torque_needed = arguments.predict.is_none();
-    let options = read_options(&file, arguments.drive.as_deref(), Part::Test, torque_needed)?;
+    let mut options = read_options(&file, arguments.drive.as_deref(), Part::Test, torque_needed)?;
+    options.rate_hz = arguments.rate;
     let recording = read(data, &options).map_err(|e| Failure::input(e.to_string(), ""))?;
     let options = EvaluateOptions {
         cutoff_hz: arguments.cutoff_hz,

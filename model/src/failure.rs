@@ -68,8 +68,9 @@ impl From<SetupError> for Failure {
                 e.to_string(),
                 "See the built-in names (ur5, kr300, foxbot_a05, puma560), or give the path of a URDF or MJCF.",
             ),
-            SetupError::Read(e) => Self::input(e.to_string(), ""),
-            SetupError::Degrees(e) => Self::input(e.to_string(), ""),
+            SetupError::Read(_) | SetupError::Degrees(_) | SetupError::NotHeldOut { .. } => {
+                Self::input(error.to_string(), "")
+            }
         }
     }
 }
@@ -115,7 +116,7 @@ impl From<SumsError> for Failure {
 impl From<CheckError> for Failure {
     fn from(error: CheckError) -> Self {
         let hint = match &error {
-            CheckError::Prepare { source, .. } => source.advice(),
+            CheckError::Prepare { source, .. } => source.advice().into(),
             CheckError::Check { problem, .. } => problem.advice(),
             CheckError::LeastSquares { .. } => return Self::other(error.to_string()),
         };

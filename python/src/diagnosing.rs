@@ -40,6 +40,8 @@ pub fn diagnose(
     let job = Job {
         subject: subject.as_in(before),
         drive,
+        // Tables without time get one in pandas.
+        rate_hz: None,
         data,
         heldout,
         cutoff_hz,

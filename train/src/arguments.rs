@@ -76,6 +76,9 @@ pub struct Arguments {
     /// Drive file: gear ratios, torque constants, joint zeros, names and units of columns.
     #[arg(long)]
     pub drive: Option<PathBuf>,
+    /// Rows per second of tables without a column of time.
+    #[arg(long, value_name = "HZ", value_parser = model::preparation::setup::rate)]
+    pub rate: Option<f64>,
     /// Gravity in the base frame, m/s².
     #[arg(long, value_name = "X,Y,Z", value_parser = model::preparation::setup::gravity, allow_hyphen_values = true)]
     pub gravity: Option<[f64; 3]>,

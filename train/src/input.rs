@@ -4,7 +4,7 @@ use crate::arguments::Arguments;
 use crate::periods;
 use datasets::{Part, Recording};
 use model::failure::Failure;
-use model::preparation::setup::Setup;
+use model::preparation::setup::{Setup, refuse_overlap};
 use physics::robot::Builtin;
 use trials::protocols::{Protocol, cached};
 
@@ -26,6 +26,7 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
         arguments.drive.as_deref(),
         arguments.gravity,
     )?;
+    setup.rate_hz = arguments.rate;
     if arguments.data.is_empty() {
         let protocol = match setup.robot.which_builtin() {
             Some(Builtin::Ur5) => Protocol::Ur5,
@@ -52,12 +53,15 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
         });
     }
     let data = setup.read_training(&arguments.data)?;
-    let data = periods::applied(data, arguments)?;
     let heldout = arguments
         .heldout
         .as_ref()
         .map(|path| setup.read_one(path, Part::Test, true))
         .transpose()?;
+    if let Some(heldout) = &heldout {
+        refuse_overlap(&data, heldout)?;
+    }
+    let data = periods::applied(data, arguments)?;
     Ok(Input {
         setup,
         data,

@@ -1,14 +1,15 @@
-//! CSV with a header.
+//! Text in columns with a header.
 
+use super::text::Style;
 use crate::assemble::{Columns, LabelRuns, assemble};
 use crate::columns::{Layout, Role};
-use crate::{Problem, ReadError, ReadOptions, Recording};
+use crate::{Problem, ReadError, ReadOptions, Recording, stamps};
 use csv::{ByteRecord, ErrorKind, ReaderBuilder, Trim};
+use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Reads CSV text. Commas, a header line, any order of columns; columns that are not used may
-/// hold anything. Where a drive file gives the header, there is none in the text, and tabs or semicolons
-/// may stand for the commas.
+/// Reads a table in text: a header line and any order of columns, between commas, semicolons, tabs or blanks, with points or (but for
+/// commas) decimal commas. Columns that are not used may hold anything. Where a drive file gives the header, there is none in the text.
 pub(crate) fn read(
     bytes: &[u8],
     file: &Path,
@@ -18,33 +19,25 @@ pub(crate) fn read(
     if text.iter().all(u8::is_ascii_whitespace) {
         return Err(Problem::Empty.in_file(file));
     }
+    let style = Style::of(text);
+    let (text, skipped) = style.body(text);
     let given = options.columns.header();
     let mut reader = ReaderBuilder::new()
         .trim(Trim::All)
-        .has_headers(given.is_none())
-        .delimiter(given.as_ref().map_or(b',', |_| delimiter(text)))
-        .from_reader(text);
-    let header = match given {
-        Some(names) => names,
-        None => header(&mut reader, file)?,
-    };
-    let layout = Layout::resolve(
-        &header,
-        &options.columns,
-        options.dof,
-        options.torque_needed,
-        file,
-    )?;
-    let numeric: Vec<_> = layout
-        .used
-        .iter()
-        .filter(|u| u.role != Role::Label)
-        .collect();
-    let label = layout.used.iter().find(|u| u.role == Role::Label);
-    let mut numbers = vec![Vec::new(); numeric.len()];
-    let mut labels = label.map(|_| LabelRuns::default());
-    let mut lines = Vec::new();
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(style.delimiter())
+        .from_reader(&*text);
     let mut record = ByteRecord::new();
+    let mut header = match given {
+        Some(names) => names,
+        None => header(&mut reader, &mut record, file)?,
+    };
+    let mut layout = None;
+    let mut numbers = Vec::new();
+    let mut labels = None;
+    let mut empty = BTreeSet::new();
+    let (mut lines, mut blank) = (Vec::new(), 0);
     loop {
         let row = lines.len();
         match reader.read_byte_record(&mut record) {
@@ -52,34 +45,70 @@ pub(crate) fn read(
             Ok(false) => break,
             Err(e) => return Err(broken_row(e, row, file)),
         }
-        let line = record.position().map_or(0, csv::Position::line);
-        if record.len() != header.len() {
+        let line = record.position().map_or(0, csv::Position::line) + skipped;
+        if record.iter().all(<[u8]>::is_empty) {
+            blank += 1;
+            continue;
+        }
+        let at = |error: ReadError| ReadError {
+            line: Some(line),
+            ..error.at_row(row)
+        };
+        let Layout { used, .. } = match &mut layout {
+            Some(layout) => layout,
+            None => {
+                // Tables with row names have none over these.
+                if record.len() == header.len() + 1 && !record[header.len()].is_empty() {
+                    header.insert(0, String::new());
+                }
+                let found = Layout::resolve(&header, options, file)?;
+                let is_label = |role: Role| role == Role::Label;
+                numbers = vec![Vec::new(); found.used.iter().filter(|u| !is_label(u.role)).count()];
+                labels = found
+                    .used
+                    .iter()
+                    .any(|u| is_label(u.role))
+                    .then(LabelRuns::default);
+                layout.insert(found)
+            }
+        };
+        let trailing = record.len() == header.len() + 1 && record[header.len()].is_empty();
+        if record.len() != header.len() && !trailing {
             let problem = Problem::RowLength {
                 expected: header.len() as u64,
                 found: record.len() as u64,
             };
-            let mut error = problem.in_file(file).at_row(row);
-            error.line = Some(line);
-            return Err(error);
+            return Err(at(problem.in_file(file)));
         }
-        for (column, values) in numeric.iter().zip(&mut numbers) {
+        let mut place = 0;
+        for column in used.iter() {
             let cell = record.get(column.index).unwrap_or_default();
-            let value = number(cell).map_err(|problem| {
-                let mut error = problem.in_column(file, &column.name).at_row(row);
-                error.line = Some(line);
-                error
-            })?;
-            values.push(value);
-        }
-        if let (Some(column), Some(labels)) = (label, &mut labels) {
-            labels.push(&String::from_utf8_lossy(
-                record.get(column.index).unwrap_or_default(),
-            ));
+            if let (Role::Label, Some(labels)) = (column.role, &mut labels) {
+                labels.push(&String::from_utf8_lossy(cell));
+                continue;
+            }
+            if cell.is_empty() {
+                empty.insert((place, row));
+            }
+            let value = number(cell, &style, column.role == Role::Time);
+            let value = value.map_err(|problem| at(problem.in_column(file, &column.name)))?;
+            numbers[place].push(value);
+            place += 1;
         }
         lines.push(line);
     }
+    let mut layout = match layout {
+        Some(layout) => layout,
+        None => Layout::resolve(&header, options, file)?,
+    };
+    if blank > 0 {
+        layout
+            .notes
+            .push(format!("{blank} blank rows are left out"));
+    }
     let columns = Columns {
         numbers,
+        empty,
         labels,
         lines: Some(lines),
         torque_filter: None,
@@ -87,53 +116,52 @@ pub(crate) fn read(
     assemble(&layout, columns, options, file)
 }
 
-/// What separates the cells of the first line.
-fn delimiter(text: &[u8]) -> u8 {
-    let mut first = text.iter().take_while(|b| **b != b'\n');
-    let separator = first.find(|b| matches!(b, b',' | b';' | b'\t'));
-    separator.copied().unwrap_or(b',')
-}
-
-fn header(reader: &mut csv::Reader<&[u8]>, file: &Path) -> Result<Vec<String>, ReadError> {
-    let header = reader.byte_headers().map_err(|e| broken_row(e, 0, file))?;
-    let names: Vec<String> = header
+fn header(
+    reader: &mut csv::Reader<&[u8]>,
+    record: &mut ByteRecord,
+    file: &Path,
+) -> Result<Vec<String>, ReadError> {
+    reader
+        .read_byte_record(record)
+        .map_err(|e| broken_row(e, 0, file))?;
+    let mut names: Vec<String> = record
         .iter()
         .map(|c| String::from_utf8_lossy(c).into_owned())
         .collect();
+    // A separator behind the last name.
+    if names.len() > 1 && names.last().is_some_and(String::is_empty) {
+        names.pop();
+    }
     // A first line of numbers is data without a header.
-    if names.iter().all(|n| n.parse::<f64>().is_ok()) {
+    let numeric = |n: &String| n.replace(',', ".").parse::<f64>().is_ok();
+    if names.iter().all(numeric) {
         let start: String = names.join(",").chars().take(40).collect();
         return Err(Problem::NoHeader(start).in_file(file));
     }
     Ok(names)
 }
 
-fn number(cell: &[u8]) -> Result<f64, Problem> {
-    let text = std::str::from_utf8(cell).map_err(|_| {
-        Problem::NotANumber(String::from_utf8_lossy(cell).chars().take(40).collect())
-    })?;
+/// The number in a cell, NaN where there is none; of a time, the stamp.
+fn number(cell: &[u8], style: &Style, time: bool) -> Result<f64, Problem> {
+    let odd = || Problem::NotANumber(String::from_utf8_lossy(cell).chars().take(40).collect());
+    let text = std::str::from_utf8(cell).map_err(|_| odd())?;
     if text.is_empty() {
-        return Err(Problem::MissingValue);
+        return Ok(f64::NAN);
     }
-    let value: f64 = text
-        .parse()
-        .map_err(|_| Problem::NotANumber(text.chars().take(40).collect()))?;
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(Problem::NotFinite(value))
-    }
+    let plain = text.parse::<f64>().ok();
+    let value = plain.or_else(|| style.decimal(text)).or_else(|| {
+        // What pandas, R and SQL write where there is no value.
+        let none = matches!(text, "NA" | "N/A" | "null" | "NULL" | "None" | "<NA>");
+        none.then_some(f64::NAN)
+    });
+    value
+        .or_else(|| time.then(|| stamps::from_text(text)).flatten())
+        .ok_or_else(odd)
 }
 
 fn broken_row(error: csv::Error, row: usize, file: &Path) -> ReadError {
     let line = error.position().map(csv::Position::line);
     let problem = match error.into_kind() {
-        ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => Problem::RowLength {
-            expected: expected_len,
-            found: len,
-        },
         ErrorKind::Io(e) => Problem::Io(e),
         other => Problem::Damaged {
             format: "CSV",

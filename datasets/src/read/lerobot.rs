@@ -81,8 +81,12 @@ pub(super) fn is_dataset(folder: &Path) -> bool {
 
 /// Reads all episodes.
 pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
+    let info = info(folder)?;
+    if !options.columns.names.keys().any(|key| key.starts_with('q')) {
+        return Err(undeclared(&info, options).in_file(folder));
+    }
     let options = ReadOptions {
-        columns: by_number(&options.columns, &info(folder)?),
+        columns: by_number(&options.columns, &info),
         ..options.clone()
     };
     let mut episodes = Vec::new();
@@ -123,6 +127,33 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     Ok(found)
 }
 
+/// The refusal of a data set of which no drive file says what is what: its units stand nowhere in it. The lines name what looks like
+/// the robot's joints, in the order of the chain.
+fn undeclared(info: &Value, options: &ReadOptions) -> Problem {
+    let mut columns: Vec<(String, String)> = Vec::new();
+    for (feature, of) in info["features"].as_object().into_iter().flatten() {
+        // A motor is named after what it reports to LeRobot, whatever the feature holds: `elbow.pos` of its current.
+        let plain = feature.trim_start_matches("observation.");
+        for name in elements(&of["names"]) {
+            let joint = name.strip_suffix(".pos").unwrap_or(&name);
+            let quantity = if plain == "state" { "position" } else { plain };
+            columns.push((format!("{quantity}.{joint}"), format!("{feature}.{name}")));
+        }
+    }
+    let (said, own): (Vec<String>, Vec<String>) = columns.into_iter().unzip();
+    let lines = crate::columns::lines(&said, &own, options);
+    let declare = format!(
+        "A LeRobot data set does not say its units: positions are degrees where it was recorded with use_degrees=true, else per cent of each \
+         motor's range, which no description turns into angles (record it in degrees). Put in a drive file (--drive FILE.toml), for \
+         example:{lines}"
+    );
+    Problem::MissingColumn {
+        missing: "q1".to_owned(),
+        present: own.join(", "),
+        declare: Some(declare),
+    }
+}
+
 /// The map with the data set's own names of elements as numbers, and its time and episodes where nothing else is said.
 fn by_number(map: &ColumnMap, info: &Value) -> ColumnMap {
     let mut map = map.clone();
@@ -138,6 +169,17 @@ fn by_number(map: &ColumnMap, info: &Value) -> ColumnMap {
             each.map(move |(k, name)| (format!("{feature}.{name}"), format!("{feature}[{k}]")))
         })
         .collect();
+    // A template of names, as it stands for the columns of a table.
+    let patterns = map.names.iter().filter(|(_, name)| name.contains("{}"));
+    let expanded: Vec<(String, String)> = patterns
+        .flat_map(|(key, pattern)| {
+            (1..=LONGEST).map(move |j| (format!("{key}{j}"), pattern.replace("{}", &j.to_string())))
+        })
+        .filter(|(_, name)| named.iter().any(|(n, _)| n == name))
+        .collect();
+    for (key, name) in expanded {
+        map.names.entry(key).or_insert(name);
+    }
     for name in map.names.values_mut() {
         if let Some((_, number)) = named.iter().find(|(n, _)| n == name) {
             name.clone_from(number);

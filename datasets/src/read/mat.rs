@@ -122,9 +122,10 @@ pub(crate) fn read(
     };
     let options = ReadOptions {
         columns: map,
+        torque_needed: true,
         ..options.clone()
     };
-    let layout = Layout::resolve(&header, &options.columns, options.dof, true, file)?;
+    let layout = Layout::resolve(&header, &options, file)?;
     let stacked: Vec<ArrayView1<'_, f64>> = u.rows().into_iter().chain(y.rows()).collect();
     let numbers = layout
         .used
@@ -141,6 +142,7 @@ pub(crate) fn read(
         numbers,
         labels: Some(labels),
         lines: None,
+        empty: std::collections::BTreeSet::new(),
         torque_filter,
     };
     assemble(&layout, columns, &options, file)
@@ -175,6 +177,7 @@ fn table(mat: &MatFile, name: &str, file: &Path) -> Result<Array2<f64>, ReadErro
         Problem::MissingColumn {
             missing: name.to_owned(),
             present,
+            declare: None,
         }
         .in_file(file)
     })?;

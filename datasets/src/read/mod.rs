@@ -9,6 +9,7 @@ mod mat;
 mod npy;
 mod npz;
 mod parquet;
+mod text;
 
 use crate::{Problem, ReadError, ReadOptions, Recording};
 use std::path::Path;
@@ -49,7 +50,7 @@ pub fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
 /// A format of recordings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Text with commas.
+    /// Text in columns.
     Csv,
     /// Apache Parquet.
     Parquet,
@@ -76,7 +77,8 @@ impl Format {
             .unwrap_or("")
             .to_ascii_lowercase();
         match ending.as_str() {
-            "csv" => Ok(Self::Csv),
+            "csv" | "txt" | "tsv" | "dat" => Ok(Self::Csv),
+            "bag" => Err(Problem::Ros1Bag.in_file(path)),
             "parquet" => Ok(Self::Parquet),
             "npz" => Ok(Self::Npz),
             "mat" => Ok(Self::Mat),

@@ -1,13 +1,14 @@
 //! NumPy archives: one array per column group.
 //!
 //! `time` (samples), `q`, `tau`, … (samples × joints), `trajectory` (samples; integers, text or
-//! numbers). Arrays of single columns (`q1`, `tau3`, …) are understood as well.
+//! numbers). Arrays of single columns (`q1`, `tau3`, …) are understood as well, and other names that say what they hold
+//! (`positions`, `torques`, `times`).
 
 use super::npy::{Array, Values};
 use crate::assemble::{Columns, LabelRuns, assemble};
 use crate::columns::{Group, Layout, Role};
 use crate::{Problem, ReadError, ReadOptions, Recording};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Cursor, Read};
 use std::path::Path;
 
@@ -51,13 +52,7 @@ pub(crate) fn read(
             _ => {}
         }
     }
-    let layout = Layout::resolve(
-        &header,
-        &options.columns,
-        options.dof,
-        options.torque_needed,
-        file,
-    )?;
+    let layout = Layout::resolve(&header, options, file)?;
     let rows = layout
         .used
         .first()
@@ -96,6 +91,7 @@ pub(crate) fn read(
         numbers,
         labels,
         lines: None,
+        empty: BTreeSet::new(),
         torque_filter: None,
     };
     assemble(&layout, columns, options, file)

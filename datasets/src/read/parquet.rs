@@ -4,7 +4,7 @@ use super::contained::contained;
 use super::footer::{plausible, plausible_pages};
 use crate::assemble::{Columns, LabelRuns, assemble};
 use crate::columns::{Layout, Role};
-use crate::{Problem, ReadError, ReadOptions, Recording, TorqueFilter};
+use crate::{Problem, ReadError, ReadOptions, Recording, TorqueFilter, stamps};
 use parquet::basic::Type as PhysicalType;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
@@ -12,6 +12,7 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Key of the file's metadata under which the writer of this crate notes the torque filter.
@@ -52,13 +53,7 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
     let schema = meta.schema_descr_ptr();
     let parts = elements(reader.metadata());
     let header: Vec<String> = parts.iter().map(|p| p.name.clone()).collect();
-    let layout = Layout::resolve(
-        &header,
-        &options.columns,
-        options.dof,
-        options.torque_needed,
-        file,
-    )?;
+    let layout = Layout::resolve(&header, options, file)?;
     let mut numbers = Vec::new();
     let mut labels = None;
     for column in &layout.used {
@@ -70,7 +65,7 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         }
         let mut sink = match column.role {
             Role::Label => Sink::Labels(LabelRuns::default()),
-            Role::Time | Role::Joint(..) => Sink::Numbers(Vec::new()),
+            Role::Time | Role::Nanoseconds | Role::Joint(..) => Sink::Numbers(Vec::new()),
         };
         let mut row = 0;
         for group in 0..reader.num_row_groups() {
@@ -115,6 +110,7 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
         numbers,
         labels,
         lines: None,
+        empty: BTreeSet::new(),
         torque_filter,
     };
     assemble(&layout, columns, options, file)
@@ -311,8 +307,9 @@ impl Sink {
                 Value::Integer(v) => v as f64,
                 Value::Real(v) => v,
                 Value::Text(v) => {
-                    let text = String::from_utf8_lossy(v).chars().take(40).collect();
-                    return Err(Problem::NotANumber(text));
+                    let text = String::from_utf8_lossy(v);
+                    let stamp = stamps::from_text(&text);
+                    stamp.ok_or_else(|| Problem::NotANumber(text.chars().take(40).collect()))?
                 }
             }),
             Self::Labels(labels) => match value {

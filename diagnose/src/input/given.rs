@@ -60,10 +60,12 @@ impl Given {
         joints: &[String],
         drive: Option<&Path>,
         gravity: Option<[f64; 3]>,
+        rate_hz: Option<f64>,
         recordings: &[PathBuf],
         cutoff_hz: Option<f64>,
     ) -> Result<(Self, Recording), DiagnoseError> {
         let mut setup = Setup::with_joints(name, joints, drive, gravity)?;
+        setup.rate_hz = rate_hz;
         let read = setup.read_training(recordings)?;
         let given = Self {
             model: before::model(&setup.robot, &read, cutoff_hz)?,
@@ -73,6 +75,16 @@ impl Given {
         };
         let read = Recording::joined(&read).expect("the command line demands one");
         Ok((given, read))
+    }
+
+    /// The same, with the rate in Hz of recordings that have no column of time.
+    #[must_use]
+    pub fn at_rate(mut self, rate_hz: Option<f64>) -> Self {
+        match &mut self.reading {
+            Reading::Robot(setup) => setup.rate_hz = rate_hz,
+            Reading::Directory(options) => options.iter_mut().for_each(|o| o.rate_hz = rate_hz),
+        }
+        self
     }
 
     /// The physics of a model directory.

@@ -8,3 +8,4 @@ pub mod doctor;
 pub mod setup;
 pub mod torque_band;
 pub mod units;
+pub mod wrapped;

@@ -1,14 +1,15 @@
 //! From the command line's robot and drive file to a robot and the way its recordings are read.
 
-use crate::preparation::torque_band;
-use crate::preparation::units::{Degrees, refuse_degrees};
+use crate::preparation::units::{Degrees, looks_like_percent, refuse_degrees};
+use crate::preparation::{torque_band, wrapped};
 use datasets::{
-    Affine, ColumnMap, DeclaredFilter, Part, ReadError, ReadOptions, Recording, TorqueFilter, read,
+    Affine, ColumnMap, DeclaredFilter, Part, ReadError, ReadOptions, Recording, TorqueFilter,
+    overlap, read,
 };
 use nalgebra::Vector3;
 use physics::robot::{
     Builtin, Description, Robot, RobotError,
-    drive::{Conversion, Drive},
+    drive::{AngleUnit, Conversion, Drive},
     to_urdf,
 };
 use std::path::{Path, PathBuf};
@@ -22,6 +23,8 @@ pub struct Setup {
     pub drive: Option<Drive>,
     /// What the robot was read from; a URDF of its own for a built-in one.
     pub description: Description,
+    /// Rows per second of recordings without a column of time.
+    pub rate_hz: Option<f64>,
     /// Low-pass of the recorded torque that the training recordings have shown.
     recognised: Option<DeclaredFilter>,
 }
@@ -42,6 +45,44 @@ pub enum SetupError {
     /// A recording in another unit.
     #[error(transparent)]
     Degrees(#[from] Degrees),
+    /// A recording that is to score what was fitted to it.
+    #[error(
+        "{heldout}: {rows} of its {of} rows stand in the recordings that are fitted as well: what is measured on them says nothing; give a \
+         recording of its own as --heldout, or leave it out"
+    )]
+    NotHeldOut {
+        /// The recording.
+        heldout: String,
+        /// Rows that are in both.
+        rows: usize,
+        /// Its rows.
+        of: usize,
+    },
+}
+
+/// Refuses a recording as held out of which a part is fitted.
+///
+/// # Errors
+/// How much.
+pub fn refuse_overlap(fitted: &[Recording], heldout: &Recording) -> Result<(), SetupError> {
+    match overlap(fitted, heldout) {
+        0 => Ok(()),
+        rows => Err(SetupError::NotHeldOut {
+            heldout: heldout.source.clone(),
+            rows,
+            of: heldout.len(),
+        }),
+    }
+}
+
+/// Reads a rate in Hz.
+///
+/// # Errors
+/// Not a positive number.
+pub fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.trim().parse().ok();
+    rate.filter(|r: &f64| r.is_finite() && *r > 0.0)
+        .ok_or_else(|| "expected a positive number in Hz".into())
 }
 
 /// Reads gravity in the base frame, m/s², from `X,Y,Z`.
@@ -110,6 +151,7 @@ impl Setup {
             description: Description::Urdf(to_urdf(&robot)),
             robot,
             drive,
+            rate_hz: None,
             recognised: None,
         })
     }
@@ -128,6 +170,7 @@ impl Setup {
             }
         };
         options.torque_needed = torque_needed;
+        options.rate_hz = self.rate_hz;
         options.joints = self
             .robot
             .joints()
@@ -160,9 +203,19 @@ impl Setup {
         part: Part,
         torque_needed: bool,
     ) -> Result<Recording, SetupError> {
-        let recording = read(path, &self.read_options(part, torque_needed)?)?;
+        let mut recording = read(path, &self.read_options(part, torque_needed)?)?;
         refuse_degrees(&self.robot, &recording)?;
+        wrapped::unwrap(&self.robot, &mut recording);
+        let percent = self
+            .declares_degrees()
+            .then(|| looks_like_percent(&recording));
+        recording.notes.extend(percent.flatten());
         Ok(recording)
+    }
+
+    fn declares_degrees(&self) -> bool {
+        let unit = self.drive.as_ref().map(|drive| drive.units.angle);
+        unit == Some(AngleUnit::Deg)
     }
 
     /// Reads recordings of this robot.

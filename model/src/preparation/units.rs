@@ -7,13 +7,12 @@ use std::f64::consts::{PI, TAU};
 /// The line of a drive file that declares degrees.
 const LINE: &str = "units.angle = \"deg\"";
 
-/// Positions of rotating joints that can only be degrees.
+/// Positions of rotating joints that can only be degrees, or part of a range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{file}: q{} runs over {span:.0} ({turns:.1} turns, were it rad), where {joint} has {room:.1} rad, and so do \
-     {alike} of {moving} moving joints: the positions are in degrees; declare it by the line `{LINE}` in a drive \
-     file (--drive FILE.toml)",
-    .index + 1
+     {alike} of {moving} moving joints: {}",
+    .index + 1, means(*.percent)
 )]
 pub struct Degrees {
     /// The recording.
@@ -32,6 +31,20 @@ pub struct Degrees {
     pub alike: usize,
     /// Joints that move.
     pub moving: usize,
+    /// The numbers end at ±100: per cent of each motor's range, as LeRobot stores it.
+    pub percent: bool,
+}
+
+fn means(percent: bool) -> String {
+    if percent {
+        "the numbers end at ±100, so they are per cent of each motor's range, which no description turns into angles; record in degrees (in \
+         LeRobot: use_degrees=true of robot and teleoperator), or give scale and zero of each joint by converting the table"
+            .to_owned()
+    } else {
+        format!(
+            "the positions are in degrees; declare it by the line `{LINE}` in a drive file (--drive FILE.toml)"
+        )
+    }
 }
 
 /// Rotation that a joint without limits is given, rad: it may well turn on and on.
@@ -91,9 +104,35 @@ pub fn refuse_degrees(robot: &Robot, recording: &Recording) -> Result<(), Degree
             room,
             alike,
             moving: spans.len(),
+            percent: is_percent(recording),
         }),
         _ => Ok(()),
     }
+}
+
+/// What is to be said of positions that were declared as degrees and look like per cent of a range.
+pub fn looks_like_percent(recording: &Recording) -> Option<String> {
+    let mut declared = recording.clone();
+    declared.q.mapv_inplace(f64::to_degrees);
+    is_percent(&declared).then(|| {
+        "read as degrees the positions end at ±100 exactly: if they are per cent of each motor's range (LeRobot's default), record in degrees \
+         (use_degrees=true)"
+            .to_owned()
+    })
+}
+
+/// Whether no position is beyond ±100, and at least two joints (or the only one) come to within one of it on a side: a motion in degrees
+/// has no reason to end there.
+fn is_percent(recording: &Recording) -> bool {
+    let largest = |j: usize| {
+        recording
+            .q
+            .column(j)
+            .iter()
+            .fold(0.0_f64, |m, q| m.max(q.abs()))
+    };
+    let ends = (0..recording.dof()).filter(|&j| (99.0..=100.0).contains(&largest(j)));
+    (0..recording.dof()).all(|j| largest(j) <= 100.0) && ends.count() >= recording.dof().min(2)
 }
 
 #[cfg(test)]

@@ -138,6 +138,9 @@ pub struct Arguments {
     /// Drive file: gear ratios, torque constants, joint zeros, names and units of columns.
     #[arg(long, value_name = "FILE.toml")]
     pub drive: Option<PathBuf>,
+    /// Rows per second of tables without a column of time.
+    #[arg(long, value_name = "HZ", value_parser = model::preparation::setup::rate)]
+    pub rate: Option<f64>,
     /// Cut-off of the motion's low-pass, Hz, instead of the one chosen from the data.
     #[arg(long, value_name = "F", value_parser = cutoff)]
     pub cutoff_hz: Option<f64>,

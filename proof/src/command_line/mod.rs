@@ -111,6 +111,7 @@ fn job(arguments: &Arguments) -> Job {
     Job {
         subject: subject.as_in(arguments.before.clone()),
         drive: arguments.drive.clone(),
+        rate_hz: arguments.rate,
         data: arguments.data.clone(),
         heldout: arguments.heldout.clone(),
         cutoff_hz: arguments.cutoff_hz,

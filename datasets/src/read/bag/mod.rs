@@ -20,7 +20,7 @@ mod wanted;
 
 use super::contained::contained;
 use crate::assemble::{Columns, LabelRuns, assemble};
-use crate::columns::{Group, Layout, Role, Used};
+use crate::columns::{Affine, Group, Layout, Role, Used};
 use crate::{Problem, ReadError, ReadOptions, Recording};
 use align::Series;
 use clock::Times;
@@ -172,24 +172,21 @@ fn recording(
     let seconds: Vec<f64> = seconds.collect();
     let columns = std::iter::once(base).chain(series).flat_map(|s| s.columns);
     let (used, mut numbers): (Vec<Used>, Vec<Vec<f64>>) =
-        complete(wants, columns).into_iter().unzip();
+        complete(wants, columns, options).into_iter().unzip();
     numbers.insert(0, seconds);
     let layout = Layout {
         used: std::iter::once(time()).chain(used).collect(),
         dof,
+        notes,
     };
-    let mut options = options.clone();
-    // The time is in seconds already.
-    options.columns.time_scale = None;
     let columns = Columns {
         numbers,
         labels,
         lines: None,
+        empty: std::collections::BTreeSet::new(),
         torque_filter: None,
     };
-    let mut recording = assemble(&layout, columns, &options, file)?;
-    recording.notes = notes;
-    Ok(recording)
+    assemble(&layout, columns, options, file)
 }
 
 fn time() -> Used {
@@ -197,6 +194,8 @@ fn time() -> Used {
         index: 0,
         name: "time".to_owned(),
         role: Role::Time,
+        // In seconds already.
+        unit: Some(Affine::IDENTITY),
     }
 }
 
@@ -216,6 +215,7 @@ fn labels(resets: &[usize], rows: usize) -> Option<LabelRuns> {
 fn complete(
     wants: Vec<(String, Want)>,
     columns: impl Iterator<Item = Vec<f64>>,
+    options: &ReadOptions,
 ) -> Vec<(Used, Vec<f64>)> {
     let mut all: Vec<(String, Want, Vec<f64>)> = wants
         .into_iter()
@@ -238,6 +238,7 @@ fn complete(
                     want.field
                 ),
                 role: Role::Joint(want.group, want.joint),
+                unit: Some(options.columns.conversion(want.group, want.joint)),
             };
             (used, column)
         })

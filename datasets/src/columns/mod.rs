@@ -1,0 +1,82 @@
+//! Which column of a file holds what.
+
+mod declaration;
+mod layout;
+mod map;
+mod names;
+mod recognised;
+
+pub(crate) use declaration::lines;
+pub(crate) use layout::{Layout, Role, Used};
+pub use map::ColumnMap;
+
+/// A group of columns, one per joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Group {
+    /// Joint position.
+    Q,
+    /// Link-side position.
+    Ql,
+    /// Velocity.
+    Qd,
+    /// Acceleration.
+    Qdd,
+    /// Torque.
+    Tau,
+    /// Commanded position.
+    QRef,
+    /// Commanded velocity.
+    QdRef,
+    /// Temperature.
+    Temp,
+}
+
+impl Group {
+    /// All groups, in the order in which they are written.
+    pub const ALL: [Self; 8] = [
+        Self::Q,
+        Self::Ql,
+        Self::Qd,
+        Self::Qdd,
+        Self::Tau,
+        Self::QRef,
+        Self::QdRef,
+        Self::Temp,
+    ];
+
+    /// Name of the group: the column of joint j is this with j (from 1) behind it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Q => "q",
+            Self::Ql => "ql",
+            Self::Qd => "qd",
+            Self::Qdd => "qdd",
+            Self::Tau => "tau",
+            Self::QRef => "q_ref",
+            Self::QdRef => "qd_ref",
+            Self::Temp => "temp",
+        }
+    }
+}
+
+/// Conversion of a stored value to SI link-side units: `value · scale + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Affine {
+    /// Factor: unit, gear ratio, torque constant.
+    pub scale: f64,
+    /// Added after scaling, in SI units: joint zero.
+    pub offset: f64,
+}
+
+impl Affine {
+    /// Leaves a value as it is.
+    pub const IDENTITY: Self = Self {
+        scale: 1.0,
+        offset: 0.0,
+    };
+
+    /// Converts one value.
+    pub fn apply(self, value: f64) -> f64 {
+        value * self.scale + self.offset
+    }
+}
