@@ -10,7 +10,8 @@ fn numbers(v: &Value) -> Vec<f64> {
 
 #[test]
 fn robust_local_regression_equals_the_libraries() {
-    let all: Value = serde_json::from_str(include_str!("fixtures/loess_reference.json")).unwrap();
+    let all: Value =
+        serde_json::from_str(include_str!("../fixtures/loess_reference.json")).unwrap();
     let (x, y) = (numbers(&all["x"]), numbers(&all["y"]));
     let cases = all["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 7);

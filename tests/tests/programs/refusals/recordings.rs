@@ -1,6 +1,6 @@
 //! Recordings that are refused.
 
-use crate::refused::{both_refuse, eval_refuses, folder, model, recording, train_refuses, ur5};
+use super::refused::{both_refuse, eval_refuses, folder, model, recording, train_refuses, ur5};
 use std::path::Path;
 use tests::csv::Csv;
 use tests::program::{program, run};

@@ -1,6 +1,6 @@
 //! What is read, and what is said of the rest.
 
-use crate::models::{model, pendulum, read};
+use super::models::{model, pendulum, read};
 use physics::robot::{Description, JointKind, Passive, Robot};
 
 #[test]

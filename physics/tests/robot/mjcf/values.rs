@@ -1,6 +1,6 @@
 //! Equality with MuJoCo.
 
-use crate::models::{State, departure, fixture, model};
+use super::models::{State, departure, fixture, model};
 use physics::dynamics::{
     Workspace, forward_dynamics, inverse_dynamics, mass_matrix, potential_energy, regressor,
 };

@@ -27,7 +27,7 @@ pub struct State {
 }
 
 pub fn fixture() -> Fixture {
-    serde_json::from_str(include_str!("../fixtures/mjcf.json")).expect("the fixture is valid")
+    serde_json::from_str(include_str!("../../fixtures/mjcf.json")).expect("the fixture is valid")
 }
 
 pub fn folder() -> PathBuf {

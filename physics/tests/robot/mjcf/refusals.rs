@@ -1,6 +1,6 @@
 //! What is refused, and in which words.
 
-use crate::models::{folder, pendulum, read};
+use super::models::{folder, pendulum, read};
 use physics::robot::{Description, Robot};
 
 #[test]

@@ -1,6 +1,6 @@
 //! New numbers in the files.
 
-use crate::models::{State, departure, fixture, folder, model, read};
+use super::models::{State, departure, fixture, folder, model, read};
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::{Description, Inertia, Mjcf, Robot};
 use std::path::Path;

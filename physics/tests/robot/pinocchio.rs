@@ -46,7 +46,7 @@ fn equal(what: &str, ours: &[f64], theirs: &[f64]) {
 
 #[test]
 fn values_equal_pinocchio() {
-    let fixture: Fixture = serde_json::from_str(include_str!("fixtures/rigid_body.json"))
+    let fixture: Fixture = serde_json::from_str(include_str!("../fixtures/rigid_body.json"))
         .expect("the fixture is valid");
     assert_eq!(fixture.cases.len(), 3);
     for case in &fixture.cases {

@@ -45,7 +45,7 @@ struct Forward {
 }
 
 fn fixture() -> Fixture {
-    serde_json::from_str(include_str!("fixtures/baselines.json")).unwrap()
+    serde_json::from_str(include_str!("../fixtures/baselines.json")).unwrap()
 }
 
 fn array(rows: &Table) -> Array2<f64> {

@@ -5,7 +5,7 @@ use signal::spline::{CubicEnd, Spline};
 use signal::{differences, filter, sos, spectrum};
 
 fn reference() -> Value {
-    serde_json::from_str(include_str!("fixtures/scipy_reference.json")).unwrap()
+    serde_json::from_str(include_str!("../fixtures/scipy_reference.json")).unwrap()
 }
 
 fn numbers(v: &Value) -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! Robots and options that are refused.
 
-use crate::refused::{folder, recording, train_refuses};
+use super::refused::{folder, recording, train_refuses};
 
 const LINK: &str = r#"<inertial><mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>"#;
 

@@ -17,10 +17,10 @@ const DRIVE: &str = "gear_ratio = [101, 101, 101, 101, 101, 101]\ndirection = [1
 
 /// Models in MuJoCo's format.
 const MJCF: [&str; 4] = [
-    include_str!("../../physics/tests/fixtures/mjcf/gripper.xml"),
-    include_str!("../../physics/tests/fixtures/mjcf/geoms.xml"),
-    include_str!("../../physics/tests/fixtures/mjcf/orientations.xml"),
-    include_str!("../../physics/tests/fixtures/mjcf/bounded.xml"),
+    include_str!("../../../physics/tests/fixtures/mjcf/gripper.xml"),
+    include_str!("../../../physics/tests/fixtures/mjcf/geoms.xml"),
+    include_str!("../../../physics/tests/fixtures/mjcf/orientations.xml"),
+    include_str!("../../../physics/tests/fixtures/mjcf/bounded.xml"),
 ];
 
 /// What numbers and names are replaced by.

@@ -1,6 +1,6 @@
 //! Model directories that are refused.
 
-use crate::refused::{eval_refuses, folder, model, recording};
+use super::refused::{eval_refuses, folder, model, recording};
 use std::path::{Path, PathBuf};
 
 /// A copy of the model directory, to be spoilt.

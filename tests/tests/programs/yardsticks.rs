@@ -1,4 +1,5 @@
-//! `train --yardsticks`: ridge regression and boosted trees beside the networks, which stay what is exported.
+//! `train --yardsticks`: ridge regression and, where the programs were built with them (feature `trees` of both), boosted trees beside the
+//! networks, which stay what is exported.
 
 use physics::robot::Robot;
 use serde_json::Value;
@@ -6,6 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use tests::program::{json, program, row, run};
 use tests::synthetic::{Plan, record_to};
+
+/// Whether the programs grow trees.
+const TREES: bool = cfg!(feature = "trees");
 
 struct Place {
     folder: tempfile::TempDir,
@@ -67,20 +71,25 @@ fn beside_the_networks_and_no_part_of_them() {
     let held = held.as_array().expect("joints");
     assert_eq!(held.len(), 6);
     for joint in held {
-        for key in ["physics", "unit", "unit_at_last_epoch", "ridge", "trees"] {
+        for key in ["physics", "unit", "unit_at_last_epoch", "ridge"] {
             assert!(
                 joint[key].as_f64().is_some_and(|v| v > 0.0),
                 "{key} {joint}"
             );
         }
-        assert!(joint["tree_count"].as_u64().is_some_and(|n| n > 0));
+        let grown = joint["tree_count"].as_u64().expect("a number") > 0;
+        assert_eq!(grown, TREES, "{joint}");
+        assert_eq!(joint["trees"].as_f64().is_some_and(|v| v > 0.0), TREES);
     }
 
     // The leaderboard has the figures of the training, and no running time of what does not run.
     let metrics = json(&model.join("metrics.json"));
     let board = board(&place, &model);
-    for name in ["physics+ridge", "physics+trees"] {
-        let entry = board.iter().find(|r| r["model"] == name);
+    let trees = board.iter().any(|r| r["model"] == "physics+trees");
+    assert_eq!(trees, TREES);
+    let names = ["physics+ridge", "physics+trees"];
+    for name in &names[..1 + usize::from(TREES)] {
+        let entry = board.iter().find(|r| r["model"] == *name);
         let entry = entry.unwrap_or_else(|| panic!("no {name} in {board:?}"));
         for scope in ["all", "moving"] {
             let own = row(&metrics, "heldout", name, scope);
@@ -102,7 +111,7 @@ fn beside_the_networks_and_no_part_of_them() {
     assert_eq!(bytes(&model.join(network)), bytes(&again.join(network)));
     assert!(files(&again).iter().all(|f| !f.exists()), "left behind");
     let board = self::board(&place, &again);
-    assert!(board.iter().all(|r| r["model"] != "physics+trees"));
+    assert!(board.iter().all(|r| r["model"] != "physics+ridge"));
 
     // A damaged file is told, and which.
     std::fs::write(&figures, "{}").expect("writable");

@@ -1,0 +1,4 @@
+//! Loops under a controller.
+
+mod collision;
+mod tracking;

@@ -1,0 +1,11 @@
+//! Recordings as files: read, checked, prepared, refused.
+
+mod bags;
+mod check;
+mod damaged_bytes;
+mod lerobot;
+mod mat;
+mod prepare;
+mod refusals;
+mod shared_data;
+mod stop_band;

@@ -1,0 +1,4 @@
+//! Single joints in closed loop.
+
+mod biases;
+mod program;

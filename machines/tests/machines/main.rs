@@ -1,0 +1,4 @@
+//! Machines without a description by links.
+
+mod carried;
+mod end_to_end;

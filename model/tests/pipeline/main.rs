@@ -1,0 +1,8 @@
+//! The steps from recordings to a model, each on its own.
+
+mod baselines_kr300;
+mod baselines_numpy;
+mod channel;
+mod check;
+mod estimators;
+mod torque_band;

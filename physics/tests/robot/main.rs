@@ -1,0 +1,6 @@
+//! Dynamics and descriptions of robots, against Pinocchio and against themselves.
+
+mod mjcf;
+mod pinocchio;
+mod properties;
+mod urdf;

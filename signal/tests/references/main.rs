@@ -1,0 +1,4 @@
+//! Filters and regressions against SciPy and others.
+
+mod loess;
+mod scipy;

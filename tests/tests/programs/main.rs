@@ -1,0 +1,16 @@
+//! The programs at work: what they print, write and refuse.
+
+mod bags;
+mod doctor;
+mod first_diagnosis;
+mod first_screen;
+mod forward;
+mod interruption;
+mod leaderboard;
+mod mjcf;
+mod onnx;
+mod payload;
+mod refusals;
+mod scores;
+mod unread;
+mod yardsticks;

@@ -1,0 +1,6 @@
+//! Recordings of real robots, where the shared data are there.
+
+mod kr300;
+mod raw;
+mod real_gaps;
+mod ur10e;

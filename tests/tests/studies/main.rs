@@ -1,0 +1,4 @@
+//! Programs that reproduce figures of source documents.
+
+mod control;
+mod oracle;
