@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Refuses features of burn that would start threads or ask for a GPU: networks are trained one per core.
 
-What the feature `gpu` brings may not be in the default tree at all. Features are unified over the workspace, so another crate can turn them on from far away. Standard library only.
+What the package `gpu` brings may not be in the workspace's tree at all. Features are unified over the workspace, so another crate can turn them on from far away.
+The README's first command compiles no more crates than it may, and neither burn nor boosted trees. Standard library only.
 
 usage: features.py      in the repository; exit 1 and one line per package that is refused
 """
@@ -12,6 +13,17 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 REFUSED = {"rayon", "cuda", "rocm", "metal", "vulkan", "webgpu", "wgpu", "tch", "fusion", "remote"}
 GPU = ("wgpu", "cubecl-core", "cubecl-wgpu", "burn-cubecl", "burn-wgpu")
+#: What the README's first command builds, what of it no crate may be called, and the most crates.
+FIRST = ["-p", "residyn", "--no-default-features", "--features", "diagnosis"]
+WITHOUT = ("burn", "cubecl", "forust", "candle")
+MOST = 230
+
+
+def first():
+    """Crates that the README's first command compiles on this machine, its own among them."""
+    command = ["cargo", "tree", *FIRST, "--locked", "--edges", "normal,build", "--prefix", "none", "--no-dedupe", "--format", "{p}"]
+    tree = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    return {tuple(line.split()[:2]) for line in tree.splitlines()}
 
 
 def main():
@@ -20,14 +32,22 @@ def main():
     burn = {line.removesuffix(" (*)") for line in tree.splitlines() if line.startswith(("burn", "cubecl"))}
     packages = {line.split()[0] for line in tree.splitlines() if line.startswith(GPU)}
     for package in sorted(packages):
-        print(f"{package}: only the feature `gpu` may bring it")
+        print(f"{package}: only the package `gpu` may bring it")
     refused = len(packages)
     for line in sorted(burn):
         package, features = line.split("\t")
         for feature in sorted(REFUSED & set(features.split(","))):
             refused += 1
             print(f"{package}: feature `{feature}` is on")
-    print(f"features: {len(burn)} packages of burn, {refused} refused")
+    crates = first()
+    for name, version in sorted(crates):
+        if name.startswith(WITHOUT):
+            refused += 1
+            print(f"{name} {version}: not for the README's first command")
+    if len(crates) > MOST:
+        refused += 1
+        print(f"the README's first command compiles {len(crates)} crates, at most {MOST} are allowed")
+    print(f"features: {len(burn)} packages of burn, {len(crates)} crates of the first command, {refused} refused")
     return refused > 0 or not burn
 
 

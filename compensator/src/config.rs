@@ -1,6 +1,5 @@
 //! Settings of a unit and of its training, one line each with its default.
 
-use burn::config::Config;
 use feedforward::network::{Architecture, Fade, Memory, Normalisation, Recurrent};
 use serde::{Deserialize, Serialize};
 
@@ -43,49 +42,50 @@ pub enum Schedule {
 }
 
 /// Settings of the training loop.
-#[derive(Config, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Training {
     /// Passes over the training samples, at most (60).
-    #[config(default = 60)]
     pub epochs: usize,
     /// Samples, or chunks of carried state, per step (256).
-    #[config(default = 256)]
     pub batch: usize,
     /// Part of the training samples, drawn anew, that each epoch visits (1).
-    #[config(default = 1.0)]
     pub share: f32,
     /// AdamW's highest rate, at most 1 (0.002).
-    #[config(default = 0.002)]
     pub learning_rate: f32,
     /// How it falls (cosine to 0.01).
-    #[config(default = "Schedule::Cosine { end: 0.01 }")]
     pub schedule: Schedule,
     /// Decoupled weight decay per step, times the rate (1e-4).
-    #[config(default = 1e-4)]
     pub weight_decay: f32,
     /// Share of the encoder's and re-encoder's outputs dropped in training (0.1).
-    #[config(default = 0.1)]
     pub dropout: f32,
     /// Largest Euclidean norm of a gradient (1).
-    #[config(default = 1.0)]
     pub clip: f32,
     /// Cost of a residual (Huber at one deviation).
-    #[config(default = "Loss::Huber { delta: 1.0 }")]
     pub loss: Loss,
     /// Epochs without a better validation error before training stops (12).
-    #[config(default = 12)]
     pub patience: usize,
     /// Carried state: samples per chunk through which gradients flow (64).
-    #[config(default = 64)]
     pub chunk: usize,
     /// Carried state: first samples of a chunk inside a trajectory that only fill the state (16).
-    #[config(default = 16)]
     pub fill: usize,
 }
 
 impl Default for Training {
     fn default() -> Self {
-        Self::new()
+        Self {
+            epochs: 60,
+            batch: 256,
+            share: 1.0,
+            learning_rate: 0.002,
+            schedule: Schedule::Cosine { end: 0.01 },
+            weight_decay: 1e-4,
+            dropout: 0.1,
+            clip: 1.0,
+            loss: Loss::Huber { delta: 1.0 },
+            patience: 12,
+            chunk: 64,
+            fill: 16,
+        }
     }
 }
 
@@ -112,28 +112,21 @@ impl Training {
 }
 
 /// Everything that decides how a unit is trained, but its data and seeds.
-#[derive(Config, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UnitConfig {
     /// What it computes (LSTM 32, attention 32, LSTM 32 on windows of 3).
-    #[config(default = "recurrent(32, 3)")]
     pub architecture: Architecture,
     /// Scaling of inputs and target (z-score).
-    #[config(default = "Normalisation::ZScore")]
     pub normalisation: Normalisation,
     /// Where its output fades outside the training inputs.
-    #[config(default = "Fade::default()")]
     pub fade: Fade,
     /// Networks trained from different seeds whose outputs are averaged (1).
-    #[config(default = 1)]
     pub members: usize,
     /// Validation error must fall at least by this share, or the unit is switched off (0.01).
-    #[config(default = 0.01)]
     pub least_gain: f32,
     /// ... and by this many standard errors over the validation trajectories (2): a gain by chance does harm where the torque is used.
-    #[config(default = 2.0)]
     pub sure: f32,
     /// The loop.
-    #[config(default = "Training::new()")]
     pub training: Training,
 }
 
@@ -148,7 +141,15 @@ fn recurrent(width: usize, timestep: usize) -> Architecture {
 
 impl Default for UnitConfig {
     fn default() -> Self {
-        Self::new()
+        Self {
+            architecture: recurrent(32, 3),
+            normalisation: Normalisation::ZScore,
+            fade: Fade::default(),
+            members: 1,
+            least_gain: 0.01,
+            sure: 2.0,
+            training: Training::default(),
+        }
     }
 }
 

@@ -90,6 +90,9 @@ pub enum Error {
     /// Boosted trees that cannot be grown or used.
     #[error("boosted trees: {0}")]
     Trees(String),
+    /// A build without the feature `networks`.
+    #[error("this program was built without the training of networks")]
+    Networks,
     /// No GPU, or no support for one in this build.
     #[error("{0}")]
     Gpu(String),

@@ -7,12 +7,18 @@
 //!
 //! Modules, optimiser, schedule and records are burn's (`learning`); forward and backward pass of a unit
 //! are kernels of this crate (`engine`) behind one operation of a backend extension.
+//!
+//! Without the feature `networks`, on by default, nothing of burn is compiled: networks predict and are exported, and ridge
+//! regressions are fitted, but no network is trained. The feature `trees` grows boosted trees to compare with.
 #![deny(unsafe_code)]
+// Backward passes are for who trains.
+#![cfg_attr(not(feature = "networks"), allow(dead_code))]
 
 mod config;
 mod engine;
 mod error;
 pub mod inputs;
+#[cfg(feature = "networks")]
 mod learning;
 pub mod onnx;
 pub mod training;

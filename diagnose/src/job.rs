@@ -12,6 +12,7 @@ use crate::report::page;
 use crate::schema::Compared;
 use datasets::Recording;
 use model::preparation::setup::refuse_overlap;
+use model::residual::ResidualError;
 use std::path::PathBuf;
 
 /// Surrogates of a recording: the least chance that they can tell is one in 200.
@@ -143,6 +144,10 @@ impl Job {
     /// # Errors
     /// Files that cannot be used.
     pub fn run(self, stage: impl Fn(&'static str)) -> Result<Done, DiagnoseError> {
+        if self.learn {
+            // Before anything is read: the training comes last.
+            compensator::training::trainable().map_err(ResidualError::from)?;
+        }
         let drive = self.drive.as_deref();
         let mut earlier = None;
         let mut given = match &self.subject {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The README's picture of a report, light and dark: a first diagnosis of a simulated robot, and its page in Chromium.
-# usage: docs/pictures/report.sh      after cargo build --release --workspace --bins; CHROMIUM names another browser
+# usage: docs/pictures/report.sh      after cargo build --release; CHROMIUM names another browser
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 residyn=$here/../../target/release/residyn

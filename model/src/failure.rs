@@ -156,7 +156,11 @@ impl From<ResidualError> for Failure {
             ),
             ResidualError::Compensator(e @ compensator::Error::Gpu(_)) => Self::input(
                 e.to_string(),
-                "Leave --gpu out: the CPU trains the same networks. GPUs need cargo build --release --features residyn-train/gpu.",
+                "Leave --gpu out: the CPU trains the same networks. For a GPU: cargo build --release --manifest-path gpu/Cargo.toml.",
+            ),
+            ResidualError::Compensator(e @ compensator::Error::Networks) => Self::input(
+                e.to_string(),
+                "Build the programs whole: cargo build --release.",
             ),
             ResidualError::Compensator(e @ compensator::Error::Io { .. }) => {
                 Self::other(e.to_string())

@@ -13,12 +13,14 @@ struct Program {
     run: fn(Vec<OsString>) -> ExitCode,
 }
 
-const PROGRAMS: [Program; 8] = [
+const PROGRAMS: &[Program] = &[
+    #[cfg(feature = "programs")]
     Program {
         name: "train",
         about: "A torque model from recordings",
         run: train::command_line,
     },
+    #[cfg(feature = "programs")]
     Program {
         name: "eval",
         about: "Scores and predictions of a model on a recording; leaderboards, closed loops, collisions",
@@ -29,21 +31,25 @@ const PROGRAMS: [Program; 8] = [
         about: "What a simulator gets wrong: where, which effect, how far it shrinks; the corrected model",
         run: proof::command_line,
     },
+    #[cfg(feature = "programs")]
     Program {
         name: "excite",
         about: "The motion to record, and what it would show",
         run: excite::command_line,
     },
+    #[cfg(feature = "programs")]
     Program {
         name: "payload",
         about: "The body on the last link, from a recording with it",
         run: payload::command_line,
     },
+    #[cfg(feature = "programs")]
     Program {
         name: "machine",
         about: "Axes, SCARA, Delta, PUMA as a motion controller identifies them",
         run: machines::command_line,
     },
+    #[cfg(feature = "programs")]
     Program {
         name: "decoupled",
         about: "Single joints under their controller",
@@ -85,7 +91,7 @@ fn list() -> Command {
     Command::new("residyn")
         .version(env!("CARGO_PKG_VERSION"))
         .about("Torque models of robot arms, and what a simulator gets wrong")
-        .after_help("Each has its own: residyn train --help")
+        .after_help("Each has its own: residyn diagnose --help")
         .subcommand_required(true)
         .arg_required_else_help(true)
         .subcommands(each)

@@ -94,7 +94,7 @@ pub struct Arguments {
     /// Smooth the torque of --data by robust local regression over so many samples.
     #[arg(long, value_name = "SAMPLES", requires = "data")]
     pub rloess: Option<usize>,
-    /// Train the networks on a GPU, in a build with the feature `gpu`; the same networks to rounding.
+    /// Train the networks on a GPU, in the program of `gpu/`; the same networks to rounding.
     #[arg(long, conflicts_with = "physics_only")]
     pub gpu: bool,
     /// Print everything: all findings, parameters, tests of the residual, scores of every scope.

@@ -1,7 +1,8 @@
 //! Command line of `train`.
 
 use crate::arguments::{Arguments, Command};
-use crate::{doctor, forward, oracle, run, runtime, study};
+use crate::run::{Gpu, no_gpu, run_with};
+use crate::{doctor, forward, oracle, runtime, study};
 use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -9,9 +10,14 @@ use std::process::ExitCode;
 /// What the program `train` does with these arguments, of which the first is what it was called by; its exit status.
 /// `--help` and wrong usage end the process here, as clap has it.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    command_line_with(arguments, no_gpu)
+}
+
+/// As [`command_line`], with a GPU for `--gpu`.
+pub fn command_line_with(arguments: impl IntoIterator<Item = OsString>, gpu: Gpu) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     let result = runtime::interruptible().and_then(|cancel| match &arguments.command {
-        None => run(&arguments, &cancel, None),
+        None => run_with(&arguments, &cancel, None, gpu),
         Some(Command::Study(study)) => study::run(study, &cancel),
         Some(Command::Oracle(oracle)) => oracle::run(oracle),
         Some(Command::Doctor(doctor)) => doctor::run(doctor, &cancel),

@@ -21,6 +21,6 @@ pub mod study;
 mod topics;
 mod yardsticks;
 
-pub use command_line::command_line;
+pub use command_line::{command_line, command_line_with};
 pub use compensator::training::Progress;
-pub use run::run;
+pub use run::{Gpu, run, run_with};

@@ -28,21 +28,44 @@ pub fn run(
     cancel: &AtomicBool,
     watch: Option<&(dyn Fn(&Progress) + Sync)>,
 ) -> Result<(), Failure> {
+    run_with(arguments, cancel, watch, no_gpu)
+}
+
+/// Where `--gpu` has burn train: only a program that is built with support for one has it (`gpu/`).
+pub type Gpu = fn() -> Result<Tensors, compensator::Error>;
+
+/// None.
+pub(crate) fn no_gpu() -> Result<Tensors, compensator::Error> {
+    Err(compensator::Error::Gpu(
+        "this program was built without support for a GPU".into(),
+    ))
+}
+
+/// As [`run`], with a GPU for `--gpu`.
+///
+/// # Errors
+/// Input that cannot be used, no GPU where one is asked for, or the interruption.
+pub fn run_with(
+    arguments: &Arguments,
+    cancel: &AtomicBool,
+    watch: Option<&(dyn Fn(&Progress) + Sync)>,
+    gpu: Gpu,
+) -> Result<(), Failure> {
     if arguments.list {
         return topics::list(&arguments.data);
     }
+    let tensors = arguments.gpu.then(gpu).transpose();
+    let tensors = tensors.map_err(ResidualError::from)?;
     let threads = arguments.running.threads()?;
-    pool(threads)?.install(|| steps(arguments, cancel, watch, threads))
+    pool(threads)?.install(|| steps(arguments, cancel, watch, (threads, tensors.as_ref())))
 }
 
 fn steps(
     arguments: &Arguments,
     cancel: &AtomicBool,
     watch: Option<&(dyn Fn(&Progress) + Sync)>,
-    threads: usize,
+    (threads, tensors): (usize, Option<&Tensors>),
 ) -> Result<(), Failure> {
-    let tensors = arguments.gpu.then(Tensors::gpu).transpose();
-    let tensors = tensors.map_err(ResidualError::from)?;
     let input = input::read(arguments)?;
     let prepare_options = PrepareOptions {
         cutoff_hz: arguments.cutoff_hz,
@@ -119,7 +142,7 @@ fn steps(
                 checkpoints: Some(folder),
                 cancel: Some(cancel),
                 progress: Some(&show),
-                tensors: tensors.as_ref(),
+                tensors,
             };
             let learned = train_residual(&fit, &input.data, &apart, &options, &control);
             bar.finish();

@@ -8,7 +8,7 @@ use model::residual::{Compared, HeldBack};
 use model::tables::{RIDGE, TREES};
 use report::{Cell, Column, Table, say, say_text};
 
-/// Rows of physics with either yardstick on the held-out recording, part `part` of the session.
+/// Rows of physics with each yardstick on the held-out recording, part `part` of the session.
 pub fn rows(
     fit: &Fit,
     compared: &Compared,

@@ -180,7 +180,10 @@ mod tests {
     const SIZE: usize = 1000;
 
     fn training() -> Training {
-        Training::new().with_weight_decay(0.3)
+        Training {
+            weight_decay: 0.3,
+            ..Training::default()
+        }
     }
 
     fn start() -> Weights {

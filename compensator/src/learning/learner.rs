@@ -5,7 +5,7 @@ use burn::lr_scheduler::LrSchedulerRecord;
 use burn::lr_scheduler::module_lr_scheduler::ModuleLrScheduler;
 use burn::optim::{GradientsParams, ModuleOptimizer};
 use burn::store::RecordError;
-use burn::tensor::Bytes;
+use burn::tensor::{Bytes, Device};
 
 use super::adamw::{composed_optimizer, optimizer};
 use super::batch::{Batch, Cost};
@@ -125,7 +125,8 @@ impl Learner {
     /// compared with what it would write.
     pub(crate) fn restore(self, records: Records) -> Result<Self, String> {
         let is_gpu = self.means.as_ref().is_some_and(|m| m.tensors.is_gpu);
-        if cfg!(feature = "gpu") && !is_gpu && std::env::var_os("BURN_DEVICE").is_none() {
+        // A program with support for a GPU has it as burn's default device.
+        if !is_gpu && Device::default() != Device::flex() {
             return Err(
                 "this build reads it onto a GPU; set BURN_DEVICE=flex to go on on the CPU".into(),
             );
@@ -186,7 +187,13 @@ mod tests {
     }
 
     fn learner(size: usize) -> Learner {
-        Learner::new(Weights::new(vec![0.1; size]), &Training::new(), 10, None).unwrap()
+        Learner::new(
+            Weights::new(vec![0.1; size]),
+            &Training::default(),
+            10,
+            None,
+        )
+        .unwrap()
     }
 
     #[test]
@@ -211,7 +218,7 @@ mod tests {
         for size in [0.01, 30.0] {
             let mut ours = learner(3);
             ours.step(&mut batch(size)).unwrap();
-            let settings = Training::new();
+            let settings = Training::default();
             let mut own = optimizer(&settings)
                 .with_grad_clipping(GradientClippingConfig::Norm(settings.clip).init());
             let weights = Weights::new(vec![0.1; 3]);

@@ -45,9 +45,11 @@ mod tests {
     use super::*;
 
     fn sequence(schedule: Schedule, steps: usize) -> Vec<f64> {
-        let training = Training::new()
-            .with_learning_rate(0.5)
-            .with_schedule(schedule);
+        let training = Training {
+            learning_rate: 0.5,
+            schedule,
+            ..Training::default()
+        };
         let mut rates = rates(&training, steps).unwrap();
         (0..steps).map(|_| rates.step().base()).collect()
     }

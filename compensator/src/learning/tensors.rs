@@ -1,10 +1,6 @@
 //! Where burn's own operations train, in place of the kernels.
 
-#[cfg(feature = "gpu")]
-use burn::tensor::wgpu::wgpu;
 use burn::tensor::{DType, Device, Tensor, TensorData};
-
-use crate::Error;
 
 /// Where burn's tensor operations run in place of the kernels of this crate.
 #[derive(Debug, Clone)]
@@ -21,33 +17,9 @@ impl Tensors {
         Self::on(Device::flex(), DType::F32, false)
     }
 
-    /// On the GPU that `wgpu` prefers (Vulkan, Metal or DirectX 12). `BURN_DEVICE` must not be set.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`]: the feature `gpu` is not compiled in, or there is no GPU that can be used; a renderer in software is none.
-    #[cfg(feature = "gpu")]
-    pub fn gpu() -> Result<Self, Error> {
-        let (device, setup) = Device::wgpu_options()
-            .init_with_setup()
-            .map_err(|e| Error::Gpu(format!("no GPU can be used: {e}")))?;
-        let adapter = setup.adapter.get_info();
-        // It would train, far more slowly than the kernels on the same CPU.
-        if adapter.device_type == wgpu::DeviceType::Cpu {
-            let name = adapter.name;
-            return Err(Error::Gpu(format!(
-                "no GPU can be used: {name} is software on the CPU"
-            )));
-        }
-        Ok(Self::on(device, DType::F32, true))
-    }
-
-    /// On a GPU; this build has no support for them.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`], always: the feature `gpu` is not compiled in.
-    #[cfg(not(feature = "gpu"))]
-    pub fn gpu() -> Result<Self, Error> {
-        Err(Error::Gpu("this program was built without `gpu`".into()))
+    /// On a device of burn's that is a GPU. `BURN_DEVICE` must not be set.
+    pub fn gpu(device: Device) -> Self {
+        Self::on(device, DType::F32, true)
     }
 
     pub(super) fn on(device: Device, dtype: DType, is_gpu: bool) -> Self {

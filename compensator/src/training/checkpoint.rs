@@ -10,7 +10,8 @@ use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::state::{Position, State};
+use super::epoch::Position;
+use super::state::State;
 use crate::Error;
 use crate::config::UnitConfig;
 use crate::learning::Records;

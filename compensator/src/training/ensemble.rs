@@ -1,191 +1,26 @@
-//! From jobs to trained units: normalisation and bounds, one network per seed, all cores, switch-off.
+//! From jobs to trained units: one network per seed, all cores.
 
 use std::path::PathBuf;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use feedforward::network::{Bounds, Normaliser, Unit};
-use sha2::{Digest, Sha256};
-
-use super::batches::{Gatherer, Item, Layout};
-use super::judge::judge_prediction;
+use super::batches::{Gatherer, Layout};
+use super::checkpoint;
+use super::epoch::{Epoch, Position};
+use super::job::{Control, Job, Prepared, Report, Trained};
 use super::progress::{Clock, Progress};
-use super::samples::{Samples, Split};
-use super::state::{Epoch, Position, State};
+use super::state::State;
 use super::trainer::Trainer;
-use super::{checkpoint, predict::predict};
 use crate::Error;
-use crate::config::UnitConfig;
-use crate::learning::Tensors;
 
-/// One unit to train.
-#[derive(Debug, Clone)]
-pub struct Job<'a> {
-    /// Joint whose residual torque the target is.
-    pub joint: usize,
-    /// Input columns the unit sees: its input control module.
-    pub columns: Vec<usize>,
-    /// Data.
-    pub samples: Samples<'a>,
-    /// Which trajectories are fitted and which validate.
-    pub split: Split,
-    /// Settings.
-    pub config: UnitConfig,
-    /// Seed of the first member; the others follow.
-    pub seed: u64,
-}
-
-/// How a training is run.
-#[derive(Clone, Copy)]
-pub struct Control<'a> {
-    /// Threads; networks are trained independently, one per thread.
-    pub threads: usize,
-    /// Directory for checkpoints, one file per network, written after every epoch. Found there, they are
-    /// resumed. The caller removes it once the result is safe.
-    pub checkpoints: Option<&'a std::path::Path>,
-    /// Raised from outside to stop between batches.
-    pub cancel: Option<&'a AtomicBool>,
-    /// Called after every epoch of every network, from any thread.
-    pub progress: Option<&'a (dyn Fn(&Progress) + Sync)>,
-    /// burn's operations in place of the kernels; the one thing here that changes the result, by rounding.
-    pub tensors: Option<&'a Tensors>,
-}
-
-impl Default for Control<'_> {
-    fn default() -> Self {
-        Self {
-            threads: 1,
-            checkpoints: None,
-            cancel: None,
-            progress: None,
-            tensors: None,
-        }
-    }
-}
-
-/// How the training of a unit went.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Report {
-    /// Every epoch of every network.
-    pub history: Vec<Vec<Epoch>>,
-    /// Epoch whose weights were kept, per network, from 0.
-    pub best_epoch: Vec<usize>,
-    /// Validation error with the unit, N·m; bounds and averaging included.
-    pub validation_rmse: Option<f64>,
-    /// Validation error without it, N·m.
-    pub validation_rmse_off: Option<f64>,
-}
-
-/// A trained unit and how it came about.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Trained {
-    /// Ready for the run-time; off where it did not help.
-    pub unit: Unit,
-    /// History and validation.
-    pub report: Report,
-}
-
-/// A job with what all its networks share.
-pub(super) struct Prepared<'a, 'd> {
-    pub(super) job: &'a Job<'d>,
-    pub(super) input: Normaliser,
-    pub(super) target: Normaliser,
-    pub(super) bounds: Bounds,
-    train: Vec<Item>,
-    validation: Vec<Item>,
-    level: f32,
-    fingerprint: String,
-}
-
-impl<'a, 'd> Prepared<'a, 'd> {
-    pub(super) fn new(job: &'a Job<'d>) -> Result<Self, Error> {
-        let (samples, config) = (&job.samples, &job.config);
-        config.check()?;
-        job.split.check(samples)?;
-        if job.columns.is_empty() || job.columns.iter().any(|&c| c >= samples.columns()) {
-            let problem = format!("input columns {:?} of {}", job.columns, samples.columns());
-            return Err(Error::Samples(problem));
-        }
-        let d = job.columns.len();
-        let rows: Vec<usize> = job
-            .split
-            .train
-            .iter()
-            .flat_map(|&t| samples.trajectories()[t].clone())
-            .filter(|&row| samples.weight(row) > 0.0)
-            .collect();
-        let mut table = vec![0.0; rows.len() * d];
-        for (out, &row) in table.chunks_exact_mut(d).zip(&rows) {
-            samples.gather(row, &job.columns, out);
-        }
-        let unusable = |what: &str| {
-            Error::Samples(format!(
-                "{what} of the training inputs overflows single precision"
-            ))
-        };
-        let input = Normaliser::fit(config.normalisation, d, table.chunks_exact(d))
-            .ok_or_else(|| unusable("the span"))?;
-        let targets: Vec<f32> = rows.iter().map(|&row| samples.target(row)).collect();
-        let target = Normaliser::fit(config.normalisation, 1, targets.chunks_exact(1))
-            .ok_or_else(|| unusable("the target"))?;
-        for row in table.chunks_exact_mut(d) {
-            row.iter_mut()
-                .enumerate()
-                .for_each(|(j, x)| *x = input.apply(j, *x));
-        }
-        let limit = targets.iter().fold(0.0_f32, |m, y| m.max(y.abs()));
-        let bounds = Bounds::fit(d, table.chunks_exact(d), limit, config.fade)
-            .ok_or_else(|| unusable("the covariance"))?;
-        let mean = targets.iter().map(|&y| f64::from(y)).sum::<f64>() / targets.len() as f64;
-        let layout = Layout::new(&config.architecture, &config.training);
-        let mut hash = Sha256::new();
-        samples.digest(&job.columns, &mut hash);
-        hash.update(format!("{:?} {:?} {:?}", config, job.split, job.columns));
-        Ok(Self {
-            job,
-            level: target.apply(0, mean as f32),
-            input,
-            target,
-            bounds,
-            train: layout.items(samples, &job.split.train),
-            validation: layout.items(samples, &job.split.validation),
-            fingerprint: hash.finalize().iter().map(|b| format!("{b:02x}")).collect(),
-        })
-    }
-
+impl Prepared<'_, '_> {
     /// Samples × parameters, which an epoch takes time for, and the most epochs of a network.
     fn cost(&self) -> (f64, usize) {
         let config = &self.job.config;
         let parameters = config.architecture.parameter_count(self.job.columns.len());
         let cost = self.train.len() as f64 * parameters.unwrap_or(1) as f64;
         (cost, config.training.epochs)
-    }
-
-    /// Unit with the given members, on.
-    pub(super) fn unit(&self, members: Vec<Vec<f32>>) -> Unit {
-        Unit {
-            joint: self.job.joint,
-            enabled: true,
-            architecture: self.job.config.architecture.clone(),
-            columns: self.job.columns.clone(),
-            input: self.input.clone(),
-            target: self.target.clone(),
-            bounds: self.bounds.clone(),
-            members,
-        }
-    }
-
-    /// Scores the unit on the validation trajectories and switches it off where it does not help.
-    pub(super) fn judge(&self, mut unit: Unit) -> Result<(Unit, Option<f64>, Option<f64>), Error> {
-        let job = self.job;
-        if job.split.validation.is_empty() {
-            return Ok((unit, None, None));
-        }
-        let predicted = predict(&unit, &job.samples, &job.split.validation)?;
-        let judged = judge_prediction(&job.samples, &job.split.validation, &job.config, &predicted);
-        unit.enabled = judged.helps;
-        Ok((unit, Some(judged.with), Some(judged.without)))
     }
 
     /// Best weights of one network, and how it went.
@@ -275,7 +110,7 @@ pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
                 .checkpoints
                 .map(|d| d.join(format!("unit{i}-member{member}.safetensors")));
             let result = prepared[i].network(member, path, control, |state, kept| {
-                let remaining = clock.note(index, state, kept);
+                let remaining = clock.note(index, &state.progress, kept);
                 if let Some(progress) = control.progress {
                     progress(&describe(&prepared[i], (i, member), state, remaining));
                 }
@@ -316,28 +151,6 @@ pub fn train(jobs: &[Job], control: &Control) -> Result<Vec<Trained>, Error> {
             })
         })
         .collect()
-}
-
-/// Scores a unit on the validation trajectories of `job`, which it need not have been trained by, and switches it off where it
-/// does not help.
-///
-/// # Errors
-/// As [`train`].
-pub fn judge(job: &Job, unit: Unit) -> Result<Trained, Error> {
-    let on = Unit {
-        enabled: true,
-        ..unit
-    };
-    let (unit, validation_rmse, validation_rmse_off) = Prepared::new(job)?.judge(on)?;
-    Ok(Trained {
-        unit,
-        report: Report {
-            history: Vec::new(),
-            best_epoch: Vec::new(),
-            validation_rmse,
-            validation_rmse_off,
-        },
-    })
 }
 
 fn describe(

@@ -1,6 +1,6 @@
 //! How far a training is.
 
-use super::state::{Epoch, State};
+use super::epoch::{Epoch, Position};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -59,19 +59,19 @@ impl Clock {
         }
     }
 
-    /// Notes the state of a network after an epoch or, `kept`, as its checkpoint had it; time left for all of them, zero
+    /// Notes where a network stands after an epoch or, `kept`, as its checkpoint had it; time left for all of them, zero
     /// before anything was trained here.
-    pub fn note(&self, index: usize, state: &State, kept: bool) -> Duration {
+    pub fn note(&self, index: usize, position: &Position, kept: bool) -> Duration {
         let mut networks = self
             .networks
             .lock()
             .unwrap_or_else(|poisoned| poisoned.into_inner());
         let network = &mut networks[index];
         network.done += usize::from(!kept);
-        network.left = if state.progress.finished {
+        network.left = if position.finished {
             0
         } else {
-            network.epochs.saturating_sub(state.progress.history.len())
+            network.epochs.saturating_sub(position.history.len())
         };
         let (mut ahead, mut behind) = (0.0, 0.0);
         for network in networks.iter() {

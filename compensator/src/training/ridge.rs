@@ -4,7 +4,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use feedforward::network::Architecture;
 
-use super::ensemble::{Job, Prepared, Report, Trained};
+use super::job::{Job, Prepared, Report, Trained};
 use crate::Error;
 
 /// Ridge parameters tried, relative to the mean diagonal of the normal matrix.

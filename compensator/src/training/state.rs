@@ -1,7 +1,7 @@
 //! Where a training stands: all that a checkpoint holds.
 
+use super::epoch::Position;
 use crate::learning::{Learner, Weights};
-use serde::{Deserialize, Serialize};
 
 /// Everything that the rest of the training depends on: with the settings, the data and the seed it is
 /// all that a checkpoint holds. Random numbers are drawn afresh from (seed, epoch, batch), so the
@@ -10,28 +10,4 @@ pub(super) struct State {
     pub(super) learner: Learner,
     pub(super) best: Weights,
     pub(super) progress: Position,
-}
-
-/// Where the loop stands.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Position {
-    /// Finished batches of the running epoch and their summed cost and weight.
-    pub(super) batch: usize,
-    pub(super) loss: f64,
-    pub(super) weight: f64,
-    pub(super) history: Vec<Epoch>,
-    pub(super) best_epoch: usize,
-    /// Epochs since the best one.
-    pub(super) stale: usize,
-    pub(super) finished: bool,
-}
-
-/// What one epoch came to.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Epoch {
-    /// Mean cost of the training samples, in units of the normalised target, with dropout.
-    pub train_loss: f64,
-    /// Root mean square error of the validation samples, N·m, without dropout.
-    pub validation_rmse: Option<f64>,
 }

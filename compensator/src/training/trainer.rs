@@ -8,7 +8,8 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::batches::{Gatherer, Item};
-use super::state::{Epoch, Position, State};
+use super::epoch::{Epoch, Position};
+use super::state::State;
 use crate::Error;
 use crate::config::Training;
 use crate::engine::Network;

@@ -4,5 +4,7 @@ mod checkpoints;
 mod hysteresis;
 mod learning;
 mod refusals;
+mod ridge;
 mod tensors;
-mod yardsticks;
+#[cfg(feature = "trees")]
+mod trees;

@@ -1,5 +1,4 @@
-//! Training through burn's own operations, here on the CPU; on a GPU where the feature `gpu` is compiled in and one is asked for
-//! (`cargo test --release -p residyn-compensator --features gpu --test training -- --ignored on_a_gpu`).
+//! Training through burn's own operations, here on the CPU; `gpu/tests/` asks the same of a GPU.
 
 use crate::hysteresis::{CARRIED, TEST, WINDOW, hysteresis, short};
 use compensator::Error;
@@ -19,7 +18,7 @@ fn ends_where_the_kernels_end() {
     ends_where_the_kernels_end_on(&Tensors::cpu());
 }
 
-fn ends_where_the_kernels_end_on(tensors: &Tensors) {
+pub fn ends_where_the_kernels_end_on(tensors: &Tensors) {
     let data = hysteresis();
     let samples = data.samples();
     let mlp = UnitConfig {
@@ -50,7 +49,7 @@ fn interrupted_and_resumed_as_if_it_never_was() {
     interrupted_and_resumed_as_if_it_never_was_on(&Tensors::cpu());
 }
 
-fn interrupted_and_resumed_as_if_it_never_was_on(tensors: &Tensors) {
+pub fn interrupted_and_resumed_as_if_it_never_was_on(tensors: &Tensors) {
     let data = hysteresis();
     let jobs = [data.job(short(WINDOW))];
     let straight = train(&jobs, &on(tensors)).unwrap();
@@ -78,21 +77,4 @@ fn interrupted_and_resumed_as_if_it_never_was_on(tensors: &Tensors) {
         ..kept
     };
     assert_eq!(train(&jobs, &resumed).unwrap(), straight);
-}
-
-#[cfg(feature = "gpu")]
-#[test]
-#[ignore = "needs a GPU"]
-fn on_a_gpu() {
-    let gpu = Tensors::gpu().unwrap();
-    ends_where_the_kernels_end_on(&gpu);
-    interrupted_and_resumed_as_if_it_never_was_on(&gpu);
-}
-
-#[cfg(not(feature = "gpu"))]
-#[test]
-fn a_build_without_the_feature_says_so() {
-    let error = Tensors::gpu().unwrap_err();
-    assert!(matches!(error, Error::Gpu(_)));
-    assert_eq!(error.to_string().lines().count(), 1, "{error}");
 }

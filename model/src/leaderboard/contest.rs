@@ -183,19 +183,18 @@ impl<'a> Contestant<'a> {
         Ok(rows)
     }
 
-    /// Torque of the physics with a ridge regression, and with boosted trees, on the compensator's inputs, where they were trained
+    /// Torque of the physics with a ridge regression, and with boosted trees where some were grown, on the compensator's inputs, where they were trained
     /// with it.
     fn yardsticks(&self) -> Result<Vec<Yardstick>, LeaderboardError> {
         let Some(yardsticks) = Yardsticks::load(self.directory, self.file)? else {
             return Ok(Vec::new());
         };
-        let [ridge, trees] = yardsticks.of_recording(self.file, &self.scored.session, 0)?;
+        let torques = yardsticks.of_recording(self.file, &self.scored.session, 0)?;
         let on = yardsticks.trees.iter().filter(|t| t.enabled);
-        let physics = &self.scored.physics;
-        Ok(vec![
-            (RIDGE, physics + &ridge, weights(&yardsticks.ridge)),
-            (TREES, physics + &trees, on.map(Trees::leaves).sum()),
-        ])
+        let sizes = [weights(&yardsticks.ridge), on.map(Trees::leaves).sum()];
+        let all = [RIDGE, TREES].into_iter().zip(torques).zip(sizes);
+        let with = |torque| &self.scored.physics + &torque;
+        Ok(all.map(|((name, t), size)| (name, with(t), size)).collect())
     }
 
     /// Positions simulated from torque, where the model has a baseline for it and the recording its rate.

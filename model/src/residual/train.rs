@@ -39,8 +39,8 @@ pub struct Learned {
 pub struct Compared {
     /// They themselves.
     pub yardsticks: Yardsticks,
-    /// Their residual torque of every recording of the session, ridge and trees, shape (samples, joints).
-    pub torque: Vec<[Array2<f64>; 2]>,
+    /// Their residual torque of every recording of the session, ridge and trees (where there are some), shape (samples, joints).
+    pub torque: Vec<Vec<Array2<f64>>>,
 }
 
 /// Trains one unit per joint on what the physics leaves of the first `data.len()` recordings of the session.
@@ -125,7 +125,7 @@ pub fn train_residual(
         let torque = parts().map(
             |(table, part)| match Pace::new(part.report.rate_hz, period) {
                 Some(pace) => found.torques(table, &part.at_samples.segments, pace),
-                None => Ok([(); 2].map(|()| Array2::zeros(part.at_samples.q.dim()))),
+                None => Ok(found.none(part.at_samples.q.dim())),
             },
         );
         Ok::<_, ResidualError>(Compared {

@@ -1,4 +1,5 @@
-//! Yardsticks: what a ridge regression and boosted trees on the same inputs make of the torque that the physics leaves.
+//! Yardsticks: what a ridge regression and, in builds with the feature `trees`, boosted trees on the same inputs make of the torque
+//! that the physics leaves.
 //!
 //! They are no part of the model that a control loop runs. Each is chosen on folds within those that the judged figures were
 //! fitted on, and judged on the folds that judge the units; the ones that are kept are fitted on everything.
@@ -9,9 +10,9 @@ use super::trial::{Trial, hold_back};
 use super::{Pace, ResidualError, paced_table, predict_from};
 use crate::directory::{DirectoryError, ModelFile, YARDSTICKS, sha256};
 use crate::session::Session;
-use compensator::training::{
-    Job, Samples, Split, Trees, choose_ridge, choose_trees, fit_ridge, grow_trees,
-};
+use compensator::training::{Job, Samples, Split, Trees, choose_ridge, fit_ridge};
+#[cfg(feature = "trees")]
+use compensator::training::{choose_trees, grow_trees};
 use feedforward::network::{Compensator, Unit};
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -30,7 +31,7 @@ pub struct Yardsticks {
     pub held_back: Vec<HeldBack>,
     /// The ridge regression, linear units.
     pub ridge: Compensator,
-    /// The trees.
+    /// The trees; none where the build that trained had none.
     pub trees: Vec<Trees>,
 }
 
@@ -89,7 +90,7 @@ impl Splits {
 struct Joint {
     held_back: HeldBack,
     ridge: Unit,
-    trees: Trees,
+    trees: Option<Trees>,
 }
 
 /// Chooses, judges and fits the yardsticks of every joint; all cores of the pool.
@@ -139,7 +140,7 @@ pub(super) fn train(
     for joint in found {
         made.held_back.push(joint.held_back);
         made.ridge.units.push(joint.ridge);
-        made.trees.push(joint.trees);
+        made.trees.extend(joint.trees);
     }
     Ok(made)
 }
@@ -152,15 +153,34 @@ fn joint(
     let judged = fit_ridge(judge, parameter)?;
     let mut ridge = fit_ridge(fit, parameter)?.unit;
     ridge.enabled = judged.unit.enabled;
-    let count = choose_trees(choose)?;
-    let (judged_trees, error) = grow_trees(judge, count)?;
-    let (mut trees, _) = grow_trees(fit, count)?;
-    trees.enabled = judged_trees.enabled;
+    let (trees, error) = trees([choose, judge, fit])?.unzip();
+    let count = trees.as_ref().map_or(0, Trees::count);
     Ok(Joint {
-        held_back: figures(judged.report.validation_rmse, error, parameter, count),
+        held_back: figures(
+            judged.report.validation_rmse,
+            error.flatten(),
+            parameter,
+            count,
+        ),
         ridge,
         trees,
     })
+}
+
+/// Trees with their error on the judging folds.
+#[cfg(feature = "trees")]
+fn trees([choose, judge, fit]: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>, ResidualError> {
+    let count = choose_trees(choose)?;
+    let (judged, error) = grow_trees(judge, count)?;
+    let (mut trees, _) = grow_trees(fit, count)?;
+    trees.enabled = judged.enabled;
+    Ok(Some((trees, error)))
+}
+
+/// Nothing grows trees in this build.
+#[cfg(not(feature = "trees"))]
+fn trees(_: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>, ResidualError> {
+    Ok(None)
 }
 
 #[derive(Serialize, Deserialize)]
@@ -250,7 +270,7 @@ impl Yardsticks {
         }))
     }
 
-    /// Residual torque at the samples of one recording of the session by ridge and by trees, each of shape (samples, joints).
+    /// Residual torque at the samples of one recording of the session by ridge and, where there are some, by trees, each of shape (samples, joints).
     ///
     /// # Errors
     /// As [`Yardsticks::torques`], and a model that does not fit together.
@@ -259,15 +279,15 @@ impl Yardsticks {
         file: &ModelFile,
         session: &Session,
         part: usize,
-    ) -> Result<[Array2<f64>; 2], ResidualError> {
+    ) -> Result<Vec<Array2<f64>>, ResidualError> {
         let motion = &session.parts[part].at_samples;
         match paced_table(file, &file.physics.model()?, session, part) {
             Some((table, pace)) => self.torques(&table, &motion.segments, pace),
-            None => Ok([(); 2].map(|()| Array2::zeros(motion.q.dim()))),
+            None => Ok(self.none(motion.q.dim())),
         }
     }
 
-    /// Residual torque from a table of inputs by ridge and by trees, each of shape (samples, joints).
+    /// Residual torque from a table of inputs by ridge and, where there are some, by trees, each of shape (samples, joints).
     ///
     /// # Errors
     /// Trees or units that contradict themselves.
@@ -276,10 +296,18 @@ impl Yardsticks {
         table: &Array2<f32>,
         segments: &[Range<usize>],
         pace: Pace,
-    ) -> Result<[Array2<f64>; 2], ResidualError> {
-        let ridge = predict_from(&self.ridge, table, segments, pace)?;
-        let joints = self.ridge.joints.len();
-        Ok([ridge, summed(&self.trees, joints, table, segments, pace)?])
+    ) -> Result<Vec<Array2<f64>>, ResidualError> {
+        let mut torques = vec![predict_from(&self.ridge, table, segments, pace)?];
+        if !self.trees.is_empty() {
+            let joints = self.ridge.joints.len();
+            torques.push(summed(&self.trees, joints, table, segments, pace)?);
+        }
+        Ok(torques)
+    }
+
+    /// No torque from any of them, as on a recording that is too slow for their windows.
+    pub(super) fn none(&self, shape: (usize, usize)) -> Vec<Array2<f64>> {
+        vec![Array2::zeros(shape); 1 + usize::from(!self.trees.is_empty())]
     }
 }
 

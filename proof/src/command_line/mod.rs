@@ -5,10 +5,10 @@
 mod arguments;
 
 use crate::prove;
-use diagnose::directory::Directory;
-use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, patch, words};
 use arguments::{Arguments, Command, Proof, Sealed};
 use clap::Parser;
+use diagnose::directory::Directory;
+use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, patch, words};
 use indicatif::ProgressBar;
 use physics::robot::Description;
 use std::ffi::OsString;

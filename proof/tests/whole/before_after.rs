@@ -1,7 +1,7 @@
 //! `diagnose --before`: what has changed between two recordings of one robot, from their files.
 
-use proof::prove::changed::Told;
 use diagnose::{Job, Subject};
+use proof::prove::changed::Told;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use trials::protocols::changed::{Change, changed};

@@ -3,9 +3,9 @@
 use crate::shared;
 use datasets::{ReadOptions, read};
 use diagnose::NominalModel;
-use proof::prove::judge;
 use diagnose::{Options, diagnose};
 use physics::robot::Robot;
+use proof::prove::judge;
 use serde_json::Value;
 
 fn report(folder: &std::path::Path) -> Value {

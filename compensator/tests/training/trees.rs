@@ -1,9 +1,7 @@
-//! Ridge regression and boosted trees on the windows of a unit.
+//! Boosted trees on the windows of a unit, beside a ridge regression.
 
 use crate::hysteresis::{TEST, WINDOW, hysteresis, short};
-use compensator::training::{
-    Job, Split, Trees, choose_ridge, choose_trees, fit_ridge, grow_trees, train_ridge,
-};
+use compensator::training::{Job, Split, Trees, choose_ridge, choose_trees, fit_ridge, grow_trees};
 
 /// The job with part of its training trajectories to choose by.
 fn choosing<'a>(job: &Job<'a>) -> Job<'a> {
@@ -48,14 +46,6 @@ fn the_same_job_grows_the_same_trees() {
     let text = serde_json::to_string(&trees).unwrap();
     let read: Trees = serde_json::from_str(&text).unwrap();
     assert_eq!(trees, read);
-}
-
-#[test]
-fn a_ridge_chosen_on_the_judging_trajectories_is_that_of_the_unit() {
-    let data = hysteresis();
-    let job = data.job(short(WINDOW));
-    let chosen = choose_ridge(&job).unwrap();
-    assert_eq!(fit_ridge(&job, chosen).unwrap(), train_ridge(&job).unwrap());
 }
 
 #[test]
