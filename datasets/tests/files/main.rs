@@ -3,6 +3,7 @@
 mod bags;
 mod check;
 mod damaged_bytes;
+mod everyday_tables;
 mod lerobot;
 mod mat;
 mod prepare;
