@@ -59,7 +59,39 @@ impl Folds {
             rows: vec![Vec::new(); recordings.len()],
             whole: false,
         };
-        folds.cut(recordings, &pairs, most, gap);
+        folds.cut(
+            recordings,
+            &Motions::of_pairs(recordings, &pairs),
+            most,
+            gap,
+        );
+        folds
+    }
+
+    /// Deals motions: executions of one motion together, wherever in the recordings they stand, and whole where there are
+    /// enough motions. [`Self::new`] also keeps together what was recorded in one visit to the robot, and so cuts sooner.
+    pub fn of_motions(recordings: &[&Recording], most: usize, gap: f64) -> Self {
+        let motions = Motions::new(recordings);
+        let mut folds = Self {
+            count: motions.count.min(most.max(1)),
+            cells: Vec::new(),
+            rows: vec![Vec::new(); recordings.len()],
+            whole: motions.count >= FEWEST || most < 2,
+        };
+        if !folds.whole {
+            folds.cut(recordings, &motions, most, gap);
+            return folds;
+        }
+        for (part, (recording, motions)) in recordings.iter().zip(&motions.of).enumerate() {
+            for (trajectory, motion) in recording.trajectories.iter().zip(motions) {
+                folds.put(
+                    part,
+                    trajectory.range.clone(),
+                    motion % folds.count,
+                    Vec::new(),
+                );
+            }
+        }
         folds
     }
 
@@ -134,59 +166,36 @@ impl Folds {
     }
 
     /// Cuts every motion into blocks of time, one fold each.
-    fn cut(
-        &mut self,
-        recordings: &[&Recording],
-        pairs: &[Vec<(usize, usize)>],
-        most: usize,
-        gap: f64,
-    ) {
-        // Trajectories of one motion share a class.
-        let mut classes = 0;
-        let mut class: Vec<Vec<usize>> = Vec::new();
-        for (recording, pairs) in recordings.iter().zip(pairs) {
-            let mut mine: Vec<usize> = Vec::new();
-            for t in 0..recording.trajectories.len() {
-                let earlier = pairs.iter().find(|&&(_, b)| b == t);
-                mine.push(match earlier {
-                    Some(&(a, _)) => mine[a],
-                    None => {
-                        classes += 1;
-                        classes - 1
-                    }
-                });
-            }
-            class.push(mine);
-        }
-        let blocks = most.div_ceil(classes.max(1)).max(2);
-        self.count = blocks * classes;
+    fn cut(&mut self, recordings: &[&Recording], motions: &Motions, most: usize, gap: f64) {
+        let blocks = most.div_ceil(motions.count.max(1)).max(2);
+        self.count = blocks * motions.count;
         for (part, recording) in recordings.iter().enumerate() {
-            for (trajectory, &class) in recording.trajectories.iter().zip(&class[part]) {
+            for (trajectory, &number) in recording.trajectories.iter().zip(&motions.of[part]) {
                 let rows = trajectory.range.clone();
                 let time = &recording.time[rows.clone()];
                 let whole = time[time.len() - 1] - time[0];
-                self.cut_one(&Motion {
+                self.cut_one(&Execution {
                     part,
                     start: rows.start,
                     time,
                     span: period(recording, rows.clone()).unwrap_or(whole),
-                    folds: class * blocks..(class + 1) * blocks,
+                    folds: number * blocks..(number + 1) * blocks,
                     gap,
                 });
             }
         }
     }
 
-    fn cut_one(&mut self, motion: &Motion) {
-        let &Motion {
+    fn cut_one(&mut self, execution: &Execution) {
+        let &Execution {
             part,
             start,
             time,
             span,
             gap,
             ..
-        } = motion;
-        let (first, blocks) = (motion.folds.start, motion.folds.len());
+        } = execution;
+        let (first, blocks) = (execution.folds.start, execution.folds.len());
         let length = span / blocks as f64;
         let gap = gap.min(WIDEST * length);
         // Block of the motion at a time, counted on through all periods.
@@ -217,8 +226,46 @@ impl Folds {
     }
 }
 
+/// Motions that recordings execute, once or more often.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Motions {
+    /// Number of different motions.
+    pub count: usize,
+    /// For each recording the motion of each trajectory, numbered as they first appear.
+    pub of: Vec<Vec<usize>>,
+}
+
+impl Motions {
+    /// Finds them; a motion of one recording is another than those of the next.
+    pub fn new(recordings: &[&Recording]) -> Self {
+        let pairs: Vec<Vec<(usize, usize)>> = recordings.iter().map(|r| repeats::find(r)).collect();
+        Self::of_pairs(recordings, &pairs)
+    }
+
+    /// From pairs of trajectories, each with the next one like it.
+    fn of_pairs(recordings: &[&Recording], pairs: &[Vec<(usize, usize)>]) -> Self {
+        let mut count = 0;
+        let mut of = Vec::with_capacity(recordings.len());
+        for (recording, pairs) in recordings.iter().zip(pairs) {
+            let mut own: Vec<usize> = Vec::new();
+            for t in 0..recording.trajectories.len() {
+                let earlier = pairs.iter().find(|&&(_, b)| b == t);
+                own.push(match earlier {
+                    Some(&(a, _)) => own[a],
+                    None => {
+                        count += 1;
+                        count - 1
+                    }
+                });
+            }
+            of.push(own);
+        }
+        Self { count, of }
+    }
+}
+
 /// One trajectory that is cut.
-struct Motion<'a> {
+struct Execution<'a> {
     part: usize,
     /// Its first row.
     start: usize,

@@ -155,3 +155,41 @@ proptest! {
         }
     }
 }
+
+/// A B C A B C …: six motions, each executed twice, the second time with the encoder's noise.
+#[test]
+fn executions_of_one_motion_are_dealt_together() {
+    let r = recording(&[4.0; 12], |k, t| {
+        let motion = (k % 6) as f64;
+        (t * (1.0 + 0.3 * motion)).sin() + 1e-4 * (k as f64 + 37.0 * t).sin()
+    });
+    let motions = Motions::new(&[&r]);
+    assert_eq!(motions.count, 6);
+    // One visit to the robot, which is cut where visits are dealt.
+    assert!(!Folds::new(&[&r], 4, 0.5).whole);
+    let folds = Folds::of_motions(&[&r], 4, 0.5);
+    assert!(folds.whole && folds.count == 4);
+    assert!(folds.cells.iter().all(|c| c.near.is_empty()));
+    let dealt = &folds.of_trajectories(&[&r])[0];
+    assert_eq!(dealt[..], [0, 1, 2, 3, 0, 1, 0, 1, 2, 3, 0, 1]);
+}
+
+/// Two motions, each executed twice: both are cut, at the same places, with a gap.
+#[test]
+fn few_motions_are_cut_alike() {
+    let r = recording(&[8.0; 4], |k, t| {
+        let motion = (k % 2) as f64;
+        (t * (1.0 + 0.3 * motion) + 0.05 * t * t).sin()
+    });
+    let folds = Folds::of_motions(&[&r], 8, 0.5);
+    assert!(!folds.whole && folds.count == 8);
+    for i in 0..401 {
+        for k in 0..2 {
+            let [first, again] = [k, k + 2].map(|k| fold_of(&folds, 401 * k + i));
+            assert_eq!(first, again, "row {i}");
+        }
+    }
+    // Blocks of 2 s; 1.8 s is within half a second of the second.
+    assert_eq!(fold_of(&folds, 90).near, [1]);
+    assert!(fold_of(&folds, 50).near.is_empty());
+}

@@ -1,6 +1,6 @@
 //! Reads the real recordings and example cases next to the repository, where they are there.
 
-use datasets::{Part, ReadOptions, Recording, TorqueFilter, read};
+use datasets::{Folds, Part, ReadOptions, Recording, TorqueFilter, read};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -43,6 +43,20 @@ fn kr300_parquet_has_72_executions_and_the_torque_filter() {
         let lengths = r.trajectories.iter().map(|t| t.range.len());
         assert!(lengths.into_iter().all(|n| n == 604 || n == 596));
     }
+}
+
+/// 33 motions, of which the second executions follow all the first ones: A B C … A B C ….
+#[test]
+fn no_pair_of_repeats_of_a_kr300_straddles_folds() {
+    let Some(train) = kr300("train.parquet", Part::Train) else {
+        return;
+    };
+    let pairs = datasets::repeats::find(&train);
+    assert_eq!(pairs.len(), 33);
+    let folds = Folds::of_motions(&[&train], 8, 0.5);
+    assert!(folds.whole && folds.count == 8);
+    let fold = &folds.of_trajectories(&[&train])[0];
+    assert!(pairs.iter().all(|&(a, b)| fold[a] == fold[b]), "{fold:?}");
 }
 
 #[test]

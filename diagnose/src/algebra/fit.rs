@@ -138,6 +138,11 @@ impl<'a> Fit<'a> {
         &self.grams.folds[fold][joint].xx
     }
 
+    /// XᵀX of one joint on the rows that are not fitted where a fold is scored.
+    pub fn products_apart(&self, fold: usize, joint: usize) -> &Array2<f64> {
+        &self.grams.apart(fold, joint).xx
+    }
+
     /// Places among a joint's active columns of what is fitted there, and its rows of some coefficients, shape (variables, any).
     pub fn fitted_rows(&self, joint: usize, beta: &Array2<f64>) -> (Vec<usize>, Array2<f64>) {
         let (variables, columns): (Vec<usize>, Vec<usize>) =
@@ -236,7 +241,7 @@ fn solved(
     let mut b = Array1::<f64>::zeros(m);
     for (j, (&w, place)) in weights.iter().zip(places).enumerate() {
         let total = &grams.total[j];
-        let out = left_out.map(|f| &grams.folds[f][j]);
+        let out = left_out.map(|f| grams.apart(f, j));
         for &(i, p) in place {
             for &(k, r) in place.iter().take_while(|&&(k, _)| k <= i) {
                 a[[i, k]] += w * (total.xx[[p, r]] - out.map_or(0.0, |g| g.xx[[p, r]]));

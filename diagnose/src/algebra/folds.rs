@@ -1,33 +1,50 @@
 //! Groups of rows that are left out together.
 
+use datasets::{Folds, Recording};
 use std::ops::Range;
 
-/// Most folds; with more trajectories than that, neighbours in the file share one, so that
-/// executions of one motion, which follow each other, are left out together.
-const MOST: usize = 12;
-/// Fewest folds; with fewer trajectories they are cut in time.
-const FEWEST: usize = 4;
+/// Folds, at most: more of them take longer, and of fewer each leaves out much.
+const MOST: usize = 8;
 
-/// Folds of whole trajectories, or of stretches of time where there are few trajectories.
-pub fn folds(trajectories: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
-    let n = trajectories.len();
-    if n >= FEWEST {
-        let k = n.min(MOST);
-        return (0..k)
-            .map(|f| trajectories[f * n / k..(f + 1) * n / k].to_vec())
-            .collect();
+/// Fitted rows that are left out together. Each range lies in one trajectory.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Fold {
+    /// Rows that are scored by a fit to the others.
+    pub scored: Vec<Range<usize>>,
+    /// Rows of other folds so near to these that this fit does without them, too.
+    pub near: Vec<Range<usize>>,
+}
+
+/// Deals a recording as [`Folds::of_motions`] does. `rows` are the fitted rows of each trajectory, one in `stride` samples; rows closer
+/// than `gap` (s) to a block cut out of a trajectory are near to it.
+pub fn folds(recording: &Recording, rows: &[Range<usize>], stride: usize, gap: f64) -> Vec<Fold> {
+    let dealt = Folds::of_motions(&[recording], MOST, gap);
+    let mut out = vec![Fold::default(); dealt.count];
+    for (trajectory, rows) in recording.trajectories.iter().zip(rows) {
+        let samples = &trajectory.range;
+        let row = |sample: usize| rows.start + (sample - samples.start).div_ceil(stride);
+        let own = |part: &&(Range<usize>, usize)| samples.contains(&part.0.start);
+        // Cells of one fold that follow each other are one range.
+        let mut last = None;
+        for (part, cell) in dealt.rows[0].iter().filter(own) {
+            let range = row(part.start)..row(part.end).min(rows.end);
+            let cell = &dealt.cells[*cell];
+            for &f in &cell.near {
+                out[f].near.push(range.clone());
+            }
+            match out[cell.fold].scored.last_mut() {
+                Some(before) if last == Some(cell.fold) => before.end = range.end,
+                _ => out[cell.fold].scored.push(range),
+            }
+            last = Some(cell.fold);
+        }
     }
-    let pieces = (2 * FEWEST).div_ceil(n.max(1));
-    trajectories
-        .iter()
-        .flat_map(|t| -> Vec<Vec<Range<usize>>> {
-            let at = move |p: usize| t.start + t.len() * p / pieces;
-            (0..pieces)
-                .map(move |p| std::iter::once(at(p)..at(p + 1)).collect())
-                .collect()
-        })
-        .filter(|f| !f[0].is_empty())
-        .collect()
+    for fold in &mut out {
+        fold.scored.retain(|r| !r.is_empty());
+        fold.near.retain(|r| !r.is_empty());
+    }
+    out.retain(|fold| !fold.scored.is_empty());
+    out
 }
 
 /// Deviation of a number by what it is without each block (jackknife); none of fewer than three.
@@ -40,16 +57,83 @@ pub fn jackknife(without: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{folds, jackknife};
+    use super::{Fold, folds, jackknife};
+    use datasets::{Recording, Trajectory};
+    use ndarray::Array2;
+    use std::ops::Range;
+
+    /// Trajectories of eight seconds at 50 Hz, of so many different motions in turn.
+    fn recording(trajectories: usize, motions: usize) -> Recording {
+        let at = |i: usize| (i / 401, (i % 401) as f64 / 50.0);
+        let n = 401 * trajectories;
+        let time = (0..n).map(|i| 100.0 * at(i).0 as f64 + at(i).1).collect();
+        let q = Array2::from_shape_fn((n, 1), |(i, _)| {
+            let ((k, t), noise) = (at(i), 1e-4 * (37 * i % 101) as f64 / 101.0);
+            (t * (1.0 + 0.3 * (k % motions) as f64) + 0.05 * t * t).sin() + noise
+        });
+        let one = |k: usize| Trajectory {
+            label: k.to_string(),
+            range: 401 * k..401 * (k + 1),
+        };
+        Recording {
+            trajectories: (0..trajectories).map(one).collect(),
+            ..Recording::new("test", time, q, None)
+        }
+    }
+
+    /// One row in four samples.
+    fn rows(trajectories: usize) -> Vec<Range<usize>> {
+        (0..trajectories).map(|k| 101 * k..101 * (k + 1)).collect()
+    }
+
+    fn fold_of(folds: &[Fold], row: usize) -> usize {
+        let of = |f: &Fold| f.scored.iter().any(|r| r.contains(&row));
+        folds.iter().position(of).unwrap()
+    }
 
     #[test]
     fn folds_cover_every_row_once() {
         for n in [1, 3, 8, 66] {
-            let trajectories: Vec<_> = (0..n).map(|i| i * 50..(i + 1) * 50).collect();
-            let folds = folds(&trajectories);
-            assert!((4..=12).contains(&folds.len()));
-            let rows: Vec<usize> = folds.into_iter().flatten().flatten().collect();
-            assert_eq!(rows, (0..50 * n).collect::<Vec<_>>());
+            let folds = folds(&recording(n, n), &rows(n), 4, 0.5);
+            assert!((4..=9).contains(&folds.len()), "{n}");
+            let mut covered: Vec<usize> = folds
+                .iter()
+                .flat_map(|f| f.scored.iter().cloned().flatten())
+                .collect();
+            covered.sort_unstable();
+            assert_eq!(covered, (0..101 * n).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn no_pair_of_repeats_straddles_folds() {
+        // A B C D E F A B C D E F
+        let dealt = folds(&recording(12, 6), &rows(12), 4, 0.5);
+        assert_eq!(dealt.len(), 6);
+        assert!(dealt.iter().all(|f| f.near.is_empty()));
+        for row in 0..606 {
+            assert_eq!(fold_of(&dealt, row), fold_of(&dealt, row + 606));
+        }
+        // A B C A B C: three motions are cut, at the same places.
+        let dealt = folds(&recording(6, 3), &rows(6), 4, 0.5);
+        assert_eq!(dealt.len(), 9);
+        for row in 0..303 {
+            assert_eq!(fold_of(&dealt, row), fold_of(&dealt, row + 303));
+        }
+    }
+
+    #[test]
+    fn nothing_is_fitted_within_the_gap_of_a_cut() {
+        // One row in four samples at 50 Hz: half a second is 6.25 rows; blocks of one second are cut, a quarter of it is the gap.
+        let dealt = folds(&recording(1, 1), &rows(1), 4, 0.5);
+        assert_eq!(dealt.len(), 8);
+        for (f, fold) in dealt.iter().enumerate() {
+            let scored = &fold.scored[0];
+            for row in 0..101_usize {
+                let away = row.saturating_sub(scored.end - 1) + scored.start.saturating_sub(row);
+                let near = fold.near.iter().any(|r| r.contains(&row));
+                assert_eq!(near, (1..=3).contains(&away), "fold {f}, row {row}");
+            }
         }
     }
 

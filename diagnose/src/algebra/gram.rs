@@ -132,6 +132,8 @@ pub struct Grams {
     pub layout: Layout,
     /// By fold, then joint.
     pub folds: Vec<Vec<JointGram>>,
+    /// What is not fitted where a fold is scored, by fold, then joint: the fold and what lies near it. None where nothing does.
+    apart: Option<Vec<Vec<JointGram>>>,
     /// Sum over folds, by joint.
     pub total: Vec<JointGram>,
 }
@@ -148,8 +150,34 @@ impl Grams {
         Self {
             layout,
             folds,
+            apart: None,
             total,
         }
+    }
+
+    /// With the products of the rows near each fold, which are in those of other folds as well.
+    pub fn with_near(self, near: Vec<Vec<JointGram>>) -> Self {
+        let mut apart = self.folds.clone();
+        for (fold, near) in apart.iter_mut().zip(&near) {
+            for (sum, joint) in fold.iter_mut().zip(near) {
+                sum.add(joint);
+            }
+        }
+        Self {
+            apart: Some(apart),
+            ..self
+        }
+    }
+
+    /// Products of one joint's rows that are not fitted where a fold is scored.
+    pub fn apart(&self, fold: usize, joint: usize) -> &JointGram {
+        &self.apart.as_ref().unwrap_or(&self.folds)[fold][joint]
+    }
+
+    /// All products, of which some are in several.
+    pub fn each_mut(&mut self) -> impl Iterator<Item = &mut Vec<JointGram>> {
+        let apart = self.apart.iter_mut().flatten();
+        self.folds.iter_mut().chain([&mut self.total]).chain(apart)
     }
 
     /// Number of joints.

@@ -17,6 +17,14 @@ pub struct RightHands {
     pub xy: Vec<Vec<Array2<f64>>>,
     /// yᵀy of each torque.
     pub yy: Vec<Vec<Array1<f64>>>,
+    /// Xᵀy on the rows that are not fitted where a fold is scored; none where these are the fold's.
+    pub apart: Option<Vec<Vec<Array2<f64>>>>,
+}
+
+impl RightHands {
+    fn apart(&self, fold: usize, joint: usize) -> &Array2<f64> {
+        &self.apart.as_ref().unwrap_or(&self.xy)[fold][joint]
+    }
 }
 
 /// One part of a fit, all folds or all but one.
@@ -185,7 +193,7 @@ fn addition(fit: &Fit, which: Which, set: &[Variable]) -> Addition {
     let mut own = Array2::<f64>::zeros((k, k));
     for (j, &w) in fit.weights.iter().enumerate() {
         let total = &grams.total[j].xx;
-        let out = which.left_out.map(|f| &grams.folds[f][j].xx);
+        let out = which.left_out.map(|f| &grams.apart(f, j).xx);
         for &(a, row) in &rows[j] {
             let (all, less) = (total.row(row), out.map(|x| x.row(row)));
             let product = |p: usize| w * (all[p] - less.map_or(0.0, |x| x[p]));
@@ -247,7 +255,7 @@ fn state(fit: &Fit, which: Which, y: &RightHands) -> State {
             let mut column = right.column_mut(i);
             column.scaled_add(w, &whole[j].row(p));
             if let Some(f) = which.left_out {
-                column.scaled_add(-w, &y.xy[f][j].row(p));
+                column.scaled_add(-w, &y.apart(f, j).row(p));
             }
         }
     }
@@ -282,7 +290,7 @@ fn state(fit: &Fit, which: Which, y: &RightHands) -> State {
         error.push(e);
         old.push(rest.select(Axis(0), &columns));
         fitted.push(match which.left_out {
-            Some(_) => all - &rest,
+            Some(f) => all - left(&grams.apart(f, j).xx, y.apart(f, j)),
             None => all,
         });
         scored.push(rest);
@@ -302,32 +310,38 @@ mod tests {
     use crate::algebra::gram::{Grams, JointGram, Layout};
     use crate::algebra::trial::{Beside, Scored};
     use proptest::prelude::*;
+    use std::ops::Range;
 
     /// Three folds of two joints; the torque and a second one, three times as large, with the products of both.
     fn case(values: &[f64]) -> (Grams, RightHands) {
         let layout = Layout::new(2, &[vec![0, 1], vec![0], vec![1], vec![0, 1]]);
-        let folds: Vec<Vec<JointGram>> = values
-            .chunks(80)
-            .map(|c| {
-                let half = |x: &[f64]| {
-                    let rows = Array2::from_shape_vec((10, 4), x.to_vec()).expect("40 values");
-                    let ones = Array1::ones(10);
-                    JointGram::new(
-                        rows.slice_axis(Axis(1), (0..3).into()),
-                        rows.column(3),
-                        ones.view(),
-                    )
-                };
-                vec![half(&c[..40]), half(&c[40..])]
-            })
-            .collect();
+        let of = |rows: Range<usize>| -> Vec<Vec<JointGram>> {
+            let joint = |x: &[f64]| {
+                let all = Array2::from_shape_vec((10, 4), x.to_vec()).expect("40 values");
+                let some = all.slice_axis(Axis(0), rows.clone().into());
+                JointGram::new(
+                    some.slice_axis(Axis(1), (0..3).into()),
+                    some.column(3),
+                    Array1::ones(rows.len()).view(),
+                )
+            };
+            let fold = |c: &[f64]| vec![joint(&c[..40]), joint(&c[40..])];
+            values.chunks(80).map(fold).collect()
+        };
+        let folds = of(0..10);
+        // The first rows of each fold lie near the one before it.
+        let mut near = of(0..2);
+        near.rotate_left(1);
+        let grams = Grams::new(layout, folds.clone()).with_near(near);
         let twice = |x: &Array1<f64>, factor: f64| {
             let mut out = Array2::zeros((x.len(), 2));
             out.column_mut(0).assign(x);
             out.column_mut(1).assign(&(x * factor));
             out
         };
+        let apart = |f: usize| (0..2).map(|j| twice(&grams.apart(f, j).xy, 3.0)).collect();
         let right = RightHands {
+            apart: Some((0..folds.len()).map(apart).collect()),
             xy: folds
                 .iter()
                 .map(|f| f.iter().map(|g| twice(&g.xy, 3.0)).collect())
@@ -341,7 +355,7 @@ mod tests {
                 })
                 .collect(),
         };
-        (Grams::new(layout, folds), right)
+        (grams, right)
     }
 
     proptest! {

@@ -159,7 +159,7 @@ impl<'f, 'a> Beside<'f, 'a> {
                     continue;
                 };
                 let total = &grams.total[j];
-                let out = common.left_out.map(|f| &grams.folds[f][j]);
+                let out = common.left_out.map(|f| grams.apart(f, j));
                 for (b, x) in added.iter().enumerate().take(a + 1) {
                     if let Some(p) = grams.layout.position(j, x.column) {
                         own[[a, b]] +=
@@ -281,7 +281,7 @@ impl Block {
                     continue;
                 };
                 let total = grams.total[j].xx.row(row);
-                let out = left_out.map(|f| grams.folds[f][j].xx.row(row));
+                let out = left_out.map(|f| grams.apart(f, j).xx.row(row));
                 for &(i, p) in &fit.places[j] {
                     cross[i] += w * (total[p] - out.map_or(0.0, |x| x[p]));
                 }
@@ -342,26 +342,28 @@ mod tests {
     use crate::algebra::fit::left_out_error;
     use crate::algebra::gram::{Grams, JointGram, Layout};
     use proptest::prelude::*;
+    use std::ops::Range;
 
     fn grams(values: &[f64]) -> Grams {
         // Two joints; column 0 on both, 1 on the first, 2 on the second, 3 on both.
         let layout = Layout::new(2, &[vec![0, 1], vec![0], vec![1], vec![0, 1]]);
-        let folds = values
-            .chunks(64)
-            .map(|c| {
-                let half = |x: &[f64]| {
-                    let rows = Array2::from_shape_vec((8, 4), x.to_vec()).expect("32 values");
-                    let ones = Array1::ones(8);
-                    JointGram::new(
-                        rows.slice_axis(ndarray::Axis(1), (0..3).into()),
-                        rows.column(3),
-                        ones.view(),
-                    )
-                };
-                vec![half(&c[..32]), half(&c[32..])]
-            })
-            .collect();
-        Grams::new(layout, folds)
+        let of = |rows: Range<usize>| -> Vec<Vec<JointGram>> {
+            let joint = |x: &[f64]| {
+                let all = Array2::from_shape_vec((8, 4), x.to_vec()).expect("32 values");
+                let some = all.slice_axis(Axis(0), rows.clone().into());
+                JointGram::new(
+                    some.slice_axis(Axis(1), (0..3).into()),
+                    some.column(3),
+                    Array1::ones(rows.len()).view(),
+                )
+            };
+            let fold = |c: &[f64]| vec![joint(&c[..32]), joint(&c[32..])];
+            values.chunks(64).map(fold).collect()
+        };
+        // The first rows of each fold lie near the one before it.
+        let mut near = of(0..2);
+        near.rotate_left(1);
+        Grams::new(layout, of(0..8)).with_near(near)
     }
 
     proptest! {

@@ -1,7 +1,6 @@
 //! What fits leave on the part of the fitted recording that they did not see, and what a change of the fit gains there.
 
 use crate::algebra::fit::{Fit, Variable};
-use crate::algebra::folds::folds;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
@@ -33,9 +32,10 @@ impl<'a> OutOfFold<'a> {
         let frame = &frames.data;
         let scene = Scene::new(&found.ground.present, frames.passage(), &frames.scale);
         let samples = |rows: &Range<usize>| frame.samples_of(rows.clone());
-        let folds = folds(&frame.rows)
+        let folds = frame
+            .folds()
             .iter()
-            .map(|f| f.iter().map(samples).collect())
+            .map(|f| f.scored.iter().map(samples).collect())
             .collect();
         let settings = &found.settings.ladder;
         let length = ((settings.stretch * frame.row_rate()) as usize).max(1);

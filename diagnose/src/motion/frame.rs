@@ -1,11 +1,13 @@
 //! A recording on the clocks that the analysis uses: the fine grid of its motion, the recorded
 //! stamps, and the thinned rows that are fitted.
 
+use crate::algebra::folds::{Fold, folds};
 use crate::motion::scene::Scale;
 use crate::motion::sensed::Sensed;
 use crate::settings::{LadderSettings, MotionSettings};
 use datasets::prepare::{PrepareError, PrepareReport};
 use datasets::{PrepareOptions, Prepared, Recording, prepare, repeats};
+use model::preparation::cutoff;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use physics::effects::EarlySign;
 use signal::Motion;
@@ -28,6 +30,7 @@ pub struct Frame {
     pub tau: Array2<f64>,
     /// Rows that are fitted, by trajectory.
     pub rows: Vec<Range<usize>>,
+    folds: Vec<Fold>,
     labels: Vec<String>,
     repeats: Vec<(usize, usize)>,
     lowpass: Option<Vec<Section>>,
@@ -62,7 +65,12 @@ impl Frame {
             rows.push(start..start + n);
             start += n;
         }
+        let gap = cutoff::gap(&PrepareOptions {
+            cutoff_hz: prepared.report.cutoff_hz,
+            ..*options
+        });
         Ok(Self {
+            folds: folds(recording, &rows, stride, gap),
             prepared,
             wide,
             sensed,
@@ -82,6 +90,11 @@ impl Frame {
     /// The recording as it was prepared.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
+    }
+
+    /// Fitted rows that are left out together: those of one motion, or blocks of time where there are few motions.
+    pub fn folds(&self) -> &[Fold] {
+        &self.folds
     }
 
     /// Trajectories that execute one motion, each with the next one like it.

@@ -1,7 +1,7 @@
 //! The diagnosis, step by step: recording → gap → first fit → catalogue → causes.
 
 use crate::algebra::fit::Variable;
-use crate::algebra::folds::folds;
+use crate::algebra::folds::Fold;
 use crate::algebra::gram::Grams;
 use crate::catalogue::choice::Choice;
 use crate::catalogue::gear::Link;
@@ -150,7 +150,7 @@ pub fn find(
     let (data, scale) = (&frames.data, &frames.scale);
     let gap = gap(model, data, scale);
     let y = data.table_thin(&gap);
-    let folds = folds(&data.rows);
+    let folds = data.folds();
     let given = Scene::new(&model.robot, frames.passage(), scale);
     let punctual = given.lateness().map(|l| &gap - &data.table_to_samples(&l));
     let left = punctual.as_ref().unwrap_or(&gap);
@@ -198,7 +198,7 @@ pub fn find(
     let tables = ground.tables.further(&dictionary, &scene, data);
     // Its derivatives need not stay in memory beside the products.
     drop(scene);
-    let grams = tables.grams(&y, weight, &folds);
+    let grams = tables.grams(&y, weight, folds);
     let objective = Objective::new(&grams, scale, &settings.search);
     let simplest = Simplest {
         objective: &objective,
@@ -209,7 +209,7 @@ pub fn find(
     };
     let mut answer = simplest.answer();
     if data.is_short(&settings.ladder) {
-        let rows = |fold: &Vec<Range<usize>>| fold.iter().map(ExactSizeIterator::len).sum();
+        let rows = |fold: &Fold| fold.scored.iter().map(ExactSizeIterator::len).sum();
         let rows: Vec<usize> = folds.iter().map(rows).collect();
         let pieces = pieces(&rows, settings.ladder.piece * data.row_rate());
         answer = simplest.halving(answer, &pieces, &settings.ladder);
@@ -273,7 +273,7 @@ fn first_fit(
     let dictionary = Dictionary::new(data.dof(), &[]);
     let y = data.table_thin(gap);
     let tables = Tables::new(&dictionary, given, data);
-    let grams = tables.grams(&y, weight, &folds(&data.rows));
+    let grams = tables.grams(&y, weight, data.folds());
     let objective = Objective::new(&grams, &frames.scale, &settings.search);
     let base = objective.base(model, 1.0);
     let fit = objective.fit(base.clone());

@@ -1,5 +1,6 @@
 //! The columns of a dictionary on the rows that are fitted, and their products.
 
+use crate::algebra::folds::Fold;
 use crate::algebra::gram::{Grams, JointGram, Layout};
 use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
@@ -17,6 +18,19 @@ pub struct Stretches {
     pub products: Vec<Array2<f64>>,
     /// Weighted sums of squares, shape (stretches, joints).
     pub squares: Array2<f64>,
+    /// Parts of stretches that lie near another fold.
+    pub near: Vec<Near>,
+    /// Products of these parts, by joint, shape (active columns, parts).
+    pub near_products: Vec<Array2<f64>>,
+}
+
+/// A part of a stretch that is not fitted where a fold is scored that it lies near.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Near {
+    /// That fold.
+    pub fold: usize,
+    /// The stretch.
+    pub stretch: usize,
 }
 
 /// Columns on the rows that are fitted. They are most of what a search holds and most of its time, and do not change with what rows weigh: searches of
@@ -68,41 +82,46 @@ impl Tables {
         })
     }
 
-    /// Products of all columns and the gap `y` (rows, joints), by fold of whole trajectories.
-    pub fn grams(
-        &self,
-        y: &Array2<f64>,
-        weight: &Array2<f64>,
-        folds: &[Vec<Range<usize>>],
-    ) -> Grams {
+    /// Products of all columns and the gap `y` (rows, joints), by fold.
+    pub fn grams(&self, y: &Array2<f64>, weight: &Array2<f64>, folds: &[Fold]) -> Grams {
         let dof = self.layout.dof();
-        let cells: Vec<(usize, usize)> = (0..folds.len())
-            .flat_map(|f| (0..dof).map(move |j| (f, j)))
-            .collect();
-        let grams: Vec<JointGram> = cells
-            .into_par_iter()
-            .map(|(f, j)| {
-                JointGram::of_rows(self.columns(j), &folds[f], y.column(j), weight.column(j))
-            })
-            .collect();
-        let mut grams = grams.into_iter();
-        let folds = folds.iter().map(|_| grams.by_ref().take(dof).collect());
-        Grams::new(self.layout.clone(), folds.collect())
+        let of = |rows: &[&[Range<usize>]]| -> Vec<Vec<JointGram>> {
+            let cells: Vec<(usize, usize)> = (0..rows.len())
+                .flat_map(|f| (0..dof).map(move |j| (f, j)))
+                .collect();
+            let grams: Vec<JointGram> = cells
+                .into_par_iter()
+                .map(|(f, j)| {
+                    JointGram::of_rows(self.columns(j), rows[f], y.column(j), weight.column(j))
+                })
+                .collect();
+            let mut grams = grams.into_iter();
+            let folds = rows.iter().map(|_| grams.by_ref().take(dof).collect());
+            folds.collect()
+        };
+        let scored: Vec<&[Range<usize>]> = folds.iter().map(|f| &f.scored[..]).collect();
+        let near: Vec<&[Range<usize>]> = folds.iter().map(|f| &f.near[..]).collect();
+        let grams = Grams::new(self.layout.clone(), of(&scored));
+        if near.iter().all(|rows| rows.is_empty()) {
+            return grams;
+        }
+        grams.with_near(of(&near))
     }
 
-    /// Products of all columns with what a fit leaves of the fitted rows, by stretch of time; each stretch lies in one fold.
+    /// Products of all columns with what a fit leaves of the fitted rows, by stretch of time; each stretch lies in one of the folds.
     pub fn by_stretch(
         &self,
         residual: &Array2<f64>,
         weight: &Array2<f64>,
         stretches: &[(usize, Range<usize>)],
+        folds: &[Fold],
     ) -> Stretches {
         let weighted = residual * weight;
-        let of_joint = |j: usize| {
+        let of_joint = |j: usize, parts: &[Range<usize>]| {
             let left: Vec<f64> = weighted.column(j).to_vec();
-            let mut out = Array2::zeros((self.layout.active[j].len(), stretches.len()));
+            let mut out = Array2::zeros((self.layout.active[j].len(), parts.len()));
             for (mut row, column) in out.rows_mut().into_iter().zip(self.columns(j)) {
-                for (sum, (_, rows)) in row.iter_mut().zip(stretches) {
+                for (sum, rows) in row.iter_mut().zip(parts) {
                     let left = ArrayView1::from(&left[rows.clone()]);
                     *sum = column
                         .slice_axis(ndarray::Axis(0), rows.clone().into())
@@ -115,15 +134,37 @@ impl Tables {
             let rows = stretches[b].1.clone();
             rows.map(|i| weighted[[i, j]] * residual[[i, j]]).sum()
         });
+        let of = |parts: &[Range<usize>]| -> Vec<Array2<f64>> {
+            let joints = (0..self.layout.dof()).into_par_iter();
+            joints.map(|j| of_joint(j, parts)).collect()
+        };
+        let whole: Vec<Range<usize>> = stretches.iter().map(|s| s.1.clone()).collect();
+        let parts: Vec<(Near, Range<usize>)> = near(stretches, folds).collect();
+        let (near, parts): (Vec<Near>, Vec<Range<usize>>) = parts.into_iter().unzip();
         Stretches {
             fold: stretches.iter().map(|s| s.0).collect(),
             squares,
-            products: (0..self.layout.dof())
-                .into_par_iter()
-                .map(of_joint)
-                .collect(),
+            products: of(&whole),
+            near,
+            near_products: of(&parts),
         }
     }
+}
+
+/// Parts of stretches that lie near a fold, with their rows.
+fn near<'a>(
+    stretches: &'a [(usize, Range<usize>)],
+    folds: &'a [Fold],
+) -> impl Iterator<Item = (Near, Range<usize>)> + 'a {
+    let each = folds.iter().enumerate();
+    let each = each.flat_map(|(fold, f)| f.near.iter().map(move |near| (fold, near)));
+    each.flat_map(move |(fold, near)| {
+        let part = move |(stretch, (_, rows)): (usize, &(usize, Range<usize>))| {
+            let both = rows.start.max(near.start)..rows.end.min(near.end);
+            (!both.is_empty()).then_some((Near { fold, stretch }, both))
+        };
+        stretches.iter().enumerate().filter_map(part)
+    })
 }
 
 /// Columns from `first` on, by joint, shape (columns that touch it, rows).

@@ -46,6 +46,7 @@ impl Drawn {
         let mut out = RightHands {
             xy: Vec::with_capacity(folds),
             yy: Vec::with_capacity(folds),
+            apart: None,
         };
         for f in 0..folds {
             let own: Vec<usize> = (0..stretches.fold.len())
@@ -66,6 +67,30 @@ impl Drawn {
             out.xy.push(xy);
             out.yy.push(yy);
         }
+        if !stretches.near.is_empty() {
+            let apart = |f: usize| (0..dof).map(move |j| self.apart(fit, stretches, f, j));
+            out.apart = Some((0..folds).map(|f| apart(f).collect()).collect());
+        }
         out
+    }
+
+    /// Products of a joint's columns with these torques on the rows that are not fitted where a fold is scored.
+    fn apart(&self, fit: &Fit, stretches: &Stretches, fold: usize, joint: usize) -> Array2<f64> {
+        let own: Vec<usize> = (0..stretches.fold.len())
+            .filter(|&b| stretches.fold[b] == fold)
+            .collect();
+        let near: Vec<usize> = (0..stretches.near.len())
+            .filter(|&p| stretches.near[p].fold == fold)
+            .collect();
+        let of: Vec<usize> = near.iter().map(|&p| stretches.near[p].stretch).collect();
+        let rest = |products: &Array2<f64>, parts: &[usize], signs: &[usize]| {
+            let products = products.select(Axis(1), parts);
+            products.dot(&self.signs.select(Axis(0), signs))
+        };
+        let (columns, x) = fit.fitted_rows(joint, &self.beta);
+        let modelled = fit.products_apart(fold, joint).select(Axis(1), &columns);
+        modelled.dot(&x)
+            + rest(&stretches.products[joint], &own, &own)
+            + rest(&stretches.near_products[joint], &near, &of)
     }
 }

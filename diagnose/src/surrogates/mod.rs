@@ -18,7 +18,7 @@ pub use naming::Naming;
 pub use null::Null;
 
 use crate::algebra::fit::Fit;
-use crate::algebra::folds::folds;
+use crate::algebra::folds::Fold;
 use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::out_of_fold::OutOfFold;
@@ -62,7 +62,7 @@ pub fn with<T>(
     let unseen = OutOfFold::new(found, frames, &gap, weight);
     let residual = frame.table_thin(&unseen.residual(&fit));
     let length = (found.settings.ladder.stretch * frame.row_rate()) as usize;
-    let cut = stretches(&folds(&frame.rows), length.max(1));
+    let cut = stretches(frame.folds(), length.max(1));
     let accepted: Vec<usize> = found.accepted.iter().map(|a| a.candidate).collect();
     let search = Search {
         objective: &objective,
@@ -83,7 +83,9 @@ pub fn with<T>(
             .collect(),
         search,
         fit: &fit,
-        stretches: found.tables.by_stretch(&residual, weight, &cut),
+        stretches: found
+            .tables
+            .by_stretch(&residual, weight, &cut, frame.folds()),
         residual: &residual,
         weight,
         cut: &cut,
@@ -91,13 +93,13 @@ pub fn with<T>(
 }
 
 /// Stretches of about `length` rows, each with its fold.
-fn stretches(folds: &[Vec<Range<usize>>], length: usize) -> Vec<(usize, Range<usize>)> {
+fn stretches(folds: &[Fold], length: usize) -> Vec<(usize, Range<usize>)> {
     let cut = |(f, rows): (usize, &Range<usize>)| {
         let (start, all) = (rows.start, rows.len());
         let n = (all / length).max(1);
         (0..n).map(move |k| (f, start + k * all / n..start + (k + 1) * all / n))
     };
     let each = folds.iter().enumerate();
-    let each = each.flat_map(|(f, ranges)| ranges.iter().map(move |r| (f, r)));
+    let each = each.flat_map(|(f, fold)| fold.scored.iter().map(move |r| (f, r)));
     each.flat_map(cut).collect()
 }

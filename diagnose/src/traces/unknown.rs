@@ -5,12 +5,12 @@
 //! (ridge regression on products of motions of all joints) predicts on trajectories left out.
 
 use crate::algebra::cholesky::Cholesky;
-use crate::algebra::folds::folds;
 use crate::motion::frame::Frame;
 use crate::motion::scene::soft_sign;
 use crate::settings::Settings;
 use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Lags at which filtered noise has forgotten itself, s. Several, because what oscillates vanishes at some.
 const LAGS: [f64; 6] = [0.08, 0.1, 0.125, 0.16, 0.2, 0.26];
@@ -201,17 +201,17 @@ fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], input
         c.mapv_inplace(|v| v / scale);
     }
     let y: Array1<f64> = kept.iter().map(|&i| r[i]).collect();
-    let parts: Vec<(Vec<usize>, Array2<f64>, Array1<f64>)> = folds(&frame.rows)
-        .iter()
-        .map(|fold| {
-            let rows: Vec<usize> = (0..kept.len())
-                .filter(|&k| fold.iter().any(|t| t.contains(&kept[k])))
-                .collect();
-            let xf = x.select(Axis(0), &rows);
-            let yf = y.select(Axis(0), &rows);
-            (rows, xf.t().dot(&xf), xf.t().dot(&yf))
-        })
-        .collect();
+    let of = |ranges: &[Range<usize>]| {
+        let rows: Vec<usize> = (0..kept.len())
+            .filter(|&k| ranges.iter().any(|t| t.contains(&kept[k])))
+            .collect();
+        let xf = x.select(Axis(0), &rows);
+        let yf = y.select(Axis(0), &rows);
+        (rows, xf.t().dot(&xf), xf.t().dot(&yf))
+    };
+    let folds = frame.folds();
+    let parts: Vec<(Vec<usize>, Array2<f64>, Array1<f64>)> =
+        folds.iter().map(|fold| of(&fold.scored)).collect();
     let (mut left, mut all) = (0.0, 0.0);
     for (f, (rows, _, _)) in parts.iter().enumerate() {
         let mut a = Array2::<f64>::zeros((x.ncols(), x.ncols()));
@@ -224,6 +224,11 @@ fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], input
         {
             a += xx;
             b += xy;
+        }
+        if !folds[f].near.is_empty() {
+            let (_, xx, xy) = of(&folds[f].near);
+            a -= &xx;
+            b -= &xy;
         }
         for i in 0..x.ncols() {
             a[[i, i]] += RIDGE * kept.len() as f64;

@@ -3,6 +3,7 @@
 use super::arguments::Study;
 use compensator::training::{Fold, Samples};
 use datasets::Recording;
+use datasets::folds::Motions;
 use datasets::metrics::MOVING;
 use datasets::periods::smooth_torque;
 use datasets::prepare::{PrepareOptions, prepare};
@@ -31,6 +32,8 @@ pub struct Run {
     pub tau: Array2<f64>,
     /// Rows of each trajectory.
     pub segments: Vec<Range<usize>>,
+    /// Motion that each trajectory executes.
+    pub motions: Vec<usize>,
     pub rate_hz: f64,
 }
 
@@ -136,6 +139,7 @@ impl Data {
                 moving: by_joint(&motion.qd, |v| f32::from(u8::from(v.abs() > MOVING))),
                 tau,
                 segments: motion.segments.clone(),
+                motions: Motions::new(&[&recording]).of.swap_remove(0),
                 rate_hz: part.report.rate_hz,
             })
         };
@@ -195,6 +199,7 @@ mod tests {
             moving: array![[1.0, 0.0, 1.0, 1.0]],
             tau: Array2::zeros((4, 1)),
             segments: vec![0..3, 3..4],
+            motions: vec![0, 1],
             rate_hz: 60.0,
         };
         assert_eq!(run.rmse(0, &[0], |_| 0.0), 12.5_f64.sqrt());
@@ -212,6 +217,7 @@ mod tests {
             moving: array![[1.0, 0.0, 1.0]],
             tau: Array2::zeros((3, 1)),
             segments: vec![0..1, 1..3],
+            motions: vec![0, 1],
             rate_hz: 60.0,
         };
         assert_eq!(run.counting(|row| row > 0).rmse(0, &[0, 1], |_| 0.0), 4.0);

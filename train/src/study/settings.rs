@@ -35,8 +35,7 @@ pub struct Settings {
 impl Settings {
     /// The published sizes on five folds, or small ones on one.
     pub fn new(quick: bool, data: &Data, seed: u64) -> Result<Self, Failure> {
-        let groups: Vec<usize> = (0..data.moves.segments.len()).collect();
-        let mut folds = folds(&groups, 5, seed).map_err(ResidualError::from)?;
+        let mut folds = folds(&data.moves.motions, 5, seed).map_err(ResidualError::from)?;
         let fitted: usize = folds[0]
             .split
             .train

@@ -1,7 +1,7 @@
 //! The search on the recording that is expected of one effect at one size.
 
 use super::choice::{Choice, Visible};
-use crate::algebra::folds::folds;
+use crate::algebra::folds::{Fold, folds};
 use crate::algebra::gram::{Grams, JointGram, Layout};
 use crate::catalogue::{Bound, Candidate};
 use crate::motion::scene::Scene;
@@ -10,7 +10,10 @@ use crate::search::objective::Objective;
 use crate::search::select::Search;
 use crate::settings::Settings;
 use crate::simulator::NominalModel;
+use datasets::{PrepareOptions, Recording, Trajectory};
+use model::preparation::cutoff;
 use ndarray::{Array1, Array2, Axis, concatenate};
+use signal::Motion;
 use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -47,7 +50,7 @@ pub(super) struct Judge<'a> {
     model: NominalModel,
     /// Fine samples that are rows.
     picked: Vec<usize>,
-    folds: Vec<Vec<Range<usize>>>,
+    folds: Vec<Fold>,
     /// Columns of the base on the rows of each joint, and their numbers.
     base: Vec<Array2<f64>>,
     /// Weight of each row, shape (rows, joints).
@@ -88,7 +91,12 @@ impl<'a> Judge<'a> {
             candidates,
             settings,
             model: NominalModel::new(scene.robot.clone()),
-            folds: folds(&rows),
+            folds: folds(
+                &planned(&scene.motion),
+                &rows,
+                stride,
+                cutoff::gap(&PrepareOptions::default()),
+            ),
             base: base.iter().map(|c| table(c, picked.len())).collect(),
             picked,
             weight,
@@ -126,6 +134,23 @@ impl<'a> Judge<'a> {
     }
 }
 
+/// A planned motion as a recording of it would be dealt into folds.
+fn planned(motion: &Motion) -> Recording {
+    let label = |(k, range): (usize, &Range<usize>)| Trajectory {
+        label: k.to_string(),
+        range: range.clone(),
+    };
+    Recording {
+        trajectories: motion.segments.iter().enumerate().map(label).collect(),
+        ..Recording::new(
+            "planned motion",
+            motion.time.clone(),
+            motion.q.clone(),
+            None,
+        )
+    }
+}
+
 fn table(columns: &[Array1<f64>], rows: usize) -> Array2<f64> {
     let mut out = Array2::zeros((rows, columns.len()));
     for (mut to, from) in out.columns_mut().into_iter().zip(columns) {
@@ -158,8 +183,8 @@ impl<'a> Expected<'a> {
         for (_, j, values) in columns {
             more[j].push(values.select(Axis(0), &judge.picked));
         }
-        let folds = judge.folds.iter().map(|fold| {
-            let rows: Vec<usize> = fold.iter().cloned().flatten().collect();
+        let of_rows = |rows: &[Range<usize>]| -> Vec<JointGram> {
+            let rows: Vec<usize> = rows.iter().cloned().flatten().collect();
             let of = |j: usize| {
                 let more = table(&more[j], judge.picked.len());
                 let all = concatenate(Axis(1), &[judge.base[j].view(), more.view()])
@@ -173,12 +198,19 @@ impl<'a> Expected<'a> {
                 )
             };
             (0..dof).map(of).collect()
-        });
+        };
+        let layout = Layout::new(dof, &joints);
+        let scored = judge.folds.iter().map(|fold| of_rows(&fold.scored));
+        let mut grams = Grams::new(layout, scored.collect());
+        if judge.folds.iter().any(|fold| !fold.near.is_empty()) {
+            let near = judge.folds.iter().map(|fold| of_rows(&fold.near));
+            grams = grams.with_near(near.collect());
+        }
         Self {
             judge,
             choice,
             members: dictionary.members[0].clone(),
-            grams: Grams::new(Layout::new(dof, &joints), folds.collect()),
+            grams,
         }
     }
 
@@ -190,8 +222,8 @@ impl<'a> Expected<'a> {
     /// Sets the torque that is to be explained.
     fn set(&mut self, size: f64) {
         let column = self.column();
-        let layout = &self.grams.layout;
-        for grams in self.grams.folds.iter_mut().chain([&mut self.grams.total]) {
+        let layout = self.grams.layout.clone();
+        for grams in self.grams.each_mut() {
             for (j, g) in grams.iter_mut().enumerate() {
                 g.yy = g.samples * self.judge.variance[j];
                 g.xy.fill(0.0);

@@ -1,7 +1,6 @@
 //! Decoys: candidates whose columns are built on another trajectory's motion, which can explain nothing, must lose.
 
 use crate::Options;
-use crate::algebra::folds::folds;
 use crate::catalogue::Candidate;
 use crate::catalogue::candidate::{Column, ColumnTorque, Maker};
 use crate::catalogue::effect::Effect;
@@ -86,7 +85,7 @@ fn what_another_trajectory_moved_explains_nothing() {
         let scene = Scene::new(&found.ground.present, frames.passage(), &frames.scale);
         let y = data.table_thin(&gap(&model, data, &frames.scale));
         let tables = Tables::new(&dictionary, &scene, data);
-        let grams = tables.grams(&y, &weight, &folds(&data.rows));
+        let grams = tables.grams(&y, &weight, data.folds());
         let objective = Objective::new(&grams, &frames.scale, &found.settings.search);
         let search = Search {
             objective: &objective,
