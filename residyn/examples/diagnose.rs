@@ -14,6 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         kind: Kind::Single(effect_index("torque_ripple").ok_or("ripple is in the catalogue")?),
         hard: false,
         without: None,
+        generator: 1,
     };
     let case = generate(&spec, 1)?;
     let folder = tempfile::tempdir()?;

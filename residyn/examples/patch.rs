@@ -13,6 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         kind: Kind::Single(effect_index("payload").ok_or("payload is in the catalogue")?),
         hard: false,
         without: None,
+        generator: 1,
     };
     let case = generate(&spec, 2)?;
     let folder = tempfile::tempdir()?;

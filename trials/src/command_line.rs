@@ -49,6 +49,9 @@ enum What {
         /// Cases of this effect alone: the first that the seed deals.
         #[arg(long, conflicts_with = "without", value_parser = PossibleValuesParser::new(cases::EFFECTS))]
         only: Option<String>,
+        /// Version of the generator: 1 executes every motion once, 2 executes motions twice in a third of the cases.
+        #[arg(long, value_name = "N", default_value_t = cases::GENERATOR, value_parser = clap::value_parser!(u8).range(1..=i64::from(cases::GENERATOR)))]
+        generator: u8,
         /// Encoders on the links as well: columns ql1, ql2, …
         #[arg(long)]
         link_encoders: bool,
@@ -172,6 +175,7 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
             hard,
             without,
             only,
+            generator,
             link_encoders,
             temperatures,
         } => {
@@ -191,6 +195,7 @@ fn run(arguments: &Arguments) -> Result<(), SimulateError> {
                     (0..*cases).map(draw).collect()
                 }
             };
+            let specs: Vec<_> = specs.into_iter().map(|s| s.by(*generator)).collect();
             cases::write_all(&specs, *seed, sensors, out, |id, _| {
                 bar.set_message(id.to_owned());
                 bar.inc(1);

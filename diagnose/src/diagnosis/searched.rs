@@ -15,7 +15,7 @@ use crate::motion::standing::{Coulomb, Judged, judge, states};
 use crate::schema::NotIdentifiable;
 use crate::search::find::{Findings, find, gap};
 use crate::search::ground::Ground;
-use crate::settings::Settings;
+use crate::settings::{Rule, Settings};
 use crate::simulator::NominalModel;
 use crate::surrogates::{self, Naming, Null};
 use crate::traces::contact::{Contact, detect, suspected};
@@ -186,9 +186,10 @@ impl<'a> Searcher<'a> {
         let (found, contact, skipped) = self.apart(found, contact)?;
         let weight = self.without(&skipped);
         let (found, null, namings) = self.above_chance(found, &weight, &skipped)?;
+        let off = self.options.settings.search.off;
         let beside = match contact {
-            Some(_) => self.beside(&found, &skipped),
-            None => found.left.clone(),
+            Some(_) if !off.holds(Rule::BesidePushes) => self.beside(&found, &skipped),
+            _ => found.left.clone(),
         };
         Ok(Searched {
             look: look.map(|_| !self.repeats(&found.left)),

@@ -11,6 +11,7 @@ use crate::ladder::out_of_fold::{OutOfFold, gain};
 use crate::ladder::rungs::Free;
 use crate::ladder::scores::{Scored, total};
 use crate::search::find::{Findings, gap};
+use crate::settings::Rule;
 use crate::simulator::NominalModel;
 use datasets::metrics::{Scope, deviations};
 use ndarray::Array2;
@@ -188,9 +189,10 @@ fn parameters(
     let dof = links.len();
     let least = found.settings.ladder.listed;
     let mut listed = [Vec::new(), Vec::new()];
+    let more = !found.settings.search.off.holds(Rule::Listed);
     for j in 0..dof {
         let worth = |fall: &[f64]| fall[j] >= least;
-        let needed = worth(&both) || worth(&alone) && !explained(j);
+        let needed = more && (worth(&both) || worth(&alone) && !explained(j));
         let most = links[j].max(friction[j]);
         if worth(&links) || needed && most < least && links[j] >= friction[j] {
             listed[0].push(j);
@@ -200,7 +202,7 @@ fn parameters(
         }
     }
     // A link that was found wrong by itself is named, however little of its torque is its own joint's.
-    if !listed[0].is_empty() {
+    if more && !listed[0].is_empty() {
         let links = found
             .accepted
             .iter()

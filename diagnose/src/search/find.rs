@@ -20,7 +20,7 @@ use crate::search::select::Tried;
 use crate::search::short::pieces;
 use crate::search::simplest::{Against, Answer, Simplest};
 use crate::search::tables::Tables;
-use crate::settings::Settings;
+use crate::settings::{Rule, Settings};
 use crate::simulator::NominalModel;
 use crate::traces::impacts::Blows;
 use crate::traces::order::Orders;
@@ -148,6 +148,7 @@ pub fn find(
     ground: Option<Arc<Ground>>,
 ) -> Result<Findings, DiagnoseError> {
     let (data, scale) = (&frames.data, &frames.scale);
+    let off = settings.search.off;
     let gap = gap(model, data, scale);
     let y = data.table_thin(&gap);
     let folds = data.folds();
@@ -191,9 +192,13 @@ pub fn find(
         && matches!(ground.links[clearest.joint], Link::Unknown)
     {
         let shown = Some(blows.chance(&clearest)).filter(|chance| *chance <= asked.chance);
+        let shown = shown.filter(|_| !off.holds(Rule::Trace));
         candidates.extend(backlash::struck(&scene, clearest.joint, shown));
     }
     effects.retain(&mut candidates);
+    if off.holds(Rule::Evidence) {
+        candidates.iter_mut().for_each(|c| c.evidence = 0.0);
+    }
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let tables = ground.tables.further(&dictionary, &scene, data);
     // Its derivatives need not stay in memory beside the products.
@@ -208,7 +213,7 @@ pub fn find(
         chance,
     };
     let mut answer = simplest.answer();
-    if data.is_short(&settings.ladder) {
+    if data.is_short(&settings.ladder) && !off.holds(Rule::Short) {
         let rows = |fold: &Fold| fold.scored.iter().map(ExactSizeIterator::len).sum();
         let rows: Vec<usize> = folds.iter().map(rows).collect();
         let pieces = pieces(&rows, settings.ladder.piece * data.row_rate());

@@ -5,6 +5,7 @@ use crate::algebra::trial::{Beside, Scored, Trial};
 use crate::catalogue::effect::Effect;
 use crate::catalogue::{Bound, Candidate};
 use crate::search::objective::Objective;
+use crate::settings::Rule;
 use physics::robot::Robot;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -61,6 +62,11 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
+    /// Whether a special rule is switched off.
+    pub(super) fn off(&self, rule: Rule) -> bool {
+        self.objective.settings.off.holds(rule)
+    }
+
     /// See [`Self::missing`].
     pub(super) fn missing(&self) -> f64 {
         *self.missing.get_or_init(|| {
@@ -85,6 +91,7 @@ impl<'a> Search<'a> {
             return self.members[candidate].iter().map(known).collect();
         }
         match c.effect {
+            _ if self.off(Rule::LinkPriors) => wide.collect(),
             Effect::LinkParameters if c.change.is_some() && c.shape.is_empty() => {
                 let precision = self.objective.settings.density.powi(-2);
                 vec![Variable::about_zero(self.members[candidate][0], precision)]
@@ -120,6 +127,7 @@ impl<'a> Search<'a> {
         match c.effect {
             // Its trace has paid for it.
             _ if c.shown.is_some() => 0,
+            _ if self.off(Rule::LastLink) => all,
             Effect::Payload => shown,
             Effect::LinkParameters if c.joints[0] + 1 == self.robot.dof() => shown.min(all),
             _ => all,

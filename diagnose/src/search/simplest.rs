@@ -13,6 +13,7 @@ use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
 use crate::search::objective::{Freedom, Objective};
 use crate::search::select::{Search, Selection, Tried, without};
+use crate::settings::Rule;
 use crate::simulator::NominalModel;
 use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
@@ -85,7 +86,8 @@ impl<'a> Simplest<'a> {
             .iter()
             .map(|(links, _, run)| (*links, run.selection.accepted.clone()))
             .collect();
-        let standing = runs.into_iter().filter(|(_, _, run)| run.stands());
+        let any = settings.off.holds(Rule::Barred);
+        let standing = runs.into_iter().filter(|(_, _, run)| any || run.stands());
         let likeliest = standing.min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((_, _, run)) = likeliest {
             let within = |cause: usize| self.within(&found, cause);
@@ -142,7 +144,8 @@ impl<'a> Simplest<'a> {
     fn fewer(&self, freedom: Freedom) -> Run<'a> {
         let full = self.run(freedom, HashSet::new());
         let many = |c: usize| self.is_many(c);
-        if !full.selection.accepted.iter().any(|&c| many(c)) {
+        let off = full.search.off(Rule::FullLink);
+        if off || !full.selection.accepted.iter().any(|&c| many(c)) {
             return full;
         }
         let barred = (0..self.candidates.len()).filter(|&c| many(c)).collect();
@@ -309,7 +312,9 @@ impl<'a> Run<'a> {
         let absorbable = accepted.iter().zip(&self.over_refit);
         let absorbable = absorbable.filter(|(_, over)| over.is_some());
         let name = |cause: usize| match search.candidates[cause].effect {
-            Effect::Payload => settings.body * search.robot.dof() as f64,
+            Effect::Payload if !search.off(Rule::LastLink) => {
+                settings.body * search.robot.dof() as f64
+            }
             _ => settings.enough,
         };
         let names: f64 = absorbable.map(|(&cause, _)| name(cause)).sum();

@@ -4,7 +4,7 @@ use super::select::{Search, Tried};
 use crate::algebra::fit::Fit;
 use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
-use crate::settings::SearchSettings;
+use crate::settings::{Rule, SearchSettings};
 use signal::quantile::median;
 
 impl Search<'_> {
@@ -30,9 +30,12 @@ impl Search<'_> {
             .collect();
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
         let misfit = removed.iter().sum::<f64>() > s.share * self.missing() && visible;
-        let memory = c.effect == Effect::PreslidingHysteresis;
+        let by_effect = !s.off.holds(Rule::GainByEffect);
+        let memory = by_effect && c.effect == Effect::PreslidingHysteresis;
         let part = match c.effect {
-            Effect::TimeDelay => late_fraction(&before, &after, &c.joints),
+            Effect::TimeDelay if !s.off.holds(Rule::MiddleJoint) => {
+                late_fraction(&before, &after, &c.joints)
+            }
             _ => fraction(&before, &after, &c.joints),
         };
         let sure = c.effect.info().dynamic && gain > s.enough_dynamic * s.enough;
@@ -41,6 +44,7 @@ impl Search<'_> {
         }
         // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
         let clear = match c.effect {
+            _ if !by_effect => s.enough_unseen * s.enough,
             Effect::PreslidingHysteresis if is_narrow(c, s) && part < s.plainly => {
                 s.enough_narrow * s.enough
             }
@@ -71,6 +75,7 @@ impl Search<'_> {
         };
         let late = |c: &usize| self.candidates[*c].effect == Effect::TimeDelay;
         match candidate.effect {
+            effect if s.off.holds(Rule::PartByEffect) => effect.info().least_fraction,
             Effect::StribeckFriction if abrupt() => s.plainly,
             Effect::PreslidingHysteresis if is_narrow(candidate, s) => s.narrow_part,
             // One joint alone that is late, where no other is, is rather friction of another law, or a spring.

@@ -19,6 +19,7 @@ mod input;
 mod ladder;
 mod measure;
 mod motion;
+mod rules;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -32,6 +33,7 @@ pub use measure::{
     VerdictSettings,
 };
 pub use motion::MotionSettings;
+pub use rules::{Off, Rule};
 pub use search::SearchSettings;
 pub use traces::{BlowSettings, ContactSettings, StructureSettings, TraceSettings};
 

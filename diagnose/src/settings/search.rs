@@ -1,5 +1,7 @@
 //! When a cause is accepted.
 
+use super::rules::Off;
+
 settings! {
     /// When a cause is accepted.
     SearchSettings {
@@ -91,6 +93,8 @@ settings! {
         widening: f64 = 4.0, tuned;
         /// Factors under which what no few parameters explain is left to the parameters.
         wider: [f64; 4] = [1.0, 4.0, 16.0, 100.0], tuned;
+        /// Special rules that are switched off, for an ablation.
+        off: Off = Off::NONE, contract;
         /// Most causes that are named.
         most_causes: usize = 24, tuned;
     }

@@ -1,9 +1,10 @@
 //! Command line of `diagnose`.
 
+use diagnose::settings::Rule;
 use clap::builder::PossibleValuesParser;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use std::path::PathBuf;
-use trials::cases::EFFECTS;
+use trials::cases::{EFFECTS, GENERATOR};
 
 /// Diagnoses the gap between a simulator's torque and a real robot's: where it lies, which unmodelled
 /// effect causes it, and how far it shrinks on held-out data.
@@ -33,7 +34,7 @@ pub enum Proof {
         fast: bool,
     },
     /// Diagnoses sealed simulated cases, every other one hard, with the ten thresholds that matter most at half and at double their value,
-    /// without surrogates, and scores the answers.
+    /// or with special rules switched off, without surrogates, and scores the answers.
     Thresholds {
         /// Number of cases.
         #[arg(long, default_value_t = 30)]
@@ -41,6 +42,15 @@ pub enum Proof {
         /// Seed of the draw.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// Version of the generator: 1 executes every motion once, 2 executes motions twice in a third of the cases.
+        #[arg(long, value_name = "N", default_value_t = GENERATOR, value_parser = clap::value_parser!(u8).range(1..=i64::from(GENERATOR)))]
+        generator: u8,
+        /// Special rules to switch off, each alone, instead of the thresholds; `all` of them. May be repeated.
+        #[arg(long, value_name = "RULE", value_parser = PossibleValuesParser::new(Rule::ALL.map(Rule::name).into_iter().chain(["all"])))]
+        off: Vec<String>,
+        /// Switch them off together.
+        #[arg(long, requires = "off")]
+        together: bool,
         /// Folder for the reports. A report that is there already is scored as it is.
         #[arg(long)]
         out: Option<PathBuf>,
@@ -76,6 +86,9 @@ pub struct Sealed {
     /// Draw none of this effect, as before it entered the catalogue.
     #[arg(long, conflicts_with_all = ["hard", "leave_one_out"], value_parser = PossibleValuesParser::new(EFFECTS))]
     pub without: Option<String>,
+    /// Version of the generator: 1 executes every motion once, 2 executes motions twice in a third of the cases.
+    #[arg(long, value_name = "N", default_value_t = GENERATOR, value_parser = clap::value_parser!(u8).range(1..=i64::from(GENERATOR)))]
+    pub generator: u8,
     /// Encoders on the links as well.
     #[arg(long, conflicts_with = "leave_one_out")]
     pub link_encoders: bool,

@@ -170,9 +170,29 @@ fn run_proof(proof: Proof) -> Result<(), prove::ProveError> {
             say_scores(&scores);
             Ok(())
         }
-        Proof::Thresholds { cases, seed, out } => {
-            let bar = ProgressBar::new(prove::thresholds::diagnoses(cases));
-            let tried = prove::thresholds::run(cases, seed, out.as_deref(), || bar.inc(1))?;
+        Proof::Thresholds {
+            cases,
+            seed,
+            generator,
+            off,
+            together,
+            out,
+        } => {
+            let all = off.iter().any(|name| name == "all");
+            let rules = Rule::ALL.into_iter();
+            let rules = rules.filter(|r| all || off.iter().any(|name| name == r.name()));
+            let trial = match (off.is_empty(), together) {
+                (true, _) => Trial::Numbers,
+                (_, false) => Trial::Off(rules.collect()),
+                (_, true) => Trial::OffTogether(rules.collect()),
+            };
+            let bar = ProgressBar::new(prove::thresholds::diagnoses(cases, &trial));
+            let cases = prove::thresholds::Cases {
+                count: cases,
+                seed,
+                generator,
+            };
+            let tried = prove::thresholds::run(&cases, &trial, out.as_deref(), || bar.inc(1))?;
             bar.finish_and_clear();
             report::say!("{}", prove::thresholds::table(&tried).to_text());
             Ok(())
@@ -212,6 +232,7 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
         hard,
         only,
         without,
+        generator,
         leave_one_out,
         calibrate,
         with,
@@ -232,6 +253,7 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
         hard: *hard,
         only,
         without: without.as_deref().and_then(trials::cases::effect_index),
+        generator: *generator,
         sensors: trials::cases::Sensors {
             links: *link_encoders,
             temperatures: *temperatures,

@@ -50,7 +50,9 @@ pub enum ProveError {
         error: std::io::Error,
     },
     /// A report of an earlier run is of another draw.
-    #[error("{path} has case {case} of another draw, of the kind {kind}; take another --out")]
+    #[error(
+        "{path} has case {case} of another draw, of the kind {kind} by generator {generator}; take another --out, or its --generator"
+    )]
     Other {
         /// The folder.
         path: String,
@@ -58,6 +60,8 @@ pub enum ProveError {
         case: String,
         /// Its kind there.
         kind: String,
+        /// Version of the generator there.
+        generator: u64,
     },
     /// A folder cannot be made.
     #[error("cannot make {path}: {error}")]

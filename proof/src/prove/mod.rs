@@ -8,6 +8,7 @@ mod drawn;
 mod error;
 mod faults;
 pub mod given;
+mod headline;
 mod missed;
 mod named;
 mod rates;
@@ -35,6 +36,7 @@ pub use calibration::{left_out, table as weights_table};
 pub use drawn::Drawn;
 pub use error::ProveError;
 pub use faults::{false_table, missed_table};
+pub use headline::Headline;
 pub use missed::Missed;
 pub use named::Named;
 pub use rates::table as rates_table;
@@ -62,6 +64,8 @@ pub struct Draw<'a> {
     pub only: Option<&'a str>,
     /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
     pub without: Option<usize>,
+    /// Version of the generator.
+    pub generator: u8,
     /// What sensors they have beyond the motors' own.
     pub sensors: Sensors,
 }
@@ -83,6 +87,7 @@ pub fn prove(
         hard,
         only,
         without,
+        generator,
         sensors,
     } = *wanted;
     let draw = |index| match hard {
@@ -104,7 +109,7 @@ pub fn prove(
         });
     }
     let specs: Vec<CaseSpec> = (0..)
-        .map(draw)
+        .map(|index| draw(index).by(generator))
         .filter(|spec| only.is_none_or(|name| spec.kind.name() == name))
         .take(cases as usize)
         .collect();
@@ -115,8 +120,10 @@ pub fn prove(
         .into_par_iter()
         .map(|spec| {
             let id = name(&spec, seed);
-            if let Some(out) = out {
-                same_draw(out, &id, spec.kind.name())?;
+            if let Some(out) = out
+                && let Some((truth, _)) = stored(out, &id)
+            {
+                same_draw(&truth, out, &id, &spec)?;
             }
             let score = scored(out, &id, || {
                 let case = generate_with(&spec, seed, sensors)?;
@@ -153,16 +160,18 @@ fn scored(
     Ok(judge(&truth, &found))
 }
 
-/// Refuses a folder whose case of that name is of another kind: other draws deal other kinds under the same names.
-fn same_draw(folder: &Path, id: &str, kind: &str) -> Result<(), ProveError> {
-    match stored(folder, id) {
-        Some((truth, _)) if truth["kind"] != kind => Err(ProveError::Other {
-            path: folder.display().to_string(),
-            case: id.to_owned(),
-            kind: truth["kind"].as_str().unwrap_or_default().to_owned(),
-        }),
-        _ => Ok(()),
+/// Refuses a folder whose case of that name is of another kind or by another generator: other draws deal other cases under the same names.
+fn same_draw(truth: &Value, folder: &Path, id: &str, spec: &CaseSpec) -> Result<(), ProveError> {
+    let generator = truth["generator"].as_u64().unwrap_or(1);
+    if truth["kind"] == spec.kind.name() && generator == u64::from(spec.generator) {
+        return Ok(());
     }
+    Err(ProveError::Other {
+        path: folder.display().to_string(),
+        case: id.to_owned(),
+        kind: truth["kind"].as_str().unwrap_or_default().to_owned(),
+        generator,
+    })
 }
 
 /// A folder that is there from now on.
@@ -348,13 +357,21 @@ mod tests {
         assert_eq!((scores.len(), scores[0].false_alarm), (1, Some(0.0)));
 
         // Another draw deals other kinds under the same names.
-        assert!(same_draw(folder.path(), "a", "none").is_ok());
-        assert!(
-            same_draw(folder.path(), "b", "payload").is_ok(),
-            "no answer"
-        );
-        let refused = same_draw(folder.path(), "a", "payload");
-        assert!(matches!(refused, Err(ProveError::Other { .. })));
+        let spec = |kind, generator| CaseSpec {
+            index: 0,
+            kind,
+            hard: false,
+            without: None,
+            generator,
+        };
+        let none = spec(Kind::None, 1);
+        let (truth, _) = stored(folder.path(), "a").unwrap();
+        assert!(stored(folder.path(), "b").is_none(), "no answer");
+        assert!(same_draw(&truth, folder.path(), "a", &none).is_ok());
+        for other in [spec(Kind::Outside, 1), spec(Kind::None, 2)] {
+            let refused = same_draw(&truth, folder.path(), "a", &other);
+            assert!(matches!(refused, Err(ProveError::Other { .. })));
+        }
     }
 
     #[test]
@@ -365,6 +382,7 @@ mod tests {
             hard: false,
             only: Some("payload"),
             without: trials::cases::effect_index("payload"),
+            generator: 1,
             sensors: Sensors::default(),
         };
         let refused = prove(&draw, &Options::default(), None, || ());

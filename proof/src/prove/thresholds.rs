@@ -1,8 +1,10 @@
-//! What the numbers that matter most do at half and at double their value, on the same cases.
+//! What the numbers that matter most do at half and at double their value, and special rules switched off, on the same cases.
 
+use super::headline::Headline;
 use super::score::{Score, judge};
-use super::{ProveError, folder_of, json, report_of};
+use super::{ProveError, folder_of, json, report_of, same_draw};
 use diagnose::Options;
+use diagnose::settings::{Rule, Settings};
 use rayon::prelude::*;
 use report::{Cell, Column, Table};
 use serde_json::Value;
@@ -28,33 +30,61 @@ const NUMBERS: [&str; 10] = [
 /// What each is multiplied by.
 const FACTORS: [f64; 2] = [0.5, 2.0];
 
-/// A number that is another.
+/// What is other than usual.
 #[derive(Clone, Debug)]
 struct Variant {
-    name: &'static str,
-    factor: f64,
+    name: String,
+    /// What a number is multiplied by; none of a rule.
+    factor: Option<f64>,
     options: Options,
 }
 
-/// Scores of all cases, with the numbers as they are and with each at half and at double.
+/// What is tried beside the usual.
+#[derive(Clone, Debug)]
+pub enum Trial {
+    /// The numbers that matter most, at half and at double.
+    Numbers,
+    /// Special rules, each switched off alone.
+    Off(Vec<Rule>),
+    /// The same rules switched off together.
+    OffTogether(Vec<Rule>),
+}
+
+/// Which cases are diagnosed: every other one is hard.
+#[derive(Clone, Copy, Debug)]
+pub struct Cases {
+    /// How many.
+    pub count: u64,
+    /// Seed of the draw.
+    pub seed: u64,
+    /// Version of the generator.
+    pub generator: u8,
+}
+
+/// Score of a report and what it says.
+struct Judged {
+    score: Score,
+    headline: Headline,
+}
+
+/// All cases, as usual and with each variant.
 pub struct Tried {
-    usual: Vec<Score>,
-    variants: Vec<(Variant, Vec<Score>)>,
+    usual: Vec<Judged>,
+    variants: Vec<(Variant, Vec<Judged>)>,
 }
 
 /// How many diagnoses a run of some cases takes.
-pub fn diagnoses(cases: u64) -> u64 {
-    cases * (1 + NUMBERS.len() * FACTORS.len()) as u64
+pub fn diagnoses(cases: u64, trial: &Trial) -> u64 {
+    cases * (1 + variants(&Options::default(), trial).len()) as u64
 }
 
-/// Diagnoses cases, every other one hard, with every variant. Reports go into `out`, a folder for each variant, and one that is
-/// there already is scored as it is.
+/// Diagnoses cases with every variant. Reports go into `out`, a folder for each variant, and one that is there already is scored as it is.
 ///
 /// # Errors
 /// The first case that fails.
 pub fn run(
-    cases: u64,
-    seed: u64,
+    cases: &Cases,
+    trial: &Trial,
     out: Option<&Path>,
     done: impl Fn() + Sync,
 ) -> Result<Tried, ProveError> {
@@ -62,16 +92,20 @@ pub fn run(
         surrogates: 0,
         ..Options::default()
     };
-    let variants = variants(&usual);
+    let variants = variants(&usual, trial);
     let mut tried = Tried {
         usual: Vec::new(),
         variants: variants.into_iter().map(|v| (v, Vec::new())).collect(),
     };
-    for index in 0..cases {
+    let Cases {
+        seed, generator, ..
+    } = *cases;
+    for index in 0..cases.count {
         let spec = match index % 2 {
             0 => draw(index / 2, seed),
             _ => draw_hard(index / 2, seed),
         };
+        let spec = spec.by(generator);
         let case = OneCase {
             id: name(&spec, seed),
             spec,
@@ -79,20 +113,20 @@ pub fn run(
             made: OnceLock::new(),
             out,
         };
-        let score = |folder: &str, options: &Options| {
-            let scored = case.scored(folder, options);
+        let judged = |folder: &str, options: &Options| {
+            let judged = case.judged(folder, options);
             done();
-            scored
+            judged
         };
         let others = || {
             let each = tried.variants.par_iter();
-            each.map(|(v, _)| score(&format!("{}_{}", v.name, v.factor), &v.options))
-                .collect::<Result<Vec<Score>, _>>()
+            each.map(|(v, _)| judged(&v.folder(), &v.options))
+                .collect::<Result<Vec<Judged>, _>>()
         };
-        let (own, others) = rayon::join(|| score("usual", &usual), others);
+        let (own, others) = rayon::join(|| judged("usual", &usual), others);
         tried.usual.push(own?);
-        for ((_, scores), score) in tried.variants.iter_mut().zip(others?) {
-            scores.push(score);
+        for ((_, all), one) in tried.variants.iter_mut().zip(others?) {
+            all.push(one);
         }
     }
     Ok(tried)
@@ -107,32 +141,62 @@ struct OneCase<'a> {
     out: Option<&'a Path>,
 }
 
-fn variants(usual: &Options) -> Vec<Variant> {
-    let of = |name: &'static str| {
-        FACTORS.map(|factor| {
-            let settings = usual.settings.scaled(name, factor);
-            Variant {
-                name,
-                factor,
-                options: Options {
-                    settings: settings.unwrap_or_else(|| unreachable!("{name} is a setting")),
-                    ..usual.clone()
-                },
-            }
-        })
+fn variants(usual: &Options, trial: &Trial) -> Vec<Variant> {
+    let with = |name: &str, factor, settings| Variant {
+        name: name.to_owned(),
+        factor,
+        options: Options {
+            settings,
+            ..usual.clone()
+        },
     };
-    NUMBERS.into_iter().flat_map(of).collect()
+    let settings = &usual.settings;
+    match trial {
+        Trial::Numbers => {
+            let of = |name: &'static str| {
+                FACTORS.map(|factor| {
+                    let scaled = settings.scaled(name, factor);
+                    let scaled = scaled.unwrap_or_else(|| unreachable!("{name} is a setting"));
+                    with(name, Some(factor), scaled)
+                })
+            };
+            NUMBERS.into_iter().flat_map(of).collect()
+        }
+        Trial::Off(rules) => {
+            let each = rules.iter();
+            each.map(|r| with(r.name(), None, settings.without(*r)))
+                .collect()
+        }
+        Trial::OffTogether(rules) => {
+            let off = |settings: Settings, rule: &Rule| settings.without(*rule);
+            let names: Vec<&str> = rules.iter().map(|r| r.name()).collect();
+            let all = rules.iter().fold(settings.clone(), off);
+            vec![with(&names.join("+"), None, all)]
+        }
+    }
+}
+
+impl Variant {
+    /// Folder of its reports.
+    fn folder(&self) -> String {
+        match self.factor {
+            Some(factor) => format!("{}_{factor}", self.name),
+            None => format!("off_{}", self.name),
+        }
+    }
 }
 
 impl OneCase<'_> {
-    /// Its score, from the report in `folder` where there is one.
-    fn scored(&self, folder: &str, options: &Options) -> Result<Score, ProveError> {
+    /// Its score and what is said, from the report in `folder` where there is one.
+    fn judged(&self, folder: &str, options: &Options) -> Result<Judged, ProveError> {
         let folder = self.out.map(|out| out.join(folder));
         let file = folder.as_ref().map(|f| f.join(format!("{}.json", self.id)));
         let kept = file.as_ref().and_then(|f| std::fs::read_to_string(f).ok());
         let kept: Option<Value> = kept.and_then(|text| serde_json::from_str(&text).ok());
         if let Some(kept) = kept {
-            return Ok(judge(&kept["truth"], &kept["report"]));
+            let at = folder.as_deref().unwrap_or(Path::new(""));
+            same_draw(&kept["truth"], at, &self.id, &self.spec)?;
+            return Ok(Judged::of(&kept["truth"], &kept["report"]));
         }
         let made = self
             .made
@@ -147,51 +211,67 @@ impl OneCase<'_> {
             let both = serde_json::json!({"truth": truth, "report": found});
             report::write_atomic(file, format!("{both:#}"))?;
         }
-        Ok(judge(&truth, &found))
+        Ok(Judged::of(&truth, &found))
     }
 }
 
-/// Scores with each number at half and at double, and in how many cases the first name, leniently, becomes right and wrong.
+impl Judged {
+    fn of(truth: &Value, report: &Value) -> Self {
+        Self {
+            score: judge(truth, report),
+            headline: Headline::of(report),
+        }
+    }
+}
+
+/// Scores with each variant: in how many cases the first name, leniently, becomes right and wrong, and in how many anything else that is
+/// said of causes or verdict changes.
 pub fn table(tried: &Tried) -> Table {
     let mut table = Table::new([
-        Column::text("number"),
+        Column::text("other"),
         Column::number("times"),
         Column::number("top-1*"),
         Column::number("lenient"),
         Column::number("becomes right"),
         Column::number("becomes wrong"),
+        Column::number("first changed"),
+        Column::number("answer changed"),
         Column::number("false causes"),
         Column::number("unknown found"),
         Column::number("false unknown"),
     ]);
     let lenient = |s: &Score| s.lenient;
-    let mut push = |name: &str, factor: Option<f64>, scores: &[Score]| {
-        let all: Vec<&Score> = scores.iter().collect();
-        let sum = |of: fn(&Score) -> Option<f64>| scores.iter().filter_map(of).sum::<f64>();
-        let pairs = tried.usual.iter().zip(scores);
-        let pairs = pairs.filter_map(|(a, b)| Some((lenient(a)?, lenient(b)?)));
-        let (better, worse) = pairs.fold((0, 0), |(better, worse), (a, b)| {
+    let mut push = |variant: Option<&Variant>, all: &[Judged]| {
+        let scores: Vec<&Score> = all.iter().map(|j| &j.score).collect();
+        let sum = |of: fn(&Score) -> Option<f64>| scores.iter().filter_map(|s| of(s)).sum::<f64>();
+        let pairs = || tried.usual.iter().zip(all);
+        let names = pairs().filter_map(|(a, b)| Some((lenient(&a.score)?, lenient(&b.score)?)));
+        let (better, worse) = names.fold((0, 0), |(better, worse), (a, b)| {
             (better + usize::from(b > a), worse + usize::from(b < a))
         });
-        let changed = |n: usize| match factor {
+        let first = |(a, b): &(&Judged, &Judged)| a.headline.first() != b.headline.first();
+        let any = |(a, b): &(&Judged, &Judged)| a.headline != b.headline;
+        let changed = |n: usize| match variant {
             Some(_) => Cell::number(n as f64, 0),
             None => Cell::missing(),
         };
         table.push([
-            Cell::text(name),
-            Cell::optional(factor, 1),
-            Cell::optional(super::mean(&all, |s| s.top1), 2),
-            Cell::optional(super::mean(&all, lenient), 2),
+            Cell::text(variant.map_or("as it is", |v| &v.name)),
+            Cell::optional(variant.and_then(|v| v.factor), 1),
+            Cell::optional(super::mean(&scores, |s| s.top1), 2),
+            Cell::optional(super::mean(&scores, lenient), 2),
             changed(better),
             changed(worse),
+            changed(pairs().filter(first).count()),
+            changed(pairs().filter(any).count()),
             Cell::number(sum(|s| s.extra), 0),
             Cell::number(sum(|s| s.unknown_found), 0),
             Cell::number(sum(|s| s.false_unknown), 0),
         ]);
     };
-    push("as they are", None, &tried.usual);
-    for (variant, scores) in &tried.variants {
-        push(variant.name, Some(variant.factor), scores);
+    push(None, &tried.usual);
+    for (variant, all) in &tried.variants {
+        push(Some(variant), all);
     }
     table
 }
@@ -202,21 +282,51 @@ mod tests {
 
     #[test]
     fn every_number_is_a_setting() {
-        let variants = variants(&Options::default());
+        let variants = variants(&Options::default(), &Trial::Numbers);
         assert_eq!(variants.len(), 20);
         let enough = Options::default().settings.search.enough;
         assert_eq!(variants[0].options.settings.search.enough, 0.5 * enough);
+        assert_eq!(variants[0].folder(), "search.enough_0.5");
+    }
+
+    #[test]
+    fn rules_are_off_alone_or_together() {
+        let off = |v: &Variant, rule| v.options.settings.search.off.holds(rule);
+        let rules = vec![Rule::Trace, Rule::Barred];
+        let alone = variants(&Options::default(), &Trial::Off(rules.clone()));
+        assert_eq!(alone.len(), 2);
+        assert!(off(&alone[1], Rule::Barred) && !off(&alone[1], Rule::Trace));
+        assert_eq!(alone[1].folder(), "off_barred");
+        let [both] = &variants(&Options::default(), &Trial::OffTogether(rules))[..] else {
+            panic!("one variant")
+        };
+        assert!(off(both, Rule::Barred) && off(both, Rule::Trace));
+        assert_eq!(both.folder(), "off_trace+barred");
     }
 
     #[test]
     fn what_changes_is_counted_case_by_case() {
-        let score = |lenient| Score {
-            lenient: Some(lenient),
-            ..Score::default()
+        let judged = |lenient, causes: &[&str]| Judged {
+            score: Score {
+                lenient: Some(lenient),
+                ..Score::default()
+            },
+            headline: Headline {
+                verdict: "explained".to_owned(),
+                causes: causes.iter().map(|c| (*c).to_owned()).collect(),
+            },
         };
-        let usual = vec![score(1.0), score(0.0), score(0.0)];
-        let other = vec![score(0.0), score(1.0), score(1.0)];
-        let variant = variants(&Options::default()).remove(0);
+        let usual = vec![
+            judged(1.0, &["payload: a"]),
+            judged(0.0, &["backlash: a"]),
+            judged(0.0, &[]),
+        ];
+        let other = vec![
+            judged(0.0, &["payload: a", "backlash: b"]),
+            judged(1.0, &["payload: a"]),
+            judged(1.0, &[]),
+        ];
+        let variant = variants(&Options::default(), &Trial::Numbers).remove(0);
         let text = table(&Tried {
             usual,
             variants: vec![(variant, other)],
@@ -225,6 +335,7 @@ mod tests {
         let row = text.lines().find(|l| l.contains("search.enough")).unwrap();
         let cells: Vec<&str> = row.split_whitespace().collect();
         assert_eq!(&cells[..2], ["search.enough", "0.5"], "{text}");
-        assert!(cells.windows(2).any(|w| w == ["2", "1"]), "{text}");
+        // Becomes right, becomes wrong, first changed, answer changed.
+        assert_eq!(&cells[4..8], ["2", "1", "1", "2"], "{text}");
     }
 }

@@ -17,6 +17,7 @@ fn clean(index: u64, seed: u64) -> Case {
         kind: Kind::None,
         hard: false,
         without: None,
+        generator: 1,
     };
     generate(&spec, seed).unwrap()
 }

@@ -22,6 +22,7 @@ fn round_trip(effect: &str, index: u64) {
             kind,
             hard: false,
             without: None,
+            generator: 1,
         },
         77,
     )

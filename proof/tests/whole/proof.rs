@@ -14,6 +14,7 @@ fn a_few_sealed_cases() {
         hard: false,
         only: None,
         without: None,
+        generator: 1,
         sensors: Sensors::default(),
     };
     let scores = prove(&draw, &Options::default(), Some(folder.path()), || ()).unwrap();
@@ -63,6 +64,7 @@ fn friction_that_changes_with_position_has_its_name() {
         hard: false,
         only: Some("position_dependent_friction"),
         without: None,
+        generator: 1,
         sensors: Sensors::default(),
     };
     let scores = prove(&draw, &Options::default(), None, || ()).unwrap();
@@ -80,6 +82,7 @@ fn a_link_encoder_measures_play() {
         hard: false,
         only: Some("backlash"),
         without: None,
+        generator: 1,
         sensors: Sensors {
             links: true,
             temperatures: false,

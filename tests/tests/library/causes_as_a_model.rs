@@ -22,6 +22,7 @@ fn case(effect: &str, index: u64) -> Case {
         kind: Kind::Single(kind),
         hard: false,
         without: None,
+        generator: 1,
     };
     generate(&spec, SEED).expect("a case")
 }

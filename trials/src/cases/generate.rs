@@ -1,5 +1,6 @@
 //! Making a case.
 
+use super::again::Again;
 use super::case::Case;
 use super::experiment::{Chosen, Experiment, Run, together};
 use super::hard;
@@ -36,7 +37,7 @@ const HELD_OUT: [usize; 4] = [2, 5, 8, 11];
 const ATTEMPTS: u64 = 200;
 
 /// Random key of a case.
-fn key(spec: &CaseSpec, seed: u64) -> [u8; 32] {
+pub(super) fn key(spec: &CaseSpec, seed: u64) -> [u8; 32] {
     let mut key = Sha256::new();
     key.update(if spec.hard {
         &b"residyn hard case"[..]
@@ -69,13 +70,14 @@ pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
 pub fn generate_with(spec: &CaseSpec, seed: u64, sensors: Sensors) -> Result<Case, SimulateError> {
     let begun = Instant::now();
     let (key, id) = (key(spec, seed), name(spec, seed));
+    let again = Again::draw(spec, key);
     for attempt in 0..ATTEMPTS {
         let mut rng = ChaCha8Rng::from_seed(key);
         rng.set_stream(attempt);
         let case = if spec.hard {
-            hard::attempt(spec.kind, &id, &mut rng)
+            hard::attempt(spec.kind, &id, again, &mut rng)
         } else {
-            attempt_case(spec, &id, &mut rng)
+            attempt_case(spec, &id, again, &mut rng)
         };
         // A rotor that its joint's link has no room for suits no gear.
         let case = match case {
@@ -84,6 +86,8 @@ pub fn generate_with(spec: &CaseSpec, seed: u64, sensors: Sensors) -> Result<Cas
         };
         if let Some(mut case) = case {
             case.truth.seed = [seed, spec.index, attempt];
+            case.truth.generator = spec.generator;
+            case.truth.repeats = again.is_some();
             case.truth.seconds = begun.elapsed().as_secs_f64();
             sensors.record(&mut case, key);
             return Ok(case);
@@ -98,12 +102,13 @@ pub fn generate_with(spec: &CaseSpec, seed: u64, sensors: Sensors) -> Result<Cas
 fn attempt_case(
     spec: &CaseSpec,
     id: &str,
+    again: Option<Again>,
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Case>, SimulateError> {
     let nominal = relative(rng);
     let plain = nearly(&nominal, rng);
     let n = nominal.dof();
-    let session = session(&nominal, rng);
+    let session = session(&nominal, again, rng);
     let rehearsal = Rehearsal::new(&plain, &session)?;
     let inertia = plain.inertia()?;
     let scene = Scene {
@@ -233,7 +238,7 @@ fn nearly(nominal: &Arm, rng: &mut ChaCha8Rng) -> Arm {
     arm
 }
 
-fn session(arm: &Arm, rng: &mut ChaCha8Rng) -> Session {
+fn session(arm: &Arm, again: Option<Again>, rng: &mut ChaCha8Rng) -> Session {
     let with_moves = rng.random_bool(0.35);
     let trajectories = (0..TRAJECTORIES).map(|_| {
         let segment = if with_moves && rng.random_bool(0.3) {
@@ -248,7 +253,12 @@ fn session(arm: &Arm, rng: &mut ChaCha8Rng) -> Session {
         };
         (segment, LENGTH)
     });
-    Session::new(trajectories.collect(), GAP, arm.dof())
+    let mut trajectories: Vec<(Segment, f64)> = trajectories.collect();
+    if let Some(again) = again {
+        let fitted = (0..TRAJECTORIES).filter(|i| !HELD_OUT.contains(i));
+        again.repeat(&mut trajectories, &fitted.collect::<Vec<_>>());
+    }
+    Session::new(trajectories, GAP, arm.dof())
 }
 
 /// The files and the answer. `found` are the torques of the effects in `run`.

@@ -48,6 +48,15 @@ pub struct CaseSpec {
     pub hard: bool,
     /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
     pub without: Option<usize>,
+    /// Version of the generator, see [`GENERATOR`](super::GENERATOR); what is drawn here is the first's.
+    pub generator: u8,
+}
+
+impl CaseSpec {
+    /// The same case by another version of the generator.
+    pub fn by(self, generator: u8) -> Self {
+        Self { generator, ..self }
+    }
 }
 
 /// Index into [`EFFECTS`] of the effect with a name.
@@ -80,6 +89,7 @@ pub fn draw_without(index: u64, seed: u64, without: Option<usize>) -> CaseSpec {
         kind: kinds[(index % ROUND) as usize],
         hard: false,
         without,
+        generator: 1,
     }
 }
 
@@ -131,6 +141,7 @@ pub fn draw_hard(index: u64, seed: u64) -> CaseSpec {
         kind: kinds[(index % HARD_ROUND) as usize],
         hard: true,
         without: None,
+        generator: 1,
     }
 }
 

@@ -5,6 +5,7 @@
 //! reads (`cases/ID/`) and the one that it must not (`truth/ID.json`). The same index and seed give the same
 //! case on any number of threads.
 
+mod again;
 mod case;
 mod experiment;
 mod generate;
@@ -18,6 +19,7 @@ mod truth;
 mod write;
 
 pub use crate::effects::EFFECTS;
+pub use again::GENERATOR;
 pub use case::Case;
 pub use generate::{generate, generate_with, name};
 pub use hard::{HardTruth, NamedShare};

@@ -22,6 +22,12 @@ pub struct Truth {
     pub robot: String,
     /// Seed of the run, index of the case, attempt that succeeded.
     pub seed: [u64; 3],
+    /// Version of the generator, where it is not the first.
+    #[serde(skip_serializing_if = "is_first")]
+    pub generator: u8,
+    /// Whether motions are executed twice.
+    #[serde(skip_serializing_if = "is_no")]
+    pub repeats: bool,
     /// Number of joints.
     pub joints: usize,
     /// Withheld effects.
@@ -82,6 +88,8 @@ impl Truth {
             kind: kind.name().to_owned(),
             robot: experiment.nominal.family.to_owned(),
             seed: [0; 3],
+            generator: 1,
+            repeats: false,
             joints: n,
             effects: effects.collect(),
             effect_rms: column_rms(&parts[0], n),
@@ -95,6 +103,14 @@ impl Truth {
             hard: None,
         })
     }
+}
+
+fn is_first(generator: &u8) -> bool {
+    *generator == 1
+}
+
+fn is_no(repeats: &bool) -> bool {
+    !repeats
 }
 
 /// Parameters of the plant without the effect.

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trials::cases::{
-    CaseSpec, Kind, Sensors, draw, draw_hard, draw_only, generate, generate_with, write_all,
+    CaseSpec, GENERATOR, Kind, Sensors, draw, draw_hard, draw_only, generate, generate_with,
+    write_all,
 };
 
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
@@ -138,6 +139,7 @@ fn without_effect_torque_is_that_of_the_plant() {
         kind: Kind::None,
         hard: false,
         without: None,
+        generator: 1,
     };
     let truth = generate(&spec, 8).unwrap().truth;
     for (left, torque) in truth.effect_rms.iter().zip(&truth.torque_rms) {
@@ -238,4 +240,83 @@ fn further_sensors_record_beside_the_others() {
     }
     (more.test.ql, more.test.temp) = (None, None);
     assert_eq!((more.train, more.test), (plain.train, plain.test));
+}
+
+/// Root mean squares of each joint's torque and of its noise, N·m, as they were when there was one generator.
+const FIRST_PLAIN: (&str, &[[f64; 2]]) = (
+    "8550a56ac8",
+    &[
+        [7.45651971, 0.112609627],
+        [16.2209583, 0.0927012347],
+        [9.9644128, 0.0612382745],
+        [2.81211027, 0.0444907808],
+        [1.16512326, 0.00954790859],
+        [0.858457003, 0.0127962676],
+    ],
+);
+const FIRST_HARD: (&str, &[[f64; 2]]) = (
+    "ccd4b23806",
+    &[
+        [3.78735254, 0.0834857704],
+        [12.6126239, 0.355604016],
+        [2.79831339, 0.0332541816],
+        [10.3554353, 0.187924208],
+        [0.944124566, 0.0215566102],
+        [0.930556931, 0.0158621886],
+        [0.51816447, 0.014013541],
+    ],
+);
+
+/// The noise is drawn last, so that it tells of every draw before it.
+#[test]
+fn the_first_generator_makes_what_it_made() {
+    let cases = [(draw(3, 21), FIRST_PLAIN), (draw_hard(3, 21), FIRST_HARD)];
+    for (spec, (id, known)) in cases {
+        let truth = generate(&spec, 21).unwrap().truth;
+        assert_eq!((&truth.case[..], truth.joints), (id, known.len()));
+        for (j, known) in known.iter().enumerate() {
+            let found = [truth.torque_rms[j], truth.noise_rms[j]];
+            for (found, known) in found.iter().zip(known) {
+                assert!(
+                    (found / known - 1.0).abs() < 1e-6,
+                    "{id}: {found} of {known}"
+                );
+            }
+        }
+        let truth = serde_json::to_value(&truth).unwrap();
+        assert!(truth.get("generator").is_none() && truth.get("repeats").is_none());
+    }
+}
+
+/// The second generator: the same arm and effect, half as many motions where any is repeated.
+#[test]
+fn the_second_generator_repeats_motions_in_some_cases() {
+    for hard in [false, true] {
+        let (mut repeated, mut same) = (0, 0);
+        for index in 0.. {
+            let spec = if hard {
+                draw_hard(index, 31)
+            } else {
+                draw(index, 31)
+            };
+            let [first, second] = [spec, spec.by(GENERATOR)].map(|s| generate(&s, 31).unwrap());
+            assert_eq!(
+                (&first.id, &first.truth.kind),
+                (&second.id, &second.truth.kind)
+            );
+            assert_eq!(second.truth.generator, GENERATOR);
+            if second.truth.repeats {
+                let n = second.train.trajectories.len();
+                let pairs = datasets::repeats::find(&second.train);
+                assert_eq!(pairs.len(), n / 2, "{}", second.id);
+                repeated += 1;
+            } else {
+                assert_eq!(first.train, second.train);
+                same += 1;
+            }
+            if repeated > 0 && same > 0 {
+                break;
+            }
+        }
+    }
 }

@@ -5,6 +5,7 @@ use super::motion::{Day, Role};
 use super::recorded::Recorded;
 use super::{TRACE_HZ, background, motion, robot};
 use crate::SimulateError;
+use crate::cases::again::Again;
 use crate::cases::case::Case;
 use crate::cases::experiment::{Chosen, Experiment};
 use crate::cases::kind::Kind;
@@ -39,14 +40,20 @@ const MORE: usize = 2;
 const REST: f64 = 0.8;
 
 /// A case, or none where this draw does not suit its kind.
-pub fn attempt(kind: Kind, id: &str, rng: &mut ChaCha8Rng) -> Result<Option<Case>, SimulateError> {
+pub fn attempt(
+    kind: Kind,
+    id: &str,
+    again: Option<Again>,
+    rng: &mut ChaCha8Rng,
+) -> Result<Option<Case>, SimulateError> {
     let nominal = relative(rng);
     let drawn = robot::draw(&nominal, rng);
     let n = nominal.dof();
     // Touches are set on one clock.
     let touched = kind.name() == "external_contact" || kind == Kind::ContactAtRest;
     let other_day = rng.random_bool(0.3) && !touched && kind != Kind::Outside;
-    let days = motion::draw(&nominal, kind == Kind::ContactAtRest, other_day, rng);
+    let resting = kind == Kind::ContactAtRest;
+    let days = motion::draw(&nominal, [resting, other_day], again, rng);
     let rehearsal = Rehearsal::new(&drawn.plain, &days[0].session)?;
     let inertia = drawn.plain.inertia()?;
     let scene = Scene {

@@ -1,5 +1,6 @@
 //! Which motion is recorded, and what it is for.
 
+use crate::cases::again::Again;
 use plant::arm::Arm;
 use plant::reference::{Command, Moves, Multisine, Pace, Segment, Session};
 use rand::RngExt;
@@ -29,8 +30,13 @@ const GAP: f64 = 2.0;
 const AT_REST: f64 = 1e-9;
 
 /// One day with both kinds of trajectories between each other, or two days with one kind each. `resting`: most trajectories
-/// are moves with rests of one second and more.
-pub fn draw(arm: &Arm, resting: bool, other_day: bool, rng: &mut ChaCha8Rng) -> Vec<Day> {
+/// are moves with rests of one second and more. `again`: motions that are fitted are executed twice.
+pub fn draw(
+    arm: &Arm,
+    [resting, other_day]: [bool; 2],
+    again: Option<Again>,
+    rng: &mut ChaCha8Rng,
+) -> Vec<Day> {
     let (train, test) = (rng.random_range(2..9usize), rng.random_range(2..4usize));
     let length = (10.0 * rng.random_range(8.0..15.0f64)).round() / 10.0;
     let haste = rng.random_range(0.5..0.85);
@@ -60,7 +66,11 @@ pub fn draw(arm: &Arm, resting: bool, other_day: bool, rng: &mut ChaCha8Rng) -> 
             };
             (segment, length)
         });
-        let segments = segments.collect();
+        let mut segments: Vec<(Segment, f64)> = segments.collect();
+        if let Some(again) = again {
+            let fitted = (0..roles.len()).filter(|&i| roles[i] == Role::Train);
+            again.repeat(&mut segments, &fitted.collect::<Vec<_>>());
+        }
         Day {
             session: Session::new(segments, GAP, arm.dof()),
             roles,
