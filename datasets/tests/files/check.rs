@@ -1,9 +1,9 @@
 //! The check of a recording on recordings with one known fault each, and the order of sessions.
 
+use crate::shared::shared;
 use datasets::check::{CheckOptions, CheckReport, Kind, check};
 use datasets::{Part, PrepareOptions, ReadOptions, Recording, Trajectory, prepare, read, repeats};
 use ndarray::Array2;
-use std::io::Write;
 
 /// Two joints at 100 Hz for 20 s in two trajectories.
 fn good() -> Recording {
@@ -135,23 +135,10 @@ fn repeats_are_found_from_the_motion_and_give_the_noise() {
 
 #[test]
 fn repeats_of_shared_recordings() {
-    let shared = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    if !shared.exists() {
-        // Not println: what goes through it is swallowed where a test passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: {} is not there",
-            shared.display()
-        );
+    let Some(data) = shared("data/kr300") else {
         return;
-    }
-    let kr300 = |f: &str| {
-        read(
-            &shared.join("data/kr300").join(f),
-            &ReadOptions::kr300(Part::Train),
-        )
-        .unwrap()
     };
+    let kr300 = |f: &str| read(&data.join(f), &ReadOptions::kr300(Part::Train)).unwrap();
     let (train, test) = (kr300("train.parquet"), kr300("test.parquet"));
     assert_eq!(repeats::find(&train).len(), 33);
     assert_eq!(repeats::find(&test), [(0, 3), (1, 4), (2, 5)]);

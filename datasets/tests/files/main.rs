@@ -8,5 +8,7 @@ mod lerobot;
 mod mat;
 mod prepare;
 mod refusals;
+#[path = "../../../tests/src/shared.rs"]
+mod shared;
 mod shared_data;
 mod stop_band;

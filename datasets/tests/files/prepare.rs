@@ -1,12 +1,12 @@
 //! Preprocessing against motions whose derivatives are known, and on the shared recordings.
 
+use crate::shared::shared;
 use datasets::prepare::{Derivatives, PrepareError, Source};
 use datasets::{
     Part, PrepareOptions, ReadOptions, Recording, TorqueFilter, Trajectory, prepare, read,
 };
 use ndarray::{Array1, Array2};
 use std::f64::consts::PI;
-use std::io::Write;
 
 /// Multi-sine with harmonics that fall off, as an identification run has: q, qd, qdd at t.
 fn motion(t: f64, phase: f64) -> [f64; 3] {
@@ -255,25 +255,11 @@ fn nothing_crosses_a_break() {
     }
 }
 
-fn shared(path: &str) -> Option<std::path::PathBuf> {
-    let full = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared")
-        .join(path);
-    if full.exists() {
-        return Some(full);
-    }
-    // Not println: what goes through it is swallowed where a test passes.
-    let _ = writeln!(
-        std::io::stderr(),
-        "skipped: {} is not there",
-        full.display()
-    );
-    None
-}
-
 #[test]
 fn shared_recordings_are_prepared() {
-    let Some(data) = shared("data") else { return };
+    let Some(data) = shared("data") else {
+        return;
+    };
     let kr300 = read(
         &data.join("kr300/test.parquet"),
         &ReadOptions::kr300(Part::Test),

@@ -1,25 +1,7 @@
 //! Reads the real recordings and example cases next to the repository, where they are there.
 
+use crate::shared::shared;
 use datasets::{Folds, Part, ReadOptions, Recording, TorqueFilter, read};
-use std::io::Write;
-use std::path::PathBuf;
-
-/// Path below `../shared`, or `None` after saying that the test is skipped.
-fn shared(path: &str) -> Option<PathBuf> {
-    let full = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared")
-        .join(path);
-    if full.exists() {
-        return Some(full);
-    }
-    // Not println: what goes through it is swallowed where a test passes.
-    let _ = writeln!(
-        std::io::stderr(),
-        "skipped: {} is not there",
-        full.display()
-    );
-    None
-}
 
 fn kr300(file: &str, part: Part) -> Option<Recording> {
     let path = shared(&format!("data/kr300/{file}"))?;

@@ -1,25 +1,13 @@
 //! The baselines on the shared KR300 files, beside the paper's figures. Skipped where they are absent.
 
+use crate::shared::shared;
 use datasets::metrics::{Scope, Scores};
 use datasets::{Part, ReadOptions, Recording, read};
 use model::baseline::{ForwardSettings, LinearForward, LinearInverse};
 use ndarray::Array2;
-use std::io::Write;
-use std::path::PathBuf;
 
 fn load(file: &str) -> Option<[Recording; 2]> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared/data/kr300")
-        .join(file);
-    if !path.exists() {
-        // Not println: what goes through it is swallowed where a test passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: {} is not there",
-            path.display()
-        );
-        return None;
-    }
+    let path = shared(&format!("data/kr300/{file}"))?;
     Some([Part::Train, Part::Test].map(|p| read(&path, &ReadOptions::kr300(p)).unwrap()))
 }
 

@@ -5,4 +5,6 @@ mod baselines_numpy;
 mod channel;
 mod check;
 mod estimators;
+#[path = "../../../tests/src/shared.rs"]
+mod shared;
 mod torque_band;

@@ -1,23 +1,11 @@
 //! The low-pass of real recordings is recognised from their training torque, and none of raw ones.
 
+use crate::shared::shared;
 use model::preparation::setup::Setup;
-use std::io::Write;
-use std::path::PathBuf;
 
 /// Filter that a training file of the shared data shows: half-power frequency, Hz. None where the data are absent.
 fn half_power_hz(robot: &str, file: &str) -> Option<Option<f64>> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared/data")
-        .join(robot);
-    if !folder.exists() {
-        // Not println: what goes through it is swallowed where a test passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: {} is not there",
-            folder.display()
-        );
-        return None;
-    }
+    let folder = shared(&format!("data/{robot}"))?;
     let urdf = folder.join("robot.urdf");
     let mut setup = Setup::new(&urdf.to_string_lossy(), None, None).unwrap();
     let data = setup.read_training(&[folder.join(file)]).unwrap();

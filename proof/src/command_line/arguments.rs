@@ -1,8 +1,8 @@
 //! Command line of `diagnose`.
 
-use diagnose::settings::Rule;
 use clap::builder::PossibleValuesParser;
 use clap::{ArgGroup, Args, Parser, Subcommand};
+use diagnose::settings::Rule;
 use std::path::PathBuf;
 use trials::cases::{EFFECTS, GENERATOR};
 
@@ -45,6 +45,12 @@ pub enum Proof {
         /// Version of the generator: 1 executes every motion once, 2 executes motions twice in a third of the cases.
         #[arg(long, value_name = "N", default_value_t = GENERATOR, value_parser = clap::value_parser!(u8).range(1..=i64::from(GENERATOR)))]
         generator: u8,
+        /// Most joints of an arm: smaller ones are diagnosed sooner.
+        #[arg(long, value_name = "N", default_value_t = 7)]
+        joints: usize,
+        /// The cases of this file instead, whose answers are stored: proof/tests/whole/headline.json.
+        #[arg(long, value_name = "FILE", conflicts_with_all = ["cases", "seed", "generator", "joints"])]
+        headline: Option<PathBuf>,
         /// Special rules to switch off, each alone, instead of the thresholds; `all` of them. May be repeated.
         #[arg(long, value_name = "RULE", value_parser = PossibleValuesParser::new(Rule::ALL.map(Rule::name).into_iter().chain(["all"])))]
         off: Vec<String>,

@@ -5,9 +5,11 @@
 mod arguments;
 
 use crate::prove;
+use crate::prove::thresholds::Trial;
 use arguments::{Arguments, Command, Proof, Sealed};
 use clap::Parser;
 use diagnose::directory::Directory;
+use diagnose::settings::Rule;
 use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, patch, words};
 use indicatif::ProgressBar;
 use physics::robot::Description;
@@ -174,6 +176,8 @@ fn run_proof(proof: Proof) -> Result<(), prove::ProveError> {
             cases,
             seed,
             generator,
+            joints,
+            headline,
             off,
             together,
             out,
@@ -186,13 +190,20 @@ fn run_proof(proof: Proof) -> Result<(), prove::ProveError> {
                 (_, false) => Trial::Off(rules.collect()),
                 (_, true) => Trial::OffTogether(rules.collect()),
             };
-            let bar = ProgressBar::new(prove::thresholds::diagnoses(cases, &trial));
-            let cases = prove::thresholds::Cases {
+            let first = prove::thresholds::Cases {
                 count: cases,
                 seed,
                 generator,
+                joints,
             };
-            let tried = prove::thresholds::run(&cases, &trial, out.as_deref(), || bar.inc(1))?;
+            let stored = headline.as_deref().map(prove::Stored::read).transpose()?;
+            let count = stored.as_ref().map_or(cases, |s| s.cases.len() as u64);
+            let bar = ProgressBar::new(prove::thresholds::diagnoses(count, &trial));
+            let (out, done) = (out.as_deref(), || bar.inc(1));
+            let tried = match &stored {
+                Some(stored) => prove::thresholds::run(stored.made(), &trial, out, done)?,
+                None => prove::thresholds::run(first.made(), &trial, out, done)?,
+            };
             bar.finish_and_clear();
             report::say!("{}", prove::thresholds::table(&tried).to_text());
             Ok(())

@@ -6,14 +6,6 @@ pub enum ProveError {
     /// A case cannot be made or written.
     #[error(transparent)]
     Simulate(#[from] trials::SimulateError),
-    /// A case that several diagnoses share cannot be made.
-    #[error("case {case}: {error}")]
-    Made {
-        /// Its name.
-        case: String,
-        /// Why.
-        error: String,
-    },
     /// A case cannot be diagnosed.
     #[error("case {case}: {error}")]
     Diagnose {
@@ -63,6 +55,14 @@ pub enum ProveError {
         /// Version of the generator there.
         generator: u64,
     },
+    /// A file of stored answers cannot be read.
+    #[error("{path}: {error}; answers as proof/tests/whole/headline.json has them are needed")]
+    Stored {
+        /// The file.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
     /// A folder cannot be made.
     #[error("cannot make {path}: {error}")]
     Folder {
@@ -77,7 +77,11 @@ impl ProveError {
     /// Whether what was asked for, or given, is to blame.
     pub fn is_input(&self) -> bool {
         match self {
-            Self::Kind { .. } | Self::Kept { .. } | Self::Given { .. } | Self::Other { .. } => true,
+            Self::Kind { .. }
+            | Self::Kept { .. }
+            | Self::Stored { .. }
+            | Self::Given { .. }
+            | Self::Other { .. } => true,
             Self::Diagnose { error, .. } => error.is_input(),
             _ => false,
         }

@@ -3,9 +3,11 @@
 use super::answer::{list, text, texts};
 use super::{ProveError, report_of};
 use diagnose::Options;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use trials::cases::{CaseSpec, generate};
+use std::path::Path;
+use trials::cases::{Case, CaseSpec, draw, draw_hard, generate};
 
 /// Verdict and causes of a report.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,14 +33,80 @@ impl Headline {
     pub fn first(&self) -> Option<&str> {
         self.causes.first().map(String::as_str)
     }
+}
 
-    /// Of the diagnosis of a sealed case.
+/// Sealed cases and what was said of them when somebody last looked.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Stored {
+    /// Seed of the draw.
+    pub seed: u64,
+    /// Version of the generator.
+    pub generator: u8,
+    /// The cases.
+    pub cases: Vec<StoredCase>,
+}
+
+/// One of them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StoredCase {
+    /// Its place in the run.
+    pub index: u64,
+    /// Whether it is a hard one.
+    pub hard: bool,
+    /// What it withholds, for who reads the file.
+    pub kind: String,
+    /// What is said.
+    #[serde(flatten)]
+    pub headline: Headline,
+}
+
+impl Stored {
+    /// Reads a file of them.
     ///
     /// # Errors
-    /// The case cannot be made or diagnosed.
-    pub fn of_case(spec: &CaseSpec, seed: u64, options: &Options) -> Result<Self, ProveError> {
-        let case = generate(spec, seed)?;
-        Ok(Self::of(&report_of(&case, options)?))
+    /// [`ProveError::Stored`] where it cannot be read.
+    pub fn read(path: &Path) -> Result<Self, ProveError> {
+        let fail = |error: std::io::Error| ProveError::Stored {
+            path: path.display().to_string(),
+            error,
+        };
+        let text = std::fs::read_to_string(path).map_err(fail)?;
+        serde_json::from_str(&text).map_err(|e| fail(e.into()))
+    }
+
+    /// The cases, made one by one.
+    pub fn made(&self) -> impl Iterator<Item = Result<(CaseSpec, Case), ProveError>> {
+        let one = |case: &StoredCase| {
+            let spec = self.spec(case);
+            Ok((spec, generate(&spec, self.seed)?))
+        };
+        self.cases.iter().map(one)
+    }
+
+    /// The same cases and what is said of them with some options.
+    ///
+    /// # Errors
+    /// The first case that cannot be made or diagnosed.
+    pub fn diagnosed(&self, options: &Options) -> Result<Self, ProveError> {
+        let one = |known: &StoredCase| {
+            let spec = self.spec(known);
+            let report = report_of(&generate(&spec, self.seed)?, options)?;
+            Ok(StoredCase {
+                kind: spec.kind.name().to_owned(),
+                headline: Headline::of(&report),
+                ..*known
+            })
+        };
+        let cases: Result<Vec<StoredCase>, ProveError> = self.cases.par_iter().map(one).collect();
+        Ok(Self {
+            cases: cases?,
+            ..*self
+        })
+    }
+
+    fn spec(&self, case: &StoredCase) -> CaseSpec {
+        let draw = if case.hard { draw_hard } else { draw };
+        draw(case.index, self.seed).by(self.generator)
     }
 }
 

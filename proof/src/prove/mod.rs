@@ -36,7 +36,7 @@ pub use calibration::{left_out, table as weights_table};
 pub use drawn::Drawn;
 pub use error::ProveError;
 pub use faults::{false_table, missed_table};
-pub use headline::Headline;
+pub use headline::{Headline, Stored, StoredCase};
 pub use missed::Missed;
 pub use named::Named;
 pub use rates::table as rates_table;

@@ -9,9 +9,7 @@ use rayon::prelude::*;
 use report::{Cell, Column, Table};
 use serde_json::Value;
 use std::path::Path;
-use std::sync::OnceLock;
-use trials::SimulateError;
-use trials::cases::{Case, CaseSpec, draw, draw_hard, generate, name};
+use trials::cases::{Case, CaseSpec, draw, draw_hard, generate};
 
 /// Those numbers.
 const NUMBERS: [&str; 10] = [
@@ -59,6 +57,34 @@ pub struct Cases {
     pub seed: u64,
     /// Version of the generator.
     pub generator: u8,
+    /// Most joints of an arm: smaller ones are diagnosed sooner.
+    pub joints: usize,
+}
+
+impl Cases {
+    /// The cases in the order in which they are diagnosed: of either kind those that the seed deals first.
+    pub fn made(self) -> impl Iterator<Item = Result<(CaseSpec, Case), ProveError>> {
+        let dealt = move |hard: bool| {
+            let draw = if hard { draw_hard } else { draw };
+            let each = (0..).map(move |index| {
+                let spec = draw(index, self.seed).by(self.generator);
+                Ok((spec, generate(&spec, self.seed)?))
+            });
+            each.filter(move |made: &Result<(CaseSpec, Case), ProveError>| {
+                let small = |(_, case): &(CaseSpec, Case)| case.truth.joints <= self.joints;
+                made.as_ref().map_or(true, small)
+            })
+        };
+        let (mut plain, mut hard) = (dealt(false), dealt(true));
+        let next = move |k: u64| {
+            if k.is_multiple_of(2) {
+                plain.next()
+            } else {
+                hard.next()
+            }
+        };
+        (0..self.count).filter_map(next)
+    }
 }
 
 /// Score of a report and what it says.
@@ -83,7 +109,7 @@ pub fn diagnoses(cases: u64, trial: &Trial) -> u64 {
 /// # Errors
 /// The first case that fails.
 pub fn run(
-    cases: &Cases,
+    cases: impl Iterator<Item = Result<(CaseSpec, Case), ProveError>>,
     trial: &Trial,
     out: Option<&Path>,
     done: impl Fn() + Sync,
@@ -97,22 +123,9 @@ pub fn run(
         usual: Vec::new(),
         variants: variants.into_iter().map(|v| (v, Vec::new())).collect(),
     };
-    let Cases {
-        seed, generator, ..
-    } = *cases;
-    for index in 0..cases.count {
-        let spec = match index % 2 {
-            0 => draw(index / 2, seed),
-            _ => draw_hard(index / 2, seed),
-        };
-        let spec = spec.by(generator);
-        let case = OneCase {
-            id: name(&spec, seed),
-            spec,
-            seed,
-            made: OnceLock::new(),
-            out,
-        };
+    for made in cases {
+        let (spec, case) = made?;
+        let case = OneCase { spec, case, out };
         let judged = |folder: &str, options: &Options| {
             let judged = case.judged(folder, options);
             done();
@@ -132,12 +145,10 @@ pub fn run(
     Ok(tried)
 }
 
-/// A case that is made once something has to be diagnosed on it.
+/// A case, and where its reports are kept.
 struct OneCase<'a> {
-    id: String,
     spec: CaseSpec,
-    seed: u64,
-    made: OnceLock<Result<Box<Case>, SimulateError>>,
+    case: Case,
     out: Option<&'a Path>,
 }
 
@@ -189,25 +200,19 @@ impl Variant {
 impl OneCase<'_> {
     /// Its score and what is said, from the report in `folder` where there is one.
     fn judged(&self, folder: &str, options: &Options) -> Result<Judged, ProveError> {
-        let folder = self.out.map(|out| out.join(folder));
-        let file = folder.as_ref().map(|f| f.join(format!("{}.json", self.id)));
+        let id = &self.case.id;
+        let file = self
+            .out
+            .map(|out| out.join(folder).join(format!("{id}.json")));
         let kept = file.as_ref().and_then(|f| std::fs::read_to_string(f).ok());
         let kept: Option<Value> = kept.and_then(|text| serde_json::from_str(&text).ok());
-        if let Some(kept) = kept {
-            let at = folder.as_deref().unwrap_or(Path::new(""));
-            same_draw(&kept["truth"], at, &self.id, &self.spec)?;
+        if let (Some(kept), Some(out)) = (kept, self.out) {
+            same_draw(&kept["truth"], out, id, &self.spec)?;
             return Ok(Judged::of(&kept["truth"], &kept["report"]));
         }
-        let made = self
-            .made
-            .get_or_init(|| generate(&self.spec, self.seed).map(Box::new));
-        let case = made.as_ref().map_err(|e| ProveError::Made {
-            case: self.id.clone(),
-            error: e.to_string(),
-        })?;
-        let (truth, found) = (json(&case.truth), report_of(case, options)?);
-        if let (Some(folder), Some(file)) = (&folder, &file) {
-            folder_of(folder)?;
+        let (truth, found) = (json(&self.case.truth), report_of(&self.case, options)?);
+        if let (Some(out), Some(file)) = (self.out, &file) {
+            folder_of(&out.join(folder))?;
             let both = serde_json::json!({"truth": truth, "report": found});
             report::write_atomic(file, format!("{both:#}"))?;
         }

@@ -7,4 +7,6 @@ mod model_directory;
 mod next_motion;
 mod score;
 mod sensors;
+#[path = "../../../tests/src/shared.rs"]
+mod shared;
 mod visibility;

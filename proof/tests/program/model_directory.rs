@@ -1,10 +1,10 @@
 //! Diagnosis against an identified model.
 
 use crate::case::{Case, URDF, causes, json, recording, run};
+use crate::shared::shared;
 use datasets::{ReadOptions, Recording, read};
 use model::physics_fit::{FitOptions, fit_physics};
 use physics::robot::Robot;
-use std::io::Write;
 use std::path::Path;
 
 /// Identifies a robot and writes `model.json`.
@@ -44,16 +44,9 @@ fn names_what_changed_since_the_model_was_identified() {
 /// A real UR10e without load: nothing outside friction may be named.
 #[test]
 fn finds_no_load_on_an_unloaded_robot() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/ur10e");
-    if !data.is_dir() {
-        // Not println: what goes through it is swallowed where a test passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: {} is not there",
-            data.display()
-        );
+    let Some(data) = shared("data/ur10e") else {
         return;
-    }
+    };
     let robot = Robot::from_urdf_file(data.join("robot.urdf")).unwrap();
     let files = ["20_02_12-50sec_12harm.csv", "20_02_19_14harm50sec.csv"];
     let read = |name: &str| read(&data.join(name), &ReadOptions::for_robot(6)).unwrap();

@@ -6,22 +6,10 @@ use diagnose::NominalModel;
 use diagnose::patch::patch;
 use diagnose::{Options, Outcome, diagnose};
 use physics::robot::{Description, Robot};
-use std::io::Write;
 use std::path::PathBuf;
 
 fn outcome(arm: &str) -> Option<Outcome> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared/data")
-        .join(arm);
-    if !folder.is_dir() {
-        // Not println: what goes through it is swallowed where a test passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: {} is not there",
-            folder.display()
-        );
-        return None;
-    }
+    let folder = crate::shared(&format!("data/{arm}"))?;
     let robot = Robot::from_urdf_file(folder.join("robot.urdf")).unwrap();
     let options = ReadOptions::for_robot(robot.dof());
     let [data, heldout] =

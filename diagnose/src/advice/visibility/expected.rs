@@ -92,7 +92,7 @@ impl<'a> Judge<'a> {
             settings,
             model: NominalModel::new(scene.robot.clone()),
             folds: folds(
-                &planned(&scene.motion),
+                &planned(scene.motion),
                 &rows,
                 stride,
                 cutoff::gap(&PrepareOptions::default()),
