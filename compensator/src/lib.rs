@@ -12,7 +12,7 @@
 //! regressions are fitted, but no network is trained. The feature `trees` grows boosted trees to compare with.
 #![deny(unsafe_code)]
 // Backward passes are for who trains.
-#![cfg_attr(not(feature = "networks"), allow(dead_code))]
+#![cfg_attr(not(feature = "networks"), allow(dead_code, unused_imports))]
 
 mod config;
 mod engine;

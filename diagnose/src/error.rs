@@ -9,6 +9,7 @@ use model::directory::DirectoryError;
 use model::physics_fit::FitError;
 use model::preparation::cutoff::CutoffError;
 use model::preparation::setup::SetupError;
+use model::residual::ResidualError;
 use physics::robot::RobotError;
 use physics::torque_model::TorqueModelError;
 
@@ -71,7 +72,7 @@ pub enum DiagnoseError {
     Before(Box<FitError>),
     /// The learned step failed.
     #[error("the compensator cannot be trained on what is left: {0}")]
-    Learn(#[from] model::residual::ResidualError),
+    Learn(#[from] ResidualError),
     /// No motion could be designed.
     #[error("no experiment can be designed: {0}")]
     Experiment(#[from] identify::excitation::ExcitationError),
@@ -119,6 +120,9 @@ impl DiagnoseError {
         match self {
             Self::Prepare { error, .. } => Some(error.advice()).filter(|text| !text.is_empty()),
             Self::Filters { .. } => Some("Diagnose them one at a time."),
+            Self::Learn(ResidualError::Compensator(compensator::Error::Networks)) => {
+                Some("Leave --learn out, or build the programs whole: cargo build --release.")
+            }
             _ => None,
         }
     }
@@ -126,6 +130,7 @@ impl DiagnoseError {
     /// Whether the input is at fault (exit status 2) rather than the machine (1).
     pub fn is_input(&self) -> bool {
         match self {
+            DiagnoseError::Learn(ResidualError::Compensator(compensator::Error::Networks)) => true,
             DiagnoseError::Write(_) | DiagnoseError::Learn(_) => false,
             DiagnoseError::Motion(e) => matches!(e.problem, WriteProblem::UnknownFormat(_)),
             DiagnoseError::Directory(e) => !matches!(
