@@ -289,7 +289,7 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
     }
     if *leave_one_out {
         let bar = ProgressBar::new(*cases);
-        let answers = prove::leave_one_out(*cases, *seed, || bar.inc(1))?;
+        let answers = prove::leave_one_out(*cases, *seed, *generator, || bar.inc(1))?;
         bar.finish_and_clear();
         report::say!("{}", prove::withheld_table(&answers).to_text());
     }

@@ -225,10 +225,11 @@ pub fn kept(folder: &Path) -> Result<Vec<Score>, ProveError> {
 pub fn leave_one_out(
     cases: u64,
     seed: u64,
+    generator: u8,
     done: impl Fn() + Sync,
 ) -> Result<Vec<LeftOut>, ProveError> {
     let of = |index: u64| -> Result<Option<LeftOut>, ProveError> {
-        let spec = draw(index, seed);
+        let spec = draw(index, seed).by(generator);
         let Some(effect) = single(spec.kind).filter(|e| !e.info().parameter) else {
             done();
             return Ok(None);

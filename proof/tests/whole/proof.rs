@@ -47,7 +47,7 @@ fn a_few_sealed_cases() {
 #[test]
 #[ignore = "long: by hand, with --ignored"]
 fn a_withheld_candidate_gives_no_confident_wrong_name() {
-    let answers = leave_one_out(6, 11, || ()).unwrap();
+    let answers = leave_one_out(6, 11, 1, || ()).unwrap();
     assert!(!answers.is_empty());
     assert!(
         answers.iter().all(|a| a.answer != Instead::Wrong),
