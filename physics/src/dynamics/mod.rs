@@ -6,6 +6,7 @@
 //! else are effects added elsewhere (rotor inertia enters [`forward_dynamics`] as `armature`).
 
 mod articulated;
+mod derivatives;
 mod forward;
 mod inverse;
 mod kinematics;
@@ -13,6 +14,7 @@ mod mass;
 mod regressor;
 mod workspace;
 
+pub use derivatives::{Derivatives, inverse_dynamics_derivatives};
 pub use forward::forward_dynamics;
 pub use inverse::{inverse_dynamics, inverse_dynamics_with_gravity};
 pub use kinematics::{

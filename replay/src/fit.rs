@@ -1,0 +1,401 @@
+//! Fit of an arm's parameters to recorded motion: prediction error of positions, replayed from the recorded start of each
+//! block, with the given values as prior.
+
+use crate::arm::Arm;
+use crate::parameter::{Parameter, Scale};
+use crate::simulate::{Track, Unstable, replay};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// A parameter that is fitted, with what is known of it before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Free {
+    /// Which.
+    pub parameter: Parameter,
+    /// Mean and standard deviation of its coordinate (the logarithm for [`Scale::Log`]); none where nothing is known.
+    pub prior: Option<(f64, f64)>,
+}
+
+impl Free {
+    /// Value of the coordinate.
+    fn value(&self, x: f64) -> f64 {
+        match self.parameter.kind.scale() {
+            Scale::Log => x.exp(),
+            Scale::Positive => x.max(0.0),
+            Scale::Free => x,
+        }
+    }
+
+    /// Coordinate of a value.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        match self.parameter.kind.scale() {
+            Scale::Log => value.ln(),
+            _ => value,
+        }
+    }
+
+    /// Change of the value with its coordinate.
+    fn slope(&self, x: f64) -> f64 {
+        match self.parameter.kind.scale() {
+            Scale::Log => x.exp(),
+            _ => 1.0,
+        }
+    }
+}
+
+/// Sums of one block: by joint the squared error, its products with the sensitivities, and theirs.
+#[derive(Debug, Clone)]
+pub struct Sums {
+    /// Index of the trajectory.
+    pub trajectory: usize,
+    /// Samples.
+    pub samples: f64,
+    /// Sum of squared errors by joint, rad².
+    pub squared: Vec<f64>,
+    /// By joint Σ J r, P values.
+    pub gradient: Vec<DVector<f64>>,
+    /// By joint Σ J Jᵀ, P × P.
+    pub hessian: Vec<DMatrix<f64>>,
+}
+
+impl Sums {
+    fn zeros(trajectory: usize, joints: usize, parameters: usize) -> Self {
+        Self {
+            trajectory,
+            samples: 0.0,
+            squared: vec![0.0; joints],
+            gradient: vec![DVector::zeros(parameters); joints],
+            hessian: vec![DMatrix::zeros(parameters, parameters); joints],
+        }
+    }
+
+    /// Adds those of another block.
+    pub fn add(&mut self, other: &Self) {
+        self.samples += other.samples;
+        for j in 0..self.squared.len() {
+            self.squared[j] += other.squared[j];
+            self.gradient[j] += &other.gradient[j];
+            self.hessian[j] += &other.hessian[j];
+        }
+    }
+}
+
+/// Noise of one joint: the floor under its mean squared error, and how many samples make an independent one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Variance that no model explains (the encoder's quantum), rad².
+    pub floor: f64,
+    /// Integrated autocorrelation time of the error, in samples, at least 1.
+    pub correlation: f64,
+}
+
+/// Result of a fit.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// The arm with the fitted values.
+    pub arm: Arm,
+    /// Coordinates of the free parameters.
+    pub x: Vec<f64>,
+    /// Objective: negative log likelihood and prior, nats.
+    pub objective: f64,
+    /// Gauss-Newton information of the likelihood alone in the coordinates, P × P.
+    pub information: DMatrix<f64>,
+    /// By block.
+    pub blocks: Vec<Sums>,
+    /// Noise by joint, with the fit's own autocorrelation.
+    pub noise: Vec<Noise>,
+    /// Passes over the recording.
+    pub iterations: usize,
+}
+
+/// Sums of all blocks, in parallel; the same whatever the number of threads.
+///
+/// # Errors
+/// A drive that is unstable.
+pub fn sums(arm: &Arm, blocks: &[Track], parameters: &[Parameter]) -> Result<Vec<Sums>, Unstable> {
+    blocks
+        .par_iter()
+        .map(|track| {
+            let (n, p) = (arm.dof(), parameters.len());
+            let mut out = Sums::zeros(track.trajectory, n, p);
+            let mut add = |row: usize, q: &[f64], dq: &[f64]| {
+                out.samples += 1.0;
+                for j in 0..n {
+                    let r = q[j] - track.q[(row, j)];
+                    out.squared[j] += r * r;
+                    let by = &dq[j * p..][..p];
+                    for (a, &da) in by.iter().enumerate() {
+                        if da == 0.0 {
+                            continue;
+                        }
+                        out.gradient[j][a] += da * r;
+                        let column = &mut out.hessian[j].as_mut_slice()[a * p..][..=a];
+                        for (h, db) in column.iter_mut().zip(by) {
+                            *h += da * db;
+                        }
+                    }
+                }
+            };
+            replay(arm, track, parameters, &mut add)?;
+            for h in &mut out.hessian {
+                h.fill_lower_triangle_with_upper_triangle();
+            }
+            Ok(out)
+        })
+        .collect()
+}
+
+/// Errors q_sim − q of a track, samples × joints, row by row.
+///
+/// # Errors
+/// A drive that is unstable.
+pub fn errors(arm: &Arm, track: &Track) -> Result<Vec<f64>, Unstable> {
+    let mut out = Vec::with_capacity(track.q.len());
+    replay(arm, track, &[], &mut |row, q, _| {
+        out.extend(q.iter().enumerate().map(|(j, q)| q - track.q[(row, j)]));
+    })?;
+    Ok(out)
+}
+
+/// Noise of each joint by the errors of all blocks: the integrated autocorrelation time up to its first zero
+/// crossing (initial positive sequence; Geyer, 1992).
+///
+/// # Errors
+/// A drive that is unstable.
+pub fn noise(arm: &Arm, blocks: &[Track], floors: &[f64]) -> Result<Vec<Noise>, Unstable> {
+    let n = arm.dof();
+    let all: Vec<Vec<f64>> = blocks
+        .par_iter()
+        .map(|track| errors(arm, track))
+        .collect::<Result<_, _>>()?;
+    Ok((0..n)
+        .map(|j| {
+            let series: Vec<Vec<f64>> = all
+                .iter()
+                .map(|e| e.iter().skip(j).step_by(n).copied().collect())
+                .collect();
+            Noise {
+                floor: floors[j],
+                correlation: integrated(&series),
+            }
+        })
+        .collect())
+}
+
+/// Integrated autocorrelation time 1 + 2 Σ ρ_k over positive ρ_k, in samples.
+fn integrated(series: &[Vec<f64>]) -> f64 {
+    let product = |lag: usize| -> f64 {
+        let each = series.iter().map(|s| {
+            let pairs = s.iter().zip(s.iter().skip(lag));
+            pairs.map(|(a, b)| a * b).sum::<f64>()
+        });
+        each.sum()
+    };
+    let variance = product(0);
+    let longest = series.iter().map(Vec::len).max().unwrap_or(0) / 4;
+    let mut time = 1.0;
+    for lag in 1..longest {
+        let rho = product(lag) / variance;
+        if rho.is_nan() || rho <= 0.0 {
+            break;
+        }
+        time += 2.0 * rho;
+    }
+    time
+}
+
+/// Negative log likelihood, nats: ½ Σ n ln(mean squared error + floor) over joints and trajectories, n independent samples
+/// each. What the model lacks shows in fast motions more than in slow ones, so that every trajectory has a variance of its own.
+fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
+    let of = |total: &Sums| -> f64 {
+        let each = total.squared.iter().zip(noise).map(|(s, noise)| {
+            0.5 * total.samples / noise.correlation * (s / total.samples + noise.floor).ln()
+        });
+        each.sum()
+    };
+    trajectories.iter().map(of).sum()
+}
+
+fn prior(free: &[Free], x: &[f64]) -> f64 {
+    let each = free.iter().zip(x).filter_map(|(f, x)| {
+        let (mean, deviation) = f.prior?;
+        Some(0.5 * ((x - mean) / deviation).powi(2))
+    });
+    each.sum()
+}
+
+/// Most iterations of a fit.
+const ITERATIONS: usize = 25;
+
+/// Fit by Levenberg and Marquardt with bounds at zero, from the arm's own values.
+///
+/// # Errors
+/// The arm as given is unstable.
+pub fn fit(
+    start: &Arm,
+    free: &[Free],
+    blocks: &[Track],
+    noise: &[Noise],
+) -> Result<Fitted, Unstable> {
+    let parameters: Vec<Parameter> = free.iter().map(|f| f.parameter).collect();
+    let p = free.len();
+    let mut arm = start.clone();
+    let mut x: Vec<f64> = free
+        .iter()
+        .map(|f| f.coordinate(start.get(f.parameter)))
+        .collect();
+    let mut lambda = 1e-3;
+    let mut iterations = 0;
+    let mut per_block = sums(&arm, blocks, &parameters)?;
+    let mut total = by_trajectory(&per_block);
+    let mut objective = likelihood(&total, noise) + prior(free, &x);
+    loop {
+        iterations += 1;
+        let (gradient, information) = local(&total, noise, free, &x);
+        let mut curved = information.clone();
+        let mut slope = gradient.clone();
+        for (i, f) in free.iter().enumerate() {
+            if let Some((mean, deviation)) = f.prior {
+                slope[i] += (x[i] - mean) / deviation.powi(2);
+                curved[(i, i)] += deviation.powi(-2);
+            }
+        }
+        let mut improved = false;
+        let mut gain = 0.0;
+        while lambda < 1e8 {
+            let next = proposal(&curved, &slope, free, &x, lambda);
+            let values: Vec<(Parameter, f64)> = free
+                .iter()
+                .zip(&next)
+                .map(|(f, &x)| (f.parameter, f.value(x)))
+                .collect();
+            let mut trial = arm.clone();
+            let tried = trial.set(&values).ok().and_then(|()| {
+                let sums = sums(&trial, blocks, &[]).ok()?;
+                let total = by_trajectory(&sums);
+                let value = likelihood(&total, noise) + prior(free, &next);
+                value.is_finite().then_some(value)
+            });
+            if let Some(value) = tried.filter(|v| *v < objective) {
+                gain = objective - value;
+                (arm, x, objective) = (trial, next, value);
+                lambda = (lambda / 5.0).max(1e-9);
+                improved = true;
+                break;
+            }
+            lambda *= 4.0;
+        }
+        // Less than a hundredth of a nat changes nothing that is said.
+        if !improved || gain < 0.01 || iterations >= ITERATIONS {
+            if improved {
+                per_block = sums(&arm, blocks, &parameters)?;
+                total = by_trajectory(&per_block);
+            }
+            let (_, information) = local(&total, noise, free, &x);
+            return Ok(Fitted {
+                arm,
+                x,
+                objective,
+                information,
+                blocks: per_block,
+                noise: noise.to_vec(),
+                iterations,
+            });
+        }
+        per_block = sums(&arm, blocks, &parameters)?;
+        total = by_trajectory(&per_block);
+    }
+}
+
+/// Sums by trajectory.
+pub fn by_trajectory(blocks: &[Sums]) -> Vec<Sums> {
+    let mut totals: Vec<Sums> = Vec::new();
+    for block in blocks {
+        match totals.iter_mut().find(|t| t.trajectory == block.trajectory) {
+            Some(total) => total.add(block),
+            None => totals.push(block.clone()),
+        }
+    }
+    totals
+}
+
+/// Gradient and Gauss-Newton information of the likelihood in the coordinates.
+fn local(
+    trajectories: &[Sums],
+    noise: &[Noise],
+    free: &[Free],
+    x: &[f64],
+) -> (DVector<f64>, DMatrix<f64>) {
+    let p = free.len();
+    let slopes = DVector::from_iterator(p, free.iter().zip(x).map(|(f, x)| f.slope(*x)));
+    let (mut gradient, mut information) = (DVector::zeros(p), DMatrix::zeros(p, p));
+    for total in trajectories {
+        for (j, noise) in noise.iter().enumerate() {
+            let variance = total.squared[j] / total.samples + noise.floor;
+            let weight = 1.0 / (noise.correlation * variance);
+            gradient += &total.gradient[j] * weight;
+            information += &total.hessian[j] * weight;
+        }
+    }
+    gradient.component_mul_assign(&slopes);
+    for i in 0..p {
+        for k in 0..p {
+            information[(i, k)] *= slopes[i] * slopes[k];
+        }
+    }
+    (gradient, information)
+}
+
+/// Damped step; what a bound holds stays there.
+fn proposal(
+    curved: &DMatrix<f64>,
+    slope: &DVector<f64>,
+    free: &[Free],
+    x: &[f64],
+    lambda: f64,
+) -> Vec<f64> {
+    let p = free.len();
+    let bounded = |i: usize| free[i].parameter.kind.scale() == Scale::Positive;
+    let mut fixed: Vec<bool> = (0..p)
+        .map(|i| curved[(i, i)] == 0.0 || (bounded(i) && x[i] <= 0.0 && slope[i] > 0.0))
+        .collect();
+    let mut next = x.to_vec();
+    // What would pass its bound is held there, and the others are solved for again.
+    for _ in 0..=p {
+        let open: Vec<usize> = (0..p).filter(|&i| !fixed[i]).collect();
+        let m = open.len();
+        let mut a = DMatrix::zeros(m, m);
+        let mut b = DVector::zeros(m);
+        for (r, &i) in open.iter().enumerate() {
+            b[r] = -slope[i];
+            for (c, &k) in open.iter().enumerate() {
+                a[(r, c)] = curved[(i, k)];
+            }
+            // Steps to a bound that are part of this proposal bend the others.
+            for k in (0..p).filter(|&k| fixed[k]) {
+                b[r] -= curved[(i, k)] * (next[k] - x[k]);
+            }
+            a[(r, r)] += lambda * curved[(i, i)];
+        }
+        let Some(factor) = a.cholesky() else { break };
+        let step = factor.solve(&b);
+        let mut passed = false;
+        for (r, &i) in open.iter().enumerate() {
+            next[i] = x[i] + step[r];
+            match free[i].parameter.kind.scale() {
+                // A factor of e at most in one step.
+                Scale::Log => next[i] = next[i].clamp(x[i] - 1.0, x[i] + 1.0),
+                Scale::Positive if next[i] < 0.0 => {
+                    next[i] = 0.0;
+                    fixed[i] = true;
+                    passed = true;
+                }
+                _ => {}
+            }
+        }
+        if !passed {
+            break;
+        }
+    }
+    next
+}

@@ -1,0 +1,11 @@
+//! The gap in motion: recorded commands are replayed on the robot's simulator, the simulated motion is compared with the
+//! recorded one, and the effects that the simulator lacks are found from the difference. No torque is needed.
+#![forbid(unsafe_code)]
+
+pub mod arm;
+pub mod command;
+pub mod fit;
+pub mod friction;
+pub mod parameter;
+pub mod profile;
+pub mod simulate;
