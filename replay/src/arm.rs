@@ -200,7 +200,10 @@ impl Arm {
 
     fn assemble(&mut self) -> Result<(), RobotError> {
         let mut parameters = self.given.parameters();
-        for (link, scale) in parameters.chunks_mut(PARAMETERS_PER_LINK).zip(&self.link_scale) {
+        for (link, scale) in parameters
+            .chunks_mut(PARAMETERS_PER_LINK)
+            .zip(&self.link_scale)
+        {
             link.iter_mut().for_each(|p| *p *= scale);
         }
         let last = parameters.len() - PARAMETERS_PER_LINK;

@@ -69,7 +69,10 @@ impl Command {
         }
         let slope = (self.value[k + 1] - self.value[k]) / (self.time[k + 1] - self.time[k]);
         let value = self.value[k] + slope * since;
-        (value, self.integral[k] + 0.5 * (self.value[k] + value) * since)
+        (
+            value,
+            self.integral[k] + 0.5 * (self.value[k] + value) * since,
+        )
     }
 
     /// Mean over [t, t + h] and the mean's rate of change (its derivative with respect to t).

@@ -224,10 +224,7 @@ fn prior(free: &[Free], x: &[f64]) -> f64 {
     each.sum()
 }
 
-/// Most iterations of a fit.
-const ITERATIONS: usize = 25;
-
-/// Fit by Levenberg and Marquardt with bounds at zero, from the arm's own values.
+/// Fit by Levenberg and Marquardt with bounds at zero, from the arm's own values, in `most` iterations.
 ///
 /// # Errors
 /// The arm as given is unstable.
@@ -236,9 +233,9 @@ pub fn fit(
     free: &[Free],
     blocks: &[Track],
     noise: &[Noise],
+    most: usize,
 ) -> Result<Fitted, Unstable> {
     let parameters: Vec<Parameter> = free.iter().map(|f| f.parameter).collect();
-    let p = free.len();
     let mut arm = start.clone();
     let mut x: Vec<f64> = free
         .iter()
@@ -286,7 +283,7 @@ pub fn fit(
             lambda *= 4.0;
         }
         // Less than a hundredth of a nat changes nothing that is said.
-        if !improved || gain < 0.01 || iterations >= ITERATIONS {
+        if !improved || gain < 0.01 || iterations >= most {
             if improved {
                 per_block = sums(&arm, blocks, &parameters)?;
                 total = by_trajectory(&per_block);
@@ -320,7 +317,7 @@ pub fn by_trajectory(blocks: &[Sums]) -> Vec<Sums> {
 }
 
 /// Gradient and Gauss-Newton information of the likelihood in the coordinates.
-fn local(
+pub fn local(
     trajectories: &[Sums],
     noise: &[Noise],
     free: &[Free],

@@ -101,7 +101,8 @@ impl Friction {
     fn slide(&mut self, a: &[f64], b: &[f64], limit: &[f64]) -> bool {
         let n = self.n;
         self.moving.clear();
-        self.moving.extend((0..n).filter(|&i| self.slip[i] != Slip::Stick));
+        self.moving
+            .extend((0..n).filter(|&i| self.slip[i] != Slip::Stick));
         for r in 0..self.moving.len() {
             for c in 0..=r {
                 let mut sum = a[self.moving[r] * n + self.moving[c]];
@@ -157,13 +158,25 @@ impl Friction {
         let m = self.moving.len();
         for r in 0..m {
             for k in 0..r {
-                subtract(rhs, columns, self.moving[r], self.moving[k], self.factor[r * n + k]);
+                subtract(
+                    rhs,
+                    columns,
+                    self.moving[r],
+                    self.moving[k],
+                    self.factor[r * n + k],
+                );
             }
             scale(rhs, columns, self.moving[r], 1.0 / self.factor[r * n + r]);
         }
         for r in (0..m).rev() {
             for k in r + 1..m {
-                subtract(rhs, columns, self.moving[r], self.moving[k], self.factor[k * n + r]);
+                subtract(
+                    rhs,
+                    columns,
+                    self.moving[r],
+                    self.moving[k],
+                    self.factor[k * n + r],
+                );
             }
             scale(rhs, columns, self.moving[r], 1.0 / self.factor[r * n + r]);
         }
@@ -174,7 +187,10 @@ impl Friction {
 fn subtract(rows: &mut [f64], columns: usize, to: usize, from: usize, factor: f64) {
     let (low, high) = (to.min(from), to.max(from));
     let (before, after) = rows.split_at_mut(high * columns);
-    let (low, high) = (&mut before[low * columns..][..columns], &mut after[..columns]);
+    let (low, high) = (
+        &mut before[low * columns..][..columns],
+        &mut after[..columns],
+    );
     let (target, source) = if to < from { (low, high) } else { (high, low) };
     for (t, s) in target.iter_mut().zip(source.iter()) {
         *t -= factor * s;

@@ -3,9 +3,17 @@
 #![forbid(unsafe_code)]
 
 pub mod arm;
+pub mod catalogue;
 pub mod command;
+pub mod decide;
+pub mod diagnosis;
 pub mod fit;
 pub mod friction;
+pub mod given;
 pub mod parameter;
+pub mod place;
 pub mod profile;
+pub mod schema;
+pub mod score;
 pub mod simulate;
+pub mod tracks;

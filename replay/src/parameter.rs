@@ -65,10 +65,7 @@ pub enum Scale {
 impl Kind {
     /// Whether it changes the rigid bodies or gravity.
     pub fn is_body(self) -> bool {
-        matches!(
-            self,
-            Self::Payload(_) | Self::LinkScale | Self::Tilt(_)
-        )
+        matches!(self, Self::Payload(_) | Self::LinkScale | Self::Tilt(_))
     }
 
     /// Whether it belongs to the whole arm.
@@ -82,7 +79,12 @@ impl Kind {
     /// How it is searched for.
     pub fn scale(self) -> Scale {
         match self {
-            Self::Gain | Self::Acceleration | Self::DriveLimit | Self::Limit | Self::LinkScale | Self::StribeckVelocity => Scale::Log,
+            Self::Gain
+            | Self::Acceleration
+            | Self::DriveLimit
+            | Self::Limit
+            | Self::LinkScale
+            | Self::StribeckVelocity => Scale::Log,
             Self::ServoDamping
             | Self::Integral
             | Self::DeadBand

@@ -29,7 +29,10 @@ pub fn plan(position: f64, velocity: f64, command: f64, a: f64, h: f64) -> Plann
     let (velocity, by) = if change.abs() <= a * h {
         (wanted, [by_d, 0.0, by_a])
     } else {
-        (velocity + change.signum() * a * h, [0.0, 1.0, change.signum() * h])
+        (
+            velocity + change.signum() * a * h,
+            [0.0, 1.0, change.signum() * h],
+        )
     };
     Planned {
         position: position + h * velocity,
@@ -65,7 +68,10 @@ mod tests {
             let (a, h, e) = (4.0, 1e-3, 1e-8);
             let at = |d: f64, v: f64, a: f64| plan(0.0, v, d, a, h).velocity;
             let by = plan(0.0, v, d, a, h).by;
-            assert!(((at(d + e, v, a) - at(d - e, v, a)) / (2.0 * e) - by[0]).abs() < 1e-5 * (1.0 + by[0].abs()));
+            assert!(
+                ((at(d + e, v, a) - at(d - e, v, a)) / (2.0 * e) - by[0]).abs()
+                    < 1e-5 * (1.0 + by[0].abs())
+            );
             assert!(((at(d, v + e, a) - at(d, v - e, a)) / (2.0 * e) - by[1]).abs() < 1e-6);
             assert!(((at(d, v, a + e) - at(d, v, a - e)) / (2.0 * e) - by[2]).abs() < 1e-6);
         }

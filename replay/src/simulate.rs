@@ -9,13 +9,13 @@ use crate::command::Command;
 use crate::friction::{Friction, Slip};
 use crate::parameter::{Kind, Parameter};
 use crate::profile::{Planned, plan};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Vector3};
 use ndarray::{Array2, ArrayView1};
 use physics::dynamics::{
     Derivatives, Workspace, inverse_dynamics, inverse_dynamics_derivatives, mass_matrix,
     regressor_with_gravity,
 };
-use physics::robot::PARAMETERS_PER_LINK;
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
 /// Longest step of integration, s.
 pub const STEP: f64 = 1e-3;
@@ -60,7 +60,9 @@ pub enum Unstable {
         inertia: f64,
     },
     /// The motion left all bounds.
-    #[error("the simulated joint {joint} leaves all bounds after {time:.2} s: its drive is unstable as given")]
+    #[error(
+        "the simulated joint {joint} leaves all bounds after {time:.2} s: its drive is unstable as given"
+    )]
     Diverged {
         /// Number of the joint, from 1.
         joint: usize,
@@ -91,7 +93,11 @@ pub fn replay(
         for k in 0..steps as usize {
             state.step(from + k as f64 * h, h);
         }
-        if let Some(joint) = state.q.iter().position(|q| q.is_nan() || q.abs() > FARTHEST) {
+        if let Some(joint) = state
+            .q
+            .iter()
+            .position(|q| q.is_nan() || q.abs() > FARTHEST)
+        {
             return Err(Unstable::Diverged {
                 joint: joint + 1,
                 time: track.time[row] - track.time[0],
@@ -139,6 +145,10 @@ struct State<'a> {
     gravity: Option<Derivatives>,
     friction: Friction,
     bodies: bool,
+    /// The robot under gravity turned about the base's x and y, where a tilt is asked for.
+    tilted: Vec<Robot>,
+    /// Inertial parameters of the given description.
+    given: Vec<f64>,
     regressor: Vec<f64>,
     q: Vec<f64>,
     v: Vec<f64>,
@@ -205,7 +215,19 @@ impl<'a> State<'a> {
         let (n, p) = (arm.dof(), parameters.len());
         let start = |i: usize| track.q[(0, i)];
         let compensates = arm.gravity_compensation != 0.0
-            || parameters.iter().any(|p| p.kind == Kind::GravityCompensation);
+            || parameters
+                .iter()
+                .any(|p| p.kind == Kind::GravityCompensation);
+        let tilt = parameters.iter().any(|p| matches!(p.kind, Kind::Tilt(_)));
+        let about = |axis: Vector3<f64>| {
+            let gravity = axis.cross(&arm.robot.gravity());
+            arm.robot.clone().with_gravity(gravity)
+        };
+        let tilted = if tilt {
+            vec![about(Vector3::x()), about(Vector3::y())]
+        } else {
+            Vec::new()
+        };
         let zeros = || vec![0.0; n];
         let tangents = || vec![0.0; n * p];
         let first: Vec<f64> = (0..n)
@@ -220,6 +242,8 @@ impl<'a> State<'a> {
             gravity: compensates.then(|| Derivatives::new(&arm.robot)),
             friction: Friction::new(n),
             bodies: parameters.iter().any(|p| p.kind.is_body()),
+            tilted,
+            given: arm.given.parameters(),
             regressor: vec![0.0; n * n * PARAMETERS_PER_LINK],
             q: (0..n).map(start).collect(),
             v: track.start_velocity.clone(),
@@ -393,7 +417,11 @@ impl<'a> State<'a> {
         let coefficients = &self.arm.joints[i].unknown;
         if coefficients.iter().any(|&c| c != 0.0) {
             let shapes = unknown(self.q[i], self.v[i], rate);
-            out.torque += coefficients.iter().zip(shapes).map(|(c, s)| c * s).sum::<f64>();
+            out.torque += coefficients
+                .iter()
+                .zip(shapes)
+                .map(|(c, s)| c * s)
+                .sum::<f64>();
         }
         out
     }
@@ -413,7 +441,13 @@ impl<'a> State<'a> {
             &mut self.derivatives,
         );
         if let Some(gravity) = &mut self.gravity {
-            inverse_dynamics_derivatives(&self.arm.given, &self.body, &self.still, &self.still, gravity);
+            inverse_dynamics_derivatives(
+                &self.arm.given,
+                &self.body,
+                &self.still,
+                &self.still,
+                gravity,
+            );
         }
         self.rhs.fill(0.0);
         self.dtau.fill(0.0);
@@ -517,8 +551,16 @@ impl<'a> State<'a> {
                 }
             }
             if planned.is_some() {
-                axpy(&mut self.dplanned[own.clone()], h, &self.dplanned_velocity[own.clone()]);
-                axpy(&mut self.dsmooth[own.clone()], drive.take, &self.dplanned[own]);
+                axpy(
+                    &mut self.dplanned[own.clone()],
+                    h,
+                    &self.dplanned_velocity[own.clone()],
+                );
+                axpy(
+                    &mut self.dsmooth[own.clone()],
+                    drive.take,
+                    &self.dplanned[own],
+                );
             }
         }
     }
@@ -539,7 +581,9 @@ impl<'a> State<'a> {
             let by = &mut self.dtau[i * p + k];
             match parameter.kind {
                 Kind::Gain => *by += linear * drive.error,
-                Kind::ServoDamping => *by += linear * (drive.velocity_error - (self.friction.velocity[i] - self.v[i])),
+                Kind::ServoDamping => {
+                    *by += linear * (drive.velocity_error - (self.friction.velocity[i] - self.v[i]))
+                }
                 Kind::Integral => *by += linear * self.integral[i],
                 Kind::DriveLimit => *by += drive.drive_cut * f64::from(drive.cut == 0.0),
                 Kind::Limit => *by += drive.cut,
@@ -591,21 +635,17 @@ impl<'a> State<'a> {
                 }
                 Kind::LinkScale => {
                     let link = parameter.joint;
-                    let own = &self.arm.given.parameters()[link * PARAMETERS_PER_LINK..][..PARAMETERS_PER_LINK];
+                    let own = &self.given[link * PARAMETERS_PER_LINK..][..PARAMETERS_PER_LINK];
                     for i in 0..=link {
-                        let row = &self.regressor[i * width + link * PARAMETERS_PER_LINK..][..PARAMETERS_PER_LINK];
+                        let row = &self.regressor[i * width + link * PARAMETERS_PER_LINK..]
+                            [..PARAMETERS_PER_LINK];
                         let torque: f64 = row.iter().zip(own).map(|(y, c)| y * c).sum();
                         self.rhs[i * p + k] -= h * torque;
                     }
                 }
                 Kind::Tilt(axis) => {
-                    let gravity = self.arm.robot.gravity();
-                    let mut about = Vector3::zeros();
-                    about[axis] = 1.0;
-                    let change: Vector3<f64> = Matrix3::identity() * about.cross(&gravity);
-                    let robot = self.arm.robot.clone().with_gravity(change);
                     inverse_dynamics(
-                        &robot,
+                        &self.tilted[axis],
                         &mut self.workspace,
                         &self.body,
                         &self.still,

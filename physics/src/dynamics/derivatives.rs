@@ -77,7 +77,10 @@ pub fn inverse_dynamics_derivatives(
 ) {
     let n = robot.dof();
     let sizes = [q.len(), qd.len(), qdd.len(), out.links.len()];
-    assert!(sizes.iter().all(|&s| s == n), "one value per joint is needed");
+    assert!(
+        sizes.iter().all(|&s| s == n),
+        "one value per joint is needed"
+    );
     forward(robot, q, qd, qdd, &mut out.links);
     let down = robot.gravity();
     for i in (0..n).rev() {
@@ -88,8 +91,8 @@ pub fn inverse_dynamics_derivatives(
         for j in 0..=i {
             let other = &out.links[j];
             let weight = held(&link, other, &down);
-            out.dq[i * n + j] = inertia.dot(&other.with_q) + bias.dot(&other.turned)
-                - link.screw.dot(&weight);
+            out.dq[i * n + j] =
+                inertia.dot(&other.with_q) + bias.dot(&other.turned) - link.screw.dot(&weight);
             out.dqd[i * n + j] = inertia.dot(&other.with_qd) + bias.dot(&other.screw);
             out.mass[i * n + j] = inertia.dot(&other.screw);
             out.mass[j * n + i] = out.mass[i * n + j];
@@ -173,8 +176,7 @@ fn placed(joint: &ChainJoint, r: &Matrix3<f64>, o: &Vector3<f64>) -> (Matrix6<f6
     let h = r * joint.first_moment;
     let moment = h + o * joint.mass;
     let k = h + o * (0.5 * joint.mass);
-    let about = r * joint.inertia * r.transpose()
-        + Matrix3::from_diagonal_element(2.0 * k.dot(o))
+    let about = r * joint.inertia * r.transpose() + Matrix3::from_diagonal_element(2.0 * k.dot(o))
         - k * o.transpose()
         - o * k.transpose();
     let skew = moment.cross_matrix();
@@ -189,7 +191,9 @@ fn placed(joint: &ChainJoint, r: &Matrix3<f64>, o: &Vector3<f64>) -> (Matrix6<f6
 }
 
 fn join(angular: &Vector3<f64>, linear: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(angular.x, angular.y, angular.z, linear.x, linear.y, linear.z)
+    Vector6::new(
+        angular.x, angular.y, angular.z, linear.x, linear.y, linear.z,
+    )
 }
 
 fn angular(m: &Vector6<f64>) -> Vector3<f64> {
@@ -231,9 +235,16 @@ mod tests {
             let robot = Robot::builtin(name).expect("built in");
             let n = robot.dof();
             let parts: Vec<f64> = (0..n).map(|i| 0.1 * i as f64).collect();
-            let held = robot.clone().with_gravity_compensation(&parts).expect("parts");
+            let held = robot
+                .clone()
+                .with_gravity_compensation(&parts)
+                .expect("parts");
             for robot in [robot, held] {
-                let at = |k: f64| (0..n).map(|i| (k + 1.3 * i as f64).sin()).collect::<Vec<_>>();
+                let at = |k: f64| {
+                    (0..n)
+                        .map(|i| (k + 1.3 * i as f64).sin())
+                        .collect::<Vec<_>>()
+                };
                 let (q, qd, qdd) = (at(0.3), at(1.1), at(2.2));
                 let mut out = Derivatives::new(&robot);
                 inverse_dynamics_derivatives(&robot, &q, &qd, &qdd, &mut out);
@@ -254,13 +265,25 @@ mod tests {
                         x[j] += by;
                         x
                     };
-                    let (up, down) = (torque(&moved(&q, step), &qd), torque(&moved(&q, -step), &qd));
-                    let (fast, slow) = (torque(&q, &moved(&qd, step)), torque(&q, &moved(&qd, -step)));
+                    let (up, down) = (
+                        torque(&moved(&q, step), &qd),
+                        torque(&moved(&q, -step), &qd),
+                    );
+                    let (fast, slow) = (
+                        torque(&q, &moved(&qd, step)),
+                        torque(&q, &moved(&qd, -step)),
+                    );
                     for i in 0..n {
                         let dq = (up[i] - down[i]) / (2.0 * step);
                         let dqd = (fast[i] - slow[i]) / (2.0 * step);
-                        assert!((dq - out.dq[i * n + j]).abs() < 1e-6 * scale, "{name} q {i} {j}");
-                        assert!((dqd - out.dqd[i * n + j]).abs() < 1e-6 * scale, "{name} qd {i} {j}");
+                        assert!(
+                            (dq - out.dq[i * n + j]).abs() < 1e-6 * scale,
+                            "{name} q {i} {j}"
+                        );
+                        assert!(
+                            (dqd - out.dqd[i * n + j]).abs() < 1e-6 * scale,
+                            "{name} qd {i} {j}"
+                        );
                     }
                 }
                 let mut mass = vec![0.0; n * n];

@@ -1,0 +1,222 @@
+//! Search over sets of hypotheses: add, drop and swap until no neighbour is more probable.
+
+use crate::quadratic::{Prior, Quadratic};
+
+/// A hypothesis: parameters that differ from their given values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypothesis {
+    /// Indices of the parameters that it frees.
+    pub parameters: Vec<usize>,
+    /// Logarithm of its prior odds.
+    pub log_prior: f64,
+    /// Hypotheses with the same number exclude each other; none for those that go with all.
+    pub excludes: Option<usize>,
+}
+
+/// A hypothesis that could stand in another's place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Swap {
+    /// Index of the hypothesis outside of the set.
+    pub other: usize,
+    /// Its posterior probability relative to the set's with the listed one.
+    pub weight: f64,
+}
+
+/// What is decided.
+#[derive(Debug, Clone)]
+pub struct Decision {
+    /// The most probable set found, indices increasing.
+    pub set: Vec<usize>,
+    /// Posterior inclusion probability of each hypothesis, over the set and its neighbours.
+    pub inclusion: Vec<f64>,
+    /// For each member of the set (same order), what could stand in its place.
+    pub swaps: Vec<Vec<Swap>>,
+    /// Log posterior of the set, nats, up to a constant.
+    pub log_posterior: f64,
+}
+
+/// Decides between all sets of `hypotheses`. `always` are parameters free under every one (their tolerance is given).
+///
+/// The neighbours of a set are those with one hypothesis more, less, or another in its place. A set of n hypotheses among
+/// m has about n·m neighbours; each costs one Cholesky factor of what is free.
+pub fn decide(
+    quadratic: &Quadratic,
+    priors: &[Prior],
+    always: &[usize],
+    hypotheses: &[Hypothesis],
+    start: &[usize],
+) -> Decision {
+    let value = |set: &[usize]| -> f64 {
+        let mut free: Vec<usize> = always.to_vec();
+        for &h in set {
+            free.extend(&hypotheses[h].parameters);
+        }
+        free.sort_unstable();
+        free.dedup();
+        let prior: f64 = set.iter().map(|&h| hypotheses[h].log_prior).sum();
+        let mode = quadratic.mode(&free, priors);
+        mode.map_or(f64::NEG_INFINITY, |m| m.log_evidence + prior)
+    };
+    let fits = |set: &[usize], h: usize| {
+        !set.contains(&h)
+            && set.iter().all(|&k| {
+                hypotheses[k].excludes.is_none() || hypotheses[k].excludes != hypotheses[h].excludes
+            })
+    };
+    let mut set = start.to_vec();
+    set.sort_unstable();
+    let mut best = value(&set);
+    let all: Vec<usize> = (0..hypotheses.len()).collect();
+    let neighbours = |set: &[usize]| -> Vec<Vec<usize>> {
+        let mut out = Vec::new();
+        for &h in all.iter().filter(|&&h| fits(set, h)) {
+            out.push(with(set, h));
+        }
+        for &gone in set {
+            let rest = without(set, gone);
+            for &h in all
+                .iter()
+                .filter(|&&h| h != gone && !set.contains(&h) && fits(&rest, h))
+            {
+                out.push(with(&rest, h));
+            }
+            out.push(rest);
+        }
+        out
+    };
+    let weights = loop {
+        let weighed: Vec<(Vec<usize>, f64)> = neighbours(&set)
+            .into_iter()
+            .map(|s| {
+                let v = value(&s);
+                (s, v)
+            })
+            .collect();
+        let top = weighed.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        match top {
+            // Rounding alone must not keep the search going.
+            Some((next, v)) if *v > best + 1e-9 => {
+                (set, best) = (next.clone(), *v);
+            }
+            _ => break weighed,
+        }
+    };
+    let mut total = 1.0;
+    let mut inclusion = vec![0.0; hypotheses.len()];
+    for &h in &set {
+        inclusion[h] += 1.0;
+    }
+    let mut swaps = vec![Vec::new(); set.len()];
+    for (other, v) in &weights {
+        let weight = (v - best).exp();
+        total += weight;
+        for &h in other {
+            inclusion[h] += weight;
+        }
+        let gone: Vec<usize> = (0..set.len())
+            .filter(|&k| !other.contains(&set[k]))
+            .collect();
+        let came: Vec<usize> = other.iter().copied().filter(|h| !set.contains(h)).collect();
+        if let ([gone], [came]) = (&gone[..], &came[..]) {
+            swaps[*gone].push(Swap {
+                other: *came,
+                weight,
+            });
+        }
+    }
+    for p in &mut inclusion {
+        *p /= total;
+    }
+    for list in &mut swaps {
+        list.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    }
+    Decision {
+        set,
+        inclusion,
+        swaps,
+        log_posterior: best,
+    }
+}
+
+fn with(set: &[usize], h: usize) -> Vec<usize> {
+    let mut out = set.to_vec();
+    out.push(h);
+    out.sort_unstable();
+    out
+}
+
+fn without(set: &[usize], h: usize) -> Vec<usize> {
+    set.iter().copied().filter(|&k| k != h).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
+    fn simple(estimates: &[f64]) -> (Quadratic, Vec<Prior>, Vec<Hypothesis>) {
+        let p = estimates.len();
+        let quadratic = Quadratic {
+            at: estimates.to_vec(),
+            gradient: DVector::zeros(p),
+            information: DMatrix::identity(p, p),
+        };
+        let priors = vec![
+            Prior {
+                mean: 0.0,
+                deviation: 10.0
+            };
+            p
+        ];
+        let hypotheses = (0..p)
+            .map(|i| Hypothesis {
+                parameters: vec![i],
+                log_prior: (0.1f64).ln(),
+                excludes: None,
+            })
+            .collect();
+        (quadratic, priors, hypotheses)
+    }
+
+    #[test]
+    fn what_is_many_deviations_away_is_named() {
+        let (quadratic, priors, hypotheses) = simple(&[8.0, 0.5, -6.0]);
+        let decision = decide(&quadratic, &priors, &[], &hypotheses, &[]);
+        assert_eq!(decision.set, [0, 2]);
+        assert!(decision.inclusion[0] > 0.99 && decision.inclusion[1] < 0.05);
+        // Odds of the second parameter by hand: prior 0.1, evidence ratio of N(0.5; 0, 101) to N(0.5; 0, 1).
+        let log = -0.125 / 101.0 - 0.5 * (101.0f64).ln() + 0.125;
+        let odds = 0.1 * log.exp();
+        assert!((decision.inclusion[1] - odds / (1.0 + odds)).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_cannot_be_told_apart_stands_in_its_place() {
+        // Two parameters with the same effect on the data.
+        let quadratic = Quadratic {
+            at: vec![6.0, 0.0],
+            gradient: DVector::zeros(2),
+            information: DMatrix::from_element(2, 2, 1.0),
+        };
+        let (_, priors, hypotheses) = simple(&[0.0, 0.0]);
+        let decision = decide(&quadratic, &priors, &[], &hypotheses, &[]);
+        assert_eq!(decision.set.len(), 1);
+        assert!((decision.swaps[0][0].weight - 1.0).abs() < 1e-9);
+        assert!(decision.inclusion.iter().all(|p| (p - 0.5).abs() < 0.05));
+    }
+
+    proptest! {
+        /// Independent parameters are decided as if each stood alone.
+        #[test]
+        fn independent_hypotheses_do_not_disturb_each_other(values in prop::collection::vec(-8.0..8.0f64, 1..5)) {
+            let (quadratic, priors, hypotheses) = simple(&values);
+            let all = decide(&quadratic, &priors, &[], &hypotheses, &[]);
+            for (i, v) in values.iter().enumerate() {
+                let (q, p, h) = simple(&[*v]);
+                let alone = decide(&q, &p, &[], &h, &[]);
+                prop_assert_eq!(all.set.contains(&i), alone.set.contains(&0));
+            }
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! Effects as hypotheses: which parameters each frees, at which place, and how large they may be.
+
+use crate::arm::UNKNOWN;
+use crate::given::Given;
+use crate::parameter::{Kind, Parameter};
+use crate::tracks::Replayed;
+use nalgebra::{DMatrix, DVector};
+use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix};
+
+/// An effect that a simulator may lack, by its name in the report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Effect {
+    /// Torque per error of the drive.
+    ServoGain,
+    /// Damping by the drive.
+    ServoDamping,
+    /// Commands reach the joints late.
+    CommandDelay,
+    /// The torque is cut at a limit.
+    EffortLimit,
+    /// The drive compensates gravity, or does not.
+    GravityCompensation,
+    /// Viscous and Coulomb friction.
+    FrictionParameters,
+    /// Higher friction near standstill.
+    StribeckFriction,
+    /// Friction that grows with torque.
+    LoadDependentFriction,
+    /// Rotor inertia.
+    RotorInertia,
+    /// Masses of links.
+    LinkParameters,
+    /// A body at the last link.
+    Payload,
+    /// Zero of a joint or of its command.
+    EncoderOffset,
+    /// Gravity's direction.
+    BaseTilt,
+    /// A smooth torque that no other effect explains.
+    Unknown,
+}
+
+impl Effect {
+    /// Name in the report.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ServoGain => "servo_gain",
+            Self::ServoDamping => "servo_damping",
+            Self::CommandDelay => "command_delay",
+            Self::EffortLimit => "effort_limit",
+            Self::GravityCompensation => "gravity_compensation",
+            Self::FrictionParameters => "friction_parameters",
+            Self::StribeckFriction => "stribeck_friction",
+            Self::LoadDependentFriction => "load_dependent_friction",
+            Self::RotorInertia => "rotor_inertia",
+            Self::LinkParameters => "link_parameters",
+            Self::Payload => "payload",
+            Self::EncoderOffset => "encoder_offset",
+            Self::BaseTilt => "base_tilt",
+            Self::Unknown => "unknown",
+        }
+    }
+
+    /// Plain words for the report.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::ServoGain => "gain of the servo",
+            Self::ServoDamping => "damping by the servo",
+            Self::CommandDelay => "commands that reach the joints late",
+            Self::EffortLimit => "limit of the drive's torque",
+            Self::GravityCompensation => "gravity compensation inside the drive",
+            Self::FrictionParameters => "viscous and Coulomb friction",
+            Self::StribeckFriction => "Stribeck friction",
+            Self::LoadDependentFriction => "friction that grows with torque",
+            Self::RotorInertia => "rotor inertia (armature)",
+            Self::LinkParameters => "masses of the links",
+            Self::Payload => "payload at the last link",
+            Self::EncoderOffset => "zero of the joint or of its command",
+            Self::BaseTilt => "tilt of the base",
+            Self::Unknown => "an effect that the catalogue lacks",
+        }
+    }
+}
+
+/// A parameter of a hypothesis with the size that the effect may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sized {
+    /// Which.
+    pub parameter: Parameter,
+    /// Standard deviation of its coordinate about the given value.
+    pub deviation: f64,
+}
+
+/// An effect at a place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mechanism {
+    /// Effect.
+    pub effect: Effect,
+    /// Joint; none for effects of the whole arm.
+    pub joint: Option<usize>,
+    /// What it frees.
+    pub parameters: Vec<Sized>,
+}
+
+/// Sizes of torque, inertia and speed of each joint, from which an effect's size follows.
+#[derive(Debug, Clone)]
+pub struct Sizes {
+    /// Torque that the joint needs for gravity and acceleration, N·m.
+    pub torque: Vec<f64>,
+    /// Inertia that the joint moves, kg·m².
+    pub inertia: Vec<f64>,
+    /// Root mean square of its velocity, rad/s.
+    pub speed: Vec<f64>,
+    /// Mass of all links, kg.
+    pub mass: f64,
+    /// Median time between commands, s.
+    pub period: f64,
+}
+
+impl Sizes {
+    /// Sizes over the recorded motion.
+    pub fn of(given: &Given, replayed: &Replayed) -> Self {
+        let arm = &given.arm;
+        let n = arm.dof();
+        let mut workspace = Workspace::new(&arm.robot);
+        let (mut torque, mut inertia, mut speed) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let (mut tau, mut mass, zero) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n]);
+        let (mut count, mut steps) = (0.0, Vec::new());
+        for track in &replayed.whole {
+            for row in 1..track.time.len() {
+                let dt = track.time[row] - track.time[row - 1];
+                steps.push(dt);
+                for j in 0..n {
+                    speed[j] += ((track.q[(row, j)] - track.q[(row - 1, j)]) / dt).powi(2);
+                }
+                count += 1.0;
+                // Gravity and inertia change slowly.
+                if row % 20 != 1 {
+                    continue;
+                }
+                let q = track.q.row(row).to_vec();
+                inverse_dynamics(&arm.robot, &mut workspace, &q, &zero, &zero, &mut tau);
+                mass_matrix(&arm.robot, &mut workspace, &q, &mut mass);
+                for j in 0..n {
+                    torque[j] += 20.0 * tau[j].powi(2);
+                    inertia[j] += 20.0 * (mass[j * n + j] + arm.joints[j].armature);
+                }
+            }
+        }
+        steps.sort_by(f64::total_cmp);
+        let period = steps.get(steps.len() / 2).copied().unwrap_or(0.01);
+        for j in 0..n {
+            speed[j] = (speed[j] / count).sqrt().max(1e-3);
+            inertia[j] /= count;
+            // Acceleration at the motion's speed within a quarter of a second: a joint's own time.
+            let accelerating = inertia[j] * speed[j] / 0.25;
+            torque[j] = ((torque[j] / count) + accelerating.powi(2)).sqrt();
+        }
+        // A joint without gravity load has motors of its neighbours' kind.
+        let largest = torque.iter().copied().fold(0.0, f64::max);
+        for t in &mut torque {
+            *t = t.max(0.1 * largest);
+        }
+        let parameters = arm.given.parameters();
+        Self {
+            torque,
+            inertia,
+            speed,
+            mass: parameters
+                .iter()
+                .step_by(physics::robot::PARAMETERS_PER_LINK)
+                .sum(),
+            period,
+        }
+    }
+}
+
+/// Standard deviation of the logarithm of a gain, a limit or a mass that is wrong: a factor of about e.
+const FACTOR: f64 = 1.0;
+
+/// All mechanisms that could explain the motion of these drives.
+pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mechanism> {
+    let arm = &given.arm;
+    let n = arm.dof();
+    let rates = replayed.whole.iter().all(|t| t.rates.is_some());
+    let mut all = Vec::new();
+    let mut add = |effect: Effect, joint: Option<usize>, list: &[(Kind, f64)]| {
+        let parameters: Vec<Sized> = list
+            .iter()
+            .map(|&(kind, deviation)| Sized {
+                parameter: Parameter::new(kind, joint.unwrap_or(0)),
+                deviation,
+            })
+            .filter(|s| !given.is_free(s.parameter))
+            .collect();
+        if !parameters.is_empty() {
+            all.push(Mechanism {
+                effect,
+                joint,
+                parameters,
+            });
+        }
+    };
+    // A drive misses about two of its command's periods at most before its user notices.
+    let late = (2.0 * sizes.period).max(0.02);
+    add(Effect::CommandDelay, None, &[(Kind::CommonDelay, late)]);
+    add(
+        Effect::GravityCompensation,
+        None,
+        &[(Kind::GravityCompensation, 0.5)],
+    );
+    let body = 0.2 * sizes.mass;
+    let arm_length = 0.1;
+    add(
+        Effect::Payload,
+        None,
+        &[
+            (Kind::Payload(0), body),
+            (Kind::Payload(1), body * arm_length),
+            (Kind::Payload(2), body * arm_length),
+            (Kind::Payload(3), body * arm_length),
+        ],
+    );
+    add(
+        Effect::BaseTilt,
+        None,
+        &[(Kind::Tilt(0), 0.05), (Kind::Tilt(1), 0.05)],
+    );
+    for j in (0..n).filter(|&j| replayed.moves[j]) {
+        let torque = sizes.torque[j];
+        add(Effect::ServoGain, Some(j), &[(Kind::Gain, FACTOR)]);
+        let viscous = torque / sizes.speed[j];
+        if rates {
+            add(
+                Effect::ServoDamping,
+                Some(j),
+                &[(Kind::ServoDamping, viscous)],
+            );
+        }
+        add(
+            Effect::FrictionParameters,
+            Some(j),
+            &[(Kind::Damping, viscous), (Kind::Coulomb, torque)],
+        );
+        add(
+            Effect::RotorInertia,
+            Some(j),
+            &[(Kind::Armature, sizes.inertia[j])],
+        );
+        add(
+            Effect::StribeckFriction,
+            Some(j),
+            &[(Kind::Stribeck, 0.5 * torque)],
+        );
+        add(Effect::LoadDependentFriction, Some(j), &[(Kind::Load, 0.3)]);
+        add(Effect::CommandDelay, Some(j), &[(Kind::Lag, late)]);
+        add(
+            Effect::EncoderOffset,
+            Some(j),
+            &[(Kind::Offset, 0.05), (Kind::Zero, 0.05)],
+        );
+        add(Effect::LinkParameters, Some(j), &[(Kind::LinkScale, 0.3)]);
+        let limit = arm.get(Parameter::new(given.limit(), j));
+        if limit.is_finite() {
+            add(Effect::EffortLimit, Some(j), &[(given.limit(), FACTOR)]);
+        }
+    }
+    all
+}
+
+/// The flexible hypothesis of a joint: a smooth torque of position, velocity and command.
+pub fn unknown(joint: usize, sizes: &Sizes) -> Mechanism {
+    let deviation = sizes.torque[joint] / (UNKNOWN as f64).sqrt();
+    Mechanism {
+        effect: Effect::Unknown,
+        joint: Some(joint),
+        parameters: (0..UNKNOWN)
+            .map(|k| Sized {
+                parameter: Parameter::new(Kind::Unknown(k), joint),
+                deviation,
+            })
+            .collect(),
+    }
+}
+
+/// Correlations of a covariance matrix.
+pub fn correlations(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    let deviation = DVector::from_iterator(
+        covariance.nrows(),
+        covariance
+            .diagonal()
+            .iter()
+            .map(|v| v.max(f64::MIN_POSITIVE).sqrt()),
+    );
+    DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, k| {
+        covariance[(i, k)] / (deviation[i] * deviation[k])
+    })
+}

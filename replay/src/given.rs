@@ -1,0 +1,50 @@
+//! The simulator as given: an arm under its drives, with how far each given value is trusted.
+
+use crate::arm::Arm;
+use crate::command::Interpolation;
+use crate::parameter::{Kind, Parameter};
+
+/// The simulator's model and controller, as they stand.
+#[derive(Debug, Clone)]
+pub struct Given {
+    /// Arm and drives with the given values.
+    pub arm: Arm,
+    /// Parameters that are known within a tolerance (relative; the deviation of the logarithm).
+    pub tolerances: Vec<(Parameter, f64)>,
+    /// Parameters of which nothing is known: they are fitted, and are no cause.
+    pub free: Vec<Parameter>,
+    /// How the drive fills the time between commands.
+    pub interpolation: Interpolation,
+    /// What the drive is called in the report (`pd`, `pid`, `cascade`, `dc_servo`).
+    pub controller: &'static str,
+    /// What was assumed or changed, for the reader.
+    pub notes: Vec<String>,
+}
+
+impl Given {
+    /// Tolerance of a parameter; 0 where its value stands as it is.
+    pub fn tolerance(&self, parameter: Parameter) -> f64 {
+        let own = self.tolerances.iter().find(|(p, _)| *p == parameter);
+        own.map_or(0.0, |(_, t)| *t)
+    }
+
+    /// Whether nothing is known of a parameter.
+    pub fn is_free(&self, parameter: Parameter) -> bool {
+        self.free.contains(&parameter)
+    }
+
+    /// Kinds of parameters that a drive of this kind has.
+    pub fn has_integral(&self) -> bool {
+        let none = crate::arm::Integral::None;
+        self.arm.servos.iter().any(|s| s.integral != none)
+    }
+
+    /// The kind of the parameter that cuts the torque of these drives.
+    pub fn limit(&self) -> Kind {
+        if self.controller == "dc_servo" {
+            Kind::DriveLimit
+        } else {
+            Kind::Limit
+        }
+    }
+}
