@@ -6,6 +6,7 @@ use model::preparation::setup::Setup;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix, regressor};
 use physics::robot::PARAMETERS_PER_LINK;
+use physics::robot::drive::{Interpolation, Key};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -118,6 +119,30 @@ impl Robot {
     #[getter]
     fn parameter_names(&self) -> Vec<String> {
         self.setup.robot.parameter_names()
+    }
+
+    /// Block `[controller]` of the drive file: its values by joint, and `kind`, `interpolation`, `gravity_compensation` (none: not
+    /// known); none where there is no such block.
+    #[getter]
+    fn controller<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let drive = self.setup.drive.as_ref();
+        let Some(controller) = drive.and_then(|d| d.controller.as_ref()) else {
+            return Ok(None);
+        };
+        let out = PyDict::new(py);
+        out.set_item("kind", controller.kind.name())?;
+        for key in Key::ALL {
+            if let Some(values) = controller.values(key, self.setup.robot.dof()) {
+                out.set_item(key.name(), values)?;
+            }
+        }
+        let linear = controller.interpolation == Interpolation::Linear;
+        out.set_item("interpolation", if linear { "linear" } else { "hold" })?;
+        out.set_item(
+            "gravity_compensation",
+            controller.gravity_compensation.known(),
+        )?;
+        Ok(Some(out))
     }
 
     /// Torque of the rigid body (no friction), shape (samples, joints).

@@ -18,7 +18,9 @@ pub use builtin::Builtin;
 pub(crate) use chain::{Chain, ChainJoint};
 pub use counterbalance::Counterbalance;
 pub use error::RobotError;
-pub use format::{Description, Edited, MACHINES, Mjcf, to_urdf, urdf_with};
+pub use format::{
+    Actuator, ActuatorKind, Description, DriveEdit, Edited, MACHINES, Mjcf, to_urdf, urdf_with,
+};
 pub use inertia::{Inertia, PARAMETER_NAMES, PARAMETERS_PER_LINK};
 pub use joint::{Joint, JointKind, Limits, Link};
 pub use passive::{Passive, Spring};

@@ -28,11 +28,17 @@
 //! cutoff_hz = 2.0
 //! ripple_db = 0.2
 //! ```
+//!
+//! The block `[controller]` stands at [`Controller`].
 
+mod controller;
 mod conversion;
 mod driven;
 mod units;
 
+pub use controller::{
+    Controller, ControllerKind, GravityCompensation, Interpolation, Key, PerJoint, Tolerance,
+};
 pub use conversion::Conversion;
 pub use driven::{Driven, DrivenAxis};
 pub use units::{AngleUnit, TimeUnit, TorqueUnit, Units};
@@ -79,6 +85,8 @@ pub struct Drive {
     pub units: Units,
     /// Low-pass that the recorded torque has been through.
     pub torque_filter: Option<TorqueFilter>,
+    /// What turns commanded motion into torque.
+    pub controller: Option<Controller>,
 }
 
 /// Zero-phase Chebyshev type I low-pass.
@@ -191,6 +199,9 @@ impl Drive {
                     ),
                 });
             }
+        }
+        if let Some(controller) = &self.controller {
+            controller.check(robot)?;
         }
         self.torque_conversion(robot)?;
         Ok(())

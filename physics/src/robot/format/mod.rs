@@ -6,7 +6,7 @@
 mod mjcf;
 mod urdf;
 
-pub use mjcf::{Edited, Mjcf};
+pub use mjcf::{Actuator, ActuatorKind, DriveEdit, Edited, Mjcf};
 pub use urdf::{to_urdf, urdf_with};
 
 use super::{Builtin, Robot, RobotError};

@@ -6,7 +6,7 @@ use crate::robot::RobotError;
 use std::collections::HashMap;
 
 /// Attributes that fewer values than there are change in part.
-const PARTIAL: [&str; 2] = ["size", "gear"];
+const PARTIAL: [&str; 5] = ["size", "gear", "gainprm", "biasprm", "dynprm"];
 
 /// Ways to write an orientation beside `quat`; one displaces the other.
 pub(super) const ORIENTATIONS: [&str; 4] = ["axisangle", "xyaxes", "zaxis", "euler"];
@@ -234,6 +234,21 @@ impl<'d, 't> Attributes<'_, 'd, 't> {
             Some("false") => Ok(Some(false)),
             Some(other) => Err(self.wrong(name, other, "it is true, false or auto")),
         }
+    }
+
+    /// A range that limits something: where the flag `limited` is on or, where nothing is said, `auto`.
+    ///
+    /// # Errors
+    /// Not two numbers, or not a flag.
+    pub fn range(
+        &self,
+        limited: &str,
+        range: &str,
+        auto: bool,
+    ) -> Result<Option<[f64; 2]>, RobotError> {
+        let given = self.numbers::<2>(range)?;
+        let on = self.flag(limited)?.unwrap_or(auto && given.is_some());
+        Ok(given.filter(|[low, high]| on && low < high))
     }
 
     fn wrong(&self, name: &str, text: &str, need: &str) -> RobotError {

@@ -285,17 +285,15 @@ fn spring(
 fn limits(scene: &Scene<'_, '_, '_>, joint: usize, unit: f64) -> Result<Limits, RobotError> {
     let own = &scene.joints[joint];
     let auto = scene.settings.autolimits;
-    let within = |a: &super::attributes::Attributes<'_, '_, '_>, limited: &str, range: &str| {
-        let given = a.numbers::<2>(range)?;
-        let on = a.flag(limited)?.unwrap_or(auto && given.is_some());
-        Ok::<_, RobotError>(given.filter(|[low, high]| on && low < high))
-    };
     let mut limits = Limits::NONE;
-    if let Some([lower, upper]) = within(&own.attributes, "limited", "range")? {
+    if let Some([lower, upper]) = own.attributes.range("limited", "range", auto)? {
         (limits.lower, limits.upper) = (lower * unit, upper * unit);
     }
     let largest = |[low, high]: [f64; 2]| low.abs().max(high.abs());
-    if let Some(range) = within(&own.attributes, "actuatorfrclimited", "actuatorfrcrange")? {
+    if let Some(range) = own
+        .attributes
+        .range("actuatorfrclimited", "actuatorfrcrange", auto)?
+    {
         limits.effort = largest(range);
     }
     for actuator in couplings::actuators(scene)? {
@@ -304,7 +302,7 @@ fn limits(scene: &Scene<'_, '_, '_>, joint: usize, unit: f64) -> Result<Limits, 
         }
         let gear = actuator.list("gear")?.unwrap_or_default();
         let gear = gear.first().copied().unwrap_or(1.0).abs();
-        if let Some(range) = within(&actuator, "forcelimited", "forcerange")? {
+        if let Some(range) = actuator.range("forcelimited", "forcerange", auto)? {
             limits.effort = limits.effort.min(largest(range) * gear);
         }
     }

@@ -2,13 +2,17 @@
 //!
 //! Files and includes (`source`), defaults (`attributes`) and settings (`settings`) make a scene of bodies and joints (`scene`,
 //! `shapes`); of its joints some are chosen (`choice`, `couplings`) and make the robot (`chain`). New numbers go into the
-//! same files (`write`).
+//! same files (`write`). Actuators drive the chosen joints (`actuators`, `law`) and take new gains (`drives`).
 
+mod actuators;
+mod apparent;
 mod attributes;
 mod chain;
 mod choice;
 mod couplings;
+mod drives;
 mod edit;
+mod law;
 mod pose;
 mod refusal;
 mod scene;
@@ -17,7 +21,10 @@ mod shapes;
 mod source;
 mod write;
 
+pub use actuators::Actuator;
+pub use drives::DriveEdit;
 pub use edit::Edited;
+pub use law::ActuatorKind;
 
 use crate::robot::{Robot, RobotError};
 use attributes::Classes;
@@ -81,6 +88,42 @@ impl Mjcf {
     pub fn with(&self, robot: &Robot, zeros: &[f64]) -> Result<Edited, RobotError> {
         let changes = self.with_chain(|scene, chain| write::changes(scene, chain, robot, zeros))?;
         Ok(Edited::new(self.sources.clone(), changes))
+    }
+
+    /// The same with other drives, one per joint: gains and force ranges are set at the actuators themselves, their default classes
+    /// stay as they are. A damping ratio becomes the kv that it stands for.
+    ///
+    /// # Errors
+    /// As [`Mjcf::with`], another number of drives, or two actuators at one joint.
+    pub fn with_drives(
+        &self,
+        robot: &Robot,
+        zeros: &[f64],
+        drives: &[DriveEdit],
+    ) -> Result<Edited, RobotError> {
+        let changes = self.with_chain(|scene, chain| {
+            let mut changes = write::changes(scene, chain, robot, zeros)?;
+            drives::changes(scene, chain, drives, &mut changes)?;
+            Ok(changes)
+        })?;
+        Ok(Edited::new(self.sources.clone(), changes))
+    }
+
+    /// The actuator of each joint of the robot; none where nothing drives it.
+    ///
+    /// Damping and armature that an actuator adds to its joint are the joint's, see [`Mjcf::robot`].
+    ///
+    /// # Errors
+    /// As [`Mjcf::robot`], or two actuators at one joint.
+    pub fn actuators(&self) -> Result<Vec<Option<Actuator>>, RobotError> {
+        let found = self.with_chain(|scene, chain| {
+            let found = actuators::read(scene, chain)?;
+            Ok(found
+                .into_iter()
+                .map(|one| one.map(|f| f.actuator))
+                .collect())
+        })?;
+        Ok(found)
     }
 
     fn with_chain<T>(

@@ -254,7 +254,7 @@ fn gravity(scene: &Scene<'_, '_, '_>, changes: &mut Changes, robot: &Robot) {
     }
 }
 
-fn words(values: &[f64]) -> String {
+pub(super) fn words(values: &[f64]) -> String {
     let words: Vec<String> = values.iter().map(f64::to_string).collect();
     words.join(" ")
 }

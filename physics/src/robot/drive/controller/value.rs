@@ -1,0 +1,150 @@
+//! Values of a controller as the drive file writes them.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A value of the controller that has one number per joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Key {
+    /// Torque per error, N·m/rad (N/m); of a cascade: velocity per error, 1/s.
+    Kp,
+    /// Torque per error of velocity, N·m·s/rad (N·s/m).
+    Kd,
+    /// Torque per integral of the error, N·m/(rad·s) (N/(m·s)).
+    Ki,
+    /// Torque per error of velocity of a cascade, N·m·s/rad (N·s/m).
+    KpVelocity,
+    /// Torque per integral of that error, N·m/rad (N/m).
+    KiVelocity,
+    /// Torque at standstill per error, N·m/rad (N/m).
+    TorquePerError,
+    /// Torque lost per velocity to back-EMF, N·m·s/rad (N·s/m).
+    BackEmf,
+    /// Torque at standstill under the full supply voltage, N·m (N).
+    Voltage,
+    /// Largest torque, N·m (N).
+    Limit,
+    /// Time by which commands reach the drive late, s.
+    Delay,
+}
+
+/// One number for all joints, or one by joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a number, or a list with one number per joint, is needed"
+)]
+pub enum PerJoint {
+    /// The same for all.
+    All(f64),
+    /// By joint, base first.
+    Each(Vec<f64>),
+}
+
+/// Relative tolerance of given values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a number, or a table of numbers by key ({ kp = 0.1, kd = 0.3 }), is needed"
+)]
+pub enum Tolerance {
+    /// Of every value.
+    All(f64),
+    /// By key; none of the others.
+    ByKey(BTreeMap<Key, f64>),
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self::All(0.0)
+    }
+}
+
+/// How a drive fills the time between two commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// The last command holds.
+    #[default]
+    Hold,
+    /// Straight lines.
+    Linear,
+}
+
+/// Whether a drive compensates gravity by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "gravity_compensation is true, false or \"unknown\""
+)]
+pub enum GravityCompensation {
+    /// Whether it does.
+    Known(bool),
+    /// Nobody knows.
+    Unknown(Unknown),
+}
+
+/// The word for what nobody knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Unknown {
+    /// `"unknown"`.
+    Unknown,
+}
+
+impl Default for GravityCompensation {
+    fn default() -> Self {
+        Self::Known(false)
+    }
+}
+
+impl GravityCompensation {
+    /// Whether it does; none where nobody knows.
+    pub fn known(self) -> Option<bool> {
+        match self {
+            Self::Known(on) => Some(on),
+            Self::Unknown(_) => None,
+        }
+    }
+}
+
+impl Key {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Kp,
+        Self::Kd,
+        Self::Ki,
+        Self::KpVelocity,
+        Self::KiVelocity,
+        Self::TorquePerError,
+        Self::BackEmf,
+        Self::Voltage,
+        Self::Limit,
+        Self::Delay,
+    ];
+
+    /// As the file names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kp => "kp",
+            Self::Kd => "kd",
+            Self::Ki => "ki",
+            Self::KpVelocity => "kp_velocity",
+            Self::KiVelocity => "ki_velocity",
+            Self::TorquePerError => "torque_per_error",
+            Self::BackEmf => "back_emf",
+            Self::Voltage => "voltage",
+            Self::Limit => "limit",
+            Self::Delay => "delay",
+        }
+    }
+
+    /// Whether zero is no value of it: a gain or limit of zero moves nothing.
+    pub(super) fn positive(self) -> bool {
+        !matches!(
+            self,
+            Self::Kd | Self::KiVelocity | Self::BackEmf | Self::Delay
+        )
+    }
+}
