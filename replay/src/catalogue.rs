@@ -41,6 +41,23 @@ pub enum Effect {
 }
 
 impl Effect {
+    /// All that are looked for by name.
+    pub const ALL: [Self; 13] = [
+        Self::ServoGain,
+        Self::ServoDamping,
+        Self::CommandDelay,
+        Self::EffortLimit,
+        Self::GravityCompensation,
+        Self::FrictionParameters,
+        Self::StribeckFriction,
+        Self::LoadDependentFriction,
+        Self::RotorInertia,
+        Self::LinkParameters,
+        Self::Payload,
+        Self::EncoderOffset,
+        Self::BaseTilt,
+    ];
+
     /// Name in the report.
     pub fn name(self) -> &'static str {
         match self {

@@ -5,15 +5,22 @@
 pub mod arm;
 pub mod catalogue;
 pub mod command;
+mod command_line;
 pub mod decide;
 pub mod diagnosis;
 pub mod fit;
 pub mod friction;
 pub mod given;
+pub mod input;
+pub mod page;
 pub mod parameter;
+pub mod patch;
 pub mod place;
 pub mod profile;
 pub mod schema;
 pub mod score;
 pub mod simulate;
 pub mod tracks;
+pub mod words;
+
+pub use command_line::command_line;

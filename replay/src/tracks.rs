@@ -98,6 +98,24 @@ pub struct Replayed {
     pub moves: Vec<bool>,
 }
 
+impl Replayed {
+    /// Adds another recording: its trajectories are fitted and scored beside the first one's.
+    pub fn join(&mut self, other: Self) {
+        let rows = |all: &[Track]| all.iter().map(|t| t.time.len()).sum::<usize>() as f64;
+        let (own, more) = (rows(&self.whole), rows(&other.whole));
+        for j in 0..self.tracking.len() {
+            let square = own * self.tracking[j].powi(2) + more * other.tracking[j].powi(2);
+            self.tracking[j] = (square / (own + more)).sqrt();
+            self.quantum[j] = self.quantum[j].max(other.quantum[j]);
+            self.moves[j] |= other.moves[j];
+        }
+        self.whole.extend(other.whole);
+        let mut blocks = std::mem::take(&mut self.blocks);
+        blocks.extend(other.blocks);
+        self.blocks = thinned(blocks);
+    }
+}
+
 /// Prepares a recording. Trajectories keep their numbers from `first` on, so that several recordings can be fitted together.
 ///
 /// # Errors

@@ -1,0 +1,306 @@
+//! From a robot, its drive file and recordings to what is diagnosed.
+
+use crate::arm::{Arm, Integral, Servo};
+use crate::command::Interpolation;
+use crate::given::Given;
+use crate::parameter::{Kind, Parameter};
+use crate::tracks::{Replayed, Unusable, prepare};
+use datasets::Part;
+use model::preparation::setup::{Setup, SetupError};
+use physics::robot::drive::{Controller, ControllerKind, Interpolation as Filled, Key};
+use physics::robot::{Actuator, Description, RobotError};
+use std::path::{Path, PathBuf};
+
+/// What a drive's gain is taken to be at first where it is not known, N·m/rad per kg·m² of what the joint moves: a natural
+/// frequency of 5 Hz, as arms under position control have.
+const STIFFNESS: f64 = 1000.0;
+
+/// Why nothing could be diagnosed.
+#[derive(Debug, thiserror::Error)]
+pub enum InputError {
+    /// Robot, drive file or recording.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The robot alone.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// A recording that cannot be replayed.
+    #[error(transparent)]
+    Unusable(#[from] Unusable),
+    /// No controller.
+    #[error(
+        "{robot} says nothing of the drives' controller; write it into a drive file and give that by --drive:\n\n{block}"
+    )]
+    NoController {
+        /// Robot.
+        robot: String,
+        /// The block to write.
+        block: String,
+    },
+    /// An actuator that is none of the known laws.
+    #[error(
+        "joint {joint} is driven by {law}, which is no position servo; say by [controller] in a drive file how its torque \
+         follows from its command"
+    )]
+    Law {
+        /// Joint.
+        joint: String,
+        /// Its law.
+        law: String,
+    },
+}
+
+/// Robot, drives and description, read.
+#[derive(Debug)]
+pub struct Subject {
+    /// Robot and the way its recordings are read.
+    pub setup: Setup,
+    /// The simulator as given.
+    pub given: Given,
+}
+
+impl Subject {
+    /// Reads robot and drive file.
+    ///
+    /// # Errors
+    /// They cannot be used, or say nothing of the controller.
+    pub fn read(
+        robot: &str,
+        joints: &[String],
+        drive: Option<&Path>,
+        gravity: Option<[f64; 3]>,
+    ) -> Result<Self, InputError> {
+        let setup = Setup::with_joints(robot, joints, drive, gravity)?;
+        let controller = setup.drive.as_ref().and_then(|d| d.controller.as_ref());
+        let mut given = match controller {
+            Some(controller) => by_block(&setup, controller),
+            None => by_actuators(&setup)?,
+        };
+        given.notes.extend(setup.robot.warnings().iter().cloned());
+        given.notes.extend(setup.robot.notes().iter().cloned());
+        Ok(Self { setup, given })
+    }
+
+    /// Reads and prepares recordings of one kind (fitted or held out).
+    ///
+    /// # Errors
+    /// One of them cannot be replayed.
+    pub fn recordings(&self, paths: &[PathBuf], part: Part) -> Result<Vec<Replayed>, InputError> {
+        let mut out = Vec::new();
+        let mut first = 0;
+        for path in paths {
+            let recording = self.setup.read_one(path, part, false)?;
+            let replayed = prepare(&recording, self.given.interpolation, first)?;
+            first += recording.trajectories.len();
+            out.push(replayed);
+        }
+        Ok(out)
+    }
+}
+
+/// A servo that does nothing.
+fn idle() -> Servo {
+    Servo {
+        kp: 0.0,
+        kd: 0.0,
+        ki: 0.0,
+        integral: Integral::None,
+        back_emf: 0.0,
+        drive_limit: f64::INFINITY,
+        limit: f64::INFINITY,
+        dead_band: 0.0,
+        delay: 0.0,
+        lag: 0.0,
+        acceleration: f64::INFINITY,
+        offset: 0.0,
+    }
+}
+
+/// Drives by the block of the drive file.
+fn by_block(setup: &Setup, block: &Controller) -> Given {
+    let robot = &setup.robot;
+    let n = robot.dof();
+    let values = |key: Key| block.values(key, n);
+    let start: Vec<f64> = starts(robot);
+    let mut servos = vec![idle(); n];
+    let mut tolerances = Vec::new();
+    let mut free = Vec::new();
+    let mut set =
+        |key: Key, kind: Kind, start: &dyn Fn(usize) -> f64, put: &mut dyn FnMut(usize, f64)| {
+            let given = values(key);
+            for j in 0..n {
+                let parameter = Parameter::new(kind, j);
+                if block.is_free(key) {
+                    free.push(parameter);
+                } else if given.is_some() && block.tolerance(key) > 0.0 {
+                    tolerances.push((parameter, block.tolerance(key)));
+                }
+                match &given {
+                    Some(given) => put(j, given[j]),
+                    None if block.is_free(key) => put(j, start(j)),
+                    None => {}
+                }
+            }
+        };
+    let zero = |_: usize| 0.0;
+    let gain = |j: usize| start[j];
+    // Critical damping at the first guess of the gain.
+    let damped = |j: usize| 2.0 * start[j] / STIFFNESS.sqrt();
+    match block.kind {
+        ControllerKind::Pd | ControllerKind::Pid => {
+            set(Key::Kp, Kind::Gain, &gain, &mut |j, v| servos[j].kp = v);
+            set(Key::Kd, Kind::ServoDamping, &damped, &mut |j, v| {
+                servos[j].kd = v
+            });
+            set(Key::Ki, Kind::Integral, &gain, &mut |j, v| {
+                servos[j].ki = v;
+                servos[j].integral = Integral::Position;
+            });
+        }
+        ControllerKind::Cascade => {
+            // Torque = kp_velocity (kp e + e_v) + …: a gain of kp·kp_velocity on the position's error.
+            set(Key::KpVelocity, Kind::ServoDamping, &damped, &mut |j, v| {
+                servos[j].kd = v
+            });
+            let velocity: Vec<f64> = (0..n).map(|j| servos[j].kd).collect();
+            let position = |_: usize| STIFFNESS.sqrt();
+            set(Key::Kp, Kind::Gain, &position, &mut |j, v| {
+                servos[j].kp = v * velocity[j]
+            });
+            set(Key::KiVelocity, Kind::Integral, &gain, &mut |j, v| {
+                servos[j].ki = v;
+                servos[j].integral = Integral::Velocity;
+            });
+        }
+        ControllerKind::DcServo => {
+            set(Key::TorquePerError, Kind::Gain, &gain, &mut |j, v| {
+                servos[j].kp = v
+            });
+            set(Key::BackEmf, Kind::Damping, &zero, &mut |j, v| {
+                servos[j].back_emf = v
+            });
+            // Full voltage at an error of a tenth of a radian, until the motion says more.
+            set(
+                Key::Voltage,
+                Kind::DriveLimit,
+                &|j| 0.1 * start[j],
+                &mut |j, v| servos[j].drive_limit = v,
+            );
+        }
+    }
+    set(Key::Limit, Kind::Limit, &|j| 0.2 * start[j], &mut |j, v| {
+        servos[j].limit = v
+    });
+    set(Key::Delay, Kind::CommonDelay, &zero, &mut |j, v| {
+        servos[j].delay = v
+    });
+    // One delay of all joints is one number.
+    free.retain(|p| p.kind != Kind::CommonDelay || p.joint == 0);
+    tolerances.retain(|(p, _)| p.kind != Kind::CommonDelay || p.joint == 0);
+    let mut arm = Arm::new(robot.clone(), servos);
+    let mut notes = Vec::new();
+    match block.gravity_compensation.known() {
+        Some(on) => arm.gravity_compensation = f64::from(u8::from(on)),
+        None => {
+            free.push(Parameter::new(Kind::GravityCompensation, 0));
+            notes.push(
+                "whether the drives compensate gravity is not known, and is fitted".to_owned(),
+            );
+        }
+    }
+    Given {
+        arm,
+        tolerances,
+        free,
+        interpolation: match block.interpolation {
+            Filled::Hold => Interpolation::Hold,
+            Filled::Linear => Interpolation::Linear,
+        },
+        controller: block.kind.name(),
+        notes,
+    }
+}
+
+/// First guess of each gain, N·m/rad.
+fn starts(robot: &physics::robot::Robot) -> Vec<f64> {
+    let n = robot.dof();
+    let mut workspace = physics::dynamics::Workspace::new(robot);
+    let mut mass = vec![0.0; n * n];
+    let middle = |l: &physics::robot::Limits| {
+        if l.lower.is_finite() && l.upper.is_finite() {
+            0.5 * (l.lower + l.upper)
+        } else {
+            0.0
+        }
+    };
+    let q: Vec<f64> = robot.joints().iter().map(|j| middle(&j.limits)).collect();
+    physics::dynamics::mass_matrix(robot, &mut workspace, &q, &mut mass);
+    (0..n)
+        .map(|j| STIFFNESS * (mass[j * n + j] + robot.joints()[j].rotor_inertia))
+        .collect()
+}
+
+/// Drives by the actuators of an MJCF.
+fn by_actuators(setup: &Setup) -> Result<Given, InputError> {
+    let Description::Mjcf(mjcf) = &setup.description else {
+        return Err(no_controller(setup));
+    };
+    let actuators = mjcf.actuators()?;
+    let mut servos = Vec::new();
+    for (joint, actuator) in setup.robot.joints().iter().zip(&actuators) {
+        let Some(actuator) = actuator else {
+            return Err(no_controller(setup));
+        };
+        servos.push(servo(setup, &joint.name, actuator)?);
+    }
+    Ok(Given {
+        arm: Arm::new(setup.robot.clone(), servos),
+        tolerances: Vec::new(),
+        free: Vec::new(),
+        interpolation: Interpolation::Hold,
+        controller: "pd",
+        notes: Vec::new(),
+    })
+}
+
+fn servo(setup: &Setup, joint: &str, actuator: &Actuator) -> Result<Servo, InputError> {
+    use physics::robot::ActuatorKind;
+    let law = match &actuator.kind {
+        ActuatorKind::Motor => return Err(no_controller(setup)),
+        ActuatorKind::Velocity { .. } => "a velocity servo".to_owned(),
+        ActuatorKind::Other(law) => law.clone(),
+        _ => String::new(),
+    };
+    let Some([kp, kd]) = actuator.gains() else {
+        return Err(InputError::Law {
+            joint: joint.to_owned(),
+            law,
+        });
+    };
+    let limit = actuator
+        .effort()
+        .map_or(f64::INFINITY, |[low, high]| low.abs().max(high.abs()));
+    Ok(Servo {
+        kp,
+        kd,
+        limit,
+        delay: actuator.delay.unwrap_or(0.0),
+        lag: actuator.lag.unwrap_or(0.0),
+        ..idle()
+    })
+}
+
+fn no_controller(setup: &Setup) -> InputError {
+    let n = setup.robot.dof();
+    let list = |v: f64| format!("[{}]", vec![format!("{v}"); n].join(", "));
+    InputError::NoController {
+        robot: setup.robot.name().to_owned(),
+        block: format!(
+            "[controller]\nkind = \"pd\"            # pd, pid, cascade, dc_servo (hobby servos)\nkp = {}   # N·m/rad, as the drive is \
+             set\nkd = {}   # N·m·s/rad\ntolerance = 0.0        # relative\ngravity_compensation = \"unknown\"\n\nWhere the gains are \
+             not known: kind = \"pd\", free = [\"kp\", \"kd\"].",
+            list(100.0),
+            list(1.0)
+        ),
+    }
+}

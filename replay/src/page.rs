@@ -1,0 +1,258 @@
+//! The report as a page.
+
+use crate::catalogue::Effect;
+use crate::diagnosis::Outcome;
+use crate::schema::Report;
+use crate::simulate::Track;
+use crate::tracks::Replayed;
+use crate::words;
+use report::figure::{Ink, Panel, Plot, Waterfall};
+use report::{Cell, Column, Figure, KeyFigure, Page, Section, Table, Tone};
+
+/// Length of the curves that are shown, s.
+const SHOWN: f64 = 8.0;
+
+/// The page of a diagnosis.
+pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
+    let report = &outcome.report;
+    let tone = match report.verdict {
+        "no_gap" | "explained" => Tone::Good,
+        _ => Tone::Neutral,
+    };
+    let mut page = Page::new(title).subtitle(words::verdict(report));
+    for (label, step) in [
+        ("as given", report.ladder.first()),
+        ("corrected", report.ladder.last()),
+    ] {
+        if let Some(part) = step.and_then(|s| s.figures.mean_unexplained) {
+            let figure = KeyFigure::new(
+                format!("unexplained, {label}"),
+                format!("{:.0} %", 100.0 * part),
+            );
+            page = page.key_figure(figure.note("mean over joints, held out").tone(tone));
+        }
+    }
+    page.section(causes(report))
+        .section(curves(outcome, heldout))
+        .section(ladder(report))
+        .section(places(report))
+        .section(drives(report))
+        .section(limits(report))
+        .render()
+}
+
+fn title(name: &str) -> &'static str {
+    Effect::ALL
+        .iter()
+        .find(|e| e.name() == name)
+        .map_or("", |e| e.words())
+}
+
+fn causes(report: &Report) -> Section {
+    let mut section = Section::new("What is missing");
+    if report.causes.is_empty() {
+        return section.paragraph("No effect is listed: none is more probable than not.");
+    }
+    section = section.list(
+        report
+            .causes
+            .iter()
+            .map(|c| words::cause(c, title(c.effect))),
+    );
+    let mut table = Table::new([
+        Column::text("effect"),
+        Column::text("joint"),
+        Column::text("value"),
+        Column::number("simulator has"),
+        Column::number("motion shows"),
+        Column::number("± std"),
+        Column::text("unit"),
+    ]);
+    for c in &report.causes {
+        for v in &c.parameters {
+            table.push([
+                Cell::text(title(c.effect)),
+                Cell::text(v.joint.clone().unwrap_or_else(|| "whole arm".to_owned())),
+                Cell::text(v.name),
+                Cell::significant(v.given, 3),
+                Cell::significant(v.value, 3),
+                v.std
+                    .map_or_else(Cell::missing, |s| Cell::significant(s, 2)),
+                Cell::text(v.unit),
+            ]);
+        }
+    }
+    section.table(table)
+}
+
+/// Command, measured, simulated as given and corrected, joint by joint, over the seconds with the largest gap.
+fn curves(outcome: &Outcome, heldout: &Replayed) -> Section {
+    let section = Section::new("Motion: commanded, measured, simulated");
+    let Some((which, rows)) = worst(outcome, heldout) else {
+        return section;
+    };
+    let track = &heldout.whole[which];
+    let n = heldout.tracking.len();
+    let time: Vec<f64> = track.time[rows.clone()].to_vec();
+    let joints = (0..n).filter(|&j| heldout.moves[j]);
+    let figures = joints.map(|j| {
+        let column = |f: &dyn Fn(usize) -> f64| -> Vec<f64> { rows.clone().map(f).collect() };
+        let simulated =
+            |k: usize| column(&|r| track.q[(r, j)] + outcome.errors[k][which][r * n + j]);
+        let panel = Panel::new("rad (m)")
+            .line(
+                "command",
+                Ink::Muted,
+                &time,
+                &column(&|r| track.commands[j].value(track.time[r])),
+            )
+            .line(
+                "measured",
+                Ink::Measured,
+                &time,
+                &column(&|r| track.q[(r, j)]),
+            )
+            .line("as given", Ink::Series(1), &time, &simulated(0))
+            .line("corrected", Ink::Predicted, &time, &simulated(1));
+        figure(&outcome.report.joints[j], panel)
+    });
+    section
+        .paragraph(format!(
+            "The {SHOWN:.0} seconds in which the simulator as given is furthest off. One uninterrupted roll-out from the recorded start."
+        ))
+        .figures(figures)
+}
+
+fn figure(joint: &str, panel: Panel) -> Figure {
+    Plot::new(joint, "time / s").panel(panel).draw(format!(
+        "{joint}: the corrected curve should lie on the measured one"
+    ))
+}
+
+/// Trajectory and rows with the largest error of the simulator as given, over what the joints depart from their commands.
+fn worst(outcome: &Outcome, heldout: &Replayed) -> Option<(usize, std::ops::Range<usize>)> {
+    let n = heldout.tracking.len();
+    let mut best: Option<(f64, usize, std::ops::Range<usize>)> = None;
+    for (k, track) in heldout.whole.iter().enumerate() {
+        for part in windows(track) {
+            let sum: f64 = part
+                .clone()
+                .flat_map(|r| (0..n).map(move |j| (r, j)))
+                .filter(|(_, j)| heldout.moves[*j] && heldout.tracking[*j] > 0.0)
+                .map(|(r, j)| (outcome.errors[0][k][r * n + j] / heldout.tracking[j]).powi(2))
+                .sum();
+            if best.as_ref().is_none_or(|b| sum > b.0) {
+                best = Some((sum, k, part));
+            }
+        }
+    }
+    best.map(|(_, k, part)| (k, part))
+}
+
+/// Stretches of the shown length, one after another.
+fn windows(track: &Track) -> Vec<std::ops::Range<usize>> {
+    let mut out = Vec::new();
+    let mut from = 0;
+    for row in 1..track.time.len() {
+        let last = row + 1 == track.time.len();
+        if track.time[row] - track.time[from] >= SHOWN || last {
+            out.push(from..row + 1);
+            from = row;
+        }
+    }
+    out
+}
+
+fn ladder(report: &Report) -> Section {
+    let mut waterfall = Waterfall::new("How far the gap shrinks", "unexplained").decimals(3);
+    let mut columns = vec![Column::text("step"), Column::number("mean")];
+    columns.extend(report.joints.iter().map(|j| Column::number(j.clone())));
+    let mut table = Table::new(columns);
+    for step in &report.ladder {
+        let name = match title(&step.step) {
+            "" => step.step.replace('_', " "),
+            words => words.to_owned(),
+        };
+        if let Some(mean) = step.figures.mean_unexplained {
+            waterfall = waterfall.step(name.clone(), mean);
+        }
+        let mut row = vec![
+            Cell::text(name),
+            Cell::optional(step.figures.mean_unexplained, 3),
+        ];
+        row.extend(
+            step.figures
+                .unexplained
+                .iter()
+                .map(|u| Cell::optional(*u, 3)),
+        );
+        table.push(row);
+    }
+    Section::new("Step by step")
+        .paragraph("Unexplained is RMS(simulated − measured) over RMS(command − measured): 1 knows nothing of how the robot departs from its commands, 0 is perfect.")
+        .figure(waterfall.draw("Unexplained part on the held-out recording, mean over joints"))
+        .table(table)
+}
+
+fn places(report: &Report) -> Section {
+    let mut table = Table::new([
+        Column::text("joint"),
+        Column::text("where"),
+        Column::number("from"),
+        Column::number("to"),
+        Column::text("unit"),
+        Column::number("share of the gap"),
+        Column::number("share of the time"),
+    ]);
+    for p in &report.places {
+        table.push([
+            Cell::text(p.joint.clone()),
+            Cell::text(p.coordinate.replace('_', " ")),
+            Cell::significant(p.range[0], 3),
+            Cell::significant(p.range[1], 3),
+            Cell::text(p.unit),
+            Cell::number(p.share_of_gap, 2),
+            Cell::number(p.share_of_time, 2),
+        ]);
+    }
+    Section::new("Where the gap lies").table(table)
+}
+
+fn drives(report: &Report) -> Section {
+    let mut table = Table::new([
+        Column::text("joint"),
+        Column::number("kp"),
+        Column::number("kd"),
+        Column::number("delay / ms"),
+        Column::number("damping"),
+        Column::number("frictionloss"),
+        Column::number("armature"),
+    ]);
+    for (j, name) in report.joints.iter().enumerate() {
+        let (c, p) = (&report.controller, &report.joint_parameters);
+        table.push([
+            Cell::text(name.clone()),
+            Cell::significant(c.kp[j], 3),
+            Cell::significant(c.kd[j], 3),
+            Cell::number(1e3 * c.delay[j], 1),
+            Cell::significant(p.damping[j], 3),
+            Cell::significant(p.frictionloss[j], 3),
+            Cell::significant(p.armature[j], 3),
+        ]);
+    }
+    Section::new("The corrected simulator").table(table)
+}
+
+fn limits(report: &Report) -> Section {
+    let section = Section::new("What this motion cannot show");
+    let section = if report.not_identifiable.is_empty() {
+        section.paragraph("Nothing that was fitted is left open.")
+    } else {
+        section.list(report.not_identifiable.iter().map(|n| n.reason.clone()))
+    };
+    if report.notes.is_empty() {
+        section
+    } else {
+        section.details(Section::new("Notes").list(report.notes.clone()))
+    }
+}

@@ -1,0 +1,226 @@
+//! The corrected simulator, written back: model, drives, and what other simulators need.
+
+use crate::arm::Arm;
+use crate::given::Given;
+use model::preparation::setup::Setup;
+use physics::robot::{Description, DriveEdit, Robot, RobotError, urdf_with};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Why nothing could be written.
+#[derive(Debug, thiserror::Error)]
+pub enum PatchError {
+    /// The corrected robot, or its description.
+    #[error("the corrected model cannot be written: {0}")]
+    Robot(#[from] RobotError),
+}
+
+/// Files of a corrected simulator.
+#[derive(Debug, Clone)]
+pub struct Patch {
+    /// Path and text of each, the model first.
+    pub files: Vec<(PathBuf, String)>,
+    /// What has no place in the model's format.
+    pub left_out: Vec<String>,
+}
+
+/// Writes the corrected arm into the description that it came from, with the drives, and beside it the values for Isaac Lab
+/// and Newton.
+///
+/// # Errors
+/// A corrected robot that the format cannot hold.
+pub fn patch(setup: &Setup, given: &Given, arm: &Arm, out: &Path) -> Result<Patch, PatchError> {
+    let robot = corrected(arm)?;
+    let mut left_out = outside(given, arm);
+    let mut files = match &setup.description {
+        Description::Mjcf(mjcf) => {
+            let edited = mjcf.with_drives(&robot, &arm.zero, &edits(arm, mjcf)?)?;
+            left_out.extend(edited.left_out().iter().cloned());
+            edited.files(out)?
+        }
+        Description::Urdf(text) => vec![(out.to_owned(), urdf_with(text, &robot)?)],
+    };
+    let beside = |ending: &str| out.with_extension(ending);
+    files.push((beside("drive.toml"), drive_file(given, arm)));
+    files.push((beside("isaaclab.py"), isaac_lab(arm)));
+    files.push((beside("newton.json"), newton(arm)));
+    Ok(Patch { files, left_out })
+}
+
+/// The robot with its fitted bodies, friction and rotor inertia.
+fn corrected(arm: &Arm) -> Result<Robot, RobotError> {
+    let each =
+        |f: fn(&crate::arm::Joint) -> f64| -> Vec<f64> { arm.joints.iter().map(f).collect() };
+    arm.robot
+        .clone()
+        .with_friction(&each(|j| j.damping), &each(|j| j.coulomb))?
+        .with_rotor_inertia(&each(|j| j.armature))
+}
+
+/// New gains of position servos; motors hold none, theirs stand in the drive file.
+fn edits(arm: &Arm, mjcf: &physics::robot::Mjcf) -> Result<Vec<DriveEdit>, RobotError> {
+    let actuators = mjcf.actuators()?;
+    Ok(arm
+        .servos
+        .iter()
+        .zip(actuators)
+        .map(|(s, actuator)| {
+            if actuator.is_none_or(|a| a.gains().is_none()) {
+                return DriveEdit::default();
+            }
+            let limit = s.limit.min(s.drive_limit);
+            DriveEdit {
+                kp: Some(s.kp),
+                kv: Some(s.kd),
+                force: limit.is_finite().then_some([-limit, limit]),
+            }
+        })
+        .collect())
+}
+
+/// What neither the model nor its actuators hold.
+fn outside(given: &Given, arm: &Arm) -> Vec<String> {
+    let mut out = Vec::new();
+    let names = arm.robot.joint_names();
+    for (j, name) in names.iter().enumerate() {
+        let (s, joint, before) = (&arm.servos[j], &arm.joints[j], &given.arm.servos[j]);
+        let mut say = |what: &str, value: f64, unit: &str| {
+            if value != 0.0 {
+                out.push(format!(
+                    "{name}: {what} {} {unit}",
+                    crate::words::number(value)
+                ));
+            }
+        };
+        say(
+            "delay of commands",
+            s.delay - before.delay + s.lag - before.lag,
+            "s (shift the commands)",
+        );
+        say(
+            "zero of the command",
+            s.offset,
+            "rad (add it to the commands)",
+        );
+        say("Stribeck friction", joint.stribeck, "N·m");
+        say("friction per torque", joint.load, "");
+    }
+    if arm.gravity_compensation != given.arm.gravity_compensation {
+        out.push(format!(
+            "gravity compensation by the drives: {:.2} of it",
+            arm.gravity_compensation
+        ));
+    }
+    out
+}
+
+fn list(values: impl Iterator<Item = f64>) -> String {
+    let words: Vec<String> = values.map(|v| format!("{v:.6}")).collect();
+    format!("[{}]", words.join(", "))
+}
+
+/// The block `[controller]` with the fitted values.
+fn drive_file(given: &Given, arm: &Arm) -> String {
+    let s = &arm.servos;
+    let mut text = String::from("[controller]\n");
+    let mut line = |key: &str, value: String| {
+        let _ = writeln!(text, "{key} = {value}");
+    };
+    line("kind", format!("\"{}\"", given.controller));
+    match given.controller {
+        "dc_servo" => {
+            line("torque_per_error", list(s.iter().map(|s| s.kp)));
+            if s.iter().any(|s| s.back_emf > 0.0) {
+                line("back_emf", list(s.iter().map(|s| s.back_emf)));
+            }
+            if s.iter().all(|s| s.drive_limit.is_finite()) {
+                line("voltage", list(s.iter().map(|s| s.drive_limit)));
+            }
+        }
+        "cascade" => {
+            line("kp", list(s.iter().map(|s| s.kp / s.kd)));
+            line("kp_velocity", list(s.iter().map(|s| s.kd)));
+            if s.iter().any(|s| s.ki > 0.0) {
+                line("ki_velocity", list(s.iter().map(|s| s.ki)));
+            }
+        }
+        kind => {
+            line("kp", list(s.iter().map(|s| s.kp)));
+            line("kd", list(s.iter().map(|s| s.kd)));
+            if kind == "pid" {
+                line("ki", list(s.iter().map(|s| s.ki)));
+            }
+        }
+    }
+    if s.iter().all(|s| s.limit.is_finite()) {
+        line("limit", list(s.iter().map(|s| s.limit)));
+    }
+    line("delay", list(s.iter().map(|s| s.delay + s.lag)));
+    if arm.gravity_compensation == 0.0 || arm.gravity_compensation == 1.0 {
+        line(
+            "gravity_compensation",
+            (arm.gravity_compensation == 1.0).to_string(),
+        );
+    }
+    text
+}
+
+/// Actuators of Isaac Lab: one configuration by joint, its delay in physics steps left to the reader's step.
+fn isaac_lab(arm: &Arm) -> String {
+    let mut text = String::from(
+        "\"\"\"Actuators for Isaac Lab by joint. For a delay use DelayedPDActuatorCfg with round(delay / dt) steps.\"\"\"\n\n\
+         from isaaclab.actuators import ImplicitActuatorCfg\n\nDELAY = {  # s\n",
+    );
+    let names = arm.robot.joint_names();
+    for (name, s) in names.iter().zip(&arm.servos) {
+        let _ = writeln!(text, "    {name:?}: {:.6},", s.delay + s.lag);
+    }
+    text.push_str("}\n\nACTUATORS = {\n");
+    for ((name, s), j) in names.iter().zip(&arm.servos).zip(&arm.joints) {
+        let limit = s.limit.min(s.drive_limit);
+        let limit = if limit.is_finite() {
+            format!("{limit:.6}")
+        } else {
+            "None".to_owned()
+        };
+        let _ = writeln!(
+            text,
+            "    {name:?}: ImplicitActuatorCfg(\n        joint_names_expr=[{name:?}],\n        stiffness={:.6},\n        damping={:.6},\n        \
+             effort_limit_sim={limit},\n        armature={:.6},\n        friction={:.6},\n        viscous_friction={:.6},\n    ),",
+            s.kp,
+            s.kd + s.back_emf,
+            j.armature,
+            j.coulomb,
+            j.damping
+        );
+    }
+    text.push_str("}\n");
+    text
+}
+
+/// Joint attributes of Newton, by joint, per radian (its USD attribute for damping is per degree).
+fn newton(arm: &Arm) -> String {
+    let mut joints = serde_json::Map::new();
+    for ((name, s), j) in arm
+        .robot
+        .joint_names()
+        .into_iter()
+        .zip(&arm.servos)
+        .zip(&arm.joints)
+    {
+        let limit = s.limit.min(s.drive_limit);
+        joints.insert(
+            name,
+            serde_json::json!({
+                "target_ke": s.kp,
+                "target_kd": s.kd + s.back_emf,
+                "effort_limit": limit.is_finite().then_some(limit),
+                "armature": j.armature,
+                "friction": j.coulomb,
+                "damping": j.damping,
+            }),
+        );
+    }
+    let text = serde_json::to_string_pretty(&joints).expect("numbers and names are plain data");
+    text + "\n"
+}

@@ -1,0 +1,115 @@
+//! The report in words, for a terminal and for the page.
+
+use crate::schema::{Cause, Report, Step, Value};
+
+/// What the verdict says, in one sentence.
+pub fn verdict(report: &Report) -> String {
+    let part = |step: Option<&Step>| step.and_then(|s| s.figures.mean_unexplained);
+    let (first, last) = (part(report.ladder.first()), part(report.ladder.last()));
+    let figures = match (first, last) {
+        (Some(a), Some(b)) if report.ladder.len() > 1 => format!(
+            "The simulator as given leaves {:.0} % of the departure from the commands unexplained, the corrected one {:.0} %",
+            100.0 * a,
+            100.0 * b
+        ),
+        (Some(a), _) => format!(
+            "The simulator as given leaves {:.0} % of the departure from the commands unexplained",
+            100.0 * a
+        ),
+        _ => "No joint departs from its commands".to_owned(),
+    };
+    let meaning = match report.verdict {
+        "no_gap" => "nothing is missing that this motion shows",
+        "explained" => "the causes below explain the motion",
+        "partly_explained" => "more is left than noise, without a clear pattern",
+        "unknown_effect" => "something is left that no effect of the catalogue explains",
+        _ => "this motion does not say what is missing",
+    };
+    format!("{figures}: {meaning}.")
+}
+
+/// A cause in one line.
+pub fn cause(cause: &Cause, words: &str) -> String {
+    let [low, high] = cause.gap_closed_interval;
+    let confirmed = if cause.confirmed {
+        ""
+    } else {
+        ", not confirmed on held-out data"
+    };
+    format!(
+        "{words} on {}: removes {:.0} % of the squared error there ({:.0} to {:.0} %), probability {:.2}{confirmed}",
+        cause.joints.join(", "),
+        100.0 * cause.gap_closed,
+        100.0 * low,
+        100.0 * high,
+        cause.confidence
+    )
+}
+
+/// A value in one line: from what the simulator has to what the motion shows.
+pub fn value(value: &Value) -> String {
+    let place = value
+        .joint
+        .as_ref()
+        .map_or(String::new(), |j| format!("{j} "));
+    let std = value
+        .std
+        .map_or(String::new(), |s| format!(" ± {}", number(s)));
+    format!(
+        "{place}{}: {} → {}{std} {}",
+        value.name,
+        number(value.given),
+        number(value.value),
+        value.unit
+    )
+}
+
+/// Three significant digits.
+pub fn number(v: f64) -> String {
+    if v == 0.0 || !v.is_finite() {
+        return format!("{v}");
+    }
+    let digits = 2 - v.abs().log10().floor() as i32;
+    if (-3..=6).contains(&digits) {
+        format!("{v:.*}", digits.max(0) as usize)
+    } else {
+        format!("{v:.2e}")
+    }
+}
+
+/// The report for a terminal.
+pub fn lines(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<String> {
+    let mut out = vec![verdict(report)];
+    for (k, c) in report.causes.iter().enumerate() {
+        out.push(format!("{}. {}", k + 1, cause(c, words(c.effect))));
+        for v in &c.parameters {
+            out.push(format!("     {}", value(v)));
+        }
+        if !c.ambiguous_with.is_empty() {
+            let others: Vec<&str> = c.ambiguous_with.iter().map(|n| words(n)).collect();
+            out.push(format!("     could also be: {}", others.join(", ")));
+        }
+    }
+    for unknown in &report.unknown {
+        out.push(format!(
+            "Something unknown on {}, probability {:.2}.",
+            unknown.joint, unknown.probability
+        ));
+    }
+    for place in report.places.iter().take(3) {
+        out.push(format!(
+            "Where: {} at {} {} to {} {}: {:.0} % of the gap in {:.0} % of the time.",
+            place.joint,
+            place.coordinate,
+            number(place.range[0]),
+            number(place.range[1]),
+            place.unit,
+            100.0 * place.share_of_gap,
+            100.0 * place.share_of_time
+        ));
+    }
+    for item in &report.not_identifiable {
+        out.push(format!("Not known: {}.", item.reason));
+    }
+    out
+}
