@@ -2,10 +2,11 @@
 
     python -m residyn.verify --robot scene.xml --data monday.csv --heldout tuesday.csv --patch corrected.xml
     python -m residyn.verify --table [--effects payload,torque_ripple]
+    python -m residyn.verify --replay --robot corrected.xml --given scene.xml --data tuesday.csv --report replay.json
 
 Diagnoses, writes the corrected model, and lets MuJoCo (PyPI `mujoco`) compute the torque of both models along the held-out
 motion. Beside MuJoCo's figures stand the report's, which come from this project's own dynamics. `--table` does it effect by effect on
-simulated robots.
+simulated robots; `--replay` replays recorded commands, without any torque.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import sys
 import tempfile
 from typing import Optional, Sequence, Union
 
-from . import InputError, Robot, diagnose, effects as catalogue
+from . import InputError, Robot, diagnose, effects as catalogue, verify_replay
 from .in_mujoco import AWAY, ROLLOUT, Row, verify
 
 
@@ -57,12 +58,23 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--table", action="store_true", help="effect by effect on simulated robots instead; status 1 where MuJoCo's error is not the report's")
     parser.add_argument("--effects", default="", help="of --table: effects instead of all: a,b,c")
     parser.add_argument("--seed", type=int, default=1, help="of --table: seed of the simulated robots")
+    parser.add_argument("--replay", action="store_true", help="replay the commands of --data in MuJoCo: --robot is the corrected MJCF")
+    parser.add_argument("--given", help="of --replay: MJCF as it was, for comparison")
+    parser.add_argument("--drive", help="of --replay: drive file with the block [controller], in place of the model's actuators")
+    parser.add_argument("--report", help="of --replay: JSON of `replay`, whose figures stand beside MuJoCo's and whose delays shift the commands")
+    parser.add_argument("--step", type=float, default=1e-3, help="of --replay: time step beside the file's own, s")
     given = parser.parse_args(arguments)
+    if given.replay and (given.robot is None or given.data is None):
+        parser.error("--replay needs --robot and --data")
+    if not 0.0 < given.step < 1.0:
+        parser.error("--step: a time in s is needed, such as 0.001")
     needed = {"--robot": given.robot, "--data": given.data, "--heldout": given.heldout, "--patch": given.patch}
     missing = [name for name, value in needed.items() if value is None]
-    if missing and not given.table:
-        parser.error(f"{', '.join(missing)} or --table: needed")
+    if missing and not given.table and not given.replay:
+        parser.error(f"{', '.join(missing)}, --table or --replay: needed")
     try:
+        if given.replay:
+            return verify_replay.main(given)
         if given.table:
             with tempfile.TemporaryDirectory() as folder:
                 return 0 if by_effect(names(given.effects), given.seed, folder) else 1

@@ -6,7 +6,7 @@ use super::edit::Changes;
 use super::law::ActuatorKind;
 use super::scene::Scene;
 use super::write::words;
-use crate::robot::RobotError;
+use crate::robot::{Robot, RobotError};
 
 /// What is to change at the drive of one joint, all at the joint: the gear is taken out when it is written. None stays as
 /// it is.
@@ -54,6 +54,23 @@ pub(super) fn changes(
         }
     }
     Ok(())
+}
+
+/// Makes dry friction hold a joint. MuJoCo's own sets in over 10 ms, through which a light joint creeps under its load.
+/// MuJoCo raises the time constant written here to twice its step; 0.9999 is the largest impedance that it takes.
+pub(super) fn holding_friction(
+    scene: &Scene<'_, '_, '_>,
+    chain: &Chain,
+    robot: &Robot,
+    changes: &mut Changes,
+) {
+    for (joint, own) in robot.joints().iter().zip(&chain.joints) {
+        if joint.friction > 0.0 {
+            let element = scene.joints[*own].attributes.element;
+            changes.set(element, "solreffriction", "0.001 1");
+            changes.set(element, "solimpfriction", "0.9999 0.9999");
+        }
+    }
 }
 
 fn gains(
@@ -220,8 +237,11 @@ mod tests {
             text.contains(r#"gear="2" kp="4.25" kv="0.125" forcerange="-3 3"/>"#),
             "{text}"
         );
+        let holds = r#" class="sts3215" solreffriction="0.001 1" solimpfriction="0.9999 0.9999"/>"#;
+        let friction = SERVOS.replace(r#"0 1" class="sts3215"/>"#, &format!(r#"0 1"{holds}"#));
+        let friction = friction.replace(r#"1 0" class="sts3215"/>"#, &format!(r#"1 0"{holds}"#));
         let (_, same) = edited(SERVOS, &[DriveEdit::default(); 2]);
-        assert_eq!(same, SERVOS);
+        assert_eq!(same, friction);
     }
 
     #[test]

@@ -91,7 +91,8 @@ impl Mjcf {
     }
 
     /// The same with other drives, one per joint: gains and force ranges are set at the actuators themselves, their default classes
-    /// stay as they are. A damping ratio becomes the kv that it stands for.
+    /// stay as they are. A damping ratio becomes the kv that it stands for, and dry friction holds a joint without creep
+    /// (`solreffriction`, `solimpfriction`).
     ///
     /// # Errors
     /// As [`Mjcf::with`], another number of drives, or two actuators at one joint.
@@ -104,6 +105,7 @@ impl Mjcf {
         let changes = self.with_chain(|scene, chain| {
             let mut changes = write::changes(scene, chain, robot, zeros)?;
             drives::changes(scene, chain, drives, &mut changes)?;
+            drives::holding_friction(scene, chain, robot, &mut changes);
             Ok(changes)
         })?;
         Ok(Edited::new(self.sources.clone(), changes))
