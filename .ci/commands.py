@@ -16,6 +16,7 @@ MORE = {
     "train": ["identification.md", "torque-channel.md", "compensator.md", "formats.md"],
     "eval": ["formats.md", "control.md", "sources.md"],
     "diagnose": ["diagnosis.md", "formats.md"],
+    "replay": ["replay.md", "formats.md"],
     "excite": ["excitation.md"],
     "payload": ["payload.md"],
     "machine": ["machines.md"],

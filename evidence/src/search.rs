@@ -7,10 +7,37 @@ use crate::quadratic::{Prior, Quadratic};
 pub struct Hypothesis {
     /// Indices of the parameters that it frees.
     pub parameters: Vec<usize>,
-    /// Logarithm of its prior odds.
-    pub log_prior: f64,
-    /// Hypotheses with the same number exclude each other; none for those that go with all.
-    pub excludes: Option<usize>,
+    /// Index of the family that it belongs to: the same mechanism at another place.
+    pub family: usize,
+}
+
+/// A mechanism, which may act at several places.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Family {
+    /// Prior odds that it acts at all.
+    pub odds: f64,
+    /// Number of places where it can act.
+    pub places: usize,
+    /// Whether each place is independent of the others. Otherwise what acts at one place is likely to act at more: every
+    /// number of places is as probable as every other, and so is every set of that many.
+    pub independent: bool,
+}
+
+impl Family {
+    /// Logarithm of the prior odds of acting at a set of `k` places.
+    fn log_prior(&self, k: usize) -> f64 {
+        if k == 0 {
+            return 0.0;
+        }
+        if self.independent {
+            return k as f64 * self.odds.ln();
+        }
+        // Binomial coefficient C(places, k).
+        let sets: f64 = (0..k)
+            .map(|i| ((self.places - i) as f64 / (i + 1) as f64).ln())
+            .sum();
+        self.odds.ln() - (self.places as f64).ln() - sets
+    }
 }
 
 /// A hypothesis that could stand in another's place.
@@ -44,6 +71,7 @@ pub fn decide(
     priors: &[Prior],
     always: &[usize],
     hypotheses: &[Hypothesis],
+    families: &[Family],
     start: &[usize],
 ) -> Decision {
     let value = |set: &[usize]| -> f64 {
@@ -53,15 +81,14 @@ pub fn decide(
         }
         free.sort_unstable();
         free.dedup();
-        let prior: f64 = set.iter().map(|&h| hypotheses[h].log_prior).sum();
+        let acting = |f: usize| set.iter().filter(|&&h| hypotheses[h].family == f).count();
+        let prior: f64 = families
+            .iter()
+            .enumerate()
+            .map(|(f, own)| own.log_prior(acting(f)))
+            .sum();
         let mode = quadratic.mode(&free, priors);
         mode.map_or(f64::NEG_INFINITY, |m| m.log_evidence + prior)
-    };
-    let fits = |set: &[usize], h: usize| {
-        !set.contains(&h)
-            && set.iter().all(|&k| {
-                hypotheses[k].excludes.is_none() || hypotheses[k].excludes != hypotheses[h].excludes
-            })
     };
     let mut set = start.to_vec();
     set.sort_unstable();
@@ -69,15 +96,12 @@ pub fn decide(
     let all: Vec<usize> = (0..hypotheses.len()).collect();
     let neighbours = |set: &[usize]| -> Vec<Vec<usize>> {
         let mut out = Vec::new();
-        for &h in all.iter().filter(|&&h| fits(set, h)) {
+        for &h in all.iter().filter(|&&h| !set.contains(&h)) {
             out.push(with(set, h));
         }
         for &gone in set {
             let rest = without(set, gone);
-            for &h in all
-                .iter()
-                .filter(|&&h| h != gone && !set.contains(&h) && fits(&rest, h))
-            {
+            for &h in all.iter().filter(|&&h| !set.contains(&h)) {
                 out.push(with(&rest, h));
             }
             out.push(rest);
@@ -155,7 +179,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
     use proptest::prelude::*;
 
-    fn simple(estimates: &[f64]) -> (Quadratic, Vec<Prior>, Vec<Hypothesis>) {
+    fn simple(estimates: &[f64]) -> (Quadratic, Vec<Prior>, Vec<Hypothesis>, Vec<Family>) {
         let p = estimates.len();
         let quadratic = Quadratic {
             at: estimates.to_vec(),
@@ -172,17 +196,21 @@ mod tests {
         let hypotheses = (0..p)
             .map(|i| Hypothesis {
                 parameters: vec![i],
-                log_prior: (0.1f64).ln(),
-                excludes: None,
+                family: i,
             })
             .collect();
-        (quadratic, priors, hypotheses)
+        let alone = Family {
+            odds: 0.1,
+            places: 1,
+            independent: false,
+        };
+        (quadratic, priors, hypotheses, vec![alone; p])
     }
 
     #[test]
     fn what_is_many_deviations_away_is_named() {
-        let (quadratic, priors, hypotheses) = simple(&[8.0, 0.5, -6.0]);
-        let decision = decide(&quadratic, &priors, &[], &hypotheses, &[]);
+        let (quadratic, priors, hypotheses, families) = simple(&[8.0, 0.5, -6.0]);
+        let decision = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
         assert_eq!(decision.set, [0, 2]);
         assert!(decision.inclusion[0] > 0.99 && decision.inclusion[1] < 0.05);
         // Odds of the second parameter by hand: prior 0.1, evidence ratio of N(0.5; 0, 101) to N(0.5; 0, 1).
@@ -199,22 +227,40 @@ mod tests {
             gradient: DVector::zeros(2),
             information: DMatrix::from_element(2, 2, 1.0),
         };
-        let (_, priors, hypotheses) = simple(&[0.0, 0.0]);
-        let decision = decide(&quadratic, &priors, &[], &hypotheses, &[]);
+        let (_, priors, hypotheses, families) = simple(&[0.0, 0.0]);
+        let decision = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
         assert_eq!(decision.set.len(), 1);
         assert!((decision.swaps[0][0].weight - 1.0).abs() < 1e-9);
         assert!(decision.inclusion.iter().all(|p| (p - 0.5).abs() < 0.05));
+    }
+
+    #[test]
+    fn what_acts_everywhere_costs_less_than_as_many_accidents() {
+        let shared = Family {
+            odds: 0.1,
+            places: 4,
+            independent: false,
+        };
+        // All four places: 0.1 · 1/4 · 1; one place: 0.1 · 1/4 · 1/4.
+        assert!((shared.log_prior(4) - (0.025f64).ln()).abs() < 1e-12);
+        assert!((shared.log_prior(1) - (0.1f64 / 16.0).ln()).abs() < 1e-12);
+        assert!((shared.log_prior(2) - (0.1f64 / 24.0).ln()).abs() < 1e-12);
+        let apart = Family {
+            independent: true,
+            ..shared
+        };
+        assert!((apart.log_prior(4) - 4.0 * (0.1f64).ln()).abs() < 1e-12);
     }
 
     proptest! {
         /// Independent parameters are decided as if each stood alone.
         #[test]
         fn independent_hypotheses_do_not_disturb_each_other(values in prop::collection::vec(-8.0..8.0f64, 1..5)) {
-            let (quadratic, priors, hypotheses) = simple(&values);
-            let all = decide(&quadratic, &priors, &[], &hypotheses, &[]);
+            let (quadratic, priors, hypotheses, families) = simple(&values);
+            let all = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
             for (i, v) in values.iter().enumerate() {
-                let (q, p, h) = simple(&[*v]);
-                let alone = decide(&q, &p, &[], &h, &[]);
+                let (q, p, h, f) = simple(&[*v]);
+                let alone = decide(&q, &p, &[], &h, &f, &[]);
                 prop_assert_eq!(all.set.contains(&i), alone.set.contains(&0));
             }
         }

@@ -7,11 +7,14 @@ use crate::given::Given;
 use crate::parameter::{Kind, Parameter};
 use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
-use evidence::{Decision, Hypothesis, Prior, Quadratic, decide};
+use evidence::{Decision, Family, Hypothesis, Prior, Quadratic, decide};
 use std::collections::BTreeMap;
 
 /// Prior odds of an effect anywhere on the arm: of the dozen effects of the catalogue one is expected.
 const ODDS: f64 = 0.1;
+
+/// Prior odds that a gain which the user states without tolerance is wrong: one typing error in a thousand.
+const STATED: f64 = 0.001;
 
 /// Iterations of the first fit from the given values, and of fits from a neighbouring set.
 const FIRST: usize = 25;
@@ -143,6 +146,21 @@ pub fn find(
         fitted = fit(&start, &listed, blocks, &noises, NEXT)?;
         noises = noise(&fitted.arm, blocks, &floors)?;
     }
+    // What the fit leaves at nothing is no cause.
+    if let Some(decision) = &mut decision {
+        let acts = |m: usize| {
+            mechanisms[m]
+                .parameters
+                .iter()
+                .any(|s| fitted.arm.get(s.parameter) != given.arm.get(s.parameter))
+        };
+        let kept: Vec<bool> = decision.set.iter().map(|&m| acts(m)).collect();
+        let mut keep = kept.iter();
+        decision.swaps.retain(|_| *keep.next().unwrap_or(&true));
+        let mut keep = kept.iter();
+        decision.set.retain(|_| *keep.next().unwrap_or(&true));
+        set.clone_from(&decision.set);
+    }
     stage("looking for something unknown");
     let unknown = beside(
         given,
@@ -230,7 +248,40 @@ fn weigh(
 ) -> Result<Decision, Unstable> {
     let (quadratic, priors, first, hypotheses) =
         expand(given, mechanisms, always, arm, blocks, noises)?;
-    Ok(decide(&quadratic, &priors, &first, &hypotheses, start))
+    let families = families(given, mechanisms);
+    Ok(decide(
+        &quadratic,
+        &priors,
+        &first,
+        &hypotheses,
+        &families,
+        start,
+    ))
+}
+
+/// Families of mechanisms: an effect, apart by whether it is of a joint or of the whole arm.
+fn family(m: &Mechanism) -> (Effect, bool) {
+    (m.effect, m.joint.is_some())
+}
+
+fn kinds(mechanisms: &[Mechanism]) -> Vec<(Effect, bool)> {
+    let mut out: Vec<(Effect, bool)> = mechanisms.iter().map(family).collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+fn families(given: &Given, mechanisms: &[Mechanism]) -> Vec<Family> {
+    let of = |kind: (Effect, bool)| {
+        let places = mechanisms.iter().filter(|m| family(m) == kind).count();
+        let stated = matches!(kind.0, Effect::ServoGain | Effect::ServoDamping) && given.stated;
+        Family {
+            odds: if stated { STATED } else { ODDS },
+            places,
+            independent: stated,
+        }
+    };
+    kinds(mechanisms).into_iter().map(of).collect()
 }
 
 type Expanded = (Quadratic, Vec<Prior>, Vec<usize>, Vec<Hypothesis>);
@@ -249,7 +300,7 @@ fn expand(
     }
     let mut entries: Vec<Entry> = always.to_vec();
     let mut hypotheses = Vec::new();
-    let places = |m: &Mechanism| mechanisms.iter().filter(|o| o.effect == m.effect).count();
+    let kinds = kinds(mechanisms);
     for m in mechanisms {
         let parameters = m.parameters.iter().map(|sized| {
             entries.push(Entry {
@@ -260,8 +311,7 @@ fn expand(
         });
         hypotheses.push(Hypothesis {
             parameters: parameters.collect(),
-            log_prior: (ODDS / places(m) as f64).ln(),
-            excludes: None,
+            family: kinds.binary_search(&family(m)).expect("it is among them"),
         });
     }
     let mut unique: Vec<Parameter> = entries.iter().map(|e| e.parameter).collect();

@@ -60,6 +60,10 @@ pub fn diagnose(
         .map(|j| j.kind != JointKind::Prismatic)
         .collect();
     let before = roll_out(&given.arm, heldout)?;
+    let as_given = given.arm.clone();
+    let merged = given.without_rates();
+    let rates = data.whole.iter().all(|t| t.rates.is_some());
+    let given = if rates { given } else { &merged };
     let found = find(given, data, &mut stage)?;
     let corrected = found.fitted.arm.clone();
     let after = roll_out(&corrected, heldout)?;
@@ -163,7 +167,7 @@ pub fn diagnose(
     };
     Ok(Outcome {
         report,
-        given: given.arm.clone(),
+        given: as_given,
         corrected,
         errors: [before, after],
     })

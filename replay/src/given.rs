@@ -13,6 +13,8 @@ pub struct Given {
     pub tolerances: Vec<(Parameter, f64)>,
     /// Parameters of which nothing is known: they are fitted, and are no cause.
     pub free: Vec<Parameter>,
+    /// Whether the user states the drives' gains as they are, without tolerance.
+    pub stated: bool,
     /// How the drive fills the time between commands.
     pub interpolation: Interpolation,
     /// What the drive is called in the report (`pd`, `pid`, `cascade`, `dc_servo`).
@@ -33,10 +35,24 @@ impl Given {
         self.free.contains(&parameter)
     }
 
-    /// Kinds of parameters that a drive of this kind has.
-    pub fn has_integral(&self) -> bool {
-        let none = crate::arm::Integral::None;
-        self.arm.servos.iter().any(|s| s.integral != none)
+    /// The same simulator where no velocities are commanded: the drive's damping and viscous friction then are one number,
+    /// which is held as viscous friction.
+    pub fn without_rates(&self) -> Self {
+        let mut out = self.clone();
+        for (servo, joint) in out.arm.servos.iter_mut().zip(&mut out.arm.joints) {
+            if servo.integral != crate::arm::Integral::Velocity {
+                joint.damping += servo.kd;
+                servo.kd = 0.0;
+            }
+        }
+        let merged = |p: &mut Parameter| {
+            if p.kind == Kind::ServoDamping && out.arm.servos[p.joint].kd == 0.0 {
+                p.kind = Kind::Damping;
+            }
+        };
+        out.tolerances.iter_mut().for_each(|(p, _)| merged(p));
+        out.free.iter_mut().for_each(merged);
+        out
     }
 
     /// The kind of the parameter that cuts the torque of these drives.

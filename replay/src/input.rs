@@ -210,6 +210,10 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
     }
     Given {
         arm,
+        stated: tolerances.iter().all(|(p, _)| p.kind == Kind::CommonDelay)
+            && free
+                .iter()
+                .all(|p| !matches!(p.kind, Kind::Gain | Kind::ServoDamping)),
         tolerances,
         free,
         interpolation: match block.interpolation {
@@ -257,6 +261,7 @@ fn by_actuators(setup: &Setup) -> Result<Given, InputError> {
         arm: Arm::new(setup.robot.clone(), servos),
         tolerances: Vec::new(),
         free: Vec::new(),
+        stated: false,
         interpolation: Interpolation::Hold,
         controller: "pd",
         notes: Vec::new(),

@@ -67,8 +67,10 @@ pub fn by_joint(all: &Errors, n: usize) -> Vec<f64> {
     squared
 }
 
-/// Length of a stretch over which errors are taken together for an interval, s: longer than they remember.
+/// Length of a stretch over which errors are taken together for an interval, s: longer than they remember; and how many
+/// stretches a short trajectory is dealt into all the same.
 const STRETCH: f64 = 5.0;
+const FEWEST: usize = 4;
 
 /// Squared errors of some joints by stretch of a few seconds.
 pub fn by_stretch(all: &Errors, replayed: &Replayed, joints: &[usize]) -> Vec<f64> {
@@ -76,7 +78,7 @@ pub fn by_stretch(all: &Errors, replayed: &Replayed, joints: &[usize]) -> Vec<f6
     let mut out = Vec::new();
     for (e, track) in all.iter().zip(&replayed.whole) {
         let span = track.time[track.time.len() - 1] - track.time[0];
-        let count = (span / STRETCH).floor().max(1.0) as usize;
+        let count = ((span / STRETCH) as usize).max(FEWEST);
         let rows = track.time.len();
         for b in 0..count {
             let part = rows * b / count..rows * (b + 1) / count;

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// Length of a block that a fit replays from its recorded start, s. Longer than any joint remembers, and short enough that
 /// two cores and the intervals have blocks to share.
-const BLOCK: f64 = 10.0;
+const BLOCK: f64 = 5.0;
 
 /// Seconds of recording that are fitted; of longer ones blocks are left out evenly.
 const FITTED: f64 = 120.0;

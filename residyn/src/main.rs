@@ -31,6 +31,11 @@ const PROGRAMS: &[Program] = &[
         about: "What a simulator gets wrong: where, which effect, how far it shrinks; the corrected model",
         run: proof::command_line,
     },
+    Program {
+        name: "replay",
+        about: "The gap in motion, from commands and encoders: where, which effect, how far it shrinks",
+        run: replay::command_line,
+    },
     #[cfg(feature = "programs")]
     Program {
         name: "excite",

@@ -1,0 +1,154 @@
+//! Sensitivities of a replay against differences of replays, and a joint at rest on a slope.
+
+use ndarray::Array2;
+use physics::robot::Robot;
+use replay::arm::{Arm, Integral, Servo};
+use replay::command::{Command, Interpolation};
+use replay::fit::errors;
+use replay::parameter::{Kind, Parameter};
+use replay::simulate::{Track, replay as roll};
+
+fn servo() -> Servo {
+    Servo {
+        kp: 3000.0,
+        kd: 200.0,
+        ki: 0.0,
+        integral: Integral::None,
+        back_emf: 0.0,
+        drive_limit: f64::INFINITY,
+        limit: f64::INFINITY,
+        dead_band: 0.0,
+        delay: 0.012,
+        lag: 0.02,
+        acceleration: f64::INFINITY,
+        offset: 0.01,
+    }
+}
+
+/// An arm that has every term, and two seconds of sines that no joint stops in.
+fn example() -> (Arm, Track) {
+    let robot = Robot::builtin("ur5").expect("built in");
+    let n = robot.dof();
+    let mut arm = Arm::new(robot, vec![servo(); n]);
+    arm.gravity_compensation = 0.4;
+    arm.servos[2].integral = Integral::Position;
+    arm.servos[2].ki = 500.0;
+    for joint in &mut arm.joints {
+        joint.damping = 20.0;
+        joint.armature = 0.5;
+        joint.load = 0.05;
+        joint.stribeck = 0.5;
+        // Coulomb friction stops joints, and what rests has no derivative; it has a test of its own.
+        joint.stribeck_velocity = 0.5;
+    }
+    let time: Vec<f64> = (0..400).map(|k| 0.005 * f64::from(k)).collect();
+    let wave =
+        |t: f64, j: usize| 0.3 * (1.0 + 0.2 * j as f64) * (2.0 * t + j as f64).sin() + 0.6 * t;
+    let table = |f: &dyn Fn(f64, usize) -> f64| {
+        let commands = (0..n).map(|j| {
+            let values = time.iter().map(|t| f(*t, j)).collect();
+            Command::new(&time, values, Interpolation::Linear)
+        });
+        commands.collect::<Vec<_>>()
+    };
+    let q = Array2::from_shape_fn((time.len(), n), |(r, j)| wave(time[r], j));
+    let rate = |t: f64, j: usize| (wave(t + 1e-4, j) - wave(t - 1e-4, j)) / 2e-4;
+    let track = Track {
+        trajectory: 0,
+        q,
+        start_velocity: (0..n).map(|j| rate(0.0, j)).collect(),
+        commands: table(&wave),
+        rates: Some(table(&rate)),
+        time,
+    };
+    (arm, track)
+}
+
+#[test]
+fn sensitivities_are_differences_of_replays() {
+    let (mut arm, track) = example();
+    let kinds = [
+        Kind::Gain,
+        Kind::ServoDamping,
+        Kind::Damping,
+        Kind::Armature,
+        Kind::Load,
+        Kind::Offset,
+        Kind::Lag,
+        Kind::Delay,
+        Kind::Zero,
+        Kind::LinkScale,
+    ];
+    let mut parameters: Vec<Parameter> = kinds.iter().map(|k| Parameter::new(*k, 2)).collect();
+    parameters.extend(
+        [
+            Kind::CommonDelay,
+            Kind::GravityCompensation,
+            Kind::Tilt(0),
+            Kind::Tilt(1),
+        ]
+        .map(|k| Parameter::new(k, 0)),
+    );
+    parameters.push(Parameter::new(Kind::Integral, 2));
+    arm.set(&[
+        (Parameter::new(Kind::Payload(0), 0), 1.0),
+        (Parameter::new(Kind::Payload(1), 0), 0.1),
+    ])
+    .expect("a body");
+    parameters.push(Parameter::new(Kind::Payload(0), 0));
+    parameters.push(Parameter::new(Kind::Payload(2), 0));
+    let (n, p) = (arm.dof(), parameters.len());
+    let mut last = Vec::new();
+    roll(&arm, &track, &parameters, &mut |_, _, dq| {
+        last = dq.to_vec()
+    })
+    .expect("stable");
+    let end = track.q.nrows() - 1;
+    for (k, parameter) in parameters.iter().enumerate() {
+        let value = arm.get(*parameter);
+        let step = 1e-5 * value.abs().max(1e-2);
+        let at = |by: f64| {
+            let mut moved = arm.clone();
+            moved.set(&[(*parameter, value + by)]).expect("possible");
+            errors(&moved, &track).expect("stable")
+        };
+        let (up, down) = (at(step), at(-step));
+        let difference = |j: usize| (up[end * n + j] - down[end * n + j]) / (2.0 * step);
+        let scale = (0..n).map(|j| difference(j).abs()).fold(0.0, f64::max);
+        assert!(scale > 0.0, "{parameter:?} changes nothing");
+        for j in 0..n {
+            let own = last[j * p + k];
+            assert!(
+                (own - difference(j)).abs() < 0.02 * scale,
+                "{parameter:?}, joint {j}: {own} by sensitivity, {} by differences",
+                difference(j)
+            );
+        }
+    }
+}
+
+#[test]
+fn a_joint_rests_on_a_slope() {
+    let robot = Robot::builtin("ur5").expect("built in");
+    let n = robot.dof();
+    // No drive at all: friction alone holds the arm, stretched out.
+    let mut idle = servo();
+    (idle.kp, idle.kd, idle.lag, idle.delay, idle.offset) = (1e-9, 0.0, 0.0, 0.0, 0.0);
+    let mut arm = Arm::new(robot, vec![idle; n]);
+    arm.joints.iter_mut().for_each(|j| j.coulomb = 200.0);
+    let time: Vec<f64> = (0..100).map(|k| 0.02 * f64::from(k)).collect();
+    let hold = || Command::new(&time, vec![0.0; 100], Interpolation::Hold);
+    let track = Track {
+        trajectory: 0,
+        q: Array2::zeros((100, n)),
+        start_velocity: vec![0.0; n],
+        commands: (0..n).map(|_| hold()).collect(),
+        rates: None,
+        time: time.clone(),
+    };
+    let held = errors(&arm, &track).expect("stable");
+    assert!(held.iter().all(|e| *e == 0.0), "it does not move by a bit");
+    arm.joints.iter_mut().for_each(|j| j.coulomb = 1.0);
+    let fallen = errors(&arm, &track).expect("stable");
+    assert!(fallen[99 * n + 1].abs() > 0.5, "without friction it falls");
+}
