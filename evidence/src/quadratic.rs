@@ -9,6 +9,8 @@ pub struct Prior {
     pub mean: f64,
     /// Standard deviation.
     pub deviation: f64,
+    /// Whether only values from zero on are possible.
+    pub positive: bool,
 }
 
 /// Negative log likelihood ½ (x − x₀)ᵀ H (x − x₀) + gᵀ (x − x₀), nats, up to a constant.
@@ -97,6 +99,7 @@ mod tests {
         let prior = [Prior {
             mean: 0.0,
             deviation: 3.0,
+            positive: false,
         }];
         let with = quadratic.mode(&[0], &prior).expect("proper");
         let without = quadratic.mode(&[], &prior).expect("proper");

@@ -87,8 +87,8 @@ pub fn decide(
             .enumerate()
             .map(|(f, own)| own.log_prior(acting(f)))
             .sum();
-        let mode = quadratic.mode(&free, priors);
-        mode.map_or(f64::NEG_INFINITY, |m| m.log_evidence + prior)
+        let listed: Vec<&[usize]> = set.iter().map(|&h| &hypotheses[h].parameters[..]).collect();
+        possible(quadratic, priors, free, &listed).map_or(f64::NEG_INFINITY, |log| log + prior)
     };
     let mut set = start.to_vec();
     set.sort_unstable();
@@ -162,6 +162,40 @@ pub fn decide(
     }
 }
 
+/// Log evidence of what is free, where positive parameters stay so: one that the data draw below zero stands at zero. None
+/// where that leaves a hypothesis (its parameters in `listed`) with nothing: the set without it says the same.
+fn possible(
+    quadratic: &Quadratic,
+    priors: &[Prior],
+    mut free: Vec<usize>,
+    listed: &[&[usize]],
+) -> Option<f64> {
+    let mut priors = priors.to_vec();
+    let bounded = |i: usize, priors: &[Prior]| {
+        priors[i].positive && listed.iter().any(|own| own.contains(&i))
+    };
+    loop {
+        let mode = quadratic.mode(&free, &priors)?;
+        let below: Vec<usize> = (0..free.len())
+            .filter(|&r| bounded(free[r], &priors) && mode.x[r] < 0.0)
+            .map(|r| free[r])
+            .collect();
+        if below.is_empty() {
+            return Some(mode.log_evidence);
+        }
+        free.retain(|i| !below.contains(i));
+        for i in below {
+            priors[i].mean = 0.0;
+        }
+        if listed
+            .iter()
+            .any(|own| !own.iter().any(|i| free.contains(i)))
+        {
+            return None;
+        }
+    }
+}
+
 fn with(set: &[usize], h: usize) -> Vec<usize> {
     let mut out = set.to_vec();
     out.push(h);
@@ -189,7 +223,8 @@ mod tests {
         let priors = vec![
             Prior {
                 mean: 0.0,
-                deviation: 10.0
+                deviation: 10.0,
+                positive: false
             };
             p
         ];
@@ -250,6 +285,16 @@ mod tests {
             ..shared
         };
         assert!((apart.log_prior(4) - 4.0 * (0.1f64).ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_cannot_be_negative_is_no_explanation_below_zero() {
+        let (quadratic, mut priors, hypotheses, families) = simple(&[-8.0]);
+        let free = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
+        assert_eq!(free.set, [0]);
+        priors[0].positive = true;
+        let bounded = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
+        assert!(bounded.set.is_empty() && bounded.inclusion[0] == 0.0);
     }
 
     proptest! {

@@ -81,7 +81,7 @@ pub struct Arm {
     pub servos: Vec<Servo>,
     /// Part of the given description's gravity that the drive compensates by itself.
     pub gravity_compensation: f64,
-    /// Body at the last link, in its joint frame: mass (kg) and first moment (kg·m); a point mass.
+    /// Body at the last link, in its joint frame: mass (kg) and first moment (kg·m).
     pub payload: [f64; 4],
     /// Factors on the links' inertial parameters.
     pub link_scale: Vec<f64>,
@@ -207,7 +207,7 @@ impl Arm {
             link.iter_mut().for_each(|p| *p *= scale);
         }
         let last = parameters.len() - PARAMETERS_PER_LINK;
-        for (p, added) in parameters[last..].iter_mut().zip(point_mass(&self.payload)) {
+        for (p, added) in parameters[last..].iter_mut().zip(payload(&self.payload)) {
             *p += added;
         }
         let gravity = self.given.gravity();
@@ -221,25 +221,15 @@ impl Arm {
     }
 }
 
-/// Inertial parameters of a point mass from mass and first moment; none for a mass of nothing.
-pub(crate) fn point_mass(payload: &[f64; 4]) -> [f64; PARAMETERS_PER_LINK] {
-    let [m, x, y, z] = *payload;
-    if m <= 0.0 {
-        return [m, x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    }
-    let (xx, yy, zz) = (x * x / m, y * y / m, z * z / m);
-    [
-        m,
-        x,
-        y,
-        z,
-        yy + zz,
-        -x * y / m,
-        xx + zz,
-        -x * z / m,
-        -y * z / m,
-        xx + yy,
-    ]
+/// Radius of gyration about the joint's origin that a payload's mass is given, m: its inertia hardly shows beside its weight,
+/// and with a fixed one the body is linear in what is fitted.
+const GYRATION: f64 = 0.1;
+
+/// Inertial parameters of a payload from mass and first moment.
+pub(crate) fn payload(fitted: &[f64; 4]) -> [f64; PARAMETERS_PER_LINK] {
+    let [m, x, y, z] = *fitted;
+    let i = m * GYRATION * GYRATION;
+    [m, x, y, z, i, 0.0, i, 0.0, 0.0, i]
 }
 
 /// Value of the smooth functions of an unknown torque at position, velocity and command (rad, rad/s), each of size one:

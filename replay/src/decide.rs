@@ -5,7 +5,7 @@ use crate::catalogue::{self, Effect, Mechanism, Sizes};
 use crate::fit::{self, Fitted, Free, Noise, by_trajectory, fit, local, noise, sums};
 use crate::given::Given;
 use crate::parameter::{Kind, Parameter};
-use crate::simulate::{Track, Unstable};
+use crate::simulate::{STEP, Track, Unstable};
 use crate::tracks::Replayed;
 use evidence::{Decision, Family, Hypothesis, Prior, Quadratic, decide};
 use std::collections::BTreeMap;
@@ -20,8 +20,8 @@ const STATED: f64 = 0.001;
 const FIRST: usize = 25;
 const NEXT: usize = 10;
 
-/// Rounds of fit and decision; the set is stable after two in most cases.
-const ROUNDS: usize = 3;
+/// Rounds of fit and decision; the set is stable after three in most cases.
+const ROUNDS: usize = 5;
 
 /// Smallest lag with which a command filter can be differentiated, s.
 const LEAST_LAG: f64 = 5e-4;
@@ -50,28 +50,52 @@ pub struct Found {
     pub unknown: Vec<(usize, f64)>,
 }
 
+/// Relative uncertainty of what any simulator's values mean: the description's masses, to which all torques are scaled, are
+/// known to some per cent, and so is what an integrator makes of a gain.
+pub const RELATIVE: f64 = 0.03;
+
+/// Part of Coulomb friction by which two simulators' laws of friction at standstill differ (a soft constraint creeps).
+const STANDSTILL: f64 = 0.1;
+
 /// Parameters that are free under every hypothesis, with their deviations.
 fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {
-    let tolerant = given
-        .tolerances
-        .iter()
-        .filter(|(_, t)| *t > 0.0)
-        .map(|&(parameter, t)| {
-            let value = given.arm.get(parameter);
-            let log = parameter.kind.scale() == crate::parameter::Scale::Log;
-            Entry {
-                parameter,
-                deviation: if log { t } else { t * value.abs() },
-            }
-        });
-    let unknown = given.free.iter().map(|&parameter| Entry {
-        parameter,
-        deviation: 3.0 * spread(parameter, sizes),
-    });
-    tolerant
-        .chain(unknown)
-        .filter(|e| e.deviation > 0.0)
-        .collect()
+    let mut out = Vec::new();
+    let mut add = |kind: Kind, joint: usize, deviation: f64| {
+        if deviation > 0.0 && deviation.is_finite() {
+            out.push(Entry {
+                parameter: Parameter::new(kind, joint),
+                deviation,
+            });
+        }
+    };
+    for (j, joint) in given.arm.joints.iter().enumerate() {
+        add(Kind::Gain, j, RELATIVE);
+        add(Kind::LinkScale, j, RELATIVE);
+        add(Kind::ServoDamping, j, RELATIVE * given.arm.servos[j].kd);
+        add(Kind::Damping, j, RELATIVE * joint.damping);
+        add(Kind::Coulomb, j, RELATIVE * joint.coulomb);
+        add(Kind::Stribeck, j, STANDSTILL * joint.coulomb);
+        add(Kind::Armature, j, RELATIVE * joint.armature);
+    }
+    // Two integrators place a force within a step of their own.
+    add(Kind::CommonDelay, 0, STEP);
+    for &(parameter, t) in given.tolerances.iter().filter(|(_, t)| *t > 0.0) {
+        let log = parameter.kind.scale() == crate::parameter::Scale::Log;
+        let value = given.arm.get(parameter);
+        add(
+            parameter.kind,
+            parameter.joint,
+            if log { t } else { t * value.abs() },
+        );
+    }
+    for &parameter in &given.free {
+        add(
+            parameter.kind,
+            parameter.joint,
+            3.0 * spread(parameter, sizes),
+        );
+    }
+    out
 }
 
 /// Size of a parameter of which only its nature is known.
@@ -354,6 +378,7 @@ fn expand(
         .map(|(e, &k)| Prior {
             mean: all[k].coordinate(given.arm.get(unique[k])),
             deviation: e.deviation,
+            positive: e.parameter.kind.scale() == crate::parameter::Scale::Positive,
         })
         .collect();
     let quadratic = Quadratic {

@@ -2,7 +2,7 @@
 
 use crate::arm::Arm;
 use crate::catalogue::{Effect, correlations};
-use crate::decide::{Found, find, refit};
+use crate::decide::{Found, RELATIVE, find, refit};
 use crate::given::Given;
 use crate::parameter::{Kind, Parameter, Scale};
 use crate::schema::{
@@ -18,9 +18,6 @@ use std::collections::BTreeMap;
 
 /// Posterior correlation beyond which two values are named inseparable.
 const INSEPARABLE: f64 = 0.95;
-
-/// Relative uncertainty of the description's masses, to which every torque-like value is scaled.
-const MASSES: f64 = 0.03;
 
 /// Weight of another effect in a cause's place from which both are named.
 const AMBIGUOUS: f64 = 0.1;
@@ -370,9 +367,9 @@ fn named(kind: Kind, rotates: bool) -> (&'static str, &'static str) {
         Kind::Armature => ("inertia", unit("kg·m²", "kg")),
         Kind::GravityCompensation => ("gain", "1"),
         Kind::Payload(0) => ("mass", "kg"),
-        Kind::Payload(1) => ("first_moment_x", "kg·m"),
-        Kind::Payload(2) => ("first_moment_y", "kg·m"),
-        Kind::Payload(_) => ("first_moment_z", "kg·m"),
+        Kind::Payload(1) => ("com_x", "m"),
+        Kind::Payload(2) => ("com_y", "m"),
+        Kind::Payload(_) => ("com_z", "m"),
         Kind::LinkScale => ("mass_factor", "1"),
         Kind::Tilt(0) => ("tilt_x", "rad"),
         Kind::Tilt(_) => ("tilt_y", "rad"),
@@ -408,7 +405,7 @@ fn deviation(found: &Found, spread: &Spread, parameter: Parameter) -> Option<f64
         spread.deviation[at]
     };
     let masses = if is_torque(parameter.kind) {
-        MASSES * value
+        RELATIVE * value
     } else {
         0.0
     };
@@ -433,12 +430,21 @@ fn values(
             }
             let kind = given.arm.robot.joints()[p.joint].kind;
             let (name, unit) = named(p.kind, kind != JointKind::Prismatic);
+            // First moments are fitted; a reader wants the centre of mass.
+            let mass = found.fitted.arm.payload[0];
+            let per = match p.kind {
+                Kind::Payload(1..) if mass > 0.0 => mass,
+                Kind::Payload(1..) => continue,
+                _ => 1.0,
+            };
             out.push(Value {
                 name,
                 joint: (!p.kind.is_common()).then(|| joints[p.joint].clone()),
                 given: given.arm.get(p),
-                value,
-                std: deviation(found, spread, p).filter(|v| v.is_finite()),
+                value: value / per,
+                std: deviation(found, spread, p)
+                    .map(|v| v / per)
+                    .filter(|v| v.is_finite()),
                 unit,
             });
         }

@@ -625,7 +625,9 @@ impl<'a> State<'a> {
                     }
                 }
                 Kind::Payload(part) => {
-                    let change = payload_change(&self.arm.payload, part);
+                    let mut unit = [0.0; 4];
+                    unit[part] = 1.0;
+                    let change = crate::arm::payload(&unit);
                     let last = width - PARAMETERS_PER_LINK;
                     for i in 0..n {
                         let row = &self.regressor[i * width + last..][..PARAMETERS_PER_LINK];
@@ -686,19 +688,6 @@ impl<'a> State<'a> {
             }
         }
     }
-}
-
-/// Change of a point mass's inertial parameters with its mass or first moment.
-fn payload_change(payload: &[f64; 4], part: usize) -> [f64; PARAMETERS_PER_LINK] {
-    // Central differences of a quotient of small degree; exact enough for a search direction.
-    let step = 1e-6 * payload[0].max(1e-3);
-    let moved = |by: f64| {
-        let mut p = *payload;
-        p[part] += by;
-        crate::arm::point_mass(&p)
-    };
-    let (up, down) = (moved(step), moved(-step));
-    std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step))
 }
 
 fn axpy(y: &mut [f64], a: f64, x: &[f64]) {
