@@ -50,7 +50,7 @@ struct Arguments {
     /// beside it.
     #[arg(long)]
     patch: Option<PathBuf>,
-    /// Measure each cause by its values alone, without a fit that does without it.
+    /// Shorten the fits without one cause each, by which shares are measured.
     #[arg(long)]
     fast: bool,
 }

@@ -415,7 +415,7 @@ fn beside(
         .collect())
 }
 
-/// The set without some mechanisms, fitted again from where the whole set's fit stands.
+/// The set without some mechanisms, fitted again in `most` iterations from where the whole set's fit stands.
 ///
 /// # Errors
 /// The simulator as given is unstable.
@@ -424,9 +424,10 @@ pub fn refit(
     replayed: &Replayed,
     found: &Found,
     set: &[usize],
+    most: usize,
 ) -> Result<Arm, Unstable> {
     let always = tolerated(given, replayed);
     let free = free(given, &found.mechanisms, set, &always);
     let start = pinned(given, &found.fitted.arm, &free);
-    Ok(fit::fit(&start, &free, &replayed.blocks, &found.fitted.noise, NEXT)?.arm)
+    Ok(fit::fit(&start, &free, &replayed.blocks, &found.fitted.noise, most)?.arm)
 }
