@@ -165,11 +165,11 @@ pub enum Problem {
     #[error("column `{missing}` is missing (the file has: {present})")]
     MissingColumn {
         /// The column looked for.
-        missing: String,
+        missing: Box<str>,
         /// The columns there are.
-        present: String,
+        present: Box<str>,
         /// What would say where it is: lines of a drive file, filled in.
-        declare: Option<String>,
+        declare: Option<Box<str>>,
     },
     /// No column is a torque.
     #[error("no column is a torque: `{missing}` is missing (the file has: {present})")]

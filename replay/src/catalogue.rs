@@ -147,8 +147,8 @@ impl Sizes {
             for row in 1..track.time.len() {
                 let dt = track.time[row] - track.time[row - 1];
                 steps.push(dt);
-                for j in 0..n {
-                    speed[j] += ((track.q[(row, j)] - track.q[(row - 1, j)]) / dt).powi(2);
+                for (j, speed) in speed.iter_mut().enumerate() {
+                    *speed += ((track.q[(row, j)] - track.q[(row - 1, j)]) / dt).powi(2);
                 }
                 count += 1.0;
                 // Gravity and inertia change slowly.

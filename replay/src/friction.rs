@@ -67,8 +67,8 @@ impl Friction {
                 return false;
             }
             let mut wrong = 0;
-            for i in 0..n {
-                let next = self.next(i, limit[i]);
+            for (i, &limit) in limit.iter().enumerate() {
+                let next = self.next(i, limit);
                 if next != self.slip[i] {
                     wrong += 1;
                     self.slip[i] = next;
@@ -119,8 +119,8 @@ impl Friction {
                 }
             }
         }
-        for i in 0..n {
-            self.force[i] = limit[i] * self.slip[i].sign();
+        for (i, &limit) in limit.iter().enumerate() {
+            self.force[i] = limit * self.slip[i].sign();
             self.velocity[i] = 0.0;
         }
         let m = self.moving.len();

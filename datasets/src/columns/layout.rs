@@ -93,9 +93,9 @@ impl Search<'_> {
 
     fn missing(&self, name: String, declare: Option<String>) -> ReadError {
         let problem = Problem::MissingColumn {
-            missing: name,
-            present: list(self.header),
-            declare,
+            missing: name.into(),
+            present: list(self.header).into(),
+            declare: declare.map(Into::into),
         };
         problem.in_file(self.file)
     }

@@ -166,7 +166,8 @@ impl<'a> Header<'a> {
 
     /// By their numbers, from 0 or from 1, in the order of the chain.
     fn by_number(&self, all: &[(usize, &Said)], dof: Option<usize>) -> Result<Found, Trouble> {
-        let mut styles: BTreeMap<&str, (usize, Vec<(Option<usize>, usize)>)> = BTreeMap::new();
+        type Members = Vec<(Option<usize>, usize)>;
+        let mut styles: BTreeMap<&str, (usize, Members)> = BTreeMap::new();
         for (i, s) in all {
             let (_, members) = styles.entry(&s.style).or_insert((s.unknown, Vec::new()));
             members.push((s.number, *i));

@@ -148,9 +148,9 @@ fn undeclared(info: &Value, options: &ReadOptions) -> Problem {
          example:{lines}"
     );
     Problem::MissingColumn {
-        missing: "q1".to_owned(),
-        present: own.join(", "),
-        declare: Some(declare),
+        missing: "q1".into(),
+        present: own.join(", ").into(),
+        declare: Some(declare.into()),
     }
 }
 

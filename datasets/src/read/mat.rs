@@ -175,8 +175,8 @@ fn table(mat: &MatFile, name: &str, file: &Path) -> Result<Array2<f64>, ReadErro
             .collect::<Vec<_>>()
             .join(", ");
         Problem::MissingColumn {
-            missing: name.to_owned(),
-            present,
+            missing: name.into(),
+            present: present.into(),
             declare: None,
         }
         .in_file(file)

@@ -195,7 +195,8 @@ fn names_of_any_style() {
         }
     };
     let joints = ["base_pan", "shoulder_lift", "elbow"];
-    let styles: [&dyn Fn(&str, usize) -> String; 8] = [
+    type Style<'a> = &'a dyn Fn(&str, usize) -> String;
+    let styles: [Style<'_>; 8] = [
         &|g, j| format!("{}_{j}", quantity(g).0),
         &|g, j| format!("actual_{}_{j}", if g == "q" { "q" } else { "torque" }),
         &|g, j| format!("{g}[{j}]"),
@@ -461,7 +462,8 @@ fn rubbish_and_two_sources_are_refused() {
         assert_eq!((e.row, e.column.as_deref()), (Some(30), Some("tau3")));
         assert!(e.to_string().contains("lay in memory"), "{e}");
     }
-    let second: [&dyn Fn(usize, &[&str]) -> Option<[String; 3]>; 3] = [
+    type Second<'a> = &'a dyn Fn(usize, &[&str]) -> Option<[String; 3]>;
+    let second: [Second<'_>; 3] = [
         &|row, _| (row % 2 == 1).then(|| ["0", "0", "0"].map(str::to_owned)),
         &|row, _| (row % 3 == 1).then(|| ["0.0", "0.0", "0.0"].map(str::to_owned)),
         &|row, tau| {

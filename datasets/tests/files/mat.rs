@@ -145,7 +145,7 @@ fn missing_keys_and_wrong_shapes_are_refused() {
     for key in ["u_test", "y_test", "time_test", "time_train"] {
         let e = without(key);
         assert!(
-            matches!(e.problem, Problem::MissingColumn { ref missing, .. } if missing == key),
+            matches!(e.problem, Problem::MissingColumn { ref missing, .. } if **missing == *key),
             "{e}"
         );
     }

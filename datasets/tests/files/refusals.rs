@@ -59,9 +59,13 @@ fn a_good_file_is_read() {
 #[test]
 fn missing_column() {
     let e = refused(&csv(|l| l[0] = "time,trajectory,q1,q2,tau1,torque2".into()));
-    assert!(matches!(e.problem, Problem::MissingColumn { ref missing, .. } if missing == "tau2"));
+    assert!(
+        matches!(e.problem, Problem::MissingColumn { ref missing, .. } if **missing == *"tau2")
+    );
     let e = refused(&csv(|l| l[0] = "when,trajectory,q1,q2,tau1,tau2".into()));
-    assert!(matches!(e.problem, Problem::MissingColumn { ref missing, .. } if missing == "time"));
+    assert!(
+        matches!(e.problem, Problem::MissingColumn { ref missing, .. } if **missing == *"time")
+    );
     let e = refused("a damaged head\n1\n2\n");
     assert!(matches!(e.problem, Problem::MissingColumn { .. }));
 }
