@@ -214,7 +214,7 @@ mod tests {
         assert!(one.solve(&[2.0], &[0.9], &[1.0]));
         assert_eq!((one.velocity[0], one.force[0]), (0.0, 0.9));
         assert!(one.solve(&[2.0], &[1.5], &[1.0]));
-        assert_eq!((one.velocity[0], one.force[0]), (0.25, 1.0));
+        assert!((one.velocity[0] - 0.25).abs() < 1e-15 && one.force[0] == 1.0);
         // Too slow to turn round within the step: it stops.
         assert!(one.solve(&[2.0], &[-0.5], &[1.0]));
         assert_eq!((one.velocity[0], one.force[0]), (0.0, -0.5));

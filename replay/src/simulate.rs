@@ -467,31 +467,37 @@ impl<'a> State<'a> {
                 axpy(dtau, drive.by_integral, &self.dintegral[i * p..][..p]);
             }
             if servo.integral != Integral::None && drive.integrates {
-                let of_error = match servo.integral {
-                    Integral::Velocity => servo.kp / servo.kd,
-                    _ => 1.0,
-                };
+                let cascade = servo.integral == Integral::Velocity;
+                let of_error = if cascade { servo.kp / servo.kd } else { 1.0 };
                 let own = &mut self.dintegral[i * p..][..p];
                 axpy(own, h * of_error, &self.dsmooth[i * p..][..p]);
                 axpy(own, -h * of_error, &self.dq[i * p..][..p]);
-                if servo.integral == Integral::Velocity {
+                if cascade {
                     axpy(own, -h, &self.dv[i * p..][..p]);
+                }
+                for (by, parameter) in own.iter_mut().zip(self.parameters) {
+                    *by += h * match parameter.kind {
+                        _ if parameter.joint != i => 0.0,
+                        Kind::Offset => of_error,
+                        Kind::Gain if cascade => drive.error / servo.kd,
+                        Kind::ServoDamping if cascade => -of_error * drive.error / servo.kd,
+                        _ => 0.0,
+                    };
                 }
             }
             let sign = self.friction.slip[i].sign();
+            let pressed = self.pressed(i);
             let rhs = &mut self.rhs[i * p..][..p];
-            // Friction by load falls with the torque that it comes from.
-            let pressed = sign * joint.load * drive.transmitted.signum();
-            axpy(rhs, h * (1.0 - pressed), dtau);
+            axpy(rhs, h * (1.0 - pressed), &self.dtau[i * p..][..p]);
             for j in 0..n {
                 let at = i * n + j;
                 let mut mass = self.mass[at] - h * self.derivatives.dqd[at];
                 let mut stiffness = self.derivatives.dq[at];
                 if let Some(gravity) = &self.gravity {
-                    stiffness -= self.arm.gravity_compensation * gravity.dq[at];
+                    stiffness -= self.arm.gravity_compensation * (1.0 - pressed) * gravity.dq[at];
                 }
                 if i == j {
-                    mass += joint.armature;
+                    mass += joint.armature + h * pressed * drive.damping;
                     // Stribeck's fall with velocity.
                     mass += h * sign * joint.stribeck * drive.stribeck * 2.0 * self.v[i]
                         / joint.stribeck_velocity.powi(2);
@@ -507,6 +513,12 @@ impl<'a> State<'a> {
         for (q, v) in self.dq.iter_mut().zip(&self.dv) {
             *q += h * v;
         }
+    }
+
+    /// Part of a change of the drive's torque that friction by load takes: it presses on the gear as it drives.
+    fn pressed(&self, i: usize) -> f64 {
+        let sign = self.friction.slip[i].sign();
+        sign * self.arm.joints[i].load * self.drives[i].transmitted.signum()
     }
 
     /// The commands that the drives see, by delay, planning and smoothing.
@@ -619,7 +631,8 @@ impl<'a> State<'a> {
                         let at = i * n + parameter.joint;
                         let mut stiffness = self.derivatives.dq[at];
                         if let Some(gravity) = &self.gravity {
-                            stiffness -= self.arm.gravity_compensation * gravity.dq[at];
+                            let part = self.arm.gravity_compensation * (1.0 - self.pressed(i));
+                            stiffness -= part * gravity.dq[at];
                         }
                         self.rhs[i * p + k] -= h * stiffness;
                     }
