@@ -17,6 +17,8 @@ PathLike = Union[str, os.PathLike]
 
 #: Steps of the report's ladder that are no corrected model.
 NO_MODEL = ("learned", "repeatability")
+#: Velocity over which `replay` lets Stribeck friction fall where its report names none, rad/s (m/s).
+STRIBECK_VELOCITY = 0.1
 #: A figure of MuJoCo that is off the report's by no more than this, relative, is the same.
 CLOSE = 0.05
 
@@ -52,6 +54,16 @@ def corrected(controller: Mapping[str, Any], report: Mapping[str, Any]) -> dict[
     return {**controller, **known}
 
 
+def friction(report: Mapping[str, Any], joints: Sequence[str]) -> Optional[dict[str, np.ndarray]]:
+    """Friction that the report has found and no attribute of a model holds, by joint; none where there is none."""
+    out = {"load": np.zeros(len(joints)), "stribeck": np.zeros(len(joints)), "stribeck_velocity": np.full(len(joints), STRIBECK_VELOCITY)}
+    for cause in report.get("causes", []):
+        for parameter in cause["parameters"]:
+            if parameter["name"] in out and parameter.get("joint") in joints:
+                out[parameter["name"]][list(joints).index(parameter["joint"])] = parameter["value"]
+    return out if out["load"].any() or out["stribeck"].any() else None
+
+
 def step_of(report: Mapping[str, Any], first: bool) -> Column:
     """A step of the report's ladder: the first, or the last that is a model."""
     ladder = [s for s in report["ladder"] if s["step"] not in NO_MODEL]
@@ -72,28 +84,32 @@ def verify(
     step: float = 1e-3,
 ) -> tuple[list[str], list[Rows]]:
     """Joints, and the corrected model `robot` behind the `given` one, replayed at `step` (s), at the file's own time step, and with friction that
-    holds. `drive` is a drive file: the law of its block `[controller]` stands in place of the models' actuators; `report` is what `replay --json` wrote."""
+    holds; a third row computes friction that the report has found and no attribute holds (of load, Stribeck's). `drive` is a drive file: the law of its block `[controller]` stands in place of the models' actuators; `report` is what `replay --json` wrote."""
     names = list(joints) or ([] if report is None else list(report["joints"]))
     arm = Robot(os.fspath(given or robot), joints=names, drive=drive)
     recording = data if isinstance(data, Recording) else Recording.read(data, arm)
     if recording.q_ref is None:
         raise InputError("the recording has no commanded positions\nadd q_ref1 …, or name them in the drive file ([columns])")
     block = arm.controller or {}
-    models = [] if given is None else [("as given", given, block, True)]
-    models.append(("corrected", robot, block if report is None else corrected(block, report) if block else _beside_servos(report), False))
+    models = [] if given is None else [("as given", given, block, None)]
+    after = block if report is None else corrected(block, report) if block else _beside_servos(report)
+    models.append(("corrected", robot, after, None))
+    levels = None if report is None else friction(report, arm.joints)
+    if levels is not None:
+        models.append(("corrected, with code", robot, after, levels))
     out = []
-    for name, path, controller, first in models:
+    for name, path, controller, law in models:
         settings = [(step, False), (None, False), (step, True)]
         columns, notes = [], []
         for seconds, hard in settings:
-            one = Replayed(path, arm.joints, controller, seconds, given, hard)
+            one = Replayed(path, arm.joints, controller, seconds, given, hard, law)
             if seconds is None and one.model.opt.timestep == step:
                 continue
             errors = one.errors(recording)
             own = ", its own" if seconds is None else ", hard friction" if hard else ""
             columns.append(Column(f"{1e3 * one.model.opt.timestep:g} ms{own}", unexplained(recording, errors)))
             notes += [note for note in one.notes if note not in notes]
-        rows = None if report is None else step_of(report, first)
+        rows = None if report is None else step_of(report, path is given)
         out.append(Rows(name, rows, columns, notes))
     return arm.joints, out
 
@@ -152,8 +168,10 @@ def main(given: Any) -> int:
         )
         print(f"{path}\n{table(joints, rows)}")
         lost |= any(np.isnan(_mean(c.unexplained)) for one in rows for c in one.columns)
-        if rows[-1].report is not None and not lost:
-            said, ours = (_mean(c.unexplained) for c in (rows[-1].report, rows[-1].columns[0]))
-            holds = abs(ours / said - 1.0) <= CLOSE
-            print(f"MuJoCo {'reproduces' if holds else 'does not reproduce'} the report's corrected figure within {100 * CLOSE:.0f} % at {rows[-1].columns[0].head}")
+        for one in rows:
+            if one.report is None or one.model == "as given":
+                continue
+            off = _mean(one.columns[0].unexplained) / _mean(one.report.unexplained) - 1.0
+            holds = "within" if abs(off) <= CLOSE else "not within"
+            print(f"{one.model}: MuJoCo has the report's figure {holds} {100 * CLOSE:.0f} % at {one.columns[0].head}")
     return 1 if lost else 0
