@@ -1,16 +1,13 @@
 //! From the columns of a file to a [`Recording`]: units, breaks, and every check of the values.
 
 use crate::columns::{Affine, Group, Layout, Role};
+use crate::recording::MIN_SAMPLES;
 use crate::stamps::{self, Clock};
 use crate::{Problem, ReadError, ReadOptions, Recording, Trajectory, held, sources};
 use ndarray::Array2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::Path;
-
-/// Fewest samples of a trajectory: the padding of the zero-phase filters needs 16 (order 4), the
-/// quintic spline 6, and a cut-off cannot be judged on less.
-pub const MIN_SAMPLES: usize = 20;
 
 /// A jump of the clock by more than this many median steps is a break.
 const BREAK_STEPS: f64 = 10.0;

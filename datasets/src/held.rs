@@ -1,7 +1,7 @@
 //! Logs that are written more often than their values change.
 
 use crate::Recording;
-use crate::assemble::MIN_SAMPLES;
+use crate::recording::MIN_SAMPLES;
 use ndarray::Array2;
 use signal::quantile::median;
 

@@ -1,7 +1,7 @@
 //! Rows that stand in two recordings.
 
 use crate::Recording;
-use crate::assemble::MIN_SAMPLES;
+use crate::recording::MIN_SAMPLES;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 

@@ -1,9 +1,9 @@
 //! The lines of a drive file that would say what a header does not.
 
+use super::ReadOptions;
 use super::names::style;
 use super::recognised::{Header, Trouble};
 use super::{Group, map::ColumnMap};
-use crate::ReadOptions;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 

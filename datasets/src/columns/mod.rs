@@ -4,11 +4,13 @@ mod declaration;
 mod layout;
 mod map;
 mod names;
+mod options;
 mod recognised;
 
 pub(crate) use declaration::lines;
 pub(crate) use layout::{Layout, Role, Used};
 pub use map::ColumnMap;
+pub use options::{Part, ReadOptions};
 
 /// A group of columns, one per joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,8 +1,8 @@
 //! Columns that no drive file names and that are not called as docs/formats.md has them: by what their names say.
 
+use super::ReadOptions;
 use super::names::{Chain, Quantity, Said, Unit, said};
 use super::{Affine, Group};
-use crate::ReadOptions;
 use std::collections::BTreeMap;
 
 /// The header with what each name says.

@@ -1,6 +1,7 @@
 //! How a recording is read.
 
-use crate::{ColumnMap, DeclaredFilter, Group, TorqueFilter};
+use super::{ColumnMap, Group};
+use crate::{DeclaredFilter, TorqueFilter};
 
 /// Which part of a file that holds both (the benchmark's .mat files).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
