@@ -108,6 +108,71 @@ pub fn find(recording: &Recording) -> Vec<(usize, usize)> {
         .collect()
 }
 
+/// How far the torque of one motion differs from execution to execution, RMS/√2 of each joint: of trajectories that repeat each other, of
+/// periods within them, whichever is more; none where no motion is repeated, or without torque.
+pub fn spread(recording: &Recording) -> Option<Vec<f64>> {
+    let pairs = find(recording);
+    let still = Array2::zeros(recording.q.dim());
+    let between = repeatability(recording, &still, &pairs).map(|r| r.all);
+    let larger = |a: Vec<f64>, b: Vec<f64>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
+    between.into_iter().chain(within(recording)).reduce(larger)
+}
+
+/// Samples of a trajectory that a period is looked for on, at most.
+const LOOKED_AT: usize = 2000;
+/// Shortest period, s, and least part of a trajectory that is repeated.
+const SHORTEST_S: f64 = 1.0;
+const REPEATED: f64 = 0.2;
+
+/// RMS(τ(t + P) − τ(t))/√2 of each joint over trajectories that repeat a motion with a period P within themselves; none where none does,
+/// or without torque.
+pub fn within(recording: &Recording) -> Option<Vec<f64>> {
+    let tau = recording.tau.as_ref()?;
+    let mut square = vec![0.0; recording.dof()];
+    let mut count = 0.0;
+    for t in &recording.trajectories {
+        let Some((every, lag)) = period(recording, t.range.clone()) else {
+            continue;
+        };
+        let rows: Vec<usize> = t.range.clone().step_by(every).collect();
+        for pair in 0..rows.len() - lag {
+            for (j, sum) in square.iter_mut().enumerate() {
+                let apart = tau[(rows[pair + lag], j)] - tau[(rows[pair], j)];
+                *sum += 0.5 * apart * apart;
+            }
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| square.into_iter().map(|s| f64::sqrt(s / count)).collect())
+}
+
+/// The shortest lag at which a trajectory repeats its motion, in rows of every `n`-th: `(n, lag)`.
+fn period(r: &Recording, range: std::ops::Range<usize>) -> Option<(usize, usize)> {
+    let every = range.len().div_ceil(LOOKED_AT).max(1);
+    let rows: Vec<usize> = range.clone().step_by(every).collect();
+    let step = (r.time[range.end - 1] - r.time[range.start]) / (range.len() - 1) as f64;
+    let joints: Vec<(Vec<f64>, f64)> = (0..r.dof())
+        .map(|j| {
+            let own: Vec<f64> = rows.iter().map(|&row| r.q[(row, j)]).collect();
+            let size = deviation(&own);
+            (own, size)
+        })
+        .filter(|(_, size)| *size > STILL)
+        .collect();
+    let apart = |lag: usize| {
+        let of =
+            |(q, size): &(Vec<f64>, f64)| rms(q[lag..].iter().zip(q).map(|(a, b)| a - b)) / size;
+        joints.iter().map(of).fold(0.0, f64::max)
+    };
+    let shortest = (SHORTEST_S / (step * every as f64)).ceil() as usize;
+    let longest = ((1.0 - REPEATED) * rows.len() as f64) as usize;
+    let lag = (shortest.max(1)..longest).find(|&lag| apart(lag) < SAME_MOTION)?;
+    // The first lag below the limit is not yet the best.
+    let best =
+        (lag..longest.min(lag + lag / 10 + 2)).min_by(|&a, &b| apart(a).total_cmp(&apart(b)))?;
+    (!joints.is_empty()).then_some((every, best))
+}
+
 /// Spread of the torque over pairs of trajectories; `qd` is the velocity at the samples, shape
 /// (samples, joints).
 ///

@@ -18,6 +18,7 @@ mod run;
 pub mod runtime;
 mod screen;
 pub mod study;
+mod taught;
 mod topics;
 mod yardsticks;
 

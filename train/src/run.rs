@@ -2,7 +2,7 @@
 
 use crate::arguments::{Arguments, PresetName};
 use crate::runtime::{pool, stop};
-use crate::{checkpoint, input, output, progress, screen, topics, yardsticks};
+use crate::{checkpoint, input, output, progress, screen, taught, topics, yardsticks};
 use compensator::training::{Control, Progress, Tensors};
 use datasets::Recording;
 use datasets::check::CheckReport;
@@ -95,12 +95,32 @@ fn steps(
         seed: arguments.seed,
     };
     let begun = Instant::now();
-    let mut fit = fit_physics(
-        &input.setup.robot,
-        &input.data,
-        input.heldout.as_ref(),
-        &options,
-    )?;
+    let fitted = |options: &FitOptions| {
+        fit_physics(
+            &input.setup.robot,
+            &input.data,
+            input.heldout.as_ref(),
+            options,
+        )
+    };
+    let mut fit = fitted(&options)?;
+    // By its motion alone: shapes of friction that were chosen on slow motions run away on fast ones.
+    let outside = fit
+        .session
+        .parts
+        .get(input.data.len())
+        .map_or_else(Vec::new, |heldout| {
+            taught::outside(
+                &input.setup.robot,
+                &fit.session.parts[..input.data.len()],
+                heldout,
+            )
+        });
+    if options.identify.select && !outside.is_empty() {
+        let mut plain = options.clone();
+        plain.identify.plain = outside.iter().map(|o| o.joint).collect();
+        fit = fitted(&plain)?;
+    }
     let apart = physics_out_of_fold(&fit, &input.data).map_err(FitError::from)?;
     let physics_s = begun.elapsed().as_secs_f64();
     spinner.finish_and_clear();
@@ -168,9 +188,9 @@ fn steps(
     }
     if !arguments.running.quiet {
         if arguments.verbose {
-            screen::everything(&fit, &metrics, arguments);
+            screen::everything(&fit, &metrics, &outside, arguments);
         } else {
-            screen::first(&fit, &metrics, &checks, arguments);
+            screen::first(&fit, &metrics, &checks, &outside, arguments);
         }
         if let Some(compared) = learned.as_ref().and_then(|l| l.yardsticks.as_ref()) {
             yardsticks::print(compared, metrics.heldout.as_deref());

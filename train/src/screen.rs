@@ -2,6 +2,7 @@
 
 use crate::arguments::Arguments;
 use crate::output::{PAGE, published};
+use crate::taught::Outside;
 use datasets::check::{CheckReport, Complaint, Finding, Severity};
 use datasets::metrics::{Row, Scope};
 use model::directory::json;
@@ -69,10 +70,12 @@ pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
 
 /// Prints a complaint about the torque channel: what was seen, what it means, what mends it.
 fn doctor(complaint: &Complaint) {
-    let name = complaint.ailment.name().replace('_', " ");
     let text = format!(
-        "{:?}: torque, {name}: {}. That is {}.",
-        complaint.severity, complaint.seen, complaint.means
+        "{:?}: {}: {}. That is {}.",
+        complaint.severity,
+        complaint.ailment.title(),
+        complaint.seen,
+        complaint.means
     );
     say_text!(report::wrapped(&text, WIDTH, "  "));
     if let Some(lines) = &complaint.drive {
@@ -87,7 +90,13 @@ fn doctor(complaint: &Complaint) {
 }
 
 /// Prints the first screen: what was learned, how good it is, what to look at, where everything else is.
-pub fn first(fit: &Fit, metrics: &Metrics, checks: &[CheckReport], arguments: &Arguments) {
+pub fn first(
+    fit: &Fit,
+    metrics: &Metrics,
+    checks: &[CheckReport],
+    outside: &[Outside],
+    arguments: &Arguments,
+) {
     let file = &fit.file;
     let known = file.base_parameters.len()
         - file
@@ -114,11 +123,12 @@ pub fn first(fit: &Fit, metrics: &Metrics, checks: &[CheckReport], arguments: &A
             "on the training recordings; --heldout FILE tells how good it is on others",
         ),
     };
-    if let Some(table) = tables::errors_by_joint(&file.joints, rows) {
+    if let Some(table) = tables::errors_by_joint(&file.joints, &useful(rows)) {
         say!("\nNRMSE (error over the torque's deviation) {of}:\n");
         say_text!(table.to_text());
     }
-    let lines = look_at(fit, metrics, checks);
+    let mut lines: Vec<String> = outside.iter().map(Outside::line).collect();
+    lines.extend(look_at(fit, metrics, checks));
     if !lines.is_empty() {
         say!("\nLook at:");
         for line in lines.iter().take(LOOK_AT) {
@@ -181,7 +191,7 @@ fn findings(checks: &[CheckReport], severity: Severity) -> Vec<String> {
     let complaints = checks.iter().flat_map(|c| &c.doctor);
     let mut lines: Vec<String> = complaints
         .filter(|c| c.severity == severity)
-        .map(|c| format!("Torque: {}. That is {}.", c.seen, c.means))
+        .map(|c| format!("{}: {}. That is {}.", c.ailment.title(), c.seen, c.means))
         .collect();
     for (i, finding) in all.iter().enumerate() {
         if all[..i].iter().any(|f| f.kind == finding.kind) {
@@ -197,7 +207,7 @@ fn findings(checks: &[CheckReport], severity: Severity) -> Vec<String> {
 }
 
 /// Prints everything: parameters, conditioning, residuals, scores of every scope.
-pub fn everything(fit: &Fit, metrics: &Metrics, arguments: &Arguments) {
+pub fn everything(fit: &Fit, metrics: &Metrics, outside: &[Outside], arguments: &Arguments) {
     let file = &fit.file;
     if let Some(d) = &file.diagnostics {
         say!("\nBase parameters");
@@ -220,6 +230,9 @@ pub fn everything(fit: &Fit, metrics: &Metrics, arguments: &Arguments) {
         }
     }
     scores("the training recordings", fit, &metrics.train, false);
+    for line in outside.iter().map(Outside::line) {
+        say_text!(report::wrapped(&format!("\n{line}."), WIDTH, ""));
+    }
     if let Some(rows) = &metrics.heldout {
         scores("the held-out recording", fit, rows, true);
         say!();
@@ -229,7 +242,30 @@ pub fn everything(fit: &Fit, metrics: &Metrics, arguments: &Arguments) {
     places(&arguments.out);
 }
 
+/// Mean NRMSE beyond which a baseline is not printed: nothing at all has one of 1.
+const NO_USE: f64 = 2.0;
+
+/// The rows without baselines that run away.
+fn useful(rows: &[Row]) -> Vec<Row> {
+    let runs_away = |r: &&Row| {
+        let error = r.scores.mean_nrmse;
+        r.name.contains("baseline") && error.is_some_and(|e| e.is_nan() || e > NO_USE)
+    };
+    rows.iter().filter(|r| !runs_away(r)).cloned().collect()
+}
+
 fn scores(of: &str, fit: &Fit, rows: &[Row], heldout: bool) {
+    let kept = useful(rows);
+    let gone = rows
+        .iter()
+        .filter(|r| r.scope == Scope::All && kept.iter().all(|k| k.name != r.name));
+    for row in gone {
+        say!(
+            "\n{} is of no use on {of}: its error is beyond twice the signal",
+            row.name
+        );
+    }
+    let rows = kept.as_slice();
     let (joints, published) = (&fit.file.joints, published(fit, heldout));
     say!("\nNRMSE on {of}");
     say_text!(tables::scores(joints, rows, &published).to_text());

@@ -184,6 +184,11 @@ impl Channel<'_> {
     /// What of the recorded velocity is worth a sentence.
     fn velocity_finding(&self) -> Option<Finding> {
         let VelocityChannel { gain, late } = self.velocity?;
+        if gain.abs() < VELOCITY_GAIN {
+            let text = "the recorded velocity has nothing to do with dq/dt: a column of zeros, or of something else; it is left aside"
+                .to_owned();
+            return Some(self.finding(Kind::VelocityMismatch, Severity::Warning, gain, text));
+        }
         if (gain - 1.0).abs() > VELOCITY_GAIN {
             let text = format!("the recorded velocity is {gain:.3} times dq/dt; check its unit");
             return Some(self.finding(Kind::VelocityMismatch, Severity::Warning, gain, text));

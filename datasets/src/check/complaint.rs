@@ -35,9 +35,24 @@ pub enum Ailment {
     Filtered,
     /// Cut at a limit.
     Saturated,
+    /// Not the torque: the description's masses.
+    Description,
+    /// Not the torque: columns of joints are exchanged.
+    Columns,
+    /// Not the torque: the position of a joint counts backwards.
+    Turned,
 }
 
 impl Ailment {
+    /// What it is about, in words: the torque, or what else explains it.
+    pub fn title(self) -> String {
+        match self {
+            Self::Description => "the description".to_owned(),
+            Self::Columns | Self::Turned => "the columns".to_owned(),
+            _ => format!("torque, {}", self.name().replace('_', " ")),
+        }
+    }
+
     /// Name, as in JSON.
     pub fn name(self) -> &'static str {
         match self {
@@ -55,6 +70,9 @@ impl Ailment {
             Self::Quantised => "quantised",
             Self::Filtered => "filtered",
             Self::Saturated => "saturated",
+            Self::Description => "description",
+            Self::Columns => "columns",
+            Self::Turned => "turned",
         }
     }
 }

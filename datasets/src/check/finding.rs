@@ -56,6 +56,8 @@ pub enum Kind {
     TorqueShift,
     /// The motion does not tell some parameters from others.
     PoorConditioning,
+    /// The commanded motion is in another unit or of another time.
+    Command,
     /// The reader had to choose.
     Reading,
 }

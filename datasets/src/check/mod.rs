@@ -4,6 +4,7 @@
 
 mod channels;
 mod clock;
+pub mod command;
 mod complaint;
 mod finding;
 mod torque;
@@ -54,9 +55,22 @@ impl CheckReport {
 
     /// Whether the doctor tells of a finding's torque already, and more.
     pub fn is_told(&self, finding: &Finding) -> bool {
-        use Ailment::{Current, Dead, Motor, PerMille, Percent, Saturated, Scale, Sign};
+        use Ailment::{
+            Columns, Current, Dead, Description, Motor, PerMille, Percent, Saturated, Scale, Sign,
+            Turned,
+        };
         let told: &[Ailment] = match finding.kind {
-            Kind::TorqueScale => &[Current, Motor, PerMille, Percent, Scale, Sign],
+            Kind::TorqueScale => &[
+                Current,
+                Motor,
+                PerMille,
+                Percent,
+                Scale,
+                Sign,
+                Description,
+                Columns,
+                Turned,
+            ],
             Kind::DeadChannel => &[Dead],
             Kind::TorquePlateau => &[Saturated],
             _ => return false,
@@ -85,6 +99,7 @@ pub fn check(
     }
     let mut findings = clock::findings(recording, prepared.report.jitter);
     let mut joints = Vec::with_capacity(recording.dof());
+    let mut names = Vec::with_capacity(recording.dof());
     for joint in 0..recording.dof() {
         let name = options.joints.get(joint).cloned();
         let view = channels::Channel {
@@ -97,7 +112,9 @@ pub fn check(
         let figures = view.figures();
         findings.extend(view.findings(&figures, options));
         joints.push(figures);
+        names.push(view.name);
     }
+    findings.extend(command::findings(recording, &names));
     findings.extend(recording.notes.iter().map(|note| Finding::reading(note)));
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     let pairs = repeats::find(recording);

@@ -143,3 +143,31 @@ fn repeats_of_shared_recordings() {
     assert_eq!(repeats::find(&train).len(), 33);
     assert_eq!(repeats::find(&test), [(0, 3), (1, 4), (2, 5)]);
 }
+
+/// Commanded motion as a controller's position follows it, and as logs spoil it.
+#[test]
+fn a_command_of_another_unit_or_time_is_named() {
+    let follow = |gain: f64, late: f64| {
+        let mut r = good();
+        let motion = |t: f64, j: usize| (1.7 * t + j as f64).sin() + 0.4 * (3.1 * t).cos();
+        r.q_ref = Some(Array2::from_shape_fn((2000, 2), |(i, j)| {
+            motion(r.time[i] + late, j) / gain
+        }));
+        kinds(&r)
+    };
+    for late in [0.0, 0.05, 0.2] {
+        assert_eq!(follow(1.0, late), [], "{late}");
+    }
+    for (gain, late) in [
+        (180.0 / std::f64::consts::PI, 0.0),
+        (std::f64::consts::PI / 180.0, 0.02),
+        (1000.0, 0.0),
+        (1.0, 0.7),
+        (1.0, 1.4),
+        (1.0, -0.3),
+    ] {
+        assert_eq!(follow(gain, late), [(Kind::Command, None)], "{gain} {late}");
+    }
+    let both = follow(180.0 / std::f64::consts::PI, 0.7);
+    assert_eq!(both, [(Kind::Command, None); 2]);
+}

@@ -29,8 +29,13 @@ impl Usual {
 /// What the earlier recordings say of a later one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Earlier {
-    /// The motion is the same: what the model lacks cancels, and the noise of so many executions on average is added.
-    Repeated(f64),
+    /// The motion is the same: what the model lacks cancels.
+    Repeated {
+        /// Earlier executions on average, whose noise is added.
+        executions: f64,
+        /// How well the robot repeats itself; none where no motion was executed more than once on one side.
+        usual: Option<Usual>,
+    },
     /// It is another: the model's misfit on motions that it does not know is the least that can be told; none where the
     /// earlier recordings are one trajectory.
     Other(Option<Usual>),
@@ -41,7 +46,7 @@ impl Earlier {
     pub(crate) fn usual(&self) -> Option<&Usual> {
         match self {
             Self::Other(usual) => usual.as_ref(),
-            Self::Repeated(_) => None,
+            Self::Repeated { .. } => None,
         }
     }
 
@@ -53,9 +58,17 @@ impl Earlier {
     /// The least that can be left, joint by joint.
     pub(super) fn floors(&self, floors: Vec<Option<f64>>) -> Vec<Option<f64>> {
         match self {
-            Self::Repeated(executions) => {
+            Self::Repeated { executions, usual } => {
                 let both = (1.0 + 1.0 / executions.max(1.0)).sqrt();
-                floors.into_iter().map(|f| f.map(|f| both * f)).collect()
+                let least = |j: usize| usual.as_ref().map(|u| u.left[j]);
+                let each = floors.into_iter().enumerate();
+                each.map(|(j, f)| {
+                    f.into_iter()
+                        .chain(least(j))
+                        .reduce(f64::max)
+                        .map(|f| both * f)
+                })
+                .collect()
             }
             Self::Other(Some(usual)) => {
                 let both = floors.into_iter().zip(&usual.left);
@@ -69,11 +82,14 @@ impl Earlier {
     /// What has structure beyond `margin` times the usual; nothing where nobody knows what is usual.
     pub(super) fn beyond(&self, left: Vec<Option<Left>>, margin: f64) -> Vec<Option<Left>> {
         let beyond = |(j, l): (usize, Option<Left>)| match self {
-            Self::Repeated(_) => l,
-            Self::Other(usual) => {
-                let usual = usual.as_ref()?.structured[j];
-                l.filter(|l| l.structured() > margin * usual)
+            Self::Repeated { usual: None, .. } => l,
+            Self::Repeated {
+                usual: Some(usual), ..
             }
+            | Self::Other(Some(usual)) => {
+                l.filter(|l| l.structured() > margin * usual.structured[j])
+            }
+            Self::Other(None) => None,
         };
         left.into_iter().enumerate().map(beyond).collect()
     }

@@ -14,7 +14,7 @@ use crate::motion::standing::State;
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, Replay};
 use crate::traces::unknown::Left;
-use datasets::{Folds, Recording};
+use datasets::{Folds, Recording, repeats};
 use physics::robot::Robot;
 use rayon::prelude::*;
 
@@ -32,10 +32,32 @@ pub(crate) fn options(
 ) -> Options {
     let (share, executions) = model.replay().map_or((0.0, 0.0), |r| r.known(after));
     if share >= REPEATED {
-        return changes(Earlier::Repeated(executions));
+        return changes(Earlier::Repeated {
+            executions,
+            usual: spread(&[before, after]),
+        });
     }
     let usual = usual(model, before, cutoff_hz, &changes(Earlier::Other(None)));
     changes(Earlier::Other(usual))
+}
+
+/// How well the robot repeats itself, by motions that stand more than once in one of the recordings, as trajectories or as periods: what
+/// comes and goes from one execution to the next is no change.
+fn spread(recordings: &[&Recording]) -> Option<Usual> {
+    let each = recordings.iter().filter_map(|r| {
+        let left = repeats::spread(r)?;
+        let tau = r.tau.as_ref()?;
+        let structured = left.iter().zip(tau.columns()).map(|(left, tau)| {
+            let size = tau.std(0.0);
+            if size > 0.0 { left / size } else { 0.0 }
+        });
+        Some(Usual {
+            earned: 0.0,
+            structured: structured.collect(),
+            left,
+        })
+    });
+    each.reduce(Usual::most)
 }
 
 /// What is looked for: the links are what they were, and the robot's own model is nearer than a description is. How sure a
@@ -44,7 +66,7 @@ fn changes(earlier: Earlier) -> Options {
     let mut settings = Settings::default();
     let search = &mut settings.search;
     search.inertial_tolerance = match earlier {
-        Earlier::Repeated(_) => search.inertial_repeated,
+        Earlier::Repeated { .. } => search.inertial_repeated,
         Earlier::Other(_) => search.inertial_of_own,
     };
     search.friction_tolerance = search.friction_of_own;

@@ -33,6 +33,8 @@ pub struct IdentifyOptions {
     pub moving_only: bool,
     /// Choose further terms; otherwise the basic ones are all.
     pub select: bool,
+    /// Joints that keep the basic terms alone, by index: what is asked of them lies outside what they are fitted on.
+    pub plain: Vec<usize>,
     /// Most folds of the cross-validation.
     pub folds: usize,
     /// Settings of the selection.
@@ -46,6 +48,7 @@ impl Default for IdentifyOptions {
         Self {
             moving_only: false,
             select: true,
+            plain: Vec::new(),
             folds: 6,
             forward: ForwardOptions::default(),
             estimator: EstimatorOptions::default(),
@@ -178,7 +181,7 @@ pub fn identify(
                 dictionary::candidates(robot.joints()[joint].kind.is_rotation(), clock);
             let terms: Vec<Term> = basic[joint].iter().cloned().chain(candidates).collect();
             let system = JointSystem::new(&data, joint, &terms, &load, false)?;
-            if system.rows() == 0 {
+            if system.rows() == 0 || options.plain.contains(&joint) {
                 let free = vec![f64::INFINITY; basic[joint].len()];
                 return Ok((basic[joint].clone(), free, Selection::default()));
             }

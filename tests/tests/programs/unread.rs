@@ -58,9 +58,14 @@ fn a_closed_pipe_ends_the_output_and_nothing_else() {
     let mut diagnose = program("diagnose");
     diagnose.args(["--robot", "ur5", "--data"]).arg(&data);
     let json = folder.path().join("gap.json");
+    let other = Plan {
+        seed: 2,
+        ..Plan::default()
+    };
+    let heldout = record_to(folder.path(), "other.csv", &robot, &other);
     diagnose
         .arg("--heldout")
-        .arg(&data)
+        .arg(&heldout)
         .arg("--json")
         .arg(&json);
     let (status, err) = unread(&mut diagnose);

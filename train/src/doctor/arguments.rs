@@ -1,10 +1,10 @@
 //! Command line of `train doctor`.
 
+use super::outcome::Kind;
 use crate::runtime::Running;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
-use trials::channels::Fault;
 
 /// Examines the torque channels of simulated recordings with one fault each, and of healthy ones, and counts what is
 /// recognised and what its remedies mend.
@@ -16,11 +16,14 @@ pub struct Doctor {
     /// Healthy recordings.
     #[arg(long, default_value_t = 200)]
     pub healthy: u64,
+    /// Healthy recordings against each kind of wrong description.
+    #[arg(long, value_name = "CASES", default_value_t = 20)]
+    pub wrong_descriptions: u64,
     /// Seed of robots, motions and channels.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// This kind alone (none: the healthy ones).
-    #[arg(long, value_parser = PossibleValuesParser::new(Fault::ALL.map(Fault::name)))]
+    #[arg(long, value_parser = PossibleValuesParser::new(Kind::all().map(Kind::name)))]
     pub only: Option<String>,
     /// Write every outcome as JSON.
     #[arg(long)]

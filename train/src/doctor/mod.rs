@@ -10,7 +10,7 @@ use crate::progress;
 use crate::runtime::{pool, stop};
 use model::directory::json;
 use model::failure::Failure;
-use outcome::{Counted, Figures, Outcome};
+use outcome::{Counted, Figures, Kind, Outcome};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use trials::channels::Fault;
@@ -39,18 +39,18 @@ pub fn run(arguments: &Doctor, cancel: &AtomicBool) -> Result<(), Failure> {
 }
 
 fn count(arguments: &Doctor, cancel: &AtomicBool) -> Result<Vec<Counted>, Failure> {
-    let kinds: Vec<Fault> = Fault::ALL
-        .into_iter()
+    let kinds: Vec<Kind> = Kind::all()
         .filter(|f| arguments.only.as_ref().is_none_or(|only| only == f.name()))
         .collect();
-    let number = |fault: Fault| match fault {
-        Fault::None => arguments.healthy,
-        _ => arguments.cases,
+    let number = |kind: Kind| match kind {
+        Kind::Channel(Fault::None) => arguments.healthy,
+        Kind::Channel(_) => arguments.cases,
+        Kind::Description(_) => arguments.wrong_descriptions,
     };
     let all: u64 = kinds.iter().map(|f| number(*f)).sum();
     let bar = progress::bar(arguments.running.quiet, "examining");
     let done = AtomicU64::new(0);
-    let one = |fault: Fault, index: u64| -> Result<Outcome, Failure> {
+    let one = |fault: Kind, index: u64| -> Result<Outcome, Failure> {
         stop(cancel, "Nothing was written.")?;
         let outcome = Outcome::of(fault, arguments.seed, index)?;
         let so_far = done.fetch_add(1, Ordering::Relaxed) + 1;

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use physics::robot::Robot;
 use physics::robot::drive::Drive;
 use serde::Serialize;
-use trials::channels::{ChannelCase, Fault, generate};
+use trials::channels::{ChannelCase, Fault, Wrong, against, generate};
 
 /// Contents of `train doctor --json`.
 #[derive(Serialize)]
@@ -22,12 +22,39 @@ pub struct Figures {
     pub kinds: Vec<Counted>,
 }
 
+/// What is true of recordings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Of the channel.
+    Channel(Fault),
+    /// The channel is healthy, the description or the columns are not.
+    Description(Wrong),
+}
+
+impl Kind {
+    /// All kinds.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let channels = Fault::ALL.into_iter().map(Self::Channel);
+        channels.chain(Wrong::ALL.into_iter().map(Self::Description))
+    }
+
+    /// Name, as in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Channel(fault) => fault.name(),
+            Self::Description(wrong) => wrong.name(),
+        }
+    }
+}
+
 /// All recordings of a kind.
 #[derive(Serialize)]
 pub struct Counted {
-    /// What is true of them.
-    pub fault: Fault,
-    /// Recordings that were recognised; of healthy ones, those about which nothing was said.
+    /// What is true of them, by name.
+    #[serde(rename = "fault", serialize_with = "name")]
+    pub kind: Kind,
+    /// Recordings that were recognised; of healthy ones, those about which nothing was said; of wrong descriptions, those of which no
+    /// fault of the channel was said alone.
     pub right: usize,
     /// Exact interval of 95 % of that share.
     pub interval: [f64; 2],
@@ -56,14 +83,18 @@ pub struct Outcome {
     pub left: Vec<Complaint>,
 }
 
+fn name<S: serde::Serializer>(kind: &Kind, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(kind.name())
+}
+
 impl Counted {
     /// Counts outcomes.
-    pub fn new(fault: Fault, outcomes: Vec<Outcome>) -> Self {
+    pub fn new(kind: Kind, outcomes: Vec<Outcome>) -> Self {
         let count = |f: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|o| f(o)).count();
         let right = count(&|o| o.right);
-        let expected = usize::from(fault != Fault::None);
+        let expected = usize::from(kind != Kind::Channel(Fault::None));
         Self {
-            fault,
+            kind,
             right,
             interval: signal::proportion::interval(right, outcomes.len(), 0.05),
             more: count(&|o| o.complaints.len() > if o.right { expected } else { 0 }),
@@ -78,7 +109,11 @@ impl Counted {
 
 impl Outcome {
     /// Simulates a recording, examines it, and tries the remedy.
-    pub fn of(fault: Fault, seed: u64, index: u64) -> Result<Self, Failure> {
+    pub fn of(kind: Kind, seed: u64, index: u64) -> Result<Self, Failure> {
+        let fault = match kind {
+            Kind::Channel(fault) => fault,
+            Kind::Description(wrong) => return Self::of_description(wrong, seed, index),
+        };
         let case = generate(fault, seed, index).map_err(|e| Failure::other(e.to_string()))?;
         let complaints = examined(&case.robot, &case.recording)?;
         let own = complaints.iter().find(|c| names(c.ailment, fault));
@@ -97,6 +132,29 @@ impl Outcome {
             joints: case.joints,
             complaints,
             left: left.unwrap_or_default(),
+        })
+    }
+}
+
+impl Outcome {
+    /// The same of a healthy recording against a wrong description: wrong where a fault of the channel is said alone.
+    fn of_description(wrong: Wrong, seed: u64, index: u64) -> Result<Self, Failure> {
+        let case = against(wrong, seed, index).map_err(|e| Failure::other(e.to_string()))?;
+        let complaints = examined(&case.robot, &case.recording)?;
+        let other = |c: &Complaint| {
+            matches!(
+                c.ailment,
+                Ailment::Description | Ailment::Columns | Ailment::Turned
+            )
+        };
+        let blamed = |c: &Complaint| !other(c) && c.severity != Severity::Note;
+        Ok(Self {
+            index,
+            joints: case.joints,
+            right: complaints.iter().any(other) || !complaints.iter().any(blamed),
+            mended: None,
+            complaints,
+            left: Vec::new(),
         })
     }
 }

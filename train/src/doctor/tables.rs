@@ -1,6 +1,6 @@
 //! What `train doctor` prints.
 
-use super::outcome::{Counted, Figures};
+use super::outcome::{Counted, Figures, Kind};
 use report::{Cell, Column, Table, say, say_text};
 use trials::channels::Fault;
 
@@ -26,9 +26,15 @@ pub fn print(figures: &Figures, every: bool) {
 fn row(kind: &Counted) -> Vec<Cell> {
     let [low, high] = kind.interval;
     let [tried, mended] = kind.mended;
-    let name = match kind.fault {
-        Fault::None => "healthy (recognised: nothing said)",
-        other => other.name(),
+    let name = match kind.kind {
+        Kind::Channel(Fault::None) => "healthy (recognised: nothing said)".to_owned(),
+        Kind::Channel(fault) => fault.name().to_owned(),
+        Kind::Description(wrong) => {
+            format!(
+                "healthy, {} (recognised: no fault said alone)",
+                wrong.name()
+            )
+        }
     };
     vec![
         Cell::text(name),
@@ -44,7 +50,7 @@ fn row(kind: &Counted) -> Vec<Cell> {
 }
 
 fn wrong(kind: &Counted) {
-    let expected = usize::from(kind.fault != Fault::None);
+    let expected = usize::from(kind.kind != Kind::Channel(Fault::None));
     for outcome in &kind.outcomes {
         let alone = outcome.right && outcome.complaints.len() == expected;
         if alone && outcome.mended != Some(false) {
@@ -52,7 +58,7 @@ fn wrong(kind: &Counted) {
         }
         say!(
             "{} {}: joints {:?}, mended {:?}",
-            kind.fault.name(),
+            kind.kind.name(),
             outcome.index,
             outcome.joints,
             outcome.mended

@@ -8,9 +8,11 @@ mod channel;
 mod fault;
 mod sheet;
 mod source;
+mod wrong;
 
 pub use fault::Fault;
 pub use sheet::DataSheet;
+pub use wrong::{Wrong, against};
 
 use crate::SimulateError;
 use crate::raw::{ATTEMPTS, RUN_IN, TRACE_HZ, robot, sensors};

@@ -6,7 +6,13 @@ use datasets::channel::Estimate95;
 use rayon::prelude::*;
 use signal::delay::{Search, profile, student_975};
 
-/// The delay at which all joints' own models, fitted freely, leave least: Σ log of the squared errors.
+/// Nats by which a delay has to explain a torque better than none before it is looked at: one in twenty is left …
+const NOT_NOISE: f64 = 3.0;
+/// … of rows that know something of their own: their low-pass lets this part of them through.
+const OWN: f64 = 0.3;
+
+/// The delay at which all joints' own models, fitted freely, leave least: Σ log of the squared errors. None where as small an error would
+/// come of noise, by the number of delays that are tried: a fit that starts there would never come back.
 pub(super) fn guess(systems: &Systems) -> f64 {
     let search = Search::default();
     let each: Vec<Vec<(f64, f64)>> = systems
@@ -23,9 +29,22 @@ pub(super) fn guess(systems: &Systems) -> f64 {
             .map(|p| p[k].1.max(f64::MIN_POSITIVE).ln())
             .sum()
     };
-    (0..first.len())
-        .min_by(|&a, &b| sum(a).total_cmp(&sum(b)))
-        .map_or(0.0, |k| first[k].0)
+    let all = 0..first.len();
+    let best = all.clone().min_by(|&a, &b| sum(a).total_cmp(&sum(b)));
+    let none = all.min_by(|&a, &b| first[a].0.abs().total_cmp(&first[b].0.abs()));
+    let rows: usize = systems
+        .segments
+        .iter()
+        .map(std::iter::ExactSizeIterator::len)
+        .sum();
+    best.zip(none).map_or(0.0, |(best, none)| {
+        let gain = 0.5 * OWN * rows as f64 * (sum(none) - sum(best));
+        if gain > NOT_NOISE + (first.len() as f64).ln() {
+            first[best].0
+        } else {
+            0.0
+        }
+    })
 }
 
 /// What the joints have in common, with the variance between them.

@@ -4,10 +4,11 @@ use ::identify::base::{BaseParameters, Extra};
 use datasets::Recording;
 use datasets::check::moves;
 use datasets::prepare::Prepared;
+use ndarray::{Array2, Axis};
 use physics::dynamics::{Workspace, inverse_dynamics, regressor};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use signal::delay::System;
-use signal::{resample, smoother};
+use signal::{Motion, resample, smoother};
 use std::ops::Range;
 
 /// Rate of the rows, Hz, or a little more: motion and the delay of a torque live far below half of it.
@@ -18,6 +19,43 @@ const RATE: f64 = 100.0;
 const BAND: [f64; 2] = [0.15, 0.3];
 /// Rows looked at, at most: minutes of motion say what hours do.
 const ROWS: usize = 12_000;
+
+/// How the columns of a recording are read: which of them is each joint's, and where its position counts backwards.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::preparation) struct Reading {
+    /// Column of each joint, for position and torque alike.
+    pub order: Vec<usize>,
+    /// Joints whose position is taken with the other sign.
+    pub turned: Vec<bool>,
+}
+
+impl Reading {
+    /// As the columns stand.
+    pub fn plain(joints: usize) -> Self {
+        Self {
+            order: (0..joints).collect(),
+            turned: vec![false; joints],
+        }
+    }
+
+    fn motion(&self, motion: &Motion) -> Motion {
+        let table = |t: &Array2<f64>| {
+            let mut own = t.select(Axis(1), &self.order);
+            for (mut column, turned) in own.columns_mut().into_iter().zip(&self.turned) {
+                if *turned {
+                    column.mapv_inplace(|v| -v);
+                }
+            }
+            own
+        };
+        Motion {
+            q: table(&motion.q),
+            qd: table(&motion.qd),
+            qdd: table(&motion.qdd),
+            ..motion.clone()
+        }
+    }
+}
 
 /// Columns and torque of all joints.
 #[derive(Clone)]
@@ -52,12 +90,24 @@ pub(in crate::preparation) struct Joint {
 impl Systems {
     /// The systems of a recording; `prepared` comes from it.
     pub fn new(robot: &Robot, recording: &Recording, prepared: &Prepared) -> Option<Self> {
-        let tau = recording.tau.as_ref()?;
+        let plain = Reading::plain(robot.dof());
+        Self::read(robot, recording, prepared, &plain, ROWS)
+    }
+
+    /// The same of columns that are read otherwise, with about `most` rows.
+    pub fn read(
+        robot: &Robot,
+        recording: &Recording,
+        prepared: &Prepared,
+        reading: &Reading,
+        most: usize,
+    ) -> Option<Self> {
+        let tau = recording.tau.as_ref()?.select(Axis(1), &reading.order);
         let n = robot.dof();
-        let grids = Grids::new(recording, prepared)?;
-        let motion = &prepared.fine;
+        let grids = Grids::new(recording, prepared, most)?;
+        let motion = &reading.motion(&prepared.fine);
         let width = PARAMETERS_PER_LINK * n;
-        let moves: Vec<bool> = (0..n).map(|j| moves(recording, j)).collect();
+        let moves: Vec<bool> = reading.order.iter().map(|&j| moves(recording, j)).collect();
         let rows = grids.rows();
         let mut standard = vec![vec![vec![0.0; rows]; width]; n];
         let mut rigid = vec![vec![0.0; rows]; n];
@@ -243,14 +293,14 @@ struct Grids {
 }
 
 impl Grids {
-    fn new(recording: &Recording, prepared: &Prepared) -> Option<Self> {
+    fn new(recording: &Recording, prepared: &Prepared, most: usize) -> Option<Self> {
         let fine_hz = prepared.report.fine_hz;
         let stride = ((fine_hz / RATE).floor() as usize).max(1);
         let rate_hz = fine_hz / stride as f64;
         let band_hz = (BAND[0] * rate_hz).min(BAND[1] / recording.median_step());
         let prepared_hz = prepared.report.cutoff_hz.unwrap_or(f64::INFINITY);
         let cutoff_hz = band_hz.min(prepared_hz);
-        let (trajectories, fine) = evenly(&prepared.fine.segments, ROWS * stride);
+        let (trajectories, fine) = evenly(&prepared.fine.segments, most * stride);
         let (mut segments, mut steps, mut start) = (Vec::new(), Vec::new(), 0);
         for s in &fine {
             let rows = s.len().div_ceil(stride);

@@ -45,6 +45,12 @@ impl Blocks {
         Self { width, products }
     }
 
+    /// Products of a row of columns and the target, which has the number of columns, over all blocks.
+    pub fn product(&self) -> impl Fn(usize, usize) -> f64 {
+        let (sum, p) = (self.sum(None), self.width + 1);
+        move |i, j| sum[i.max(j) * p + i.min(j)]
+    }
+
     fn sum(&self, without: Option<usize>) -> Vec<f64> {
         let mut all = vec![0.0; (self.width + 1).pow(2)];
         for (b, own) in self.products.iter().enumerate() {

@@ -64,6 +64,8 @@ pub(super) struct Limit {
     pub visits: usize,
     /// Rows at the level over rows as far below it as is usual.
     pub crowd: f64,
+    /// Part of the rows at the level that the model of the smaller torques brings there itself: a weight at its farthest.
+    pub made: f64,
 }
 
 /// Evidence of all joints; none without torque.
@@ -265,6 +267,16 @@ fn limit(rows: &Rows, model: &[usize]) -> Limit {
         visits += usize::from(is && !was);
         was = is;
     }
+    let both = || rows.target.iter().zip(&modelled);
+    let at = |t: f64| (AT[0] * level..AT[1] * level).contains(&t.abs());
+    let at_level = both().filter(|(t, _)| at(**t)).count();
+    let made = both()
+        .filter(|(t, m)| {
+            let size = **m * t.signum();
+            let band = AT[0] * level - 2.0 * error..AT[1] * level + 2.0 * error;
+            at(**t) && band.contains(&size)
+        })
+        .count();
     let within = |[low, high]: [f64; 2]| {
         let count = sizes
             .iter()
@@ -278,6 +290,7 @@ fn limit(rows: &Rows, model: &[usize]) -> Limit {
         visits,
         share: within(AT) / sizes.len().max(1) as f64,
         crowd: within(AT) / within(BELOW).max(1.0),
+        made: made as f64 / at_level.max(1) as f64,
     }
 }
 

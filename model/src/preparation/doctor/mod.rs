@@ -4,9 +4,12 @@
 //! joint alone, says of them (`evidence`): such a fit knows neither the described inertials nor the unit. Described
 //! inertials count for scale, sign and unit alone. The questions come in this order, and an answer ends those that
 //! it makes meaningless: is there a signal (`signal`); has it a sign (`source`); does gravity show; which unit (`unit`) and
-//! which sign (`sign`); does friction show; is it measured, or filtered; is it cut, or coarse.
+//! which sign (`sign`); is it the columns (`columns`) or the description (`description`) instead; does friction show; is it measured,
+//! or filtered; is it cut, or coarse.
 
 mod blocks;
+mod columns;
+mod description;
 mod evidence;
 mod number;
 mod patient;
@@ -61,6 +64,23 @@ pub fn examine(
                 .flatten(),
         ),
     }
+    // Before the channel is blamed: the columns, then the description.
+    if let Some(other) = found
+        .iter()
+        .any(|c| columns::could_be(c.ailment))
+        .then(|| columns::otherwise(&patient, prepared, channel))
+        .flatten()
+    {
+        found.retain(|c| !columns::could_be(c.ailment));
+        found.push(other);
+        found.extend(signal::quantised(&patient));
+        return found;
+    }
+    let mut judged = Vec::with_capacity(found.len());
+    for complaint in found {
+        judged.extend(description::weighed(complaint, &patient, prepared, channel));
+    }
+    let mut found = judged;
     found.extend(source::behind_the_gear(&patient));
     found.extend(noiseless);
     found.extend(signal::saturated(&patient));

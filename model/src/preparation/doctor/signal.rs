@@ -20,8 +20,10 @@ const CROWD: f64 = 1.1;
 /// … or in this part where the top of |τ| is flat …
 const BEYOND_FLAT: f64 = 0.008;
 /// … or where so large a part of the samples lies on a flat top that no motion makes it, on a joint whose largest torque
-/// is at most so many deviations: where it is a weight that is held, the motion itself stays near the top.
+/// is at most so many deviations: where it is a weight that is held, the motion itself stays near the top; nor where the model of the
+/// smaller torques brings most of those samples there itself, within two of its deviations.
 const FLAT: (f64, f64) = (0.025, 2.5);
+const MADE: f64 = 0.5;
 
 /// Whether a joint's torque carries any signal throughout.
 pub(super) fn is_dead(evidence: &Evidence) -> bool {
@@ -137,7 +139,9 @@ pub(super) fn is_cut(evidence: &Evidence) -> bool {
     };
     let beyond = if flat > 0.0 { BEYOND_FLAT } else { BEYOND };
     (limit.beyond >= beyond && limit.visits > 1 && limit.crowd >= CROWD)
-        || (flat >= FLAT.0 && evidence.numbers.largest < FLAT.1 * evidence.numbers.spread)
+        || (flat >= FLAT.0
+            && evidence.numbers.largest < FLAT.1 * evidence.numbers.spread
+            && limit.made < MADE)
 }
 
 /// Joints whose torque stops at a limit.

@@ -1,0 +1,158 @@
+//! Columns that are another joint's, or that count backwards.
+//!
+//! Rigid body and friction are fitted to each joint alone, whatever the described inertials and the unit of its torque. Read as the
+//! recording means them the columns are explained; read otherwise they are not, for gravity and coupling follow the positions.
+
+use super::blocks::Blocks;
+use super::patient::{Patient, complaint};
+use crate::preparation::channel::systems::{Reading, Systems};
+use datasets::channel::ChannelEstimate;
+use datasets::check::{Ailment, Complaint, Severity};
+use datasets::prepare::Prepared;
+use rayon::prelude::*;
+use signal::delay::{Search, rows_at};
+
+/// Rows that a reading is judged on.
+const ROWS: usize = 4000;
+/// Least part of a torque's variance that any model leaves: none is right to three hundredths of the deviation.
+const LEAST: f64 = 1e-3;
+/// Gain of another reading, Σ ln of the joints' squared errors: as if it halved those of three joints.
+const GAIN: f64 = 3.0 * std::f64::consts::LN_2;
+
+/// Whether columns that are read wrongly may look like it.
+pub(super) fn could_be(ailment: Ailment) -> bool {
+    use Ailment::{Current, Dead, GravityRemoved, Motor, PerMille, Percent, Scale, Sign};
+    matches!(
+        ailment,
+        Current | Dead | GravityRemoved | Motor | PerMille | Percent | Scale | Sign
+    )
+}
+
+/// The complaint about the columns where another reading of them explains the torque far better.
+pub(super) fn otherwise(
+    patient: &Patient,
+    prepared: &Prepared,
+    channel: &ChannelEstimate,
+) -> Option<Complaint> {
+    let n = patient.joints.len();
+    let delay = channel.delay.value.unwrap_or(0.0);
+    let judge = |reading: &Reading| judged(patient, prepared, reading, delay);
+    let plain = Reading::plain(n);
+    let first = judge(&plain)?;
+    let (mut best, mut left) = (plain.clone(), first);
+    // One exchange or turn at a time, as long as each is worth it.
+    for _ in 0..n {
+        let others = neighbours(&best);
+        let scored: Vec<(f64, &Reading)> = others
+            .par_iter()
+            .filter_map(|reading| Some((judge(reading)?, reading)))
+            .collect();
+        let least = scored.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if left - least.0 < GAIN {
+            break;
+        }
+        (left, best) = (least.0, least.1.clone());
+    }
+    (best != plain).then(|| said(patient, &best, first - left))
+}
+
+/// Readings that differ from one by an exchange of two columns or by a turn.
+fn neighbours(from: &Reading) -> Vec<Reading> {
+    let n = from.order.len();
+    let mut all = Vec::new();
+    for i in 0..n {
+        let mut turned = from.clone();
+        turned.turned[i] = !turned.turned[i];
+        all.push(turned);
+        for k in i + 1..n {
+            let mut other = from.clone();
+            other.order.swap(i, k);
+            all.push(other);
+        }
+    }
+    all
+}
+
+/// Σ ln of the part of each torque's variance that its own model leaves.
+fn judged(patient: &Patient, prepared: &Prepared, reading: &Reading, delay: f64) -> Option<f64> {
+    let systems = Systems::read(patient.robot, patient.recording, prepared, reading, ROWS)?;
+    let mut sum = 0.0;
+    for (j, joint) in systems.joints.iter().enumerate() {
+        let Some(joint) = joint else { continue };
+        let system = systems.system(joint, j);
+        let width = system.columns.len();
+        let offset = width - joint.friction.len();
+        let (values, target) = rows_at(&system, delay, &Search::default())?;
+        let blocks = Blocks::new(&values, &target, width);
+        let left = blocks.left(&(0..width).collect::<Vec<_>>());
+        let spread = blocks.left(&[offset]).max(f64::MIN_POSITIVE);
+        sum += (left / spread + LEAST).ln();
+    }
+    Some(sum)
+}
+
+fn said(patient: &Patient, reading: &Reading, gain: f64) -> Complaint {
+    let n = patient.joints.len();
+    let exchanged: Vec<usize> = (0..n).filter(|&j| reading.order[j] != j).collect();
+    let turned: Vec<usize> = (0..n).filter(|&j| reading.turned[j]).collect();
+    let mut parts = Vec::new();
+    let mut lines = Vec::new();
+    if !exchanged.is_empty() {
+        let numbers: Vec<String> = exchanged.iter().map(|j| (j + 1).to_string()).collect();
+        parts.push(match exchanged[..] {
+            [_, _] => format!("columns {} look exchanged", numbers.join(" and ")),
+            _ => format!(
+                "columns {} look like those of other joints",
+                numbers.join(", ")
+            ),
+        });
+        for &j in &exchanged {
+            for group in ["q", "tau"] {
+                lines.push(format!(
+                    "columns.{group}{} = \"{group}{}\"",
+                    j + 1,
+                    reading.order[j] + 1
+                ));
+            }
+        }
+    }
+    if !turned.is_empty() {
+        parts.push(format!(
+            "positions of {} look turned round: they count against the description's axis",
+            patient.names(&turned)
+        ));
+        let signs: Vec<f64> = reading
+            .turned
+            .iter()
+            .map(|t| if *t { -1.0 } else { 1.0 })
+            .collect();
+        lines.push(super::patient::list("direction", &signs));
+    }
+    let ailment = if exchanged.is_empty() {
+        Ailment::Turned
+    } else {
+        Ailment::Columns
+    };
+    let mut joints = [exchanged, turned].concat();
+    joints.sort_unstable();
+    joints.dedup();
+    Complaint {
+        drive: Some(lines.join("\n")),
+        ..complaint(
+            ailment,
+            Severity::Severe,
+            joints,
+            [
+                format!(
+                    "read so, rigid body and friction leave {:.2} times the squared error that they leave of the columns as they stand, in \
+                     the mean of the joints",
+                    (-gain / n as f64).exp()
+                ),
+                parts.join("; "),
+                "compare names and order of the columns, and each joint's positive direction, with the description before you take these \
+                 lines (direction turns position and torque; a torque that was right before needs torque_scale = -1 there)"
+                    .to_owned(),
+            ],
+        )
+    }
+}

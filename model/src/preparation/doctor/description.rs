@@ -1,0 +1,460 @@
+//! Whether it is the torque that has another size, or the description.
+//!
+//! What changes all joints alike may be the unit of the torque, or the masses of the description. Three things tell them apart, each a
+//! logarithm of odds: described friction, which a unit scales and a mass does not; the shape over the joints, for a link's mass acts on
+//! all joints before it and a joint's unit on itself; and how far off descriptions and units usually are. A description that does not
+//! even fit in shape decides nothing. Where the three leave it open, both are said and nothing is there to paste.
+
+use super::blocks::Blocks;
+use super::patient::{Patient, complaint, short};
+use crate::preparation::channel::systems::{Joint, Systems};
+use datasets::channel::ChannelEstimate;
+use datasets::check::{Ailment, Complaint, Severity};
+use datasets::prepare::Prepared;
+use nalgebra::{DMatrix, DVector};
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use signal::delay::{Search, System, rows_at};
+use signal::quantile::median;
+
+/// Described torques are right to about a tenth of their deviation: squared error below this part of the variance tells nothing.
+const LEAST: f64 = 0.01;
+/// Factor by which described friction is off as a matter of course.
+const FRICTION: f64 = 1.5;
+/// Factor by which described masses are off, where they are.
+const MASSES: f64 = 1.6;
+/// Log-odds that decide: one in twenty is left.
+const DECIDES: f64 = 3.0;
+/// What each kind of evidence counts at most: none of them is beyond doubt, for the model behind it is wrong.
+const MOST: f64 = 6.0;
+/// Share of a described shape's misfit, in ln of squared error over what is told at least, from which the shape is another robot's.
+const ANOTHER: f64 = 1.1;
+
+/// A complaint about the size of the torque beside what else it may be: itself, the description in its place, or both.
+pub(super) fn weighed(
+    mut found: Complaint,
+    patient: &Patient,
+    prepared: &Prepared,
+    channel: &ChannelEstimate,
+) -> Vec<Complaint> {
+    use Ailment::{Current, Motor, PerMille, Percent, Scale};
+    if !matches!(found.ailment, Current | Motor | PerMille | Percent | Scale) {
+        return vec![found];
+    }
+    if let Some(why) = placeholder(patient.robot) {
+        return vec![of_placeholder(patient, why)];
+    }
+    let Some(odds) = Odds::of(patient, prepared, channel, &found.joints) else {
+        return vec![found];
+    };
+    let total = odds.total();
+    if total > DECIDES {
+        return vec![found];
+    }
+    let description = odds.said(patient, &found, total < -DECIDES);
+    if total < -DECIDES {
+        return vec![description];
+    }
+    found.drive = None;
+    found.means = format!(
+        "{}, or a description that is wrong: this recording does not tell which",
+        found.means
+    );
+    found.advice =
+        "look up what the column holds; weigh a link, or lift a known mass: a unit scales it, a description does not"
+            .to_owned();
+    vec![found, description]
+}
+
+/// Why the masses are nobody's measurement, where they are not.
+fn placeholder(robot: &Robot) -> Option<String> {
+    let bodies: Vec<_> = robot.joints().iter().map(|j| &j.link.inertia).collect();
+    let first = bodies.first()?;
+    let alike = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
+    let masses = bodies.iter().all(|b| alike(b.mass, first.mass));
+    (bodies.len() > 1 && masses && first.mass > 0.0).then(|| {
+        format!(
+            "every link of the description weighs {} kg",
+            short(first.mass)
+        )
+    })
+}
+
+fn of_placeholder(patient: &Patient, why: String) -> Complaint {
+    complaint(
+        Ailment::Description,
+        Severity::Severe,
+        patient.all(),
+        [
+            why,
+            "a description whose masses are placeholders: it says nothing of the torque's unit, nor of a load".to_owned(),
+            "identify the masses (train), if the torque is in N·m; nothing here can tell whether it is".to_owned(),
+        ],
+    )
+}
+
+/// Log-odds of a unit over the description.
+struct Odds {
+    friction: Option<f64>,
+    shape: f64,
+    usual: f64,
+    /// The described torque fits in shape, whatever its size.
+    fits: bool,
+    /// Factor of each link's mass that explains the torque.
+    masses: Vec<f64>,
+    /// A load at the last link explains it as well.
+    load: bool,
+}
+
+impl Odds {
+    fn of(
+        patient: &Patient,
+        prepared: &Prepared,
+        channel: &ChannelEstimate,
+        joints: &[usize],
+    ) -> Option<Self> {
+        let systems = Systems::new(patient.robot, patient.recording, prepared)?;
+        let delay = channel.delay.value.unwrap_or(0.0);
+        let parameters = patient.robot.parameters();
+        let tables: Vec<Table> = systems
+            .joints
+            .iter()
+            .enumerate()
+            .filter_map(|(j, joint)| {
+                Table::new(
+                    patient.robot,
+                    &systems,
+                    joint.as_ref()?,
+                    j,
+                    delay,
+                    &parameters,
+                )
+            })
+            .collect();
+        let scales: Vec<f64> = tables.iter().map(Table::scale).collect();
+        let unit = mean(tables.iter().map(|t| t.misfit(t.left_by_scale(joints))));
+        let masses = shared(&tables, |t| (&t.whole, t.links()));
+        let by_masses = mean(tables.iter().zip(&masses.left).map(|(t, l)| t.misfit(*l)));
+        let load = shared(&tables, |t| (&t.rest, t.last()));
+        let by_load = mean(tables.iter().zip(&load.left).map(|(t, l)| t.misfit(*l)));
+        // A mass cannot be negative, nor a load weigh less than nothing.
+        let heavy = load.values.first().is_some_and(|m| *m > 0.0);
+        let possible = masses.values.iter().all(|m| *m > -0.1);
+        let description = match (possible, heavy) {
+            (true, true) => by_masses.min(by_load),
+            (true, false) => by_masses,
+            (false, true) => by_load,
+            (false, false) => f64::INFINITY,
+        };
+        let count = tables.len() as f64;
+        let sizes = scales.iter().filter(|s| **s > 0.0).map(|s| s.ln().abs());
+        let size = median(sizes.collect()).unwrap_or(0.0);
+        Some(Self {
+            friction: friction(&tables, &scales),
+            shape: (0.5 * count * (description - unit)).clamp(-MOST, MOST),
+            usual: (0.5 * (size / MASSES.ln()).powi(2) - 2.0).clamp(-MOST, MOST),
+            fits: unit < ANOTHER,
+            load: heavy && by_load < by_masses,
+            masses: masses.values,
+        })
+    }
+
+    fn total(&self) -> f64 {
+        let sum = self.friction.unwrap_or(0.0) + self.shape + self.usual;
+        if self.fits { sum } else { sum.min(0.0) }
+    }
+
+    fn said(&self, patient: &Patient, found: &Complaint, alone: bool) -> Complaint {
+        let each: Vec<String> = patient
+            .robot
+            .joints()
+            .iter()
+            .zip(&self.masses)
+            .map(|(joint, m)| format!("{} {}", joint.link.name, short(*m)))
+            .collect();
+        let friction = match self.friction {
+            Some(odds) if odds < -1.0 => "; the friction is the described one",
+            Some(odds) if odds > 1.0 => "; the friction is off as well",
+            Some(_) => "; the friction decides nothing",
+            None => "; the description has no friction, which would tell",
+        };
+        let means = match (self.fits, self.load) {
+            (_, true) => {
+                "a load at the last link that the description lacks, or masses that are wrong: a torque's unit changes them alike"
+            }
+            (true, false) => {
+                "a description whose masses are wrong: a torque's unit changes them alike"
+            }
+            (false, false) => {
+                "a description that does not fit in shape either: its masses are wrong, or it is another robot's"
+            }
+        };
+        let end = if alone {
+            "keep the torque as it is; train and diagnose find the masses"
+        } else {
+            "keep the torque as it is until you know: a factor that is wrong spoils all that is fitted"
+        };
+        complaint(
+            Ailment::Description,
+            Severity::Severe,
+            found.joints.clone(),
+            [
+                format!(
+                    "masses times {} explain the torque{friction}",
+                    each.join(", ")
+                ),
+                means.to_owned(),
+                end.to_owned(),
+            ],
+        )
+    }
+}
+
+/// Log-odds by described friction: what the recorded one is of it, beside the joint's scale.
+fn friction(tables: &[Table], scales: &[f64]) -> Option<f64> {
+    let known: Vec<f64> = tables
+        .iter()
+        .zip(scales)
+        .filter(|(_, scale)| **scale > 0.0)
+        .filter_map(|(table, scale)| {
+            let friction = table.friction_scale()?;
+            let square = |ln: f64| (ln / FRICTION.ln()).powi(2).min(2.0 * MOST);
+            Some(0.5 * (square(friction.ln()) - square(friction.ln() - scale.ln())))
+        })
+        .collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>().clamp(-MOST, MOST))
+}
+
+/// Products of one joint: columns are the links' described torques, the last link's standard parameters, the whole described torque,
+/// the rotor, offset and friction, and the described friction.
+struct Table {
+    /// Against the torque, and against what the described robot leaves of it.
+    whole: Blocks,
+    rest: Blocks,
+    joint: usize,
+    dof: usize,
+    frictions: usize,
+    described_friction: bool,
+    /// Squared errors below which nothing is told.
+    floor: f64,
+}
+
+impl Table {
+    fn new(
+        robot: &Robot,
+        systems: &Systems,
+        joint: &Joint,
+        index: usize,
+        delay: f64,
+        parameters: &[f64],
+    ) -> Option<Self> {
+        let n = robot.dof();
+        let rows = joint.torque.len();
+        let filled = |c: &Vec<f64>| {
+            if c.is_empty() {
+                vec![0.0; rows]
+            } else {
+                c.clone()
+            }
+        };
+        let of_link = |l: usize| {
+            let at = l * PARAMETERS_PER_LINK;
+            let mut sum = vec![0.0; rows];
+            for k in at..at + PARAMETERS_PER_LINK {
+                let own = sum.iter_mut().zip(&joint.standard[k]);
+                own.for_each(|(s, v)| *s += parameters[k] * v);
+            }
+            sum
+        };
+        let mut columns: Vec<Vec<f64>> = (0..n).map(of_link).collect();
+        columns.extend(
+            joint.standard[(n - 1) * PARAMETERS_PER_LINK..]
+                .iter()
+                .map(filled),
+        );
+        columns.push(joint.rigid.clone());
+        columns.push(joint.rotor.clone());
+        columns.extend(joint.friction.iter().cloned());
+        let own = &robot.joints()[index];
+        let described = joint.friction[1]
+            .iter()
+            .zip(&joint.friction[2])
+            .map(|(v, s)| own.damping * v + own.friction * s);
+        columns.push(described.collect());
+        let width = columns.len();
+        let system = System {
+            columns,
+            target: joint.torque.clone(),
+            segments: systems.segments.clone(),
+            steps: systems.steps.clone(),
+        };
+        let (values, target) = rows_at(&system, delay, &Search::default())?;
+        let rigid = n + PARAMETERS_PER_LINK;
+        let rest: Vec<f64> = target
+            .iter()
+            .zip(values.chunks(width))
+            .map(|(t, line)| t - line[rigid])
+            .collect();
+        let mut table = Self {
+            whole: Blocks::new(&values, &target, width),
+            rest: Blocks::new(&values, &rest, width),
+            joint: index,
+            dof: n,
+            frictions: joint.friction.len(),
+            described_friction: own.damping > 0.0 || own.friction > 0.0,
+            floor: 0.0,
+        };
+        let system = systems.system(joint, index);
+        let free = {
+            let width = system.columns.len();
+            let (values, target) = rows_at(&system, delay, &Search::default())?;
+            Blocks::new(&values, &target, width).left(&(0..width).collect::<Vec<_>>())
+        };
+        table.floor = free + LEAST * table.whole.left(&[table.rigid() + 2]);
+        Some(table)
+    }
+
+    fn links(&self) -> Vec<usize> {
+        (0..self.dof).collect()
+    }
+
+    fn last(&self) -> Vec<usize> {
+        (self.dof..self.dof + PARAMETERS_PER_LINK).collect()
+    }
+
+    fn rigid(&self) -> usize {
+        self.dof + PARAMETERS_PER_LINK
+    }
+
+    /// Rotor, offset and friction: free in every explanation.
+    fn own(&self) -> Vec<usize> {
+        let first = self.rigid() + 1;
+        (first..first + 1 + self.frictions).collect()
+    }
+
+    fn with_scale(&self) -> Vec<usize> {
+        let mut columns = vec![self.rigid()];
+        columns.extend(self.own());
+        columns
+    }
+
+    /// Recorded over described torque, rotor and friction beside it.
+    fn scale(&self) -> f64 {
+        self.whole.coefficients(&self.with_scale())[0]
+    }
+
+    /// Squared error with a scale, of joints that have one; of the others with the described torque as it is.
+    fn left_by_scale(&self, joints: &[usize]) -> f64 {
+        if joints.contains(&self.joint) {
+            self.whole.left(&self.with_scale())
+        } else {
+            self.rest.left(&self.own())
+        }
+    }
+
+    /// Recorded over described friction; none where none is described or it is not known to a half.
+    fn friction_scale(&self) -> Option<f64> {
+        let described = self.rigid() + 2 + self.frictions;
+        let columns = [self.rigid(), self.rigid() + 1, self.rigid() + 2, described];
+        if !self.described_friction {
+            return None;
+        }
+        let found = self.whole.estimate(&columns, |x| x[3]);
+        (found.value > 2.0 * found.std).then_some(found.value)
+    }
+
+    /// How much worse a squared error is than what tells nothing, ln.
+    fn misfit(&self, left: f64) -> f64 {
+        (left.max(0.0) / self.floor.max(f64::MIN_POSITIVE) + 1.0).ln()
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+    sum / f64::max(count, 1.0)
+}
+
+/// Coefficients that all joints share, and the squared error of each with them.
+struct Shared {
+    values: Vec<f64>,
+    left: Vec<f64>,
+}
+
+/// Fits columns that all joints share beside what each has of its own; each joint counts by what its own model leaves.
+fn shared<'a>(tables: &'a [Table], of: impl Fn(&'a Table) -> (&'a Blocks, Vec<usize>)) -> Shared {
+    let reduced: Vec<(DMatrix<f64>, DVector<f64>, f64)> = tables
+        .iter()
+        .map(|table| {
+            let (blocks, columns) = of(table);
+            let target = table.rigid() + 3 + table.frictions;
+            reduce(blocks, &columns, &table.own(), target)
+        })
+        .collect();
+    let Some((first, ..)) = reduced.first() else {
+        return Shared {
+            values: Vec::new(),
+            left: Vec::new(),
+        };
+    };
+    let n = first.nrows();
+    let (mut a, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for ((own, right, _), table) in reduced.iter().zip(tables) {
+        a += own / table.floor.max(f64::MIN_POSITIVE);
+        b += right / table.floor.max(f64::MIN_POSITIVE);
+    }
+    let x = solved(&a, &b);
+    let left = reduced
+        .iter()
+        .map(|(a, b, c)| c - 2.0 * x.dot(b) + x.dot(&(a * &x)));
+    Shared {
+        left: left.collect(),
+        values: x.iter().copied().collect(),
+    }
+}
+
+/// What is left of the normal equations of some columns when `own` are fitted beside them.
+fn reduce(
+    blocks: &Blocks,
+    columns: &[usize],
+    own: &[usize],
+    target: usize,
+) -> (DMatrix<f64>, DVector<f64>, f64) {
+    let of = blocks.product();
+    let matrix = |rows: &[usize], columns: &[usize]| {
+        DMatrix::from_fn(rows.len(), columns.len(), |i, j| of(rows[i], columns[j]))
+    };
+    let mut all = columns.to_vec();
+    all.push(target);
+    let cross = matrix(own, &all);
+    let inner = matrix(own, own);
+    let mut taken = DMatrix::zeros(own.len(), all.len());
+    for c in 0..all.len() {
+        taken.set_column(c, &solved(&inner, &cross.column(c).into_owned()));
+    }
+    let whole = matrix(&all, &all) - cross.transpose() * taken;
+    let n = columns.len();
+    (
+        whole.view((0, 0), (n, n)).into_owned(),
+        whole.view((0, n), (n, 1)).column(0).into_owned(),
+        whole[(n, n)],
+    )
+}
+
+/// Solves normal equations with columns of one size and a little ridge: what does not show gets zero.
+fn solved(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+    const RIDGE: f64 = 1e-7;
+    let size: Vec<f64> = a
+        .diagonal()
+        .iter()
+        .map(|d| d.max(0.0).sqrt().max(1e-150))
+        .collect();
+    let n = b.len();
+    let scaled = DMatrix::from_fn(n, n, |i, j| {
+        a[(i, j)] / (size[i] * size[j]) + if i == j { RIDGE } else { 0.0 }
+    });
+    let right = DVector::from_fn(n, |i, _| b[i] / size[i]);
+    let x = scaled
+        .lu()
+        .solve(&right)
+        .unwrap_or_else(|| DVector::zeros(n));
+    DVector::from_fn(n, |i, _| x[i] / size[i])
+}

@@ -1,0 +1,71 @@
+//! What of a held-out motion lies outside the motion that is fitted.
+
+use datasets::prepare::Prepared;
+use ndarray::Array2;
+use physics::robot::Robot;
+use signal::Motion;
+use signal::quantile::quantile;
+
+/// Part of the samples that lie beyond the taught range as a matter of course: its ends are taken at as many.
+const ENDS: f64 = 0.005;
+/// How far a shape of friction is taken beyond its range as a matter of course.
+const FARTHER: f64 = 1.25;
+/// Part of the held-out samples farther than that from which the motion is another.
+const BEYOND: f64 = 0.05;
+
+/// A joint whose held-out motion lies outside what was taught.
+pub struct Outside {
+    /// Index of the joint.
+    pub joint: usize,
+    /// Its name.
+    pub name: String,
+    /// Part of the held-out samples that are beyond the fitted speeds or accelerations.
+    pub part: f64,
+    /// Largest held-out over largest fitted speed and acceleration.
+    pub times: [f64; 2],
+}
+
+impl Outside {
+    /// As a line for people.
+    pub fn line(&self) -> String {
+        format!(
+            "{}: {:.0} % of the held-out motion lie outside what was taught (top speed {:.1} times, acceleration {:.1} times): figures there are \
+             extrapolated, and the joint keeps simple friction",
+            self.name,
+            100.0 * self.part,
+            self.times[0],
+            self.times[1]
+        )
+    }
+}
+
+/// Joints whose held-out motion goes beyond the speeds or accelerations of the fitted one.
+pub fn outside(robot: &Robot, fitted: &[Prepared], heldout: &Prepared) -> Vec<Outside> {
+    let top = |of: fn(&Motion) -> &Array2<f64>, j: usize| {
+        let all = fitted
+            .iter()
+            .flat_map(|p| of(&p.at_samples).column(j).to_vec());
+        quantile(all.map(f64::abs).collect(), 1.0 - ENDS).unwrap_or(0.0)
+    };
+    let one = |joint: usize| {
+        let limits = [top(|m| &m.qd, joint), top(|m| &m.qdd, joint)];
+        let own = &heldout.at_samples;
+        let tables = [&own.qd, &own.qdd];
+        let rows = own.len();
+        let beyond = (0..rows)
+            .filter(|&r| (0..2).any(|k| tables[k][(r, joint)].abs() > FARTHER * limits[k]))
+            .count();
+        let times = [0, 1].map(|k| {
+            let sizes = tables[k].column(joint).iter().map(|v| v.abs()).collect();
+            quantile(sizes, 1.0 - ENDS).unwrap_or(0.0) / limits[k].max(f64::MIN_POSITIVE)
+        });
+        let part = beyond as f64 / rows.max(1) as f64;
+        (part > BEYOND && limits[0] > 0.0).then(|| Outside {
+            joint,
+            name: robot.joints()[joint].name.clone(),
+            part,
+            times,
+        })
+    };
+    (0..robot.dof()).filter_map(one).collect()
+}
