@@ -135,12 +135,18 @@ fn run(arguments: &Arguments) -> Result<(), ReplayError> {
     }
     let mut left_out = Vec::new();
     if let Some(path) = &arguments.patch {
-        let patch = patch::patch(&subject.setup, &subject.given, &outcome.corrected, path)?;
+        let patch = patch::patch(&subject.setup, &subject.given, &outcome.held, path)?;
         left_out = patch.left_out;
         files.extend(patch.files);
     }
     for (path, text) in &files {
         report::write_atomic(path, text)?;
+    }
+    if let (Some(_), Some(part)) = (&arguments.patch, outcome.report.file_alone.mean_unexplained) {
+        report::say!(
+            "The corrected model file by itself leaves {:.0} % unexplained.",
+            100.0 * part
+        );
     }
     for line in left_out {
         report::say!("Not in the corrected model: {line}.");

@@ -35,7 +35,9 @@ pub struct Outcome {
     pub given: Arm,
     /// The simulator with every listed cause.
     pub corrected: Arm,
-    /// Their errors on the held-out recording.
+    /// The simulator that a model file can hold: friction without load or standstill, fitted for itself.
+    pub held: Arm,
+    /// Errors of the first two on the held-out recording.
     pub errors: [Errors; 2],
 }
 
@@ -133,6 +135,9 @@ pub fn diagnose(
             figures: figures(&errors, heldout),
         });
     }
+    stage("fitting what a model file holds");
+    let held = held(given, data, &found)?;
+    let alone = figures(&roll_out(&held, heldout)?, heldout);
     let places = crate::place::places(&before, heldout, &joints, &rotates);
     let causes: Vec<Cause> = order.iter().map(|&i| causes[i].clone()).collect();
     let unknown: Vec<UnknownJoint> = found
@@ -152,6 +157,7 @@ pub fn diagnose(
             "more is left than noise explains, without a cause and without a pattern".to_owned()
         }),
         ladder,
+        file_alone: alone,
         places,
         candidates: candidates(&found, &joints),
         not_identifiable: not_identifiable(&found, &spread, data, &joints),
@@ -170,6 +176,7 @@ pub fn diagnose(
         report,
         given: as_given,
         corrected,
+        held,
         errors: [before, after],
     })
 }
@@ -193,6 +200,38 @@ fn without(
     fast: bool,
 ) -> Result<Arm, Unstable> {
     refit(given, data, found, set, if fast { SHORT } else { LONG })
+}
+
+/// The arm with the causes that a model file can hold; what stands in for friction by load or at standstill is Coulomb and
+/// viscous friction of the same joints.
+fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> {
+    let outside = |m: usize| {
+        let effect = found.mechanisms[m].effect;
+        matches!(
+            effect,
+            Effect::LoadDependentFriction | Effect::StribeckFriction
+        )
+    };
+    let set = &found.decision.set;
+    if !set.iter().any(|&m| outside(m)) {
+        return Ok(found.fitted.arm.clone());
+    }
+    let joints: Vec<Option<usize>> = set
+        .iter()
+        .filter(|&&m| outside(m))
+        .map(|&m| found.mechanisms[m].joint)
+        .collect();
+    let stands_in = |m: &usize| {
+        let own = &found.mechanisms[*m];
+        own.effect == Effect::FrictionParameters && joints.contains(&own.joint)
+    };
+    let kept = set.iter().copied().filter(|&m| !outside(m));
+    let mut kept: Vec<usize> = kept
+        .chain((0..found.mechanisms.len()).filter(stands_in))
+        .collect();
+    kept.sort_unstable();
+    kept.dedup();
+    refit(given, data, found, &kept, LONG)
 }
 
 /// Listed mechanisms by effect.

@@ -192,6 +192,15 @@ fn ladder(report: &Report) -> Section {
         .paragraph("Unexplained is RMS(simulated − measured) over RMS(command − measured): 1 knows nothing of how the robot departs from its commands, 0 is perfect.")
         .figure(waterfall.draw("Unexplained part on the held-out recording, mean over joints"))
         .table(table)
+        .paragraph(file_alone(report))
+}
+
+fn file_alone(report: &Report) -> String {
+    let part = report.file_alone.mean_unexplained.unwrap_or(0.0);
+    format!(
+        "A model file holds no friction by load or at standstill. Written for itself, it leaves {:.1} %.",
+        100.0 * part
+    )
 }
 
 fn places(report: &Report) -> Section {

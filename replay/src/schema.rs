@@ -17,6 +17,8 @@ pub struct Report {
     pub reason: Option<String>,
     /// How far the gap shrinks, step by step, on the held-out recording.
     pub ladder: Vec<Step>,
+    /// What the written model file leaves by itself: it holds no friction by load or at standstill.
+    pub file_alone: Figures,
     /// Where the gap lies.
     #[serde(rename = "where")]
     pub places: Vec<Place>,
