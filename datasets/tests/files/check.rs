@@ -171,3 +171,30 @@ fn a_command_of_another_unit_or_time_is_named() {
     let both = follow(180.0 / std::f64::consts::PI, 0.7);
     assert_eq!(both, [(Kind::Command, None); 2]);
 }
+
+/// How well a robot repeats itself, by the periods of one long trajectory.
+#[test]
+fn periods_within_a_trajectory_give_the_spread() {
+    let spread = |period: f64, drift: f64| {
+        let time: Vec<f64> = (0..5000).map(|i| f64::from(i) * 0.005).collect();
+        let w = std::f64::consts::TAU / period;
+        let q = Array2::from_shape_fn((5000, 2), |(i, j)| {
+            (w * time[i] + j as f64).sin() + 0.3 * (3.0 * w * time[i]).cos()
+        });
+        let tau = Array2::from_shape_fn((5000, 2), |(i, j)| {
+            10.0 * q[(i, j)] + drift * (0.11 * std::f64::consts::TAU * time[i]).sin()
+        });
+        repeats::spread(&Recording::new("made", time, q, Some(tau)))
+    };
+    for period in [4.0, 7.3, 10.0] {
+        let same = spread(period, 0.0).unwrap();
+        assert!(same.iter().all(|s| *s < 0.1), "{period}: {same:?}");
+        let drifting = spread(period, 2.0).unwrap();
+        assert!(
+            drifting.iter().all(|s| (0.3..3.0).contains(s)),
+            "{period}: {drifting:?}"
+        );
+    }
+    // Less than a period is repeated nowhere.
+    assert_eq!(spread(40.0, 0.0), None);
+}

@@ -79,6 +79,21 @@ impl Earlier {
         }
     }
 
+    /// Whether the errors (RMS by joint) of the model as given are no more than executions of one motion differ by: nothing has changed then,
+    /// whatever part of them a cause would explain.
+    pub(super) fn is_usual(&self, errors: &[Option<f64>], at_floor: f64) -> bool {
+        let Self::Repeated {
+            executions,
+            usual: Some(usual),
+        } = self
+        else {
+            return false;
+        };
+        let both = (1.0 + 1.0 / executions.max(1.0)).sqrt();
+        let mut known = errors.iter().zip(&usual.left);
+        known.all(|(e, left)| e.is_none_or(|e| e <= at_floor * both * left))
+    }
+
     /// What has structure beyond `margin` times the usual; nothing where nobody knows what is usual.
     pub(super) fn beyond(&self, left: Vec<Option<Left>>, margin: f64) -> Vec<Option<Left>> {
         let beyond = |(j, l): (usize, Option<Left>)| match self {

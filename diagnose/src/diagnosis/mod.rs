@@ -33,7 +33,7 @@ use crate::measure::resonance::{resonances, standing_out};
 use crate::measure::verdict::{Evidence, remainder, verdict};
 use crate::motion::floor::floor;
 use crate::motion::rigid::rigid_torque;
-use crate::schema::{Cause, Diagnosis, Place, Simulation, Tested};
+use crate::schema::{Cause, Diagnosis, Place, Simulation, Tested, Verdict};
 use crate::search::find::Findings;
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
@@ -95,6 +95,10 @@ pub fn diagnose(
         }
         None => (floors, left, beside),
     };
+    let unchanged = options.earlier.as_ref().is_some_and(|earlier| {
+        let given = explanation.ladder.first();
+        given.is_some_and(|step| earlier.is_usual(&step.all.rmse, judging.at_floor))
+    });
     let dead = &channels.dead;
     let judged = judged.off_turns(&frames.data, &settings.motion);
     let rest = remainder(&floors, &judged, &skipped, &left, &names, dead, judging);
@@ -109,7 +113,11 @@ pub fn diagnose(
         pushed: explanation.causes.iter().any(pushed),
         cut: explanation.cut,
     };
-    let (verdict, reason) = verdict(&evidence, judging);
+    let (verdict, reason) = if unchanged {
+        (Verdict::NoGap, None)
+    } else {
+        verdict(&evidence, judging)
+    };
     let rest_of = &listing.residual;
     let other = other_day::changed(model, &frames, &findings, &explanation, rest_of, &skipped);
     let mut quiet = listing.residual;
@@ -141,7 +149,11 @@ pub fn diagnose(
     };
     let mut unknowable = not_identifiable(&frames, recordings.first(), &names, &settings.input);
     unknowable.extend(channels.unusable(&names));
-    let causes = units::of_causes(explanation.causes.clone(), &model.robot);
+    let causes = if unchanged {
+        Vec::new()
+    } else {
+        units::of_causes(explanation.causes.clone(), &model.robot)
+    };
     let sensors = seen::beside(&frames, &findings.ground.links, &causes, &model.robot);
     let done = notes(&frames, &settings.input, &settings.ladder).into_iter();
     let diagnosis = Diagnosis {

@@ -5,6 +5,7 @@ mod doctor;
 mod first_diagnosis;
 mod first_screen;
 mod forward;
+mod heldout;
 mod interruption;
 mod leaderboard;
 mod mjcf;

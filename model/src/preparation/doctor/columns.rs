@@ -11,6 +11,7 @@ use datasets::check::{Ailment, Complaint, Severity};
 use datasets::prepare::Prepared;
 use rayon::prelude::*;
 use signal::delay::{Search, rows_at};
+use signal::quantile::median;
 
 /// Rows that a reading is judged on.
 const ROWS: usize = 4000;
@@ -26,6 +27,15 @@ pub(super) fn could_be(ailment: Ailment) -> bool {
         ailment,
         Current | Dead | GravityRemoved | Motor | PerMille | Percent | Scale | Sign
     )
+}
+
+/// Part of the torque's variance, in the median of the joints, that a rigid body with friction hardly ever leaves.
+const UNEXPLAINED: f64 = 0.1;
+
+/// Whether so much is left of the torque that the columns may not be the joints'.
+pub(super) fn unexplained(patient: &Patient) -> bool {
+    let left = patient.fitted().map(|(_, _, f)| 1.0 - f.explained);
+    median(left.collect()).is_some_and(|left| left > UNEXPLAINED)
 }
 
 /// The complaint about the columns where another reading of them explains the torque far better.

@@ -65,9 +65,9 @@ pub fn examine(
         ),
     }
     // Before the channel is blamed: the columns, then the description.
-    if let Some(other) = found
-        .iter()
-        .any(|c| columns::could_be(c.ailment))
+    let doubted =
+        columns::unexplained(&patient) || found.iter().any(|c| columns::could_be(c.ailment));
+    if let Some(other) = doubted
         .then(|| columns::otherwise(&patient, prepared, channel))
         .flatten()
     {

@@ -1,0 +1,54 @@
+//! What a held-out recording may be, and what is said of one beyond what was taught.
+
+use physics::robot::Robot;
+use tests::program::{program, run};
+use tests::synthetic::{Plan, record, record_to};
+
+#[test]
+fn what_is_fitted_scores_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let robot = Robot::builtin("ur5").expect("built in");
+    let data = record_to(folder.path(), "a.csv", &robot, &Plan::default());
+    let whole = record(&robot, &Plan::default());
+    let part = folder.path().join("part.parquet");
+    datasets::write(&whole.select(&[1]), &part).expect("writable");
+    for heldout in [&data, &part] {
+        let mut train = program("train");
+        train.args(["--robot", "ur5", "--basic", "--physics-only", "--data"]);
+        train.arg(&data).arg("--out").arg(folder.path().join("out"));
+        run(train.arg("--heldout").arg(heldout))
+            .refused(&["rows stand in the recordings", "fitted"]);
+    }
+}
+
+#[test]
+fn a_faster_motion_lies_outside_what_was_taught() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let robot = Robot::builtin("ur5").expect("built in");
+    let data = record_to(folder.path(), "slow.csv", &robot, &Plan::default());
+    let other = Plan {
+        seed: 5,
+        ..Plan::default()
+    };
+    let said = |speed: f64| {
+        let mut made = record(&robot, &other);
+        made.time.iter_mut().for_each(|t| *t /= speed);
+        made.qd = made.qd.map(|v| v * speed);
+        made.qdd = made.qdd.map(|a| a * speed * speed);
+        let heldout = folder.path().join(format!("{speed}.parquet"));
+        datasets::write(&made, &heldout).expect("writable");
+        let mut train = program("train");
+        train
+            .args(["--robot", "ur5", "--physics-only", "--data"])
+            .arg(&data);
+        train.arg("--out").arg(folder.path().join("out"));
+        run(train.arg("--heldout").arg(heldout))
+            .succeeded()
+            .out
+            .clone()
+    };
+    let fast = said(3.0);
+    assert!(fast.contains("outside what was taught"), "{fast}");
+    let alike = said(1.0);
+    assert!(!alike.contains("outside what was taught"), "{alike}");
+}
