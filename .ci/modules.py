@@ -172,7 +172,7 @@ def main():
     bad = 0
     check = "--check" in sys.argv
     total = arrows = 0
-    for manifest in sorted(ROOT.glob("*/Cargo.toml")):
+    for manifest in sorted([*ROOT.glob("*/Cargo.toml"), *ROOT.glob("*/*/Cargo.toml")]):
         source = manifest.parent / "src"
         if not source.is_dir():
             continue

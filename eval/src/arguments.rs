@@ -1,6 +1,9 @@
 //! The command line.
+// What --closed-loop and --collision take is read where they are built.
+#![cfg_attr(not(feature = "reproductions"), allow(dead_code))]
 
 use clap::{ArgGroup, Parser};
+#[cfg(feature = "reproductions")]
 use control::demonstration::Withheld;
 use std::path::PathBuf;
 
@@ -92,6 +95,7 @@ pub enum Beyond {
     Nothing,
 }
 
+#[cfg(feature = "reproductions")]
 impl From<Beyond> for Withheld {
     fn from(beyond: Beyond) -> Self {
         match beyond {

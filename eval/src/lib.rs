@@ -4,7 +4,9 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
+#[cfg(feature = "reproductions")]
 mod closed_loop;
+#[cfg(feature = "reproductions")]
 mod collision;
 mod leaderboard;
 mod sources;
@@ -36,6 +38,14 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
+    #[cfg(not(feature = "reproductions"))]
+    if arguments.closed_loop || arguments.collision {
+        return Err(Failure::input(
+            "this program was built without --closed-loop and --collision",
+            "Build it with them: cargo build --release --features residyn-eval/reproductions.",
+        ));
+    }
+    #[cfg(feature = "reproductions")]
     if arguments.closed_loop {
         return closed_loop::run(arguments);
     }
@@ -84,6 +94,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         cutoff_hz: arguments.cutoff_hz,
     };
     let evaluation = evaluate(model, &file, recording, &options)?;
+    #[cfg(feature = "reproductions")]
     if arguments.collision {
         return collision::run(arguments, model, &file, &evaluation);
     }

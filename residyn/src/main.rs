@@ -48,13 +48,13 @@ const PROGRAMS: &[Program] = &[
         about: "The body on the last link, from a recording with it",
         run: payload::command_line,
     },
-    #[cfg(feature = "programs")]
+    #[cfg(feature = "reproductions")]
     Program {
         name: "machine",
         about: "Axes, SCARA, Delta, PUMA as a motion controller identifies them",
         run: machines::command_line,
     },
-    #[cfg(feature = "programs")]
+    #[cfg(feature = "reproductions")]
     Program {
         name: "decoupled",
         about: "Single joints under their controller",
