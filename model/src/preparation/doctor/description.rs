@@ -259,9 +259,9 @@ impl Table {
         let of_link = |l: usize| {
             let at = l * PARAMETERS_PER_LINK;
             let mut sum = vec![0.0; rows];
-            for k in at..at + PARAMETERS_PER_LINK {
-                let own = sum.iter_mut().zip(&joint.standard[k]);
-                own.for_each(|(s, v)| *s += parameters[k] * v);
+            let own = joint.standard.iter().zip(parameters.iter());
+            for (column, p) in own.skip(at).take(PARAMETERS_PER_LINK) {
+                sum.iter_mut().zip(column).for_each(|(s, v)| *s += p * v);
             }
             sum
         };
