@@ -39,6 +39,7 @@ use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::surrogates::Null;
 use datasets::Recording;
+use physics::robot::Masses;
 use searched::{Channels, Searched, Searcher};
 
 /// Diagnoses the gap between a model and recordings.
@@ -162,6 +163,12 @@ pub fn diagnose(
         verdict,
         reason,
         compared: None,
+        no_gap_as_given: match model.robot.masses() {
+            _ if model.is_identified() => None,
+            Masses::Described => None,
+            Masses::Missing => Some("the description has no masses"),
+            Masses::Placeholders => Some("the description's masses are placeholders"),
+        },
         ladder,
         places: places(model, &frames, &explanation, settings),
         causes,
@@ -272,7 +279,7 @@ fn simulated(
     explanation: &Explanation,
 ) -> Result<Option<Simulation>, DiagnoseError> {
     let given = possible::robot(model.sizes(), &model.robot)?;
-    let patched = patch::robot(model, findings, &explanation.causes)?;
+    let patched = patch::robot(model, findings, &frames.scale, &explanation.causes)?;
     let held = &frames.heldout;
     let before = follow::Model {
         robot: &given,
