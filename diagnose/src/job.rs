@@ -157,9 +157,7 @@ impl Job {
                 source,
                 joints,
                 gravity,
-            } => {
-                Given::robot(source, joints, drive, *gravity, &self.data)?.at_rate(self.rate_hz)
-            }
+            } => Given::robot(source, joints, drive, *gravity, &self.data)?.at_rate(self.rate_hz),
             Subject::Model(directory) => Given::model(directory, drive)?.at_rate(self.rate_hz),
             Subject::Before {
                 source,

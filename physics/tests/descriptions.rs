@@ -2,6 +2,7 @@
 //!
 //! `cargo test --release -p residyn-physics --test descriptions -- --nocapture` prints the table.
 
+use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::{Description, Masses, Robot};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -144,4 +145,49 @@ fn copies_and_attached_models_are_read() {
     assert!((arm.joints()[0].translation.z - 0.8).abs() < 1e-12);
     let rounded = load("rounded_right_angle.urdf");
     assert!(rounded.joints()[2].rotation[(2, 2)].abs() < 1e-15);
+}
+
+/// Torque of MuJoCo 4.0 (M q̈ + bias) for models with frames, copies and attached models, fingers at rest.
+#[test]
+fn what_mujoco_composes_weighs_the_same() {
+    let arm = ["j1", "j2", "j3"].map(str::to_owned);
+    for (file, expected) in [
+        (
+            "attach_arm.xml",
+            [0.12512917443708982, 4.223850354073527, 0.23337706513232204],
+        ),
+        (
+            "attach_world.xml",
+            [0.12512917443708985, 4.223850354073527, 0.2333770651323218],
+        ),
+        (
+            "attach_gripper.xml",
+            [0.14813657608267286, 5.247322618201343, 0.4422780432849538],
+        ),
+        (
+            "frames.xml",
+            [
+                -0.26364755421137465,
+                2.236085243283416,
+                -0.17002612957287888,
+            ],
+        ),
+        (
+            "replicate_bolts.xml",
+            [-1.5597755045891177, 2.627966675025217, -0.1026154820481879],
+        ),
+    ] {
+        let joints = if file == "attach_gripper.xml" {
+            &arm[..]
+        } else {
+            &[]
+        };
+        let robot = Description::load(&folder().join(file), joints).unwrap().1;
+        let (q, qd, qdd) = ([0.3, -0.7, 0.5], [0.4, -0.2, 0.6], [1.0, -1.0, 0.5]);
+        let mut tau = [0.0; 3];
+        inverse_dynamics(&robot, &mut Workspace::new(&robot), &q, &qd, &qdd, &mut tau);
+        for (a, b) in tau.iter().zip(expected) {
+            assert!((a - b).abs() < 1e-9, "{file}: {tau:?}");
+        }
+    }
 }
