@@ -395,4 +395,58 @@ mod tests {
             assert!(gravity(wrong).is_err(), "{wrong}");
         }
     }
+
+    /// The chain is the one that the columns name, or the one that has as many joints.
+    #[test]
+    fn a_recording_chooses_the_chain() {
+        let body = |name: &str| {
+            format!(
+                "<link name=\"{name}\"><inertial><mass value=\"1\"/><inertia ixx=\"0.01\" iyy=\"0.012\" izz=\"0.009\"/></inertial></link>"
+            )
+        };
+        let joint = |name: &str, from: &str, to: &str| {
+            format!(
+                "{}<joint name=\"{name}\" type=\"continuous\"><parent link=\"{from}\"/><child link=\"{to}\"/><axis xyz=\"0 1 0\"/></joint>",
+                body(to)
+            )
+        };
+        let urdf = format!(
+            "<robot name=\"r\"><link name=\"base\"/>{}{}{}</robot>",
+            joint("arm_2", "base", "a"),
+            joint("arm_1", "a", "b"),
+            joint("head_pan", "base", "c"),
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.urdf");
+        std::fs::write(&path, urdf).unwrap();
+        let robot = path.to_str().unwrap();
+        let chain = |header: &str| -> Result<String, String> {
+            let file = folder.path().join("d.csv");
+            let columns = header.matches(',').count();
+            let row = |k: usize| {
+                let cells: Vec<String> = (0..columns).map(|c| format!("{}", (k + c) % 7)).collect();
+                format!("{},{}\n", 0.01 * k as f64, cells.join(","))
+            };
+            let rows: String = (0..40).map(row).collect();
+            std::fs::write(&file, format!("{header}\n{rows}")).unwrap();
+            Setup::for_recordings(robot, &[], None, None, &[file])
+                .map(|s| s.robot.joint_names().join(","))
+                .map_err(|e| e.to_string())
+        };
+        for (header, expected) in [
+            ("time,q_arm_1,q_arm_2,tau_arm_1,tau_arm_2", "arm_2,arm_1"),
+            ("time,head_pan.pos,head_pan.effort", "head_pan"),
+            ("time,q1,q2,tau1,tau2", "arm_2,arm_1"),
+            ("time,q1,tau1", "head_pan"),
+        ] {
+            assert_eq!(chain(header).as_deref(), Ok(expected), "{header}");
+        }
+        let tree = chain("time,q_arm_2,q_arm_1,q_head_pan,tau_arm_2,tau_arm_1,tau_head_pan");
+        assert!(tree.unwrap_err().contains("do not lie on one chain"));
+        assert!(
+            chain("time,q1,q2,q3,tau1,tau2,tau3")
+                .unwrap_err()
+                .contains("they begin at")
+        );
+    }
 }

@@ -107,7 +107,16 @@ impl Robot {
         if !massless {
             findings.extend(judgement::judge(&robot.joints, bodies, &STANDARD_GRAVITY));
         }
-        robot.findings.extend(findings);
+        for finding in findings {
+            // One doubt about several joints is said once.
+            match robot.findings.iter_mut().find(|f| f.doubt == finding.doubt) {
+                Some(known) => {
+                    known.names.extend(finding.names);
+                    known.joints.extend(finding.joints);
+                }
+                None => robot.findings.push(finding),
+            }
+        }
         robot.masses = judgement::masses(&robot.findings, &robot.joints);
         Ok(robot)
     }

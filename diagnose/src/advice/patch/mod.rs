@@ -21,8 +21,8 @@ use physics::robot::{Changed, Description, Edited, Urdf, to_urdf};
 use std::path::{Path, PathBuf};
 
 pub use code::beyond;
+pub use patched::{Parts, parts, place};
 use patched::{Patched, joint, number, place_of};
-pub use patched::{place, robot};
 pub use values::Setting;
 
 /// Files of a patch.
@@ -112,8 +112,11 @@ pub fn patch(
     description: &Description,
 ) -> Result<Patch, DiagnoseError> {
     let causes = &outcome.diagnosis.causes;
-    let (robot, unloaded, load) =
-        patched::parts(model, &outcome.findings, &outcome.frames.scale, causes)?;
+    let Parts {
+        whole: robot,
+        unloaded,
+        load,
+    } = parts(model, &outcome.findings, &outcome.frames.scale, causes)?;
     let of = |effect: Effect| causes.iter().filter(move |c| c.effect == effect);
     let mut zeros = vec![0.0; robot.dof()];
     for cause in of(Effect::EncoderOffset) {

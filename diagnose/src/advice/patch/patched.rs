@@ -27,27 +27,43 @@ pub(super) struct Patched<'a> {
     pub(super) causes: &'a [Cause],
 }
 
+/// A robot as it is written.
+pub struct Parts {
+    /// With its load.
+    pub whole: Robot,
+    /// Without.
+    pub unloaded: Robot,
+    /// The load.
+    pub load: Option<Load>,
+}
+
+impl Parts {
+    /// Gives the causes the inertial numbers that are written, so that page and file say the same.
+    pub fn told(&self, causes: &mut [Cause]) {
+        let labels = self.unloaded.parameter_names();
+        let values = self.unloaded.parameters();
+        for cause in causes {
+            for p in &mut cause.parameters {
+                let place = labels.iter().position(|label| *label == p.name);
+                if let (Effect::LinkParameters, Some(at)) = (cause.effect, place) {
+                    p.value = values[at];
+                }
+            }
+        }
+    }
+}
+
 /// The model with every fitted change of parameters that it has a place for, payload and rotor inertia included, as a robot
 /// whose links are possible bodies: those nearest to the description's that the data allow.
 ///
 /// # Errors
 /// The fitted parameters make no robot.
-pub fn robot(
+pub fn parts(
     model: &NominalModel,
     found: &Findings,
     scale: &Scale,
     causes: &[Cause],
-) -> Result<Robot, RobotError> {
-    Ok(parts(model, found, scale, causes)?.0)
-}
-
-/// The same, then without its load, and the load.
-pub(super) fn parts(
-    model: &NominalModel,
-    found: &Findings,
-    scale: &Scale,
-    causes: &[Cause],
-) -> Result<(Robot, Robot, Option<Load>), RobotError> {
+) -> Result<Parts, RobotError> {
     let change: Vec<f64> = found.changes(|_| true).iter().map(|c| c.0).collect();
     let mut rotors = model.robot.rotor_inertia();
     for cause in causes.iter().filter(|c| c.effect == Effect::RotorInertia) {
@@ -83,7 +99,11 @@ pub(super) fn parts(
     let whole = with(&bodies)?;
     // Friction and placements that no description holds are refused here, not when the file is read.
     Robot::from_urdf_str(&to_urdf(&whole))?;
-    Ok((whole, unloaded, load))
+    Ok(Parts {
+        whole,
+        unloaded,
+        load,
+    })
 }
 
 /// The load as it was fitted beside the last link's parameters: its mass and place; the ball of its mass for its inertia.

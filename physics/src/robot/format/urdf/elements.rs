@@ -293,7 +293,7 @@ impl<'a> JointElement<'a> {
         }
         if let Some(limit) = one(node, "limit")? {
             self.limits = limits(kind, limit)?;
-            if limit.has_attribute("effort") && self.limits.effort.is_infinite() {
+            if number(limit, "effort")?.is_some_and(|effort| effort <= 0.0) {
                 self.doubt(Doubt::NoEffort);
             }
         }

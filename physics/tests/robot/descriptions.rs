@@ -1,6 +1,6 @@
 //! Descriptions in the style of real ones (`fixtures/descriptions`): which chain each makes, and what is said of it.
 //!
-//! `cargo test --release -p residyn-physics --test descriptions -- --nocapture` prints the table.
+//! `cargo test --release -p residyn-physics --test robot descriptions -- --nocapture` prints the table.
 
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::{Description, Masses, Robot};
