@@ -3,7 +3,7 @@
 use crate::arm::Arm;
 use crate::given::Given;
 use model::preparation::setup::Setup;
-use physics::robot::{Description, DriveEdit, Robot, RobotError, Changed};
+use physics::robot::{Changed, Description, DriveEdit, Robot, RobotError};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

@@ -21,7 +21,8 @@ pub(crate) use chain::{Chain, ChainJoint};
 pub use counterbalance::Counterbalance;
 pub use error::RobotError;
 pub use format::{
-    Actuator, ActuatorKind, Chains, Changed, Description, DriveEdit, Edited, Load, MACHINES, Mjcf, Urdf, to_urdf, urdf_with,
+    Actuator, ActuatorKind, Chains, Changed, Description, DriveEdit, Edited, Load, MACHINES, Mjcf,
+    Urdf, to_urdf, urdf_with,
 };
 pub use inertia::{Inertia, PARAMETER_NAMES, PARAMETERS_PER_LINK};
 pub use joint::{Joint, JointKind, Limits, Link};
