@@ -247,7 +247,7 @@ fn what_cannot_be_used_leaves_nothing_behind() {
     assert_eq!(out.status.code(), Some(2));
     let out = case.diagnose(&["--model", "@nowhere"], &[]);
     assert_eq!(out.status.code(), Some(2));
-    let case = Case::new(&good, &good);
+    let case = Case::new(&good, &cut(0.0, 0.45, 1, 1250));
     let out = case.diagnose(&["--robot", "@arm.urdf"], &["--json", "@no/folder/r.json"]);
     assert_eq!(out.status.code(), Some(1));
 }
