@@ -25,7 +25,7 @@ pub enum Subject {
     Robot {
         /// Built-in robot, URDF or MJCF.
         source: String,
-        /// Its joints, where the description holds more.
+        /// Its joints, where an MJCF holds more.
         joints: Vec<String>,
         /// Gravity in the base frame, m/s², where it is not the description's.
         gravity: Option<[f64; 3]>,
@@ -36,7 +36,7 @@ pub enum Subject {
     Before {
         /// Built-in robot, URDF or MJCF, for lengths and axes.
         source: String,
-        /// Its joints, where the description holds more.
+        /// Its joints, where an MJCF holds more.
         joints: Vec<String>,
         /// Gravity in the base frame, m/s², where it is not the description's.
         gravity: Option<[f64; 3]>,
@@ -104,8 +104,6 @@ pub struct Done {
     pub outcome: Outcome,
     /// The next motion, where one was asked for and is needed.
     pub next: Option<Experiment>,
-    /// What is doubtful about the description, in words; the report's notes have it, too.
-    pub warnings: Vec<String>,
     /// What was left out, in words; the report's notes have it, too.
     pub notes: Vec<String>,
     data: Recording,
@@ -157,7 +155,7 @@ impl Job {
                 source,
                 joints,
                 gravity,
-            } => Given::robot(source, joints, drive, *gravity, &self.data)?.at_rate(self.rate_hz),
+            } => Given::robot(source, joints, drive, *gravity)?.at_rate(self.rate_hz),
             Subject::Model(directory) => Given::model(directory, drive)?.at_rate(self.rate_hz),
             Subject::Before {
                 source,
@@ -226,20 +224,14 @@ impl Job {
             .fast
             .then(|| "no surrogates were drawn (--fast)".to_owned());
         let robot = given.model.robot.notes().iter().cloned();
-        let findings = given.model.robot.findings().iter();
-        let warnings: Vec<String> = findings.map(ToString::to_string).collect();
         let run = [short, short_heldout, fast].into_iter().flatten();
         let mut notes: Vec<String> = robot.chain(run).collect();
-        outcome
-            .diagnosis
-            .notes
-            .extend(warnings.iter().chain(&notes).cloned());
+        outcome.diagnosis.notes.extend(notes.iter().cloned());
         notes.extend(outcome.sensors.iter().cloned());
         Ok(Done {
             given,
             outcome,
             next,
-            warnings,
             notes,
             data,
             heldout,

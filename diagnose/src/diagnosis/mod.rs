@@ -39,7 +39,6 @@ use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::surrogates::Null;
 use datasets::Recording;
-use physics::robot::{Masses, Robot};
 use searched::{Channels, Searched, Searcher};
 
 /// Diagnoses the gap between a model and recordings.
@@ -143,9 +142,8 @@ pub fn diagnose(
         ladder.push(scored.step("learned", &rest, &frames.heldout));
     }
     ladder.extend(repeatability(heldout, &frames.heldout));
-    let parts = patch::parts(model, &findings, &frames.scale, &explanation.causes)?;
     let simulation = if options.simulate {
-        simulated(model, &frames, &explanation, &parts.whole)?
+        simulated(model, &frames, &findings, &explanation)?
     } else {
         None
     };
@@ -154,9 +152,7 @@ pub fn diagnose(
     let causes = if unchanged {
         Vec::new()
     } else {
-        let mut causes = explanation.causes.clone();
-        parts.told(&mut causes);
-        units::of_causes(causes, &model.robot)
+        units::of_causes(explanation.causes.clone(), &model.robot)
     };
     let sensors = seen::beside(&frames, &findings.ground.links, &causes, &model.robot);
     let done = notes(&frames, &settings.input, &settings.ladder).into_iter();
@@ -166,12 +162,6 @@ pub fn diagnose(
         verdict,
         reason,
         compared: None,
-        no_gap_as_given: match model.robot.masses() {
-            _ if model.is_identified() => None,
-            Masses::Described => None,
-            Masses::Missing => Some("the description has no masses"),
-            Masses::Placeholders => Some("the description's masses are placeholders"),
-        },
         ladder,
         places: places(model, &frames, &explanation, settings),
         causes,
@@ -278,17 +268,18 @@ fn places(
 fn simulated(
     model: &NominalModel,
     frames: &Frames,
+    findings: &Findings,
     explanation: &Explanation,
-    patched: &Robot,
 ) -> Result<Option<Simulation>, DiagnoseError> {
     let given = possible::robot(model.sizes(), &model.robot)?;
+    let patched = patch::robot(model, findings, &explanation.causes)?;
     let held = &frames.heldout;
     let before = follow::Model {
         robot: &given,
         torque: &(&held.tau - &explanation.gap),
     };
     let after = follow::Model {
-        robot: patched,
+        robot: &patched,
         torque: &(&held.tau - &explanation.residual),
     };
     Ok(follow::compare(held, &before, &after))

@@ -4,7 +4,6 @@ use crate::algebra::fit::Variable;
 use crate::algebra::folds::Fold;
 use crate::algebra::gram::Grams;
 use crate::catalogue::choice::Choice;
-use crate::catalogue::effect::Effect;
 use crate::catalogue::gear::Link;
 use crate::catalogue::{
     Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
@@ -27,7 +26,7 @@ use crate::traces::impacts::Blows;
 use crate::traces::order::Orders;
 use datasets::check::plateau;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
-use physics::robot::{Masses, PARAMETERS_PER_LINK, Robot};
+use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -199,11 +198,6 @@ pub fn find(
     effects.retain(&mut candidates);
     if off.holds(Rule::Evidence) {
         candidates.iter_mut().for_each(|c| c.evidence = 0.0);
-    }
-    if model.sizes().masses() != Masses::Described {
-        // Without masses a body more, or another scale of torque, is as good as any.
-        let scaled = |e| matches!(e, Effect::Payload | Effect::TorqueGain);
-        candidates.retain(|c| !scaled(c.effect));
     }
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let tables = ground.tables.further(&dictionary, &scene, data);

@@ -23,7 +23,7 @@ use datasets::channel::ChannelEstimate;
 use datasets::check::{Ailment, Complaint};
 use datasets::prepare::Prepared;
 use patient::Patient;
-use physics::robot::{Masses, Robot};
+use physics::robot::Robot;
 
 /// Complaints about the torque of a recording of `robot`, worst first; none about a torque of the drives in N·m (N) on the
 /// link, and none without torque. `prepared` and `channel` come from the same recording.
@@ -56,9 +56,8 @@ pub fn examine(
         .as_ref()
         .is_some_and(|c| c.ailment == Ailment::Filtered);
     match source::weightless(&patient) {
-        // Without gravity a described torque is no measure of scale or sign, and neither is one of no masses.
+        // Without gravity a described torque is no measure of scale or sign.
         Some(weightless) => found.push(weightless),
-        None if robot.masses() != Masses::Described => {}
         None => found.extend(
             [unit::of_all(&patient, smeared), sign::turned(&patient)]
                 .into_iter()
