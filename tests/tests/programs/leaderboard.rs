@@ -211,6 +211,10 @@ fn the_readme_has_what_is_printed() {
             .collect();
         assert!(errors.is_sorted(), "{errors:?}");
         for row in &theirs[1..] {
+            // Boosted trees take a build of their own.
+            if row[0] == "physics+trees" && !cfg!(feature = "trees") {
+                continue;
+            }
             // Published rows are not among ours here: a number without interval, nothing in motion, no parameters.
             let known = ours[1..].iter().find(|own| own[0] == row[0]);
             let expected = match known {
