@@ -119,7 +119,7 @@ fn damaged_files() {
         body.lines().take(4).collect::<Vec<_>>().join("\n"),
         &["trajectory `t1`", "3 samples"],
     );
-    both_refuse("recording.txt", &body, &["`txt`", "not a known kind"]);
+    both_refuse("recording.xls", &body, &["`xls`", "not a known kind"]);
     both_refuse("benchmark.mat", &noise, &["KR300"]);
     let absent = Path::new("/nowhere/absent.csv");
     train_refuses(absent, &[], &["/nowhere/absent.csv", "cannot be read"]);
