@@ -1,14 +1,18 @@
 //! Run-time of a trained model: what a control loop needs and nothing else.
 //!
-//! [`Feedforward`] loads a model directory and predicts torque once per control period.
+//! [`Feedforward`] loads a model directory and predicts torque once per control period; [`Guard`] stands between it and the drives.
 //! [`network`] holds the learned part: error-learning units with their normalisation, their bounds,
 //! their file format and allocation-free streaming inference. No training framework is in the
 //! dependency tree.
 #![forbid(unsafe_code)]
 
 pub mod clock;
+mod dynamics;
+pub mod guard;
 pub mod inputs;
 pub mod network;
 mod runtime;
 
+pub use dynamics::Dynamics;
+pub use guard::Guard;
 pub use runtime::{Feedforward, LoadError, SCHEMA, load_network};

@@ -14,6 +14,32 @@ pub struct Fade {
     pub end: f32,
 }
 
+/// Where a sample lies among those of training.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inside {
+    /// Factor on the compensator's output: 1 inside, 0 from where the fade ends.
+    pub weight: f32,
+    /// How far outside: the largest part of a column's span, or of the largest distance of training, that the sample lies beyond
+    /// it. Negative inside, minus infinity where nothing was learned.
+    pub excess: f32,
+}
+
+impl Inside {
+    /// Of a joint without a unit.
+    pub const NOTHING_LEARNED: Self = Self {
+        weight: 1.0,
+        excess: f32::NEG_INFINITY,
+    };
+
+    /// The worse of two units.
+    pub fn worse(self, other: Self) -> Self {
+        Self {
+            weight: self.weight.min(other.weight),
+            excess: self.excess.max(other.excess),
+        }
+    }
+}
+
 impl Default for Fade {
     fn default() -> Self {
         Self {
@@ -211,22 +237,29 @@ impl Bounds {
     /// Factor in [0, 1] on the output for a normalised sample: 1 among the training inputs, smoothly to 0
     /// away from them, 0 for a sample that is not finite.
     pub fn weight(&self, x: &[f32], scratch: &mut [f32]) -> f32 {
+        self.inside(x, scratch).weight
+    }
+
+    /// Where a normalised sample lies among those of training.
+    pub fn inside(&self, x: &[f32], scratch: &mut [f32]) -> Inside {
         if !x.iter().all(|v| v.is_finite()) {
-            return 0.0;
+            return Inside {
+                weight: 0.0,
+                excess: f32::INFINITY,
+            };
         }
-        let mut weight = 1.0;
+        let distance = self.distance(x, scratch) / self.radius - 1.0;
+        let (mut weight, mut excess) = (1.0, distance);
         for (j, &v) in x.iter().enumerate() {
             let span = self.high[j] - self.low[j];
             if span > 0.0 {
-                weight *= self
-                    .fade
-                    .weight((v - self.high[j]).max(self.low[j] - v) / span);
+                let beyond = (v - self.high[j]).max(self.low[j] - v) / span;
+                weight *= self.fade.weight(beyond);
+                excess = excess.max(beyond);
             }
         }
-        weight
-            * self
-                .fade
-                .weight(self.distance(x, scratch) / self.radius - 1.0)
+        weight *= self.fade.weight(distance);
+        Inside { weight, excess }
     }
 
     /// Holds a normalised value of column `j` within the region where the output is not yet zero, so that
@@ -325,6 +358,26 @@ mod tests {
             prop_assert!(y.abs() <= 5.0 && y.signum() == torque.signum());
             if torque.abs() < 4.5 { prop_assert_eq!(y, torque); }
         }
+    }
+
+    #[test]
+    fn excess_by_hand() {
+        // Columns from −9 to 9; the distance of (x, 0) is x/2, its largest 10: 10.8 lies a tenth of 18 beyond the range.
+        let b = Bounds::new(
+            vec![-9.0; 2],
+            vec![9.0; 2],
+            vec![0.0; 2],
+            vec![2.0, 0.0, 0.0, 2.0],
+            10.0,
+            1.0,
+            Fade::default(),
+        )
+        .unwrap();
+        let excess = |x: f32| b.inside(&[x, 0.0], &mut [0.0; 2]).excess;
+        assert!((excess(10.8) - 0.1).abs() < 1e-6);
+        // On the edge of the range, and 4.5 of 10 from the mean: the edge is nearer.
+        assert!(excess(9.0).abs() < 1e-6);
+        assert!((excess(0.0) + 0.5).abs() < 1e-6);
     }
 
     #[test]

@@ -24,7 +24,7 @@ mod unit;
 
 pub use activation::{exp, sigmoid, tanh};
 pub use architecture::{Architecture, Memory, Recurrent, Tensor};
-pub use bounds::{Bounds, Fade};
+pub use bounds::{Bounds, Fade, Inside};
 pub use error::Error;
 pub use file::{FORMAT, VERSION};
 pub use normaliser::{Normalisation, Normaliser};

@@ -4,7 +4,7 @@ use pulp::Arch;
 
 use super::perceptron::Perceptron;
 use super::recurrent::RecurrentNet;
-use super::{Architecture, Bounds, Compensator, Error, Normaliser, Unit};
+use super::{Architecture, Bounds, Compensator, Error, Inside, Normaliser, Unit};
 
 #[derive(Debug, Clone)]
 enum Net {
@@ -21,6 +21,7 @@ pub struct UnitStream {
     input: Normaliser,
     target: Normaliser,
     bounds: Bounds,
+    inside: Inside,
     nets: Vec<Net>,
     arch: Arch,
     /// Normalised samples, oldest first.
@@ -60,6 +61,7 @@ impl UnitStream {
             input: unit.input.clone(),
             target: unit.target.clone(),
             bounds: unit.bounds.clone(),
+            inside: Inside::NOTHING_LEARNED,
             nets: nets.collect(),
             arch: Arch::new(),
             window: vec![0.0; d * unit.architecture.timestep()],
@@ -72,6 +74,11 @@ impl UnitStream {
     /// Joint whose torque this unit predicts.
     pub fn joint(&self) -> usize {
         self.joint
+    }
+
+    /// Where the last sample lay among those of training.
+    pub fn inside(&self) -> Inside {
+        self.inside
     }
 
     /// Forgets every sample: the next one starts a trajectory.
@@ -102,7 +109,7 @@ impl UnitStream {
         if !self.sample.iter().all(|x| x.is_finite()) {
             return 0.0;
         }
-        let weight = self.bounds.weight(&self.sample, &mut self.scratch);
+        self.inside = self.bounds.inside(&self.sample, &mut self.scratch);
         for (j, x) in self.sample.iter_mut().enumerate() {
             *x = self.bounds.hold(j, *x);
         }
@@ -127,7 +134,7 @@ impl UnitStream {
             })
             .sum();
         let torque = self.target.invert(0, sum / self.nets.len() as f32);
-        weight * self.bounds.clamp(torque)
+        self.inside.weight * self.bounds.clamp(torque)
     }
 }
 
@@ -170,6 +177,12 @@ impl Stream {
     /// Forgets every sample: the next one starts a trajectory.
     pub fn reset(&mut self) {
         self.units.iter_mut().for_each(UnitStream::reset);
+    }
+
+    /// Where the last sample lay among those of training: the worst of the units of `joint`.
+    pub fn inside(&self, joint: usize) -> Inside {
+        let units = self.units.iter().filter(|unit| unit.joint == joint);
+        units.fold(Inside::NOTHING_LEARNED, |all, unit| all.worse(unit.inside))
     }
 
     /// Adds the residual torque of every joint, N·m, after the sample `inputs` to `torque`.

@@ -118,6 +118,29 @@ impl Term {
         }
     }
 
+    /// Whether the term is friction of its own joint: it opposes motion, or remembers how it did.
+    pub fn is_friction(&self) -> bool {
+        match self {
+            Term::Sliding(_)
+            | Term::EarlySign(_)
+            | Term::Stop(_)
+            | Term::Dahl(_)
+            | Term::DahlRate(_)
+            | Term::LaggedSign(_)
+            | Term::Load(_)
+            | Term::Position(_) => true,
+            Term::WarmUp(w) => w.term.is_friction(),
+            Term::Drift(d) => d.term.is_friction(),
+            Term::Offset
+            | Term::RotorInertia
+            | Term::Harmonic(_)
+            | Term::Polynomial(_)
+            | Term::Coupling(_)
+            | Term::Counterbalance(_)
+            | Term::Spring(_) => false,
+        }
+    }
+
     /// Whether the column depends on motion before the present sample.
     pub fn remembers(&self) -> bool {
         match self {

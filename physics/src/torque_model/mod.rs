@@ -125,6 +125,12 @@ impl TorqueModel {
                 .iter()
                 .map(|l| l.iter().map(|w| w.value).collect())
                 .collect(),
+            frictional: self
+                .terms
+                .iter()
+                .map(|l| l.iter().map(|w| w.term.is_friction()).collect())
+                .collect(),
+            friction: vec![0.0; n],
             rigid: self.rigid.clone(),
             load_robot: self.load.clone(),
             banks,
@@ -139,6 +145,9 @@ impl TorqueModel {
 pub struct Predictor {
     workspace: Workspace,
     values: Vec<Vec<f64>>,
+    /// Which terms are friction.
+    frictional: Vec<Vec<bool>>,
+    friction: Vec<f64>,
     rigid: Robot,
     load_robot: Robot,
     banks: Vec<TermBank>,
@@ -192,11 +201,19 @@ impl Predictor {
             qdd,
             load: &self.load,
         };
-        for ((bank, values), tau) in self.banks.iter_mut().zip(&self.values).zip(tau) {
+        for (j, (bank, tau)) in self.banks.iter_mut().zip(tau).enumerate() {
+            let (values, frictional) = (&self.values[j], &self.frictional[j]);
             let columns = &mut self.columns[..values.len()];
             bank.step(&sample, columns);
             *tau += columns.iter().zip(values).map(|(c, v)| c * v).sum::<f64>();
+            let terms = columns.iter().zip(values).zip(frictional);
+            self.friction[j] = terms.filter(|(_, is)| **is).map(|((c, v), _)| c * v).sum();
         }
+    }
+
+    /// What of the last sample's torque was friction, N·m: see [`Term::is_friction`].
+    pub fn friction(&self) -> &[f64] {
+        &self.friction
     }
 
     /// Rigid-body torque that load-dependent terms saw at the last sample, N·m.

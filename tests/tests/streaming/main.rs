@@ -1,5 +1,7 @@
 //! The run-time against `eval`: the same torque over whole recordings, sample by sample, without allocation.
 
+mod embedded;
+
 use datasets::prepare::{Derivatives, PrepareOptions, Prepared, prepare};
 use datasets::{ReadOptions, Recording};
 use feedforward::clock::LONGEST_PAUSE;
@@ -177,6 +179,11 @@ fn same_torque_as_eval_at_the_recorded_rate() {
             "{worst} N·m from eval, start {start} s, pause {pause} s"
         );
         a_sample_that_is_not_finite(&model, &motion.at_samples);
+        if (start, pause, known) == (next, 2.0, true) {
+            // The last one: its memory comes from the training's clock, and its trajectories follow each other.
+            let rows = embedded::rows(&motion.at_samples, &expected);
+            embedded::follow(&place("model"), model.period(), &rows, folder.path());
+        }
     }
     periods_of_the_compensator(&place("model"));
 }

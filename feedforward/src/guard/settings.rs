@@ -1,0 +1,90 @@
+//! What a guard is told.
+
+/// Limits and times of a [`Guard`](super::Guard).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Largest torque by joint, N·m or N; infinite for none.
+    pub torque: Vec<f64>,
+    /// Fastest change of torque by joint, N·m/s or N/s; infinite for none.
+    pub rate: Vec<f64>,
+    /// Time in which the torque grows to the model's after a start, and goes to zero after a stop, s.
+    pub ramp: f64,
+    /// Longest time that an old torque may stand, while the input is bad or no tick comes, s.
+    pub hold: f64,
+}
+
+impl Settings {
+    /// Half a second: slow for a drive's torque loop, short for a person. A choice, not a measurement.
+    pub const RAMP: f64 = 0.5;
+    /// As long as libfranka's robot goes on without a command: 20 lost packets of 1 ms.
+    pub const HOLD: f64 = 0.02;
+
+    /// `torque` as limits, no limit of the rate, the times above.
+    pub fn new(torque: Vec<f64>) -> Self {
+        Self {
+            rate: vec![f64::INFINITY; torque.len()],
+            torque,
+            ramp: Self::RAMP,
+            hold: Self::HOLD,
+        }
+    }
+
+    pub(super) fn check(&self, joints: usize) -> Result<(), SettingsError> {
+        for (what, list) in [("torque", &self.torque), ("rate", &self.rate)] {
+            if list.len() != joints {
+                return Err(SettingsError::Length {
+                    what,
+                    found: list.len(),
+                    joints,
+                });
+            }
+            // NaN is no limit.
+            if let Some(joint) = list.iter().position(|limit| limit.is_nan() || *limit < 0.0) {
+                return Err(SettingsError::Limit {
+                    what,
+                    joint: joint + 1,
+                    value: list[joint],
+                });
+            }
+        }
+        for (what, time) in [("ramp", self.ramp), ("hold", self.hold)] {
+            if !(time >= 0.0 && time.is_finite()) {
+                return Err(SettingsError::Time { what, time });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Settings that are none.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// Another number of values than joints.
+    #[error("{found} limits of {what} for {joints} joints")]
+    Length {
+        /// Which limits.
+        what: &'static str,
+        /// How many.
+        found: usize,
+        /// Joints of the robot.
+        joints: usize,
+    },
+    /// A negative limit, or NaN.
+    #[error("the limit of {what} of joint {joint} is {value}")]
+    Limit {
+        /// Which limit.
+        what: &'static str,
+        /// Its joint, from 1.
+        joint: usize,
+        /// What was given.
+        value: f64,
+    },
+    /// A time that is negative or not finite.
+    #[error("the time `{what}` is {time} s")]
+    Time {
+        /// Which time.
+        what: &'static str,
+        /// What was given.
+        time: f64,
+    },
+}

@@ -1,0 +1,50 @@
+//! A model directory that cannot be used.
+
+use crate::network::Error as NetworkError;
+use physics::torque_model::TorqueModelError;
+use std::path::PathBuf;
+
+/// A model directory that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// A file cannot be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// `model.json` is not one of this version.
+    #[error("{path}: {reason}")]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The physical model does not fit together.
+    #[error(transparent)]
+    Physics(#[from] TorqueModelError),
+    /// The compensator.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// The control period.
+    #[error("a control period of {0} s is not positive")]
+    Period(f64),
+    /// The control period is none for the compensator's windows.
+    #[error(
+        "the compensator was trained on samples {trained} s apart: a control period of {period} s is outside {shortest:.1e} to \
+         {longest:.1e} s"
+    )]
+    Windows {
+        /// The control period, s.
+        period: f64,
+        /// The period of training, s.
+        trained: f64,
+        /// The shortest that it stands, s.
+        shortest: f64,
+        /// The longest that it stands, s.
+        longest: f64,
+    },
+}

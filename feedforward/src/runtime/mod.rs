@@ -1,0 +1,10 @@
+//! Torque feedforward from a model directory.
+
+mod error;
+mod load;
+mod model;
+mod residual;
+
+pub use error::LoadError;
+pub use load::{SCHEMA, load_network};
+pub use model::Feedforward;

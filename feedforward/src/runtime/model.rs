@@ -1,0 +1,181 @@
+//! A loaded model, asked once per control period.
+
+use super::residual::Residual;
+use crate::clock::{Memory, last_before};
+use crate::dynamics::Dynamics;
+use crate::network::Inside;
+use physics::effects::Sample;
+use physics::torque_model::Predictor;
+
+/// A loaded model: physics, and the compensator where there is one.
+///
+/// [`Feedforward::torque`] is called once per control period and keeps friction memory and windows
+/// in between; it does not allocate.
+///
+/// ```no_run
+/// let mut model = feedforward::Feedforward::load("residyn-model".as_ref(), Some(0.001))?;
+/// let (q, qd, qdd, mut tau) = ([0.0; 6], [0.0; 6], [0.0; 6], [0.0; 6]);
+/// model.torque(&q, &qd, &qdd, &mut tau);
+/// # Ok::<(), feedforward::LoadError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Feedforward {
+    pub(super) predictor: Predictor,
+    pub(super) dynamics: Dynamics,
+    pub(super) residual: Option<Residual>,
+    pub(super) period: f64,
+    pub(super) clock: Option<f64>,
+    /// Time from the sample before to the next one, s; zero where nothing is known.
+    pub(super) elapsed: f64,
+    /// Training trajectories on the clock, and what was remembered at the end of each.
+    pub(super) known: Vec<[f64; 2]>,
+    pub(super) memory: Vec<Memory>,
+    /// Joint names, base first.
+    pub(super) names: Vec<String>,
+}
+
+impl Feedforward {
+    /// The same physics alone.
+    #[must_use]
+    pub fn without_compensator(mut self) -> Self {
+        self.residual = None;
+        self
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Names of the joints, base first.
+    pub fn joint_names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Whether there is a compensator.
+    pub fn is_compensated(&self) -> bool {
+        self.residual.is_some()
+    }
+
+    /// The rigid body of the model, for what a loop needs beside its torque.
+    pub fn dynamics(&mut self) -> &mut Dynamics {
+        &mut self.dynamics
+    }
+
+    /// What of the last torque was friction, N·m or N.
+    pub fn friction(&self) -> &[f64] {
+        self.predictor.friction()
+    }
+
+    /// What of the last torque was the compensator's, N·m or N; None without one.
+    pub fn compensation(&self) -> Option<&[f64]> {
+        self.residual.as_ref().map(Residual::share)
+    }
+
+    /// Where the last sample lay among those that the compensator was trained on.
+    ///
+    /// # Panics
+    /// When there is no such joint.
+    pub fn inside(&self, joint: usize) -> Inside {
+        self.residual
+            .as_ref()
+            .map_or(Inside::NOTHING_LEARNED, |residual| residual.inside(joint))
+    }
+
+    /// Control period, s.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Forgets friction memory and windows. `clock` is the time of the next sample on the session clock of
+    /// the training recordings in s, where this loop continues it: friction memory then goes on from the
+    /// training trajectory before. Without it, memory is neutral and warm-up terms take their mean.
+    pub fn reset(&mut self, clock: Option<f64>) {
+        let known = clock.and_then(|now| {
+            let index = last_before(&self.known, now)?;
+            self.memory.get(index)?;
+            Some((now - self.known[index][1], index))
+        });
+        self.begin(clock, known);
+    }
+
+    /// Starts where the joints have been moved since the training: friction memory and windows are neutral; `clock` is the time of
+    /// the next sample on the session clock of the training recordings in s, by which the gears have been warming.
+    pub fn start(&mut self, clock: Option<f64>) {
+        self.begin(clock, None);
+    }
+
+    /// Goes on from `known`: the time since it was remembered, s, and what.
+    fn begin(&mut self, clock: Option<f64>, known: Option<(f64, usize)>) {
+        let memory = known.and_then(|(_, index)| self.memory.get(index));
+        self.clock = clock;
+        self.elapsed = known.map_or(0.0, |(elapsed, _)| elapsed);
+        self.predictor
+            .restore(memory.map_or(&[], |memory| &memory.physics));
+        if let Some(residual) = &mut self.residual {
+            residual.restore(memory.map_or(&[], |memory| &memory.inputs));
+        }
+    }
+
+    /// Starts a new trajectory `seconds` after the last sample: friction memory and clock run on, windows
+    /// start anew.
+    pub fn pause(&mut self, seconds: f64) {
+        if let Some(clock) = &mut self.clock {
+            *clock += seconds - self.elapsed;
+        }
+        self.elapsed = seconds;
+        if let Some(residual) = &mut self.residual {
+            residual.rewind();
+        }
+    }
+
+    /// Torque of every joint (N·m or N) for the motion of this control period; all slices have one
+    /// entry per joint, in URDF order.
+    ///
+    /// Where a value of the motion is not finite every torque is NaN, and what the model remembers stays as it was: the next finite
+    /// sample goes on from there.
+    ///
+    /// # Panics
+    /// When a slice has another length.
+    pub fn torque(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
+        if ![q, qd, qdd].iter().all(|x| x.iter().all(|v| v.is_finite())) {
+            tau.fill(f64::NAN);
+            self.miss(1);
+            return;
+        }
+        let dt = std::mem::replace(&mut self.elapsed, self.period);
+        self.predictor.step(self.clock, dt, q, qd, qdd, tau);
+        if let Some(residual) = &mut self.residual {
+            let load = self.predictor.load();
+            residual.add(
+                &Sample {
+                    clock: self.clock,
+                    dt,
+                    q,
+                    qd,
+                    qdd,
+                    load,
+                },
+                tau,
+            );
+        }
+        if let Some(clock) = &mut self.clock {
+            *clock += self.period;
+        }
+    }
+
+    /// Lets control periods pass without a sample; windows start anew after more than one period of the compensator's training.
+    pub fn miss(&mut self, periods: usize) {
+        let missed = periods as f64 * self.period;
+        // At the start of a recording nothing lies before the next sample, however late it comes.
+        if self.elapsed > 0.0 {
+            self.elapsed += missed;
+        }
+        if let Some(clock) = &mut self.clock {
+            *clock += missed;
+        }
+        if let Some(residual) = &mut self.residual {
+            residual.miss(periods);
+        }
+    }
+}
