@@ -20,6 +20,7 @@ MORE = {
     "replay": ["replay.md", "formats.md"],
     "excite": ["excitation.md"],
     "payload": ["payload.md"],
+    "feedforward": ["embedding.md", "formats.md"],
     "machine": ["machines.md"],
     "decoupled": ["decoupled.md"],
     "simulate": ["architecture.md"],

@@ -48,6 +48,12 @@ const PROGRAMS: &[Program] = &[
         about: "The body on the last link, from a recording with it",
         run: payload::command_line,
     },
+    #[cfg(feature = "programs")]
+    Program {
+        name: "feedforward",
+        about: "The torque of a planned motion, for a controller to feed forward",
+        run: plan::command_line,
+    },
     #[cfg(feature = "reproductions")]
     Program {
         name: "machine",

@@ -9,6 +9,7 @@ const NAMES: &[&str] = &[
     "diagnose",
     "excite",
     "payload",
+    "feedforward",
     "simulate",
     #[cfg(feature = "reproductions")]
     "machine",
@@ -76,6 +77,17 @@ fn refusals_are_those_of_the_program() {
             ],
         ),
         ("payload", &["--model", "nowhere", "--data", "nowhere.csv"]),
+        (
+            "feedforward",
+            &[
+                "--model",
+                "nowhere",
+                "--trajectory",
+                "nowhere.csv",
+                "--out",
+                "never.csv",
+            ],
+        ),
         #[cfg(feature = "reproductions")]
         (
             "machine",

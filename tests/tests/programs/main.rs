@@ -11,6 +11,7 @@ mod leaderboard;
 mod mjcf;
 mod onnx;
 mod payload;
+mod plan;
 mod refusals;
 mod scores;
 mod unread;

@@ -1,0 +1,26 @@
+//! `feedforward`: the torque of a planned motion, for a controller to feed forward.
+#![forbid(unsafe_code)]
+// `println!` panics where the reader has gone (`… | head`): see `report::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+mod arguments;
+mod limits;
+mod motion;
+mod run;
+mod torque;
+mod unit;
+
+use arguments::Arguments;
+use clap::Parser;
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// What the program `feedforward` does with these arguments, of which the first is what it was called by; its exit status.
+/// `--help` and wrong usage end the process here, as clap has it.
+pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = Arguments::parse_from(arguments);
+    match run::run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
