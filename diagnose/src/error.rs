@@ -82,6 +82,9 @@ pub enum DiagnoseError {
     /// Tables of different shapes.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// A patched description that does not hold what was found.
+    #[error("{0}; nothing was written: report the description to the authors")]
+    Patch(String),
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
@@ -131,7 +134,7 @@ impl DiagnoseError {
     pub fn is_input(&self) -> bool {
         match self {
             DiagnoseError::Learn(ResidualError::Compensator(compensator::Error::Networks)) => true,
-            DiagnoseError::Write(_) | DiagnoseError::Learn(_) => false,
+            DiagnoseError::Write(_) | DiagnoseError::Learn(_) | DiagnoseError::Patch(_) => false,
             DiagnoseError::Motion(e) => matches!(e.problem, WriteProblem::UnknownFormat(_)),
             DiagnoseError::Directory(e) => !matches!(
                 **e,

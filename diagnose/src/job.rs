@@ -25,7 +25,7 @@ pub enum Subject {
     Robot {
         /// Built-in robot, URDF or MJCF.
         source: String,
-        /// Its joints, where an MJCF holds more.
+        /// Its joints, where the description holds more.
         joints: Vec<String>,
         /// Gravity in the base frame, m/s², where it is not the description's.
         gravity: Option<[f64; 3]>,
@@ -36,7 +36,7 @@ pub enum Subject {
     Before {
         /// Built-in robot, URDF or MJCF, for lengths and axes.
         source: String,
-        /// Its joints, where an MJCF holds more.
+        /// Its joints, where the description holds more.
         joints: Vec<String>,
         /// Gravity in the base frame, m/s², where it is not the description's.
         gravity: Option<[f64; 3]>,
@@ -104,6 +104,8 @@ pub struct Done {
     pub outcome: Outcome,
     /// The next motion, where one was asked for and is needed.
     pub next: Option<Experiment>,
+    /// What is doubtful about the description, in words; the report's notes have it, too.
+    pub warnings: Vec<String>,
     /// What was left out, in words; the report's notes have it, too.
     pub notes: Vec<String>,
     data: Recording,
@@ -155,7 +157,7 @@ impl Job {
                 source,
                 joints,
                 gravity,
-            } => Given::robot(source, joints, drive, *gravity)?.at_rate(self.rate_hz),
+            } => Given::robot(source, joints, drive, *gravity, &self.data)?.at_rate(self.rate_hz),
             Subject::Model(directory) => Given::model(directory, drive)?.at_rate(self.rate_hz),
             Subject::Before {
                 source,
@@ -224,14 +226,22 @@ impl Job {
             .fast
             .then(|| "no surrogates were drawn (--fast)".to_owned());
         let robot = given.model.robot.notes().iter().cloned();
+        // Identified numbers are combinations, which no description is to be judged by.
+        let described = Some(&given.model).filter(|m| !m.is_identified());
+        let findings = described.into_iter().flat_map(|m| m.robot.findings());
+        let warnings: Vec<String> = findings.map(ToString::to_string).collect();
         let run = [short, short_heldout, fast].into_iter().flatten();
         let mut notes: Vec<String> = robot.chain(run).collect();
-        outcome.diagnosis.notes.extend(notes.iter().cloned());
+        outcome
+            .diagnosis
+            .notes
+            .extend(warnings.iter().chain(&notes).cloned());
         notes.extend(outcome.sensors.iter().cloned());
         Ok(Done {
             given,
             outcome,
             next,
+            warnings,
             notes,
             data,
             heldout,

@@ -11,6 +11,10 @@ pub struct Arguments {
     /// The robot: a URDF, or the name of a built-in one.
     #[arg(long, default_value = "ur5")]
     pub robot: String,
+    /// Joints of the robot, base first, or the frame of its tool, where the description holds more; NAME=POSITION (rad or m) says where
+    /// another joint stands [default: the one chain].
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    pub joints: Vec<String>,
     /// Drive file: rotor inertias, gear ratios; and columns of --motion.
     #[arg(long, value_name = "FILE.toml")]
     pub drive: Option<PathBuf>,

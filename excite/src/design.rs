@@ -219,7 +219,8 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
 fn other(robot: &Robot, arguments: &Arguments) -> Result<Option<Robot>, Failure> {
     match (&arguments.against, arguments.criterion) {
         (Some(name), Wanted::Separation) => {
-            let loaded = Robot::load(name, &[]).map_err(|e| Failure::input(e.to_string(), ""))?;
+            let loaded = Robot::load(name, &arguments.joints)
+                .map_err(|e| Failure::input(e.to_string(), ""))?;
             let mut other = loaded.0;
             if other.dof() != robot.dof() {
                 return Err(Failure::input(

@@ -16,12 +16,14 @@ use identify::least_squares::LeastSquaresError;
 use indicatif::ProgressBar;
 use model::failure::Failure;
 use model::preparation::setup::Setup;
+use physics::robot::Robot;
 use std::time::Duration;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let setup = Setup::new(
+    let setup = Setup::with_joints(
         &arguments.robot,
+        &arguments.joints,
         arguments.drive.as_deref(),
         arguments.gravity,
     )?;
@@ -72,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         trajectories: trajectories(&labelled, designed.as_ref()),
         evaluations: designed.as_ref().map_or(0, |d| d.evaluations),
         conditions: conditions(&rows, motion, &noise).map_err(unjudged)?,
-        notes: notes(arguments, designed.as_ref(), given.assumed, &joints),
+        notes: notes(robot, arguments, designed.as_ref(), given.assumed, &joints),
         joints,
         noise,
         collisions_checked: false,
@@ -124,12 +126,15 @@ fn trajectories(labelled: &Labelled, designed: Option<&Designed>) -> Vec<Traject
 }
 
 fn notes(
+    robot: &Robot,
     arguments: &Arguments,
     designed: Option<&Designed>,
     assumed: [bool; 2],
     joints: &[Coverage],
 ) -> Vec<String> {
-    let mut notes = designed.map_or_else(Vec::new, |d| d.notes.clone());
+    let mut notes: Vec<String> = robot.notes().to_vec();
+    notes.extend(robot.findings().iter().map(|f| format!("warning: {f}")));
+    notes.extend(designed.iter().flat_map(|d| d.notes.clone()));
     if assumed[0] && designed.is_some() {
         notes.push("accelerations are limited to full speed in 0.5 s: no description knows better, --acceleration does".into());
     }

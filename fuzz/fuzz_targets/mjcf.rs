@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use physics::dynamics::{Workspace, inverse_dynamics};
-use physics::robot::{Mjcf, Robot, to_urdf};
+use physics::robot::{Changed, Mjcf, Robot, to_urdf};
 use std::path::Path;
 
 fuzz_target!(|text: &str| {
@@ -35,7 +35,7 @@ fuzz_target!(|text: &str| {
     let Ok(new) = new.with_parameters(&doubled) else {
         return;
     };
-    if let Ok(edited) = mjcf.with(&new, &vec![0.1; n]) {
+    if let Ok(edited) = mjcf.with(&Changed { zeros: &vec![0.1; n], ..Changed::of(&new) }) {
         let files = edited.files(Path::new("out.xml")).expect("one file");
         // The numbers of a robot at the edge of what is one may go over it; what is written is still XML.
         let written = Mjcf::from_text(&files[0].1, &[]);

@@ -11,6 +11,7 @@ use crate::preparation::check::CheckError;
 use crate::preparation::setup::SetupError;
 use crate::residual::ResidualError;
 use crate::sums::SumsError;
+use physics::robot::RobotError;
 
 /// One line for the user, a hint, and the exit status.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,13 +65,14 @@ impl Failure {
 impl From<SetupError> for Failure {
     fn from(error: SetupError) -> Self {
         match error {
-            SetupError::Robot(e) => Self::input(
+            SetupError::Robot(e @ RobotError::UnknownRobot { .. }) => Self::input(
                 e.to_string(),
                 "See the built-in names (ur5, kr300, foxbot_a05, puma560), or give the path of a URDF or MJCF.",
             ),
-            SetupError::Read(_) | SetupError::Degrees(_) | SetupError::NotHeldOut { .. } => {
-                Self::input(error.to_string(), "")
-            }
+            SetupError::Robot(_)
+            | SetupError::Read(_)
+            | SetupError::Degrees(_)
+            | SetupError::NotHeldOut { .. } => Self::input(error.to_string(), ""),
         }
     }
 }

@@ -206,7 +206,7 @@ mod tests {
         fn relatives_are_possible_robots(seed in 0u64..2000) {
             let arm = relative(&mut ChaCha8Rng::seed_from_u64(seed));
             let robot = arm.robot().unwrap();
-            prop_assert!(robot.warnings().is_empty(), "{:?}", robot.warnings());
+            prop_assert!(robot.findings().is_empty(), "{:?}", robot.findings());
             for joint in robot.joints() {
                 prop_assert!(joint.limits.lower < joint.limits.upper);
             }

@@ -76,7 +76,9 @@ impl Subject {
             Some(controller) => by_block(&setup, controller),
             None => by_actuators(&setup)?,
         };
-        given.notes.extend(setup.robot.warnings().iter().cloned());
+        given
+            .notes
+            .extend(setup.robot.findings().iter().map(ToString::to_string));
         given.notes.extend(setup.robot.notes().iter().cloned());
         Ok(Self { setup, given })
     }

@@ -3,7 +3,7 @@
 use crate::arm::Arm;
 use crate::given::Given;
 use model::preparation::setup::Setup;
-use physics::robot::{Description, DriveEdit, Robot, RobotError, urdf_with};
+use physics::robot::{Changed, Description, DriveEdit, Robot, RobotError};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -38,7 +38,7 @@ pub fn patch(setup: &Setup, given: &Given, arm: &Arm, out: &Path) -> Result<Patc
             left_out.extend(edited.left_out().iter().cloned());
             edited.files(out)?
         }
-        Description::Urdf(text) => vec![(out.to_owned(), urdf_with(text, &robot)?)],
+        Description::Urdf(urdf) => vec![(out.to_owned(), urdf.with(&Changed::of(&robot))?)],
     };
     let beside = |ending: &str| out.with_extension(ending);
     files.push((beside("drive.toml"), drive_file(given, arm)));

@@ -20,7 +20,8 @@ pub struct Arguments {
     /// Built-in robot (ur5, kr300, foxbot_a05), URDF or MJCF [default: the simulated ur5].
     #[arg(long)]
     pub robot: Option<String>,
-    /// Joints of the robot, base first, where an MJCF holds more than one chain [default: the one actuated chain].
+    /// Joints of the robot, base first, or the frame of its tool, where the description holds more; NAME=POSITION (rad or m) says where
+    /// another joint stands [default: those that the recording's columns name, or the one chain].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub joints: Vec<String>,
     /// Recordings to learn from (.csv, .parquet, .npz, .mcap, .db3, rosbag2 folders; .mat with --robot kr300).

@@ -20,11 +20,12 @@ pub struct Input {
 
 /// Reads what the arguments name; without `--data`, the built-in robot is simulated.
 pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
-    let mut setup = Setup::with_joints(
+    let mut setup = Setup::for_recordings(
         arguments.robot.as_deref().unwrap_or("ur5"),
         &arguments.joints,
         arguments.drive.as_deref(),
         arguments.gravity,
+        &arguments.data,
     )?;
     setup.rate_hz = arguments.rate;
     if arguments.data.is_empty() {

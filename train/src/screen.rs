@@ -33,6 +33,9 @@ pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
     for note in robot.notes() {
         say!("Note: {note}.");
     }
+    for finding in robot.findings() {
+        say_text!(report::wrapped(&format!("Warning: {finding}."), WIDTH, ""));
+    }
     let whole = arguments.check_only || arguments.verbose;
     for report in reports {
         say!(

@@ -172,3 +172,16 @@ fn broken_row(error: csv::Error, row: usize, file: &Path) -> ReadError {
     error.line = line;
     error
 }
+
+/// Names in the header of a table, whatever stands between them.
+pub(super) fn names(bytes: &[u8]) -> Option<Vec<String>> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let line = text
+        .split(|&b| b == b'\n')
+        .find(|line| !line.trim_ascii().is_empty())?;
+    let line = std::str::from_utf8(line).ok()?;
+    let names = line
+        .split([',', ';', '\t'])
+        .map(|n| n.trim().trim_matches('"').to_owned());
+    Some(names.collect())
+}

@@ -6,6 +6,7 @@ mod csv;
 mod footer;
 mod lerobot;
 mod mat;
+mod names;
 mod npy;
 mod npz;
 mod parquet;
@@ -17,6 +18,7 @@ use std::path::Path;
 pub use bag::TopicSummary;
 pub use lerobot::{DatasetSummary, FeatureSummary, dataset};
 pub use mat::GEAR_RATIOS as KR300_GEAR_RATIOS;
+pub use names::named_joints;
 pub(crate) use parquet::TORQUE_FILTER_KEY;
 
 /// Reads a recording; the ending of the name decides on the format.

@@ -155,3 +155,8 @@ fn unpack(bytes: &[u8], file: &Path) -> Result<BTreeMap<String, Array>, ReadErro
     }
     Ok(arrays)
 }
+
+/// Names of the arrays.
+pub(super) fn names(bytes: &[u8], file: &Path) -> Option<Vec<String>> {
+    Some(unpack(bytes, file).ok()?.into_keys().collect())
+}

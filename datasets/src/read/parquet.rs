@@ -38,6 +38,27 @@ pub(crate) fn read(
     contained("Parquet", file, || decode(bytes, file, options))
 }
 
+/// Names of a file's columns, those of lists element by element.
+pub(super) fn names(bytes: &[u8]) -> Option<Vec<String>> {
+    if !plausible(bytes) {
+        return None;
+    }
+    let read = || {
+        let owned = bytes::Bytes::copy_from_slice(bytes);
+        let reader = SerializedFileReader::new(owned);
+        let reader = reader.map_err(|e| Problem::Damaged {
+            format: "Parquet",
+            detail: e.to_string(),
+        });
+        let reader = reader.map_err(|problem| problem.in_file(Path::new("")))?;
+        Ok(elements(reader.metadata())
+            .into_iter()
+            .map(|p| p.name)
+            .collect())
+    };
+    contained("Parquet", Path::new(""), read).ok()
+}
+
 fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
     let damaged = |detail: String| Problem::Damaged {
         format: "Parquet",

@@ -79,19 +79,20 @@ impl Earlier {
         }
     }
 
-    /// Whether the errors (RMS by joint) of the model as given are no more than executions of one motion differ by: nothing has changed then,
-    /// whatever part of them a cause would explain.
-    pub(super) fn is_usual(&self, errors: &[Option<f64>], at_floor: f64) -> bool {
-        let Self::Repeated {
-            executions,
-            usual: Some(usual),
-        } = self
-        else {
-            return false;
-        };
-        let both = (1.0 + 1.0 / executions.max(1.0)).sqrt();
-        let mut known = errors.iter().zip(&usual.left);
-        known.all(|(e, left)| e.is_none_or(|e| e <= at_floor * both * left))
+    /// Whether the errors (RMS by joint) of the model as given are at the floors, which hold what executions of one motion differ by:
+    /// nothing has changed then, whatever part of them a cause would explain.
+    pub(super) fn is_usual(
+        &self,
+        errors: &[Option<f64>],
+        floors: &[Option<f64>],
+        at_floor: f64,
+    ) -> bool {
+        let mut known = errors.iter().zip(floors);
+        matches!(self, Self::Repeated { usual: Some(_), .. })
+            && known.all(|(e, floor)| {
+                let floor = floor.unwrap_or(0.0);
+                e.is_none_or(|e| e <= at_floor * floor)
+            })
     }
 
     /// What has structure beyond `margin` times the usual; nothing where nobody knows what is usual.

@@ -39,6 +39,7 @@ use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::surrogates::Null;
 use datasets::Recording;
+use physics::robot::{Masses, Robot};
 use searched::{Channels, Searched, Searcher};
 
 /// Diagnoses the gap between a model and recordings.
@@ -97,7 +98,7 @@ pub fn diagnose(
     };
     let unchanged = options.earlier.as_ref().is_some_and(|earlier| {
         let given = explanation.ladder.first();
-        given.is_some_and(|step| earlier.is_usual(&step.all.rmse, judging.at_floor))
+        given.is_some_and(|step| earlier.is_usual(&step.all.rmse, &floors, judging.at_floor))
     });
     let dead = &channels.dead;
     let judged = judged.off_turns(&frames.data, &settings.motion);
@@ -142,8 +143,9 @@ pub fn diagnose(
         ladder.push(scored.step("learned", &rest, &frames.heldout));
     }
     ladder.extend(repeatability(heldout, &frames.heldout));
+    let parts = patch::parts(model, &findings, &frames.scale, &explanation.causes)?;
     let simulation = if options.simulate {
-        simulated(model, &frames, &findings, &explanation)?
+        simulated(model, &frames, &explanation, &parts.whole)?
     } else {
         None
     };
@@ -152,7 +154,9 @@ pub fn diagnose(
     let causes = if unchanged {
         Vec::new()
     } else {
-        units::of_causes(explanation.causes.clone(), &model.robot)
+        let mut causes = explanation.causes.clone();
+        parts.told(&mut causes);
+        units::of_causes(causes, &model.robot)
     };
     let sensors = seen::beside(&frames, &findings.ground.links, &causes, &model.robot);
     let done = notes(&frames, &settings.input, &settings.ladder).into_iter();
@@ -162,6 +166,12 @@ pub fn diagnose(
         verdict,
         reason,
         compared: None,
+        no_gap_as_given: match model.robot.masses() {
+            _ if model.is_identified() => None,
+            Masses::Described => None,
+            Masses::Missing => Some("the description has no masses"),
+            Masses::Placeholders => Some("the description's masses are placeholders"),
+        },
         ladder,
         places: places(model, &frames, &explanation, settings),
         causes,
@@ -268,18 +278,17 @@ fn places(
 fn simulated(
     model: &NominalModel,
     frames: &Frames,
-    findings: &Findings,
     explanation: &Explanation,
+    patched: &Robot,
 ) -> Result<Option<Simulation>, DiagnoseError> {
     let given = possible::robot(model.sizes(), &model.robot)?;
-    let patched = patch::robot(model, findings, &explanation.causes)?;
     let held = &frames.heldout;
     let before = follow::Model {
         robot: &given,
         torque: &(&held.tau - &explanation.gap),
     };
     let after = follow::Model {
-        robot: &patched,
+        robot: patched,
         torque: &(&held.tau - &explanation.residual),
     };
     Ok(follow::compare(held, &before, &after))

@@ -8,7 +8,7 @@ use model::directory::{ModelFile, Source};
 use model::evaluation::read_options;
 use model::preparation::setup::{Setup, SetupError};
 use model::preparation::units::refuse_degrees;
-use physics::robot::Description;
+use physics::robot::{Description, Urdf};
 use std::path::{Path, PathBuf};
 
 /// A simulator's model with what reading its robot's recordings needs.
@@ -31,8 +31,8 @@ enum Reading {
 }
 
 impl Given {
-    /// A built-in robot by name or a URDF or MJCF by path, with its drive file; `joints` chooses from an MJCF that holds
-    /// more than one chain.
+    /// A built-in robot by name or a URDF or MJCF by path, with its drive file; `joints` chooses where it holds more than one
+    /// chain, and else the columns of `recordings` do.
     ///
     /// # Errors
     /// No such robot, or a description or drive file that cannot be used.
@@ -41,8 +41,9 @@ impl Given {
         joints: &[String],
         drive: Option<&Path>,
         gravity: Option<[f64; 3]>,
+        recordings: &[PathBuf],
     ) -> Result<Self, DiagnoseError> {
-        let setup = Setup::with_joints(name, joints, drive, gravity)?;
+        let setup = Setup::for_recordings(name, joints, drive, gravity, recordings)?;
         Ok(Self {
             model: NominalModel::new(setup.robot.clone()),
             description: setup.description.clone(),
@@ -64,7 +65,7 @@ impl Given {
         recordings: &[PathBuf],
         cutoff_hz: Option<f64>,
     ) -> Result<(Self, Recording), DiagnoseError> {
-        let mut setup = Setup::with_joints(name, joints, drive, gravity)?;
+        let mut setup = Setup::for_recordings(name, joints, drive, gravity, recordings)?;
         setup.rate_hz = rate_hz;
         let read = setup.read_training(recordings)?;
         let given = Self {
@@ -99,7 +100,7 @@ impl Given {
         ];
         Ok(Self {
             model: NominalModel::identified(&file)?,
-            description: Description::Urdf(file.physics.urdf),
+            description: Description::Urdf(Urdf::new(file.physics.urdf, &[])?),
             sources: Vec::new(),
             reading: Reading::Directory(Box::new(options)),
         })

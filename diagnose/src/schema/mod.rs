@@ -22,6 +22,10 @@ pub struct Diagnosis {
     /// The earlier recordings that the gap is measured from instead of a simulator's model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
+    /// Why the model as given is nothing to measure a gap from, where its description has no masses: the first step of `ladder` is
+    /// then that of what stands in for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_gap_as_given: Option<&'static str>,
     /// How far the gap shrinks, step by step, on the held-out recording.
     pub ladder: Vec<Step>,
     /// Where the gap lies.

@@ -162,7 +162,13 @@ pub fn find(
         Some(known) => known,
         None => {
             scene = scene.with_tangents();
-            Arc::new(Ground::new(&scene, data, weight, effects))
+            Arc::new(Ground::new(
+                &scene,
+                data,
+                weight,
+                effects,
+                model.has_masses(),
+            ))
         }
     };
     let mut candidates = ground.candidates.clone();

@@ -1,6 +1,7 @@
 //! What searches of one recording have in common, whatever its rows weigh and whatever is picked from the torque.
 
 use crate::catalogue::choice::Choice;
+use crate::catalogue::effect::Effect;
 use crate::catalogue::gear::{Link, links};
 use crate::catalogue::{Candidate, catalogue};
 use crate::motion::frame::Frame;
@@ -23,11 +24,20 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// On a scene with its derivatives. `weight` on the fitted rows, shape (rows, joints).
-    pub fn new(scene: &Scene, frame: &Frame, weight: &Array2<f64>, effects: Choice) -> Self {
+    /// On a scene with its derivatives. `weight` on the fitted rows, shape (rows, joints). Where the description has no
+    /// masses, a body more or another scale of torque is as good as any, and neither is looked for.
+    pub fn new(
+        scene: &Scene,
+        frame: &Frame,
+        weight: &Array2<f64>,
+        effects: Choice,
+        masses: bool,
+    ) -> Self {
         let links = links(scene, frame, weight);
         let mut candidates = catalogue(scene, &links);
         effects.retain(&mut candidates);
+        let scales = |c: &Candidate| matches!(c.effect, Effect::Payload | Effect::TorqueGain);
+        candidates.retain(|c| masses || !scales(c));
         let dictionary = Dictionary::new(scene.dof(), &candidates);
         Self {
             present: scene.robot.clone(),

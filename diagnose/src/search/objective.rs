@@ -144,22 +144,34 @@ impl<'a> Objective<'a> {
 
     /// The base columns with the given parameters' tolerances, `freedom` times as wide, as priors. A coefficient of friction
     /// that the model has at zero is missing, joint by joint, and free: nobody claimed that it is zero. One that was
-    /// identified as zero is.
+    /// identified as zero is. Numbers that the description's judgement doubts have the freedom of suspected ones, and where it has
+    /// no masses that of torque itself.
     pub fn base(&self, model: &NominalModel, freedom: impl Into<Freedom>) -> Vec<Variable> {
         let (s, freedom) = (self.settings, freedom.into());
-        let joints = model.sizes().joints();
-        let mut deviations: Vec<f64> = joints
-            .iter()
-            .flat_map(|j| link_sizes(j).map(|x| freedom.links * s.inertial_tolerance * x))
-            .collect();
+        let sizes = model.sizes();
+        let joints = sizes.joints();
+        let doubtful = sizes.doubtful_links();
+        let mut deviations: Vec<f64> = Vec::new();
+        for (joint, doubtful) in joints.iter().zip(doubtful) {
+            let given = freedom.links * s.inertial_tolerance;
+            let tolerance = if doubtful { given.max(s.freed) } else { given };
+            deviations.extend(link_sizes(joint).map(|x| tolerance * x));
+        }
+        if !model.has_masses() {
+            for (column, deviation) in deviations.iter_mut().enumerate() {
+                *deviation = self.wide(column).precision.sqrt().recip();
+            }
+        }
+        let guessed = sizes.doubtful_friction();
         let damping = joints.iter().map(|j| j.damping);
         let coulomb = joints.iter().map(|j| j.friction);
-        for given in damping.chain(coulomb) {
+        for (given, guessed) in damping.chain(coulomb).zip(guessed.iter().chain(&guessed)) {
             let size = self
                 .grams
                 .column_rms(deviations.len(), &self.torque)
                 .max(1e-9);
-            deviations.push(if given == 0.0 && !model.is_identified() {
+            let missing = given == 0.0 || *guessed;
+            deviations.push(if missing && !model.is_identified() {
                 s.missing / size
             } else {
                 freedom.friction * (s.friction_tolerance * given).max(s.unreported / size)

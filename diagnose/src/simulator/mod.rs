@@ -15,7 +15,7 @@ use identified::{Identified, IdentifiedFile};
 use model::directory::ModelFile;
 use model::preparation::cutoff;
 use ndarray::Array2;
-use physics::robot::{Joint, PARAMETERS_PER_LINK, Robot, RobotError};
+use physics::robot::{Joint, Masses, PARAMETERS_PER_LINK, Robot, RobotError};
 use std::sync::Arc;
 
 /// What the simulator computes torque with: a robot with its friction, or an identified model.
@@ -98,6 +98,11 @@ impl NominalModel {
     /// combinations and may be zero or negative where the nominal ones are not.
     pub fn sizes(&self) -> &Robot {
         self.identified.as_ref().map_or(&self.robot, |i| &i.sizes)
+    }
+
+    /// Whether its masses are somebody's statement: described as such, or identified.
+    pub fn has_masses(&self) -> bool {
+        self.is_identified() || self.robot.masses() == Masses::Described
     }
 
     /// How recordings were prepared that the parameters were identified on; none where nothing was.

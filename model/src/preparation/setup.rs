@@ -2,13 +2,14 @@
 
 use crate::preparation::units::{Degrees, looks_like_percent, refuse_degrees};
 use crate::preparation::{torque_band, wrapped};
+use datasets::read::named_joints;
 use datasets::{
     Affine, ColumnMap, DeclaredFilter, Part, ReadError, ReadOptions, Recording, TorqueFilter,
     overlap, read,
 };
 use nalgebra::Vector3;
 use physics::robot::{
-    Builtin, Description, Robot, RobotError,
+    Builtin, Chains, Description, Robot, RobotError, Urdf,
     drive::{AngleUnit, Conversion, Drive},
     to_urdf,
 };
@@ -25,6 +26,8 @@ pub struct Setup {
     pub description: Description,
     /// Rows per second of recordings without a column of time.
     pub rate_hz: Option<f64>,
+    /// Names of all joints that the description has, of which the robot's may be some.
+    described: Vec<String>,
     /// Low-pass of the recorded torque that the training recordings have shown.
     recognised: Option<DeclaredFilter>,
 }
@@ -114,7 +117,7 @@ impl Setup {
         Self::with_joints(robot, &[], drive, gravity)
     }
 
-    /// The same, with the joints that make the robot where an MJCF holds more; base first.
+    /// The same, with the joints that make the robot where its description holds more: see [`Description::load`].
     ///
     /// # Errors
     /// As [`Setup::new`], or joints that make no chain.
@@ -130,9 +133,59 @@ impl Setup {
         }
         let mut setup = Self::of(loaded, drive)?;
         if let Some(description) = description {
+            setup.described = description.chains()?.joints;
             setup.description = description;
         }
         Ok(setup)
+    }
+
+    /// The same, for recordings: where no joints are given, those that the recordings' columns name, or the one chain that has
+    /// as many joints as they have columns.
+    ///
+    /// # Errors
+    /// As [`Setup::with_joints`], or joints of more than one chain.
+    pub fn for_recordings(
+        robot: &str,
+        joints: &[String],
+        drive: Option<&Path>,
+        gravity: Option<[f64; 3]>,
+        recordings: &[PathBuf],
+    ) -> Result<Self, SetupError> {
+        let load = |joints: &[String]| Self::with_joints(robot, joints, drive, gravity);
+        let usual = load(joints);
+        let chosen = joints.iter().any(|j| !j.contains('='));
+        let file = usual
+            .as_ref()
+            .map_or(true, |s| s.robot.which_builtin().is_none());
+        let Some(first) = recordings.first().filter(|_| !chosen && file) else {
+            return usual;
+        };
+        let chains = match Chains::load(robot) {
+            Ok(chains) => chains,
+            Err(_) => return usual,
+        };
+        let with = |names: &[String]| load(&[names, joints].concat());
+        let named = named_joints(first, &chains.joints);
+        let own = usual.as_ref().map(|s| s.robot.joint_names()).ok();
+        if !named.is_empty() && own.as_ref() != Some(&named) {
+            let exact = with(&named);
+            // A gripper's column beside the arm's is none of the chain.
+            let within = |chain: &Vec<String>| chain.iter().all(|j| named.contains(j));
+            return match (exact, own.filter(within)) {
+                (Err(_), Some(_)) => usual,
+                (exact, _) => exact,
+            };
+        }
+        if let Err(SetupError::Robot(error)) = &usual
+            && several(error)
+        {
+            let count = columns(first, drive.is_none());
+            let mut fits = chains.chains.iter().filter(|c| Some(c.len()) == count);
+            if let (Some(chain), None) = (fits.next(), fits.next()) {
+                return with(chain);
+            }
+        }
+        usual
     }
 
     /// For a robot that is loaded already.
@@ -148,10 +201,11 @@ impl Setup {
             None => robot,
         };
         Ok(Self {
-            description: Description::Urdf(to_urdf(&robot)),
+            description: Description::Urdf(Urdf::new(to_urdf(&robot), &[])?),
             robot,
             drive,
             rate_hz: None,
+            described: Vec::new(),
             recognised: None,
         })
     }
@@ -171,6 +225,7 @@ impl Setup {
         };
         options.torque_needed = torque_needed;
         options.rate_hz = self.rate_hz;
+        options.described.clone_from(&self.described);
         options.joints = self
             .robot
             .joints()
@@ -259,6 +314,21 @@ impl Setup {
     }
 }
 
+/// Whether a description was refused because several of its chains may be meant.
+fn several(error: &RobotError) -> bool {
+    match error {
+        RobotError::SeveralChains { .. } => true,
+        RobotError::InFile { source, .. } => several(source),
+        _ => false,
+    }
+}
+
+/// Number of joints of a recording whose columns are numbered; none where it cannot be read without a drive file.
+fn columns(path: &Path, plain: bool) -> Option<usize> {
+    let options = ReadOptions::default();
+    plain.then(|| read(path, &options).ok().map(|r| r.dof()))?
+}
+
 /// A filter that recordings of `rate_hz` are known to have been through.
 pub fn known(filter: TorqueFilter, rate_hz: f64) -> DeclaredFilter {
     DeclaredFilter {
@@ -291,7 +361,7 @@ fn column_map(drive: &Drive, robot: &Robot) -> Result<ColumnMap, SetupError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use physics::robot::urdf_with;
+    use physics::robot::Changed;
 
     #[test]
     fn a_name_in_a_urdf_makes_no_built_in_robot() {
@@ -308,8 +378,8 @@ mod tests {
         let Description::Urdf(own) = &setup.description else {
             panic!("a URDF");
         };
-        assert_eq!(*own, text);
-        assert!(urdf_with(own, &setup.robot).is_ok());
+        assert_eq!(own.text(), text);
+        assert!(own.with(&Changed::of(&setup.robot)).is_ok());
         let options = Setup::new("kr300", None, None)
             .unwrap()
             .read_options(Part::Train, true)
@@ -324,5 +394,59 @@ mod tests {
         for wrong in ["0,0", "0,0,0,0", "0,0,x", "0,0,inf", "1,,2,3", ""] {
             assert!(gravity(wrong).is_err(), "{wrong}");
         }
+    }
+
+    /// The chain is the one that the columns name, or the one that has as many joints.
+    #[test]
+    fn a_recording_chooses_the_chain() {
+        let body = |name: &str| {
+            format!(
+                "<link name=\"{name}\"><inertial><mass value=\"1\"/><inertia ixx=\"0.01\" iyy=\"0.012\" izz=\"0.009\"/></inertial></link>"
+            )
+        };
+        let joint = |name: &str, from: &str, to: &str| {
+            format!(
+                "{}<joint name=\"{name}\" type=\"continuous\"><parent link=\"{from}\"/><child link=\"{to}\"/><axis xyz=\"0 1 0\"/></joint>",
+                body(to)
+            )
+        };
+        let urdf = format!(
+            "<robot name=\"r\"><link name=\"base\"/>{}{}{}</robot>",
+            joint("arm_2", "base", "a"),
+            joint("arm_1", "a", "b"),
+            joint("head_pan", "base", "c"),
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.urdf");
+        std::fs::write(&path, urdf).unwrap();
+        let robot = path.to_str().unwrap();
+        let chain = |header: &str| -> Result<String, String> {
+            let file = folder.path().join("d.csv");
+            let columns = header.matches(',').count();
+            let row = |k: usize| {
+                let cells: Vec<String> = (0..columns).map(|c| format!("{}", (k + c) % 7)).collect();
+                format!("{},{}\n", 0.01 * k as f64, cells.join(","))
+            };
+            let rows: String = (0..40).map(row).collect();
+            std::fs::write(&file, format!("{header}\n{rows}")).unwrap();
+            Setup::for_recordings(robot, &[], None, None, &[file])
+                .map(|s| s.robot.joint_names().join(","))
+                .map_err(|e| e.to_string())
+        };
+        for (header, expected) in [
+            ("time,q_arm_1,q_arm_2,tau_arm_1,tau_arm_2", "arm_2,arm_1"),
+            ("time,head_pan.pos,head_pan.effort", "head_pan"),
+            ("time,q1,q2,tau1,tau2", "arm_2,arm_1"),
+            ("time,q1,tau1", "head_pan"),
+        ] {
+            assert_eq!(chain(header).as_deref(), Ok(expected), "{header}");
+        }
+        let tree = chain("time,q_arm_2,q_arm_1,q_head_pan,tau_arm_2,tau_arm_1,tau_head_pan");
+        assert!(tree.unwrap_err().contains("do not lie on one chain"));
+        assert!(
+            chain("time,q1,q2,q3,tau1,tau2,tau3")
+                .unwrap_err()
+                .contains("they begin at")
+        );
     }
 }

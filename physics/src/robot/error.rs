@@ -37,13 +37,33 @@ pub enum RobotError {
         /// Name asked for.
         name: String,
     },
-    /// Not a URDF.
-    #[error(
-        "the URDF cannot be parsed: {reason}; check it with `check_urdf`, and expand xacro first"
-    )]
+    /// Not XML.
+    #[error("line {line}: it cannot be parsed: {reason}; {remedy}")]
     Syntax {
+        /// Line, from 1.
+        line: u32,
         /// Message of the parser.
         reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// An element that cannot be used.
+    #[error("line {line}: {element} {problem}; {remedy}")]
+    Element {
+        /// Line, from 1.
+        line: u32,
+        /// The element, with its name where it has one.
+        element: String,
+        /// What is wrong with it.
+        problem: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A macro file.
+    #[error("this is a xacro file, whose macros are not expanded: expand it first: `xacro {}`", expansion(file.as_deref()))]
+    Xacro {
+        /// Name of the file, where there is one.
+        file: Option<String>,
     },
     /// An MJCF that cannot be used.
     #[error("MJCF: {reason}")]
@@ -51,27 +71,52 @@ pub enum RobotError {
         /// What is wrong, and what to do.
         reason: String,
     },
-    /// Joints are chosen where there is nothing to choose.
-    #[error(
-        "joints can be chosen from an MJCF alone, and {name} is none: it is one chain as it stands; leave --joints out"
-    )]
+    /// Joints that make no robot.
+    #[error("{reason}")]
     Joints {
-        /// Robot asked for.
-        name: String,
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// Several chains, of which none is meant more than another.
+    #[error(
+        "it holds more than one chain of driven joints (they begin at {starts}); name the joints of one, base first, or its \
+         tool's frame by --joints a,b,c; a tree of moving arms is not supported"
+    )]
+    SeveralChains {
+        /// Where they begin.
+        starts: String,
+    },
+    /// A joint of the chain follows another, so that their torques are one.
+    #[error(
+        "joint {joint:?} follows joint {of:?} (mimic) within the chain, so that the two have one drive, which is not supported; \
+         choose the joints before it by --joints"
+    )]
+    Follows {
+        /// Joint that follows.
+        joint: String,
+        /// Joint that leads.
+        of: String,
     },
     /// A name is used twice.
-    #[error("two {what}s are called {name:?}; names must be unique")]
+    #[error(
+        "line {}: two {what}s are called {name:?}, the first on line {}; names must be unique: rename one or take it out",
+        lines[1], lines[0]
+    )]
     Duplicate {
         /// `link` or `joint`.
         what: &'static str,
         /// The name.
         name: String,
+        /// Lines of both, from 1.
+        lines: [u32; 2],
     },
     /// A joint refers to a link that does not exist.
     #[error(
-        "joint {joint:?} refers to link {link:?}, which does not exist; add the link or correct the name"
+        "line {line}: joint {joint:?} refers to link {link:?}, which does not exist; add the link or correct the name"
     )]
     UnknownLink {
+        /// Line of the joint, from 1.
+        line: u32,
         /// Joint with the reference.
         joint: String,
         /// Missing link.
@@ -106,19 +151,6 @@ pub enum RobotError {
     NoJoints {
         /// Name of the robot.
         name: String,
-    },
-    /// The moving joints form a tree.
-    #[error(
-        "the moving joints do not form one serial chain: link {link:?} carries both {first:?} and {second:?}; \
-         keep one of them and make the other fixed"
-    )]
-    Branch {
-        /// Link (with what is fixed to it) at which the chain splits.
-        link: String,
-        /// One moving joint.
-        first: String,
-        /// Another moving joint.
-        second: String,
     },
     /// A joint of a kind that is not supported.
     #[error(
@@ -202,4 +234,16 @@ pub enum RobotError {
         /// What is wrong, and what to do.
         reason: String,
     },
+}
+
+/// Arguments that expand a macro file.
+fn expansion(file: Option<&str>) -> String {
+    let file = file.unwrap_or("arm.urdf.xacro");
+    let stem = file.strip_suffix(".xacro");
+    let out = match stem {
+        Some(stem) if stem.ends_with(".urdf") => stem.to_owned(),
+        Some(stem) => format!("{stem}.urdf"),
+        None => format!("expanded.{file}"),
+    };
+    format!("{file} > {out}")
 }

@@ -5,6 +5,7 @@
 
 mod builtin;
 mod chain;
+mod checks;
 mod counterbalance;
 pub mod dh;
 pub mod drive;
@@ -12,6 +13,7 @@ mod error;
 mod format;
 mod inertia;
 mod joint;
+mod judgement;
 mod passive;
 
 pub use builtin::Builtin;
@@ -19,12 +21,15 @@ pub(crate) use chain::{Chain, ChainJoint};
 pub use counterbalance::Counterbalance;
 pub use error::RobotError;
 pub use format::{
-    Actuator, ActuatorKind, Description, DriveEdit, Edited, MACHINES, Mjcf, to_urdf, urdf_with,
+    Actuator, ActuatorKind, Chains, Changed, Description, DriveEdit, Edited, Load, MACHINES, Mjcf,
+    Urdf, to_urdf, urdf_with,
 };
 pub use inertia::{Inertia, PARAMETER_NAMES, PARAMETERS_PER_LINK};
 pub use joint::{Joint, JointKind, Limits, Link};
+pub use judgement::{Doubt, Finding, Masses};
 pub use passive::{Passive, Spring};
 
+use checks::{check_inertia, check_joint};
 use nalgebra::Vector3;
 
 /// Standard gravity in the base frame, m/s².
@@ -38,7 +43,8 @@ pub struct Robot {
     joints: Vec<Joint>,
     passive: Vec<Passive>,
     gravity_compensation: Vec<f64>,
-    warnings: Vec<String>,
+    findings: Vec<Finding>,
+    masses: Masses,
     notes: Vec<String>,
     chain: Chain,
     builtin: Option<Builtin>,
@@ -55,10 +61,10 @@ impl Robot {
         if joints.is_empty() {
             return Err(RobotError::NoJoints { name });
         }
-        let mut warnings = Vec::new();
+        let mut findings = Vec::new();
         for joint in &joints {
             check_joint(joint)?;
-            check_inertia(joint, &mut warnings)?;
+            findings.extend(check_inertia(joint)?);
         }
         let chain = Chain::new(&joints, &[]);
         Ok(Self {
@@ -67,11 +73,53 @@ impl Robot {
             joints,
             passive: Vec::new(),
             gravity_compensation: Vec::new(),
-            warnings,
+            findings,
+            masses: Masses::Described,
             notes: Vec::new(),
             chain,
             builtin: None,
         })
+    }
+
+    /// A robot as a description has it: judged with its `bodies` as they are written and what its reader found. Where no link
+    /// has a mass, bodies of 1 kg stand in.
+    pub(in crate::robot) fn described(
+        name: impl Into<String>,
+        mut joints: Vec<Joint>,
+        bodies: &[judgement::Body],
+        mut findings: Vec<Finding>,
+    ) -> Result<Self, RobotError> {
+        let massless = !joints.is_empty() && joints.iter().all(|j| j.link.inertia.mass == 0.0);
+        if massless {
+            findings.insert(
+                0,
+                Finding {
+                    doubt: Doubt::NoMasses,
+                    names: joints.iter().map(|j| j.link.name.clone()).collect(),
+                    joints: joints.iter().map(|j| j.name.clone()).collect(),
+                },
+            );
+            let bodies = judgement::stand_ins(&joints);
+            for (joint, body) in joints.iter_mut().zip(bodies) {
+                joint.link.inertia = body;
+            }
+        }
+        let mut robot = Self::new(name, joints)?;
+        if !massless {
+            findings.extend(judgement::judge(&robot.joints, bodies, &STANDARD_GRAVITY));
+        }
+        for finding in findings {
+            // One doubt about several joints is said once.
+            match robot.findings.iter_mut().find(|f| f.doubt == finding.doubt) {
+                Some(known) => {
+                    known.names.extend(finding.names);
+                    known.joints.extend(finding.joints);
+                }
+                None => robot.findings.push(finding),
+            }
+        }
+        robot.masses = judgement::masses(&robot.findings, &robot.joints);
+        Ok(robot)
     }
 
     /// A built-in robot by name: see [`Builtin`].
@@ -126,9 +174,32 @@ impl Robot {
         &self.gravity_compensation
     }
 
-    /// What is implausible about the description although it can be used.
-    pub fn warnings(&self) -> &[String] {
-        &self.warnings
+    /// What is doubtful about the description although it can be used.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// What the description says of masses.
+    pub fn masses(&self) -> Masses {
+        self.masses
+    }
+
+    /// Whether each link's inertial numbers are doubtful, base first.
+    pub fn doubtful_links(&self) -> Vec<bool> {
+        self.doubted(Doubt::is_of_masses)
+    }
+
+    /// Whether each joint's damping and friction are doubtful, base first.
+    pub fn doubtful_friction(&self) -> Vec<bool> {
+        self.doubted(Doubt::is_of_friction)
+    }
+
+    fn doubted(&self, what: impl Fn(&Doubt) -> bool) -> Vec<bool> {
+        let of = |joint: &Joint| {
+            let mut all = self.findings.iter().filter(|f| what(&f.doubt));
+            all.any(|f| f.joints.contains(&joint.name))
+        };
+        self.joints.iter().map(of).collect()
     }
 
     /// What of the description the robot does not hold, or holds otherwise: joints taken as fixed, effects left out.
@@ -276,88 +347,4 @@ impl Robot {
         }
         Ok(())
     }
-}
-
-/// Inertial parameters and placements beyond this (kg, m) belong to no robot; their products leave the numbers.
-const LARGEST: f64 = 1e12;
-
-/// Relative tolerance on the eigenvalues of a described inertia: published tables carry about six
-/// digits.
-const ROUNDING: f64 = 1e-5;
-
-fn check_joint(joint: &Joint) -> Result<(), RobotError> {
-    if (joint.axis.norm() - 1.0).abs() > 1e-9 {
-        return Err(RobotError::BadAxis {
-            joint: joint.name.clone(),
-            axis: joint.axis.into(),
-        });
-    }
-    let number = |what: &str, value: f64| {
-        if value.is_finite() && value >= 0.0 {
-            return Ok(());
-        }
-        Err(RobotError::BadNumber {
-            owner: joint.name.clone(),
-            what: what.to_owned(),
-            value,
-            hint: "it must be finite and not negative".to_owned(),
-        })
-    };
-    number("damping", joint.damping)?;
-    number("friction", joint.friction)?;
-    number("rotor inertia", joint.rotor_inertia)?;
-    let placement = joint.rotation.iter().chain(joint.translation.iter());
-    for &value in placement {
-        if !value.is_finite() || value.abs() > LARGEST {
-            return Err(RobotError::BadNumber {
-                owner: joint.name.clone(),
-                what: "origin".to_owned(),
-                value,
-                hint: "it must be finite and that of a robot".to_owned(),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// Refuses an inertia with which the mass matrix could be indefinite; warns about one that no mass
-/// distribution has.
-fn check_inertia(joint: &Joint, warnings: &mut Vec<String>) -> Result<(), RobotError> {
-    let (link, inertia) = (&joint.link, &joint.link.inertia);
-    let impossible = |reason: String| RobotError::ImpossibleInertia {
-        link: link.name.clone(),
-        joint: joint.name.clone(),
-        reason,
-    };
-    let parameters = inertia.parameters();
-    let usable = |p: &f64| p.is_finite() && p.abs() <= LARGEST;
-    if let Some(bad) = parameters.iter().find(|p| !usable(p)) {
-        return Err(impossible(format!("it contains {bad}")));
-    }
-    if inertia.mass < 0.0 {
-        return Err(impossible(format!("its mass is {} kg", inertia.mass)));
-    }
-    if inertia.mass == 0.0 {
-        return Err(RobotError::Massless {
-            link: link.name.clone(),
-            joint: joint.name.clone(),
-        });
-    }
-    let principal = inertia.about_com().symmetric_eigenvalues();
-    // Rounding of the parallel-axis terms counts too, hence the scale about the origin.
-    let scale = inertia.about_origin.amax().max(principal.amax());
-    if principal.min() < -ROUNDING * scale {
-        return Err(impossible(format!(
-            "a principal moment is {:.3e} kg·m², below zero",
-            principal.min()
-        )));
-    }
-    if !inertia.is_consistent(ROUNDING) {
-        warnings.push(format!(
-            "link {:?} (moved by joint {:?}): no mass distribution has its inertia: one principal moment exceeds \
-             the sum of the other two; results can be used, but check the numbers",
-            link.name, joint.name
-        ));
-    }
-    Ok(())
 }

@@ -126,7 +126,8 @@ pub struct Arguments {
     /// The simulator's model: a URDF, an MJCF, or the name of a built-in robot.
     #[arg(long)]
     pub robot: Option<String>,
-    /// Joints of the robot, base first, where an MJCF holds more than one chain [default: the one actuated chain].
+    /// Joints of the robot, base first, or the frame of its tool, where the description holds more; NAME=POSITION (rad or m) says where
+    /// another joint stands [default: those that the recording's columns name, or the one chain].
     #[arg(
         long,
         value_name = "A,B,C",

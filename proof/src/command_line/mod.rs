@@ -52,6 +52,9 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     spinner.enable_steady_tick(Duration::from_millis(200));
     let done = job(arguments).run(|stage| spinner.set_message(stage))?;
     spinner.finish_and_clear();
+    for warning in &done.warnings {
+        report::say!("Warning: {warning}.");
+    }
     for note in &done.notes {
         report::say!("Note: {note}.");
     }
@@ -88,13 +91,20 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     }
     if arguments.patch.is_some() {
         let mjcf = matches!(done.given.description, Description::Mjcf(_));
+        let changes = patch.as_ref().map_or(&[][..], |p| &p.changes);
         report::say!(
             "Patched model: {}",
-            patch::summary(&done.outcome.diagnosis.causes, mjcf)
+            patch::summary(&done.outcome.diagnosis.causes, mjcf, !changes.is_empty())
         );
+        for line in changes {
+            report::say!("  {line}");
+        }
         for line in left_out {
             report::say!("  left out: {line}");
         }
+    }
+    for (path, _) in &files {
+        report::say!("Written: {}", path.display());
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ mod command_line;
 mod mjcf;
 mod model_directory;
 mod next_motion;
+mod robots;
 mod score;
 mod sensors;
 #[path = "../../../tests/src/shared.rs"]

@@ -119,7 +119,7 @@ fn what_cannot_be_used_is_refused_with_a_hint() {
         "one.xml",
         MJCF,
         &["--joints", "j7"],
-        "the hinge and slide joints are j1",
+        "the joints that turn or slide are j1",
     );
     let tied = MJCF.replace(
         "</worldbody>",
@@ -134,7 +134,7 @@ fn what_cannot_be_used_is_refused_with_a_hint() {
     refused(
         "other.urdf",
         crate::case::URDF,
-        &["--joints", "j1"],
-        "leave --joints out",
+        &["--joints", "j7"],
+        "there is no joint \"j7\"",
     );
 }

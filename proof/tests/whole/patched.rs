@@ -4,7 +4,7 @@ use diagnose::NominalModel;
 use diagnose::patch::{ForMujoco, patch};
 use diagnose::{Options, Outcome, diagnose};
 use physics::robot::drive::Drive;
-use physics::robot::{Description, Robot};
+use physics::robot::{Description, Robot, Urdf};
 use trials::cases::{CaseSpec, EFFECTS, Kind, generate};
 
 fn causes(outcome: &Outcome) -> Vec<&'static str> {
@@ -38,7 +38,7 @@ fn round_trip(effect: &str, index: u64) {
         "{effect}: {:?}",
         causes(&before)
     );
-    let description = Description::Urdf(case.urdf.clone());
+    let description = Description::Urdf(Urdf::new(case.urdf.clone(), &[]).unwrap());
     let patch = patch(&model, &before, &description).unwrap();
     let ForMujoco::Snippet(mjcf) = &patch.mjcf else {
         panic!("a snippet beside a URDF");

@@ -5,7 +5,7 @@ use diagnose::Effect;
 use diagnose::NominalModel;
 use diagnose::patch::patch;
 use diagnose::{Options, Outcome, diagnose};
-use physics::robot::{Description, Robot};
+use physics::robot::{Description, Robot, Urdf};
 use std::path::PathBuf;
 
 fn outcome(arm: &str) -> Option<Outcome> {
@@ -102,7 +102,12 @@ fn what_is_advised_of_a_panda_is_possible_and_is_what_is_written() {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/panda/robot.urdf");
     let text = std::fs::read_to_string(file).unwrap();
     let model = NominalModel::new(Robot::from_urdf_str(&text).unwrap());
-    let written = patch(&model, &found, &Description::Urdf(text)).unwrap();
+    let written = patch(
+        &model,
+        &found,
+        &Description::Urdf(Urdf::new(text, &[]).unwrap()),
+    )
+    .unwrap();
     let robot = Robot::from_urdf_str(&written.urdf).unwrap();
     // Without bounds the fit takes dampings below zero and light links out of the cone of bodies.
     let bounds = found.diagnosis.bounds.as_ref().unwrap();

@@ -5,7 +5,7 @@
 use feedforward::network::Compensator;
 use model::directory::ModelFile;
 use physics::dynamics::{Workspace, inverse_dynamics};
-use physics::robot::{Builtin, Mjcf, Robot, drive::Drive, to_urdf, urdf_with};
+use physics::robot::{Builtin, Changed, Mjcf, Robot, drive::Drive, to_urdf, urdf_with};
 use proptest::prelude::*;
 use std::sync::OnceLock;
 use tests::program::{program, run};
@@ -124,7 +124,8 @@ proptest! {
             let heavier: Vec<f64> = robot.parameters().iter().map(|p| 1.5 * p).collect();
             let friction = vec![0.5; n];
             let new = robot.with_parameters(&heavier).and_then(|r| r.with_friction(&friction, &friction));
-            let edited = mjcf.with(&new.expect("as many values"), &friction);
+            let new = new.expect("as many values");
+            let edited = mjcf.with(&Changed { zeros: &friction, ..Changed::of(&new) });
             let files = edited.expect("the same joints").files("out.xml".as_ref()).expect("one file");
             prop_assert!(Mjcf::from_text(&files[0].1, &[]).is_ok(), "{text}");
         }

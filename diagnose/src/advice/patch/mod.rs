@@ -1,12 +1,13 @@
 //! The simulator's model with the accepted causes written in: an MJCF or URDF as far as that has a place for them, beside a
 //! URDF a drive file for rotor inertias, elements for MuJoCo and Gazebo and a layer for USD, and a table of values for everything else.
 
+mod bodies;
 mod mjcf;
 mod patched;
 mod sdf;
-mod urdf;
 mod usd;
 mod values;
+mod written;
 
 use crate::advice::code::{self, Code};
 use crate::catalogue::effect::Effect;
@@ -16,12 +17,12 @@ use crate::schema::Cause;
 use crate::schema::value::value;
 use crate::simulator::NominalModel;
 use nalgebra::Vector3;
-use physics::robot::{Description, Edited, to_urdf};
+use physics::robot::{Changed, Description, Edited, Urdf, to_urdf};
 use std::path::{Path, PathBuf};
 
 pub use code::beyond;
+pub use patched::{Parts, parts, place};
 use patched::{Patched, joint, number, place_of};
-pub use patched::{place, robot};
 pub use values::Setting;
 
 /// Files of a patch.
@@ -40,6 +41,8 @@ pub struct Patch {
     pub values: String,
     /// What every joint is to be set to.
     pub settings: Vec<Setting>,
+    /// What changes in the description, from → to, a line each.
+    pub changes: Vec<String>,
 }
 
 /// What a patch has for MuJoCo.
@@ -109,7 +112,11 @@ pub fn patch(
     description: &Description,
 ) -> Result<Patch, DiagnoseError> {
     let causes = &outcome.diagnosis.causes;
-    let robot = robot(model, &outcome.findings, causes)?;
+    let Parts {
+        whole: robot,
+        unloaded,
+        load,
+    } = parts(model, &outcome.findings, &outcome.frames.scale, causes)?;
     let of = |effect: Effect| causes.iter().filter(move |c| c.effect == effect);
     let mut zeros = vec![0.0; robot.dof()];
     for cause in of(Effect::EncoderOffset) {
@@ -122,45 +129,73 @@ pub fn patch(
     });
     let patched = Patched {
         robot,
+        unloaded,
+        load,
         tilt,
         causes,
     };
     let settings = values::settings(&model.robot, &patched.robot);
-    let changed = of(Effect::RotorInertia).next().is_some();
+    let rotors = of(Effect::RotorInertia).next().is_some();
     let mut others = Vec::new();
+    let changed = Changed {
+        robot: &patched.unloaded,
+        zeros: &zeros,
+        tilt: patched.tilt,
+        load: patched.load,
+    };
+    // A base that is tilted is the same as gravity that is.
+    let tilted = patched.robot.clone().with_gravity(patched.gravity());
     let (urdf, mjcf) = match description {
-        Description::Urdf(text) => {
+        Description::Urdf(urdf) => {
             others.push(("sdf", sdf::document(&patched)));
             others.push(("usda", usd::layer(&patched)));
-            (
-                text.clone(),
-                ForMujoco::Snippet(mjcf::snippet(&patched, &zeros)),
-            )
+            let snippet = mjcf::snippet(&patched, &zeros);
+            let text = urdf.with(&changed)?;
+            let read = urdf.reread(&text)?.with_gravity(model.robot.gravity());
+            written::compare("the patched URDF", &tilted, &zeros, &read, false)?;
+            (text, ForMujoco::Snippet(snippet))
         }
         Description::Mjcf(own) => {
-            let robot = patched.robot.clone().with_gravity(patched.gravity());
-            let files = own.with(&robot, &zeros)?;
-            (to_urdf(&model.robot), ForMujoco::Whole(files))
+            let robot = patched.unloaded.clone().with_gravity(patched.gravity());
+            let files = own.with(&Changed {
+                robot: &robot,
+                tilt: Vector3::zeros(),
+                ..changed.clone()
+            })?;
+            // What has no place in the model is said instead.
+            if files.left_out().is_empty() {
+                written::compare(
+                    "the patched MJCF",
+                    &tilted,
+                    &zeros,
+                    &own.reread(&files)?,
+                    true,
+                )?;
+            }
+            let urdf = Urdf::new(to_urdf(&model.robot), &[])?;
+            (urdf.with(&changed)?, ForMujoco::Whole(files))
         }
     };
     let whole = matches!(mjcf, ForMujoco::Whole(_));
     Ok(Patch {
-        urdf: urdf::written(&urdf, &patched, &zeros)?,
-        drive: changed.then(|| values::drive(&patched.robot)),
+        urdf,
+        drive: rotors.then(|| values::drive(&patched.robot)),
         mjcf,
         others,
         code: code::code(model, outcome, |c| place_of(c, whole).is_some()),
         values: values::table(&patched, &settings, whole),
         settings,
+        changes: written::changes(&model.robot, &patched),
     })
 }
 
-/// One line on what the patch holds; `mjcf` says whether the model is one, which has a place for rotor inertias too.
-pub fn summary(causes: &[Cause], mjcf: bool) -> String {
+/// One line on what the patch holds; `mjcf` says whether the model is one, which has a place for rotor inertias too, and
+/// `changes` whether any number of it changes.
+pub fn summary(causes: &[Cause], mjcf: bool, changes: bool) -> String {
     let format = if mjcf { "MJCF" } else { "URDF" };
     let inside = |c: &&Cause| place_of(c, mjcf) == Some(format);
     let (inside, outside): (Vec<&Cause>, Vec<&Cause>) = causes.iter().partition(inside);
-    let list = |c: &[&Cause]| {
+    let list = |c: &[&Cause], none: &str| {
         let one = |c: &&Cause| {
             c.parameters
                 .first()
@@ -169,17 +204,22 @@ pub fn summary(causes: &[Cause], mjcf: bool) -> String {
                 })
         };
         if c.is_empty() {
-            "nothing".to_owned()
+            none.to_owned()
         } else {
             c.iter().map(one).collect::<Vec<_>>().join(", ")
         }
     };
     let (code, beside): (Vec<&Cause>, Vec<&Cause>) =
         outside.into_iter().partition(|c| code::holds(c));
+    let none = if changes {
+        "no cause, but the numbers that were fitted beside the causes"
+    } else {
+        "nothing"
+    };
     format!(
         "in the {format}: {}; in generated code: {}; beside it: {}",
-        list(&inside),
-        list(&code),
-        list(&beside)
+        list(&inside, none),
+        list(&code, "nothing"),
+        list(&beside, "nothing")
     )
 }

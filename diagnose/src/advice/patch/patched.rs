@@ -1,40 +1,146 @@
 //! The robot that is written.
 
+use super::bodies::nearest;
 use crate::advice::code;
 use crate::catalogue::effect::Effect;
+use crate::motion::scene::Scale;
 use crate::schema::Cause;
 use crate::search::find::Findings;
-use crate::simulator::{NominalModel, possible};
-use nalgebra::{Rotation3, Vector3};
-use physics::robot::{Robot, RobotError};
+use crate::simulator::NominalModel;
+use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
+use physics::robot::{Inertia, Load, PARAMETERS_PER_LINK, Robot, RobotError, to_urdf};
+
+/// Density of what a robot carries, kg/m³: water's, between plastics and metals. It gives a load whose inertia the recording does
+/// not show a size.
+const LOAD_DENSITY: f64 = 1000.0;
 
 /// What is written of a robot.
 pub(super) struct Patched<'a> {
-    /// Possible inertials, friction, rotor inertia, joint zeros.
+    /// Possible inertials, friction, rotor inertia; with the load.
     pub(super) robot: Robot,
+    /// The same without the load.
+    pub(super) unloaded: Robot,
+    /// The load.
+    pub(super) load: Option<Load>,
     /// Rotation vector by which the base is tilted, rad.
     pub(super) tilt: Vector3<f64>,
     pub(super) causes: &'a [Cause],
 }
 
+/// A robot as it is written.
+pub struct Parts {
+    /// With its load.
+    pub whole: Robot,
+    /// Without.
+    pub unloaded: Robot,
+    /// The load.
+    pub load: Option<Load>,
+}
+
+impl Parts {
+    /// Gives the causes the inertial numbers that are written, so that page and file say the same.
+    pub fn told(&self, causes: &mut [Cause]) {
+        let labels = self.unloaded.parameter_names();
+        let values = self.unloaded.parameters();
+        for cause in causes {
+            for p in &mut cause.parameters {
+                let place = labels.iter().position(|label| *label == p.name);
+                if let (Effect::LinkParameters, Some(at)) = (cause.effect, place) {
+                    p.value = values[at];
+                }
+            }
+        }
+    }
+}
+
 /// The model with every fitted change of parameters that it has a place for, payload and rotor inertia included, as a robot
-/// whose links are possible bodies.
+/// whose links are possible bodies: those nearest to the description's that the data allow.
 ///
 /// # Errors
 /// The fitted parameters make no robot.
-pub fn robot(
+pub fn parts(
     model: &NominalModel,
     found: &Findings,
+    scale: &Scale,
     causes: &[Cause],
-) -> Result<Robot, RobotError> {
+) -> Result<Parts, RobotError> {
     let change: Vec<f64> = found.changes(|_| true).iter().map(|c| c.0).collect();
-    let mut inertia = model.robot.rotor_inertia();
+    let mut rotors = model.robot.rotor_inertia();
     for cause in causes.iter().filter(|c| c.effect == Effect::RotorInertia) {
         if let Some(j) = joint(model, cause) {
-            inertia[j] += number(cause, "inertia");
+            rotors[j] += number(cause, "inertia");
         }
     }
-    possible::robot(model.sizes(), &model.moved(&change)?)?.with_rotor_inertia(&inertia)
+    let moved = model.moved(&change)?.with_rotor_inertia(&rotors)?;
+    let n = model.robot.dof();
+    let listed = causes.iter().any(|c| c.effect == Effect::Payload);
+    let load = load(found).filter(|_| listed);
+    let given = model.sizes().joints().iter();
+    let mut described: Vec<Inertia> = given.map(|j| j.link.inertia).collect();
+    let mut sums: Vec<usize> = (0..n).collect();
+    if let Some(load) = &load {
+        described.push(*load);
+        sums.push(n - 1);
+    }
+    let information = information(found, scale, PARAMETERS_PER_LINK * n);
+    let mut bodies = nearest(&described, &sums, &moved.parameters(), &information);
+    let load = load.and_then(|_| bodies.pop()).map(|inertia| Load {
+        link: n - 1,
+        inertia,
+    });
+    let with = |bodies: &[Inertia]| {
+        let parameters: Vec<f64> = bodies.iter().flat_map(Inertia::parameters).collect();
+        moved.with_parameters(&parameters)
+    };
+    let unloaded = with(&bodies)?;
+    if let Some(load) = &load {
+        bodies[load.link] = bodies[load.link].plus(&load.inertia);
+    }
+    let whole = with(&bodies)?;
+    // Friction and placements that no description holds are refused here, not when the file is read.
+    Robot::from_urdf_str(&to_urdf(&whole))?;
+    Ok(Parts {
+        whole,
+        unloaded,
+        load,
+    })
+}
+
+/// The load as it was fitted beside the last link's parameters: its mass and place; the ball of its mass for its inertia.
+fn load(found: &Findings) -> Option<Inertia> {
+    let own = found
+        .accepted
+        .iter()
+        .find(|a| found.candidates[a.candidate].effect == Effect::Payload)?;
+    let beta: Vec<f64> = own.variables.clone().map(|i| found.tight.1[i]).collect();
+    let [mass, x, y, z] = *beta.first_chunk::<4>()?;
+    let radius = (3.0 * mass / (4.0 * std::f64::consts::PI * LOAD_DENSITY)).cbrt();
+    (mass > 0.0).then(|| {
+        let com = Vector3::new(x, y, z) / mass;
+        Inertia::from_com(
+            mass,
+            com,
+            Matrix3::identity() * (0.4 * mass * radius * radius),
+        )
+    })
+}
+
+/// What the fitted recording says of the links' parameters, all else as it was fitted: the sum of their columns' products over
+/// what each joint's error varies.
+fn information(found: &Findings, scale: &Scale, count: usize) -> DMatrix<f64> {
+    let (grams, fit) = (&found.grams, found.tight_fit(scale));
+    let mut sum = DMatrix::zeros(count, count);
+    for (j, weight) in fit.weights.iter().enumerate() {
+        let places: Vec<(usize, usize)> = (0..count)
+            .filter_map(|c| Some((c, grams.layout.position(j, c)?)))
+            .collect();
+        for &(a, pa) in &places {
+            for &(b, pb) in &places {
+                sum[(a, b)] += weight * grams.total[j].xx[[pa, pb]];
+            }
+        }
+    }
+    sum
 }
 
 /// Where a patch writes an effect; none for the table of values alone. `mjcf` says whether the model is one: what a URDF

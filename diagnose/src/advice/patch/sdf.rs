@@ -80,8 +80,11 @@ mod tests {
 
     fn patched() -> Patched<'static> {
         let robot = Robot::from_urdf_str(ARM).unwrap();
+        let robot = robot.with_rotor_inertia(&[0.25, 0.0]).unwrap();
         Patched {
-            robot: robot.with_rotor_inertia(&[0.25, 0.0]).unwrap(),
+            unloaded: robot.clone(),
+            robot,
+            load: None,
             tilt: Vector3::zeros(),
             causes: &[],
         }

@@ -251,11 +251,17 @@ fn verdict(d: &Diagnosis) -> String {
         .ladder
         .iter()
         .rfind(|s| s.step != "learned" && s.step != "repeatability");
-    let figures = format!(
-        "mean NRMSE on held-out data {} as given, {} explained",
-        nrmse(d.ladder.first()),
-        nrmse(last)
-    );
+    let figures = match d.no_gap_as_given {
+        Some(why) => format!(
+            "{why}, so that there is no gap as given to judge; mean NRMSE on held-out data {} with masses learned",
+            nrmse(last)
+        ),
+        None => format!(
+            "mean NRMSE on held-out data {} as given, {} explained",
+            nrmse(d.ladder.first()),
+            nrmse(last)
+        ),
+    };
     let since = d.compared.is_some();
     let says = match d.verdict {
         Verdict::NoGap if since => "Nothing has changed beyond noise",

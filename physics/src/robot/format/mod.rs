@@ -3,14 +3,18 @@
 //! A format is one folder with reading, writing and new numbers in an existing text; what is read is always a [`Robot`]. Which
 //! format a file has follows from its outermost element.
 
+mod changed;
+mod choice;
 mod mjcf;
+mod share;
 mod urdf;
+mod xml;
 
+pub use changed::{Changed, Load};
 pub use mjcf::{Actuator, ActuatorKind, DriveEdit, Edited, Mjcf};
-pub use urdf::{to_urdf, urdf_with};
+pub use urdf::{Urdf, to_urdf, urdf_with};
 
 use super::{Builtin, Robot, RobotError};
-use roxmltree::Document;
 use std::path::Path;
 
 /// Built-in machines that have no description by links (crate `machines`): named so that asking for one as a robot ends with
@@ -20,18 +24,58 @@ pub const MACHINES: [&str; 5] = ["rotary_axis", "linear_axis", "scara4", "delta3
 /// A robot's description as the user has it: what new numbers can be written into.
 #[derive(Clone, Debug)]
 pub enum Description {
-    /// Text of a URDF.
-    Urdf(String),
+    /// A URDF.
+    Urdf(Urdf),
     /// Files of an MJCF.
     Mjcf(Mjcf),
 }
 
-impl Description {
-    /// Reads a file. `joints` names the joints of the robot, base first, where an MJCF holds more; empty for its one
-    /// actuated chain.
+/// The joints of a description, and the chains that they make.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chains {
+    /// Names of all joints that turn or slide, every one after those that carry it.
+    pub joints: Vec<String>,
+    /// Chains that may be meant, each base first: to every end, and to where each spreads.
+    pub chains: Vec<Vec<String>>,
+}
+
+impl Chains {
+    fn of(tree: &choice::Tree<'_>) -> Self {
+        let scalar = tree.joints.iter().filter(|j| j.scalar);
+        Self {
+            joints: scalar.map(|j| j.name.to_owned()).collect(),
+            chains: tree.chains(),
+        }
+    }
+
+    /// The chains of a file; none of a built-in robot.
     ///
     /// # Errors
-    /// The file cannot be read or is refused, or joints are chosen from a URDF.
+    /// The file cannot be read, or is no description.
+    pub fn load(name_or_path: &str) -> Result<Self, RobotError> {
+        let path = Path::new(name_or_path);
+        if Robot::builtin(name_or_path).is_some() {
+            return Ok(Self::default());
+        }
+        let text = std::fs::read_to_string(path).map_err(|source| RobotError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        let chains = if is_mjcf(&text) {
+            Mjcf::from_file(path, &[]).and_then(|m| m.chains())
+        } else {
+            Urdf::new(text, &[]).and_then(|u| u.chains())
+        };
+        chains.map_err(|e| in_file(path, e))
+    }
+}
+
+impl Description {
+    /// Reads a file. `joints` names the joints of the robot, base first, or a frame at the end of its chain, where the
+    /// description holds more; empty for its one chain. `NAME=POSITION` (rad or m) says where another joint stands.
+    ///
+    /// # Errors
+    /// The file cannot be read or is refused.
     pub fn load(path: &Path, joints: &[String]) -> Result<(Self, Robot), RobotError> {
         let read = || -> Result<(Self, Robot), RobotError> {
             let text = std::fs::read_to_string(path).map_err(|source| RobotError::Read {
@@ -43,30 +87,45 @@ impl Description {
                 let robot = mjcf.robot()?;
                 return Ok((Self::Mjcf(mjcf), robot));
             }
-            if !joints.is_empty() {
-                return Err(RobotError::Joints {
-                    name: path.display().to_string(),
-                });
-            }
-            let robot = Robot::from_urdf_str(&text)?;
-            Ok((Self::Urdf(text), robot))
+            let urdf = Urdf::new(text, joints)?;
+            let robot = urdf.robot()?;
+            Ok((Self::Urdf(urdf), robot))
         };
-        read().map_err(|error| match error {
-            RobotError::Read { path: own, source } if own == path => {
-                RobotError::Read { path: own, source }
-            }
-            error @ RobotError::Joints { .. } => error,
-            source => RobotError::InFile {
-                path: path.to_owned(),
-                source: Box::new(source),
-            },
-        })
+        read().map_err(|error| in_file(path, error))
+    }
+
+    /// The joints of the description, and the chains that they make.
+    ///
+    /// # Errors
+    /// None of a description that has been read.
+    pub fn chains(&self) -> Result<Chains, RobotError> {
+        match self {
+            Self::Urdf(urdf) => urdf.chains(),
+            Self::Mjcf(mjcf) => mjcf.chains(),
+        }
+    }
+}
+
+/// An error with the file in which it is.
+fn in_file(path: &Path, error: RobotError) -> RobotError {
+    let source = match error {
+        RobotError::Read { path: own, source } if own == path => {
+            return RobotError::Read { path: own, source };
+        }
+        RobotError::Xacro { .. } => RobotError::Xacro {
+            file: path.file_name().map(|n| n.to_string_lossy().into_owned()),
+        },
+        other => other,
+    };
+    RobotError::InFile {
+        path: path.to_owned(),
+        source: Box::new(source),
     }
 }
 
 /// Whether a text is meant as an MJCF: by its outermost element, or by what it holds where it cannot be parsed.
 fn is_mjcf(text: &str) -> bool {
-    match Document::parse(text) {
+    match xml::parse(&xml::readable(text)) {
         Ok(document) => document
             .root_element()
             .tag_name()
@@ -91,7 +150,9 @@ impl Robot {
                 Ok((robot, None))
             } else {
                 Err(RobotError::Joints {
-                    name: name_or_path.to_owned(),
+                    reason: format!(
+                        "{name_or_path} is built in and one chain as it stands; leave --joints out"
+                    ),
                 })
             };
         }
@@ -121,18 +182,14 @@ impl Robot {
             path: path.to_owned(),
             source,
         })?;
-        Self::from_urdf_str(&text).map_err(|source| RobotError::InFile {
-            path: path.to_owned(),
-            source: Box::new(source),
-        })
+        Self::from_urdf_str(&text).map_err(|error| in_file(path, error))
     }
 
-    /// Reads a URDF. Fixed joints are merged with the inertia that they carry; the moving joints
-    /// (revolute, continuous, prismatic) must form one serial chain.
+    /// Reads a URDF with the one chain that it holds: see [`Urdf::robot`].
     ///
     /// # Errors
     /// Not a URDF, not one serial chain, or an inertia that no mechanism can have.
     pub fn from_urdf_str(text: &str) -> Result<Self, RobotError> {
-        urdf::read(text)
+        Urdf::new(text, &[])?.robot()
     }
 }

@@ -1,7 +1,7 @@
 //! What is refused, and in which words.
 
 use super::models::{folder, pendulum, read};
-use physics::robot::{Description, Robot};
+use physics::robot::Description;
 
 #[test]
 fn refusals_name_the_element_and_what_to_do() {
@@ -115,14 +115,4 @@ fn choices_that_make_no_chain_are_refused() {
     assert!(float.contains("ball or free"), "{float}");
     let tied = choose("gripper.xml", "left,left_tip");
     assert!(tied.contains("tendon \"belt\" ties body"), "{tied}");
-    let urdf = tempfile::tempdir().unwrap();
-    let urdf = urdf.path().join("arm.urdf");
-    std::fs::write(
-        &urdf,
-        physics::robot::to_urdf(&Robot::builtin("ur5").unwrap()),
-    )
-    .unwrap();
-    let error = Description::load(&urdf, &["elbow_joint".to_owned()]);
-    let error = error.map(|_| ()).expect_err("a URDF").to_string();
-    assert!(error.contains("leave --joints out"), "{error}");
 }

@@ -2,7 +2,7 @@
 
 use super::models::{State, departure, fixture, folder, model, read};
 use physics::dynamics::{Workspace, inverse_dynamics};
-use physics::robot::{Description, Inertia, Mjcf, Robot};
+use physics::robot::{Changed, Description, Inertia, Mjcf, Robot};
 use std::path::Path;
 
 /// Lines that differ.
@@ -14,8 +14,15 @@ fn changed<'a>(old: &'a str, new: &'a str) -> Vec<(&'a str, &'a str)> {
         .collect()
 }
 
+fn moved<'a>(robot: &'a Robot, zeros: &'a [f64]) -> Changed<'a> {
+    Changed {
+        zeros,
+        ..Changed::of(robot)
+    }
+}
+
 fn main_text(mjcf: &Mjcf, robot: &Robot, zeros: &[f64]) -> String {
-    let edited = mjcf.with(robot, zeros).unwrap();
+    let edited = mjcf.with(&moved(robot, zeros)).unwrap();
     assert!(edited.left_out().is_empty());
     edited.files(Path::new("out.xml")).unwrap().swap_remove(0).1
 }
@@ -62,7 +69,7 @@ fn springs_move_with_the_zero_and_flags_are_told() {
     }
     let new = robot.clone().with_friction(&[0.0], &[1.2]).unwrap();
     let new = new.with_gravity([0.0, 0.0, -9.7].into());
-    let edited = mjcf.with(&new, &[]).unwrap();
+    let edited = mjcf.with(&Changed::of(&new)).unwrap();
     let said = edited.left_out().join("; ");
     assert!(
         said.contains("frictionloss of joint j") && said.contains("gravity"),
@@ -99,7 +106,7 @@ fn what_is_written_is_read_again() {
             .unwrap()
             .with_gravity([0.1, 0.2, -9.7].into());
         let zeros: Vec<f64> = (0..n).map(|i| 0.05 * (i as f64 - 1.5)).collect();
-        let edited = mjcf.with(&new, &zeros).unwrap();
+        let edited = mjcf.with(&moved(&new, &zeros)).unwrap();
         assert!(edited.left_out().is_empty(), "{:?}", edited.left_out());
         // Beside the original, as a user would have it.
         let place = tempfile::tempdir().unwrap();
@@ -155,7 +162,7 @@ fn included_files_are_written_beside() {
     friction[3] = 0.5;
     let damping: Vec<f64> = robot.joints().iter().map(|j| j.damping).collect();
     let new = robot.with_friction(&damping, &friction).unwrap();
-    let edited = mjcf.with(&new, &[]).unwrap();
+    let edited = mjcf.with(&Changed::of(&new)).unwrap();
     let files = edited.files(Path::new("there/fixed.xml")).unwrap();
     let names: Vec<String> = files.iter().map(|(p, _)| p.display().to_string()).collect();
     assert_eq!(

@@ -40,7 +40,7 @@ fn robots() {
         ],
     );
     std::fs::write(&file, tree).expect("writable");
-    train_refuses(&data, &robot, &["upper"]);
+    train_refuses(&data, &robot, &["begin at a, b", "--joints"]);
     let massless = urdf(
         &[("base", ""), ("upper", LINK), ("hollow", "")],
         &[("lift", "base", "upper"), ("turn", "upper", "hollow")],

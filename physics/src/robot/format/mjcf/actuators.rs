@@ -73,8 +73,8 @@ pub(super) fn read<'c, 'd, 't>(
 ) -> Result<Vec<Option<Found<'c, 'd, 't>>>, RobotError> {
     let mut found: Vec<Option<Found<'c, 'd, 't>>> = chain.joints.iter().map(|_| None).collect();
     let robot = chain.robot(scene)?;
-    for a in couplings::actuators(scene)? {
-        let Some(driven) = couplings::driven(scene, &a) else {
+    for own in couplings::actuators(scene)? {
+        let (a, Some(driven)) = (own.attributes, own.joint) else {
             continue;
         };
         let Some(link) = chain.joints.iter().position(|j| *j == driven) else {

@@ -26,7 +26,7 @@ pub(super) fn inertias(
             origin += rotation * joint.axis * reference;
         } else {
             let axis = Unit::new_unchecked(joint.axis);
-            let angle = reference * scene.settings.angle;
+            let angle = reference * own.angle;
             rotation *= Rotation3::from_axis_angle(&axis, angle).into_inner();
         }
         places.push((rotation, origin));

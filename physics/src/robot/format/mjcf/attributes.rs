@@ -28,6 +28,9 @@ pub(super) const ACTUATORS: [&str; 13] = [
     "plugin",
 ];
 
+/// Under which name a class keeps the tag of its actuators' defaults; no attribute has a blank in its name.
+const ACTUATOR_TAG: &str = "actuator tag";
+
 /// Attributes that a class gives to one kind of element.
 pub(super) type Given = HashMap<String, String>;
 
@@ -65,6 +68,9 @@ impl Classes {
                     let given = class.entry(kind(child.tag())).or_default();
                     for attribute in child.node.attributes() {
                         overlay(given, attribute.name(), attribute.value());
+                    }
+                    if ACTUATORS.contains(&child.tag()) {
+                        overlay(given, ACTUATOR_TAG, child.tag());
                     }
                 }
                 // The outermost class is the main one, whatever it is called.
@@ -179,6 +185,11 @@ impl<'d, 't> Attributes<'_, 'd, 't> {
             (Some(own), _) => Some(own.to_owned()),
             (None, below) => below.cloned(),
         }
+    }
+
+    /// The tag under which the defaults of an actuator stand, where there are any.
+    pub fn default_tag(&self) -> Option<&str> {
+        self.given?.get(ACTUATOR_TAG).map(String::as_str)
     }
 
     /// Whether the element itself has it.

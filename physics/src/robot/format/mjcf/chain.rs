@@ -5,6 +5,8 @@ use super::couplings::{self, Couplings};
 use super::pose::{Pose, compose};
 use super::refusal::refused;
 use super::scene::{Kind, Scene};
+use crate::robot::format::choice::Wanted;
+use crate::robot::judgement;
 use crate::robot::{Inertia, Joint, JointKind, Limits, Link, Passive, Robot, RobotError, Spring};
 use nalgebra::{Matrix3, Rotation3, Unit};
 
@@ -27,7 +29,7 @@ pub(super) struct Chain {
 }
 
 impl Chain {
-    pub fn of(scene: &Scene<'_, '_, '_>, wanted: &[String]) -> Result<Self, RobotError> {
+    pub fn of(scene: &Scene<'_, '_, '_>, wanted: &Wanted) -> Result<Self, RobotError> {
         let couplings = Couplings::read(scene)?;
         let joints = choice::joints(scene, &couplings, wanted)?;
         let count = scene.bodies.len();
@@ -47,7 +49,8 @@ impl Chain {
                 }
                 None => {
                     chain.links[body] = chain.links[parent];
-                    chain.poses[body] = compose(&chain.poses[parent], &scene.bodies[body].pose);
+                    let placed = compose(&chain.poses[parent], &scene.bodies[body].pose);
+                    chain.poses[body] = held(scene, wanted, body, placed)?;
                 }
             }
             if chain.links[body] > 0 {
@@ -78,9 +81,16 @@ impl Chain {
         for link in 0..self.joints.len() {
             joints.push(self.joint(scene, link)?);
         }
-        let mut robot =
-            Robot::new(scene.name.clone(), joints)?.with_gravity(scene.settings.gravity);
+        let name = scene.name.clone();
+        let robot = if joints.iter().all(|j| j.link.inertia.mass == 0.0) {
+            // MuJoCo moves no body without mass, so that such a model is none.
+            Robot::new(name, joints)
+        } else {
+            Robot::described(name, joints, &self.written(scene), Vec::new())
+        };
+        let mut robot = robot?.with_gravity(scene.settings.gravity);
         let mut notes = self.fixed(scene);
+        notes.extend(couplings::by_version(scene, &self.joints)?);
         for (k, &j) in self.joints.iter().enumerate() {
             if let Some(spring) = spring(scene, k, j, &mut notes)? {
                 robot = robot.with_passive(Passive::Spring(spring))?;
@@ -92,6 +102,17 @@ impl Chain {
                 .push("the forces of a medium (option density, viscosity) are left out".to_owned());
         }
         Ok(robot.with_gravity_compensation(&held)?.with_notes(notes))
+    }
+
+    /// The bodies that chosen joints carry.
+    fn written(&self, scene: &Scene<'_, '_, '_>) -> Vec<judgement::Body> {
+        let links = self.links.iter().enumerate().filter(|(_, link)| **link > 0);
+        let body = |(b, link): (usize, &usize)| judgement::Body {
+            name: scene.bodies[b].name.clone(),
+            joint: scene.joints[self.joints[link - 1]].name.clone(),
+            inertia: self.inertias[b],
+        };
+        links.map(body).collect()
     }
 
     /// Refuses elements inside of moved bodies that bring more than the text shows.
@@ -114,7 +135,7 @@ impl Chain {
         let (rotation, origin) = compose(&self.poses[body.parent], &body.pose);
         let a = &own.attributes;
         let slides = own.kind == Kind::Slide;
-        let unit = if slides { 1.0 } else { scene.settings.angle };
+        let unit = if slides { 1.0 } else { own.angle };
         let reference = a.number("ref")?.unwrap_or(0.0) * unit;
         let mut placement = (rotation, rotation * own.anchor + origin);
         if slides {
@@ -240,6 +261,33 @@ impl Chain {
     }
 }
 
+/// Pose of a body whose joints were not chosen, moved to the positions at which they are to stand.
+fn held(
+    scene: &Scene<'_, '_, '_>,
+    wanted: &Wanted,
+    body: usize,
+    placed: Pose,
+) -> Result<Pose, RobotError> {
+    let mut pose = placed;
+    for joint in scene.joints.iter().filter(|j| j.body == body) {
+        let Some((_, position)) = wanted.held.iter().find(|(name, _)| *name == joint.name) else {
+            continue;
+        };
+        let slides = joint.kind == Kind::Slide;
+        let unit = if slides { 1.0 } else { joint.angle };
+        let moved = position - joint.attributes.number("ref")?.unwrap_or(0.0) * unit;
+        if slides {
+            pose.1 += pose.0 * joint.axis * moved;
+        } else {
+            let axis = Unit::new_unchecked(joint.axis);
+            let turn = Rotation3::from_axis_angle(&axis, moved).into_inner();
+            pose.1 += pose.0 * (joint.anchor - turn * joint.anchor);
+            pose.0 *= turn;
+        }
+    }
+    Ok(pose)
+}
+
 /// The spring of a chosen joint.
 fn spring(
     scene: &Scene<'_, '_, '_>,
@@ -260,7 +308,7 @@ fn spring(
     }
     let unit = match own.kind {
         Kind::Slide => 1.0,
-        _ => scene.settings.angle,
+        _ => own.angle,
     };
     let stiffness = a.list("stiffness")?.unwrap_or_default();
     let stiffness = stiffness.first().copied().unwrap_or(0.0);
@@ -284,7 +332,7 @@ fn spring(
 /// Range of a joint, and the smallest of the limits on its torque.
 fn limits(scene: &Scene<'_, '_, '_>, joint: usize, unit: f64) -> Result<Limits, RobotError> {
     let own = &scene.joints[joint];
-    let auto = scene.settings.autolimits;
+    let auto = own.autolimits;
     let mut limits = Limits::NONE;
     if let Some([lower, upper]) = own.attributes.range("limited", "range", auto)? {
         (limits.lower, limits.upper) = (lower * unit, upper * unit);
@@ -297,9 +345,10 @@ fn limits(scene: &Scene<'_, '_, '_>, joint: usize, unit: f64) -> Result<Limits, 
         limits.effort = largest(range);
     }
     for actuator in couplings::actuators(scene)? {
-        if couplings::driven(scene, &actuator) != Some(joint) {
+        if actuator.joint != Some(joint) {
             continue;
         }
+        let actuator = &actuator.attributes;
         let gear = actuator.list("gear")?.unwrap_or_default();
         let gear = gear.first().copied().unwrap_or(1.0).abs();
         if let Some(range) = actuator.range("forcelimited", "forcerange", auto)? {

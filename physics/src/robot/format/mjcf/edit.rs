@@ -63,8 +63,25 @@ impl Changes {
         }
     }
 
+    /// Puts a new element behind an element's children.
+    pub fn add_last(&mut self, element: Element<'_, '_>, new: &str) {
+        match element.node.last_element_child() {
+            Some(last) => {
+                let at = last.range().end;
+                let space = last.prev_sibling().and_then(|n| n.text());
+                let indent = space.filter(|t| t.trim().is_empty()).unwrap_or_default();
+                self.put(element.file, at..at, format!("{indent}{new}"));
+            }
+            None => self.add_first(element, new),
+        }
+    }
+
+    /// Copies of one element change it once.
     fn put(&mut self, file: usize, range: Range<usize>, text: String) {
-        self.edits.push((file, range, text));
+        let edit = (file, range, text);
+        if edit.1.is_empty() || !self.edits.contains(&edit) {
+            self.edits.push(edit);
+        }
     }
 }
 
@@ -87,6 +104,17 @@ pub struct Edited {
 impl Edited {
     pub(super) fn new(sources: Sources, changes: Changes) -> Self {
         Self { sources, changes }
+    }
+
+    /// The changed files under the names of the given ones.
+    pub(super) fn sources(&self) -> Result<Sources, RobotError> {
+        let mut sources = self.sources.clone();
+        for (k, file) in sources.files.iter_mut().enumerate() {
+            let edits = self.changes.edits.iter().filter(|e| e.0 == k);
+            let edits = edits.map(|e| (&e.1, &e.2)).collect();
+            *file = file.with_text(applied(&file.text, edits)?);
+        }
+        Ok(sources)
     }
 
     /// What was to be written and has no place in the files; one line each.

@@ -13,6 +13,7 @@ mod couplings;
 mod drives;
 mod edit;
 mod law;
+mod models;
 mod pose;
 mod refusal;
 mod scene;
@@ -26,9 +27,12 @@ pub use drives::DriveEdit;
 pub use edit::Edited;
 pub use law::ActuatorKind;
 
+use super::choice::Wanted;
+use super::{Chains, Changed};
 use crate::robot::{Robot, RobotError};
-use attributes::Classes;
 use chain::Chain;
+use couplings::Couplings;
+use models::Models;
 use refusal::refused;
 use scene::Scene;
 use source::Sources;
@@ -38,7 +42,7 @@ use std::path::Path;
 #[derive(Clone, Debug)]
 pub struct Mjcf {
     sources: Sources,
-    joints: Vec<String>,
+    wanted: Wanted,
 }
 
 impl Mjcf {
@@ -50,7 +54,7 @@ impl Mjcf {
     pub fn from_file(path: &Path, joints: &[String]) -> Result<Self, RobotError> {
         Ok(Self {
             sources: Sources::read(path)?,
-            joints: joints.to_vec(),
+            wanted: Wanted::read(joints)?,
         })
     }
 
@@ -61,7 +65,7 @@ impl Mjcf {
     pub fn from_text(text: &str, joints: &[String]) -> Result<Self, RobotError> {
         Ok(Self {
             sources: Sources::of_text(text)?,
-            joints: joints.to_vec(),
+            wanted: Wanted::read(joints)?,
         })
     }
 
@@ -76,17 +80,16 @@ impl Mjcf {
         self.with_chain(|scene, chain| chain.robot(scene))
     }
 
-    /// The model's files with the numbers of `robot`: inertias, damping, dry friction, armature and gravity where they differ,
-    /// everything else untouched to the byte. `zeros` (rad or m, one per joint or none) move the joints' zeros:
-    /// q_true = q + zero.
+    /// The model's files with the numbers of a changed robot: inertias, damping, dry friction, armature and gravity where they
+    /// differ, everything else untouched to the byte.
     ///
     /// A link's inertia is written to the body that its joint moves, less what the bodies fixed to it have; where that is no
-    /// possible body, they become lighter.
+    /// possible body, they become lighter. A payload becomes a body of its own.
     ///
     /// # Errors
     /// As [`Mjcf::robot`], or a robot with other joints.
-    pub fn with(&self, robot: &Robot, zeros: &[f64]) -> Result<Edited, RobotError> {
-        let changes = self.with_chain(|scene, chain| write::changes(scene, chain, robot, zeros))?;
+    pub fn with(&self, changed: &Changed<'_>) -> Result<Edited, RobotError> {
+        let changes = self.with_chain(|scene, chain| write::changes(scene, chain, changed))?;
         Ok(Edited::new(self.sources.clone(), changes))
     }
 
@@ -102,8 +105,12 @@ impl Mjcf {
         zeros: &[f64],
         drives: &[DriveEdit],
     ) -> Result<Edited, RobotError> {
+        let changed = Changed {
+            zeros,
+            ..Changed::of(robot)
+        };
         let changes = self.with_chain(|scene, chain| {
-            let mut changes = write::changes(scene, chain, robot, zeros)?;
+            let mut changes = write::changes(scene, chain, &changed)?;
             drives::changes(scene, chain, drives, &mut changes)?;
             drives::holding_friction(scene, chain, robot, &mut changes);
             Ok(changes)
@@ -128,9 +135,36 @@ impl Mjcf {
         Ok(found)
     }
 
+    /// The robot of the changed files.
+    ///
+    /// # Errors
+    /// As [`Mjcf::robot`].
+    pub fn reread(&self, edited: &Edited) -> Result<Robot, RobotError> {
+        let (sources, wanted) = (edited.sources()?, self.wanted.clone());
+        Self { sources, wanted }.robot()
+    }
+
+    /// Names of all joints that turn or slide, and the chains that may be meant.
+    ///
+    /// # Errors
+    /// No MJCF.
+    pub(super) fn chains(&self) -> Result<Chains, RobotError> {
+        self.with_scene(|scene| {
+            let couplings = Couplings::read(scene)?;
+            Ok(Chains::of(&choice::tree(scene, &couplings)))
+        })
+    }
+
     fn with_chain<T>(
         &self,
         then: impl FnOnce(&Scene<'_, '_, '_>, &Chain) -> Result<T, RobotError>,
+    ) -> Result<T, RobotError> {
+        self.with_scene(|scene| then(scene, &Chain::of(scene, &self.wanted)?))
+    }
+
+    fn with_scene<T>(
+        &self,
+        then: impl FnOnce(&Scene<'_, '_, '_>) -> Result<T, RobotError>,
     ) -> Result<T, RobotError> {
         let documents = self.sources.documents()?;
         let root = documents.root();
@@ -140,9 +174,7 @@ impl Mjcf {
                 root.tag()
             )));
         }
-        let classes = Classes::read(root)?;
-        let scene = Scene::read(root, &classes)?;
-        let chain = Chain::of(&scene, &self.joints)?;
-        then(&scene, &chain)
+        let models = Models::read(root)?;
+        then(&Scene::read(&models)?)
     }
 }

@@ -1,6 +1,7 @@
 //! The bodies and joints of a model, as its text has them.
 
-use super::attributes::{Attributes, Classes};
+use super::attributes::Attributes;
+use super::models::{Instance, Model, Models};
 use super::pose::{Pose, compose};
 use super::refusal::refused;
 use super::settings::{Settings, direction};
@@ -14,7 +15,10 @@ use std::collections::{HashMap, HashSet};
 const DEEPEST: usize = 256;
 
 /// Elements in a body that bring bodies, joints or forces of their own.
-const UNSUPPORTED: [&str; 5] = ["replicate", "attach", "composite", "flexcomp", "plugin"];
+const UNSUPPORTED: [&str; 3] = ["composite", "flexcomp", "plugin"];
+
+/// Most copies that a `<replicate>` makes, and bodies that a scene holds.
+const MOST: usize = 100_000;
 
 /// A body; the first one is the world.
 pub(super) struct Body<'c, 'd, 't> {
@@ -23,6 +27,8 @@ pub(super) struct Body<'c, 'd, 't> {
     pub element: Option<Element<'d, 't>>,
     /// Index of the body that carries it; the world's own is 0.
     pub parent: usize,
+    /// The model in which it stands.
+    model: usize,
     /// Orientation and origin in that body where every joint is at its reference.
     pub pose: Pose,
     /// Origin as written.
@@ -63,6 +69,9 @@ pub(super) struct Joint<'c, 'd, 't> {
     pub name: String,
     /// What it moves.
     pub body: usize,
+    /// Radians per unit of angle, and whether a range alone makes a limit, where it stands.
+    pub angle: f64,
+    pub autolimits: bool,
     pub kind: Kind,
     /// Point of the axis in the body.
     pub anchor: Vector3<f64>,
@@ -75,8 +84,11 @@ pub(super) struct Joint<'c, 'd, 't> {
 pub(super) struct Scene<'c, 'd, 't> {
     pub name: String,
     pub root: Element<'d, 't>,
-    pub settings: Settings,
-    pub classes: &'c Classes,
+    /// The main model's, whose options hold for all.
+    pub settings: &'c Settings,
+    models: &'c Models<'d, 't>,
+    /// The main model, and each that was attached.
+    instances: Vec<Instance>,
     /// Parents before children.
     pub bodies: Vec<Body<'c, 'd, 't>>,
     /// Within a body in the order in which they act.
@@ -86,16 +98,22 @@ pub(super) struct Scene<'c, 'd, 't> {
 }
 
 impl<'c, 'd, 't> Scene<'c, 'd, 't> {
-    pub fn read(root: Element<'d, 't>, classes: &'c Classes) -> Result<Self, RobotError> {
+    pub fn read(models: &'c Models<'d, 't>) -> Result<Self, RobotError> {
+        let root = models.all[0].root;
         let mut scene = Self {
             name: root.get("model").unwrap_or("MuJoCo Model").to_owned(),
             root,
-            settings: Settings::read(root)?,
-            classes,
+            settings: &models.all[0].settings,
+            models,
+            instances: vec![Instance {
+                model: 0,
+                prefix: String::new(),
+            }],
             bodies: vec![Body {
                 name: "world".to_owned(),
                 element: None,
                 parent: 0,
+                model: 0,
                 pose: (Matrix3::identity(), Vector3::zeros()),
                 written: Vector3::zeros(),
                 inertial: None,
@@ -107,7 +125,14 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
             sites: HashMap::new(),
         };
         for world in root.tagged("worldbody") {
-            scene.inside(world, 0, &scene.bodies[0].pose.clone(), None, 0)?;
+            let place = Place {
+                model: 0,
+                prefix: String::new(),
+                suffix: String::new(),
+                class: None,
+                depth: 0,
+            };
+            scene.inside(world, 0, &scene.bodies[0].pose.clone(), &place)?;
         }
         // A joint may stand behind the bodies that its own carries.
         scene.joints.sort_by_key(|joint| joint.body);
@@ -129,36 +154,127 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
         element: Element<'d, 't>,
         body: usize,
         frame: &Pose,
-        class: Option<&'d str>,
-        depth: usize,
+        place: &Place<'d>,
     ) -> Result<(), RobotError> {
-        if depth > DEEPEST {
-            return Err(refused(format!("bodies are nested deeper than {DEEPEST}")));
-        }
         for child in element.children() {
-            let class = child.get("childclass").or(class);
-            match child.tag() {
-                "body" => self.body(child, body, frame, class, depth)?,
-                "frame" => {
-                    let a = Attributes::alone(child);
-                    let own = (self.settings.orientation(&a)?, self.settings.position(&a)?);
-                    self.inside(child, body, &compose(frame, &own), class, depth + 1)?;
-                }
-                "joint" | "freejoint" => self.joint(child, body, frame, class)?,
-                "inertial" => self.bodies[body].inertial = Some(Attributes::alone(child)),
-                "geom" => self.bodies[body].geoms.push(Geom {
-                    attributes: self.classes.of(child, class)?,
+            self.child(child, body, frame, place)?;
+        }
+        Ok(())
+    }
+
+    fn child(
+        &mut self,
+        child: Element<'d, 't>,
+        body: usize,
+        frame: &Pose,
+        place: &Place<'d>,
+    ) -> Result<(), RobotError> {
+        if place.depth > DEEPEST || self.bodies.len() > MOST {
+            return Err(refused(format!(
+                "bodies are nested deeper than {DEEPEST}, or are more than {MOST}"
+            )));
+        }
+        let inner = Place {
+            class: child.get("childclass").or(place.class),
+            depth: place.depth + 1,
+            ..place.clone()
+        };
+        let model = &self.models.all[place.model];
+        match child.tag() {
+            "body" => self.body(child, body, frame, &inner)?,
+            "frame" => {
+                let own = place_of(&model.settings, child)?;
+                self.inside(child, body, &compose(frame, &own), &inner)?;
+            }
+            "joint" | "freejoint" => self.joint(child, body, frame, &inner)?,
+            "inertial" => self.bodies[body].inertial = Some(Attributes::alone(child)),
+            "geom" => {
+                let geom = Geom {
+                    attributes: model.of(child, inner.class)?,
                     frame: *frame,
-                }),
-                "site" => {
-                    if let Some(name) = child.get("name") {
-                        self.sites.insert(name.to_owned(), body);
-                    }
+                };
+                self.bodies[body].geoms.push(geom);
+            }
+            "site" => {
+                if let Some(name) = child.get("name") {
+                    self.sites.insert(inner.named(name), body);
                 }
-                tag if UNSUPPORTED.contains(&tag) => self.bodies[body].unsupported.push(tag),
-                _ => {}
+            }
+            "replicate" => self.replicate(child, body, frame, &inner)?,
+            "attach" => self.attach(child, body, frame, &inner)?,
+            tag if UNSUPPORTED.contains(&tag) => self.bodies[body].unsupported.push(tag),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Copies of what stands inside, each displaced and turned against the one before. Copies with joints have no text of their
+    /// own for new numbers, and are not supported.
+    fn replicate(
+        &mut self,
+        element: Element<'d, 't>,
+        body: usize,
+        frame: &Pose,
+        place: &Place<'d>,
+    ) -> Result<(), RobotError> {
+        let moves =
+            |n: roxmltree::Node<'_, '_>| n.has_tag_name("joint") || n.has_tag_name("freejoint");
+        if element.node.descendants().any(moves) {
+            self.bodies[body].unsupported.push("replicate");
+            return Ok(());
+        }
+        let a = Attributes::alone(element);
+        let count = a.number("count")?.unwrap_or(0.0);
+        let count = if (0.0..MOST as f64).contains(&count) {
+            count as usize
+        } else {
+            MOST
+        };
+        let settings = &self.models.all[place.model].settings;
+        let step = (
+            settings.orientation(&a)?,
+            a.numbers::<3>("offset")?.unwrap_or_default().into(),
+        );
+        let separator = element.get("sep").unwrap_or_default();
+        let digits = count.saturating_sub(1).to_string().len();
+        let mut own = *frame;
+        for copy in 0..count {
+            let copied = Place {
+                suffix: format!("{separator}{copy:0digits$}{}", place.suffix),
+                ..place.clone()
+            };
+            self.inside(element, body, &own, &copied)?;
+            own = compose(&own, &step);
+        }
+        Ok(())
+    }
+
+    /// The body of another model, or all that its world holds.
+    fn attach(
+        &mut self,
+        element: Element<'d, 't>,
+        body: usize,
+        frame: &Pose,
+        place: &Place<'d>,
+    ) -> Result<(), RobotError> {
+        let (model, elements, prefix) = self.models.attached(place.model, element)?;
+        let inner = Place {
+            model,
+            prefix: format!("{}{prefix}", place.prefix),
+            suffix: String::new(),
+            class: None,
+            depth: place.depth,
+        };
+        for element in elements {
+            match element.tag() {
+                "body" => self.child(element, body, frame, &inner)?,
+                _ => self.inside(element, body, frame, &inner)?,
             }
         }
+        self.instances.push(Instance {
+            model,
+            prefix: inner.prefix,
+        });
         Ok(())
     }
 
@@ -167,16 +283,16 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
         element: Element<'d, 't>,
         parent: usize,
         frame: &Pose,
-        class: Option<&'d str>,
-        depth: usize,
+        place: &Place<'d>,
     ) -> Result<(), RobotError> {
-        let a = Attributes::alone(element);
-        let own = (self.settings.orientation(&a)?, self.settings.position(&a)?);
+        let own = place_of(&self.models.all[place.model].settings, element)?;
         let index = self.bodies.len();
+        let a = Attributes::alone(element);
         self.bodies.push(Body {
-            name: element.get("name").unwrap_or_default().to_owned(),
+            name: place.named(element.get("name").unwrap_or_default()),
             element: Some(element),
             parent,
+            model: place.model,
             pose: compose(frame, &own),
             written: own.1,
             inertial: None,
@@ -185,7 +301,7 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
             unsupported: Vec::new(),
         });
         let identity = (Matrix3::identity(), Vector3::zeros());
-        self.inside(element, index, &identity, class, depth + 1)
+        self.inside(element, index, &identity, place)
     }
 
     fn joint(
@@ -193,9 +309,11 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
         element: Element<'d, 't>,
         body: usize,
         frame: &Pose,
-        class: Option<&'d str>,
+        place: &Place<'d>,
     ) -> Result<(), RobotError> {
-        let name = element.get("name").unwrap_or_default().to_owned();
+        let name = place.named(element.get("name").unwrap_or_default());
+        let model = &self.models.all[place.model];
+        let settings = &model.settings;
         if body == 0 {
             return Err(refused(format!(
                 "joint {name:?} stands in <worldbody>, which does not move; put it into a <body>"
@@ -205,6 +323,8 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
             self.joints.push(Joint {
                 name,
                 body,
+                angle: settings.angle,
+                autolimits: settings.autolimits,
                 kind: Kind::Other,
                 anchor: Vector3::zeros(),
                 axis: Vector3::z(),
@@ -212,7 +332,7 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
             });
             return Ok(());
         }
-        let a = self.classes.of(element, class)?;
+        let a = model.of(element, place.class)?;
         let kind = match a.get("type").as_deref() {
             None | Some("hinge") => Kind::Hinge,
             Some("slide") => Kind::Slide,
@@ -232,8 +352,10 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
         self.joints.push(Joint {
             name,
             body,
+            angle: settings.angle,
+            autolimits: settings.autolimits,
             kind,
-            anchor: frame.0 * self.settings.position(&a)? + frame.1,
+            anchor: frame.0 * settings.position(&a)? + frame.1,
             axis,
             attributes: a,
         });
@@ -265,12 +387,73 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
             body.inertial.as_ref(),
             &body.geoms,
             body.written,
-            &self.settings,
+            &self.models.all[body.model].settings,
         )
     }
 
-    /// Index of a joint by its name.
-    pub fn joint_named(&self, name: &str) -> Option<usize> {
+    /// Settings that hold for a body.
+    pub fn settings_of(&self, body: usize) -> &'c Settings {
+        &self.models.all[self.bodies[body].model].settings
+    }
+
+    /// The elements of all sections with a tag, in every model, with the model that they stand in.
+    pub fn sections(&self, tag: &str) -> Vec<(Element<'d, 't>, &Instance)> {
+        let mut found = Vec::new();
+        for instance in &self.instances {
+            for section in self.model(instance).root.tagged(tag) {
+                found.extend(section.children().into_iter().map(|e| (e, instance)));
+            }
+        }
+        found
+    }
+
+    /// The model of an instance.
+    pub fn model(&self, instance: &Instance) -> &'c Model<'d, 't> {
+        &self.models.all[instance.model]
+    }
+
+    /// Index of a joint by the name that it has in an instance.
+    pub fn joint_in(&self, instance: &Instance, name: &str) -> Option<usize> {
+        let name = format!("{}{name}", instance.prefix);
         self.joints.iter().position(|j| j.name == name)
     }
+
+    /// Index of a body by the name that it has in an instance.
+    pub fn body_in(&self, instance: &Instance, name: &str) -> Option<usize> {
+        let name = format!("{}{name}", instance.prefix);
+        self.bodies.iter().position(|b| b.name == name)
+    }
+
+    /// Body of a site by the name that it has in an instance.
+    pub fn site_in(&self, instance: &Instance, name: &str) -> Option<usize> {
+        self.sites
+            .get(&format!("{}{name}", instance.prefix))
+            .copied()
+    }
+}
+
+/// Where an element stands: its model, what its names get in front and behind, the class that holds, how deep.
+#[derive(Clone)]
+struct Place<'d> {
+    model: usize,
+    prefix: String,
+    suffix: String,
+    class: Option<&'d str>,
+    depth: usize,
+}
+
+impl Place<'_> {
+    /// A name as the whole scene has it; none stays none.
+    fn named(&self, name: &str) -> String {
+        match name {
+            "" => String::new(),
+            name => format!("{}{name}{}", self.prefix, self.suffix),
+        }
+    }
+}
+
+/// Pose of a body or frame in what it stands in.
+fn place_of(settings: &Settings, element: Element<'_, '_>) -> Result<Pose, RobotError> {
+    let a = Attributes::alone(element);
+    Ok((settings.orientation(&a)?, settings.position(&a)?))
 }

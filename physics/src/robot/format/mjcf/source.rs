@@ -2,6 +2,7 @@
 
 use super::refusal::refused;
 use crate::robot::RobotError;
+use crate::robot::format::xml;
 use roxmltree::{Attribute, Document, Node};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -18,6 +19,24 @@ pub(super) struct File {
     pub parent: Option<usize>,
     /// What it holds.
     pub text: String,
+    /// The same as a parser of XML takes it, every byte in its place.
+    readable: String,
+}
+
+impl File {
+    fn new(path: &Path, parent: Option<usize>, text: String) -> Self {
+        Self {
+            path: path.to_owned(),
+            parent,
+            readable: xml::readable(&text).into_owned(),
+            text,
+        }
+    }
+
+    /// The same with another text.
+    pub fn with_text(&self, text: String) -> Self {
+        Self::new(&self.path, self.parent, text)
+    }
 }
 
 /// All files of a model, the main one first.
@@ -30,19 +49,16 @@ impl Sources {
     /// Reads a file and what it includes. As in MuJoCo, the path of an included file is relative to the main file or, where
     /// there is none, to the file that includes it, and no file may be included twice.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
-        let mut files = vec![File {
-            path: path.to_owned(),
-            parent: None,
-            text: text_of(path)?,
-        }];
+        let mut files = vec![File::new(path, None, text_of(path)?)];
         let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
         let main = folder(path);
         let mut next = 0;
         while next < files.len() {
-            for name in included(&files[next])? {
-                let near = [main.join(&name), folder(&files[next].path).join(&name)];
+            for refers in included(&files[next])? {
+                let name = &refers.0;
+                let near = [main.join(name), folder(&files[next].path).join(name)];
                 let found = near.iter().find(|p| p.is_file()).unwrap_or(&near[0]);
-                if files.iter().any(|f| f.path == *found) {
+                if !refers.1 && files.iter().any(|f| f.path == *found) {
                     return Err(refused(format!(
                         "{} is included twice; include every file once",
                         found.display()
@@ -53,11 +69,7 @@ impl Sources {
                         "it consists of more than {MOST_FILES} files"
                     )));
                 }
-                files.push(File {
-                    path: found.clone(),
-                    parent: Some(next),
-                    text: text_of(found)?,
-                });
+                files.push(File::new(found, Some(next), text_of(found)?));
             }
             next += 1;
         }
@@ -66,13 +78,9 @@ impl Sources {
 
     /// A text of its own, which cannot include anything.
     pub fn of_text(text: &str) -> Result<Self, RobotError> {
-        let file = File {
-            path: PathBuf::new(),
-            parent: None,
-            text: text.to_owned(),
-        };
+        let file = File::new(Path::new(""), None, text.to_owned());
         match included(&file)?.first() {
-            Some(name) => Err(refused(format!(
+            Some((name, _)) => Err(refused(format!(
                 "it includes {name:?}, but was not read from a file that this could lie beside"
             ))),
             None => Ok(Self { files: vec![file] }),
@@ -86,7 +94,7 @@ impl Sources {
         let mut includes = HashMap::new();
         for (file, document) in documents.iter().enumerate() {
             let children = (0..self.files.len()).filter(|&k| self.files[k].parent == Some(file));
-            let elements = document.descendants().filter(|n| n.has_tag_name("include"));
+            let elements = document.descendants().filter(refers);
             for (element, child) in elements.zip(children) {
                 includes.insert((file, element.range().start), child);
             }
@@ -106,25 +114,32 @@ fn text_of(path: &Path) -> Result<String, RobotError> {
 }
 
 fn parse(file: &File) -> Result<Document<'_>, RobotError> {
-    Document::parse(&file.text).map_err(|e| {
-        let place = match file.parent {
-            Some(_) => format!("{}: ", file.path.display()),
-            None => String::new(),
-        };
-        refused(format!(
-            "{place}it cannot be parsed: {e}; load it in MuJoCo, which says more"
-        ))
+    xml::parse(&file.readable).map_err(|error| match file.parent {
+        Some(_) => RobotError::InFile {
+            path: file.path.clone(),
+            source: Box::new(error),
+        },
+        None => error,
     })
 }
 
-/// What a file includes, in order.
-fn included(file: &File) -> Result<Vec<String>, RobotError> {
+/// Whether an element stands for another file: an `<include>`, or a model to be attached.
+fn refers(node: &Node<'_, '_>) -> bool {
+    node.has_tag_name("include") || attaches(node)
+}
+
+fn attaches(node: &Node<'_, '_>) -> bool {
+    let asset = node.parent().is_some_and(|p| p.has_tag_name("asset"));
+    asset && node.has_tag_name("model") && node.has_attribute("file")
+}
+
+/// What a file refers to, in order, and whether it is a model to be attached, which may be named more than once.
+fn included(file: &File) -> Result<Vec<(String, bool)>, RobotError> {
     let document = parse(file)?;
-    let elements = document.descendants();
-    let elements = elements.filter(|n| n.has_tag_name("include"));
+    let elements = document.descendants().filter(refers);
     elements
         .map(|node| match node.attribute("file") {
-            Some(name) if !name.is_empty() => Ok(name.to_owned()),
+            Some(name) if !name.is_empty() => Ok((name.to_owned(), attaches(&node))),
             _ => Err(refused("an <include> names no file; add file=\"…\"")),
         })
         .collect()
@@ -133,7 +148,7 @@ fn included(file: &File) -> Result<Vec<String>, RobotError> {
 /// Parsed files.
 pub(super) struct Documents<'t> {
     documents: Vec<Document<'t>>,
-    /// What the `<include>` that begins there in a file stands for.
+    /// What the element that begins there in a file stands for.
     includes: HashMap<(usize, usize), usize>,
 }
 
@@ -147,14 +162,13 @@ impl<'t> Documents<'t> {
         }
     }
 
-    /// The `<include>` elements of a file with the files that they stand for.
+    /// The elements of a file that stand for others, with these.
     pub fn includes(&self, file: usize) -> Vec<(Element<'_, 't>, usize)> {
         let nodes = self.documents[file].descendants();
         nodes
             .filter_map(|node| {
                 let child = self.includes.get(&(file, node.range().start))?;
-                let include = node.has_tag_name("include");
-                include.then_some((
+                refers(&node).then_some((
                     Element {
                         documents: self,
                         file,
@@ -197,20 +211,25 @@ impl<'d, 't> Element<'d, 't> {
         let mut open: Vec<Self> = self.own();
         open.reverse();
         while let Some(element) = open.pop() {
-            let start = element.node.range().start;
-            match self.documents.includes.get(&(element.file, start)) {
-                Some(&file) if element.tag() == "include" => {
-                    let root = Self {
-                        documents: self.documents,
-                        file,
-                        node: self.documents.documents[file].root_element(),
-                    };
+            match element.file_root() {
+                Some(root) if element.tag() == "include" => {
                     open.extend(root.own().into_iter().rev());
                 }
                 _ => found.push(element),
             }
         }
         found
+    }
+
+    /// Root of the file that the element stands for.
+    pub fn file_root(&self) -> Option<Self> {
+        let place = (self.file, self.node.range().start);
+        let &file = self.documents.includes.get(&place)?;
+        Some(Self {
+            documents: self.documents,
+            file,
+            node: self.documents.documents[file].root_element(),
+        })
     }
 
     /// The children with a tag.

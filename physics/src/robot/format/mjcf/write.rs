@@ -9,26 +9,18 @@ use super::scene::{Kind, Scene};
 use super::settings::FromGeoms;
 use super::shapes;
 use super::source::Element;
+use crate::robot::format::changed::{Changed, load_name};
+use crate::robot::format::share::{departs, scaled, share};
 use crate::robot::{Inertia, Robot, RobotError};
 use nalgebra::{Rotation3, UnitQuaternion};
 
-/// Change of a link's parameters, relative to their size, that is rounding.
-const ROUNDING: f64 = 1e-12;
-
-/// How often bodies are made lighter.
-const HALVES: i32 = 30;
-
-/// A body whose second moments are this far below zero, relative, is still a possible one.
-const POSSIBLE: f64 = 1e-9;
-
-/// Changes that make the robot of `scene` into `robot`, with its zeros moved.
+/// Changes that make the robot of `scene` into a changed one. A tilt of the base has no place here but gravity's.
 pub(super) fn changes(
     scene: &Scene<'_, '_, '_>,
     chain: &Chain,
-    robot: &Robot,
-    zeros: &[f64],
+    changed: &Changed<'_>,
 ) -> Result<Changes, RobotError> {
-    let given = chain.robot(scene)?;
+    let (given, robot) = (chain.robot(scene)?, changed.robot);
     if given.joint_names() != robot.joint_names() {
         let known = given.joint_names();
         let other = robot.joint_names().into_iter().find(|n| !known.contains(n));
@@ -70,13 +62,13 @@ pub(super) fn changes(
             }
             changes.set(element, name, &(new - reflected).max(0.0).to_string());
         }
-        let zero = zeros.get(link).copied().unwrap_or(0.0);
+        let zero = changed.zero(link);
         if zero != 0.0 {
             // `ref` is the position that the joint has where the model is drawn.
             let unit = if own.kind == Kind::Slide {
                 1.0
             } else {
-                scene.settings.angle
+                own.angle
             };
             let drawn = own.attributes.number("ref")?.unwrap_or(0.0);
             changes.set(element, "ref", &(drawn - zero / unit).to_string());
@@ -92,51 +84,45 @@ pub(super) fn changes(
         }
     }
     write_bodies(scene, &mut changes, &bodies)?;
+    if let Some(load) = &changed.load {
+        let own = &scene.joints[chain.joints[load.link]];
+        if let Some(element) = scene.bodies[own.body].element {
+            // The link's frame lies where its joint is, the body's where its own origin is.
+            let (to_body, origin) = inverse(&chain.poses[own.body]);
+            let inertia = load.inertia.transformed(&to_body, &origin);
+            let taken = |name: &str| scene.bodies.iter().any(|b| b.name == name);
+            let body = format!(
+                "<body name=\"{}\"><inertial {}/></body>",
+                load_name(taken),
+                attributes(&inertia)
+                    .map(|(name, value)| format!("{name}=\"{value}\""))
+                    .join(" ")
+            );
+            changes.add_last(element, &body);
+        }
+    }
     if robot.gravity() != given.gravity() {
         gravity(scene, &mut changes, robot);
     }
     Ok(changes)
 }
 
-fn departs(old: &Inertia, new: &Inertia) -> bool {
-    let (old, new) = (old.parameters(), new.parameters());
-    let size = |part: std::ops::Range<usize>| -> f64 {
-        let largest = old[part.clone()].iter().chain(&new[part]);
-        largest.fold(0.0, |m: f64, v| m.max(v.abs()))
-    };
-    let apart = |part: std::ops::Range<usize>| {
-        let allowed = ROUNDING * size(part.clone());
-        part.into_iter().any(|k| (old[k] - new[k]).abs() > allowed)
-    };
-    apart(0..1) || apart(1..4) || apart(4..10)
-}
-
-/// Bodies of a link with the inertias, in their own frames, that together make the link's: the body that the joint moves has
-/// what the others do not. Where that is no possible body the others are made lighter, by halves, until it is; MuJoCo wants
-/// mass in whatever moves, as fingers do.
+/// Bodies of a link with the inertias, in their own frames, that together make the link's.
 fn inertias(chain: &Chain, link: usize, whole: &Inertia) -> Vec<(usize, Inertia)> {
     let mut own = chain.bodies(link);
     let Some(first) = own.next() else {
         return Vec::new();
     };
     let others: Vec<usize> = own.filter(|&b| chain.inertias[b].mass > 0.0).collect();
-    let scaled = |body: usize, factor: f64| {
-        Inertia::from_parameters(&chain.inertias[body].parameters().map(|v| v * factor))
-    };
-    let rest = |part: f64| {
-        let parts = others.iter().map(|&b| scaled(b, -part));
-        parts.fold(*whole, |sum, part| sum.plus(&part))
-    };
-    let mut parts = (0..HALVES).map(|k| 0.5_f64.powi(k));
-    let part = parts.find(|&s| rest(s).is_consistent(POSSIBLE));
-    let part = part.unwrap_or(0.5_f64.powi(HALVES));
+    let list: Vec<Inertia> = others.iter().map(|&b| chain.inertias[b]).collect();
+    let (rest, part) = share(whole, &list);
     let placed = |body: usize, inertia: Inertia| {
         let (to_body, origin) = inverse(&chain.poses[body]);
         (body, inertia.transformed(&to_body, &origin))
     };
     let lighter = others.iter().filter(|_| part < 1.0);
-    std::iter::once(placed(first, rest(part)))
-        .chain(lighter.map(|&b| placed(b, scaled(b, part))))
+    std::iter::once(placed(first, rest))
+        .chain(lighter.map(|&b| placed(b, scaled(&chain.inertias[b], part))))
         .collect()
 }
 
@@ -154,7 +140,7 @@ fn write_bodies(
         for (b, body) in scene.bodies.iter().enumerate() {
             let mut heavy = false;
             for geom in &body.geoms {
-                heavy |= shapes::counts(geom, &scene.settings)?;
+                heavy |= shapes::counts(geom, scene.settings_of(b))?;
             }
             if body.inertial.is_some() && heavy && !written(b) {
                 changes.left_out.push(format!(
@@ -176,13 +162,7 @@ fn write_bodies(
         let Some(element) = body.element else {
             continue;
         };
-        let (moments, quat) = principal(inertia);
-        let values = [
-            ("pos", words(inertia.com().as_slice())),
-            ("mass", inertia.mass.to_string()),
-            ("diaginertia", words(&moments)),
-            ("quat", words(&quat)),
-        ];
+        let values = attributes(inertia);
         match &body.inertial {
             Some(old) => rewrite(changes, old.element, &values),
             None => {
@@ -193,6 +173,17 @@ fn write_bodies(
         }
     }
     Ok(())
+}
+
+/// Attributes of an `<inertial>`.
+fn attributes(inertia: &Inertia) -> [(&'static str, String); 4] {
+    let (moments, quat) = principal(inertia);
+    [
+        ("pos", words(inertia.com().as_slice())),
+        ("mass", inertia.mass.to_string()),
+        ("diaginertia", words(&moments)),
+        ("quat", words(&quat)),
+    ]
 }
 
 /// Principal moments about the centre of mass and the directions of their axes (w, x, y, z). MuJoCo refuses a moment above the

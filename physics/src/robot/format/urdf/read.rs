@@ -1,251 +1,378 @@
-//! Reading a URDF.
+//! From the links and joints of a URDF to the robot of the chosen joints.
 
-use crate::robot::{Inertia, Joint, JointKind, Limits, Link, Robot, RobotError};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use super::elements::{JointElement, LinkElement, Motion, Pose, tagged};
+use super::tree::{one_root, outwards, unexpanded};
+use crate::robot::format::changed::Changed;
+use crate::robot::format::choice::{Candidate, Tree, Wanted};
+use crate::robot::format::xml::{line, wrong};
+use crate::robot::judgement::Body;
+use crate::robot::{Inertia, Joint, JointKind, Link, Robot, RobotError};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use roxmltree::{Document, Node};
 use std::collections::HashMap;
-use urdf_rs::JointType;
 
-/// Shortest axis that still has a direction.
-const SHORTEST_AXIS: f64 = 1e-6;
-
-/// Reads the robot of a URDF text.
-pub(in crate::robot) fn read(text: &str) -> Result<Robot, RobotError> {
-    let urdf = urdf_rs::read_from_string(text).map_err(|e| RobotError::Syntax {
-        reason: e.to_string(),
-    })?;
-    Tree::new(&urdf)?.robot()
-}
-
-/// Links by name, and the joints below each link.
-struct Tree<'a> {
-    urdf: &'a urdf_rs::Robot,
-    links: HashMap<&'a str, &'a urdf_rs::Link>,
-    children: HashMap<&'a str, Vec<&'a urdf_rs::Joint>>,
+/// The links and joints of a URDF as a tree.
+pub(super) struct Model<'a> {
+    name: &'a str,
+    links: HashMap<&'a str, LinkElement<'a>>,
+    /// Every one after the joints that carry it.
+    joints: Vec<JointElement<'a>>,
+    /// For each joint the one that carries its parent link.
+    above: Vec<Option<usize>>,
     root: &'a str,
+    wanted: Wanted,
+    /// The chosen joints, base first.
+    pub chosen: Vec<usize>,
 }
 
-/// Links joined by fixed joints, seen from the first of them.
-struct Body<'a> {
-    inertia: Inertia,
-    /// Moving joints that leave the body, with the pose of their parent link in its frame.
-    leaving: Vec<(&'a urdf_rs::Joint, Matrix3<f64>, Vector3<f64>)>,
+/// Where a link stands in the chain, all joints but the chosen ones at rest.
+#[derive(Clone, Copy)]
+pub(super) struct Placed<'a> {
+    pub name: &'a str,
+    /// Number of chosen joints that carry it.
+    pub carriers: usize,
+    /// Its pose in the frame of the last of them; of the base where there is none.
+    pub pose: Pose,
 }
 
-impl<'a> Tree<'a> {
-    fn new(urdf: &'a urdf_rs::Robot) -> Result<Self, RobotError> {
-        let mut links = HashMap::new();
-        for link in &urdf.links {
-            if links.insert(link.name.as_str(), link).is_some() {
-                return Err(RobotError::Duplicate {
-                    what: "link",
-                    name: link.name.clone(),
-                });
-            }
-        }
-        let mut parents: HashMap<&str, &urdf_rs::Joint> = HashMap::new();
-        let mut children: HashMap<&str, Vec<&urdf_rs::Joint>> = HashMap::new();
-        let mut names = HashMap::new();
-        for joint in &urdf.joints {
-            if names.insert(joint.name.as_str(), ()).is_some() {
-                return Err(RobotError::Duplicate {
-                    what: "joint",
-                    name: joint.name.clone(),
-                });
-            }
-            for link in [&joint.parent.link, &joint.child.link] {
-                if !links.contains_key(link.as_str()) {
-                    return Err(RobotError::UnknownLink {
-                        joint: joint.name.clone(),
-                        link: link.clone(),
-                    });
-                }
-            }
-            if let Some(other) = parents.insert(&joint.child.link, joint) {
-                return Err(RobotError::TwoParents {
-                    link: joint.child.link.clone(),
-                    first: other.name.clone(),
-                    second: joint.name.clone(),
-                });
-            }
-            children.entry(&joint.parent.link).or_default().push(joint);
-        }
-        let roots: Vec<&str> = urdf
-            .links
-            .iter()
-            .map(|l| l.name.as_str())
-            .filter(|name| !parents.contains_key(name))
-            .collect();
-        let [root] = roots[..] else {
-            return Err(RobotError::Roots {
-                count: roots.len(),
-                names: roots.join(", "),
+impl<'a> Model<'a> {
+    /// Reads the tree and chooses the joints.
+    pub fn read(document: &'a Document<'_>, wanted: &Wanted) -> Result<Self, RobotError> {
+        let mut model = Self::tree(document)?;
+        let chosen = model.candidates().choose(wanted)?;
+        model.wanted = wanted.clone();
+        if chosen.is_empty() {
+            return Err(RobotError::NoJoints {
+                name: model.name.to_owned(),
             });
-        };
-        Ok(Self {
-            urdf,
-            links,
-            children,
-            root,
-        })
+        }
+        model.chosen = chosen;
+        Ok(model)
     }
 
-    fn robot(&self) -> Result<Robot, RobotError> {
+    /// Reads the tree.
+    pub fn tree(document: &'a Document<'_>) -> Result<Self, RobotError> {
+        let root = document.root_element();
+        unexpanded(root)?;
+        if root.tag_name().name() != "robot" {
+            return Err(wrong(
+                root,
+                "is the outermost element".to_owned(),
+                "a URDF's is <robot>, an MJCF's <mujoco>",
+            ));
+        }
+        let mut links = HashMap::new();
+        let mut seen: HashMap<(&str, &str), u32> = HashMap::new();
+        let mut unique = |what: &'static str, name: &'a str, node: Node<'_, '_>| match seen
+            .insert((what, name), line(node))
+        {
+            None => Ok(()),
+            Some(first) => Err(RobotError::Duplicate {
+                what,
+                name: name.to_owned(),
+                lines: [first, line(node)],
+            }),
+        };
+        for node in tagged(root, "link") {
+            let link = LinkElement::read(node)?;
+            unique("link", link.name, node)?;
+            links.insert(link.name, link);
+        }
         let mut joints = Vec::new();
-        let mut reached = 0;
-        let mut body = self.body(self.root, &mut reached)?;
-        let mut first = self.root;
-        loop {
-            let (joint, rotation, translation) = match body.leaving[..] {
-                [] => break,
-                [only] => only,
-                [(a, ..), (b, ..), ..] => {
-                    return Err(RobotError::Branch {
-                        link: first.to_owned(),
-                        first: a.name.clone(),
-                        second: b.name.clone(),
+        for node in tagged(root, "joint") {
+            let joint = JointElement::read(node)?;
+            unique("joint", joint.name, node)?;
+            for link in [joint.parent, joint.child] {
+                if !links.contains_key(link) {
+                    return Err(RobotError::UnknownLink {
+                        line: line(node),
+                        joint: joint.name.to_owned(),
+                        link: link.to_owned(),
                     });
                 }
-            };
-            first = &joint.child.link;
-            body = self.body(first, &mut reached)?;
-            joints.push(moving_joint(joint, rotation, translation, body.inertia)?);
+            }
+            joints.push(joint);
         }
-        if reached != self.urdf.links.len() {
+        let base = one_root(root, &joints)?;
+        let (joints, above) = outwards(base, joints)?;
+        if joints.len() + 1 != links.len() {
             // Every link has a parent but some are not below the root: a cycle beside the chain.
             return Err(RobotError::Roots {
                 count: 1,
-                names: format!("{}, with a closed loop apart from it", self.root),
+                names: format!("{base}, with a closed loop apart from it"),
             });
         }
-        Robot::new(self.urdf.name.clone(), joints)
+        Ok(Self {
+            name: root.attribute("name").unwrap_or("robot"),
+            links,
+            joints,
+            above,
+            root: base,
+            wanted: Wanted::default(),
+            chosen: Vec::new(),
+        })
     }
 
-    /// Collects `link` and all that is fixed to it, counting the links.
-    fn body(&self, link: &'a str, reached: &mut usize) -> Result<Body<'a>, RobotError> {
-        let mut body = Body {
-            inertia: Inertia::default(),
-            leaving: Vec::new(),
+    /// The joints with what the choice depends on; fixed ones are never chosen.
+    pub fn candidates(&self) -> Tree<'a> {
+        let leads = |name: &str| {
+            let mut followers = self.joints.iter().filter_map(|o| o.mimic.as_ref());
+            followers.any(|m| m.of == name)
         };
-        let mut open = vec![(link, Matrix3::identity(), Vector3::zeros())];
-        while let Some((name, rotation, translation)) = open.pop() {
-            *reached += 1;
-            let own = inertia(self.links[name])?.transformed(&rotation, &translation);
-            body.inertia = body.inertia.plus(&own);
-            for &joint in self.children.get(name).into_iter().flatten() {
-                if joint.joint_type == JointType::Fixed {
-                    let (r, t) = pose(&joint.origin);
-                    open.push((&joint.child.link, rotation * r, rotation * t + translation));
-                } else {
-                    body.leaving.push((joint, rotation, translation));
-                }
+        let joints = self.joints.iter().zip(&self.above);
+        let joints = joints.map(|(joint, &above)| Candidate {
+            name: joint.name,
+            above,
+            scalar: matches!(joint.motion, Motion::Axis(_)),
+            driven: joint.mimic.is_none(),
+            coupled: leads(joint.name),
+        });
+        let frames = self.joints.iter().enumerate();
+        let frames = frames.map(|(j, joint)| (joint.child, Some(j)));
+        Tree {
+            joints: joints.collect(),
+            frames: std::iter::once((self.root, None)).chain(frames).collect(),
+        }
+    }
+
+    /// Every link with its place, the base first.
+    pub fn placed(&self) -> Vec<Placed<'a>> {
+        let mut placed = vec![Placed {
+            name: self.root,
+            carriers: 0,
+            pose: (Matrix3::identity(), Vector3::zeros()),
+        }];
+        for (j, joint) in self.joints.iter().enumerate() {
+            // Joint j brings the link at place j + 1.
+            let parent = placed[self.above[j].map_or(0, |k| k + 1)];
+            placed.push(match self.chosen.iter().position(|&c| c == j) {
+                Some(k) => Placed {
+                    name: joint.child,
+                    carriers: k + 1,
+                    pose: (Matrix3::identity(), Vector3::zeros()),
+                },
+                None => Placed {
+                    name: joint.child,
+                    carriers: parent.carriers,
+                    pose: compose(&parent.pose, &self.at_rest(j)),
+                },
+            });
+        }
+        placed
+    }
+
+    /// Inertia of a link in its own frame.
+    pub fn inertia(&self, link: &str) -> Option<Inertia> {
+        self.links.get(link).and_then(|l| l.inertia)
+    }
+
+    /// Pose of a joint that stands still: at the position that is asked for, at what it follows, or at zero.
+    fn at_rest(&self, joint: usize) -> Pose {
+        let own = &self.joints[joint];
+        let Motion::Axis(kind) = own.motion else {
+            return own.origin;
+        };
+        let position = self.position(own, self.joints.len());
+        let mut pose = own.origin;
+        if kind.is_rotation() {
+            let axis = Unit::new_unchecked(own.axis);
+            pose.0 *= Rotation3::from_axis_angle(&axis, position).into_inner();
+        } else {
+            pose.1 += pose.0 * own.axis * position;
+        }
+        pose
+    }
+
+    /// `depth` bounds a circle of joints that follow each other.
+    fn position(&self, joint: &JointElement<'_>, depth: usize) -> f64 {
+        let held = self.wanted.held.iter().find(|(name, _)| name == joint.name);
+        match (held, &joint.mimic) {
+            (Some((_, position)), _) => *position,
+            (None, Some(mimic)) if depth > 0 => {
+                let leader = self.joints.iter().find(|j| j.name == mimic.of);
+                let led = leader.map_or(0.0, |leader| self.position(leader, depth - 1));
+                mimic.multiplier * led + mimic.offset
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The robot of the chosen joints.
+    pub fn robot(&self) -> Result<Robot, RobotError> {
+        self.supported()?;
+        let placed = self.placed();
+        let mut inertias = vec![Inertia::default(); self.chosen.len()];
+        let mut bodies = Vec::new();
+        for link in placed.iter().filter(|l| l.carriers > 0) {
+            let Some(own) = self.inertia(link.name) else {
+                continue;
+            };
+            let whole = &mut inertias[link.carriers - 1];
+            *whole = whole.plus(&own.transformed(&link.pose.0, &link.pose.1));
+            bodies.push(Body {
+                name: link.name.to_owned(),
+                joint: self.joints[self.chosen[link.carriers - 1]].name.to_owned(),
+                inertia: own,
+            });
+        }
+        let mut joints = Vec::new();
+        let mut findings = Vec::new();
+        for (&j, inertia) in self.chosen.iter().zip(inertias) {
+            let joint = &self.joints[j];
+            let parent = &placed[self.above[j].map_or(0, |k| k + 1)];
+            let (rotation, translation) = compose(&parent.pose, &joint.origin);
+            let Motion::Axis(kind) = joint.motion else {
+                continue;
+            };
+            joints.push(Joint {
+                name: joint.name.to_owned(),
+                kind,
+                axis: joint.axis,
+                rotation,
+                translation,
+                limits: joint.limits,
+                damping: joint.damping,
+                friction: joint.friction,
+                rotor_inertia: 0.0,
+                gear_ratio: None,
+                torque_constant: None,
+                link: Link {
+                    name: joint.child.to_owned(),
+                    inertia,
+                },
+            });
+            findings.extend(joint.findings.iter().cloned());
+        }
+        let robot = Robot::described(self.name, joints, &bodies, findings)?;
+        Ok(robot.with_notes(self.notes()))
+    }
+
+    /// Where a chosen joint's frame goes when its zero moves and, for the first, the base is tilted; none where it stays.
+    ///
+    /// The base frame stays the world's: a base that is tilted by R stands as the first joint's origin turned by R.
+    pub fn moved_origin(&self, chosen: usize, changed: &Changed<'_>) -> Option<Pose> {
+        let zero = changed.zero(chosen);
+        let turns = chosen == 0 && changed.tilt != Vector3::zeros();
+        if zero == 0.0 && !turns {
+            return None;
+        }
+        let joint = &self.joints[self.chosen[chosen]];
+        let mut pose = joint.origin;
+        if matches!(joint.motion, Motion::Axis(kind) if kind.is_rotation()) {
+            let axis = Unit::new_unchecked(joint.axis);
+            pose.0 *= Rotation3::from_axis_angle(&axis, zero).into_inner();
+        } else {
+            pose.1 += pose.0 * joint.axis * zero;
+        }
+        if turns {
+            let above = self.above[self.chosen[chosen]];
+            let before = self.placed()[above.map_or(0, |k| k + 1)].pose;
+            let turned = before.0.transpose();
+            let back = (turned, -(turned * before.1));
+            let tilt = (Rotation3::new(changed.tilt).into_inner(), Vector3::zeros());
+            pose = compose(&back, &compose(&tilt, &compose(&before, &pose)));
+        }
+        Some(pose)
+    }
+
+    /// Refuses joints that a serial chain of free joints does not hold.
+    fn supported(&self) -> Result<(), RobotError> {
+        let names = |j: usize| self.joints[j].name.to_owned();
+        for &j in &self.chosen {
+            if let Some(mimic) = &self.joints[j].mimic {
+                return Err(RobotError::Follows {
+                    joint: names(j),
+                    of: mimic.of.to_owned(),
+                });
             }
         }
-        Ok(body)
+        let placed = self.placed();
+        let other =
+            |j: &usize| self.joints[*j].motion == Motion::Other && placed[j + 1].carriers > 0;
+        if let Some(j) = (0..self.joints.len()).find(other) {
+            return Err(RobotError::UnsupportedJoint {
+                joint: names(j),
+                kind: self.joints[j].kind.to_owned(),
+            });
+        }
+        // What follows a joint of the chain and carries more of it couples the two.
+        for &j in &self.chosen {
+            let mut at = self.above[j];
+            while let Some(k) = at {
+                let joint = &self.joints[k];
+                let leads = |m: &&super::elements::Mimic<'_>| {
+                    self.chosen.iter().any(|&c| self.joints[c].name == m.of)
+                };
+                if let Some(mimic) = joint.mimic.as_ref().filter(leads) {
+                    return Err(RobotError::Follows {
+                        joint: names(k),
+                        of: mimic.of.to_owned(),
+                    });
+                }
+                if joint.motion == Motion::Other {
+                    return Err(RobotError::UnsupportedJoint {
+                        joint: names(k),
+                        kind: joint.kind.to_owned(),
+                    });
+                }
+                at = self.above[k];
+            }
+        }
+        Ok(())
+    }
+
+    /// What is said of the joints that were not chosen.
+    fn notes(&self) -> Vec<String> {
+        let placed = self.placed();
+        let last = self.chosen.last().copied();
+        let mut on_the_way = Vec::new();
+        let mut at = last.and_then(|j| self.above[j]);
+        while let Some(j) = at {
+            on_the_way.push(j);
+            at = self.above[j];
+        }
+        let (mut fixed, mut apart) = (Vec::new(), Vec::new());
+        for (j, joint) in self.joints.iter().enumerate() {
+            if joint.motion == Motion::Fixed || self.chosen.contains(&j) {
+                continue;
+            }
+            if placed[j + 1].carriers == 0 && !on_the_way.contains(&j) {
+                apart.push(joint.name.to_owned());
+                continue;
+            }
+            let position = match joint.motion {
+                Motion::Axis(kind) => match self.position(joint, self.joints.len()) {
+                    0.0 => String::new(),
+                    v if kind == JointKind::Prismatic => format!(" (at {v} m)"),
+                    v => format!(" (at {v} rad)"),
+                },
+                _ => String::new(),
+            };
+            let follows = joint
+                .mimic
+                .as_ref()
+                .map_or(String::new(), |m| format!(" (which follows {})", m.of));
+            fixed.push(format!("{}{follows}{position}", joint.name));
+        }
+        let mut notes = Vec::new();
+        if !fixed.is_empty() {
+            notes.push(format!(
+                "fixed at their reference position: {} (--joints NAME=POSITION sets another)",
+                fixed.join(", ")
+            ));
+        }
+        if !apart.is_empty() {
+            notes.push(format!("no part of the chosen chain: {}", apart.join(", ")));
+        }
+        if !notes.is_empty() {
+            let chain: Vec<&str> = self.chosen.iter().map(|&j| self.joints[j].name).collect();
+            notes[0] = format!("the robot is the chain {}; {}", chain.join(", "), notes[0]);
+        }
+        notes
     }
 }
 
-/// A moving joint whose parent link has the given pose in the parent joint's frame.
-fn moving_joint(
-    joint: &urdf_rs::Joint,
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
-    inertia: Inertia,
-) -> Result<Joint, RobotError> {
-    let unsupported = |kind: &str| RobotError::UnsupportedJoint {
-        joint: joint.name.clone(),
-        kind: kind.to_owned(),
-    };
-    if joint.mimic.is_some() {
-        return Err(unsupported("a mimic of another joint"));
-    }
-    let kind = match joint.joint_type {
-        JointType::Revolute => JointKind::Revolute,
-        JointType::Continuous => JointKind::Continuous,
-        JointType::Prismatic => JointKind::Prismatic,
-        ref other => return Err(unsupported(&format!("{other:?}").to_lowercase())),
-    };
-    let axis = Vector3::from(*joint.axis.xyz);
-    let length = axis.norm();
-    // A NaN axis fails this comparison too.
-    if !(length > SHORTEST_AXIS && length.is_finite()) {
-        return Err(RobotError::BadAxis {
-            joint: joint.name.clone(),
-            axis: axis.into(),
-        });
-    }
-    let (r, t) = pose(&joint.origin);
-    let dynamics = joint.dynamics.as_ref();
-    Ok(Joint {
-        name: joint.name.clone(),
-        kind,
-        axis: axis / length,
-        rotation: rotation * r,
-        translation: rotation * t + translation,
-        limits: limits(kind, &joint.limit),
-        damping: dynamics.map_or(0.0, |d| d.damping),
-        friction: dynamics.map_or(0.0, |d| d.friction),
-        rotor_inertia: 0.0,
-        gear_ratio: None,
-        torque_constant: None,
-        link: Link {
-            name: joint.child.link.clone(),
-            inertia,
-        },
-    })
-}
-
-/// A limit of this size or beyond, rad, m, rad/s, m/s, N·m or N, is none: what is written where the format demands a
-/// number.
-pub(super) const UNLIMITED: f64 = 1e9;
-
-/// A missing `<limit>` reads as zeros, and so does a missing attribute: neither limits anything.
-fn limits(kind: JointKind, limit: &urdf_rs::JointLimit) -> Limits {
-    let bounded = kind != JointKind::Continuous && limit.upper > limit.lower;
-    let (lower, upper) = if bounded {
-        (open(limit.lower), open(limit.upper))
-    } else {
-        (f64::NEG_INFINITY, f64::INFINITY)
-    };
-    let positive = |v: f64| if v > 0.0 { open(v) } else { f64::INFINITY };
-    Limits {
-        lower,
-        upper,
-        velocity: positive(limit.velocity),
-        effort: positive(limit.effort),
-    }
-}
-
-fn open(limit: f64) -> f64 {
-    if limit.abs() >= UNLIMITED {
-        f64::INFINITY.copysign(limit)
-    } else {
-        limit
-    }
-}
-
-/// Inertia of one link in its own frame.
-fn inertia(link: &urdf_rs::Link) -> Result<Inertia, RobotError> {
-    let inertial = &link.inertial;
-    let i = &inertial.inertia;
-    let about_com = Matrix3::new(
-        i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz,
-    );
-    let mass = inertial.mass.value;
-    if mass < 0.0 || !mass.is_finite() {
-        return Err(RobotError::BadNumber {
-            owner: link.name.clone(),
-            what: "mass".to_owned(),
-            value: mass,
-            hint: "it must be finite and not negative".to_owned(),
-        });
-    }
-    let (r, com) = pose(&inertial.origin);
-    Ok(Inertia::from_com(mass, com, r * about_com * r.transpose()))
-}
-
-/// Orientation and origin of a URDF pose (fixed-axis roll, pitch, yaw).
-fn pose(pose: &urdf_rs::Pose) -> (Matrix3<f64>, Vector3<f64>) {
-    let [roll, pitch, yaw] = *pose.rpy;
-    let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
-    (rotation, Vector3::from(*pose.xyz))
+/// `a`, then `b` in its frame.
+pub(super) fn compose(a: &Pose, b: &Pose) -> Pose {
+    (a.0 * b.0, a.0 * b.1 + a.1)
 }

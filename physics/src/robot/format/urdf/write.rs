@@ -1,10 +1,12 @@
 //! Writing a URDF: from scratch, or new numbers into an existing text.
 
-use super::read::UNLIMITED;
-use crate::robot::{Inertia, Joint, JointKind, Robot, RobotError};
+use super::elements::{Pose, UNLIMITED};
+use super::read::{Model, Placed};
+use crate::robot::format::changed::{Changed, load_name};
+use crate::robot::format::share::{departs, scaled, share};
+use crate::robot::{Inertia, Joint, JointKind, Masses, Robot, RobotError};
 use nalgebra::Matrix3;
 use roxmltree::{Document, Node};
-use std::collections::HashSet;
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -32,44 +34,115 @@ pub fn to_urdf(robot: &Robot) -> String {
     text
 }
 
-/// `urdf` with the inertias, damping and friction of `robot`, everything else untouched to the byte.
-///
-/// A moving joint's inertia includes what is fixed to its link, so it is written to that link, and the
-/// `<inertial>` elements of the links fixed to it are removed.
-///
-/// # Errors
-/// `urdf` is no URDF, or not that of this robot's links and joints.
-pub fn urdf_with(urdf: &str, robot: &Robot) -> Result<String, RobotError> {
-    let document = Document::parse(urdf).map_err(|e| RobotError::Syntax {
-        reason: e.to_string(),
-    })?;
-    let root = document.root_element();
+/// `text`, which `document` is of, with the numbers of a changed robot.
+pub(super) fn changed(
+    text: &str,
+    document: &Document<'_>,
+    model: &Model<'_>,
+    changed: &Changed<'_>,
+) -> Result<String, RobotError> {
+    let (root, given, robot) = (document.root_element(), model.robot()?, changed.robot);
+    if given.joint_names() != robot.joint_names() {
+        let known = given.joint_names();
+        let other = robot.joint_names().into_iter().find(|n| !known.contains(n));
+        return Err(RobotError::Mismatch {
+            what: "joint",
+            name: other.unwrap_or_else(|| robot.name().to_owned()),
+        });
+    }
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
-    for joint in robot.joints() {
-        let link = find(root, "link", &joint.link.name)?;
-        edit_child(
-            &mut edits,
-            urdf,
-            link,
-            "inertial",
-            inertial(&joint.link.inertia),
-        );
-        for merged in fixed_below(root, &joint.link.name) {
-            let node = find(root, "link", merged)?;
-            edits.extend(inertials(node).map(|n| (n.range(), String::new())));
+    for (j, (old, new)) in given.joints().iter().zip(robot.joints()).enumerate() {
+        if given.masses() == Masses::Missing || departs(&old.link.inertia, &new.link.inertia) {
+            for (link, inertia) in bodies(model, j, &new.link.inertia) {
+                let node = find(root, "link", link)?;
+                edit_child(&mut edits, text, node, "inertial", inertial(&inertia));
+            }
         }
-        let node = find(root, "joint", &joint.name)?;
-        if joint.damping != 0.0 || joint.friction != 0.0 || child(node, "dynamics").is_some() {
-            edit_child(&mut edits, urdf, node, "dynamics", dynamics(joint));
+        let node = find(root, "joint", &new.name)?;
+        if (old.damping, old.friction) != (new.damping, new.friction) {
+            edit_child(&mut edits, text, node, "dynamics", dynamics(new));
         }
+        if let Some(pose) = model.moved_origin(j, changed) {
+            edit_child(&mut edits, text, node, "origin", origin(&pose));
+        }
+    }
+    if let Some(load) = &changed.load {
+        let carrier = &robot.joints()[load.link].link.name;
+        let at = root
+            .last_element_child()
+            .map_or(root.range().end, |c| c.range().end);
+        edits.push((at..at, load_elements(root, carrier, &load.inertia)));
     }
     // From the end, so that earlier ranges stay valid.
     edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
-    let mut text = urdf.to_owned();
+    let mut text = text.to_owned();
     for (range, replacement) in edits {
         text.replace_range(range, &replacement);
     }
     Ok(text)
+}
+
+/// Links with the inertias, in their own frames, that together make that of chosen joint `j`.
+fn bodies<'a>(model: &Model<'a>, j: usize, whole: &Inertia) -> Vec<(&'a str, Inertia)> {
+    let placed = model.placed();
+    let own = placed.iter().filter(|l| l.carriers == j + 1);
+    let (mut first, mut others) = (None, Vec::new());
+    for link in own {
+        let inertia = model.inertia(link.name).filter(|i| i.mass > 0.0);
+        match (first, inertia) {
+            (None, _) => first = Some(link),
+            (Some(_), Some(inertia)) => {
+                others.push((link, inertia.transformed(&link.pose.0, &link.pose.1)));
+            }
+            _ => {}
+        }
+    }
+    let Some(mut first) = first else {
+        return Vec::new();
+    };
+    // A frame without mass leaves it to the body that has it.
+    if model.inertia(first.name).is_none_or(|i| i.mass == 0.0)
+        && let Some(most) =
+            (0..others.len()).max_by(|&a, &b| others[a].1.mass.total_cmp(&others[b].1.mass))
+    {
+        first = others.remove(most).0;
+    }
+    let list: Vec<Inertia> = others.iter().map(|(_, i)| *i).collect();
+    let (rest, part) = share(whole, &list);
+    let in_own = |link: &Placed<'a>, inertia: Inertia| {
+        let turned = link.pose.0.transpose();
+        (
+            link.name,
+            inertia.transformed(&turned, &-(turned * link.pose.1)),
+        )
+    };
+    let lighter = others.iter().filter(|_| part < 1.0);
+    std::iter::once(in_own(first, rest))
+        .chain(lighter.map(|(link, inertia)| in_own(link, scaled(inertia, part))))
+        .collect()
+}
+
+/// A link with a load and the joint that fixes it to a link.
+fn load_elements(root: Node<'_, '_>, carrier: &str, load: &Inertia) -> String {
+    let name = load_name(|name| {
+        root.children()
+            .any(|n| n.attribute("name").is_some_and(|own| own.starts_with(name)))
+    });
+    format!(
+        "\n  <link name=\"{name}\">{}</link>\n  <joint name=\"{name}_joint\" type=\"fixed\"><parent link=\"{}\"/>\
+         <child link=\"{name}\"/></joint>",
+        inertial(load),
+        escape(carrier)
+    )
+}
+
+fn origin(pose: &Pose) -> String {
+    let (roll, pitch, yaw) = roll_pitch_yaw(&pose.0);
+    let t = &pose.1;
+    format!(
+        "<origin xyz=\"{} {} {}\" rpy=\"{roll} {pitch} {yaw}\"/>",
+        t.x, t.y, t.z
+    )
 }
 
 /// Replaces the child element `tag` of `node`, or adds it as the first child.
@@ -101,26 +174,6 @@ fn edit_child(
     edits.push((range, filled));
 }
 
-/// Names of all links that hang on `link` by fixed joints alone.
-fn fixed_below<'a>(root: Node<'a, '_>, link: &'a str) -> Vec<&'a str> {
-    let mut found = Vec::new();
-    let mut seen = HashSet::from([link]);
-    let mut open = vec![link];
-    while let Some(parent) = open.pop() {
-        for joint in root.children().filter(|n| n.has_tag_name("joint")) {
-            let end = |tag| child(joint, tag).and_then(|n| n.attribute("link"));
-            if joint.attribute("type") != Some("fixed") || end("parent") != Some(parent) {
-                continue;
-            }
-            if let Some(name) = end("child").filter(|name| seen.insert(name)) {
-                found.push(name);
-                open.push(name);
-            }
-        }
-    }
-    found
-}
-
 fn find<'a, 'd>(
     root: Node<'a, 'd>,
     what: &'static str,
@@ -136,10 +189,6 @@ fn find<'a, 'd>(
 
 fn child<'a, 'd>(node: Node<'a, 'd>, tag: &str) -> Option<Node<'a, 'd>> {
     node.children().find(|n| n.has_tag_name(tag))
-}
-
-fn inertials<'a, 'd>(node: Node<'a, 'd>) -> impl Iterator<Item = Node<'a, 'd>> {
-    node.children().filter(|n| n.has_tag_name("inertial"))
 }
 
 /// `<inertial>` with the directions of the link's frame, so that no rotation is needed.

@@ -1,0 +1,52 @@
+//! What a description is to hold instead of its own numbers.
+
+use crate::robot::{Inertia, Robot};
+use nalgebra::Vector3;
+
+/// A load that a description gets as a body of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Index of the joint whose link carries it.
+    pub link: usize,
+    /// In that link's frame.
+    pub inertia: Inertia,
+}
+
+/// A robot's new numbers for its description.
+#[derive(Clone, Debug)]
+pub struct Changed<'a> {
+    /// The robot without its load.
+    pub robot: &'a Robot,
+    /// What each joint's zero moves by, rad or m: q_true = q + zero. Empty for none.
+    pub zeros: &'a [f64],
+    /// Rotation vector by which the base is tilted, rad. An MJCF has it in its gravity instead.
+    pub tilt: Vector3<f64>,
+    /// Load.
+    pub load: Option<Load>,
+}
+
+impl<'a> Changed<'a> {
+    /// New numbers alone.
+    pub fn of(robot: &'a Robot) -> Self {
+        Self {
+            robot,
+            zeros: &[],
+            tilt: Vector3::zeros(),
+            load: None,
+        }
+    }
+
+    /// What joint `j`'s zero moves by.
+    pub(super) fn zero(&self, j: usize) -> f64 {
+        self.zeros.get(j).copied().unwrap_or(0.0)
+    }
+}
+
+/// A name for the load's body that a description does not have yet.
+pub(super) fn load_name(taken: impl Fn(&str) -> bool) -> String {
+    let mut name = "payload".to_owned();
+    while taken(&name) {
+        name.push('_');
+    }
+    name
+}
