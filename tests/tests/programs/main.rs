@@ -13,6 +13,7 @@ mod onnx;
 mod payload;
 mod plan;
 mod refusals;
+mod repro;
 mod scores;
 mod unread;
 mod yardsticks;

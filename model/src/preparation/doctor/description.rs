@@ -7,6 +7,7 @@
 
 use super::blocks::Blocks;
 use super::patient::{Patient, complaint, short};
+use super::shared::{Shared, positive, reduce, shared, solved};
 use crate::preparation::channel::systems::{Joint, Systems};
 use datasets::channel::ChannelEstimate;
 use datasets::check::{Ailment, Complaint, Severity};
@@ -132,18 +133,15 @@ impl Odds {
             .collect();
         let scales: Vec<f64> = tables.iter().map(Table::scale).collect();
         let unit = mean(tables.iter().map(|t| t.misfit(t.left_by_scale(joints))));
-        let masses = shared(&tables, |t| (&t.whole, t.links()));
+        let masses = of_all(&tables, positive, |t| (&t.whole, t.links()));
         let by_masses = mean(tables.iter().zip(&masses.left).map(|(t, l)| t.misfit(*l)));
-        let load = shared(&tables, |t| (&t.rest, t.last()));
+        let load = of_all(&tables, solved, |t| (&t.rest, t.last()));
         let by_load = mean(tables.iter().zip(&load.left).map(|(t, l)| t.misfit(*l)));
-        // A mass cannot be negative, nor a load weigh less than nothing.
+        // A load cannot weigh less than nothing.
         let heavy = load.values.first().is_some_and(|m| *m > 0.0);
-        let possible = masses.values.iter().all(|m| *m > -0.1);
-        let description = match (possible, heavy) {
-            (true, true) => by_masses.min(by_load),
-            (true, false) => by_masses,
-            (false, true) => by_load,
-            (false, false) => f64::INFINITY,
+        let description = match heavy {
+            true => by_masses.min(by_load),
+            false => by_masses,
         };
         let count = tables.len() as f64;
         let sizes = scales.iter().filter(|s| **s > 0.0).map(|s| s.ln().abs());
@@ -373,88 +371,17 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// Coefficients that all joints share, and the squared error of each with them.
-struct Shared {
-    values: Vec<f64>,
-    left: Vec<f64>,
-}
-
-/// Fits columns that all joints share beside what each has of its own; each joint counts by what its own model leaves.
-fn shared<'a>(tables: &'a [Table], of: impl Fn(&'a Table) -> (&'a Blocks, Vec<usize>)) -> Shared {
-    let reduced: Vec<(DMatrix<f64>, DVector<f64>, f64)> = tables
-        .iter()
-        .map(|table| {
-            let (blocks, columns) = of(table);
-            let target = table.rigid() + 3 + table.frictions;
-            reduce(blocks, &columns, &table.own(), target)
-        })
-        .collect();
-    let Some((first, ..)) = reduced.first() else {
-        return Shared {
-            values: Vec::new(),
-            left: Vec::new(),
-        };
-    };
-    let n = first.nrows();
-    let (mut a, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
-    for ((own, right, _), table) in reduced.iter().zip(tables) {
-        a += own / table.floor.max(f64::MIN_POSITIVE);
-        b += right / table.floor.max(f64::MIN_POSITIVE);
-    }
-    let x = solved(&a, &b);
-    let left = reduced
-        .iter()
-        .map(|(a, b, c)| c - 2.0 * x.dot(b) + x.dot(&(a * &x)));
-    Shared {
-        left: left.collect(),
-        values: x.iter().copied().collect(),
-    }
-}
-
-/// What is left of the normal equations of some columns when `own` are fitted beside them.
-fn reduce(
-    blocks: &Blocks,
-    columns: &[usize],
-    own: &[usize],
-    target: usize,
-) -> (DMatrix<f64>, DVector<f64>, f64) {
-    let of = blocks.product();
-    let matrix = |rows: &[usize], columns: &[usize]| {
-        DMatrix::from_fn(rows.len(), columns.len(), |i, j| of(rows[i], columns[j]))
-    };
-    let mut all = columns.to_vec();
-    all.push(target);
-    let cross = matrix(own, &all);
-    let inner = matrix(own, own);
-    let mut taken = DMatrix::zeros(own.len(), all.len());
-    for c in 0..all.len() {
-        taken.set_column(c, &solved(&inner, &cross.column(c).into_owned()));
-    }
-    let whole = matrix(&all, &all) - cross.transpose() * taken;
-    let n = columns.len();
-    (
-        whole.view((0, 0), (n, n)).into_owned(),
-        whole.view((0, n), (n, 1)).column(0).into_owned(),
-        whole[(n, n)],
-    )
-}
-
-/// Solves normal equations with columns of one size and a little ridge: what does not show gets zero.
-fn solved(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
-    const RIDGE: f64 = 1e-7;
-    let size: Vec<f64> = a
-        .diagonal()
-        .iter()
-        .map(|d| d.max(0.0).sqrt().max(1e-150))
-        .collect();
-    let n = b.len();
-    let scaled = DMatrix::from_fn(n, n, |i, j| {
-        a[(i, j)] / (size[i] * size[j]) + if i == j { RIDGE } else { 0.0 }
+/// Fits columns that all joints share beside what each has of its own.
+fn of_all<'a>(
+    tables: &'a [Table],
+    solve: impl Fn(&DMatrix<f64>, &DVector<f64>) -> DVector<f64>,
+    of: impl Fn(&'a Table) -> (&'a Blocks, Vec<usize>),
+) -> Shared {
+    let reduced = tables.iter().map(|table| {
+        let (blocks, columns) = of(table);
+        let target = table.rigid() + 3 + table.frictions;
+        reduce(blocks, &columns, &table.own(), target)
     });
-    let right = DVector::from_fn(n, |i, _| b[i] / size[i]);
-    let x = scaled
-        .lu()
-        .solve(&right)
-        .unwrap_or_else(|| DVector::zeros(n));
-    DVector::from_fn(n, |i, _| x[i] / size[i])
+    let floors: Vec<f64> = tables.iter().map(|t| t.floor).collect();
+    shared(&reduced.collect::<Vec<_>>(), &floors, solve)
 }

@@ -13,6 +13,7 @@ mod description;
 mod evidence;
 mod number;
 mod patient;
+mod shared;
 mod sign;
 mod signal;
 mod source;
@@ -23,7 +24,7 @@ use datasets::channel::ChannelEstimate;
 use datasets::check::{Ailment, Complaint};
 use datasets::prepare::Prepared;
 use patient::Patient;
-use physics::robot::Robot;
+use physics::robot::{Masses, Robot};
 
 /// Complaints about the torque of a recording of `robot`, worst first; none about a torque of the drives in N·m (N) on the
 /// link, and none without torque. `prepared` and `channel` come from the same recording.
@@ -56,8 +57,9 @@ pub fn examine(
         .as_ref()
         .is_some_and(|c| c.ailment == Ailment::Filtered);
     match source::weightless(&patient) {
-        // Without gravity a described torque is no measure of scale or sign.
+        // Without gravity a described torque is no measure of scale or sign, and neither is one of no masses.
         Some(weightless) => found.push(weightless),
+        None if robot.masses() != Masses::Described => {}
         None => found.extend(
             [unit::of_all(&patient, smeared), sign::turned(&patient)]
                 .into_iter()

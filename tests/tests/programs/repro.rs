@@ -1,0 +1,296 @@
+//! Small descriptions and recordings as people have them: what `train --check-only` answers to each.
+
+use tests::program::{program, run};
+use tests::shared::shared;
+
+/// What the program answers to a robot and a recording of a folder of `repro`, both streams, on one line.
+fn answer(folder: &str, robot: &str, data: &str) -> Option<String> {
+    let folder = shared(&format!("repro/{folder}"))?;
+    let mut train = program("train");
+    train.current_dir(&folder);
+    let ended = run(train.args(["--check-only", "--robot", robot, "--data", data]));
+    let said = format!("{}\n{}", ended.out, ended.err);
+    Some(said.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+/// Folder, robot, recording, what is said of them, and what is not. A bar parts several of either.
+type Case = (
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+);
+
+/// What would make a user multiply a right torque.
+const UNIT: &str = "torque_scale = [|motor current in A.";
+
+fn check(cases: &[Case]) {
+    for (folder, robot, data, said, unsaid) in cases {
+        let Some(answer) = answer(folder, robot, data) else {
+            return;
+        };
+        for part in said.split('|').filter(|p| !p.is_empty()) {
+            assert!(answer.contains(part), "{folder}: no `{part}` in {answer}");
+        }
+        for part in unsaid.split('|').filter(|p| !p.is_empty()) {
+            assert!(!answer.contains(part), "{folder}: `{part}` in {answer}");
+        }
+    }
+}
+
+#[test]
+fn chains_and_descriptions() {
+    let (urdf, train) = ("robot.urdf", "train.parquet");
+    check(&[
+        (
+            "gripper",
+            urdf,
+            train,
+            "the chain joint1, joint2, joint3|finger_right_joint (which follows finger_left_joint)|4000 samples",
+            "error",
+        ),
+        (
+            "linkage",
+            urdf,
+            train,
+            "the chain joint1, joint2, joint3|cylinder_joint (which follows joint2)|4000 samples",
+            "error",
+        ),
+        (
+            "field/urdf-with-fingers",
+            "arm.urdf",
+            "data.csv",
+            "the chain j1, j2, j3|finger2 (which follows finger1)",
+            "error",
+        ),
+        (
+            "no_masses",
+            urdf,
+            train,
+            "the description has no masses|4000 samples",
+            UNIT,
+        ),
+        (
+            "placeholders",
+            urdf,
+            train,
+            "the description's masses are placeholders",
+            UNIT,
+        ),
+        (
+            "field/placeholder-masses",
+            "arm.urdf",
+            "data-1.csv",
+            "the description's masses are placeholders",
+            UNIT,
+        ),
+        (
+            "field/no-or-impossible-masses",
+            "none.urdf",
+            "data.csv",
+            "the description has no masses",
+            UNIT,
+        ),
+        (
+            "field/no-or-impossible-masses",
+            "impossible.urdf",
+            "data.csv",
+            "link l1: no mass distribution has its inertia",
+            UNIT,
+        ),
+        (
+            "field/no-or-impossible-masses",
+            "com-far-away.urdf",
+            "data.csv",
+            "link l3: all of its mass lies|a description that is wrong",
+            UNIT,
+        ),
+        (
+            "xacro",
+            "arm.urdf.xacro",
+            "../gripper/train.parquet",
+            "expand it first: `xacro arm.urdf.xacro > arm.urdf`",
+            "",
+        ),
+        (
+            "field/mjcf-comment-and-attach",
+            "comment.xml",
+            "data.csv",
+            "2000 samples",
+            "error",
+        ),
+        (
+            "field/mjcf-comment-and-attach",
+            "scene.xml",
+            "data.csv",
+            "2000 samples",
+            "error",
+        ),
+    ]);
+}
+
+#[test]
+fn sizes_and_columns() {
+    let (urdf, train) = ("robot.urdf", "train.parquet");
+    let field = "field/called-a-current";
+    check(&[
+        (
+            "heavy_description",
+            urdf,
+            train,
+            "a description whose masses are wrong|the friction is the described one",
+            UNIT,
+        ),
+        (
+            field,
+            "heavy.urdf",
+            "data-1.csv",
+            "or a description that is wrong: this recording does not tell which",
+            UNIT,
+        ),
+        (
+            field,
+            "placeholder.urdf",
+            "data-1.csv",
+            "3000 samples",
+            UNIT,
+        ),
+        (
+            "columns_permuted",
+            urdf,
+            train,
+            "columns 1 and 2 look exchanged",
+            UNIT,
+        ),
+        (
+            field,
+            "right.urdf",
+            "swapped12-1.csv",
+            "columns 1 and 2 look exchanged",
+            UNIT,
+        ),
+        (
+            field,
+            "right.urdf",
+            "q2-turned-1.csv",
+            "positions of j2 look turned round|direction = [1, -1, 1]",
+            UNIT,
+        ),
+        (
+            "columns_by_name",
+            urdf,
+            train,
+            "q1 to q3 are read from q_joint1, q_joint2, q_joint3",
+            "error",
+        ),
+        (
+            "field/gravity-is-there",
+            "pend.urdf",
+            "swingup-1.csv",
+            "4000 samples",
+            "gravity removed|--gravity",
+        ),
+        (
+            "field/late-by-nothing",
+            "pend.urdf",
+            "chatter.csv",
+            "3000 samples",
+            "ms late",
+        ),
+    ]);
+}
+
+#[test]
+fn tables_clocks_and_logs() {
+    let (urdf, train) = ("robot.urdf", "train.parquet");
+    let everyday = "field/everyday-tables";
+    check(&[
+        (
+            "held_samples",
+            urdf,
+            train,
+            "held samples|100 Hz in truth where the stamps say 1000 Hz",
+            "commanded",
+        ),
+        (
+            "two_publishers",
+            urdf,
+            train,
+            "two sources write into one log",
+            "current",
+        ),
+        (
+            "targets_wrong_unit",
+            urdf,
+            train,
+            "0.70 s after its command|π/180",
+            "",
+        ),
+        (
+            "decimal_commas",
+            urdf,
+            "train.csv",
+            "2000 samples|50.0 Hz",
+            "error",
+        ),
+        (
+            "npz_names",
+            urdf,
+            "train.npz",
+            "read from positions1",
+            "error",
+        ),
+        ("no_time", urdf, "train.csv", "--rate HZ", ""),
+        (
+            everyday,
+            "arm.urdf",
+            "gap-of-nan.csv",
+            "301 rows without values",
+            "error",
+        ),
+        (
+            everyday,
+            "arm.urdf",
+            "held-at-1kHz.csv",
+            "held samples",
+            "commanded",
+        ),
+        (
+            everyday,
+            "arm.urdf",
+            "milliseconds.csv",
+            "read in ms",
+            "error",
+        ),
+        (
+            everyday,
+            "arm.urdf",
+            "semicolon-decimal-comma.csv",
+            "3000 samples",
+            "error",
+        ),
+        (everyday, "arm.urdf", "ten-hertz.csv", "10.0 Hz", "0.1 Hz"),
+        (
+            "field/rubbish-efforts",
+            "arm.urdf",
+            "data.csv",
+            "is no measurement",
+            "",
+        ),
+        (
+            "field/rubbish-efforts",
+            "arm.urdf",
+            "every-second-zero.csv",
+            "two sources write into one log",
+            "",
+        ),
+        (
+            "field/wrapped-angle",
+            "arm.urdf",
+            "wrapped.csv",
+            "wrapped to one turn",
+            "error",
+        ),
+    ]);
+}
