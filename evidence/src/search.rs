@@ -1,4 +1,4 @@
-//! Search over sets of hypotheses: add, drop and swap until no neighbour is more probable.
+//! Search over sets of hypotheses: add, drop and swap, one or a whole family, until no neighbour is more probable.
 
 use crate::quadratic::{Prior, Quadratic};
 
@@ -64,8 +64,9 @@ pub struct Decision {
 
 /// Decides between all sets of `hypotheses`. `always` are parameters free under every one (their tolerance is given).
 ///
-/// The neighbours of a set are those with one hypothesis more, less, or another in its place. A set of n hypotheses among
-/// m has about n·m neighbours; each costs one Cholesky factor of what is free.
+/// The neighbours of a set are those with one hypothesis more, less, or another in its place, and those with a family at all
+/// of its places or at none. A set of n hypotheses among m has about n·m neighbours; each costs one Cholesky factor of what is
+/// free.
 pub fn decide(
     quadratic: &Quadratic,
     priors: &[Prior],
@@ -74,124 +75,198 @@ pub fn decide(
     families: &[Family],
     start: &[usize],
 ) -> Decision {
-    let value = |set: &[usize]| -> f64 {
-        let mut free: Vec<usize> = always.to_vec();
-        for &h in set {
-            free.extend(&hypotheses[h].parameters);
-        }
-        free.sort_unstable();
-        free.dedup();
-        let acting = |f: usize| set.iter().filter(|&&h| hypotheses[h].family == f).count();
-        let prior: f64 = families
-            .iter()
-            .enumerate()
-            .map(|(f, own)| own.log_prior(acting(f)))
-            .sum();
-        let listed: Vec<&[usize]> = set.iter().map(|&h| &hypotheses[h].parameters[..]).collect();
-        possible(quadratic, priors, free, &listed).map_or(f64::NEG_INFINITY, |log| log + prior)
+    let space = Space {
+        quadratic,
+        priors,
+        always,
+        hypotheses,
+        families,
     };
-    let mut set = start.to_vec();
-    set.sort_unstable();
-    let mut best = value(&set);
-    let all: Vec<usize> = (0..hypotheses.len()).collect();
-    let neighbours = |set: &[usize]| -> Vec<Vec<usize>> {
-        let mut out = Vec::new();
-        for &h in all.iter().filter(|&&h| !set.contains(&h)) {
-            out.push(with(set, h));
-        }
-        for &gone in set {
-            let rest = without(set, gone);
-            for &h in all.iter().filter(|&&h| !set.contains(&h)) {
-                out.push(with(&rest, h));
-            }
-            out.push(rest);
-        }
-        out
-    };
-    let weights = loop {
-        let weighed: Vec<(Vec<usize>, f64)> = neighbours(&set)
-            .into_iter()
-            .map(|s| {
-                let v = value(&s);
-                (s, v)
-            })
-            .collect();
-        let top = weighed.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        match top {
+    let (mut set, mut best) = space.possible_part(start);
+    loop {
+        let neighbours = space.neighbours(&set);
+        let weighed = neighbours.into_iter().map(|s| (space.log_posterior(&s), s));
+        match weighed.max_by(|a, b| a.0.total_cmp(&b.0)) {
             // Rounding alone must not keep the search going.
-            Some((next, v)) if *v > best + 1e-9 => {
-                (set, best) = (next.clone(), *v);
-            }
-            _ => break weighed,
+            Some((v, next)) if v > best + 1e-9 => (set, best) = (next, v),
+            _ => return space.about(set, best),
         }
-    };
-    let mut total = 1.0;
-    let mut inclusion = vec![0.0; hypotheses.len()];
-    for &h in &set {
-        inclusion[h] += 1.0;
-    }
-    let mut swaps = vec![Vec::new(); set.len()];
-    for (other, v) in &weights {
-        let weight = (v - best).exp();
-        total += weight;
-        for &h in other {
-            inclusion[h] += weight;
-        }
-        let gone: Vec<usize> = (0..set.len())
-            .filter(|&k| !other.contains(&set[k]))
-            .collect();
-        let came: Vec<usize> = other.iter().copied().filter(|h| !set.contains(h)).collect();
-        if let ([gone], [came]) = (&gone[..], &came[..]) {
-            swaps[*gone].push(Swap {
-                other: *came,
-                weight,
-            });
-        }
-    }
-    for p in &mut inclusion {
-        *p /= total;
-    }
-    for list in &mut swaps {
-        list.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    }
-    Decision {
-        set,
-        inclusion,
-        swaps,
-        log_posterior: best,
     }
 }
 
-/// Log evidence of what is free, where positive parameters stay so: one that the data draw below zero stands at zero. None
-/// where that leaves a hypothesis (its parameters in `listed`) with nothing: the set without it says the same.
+/// What is decided where the set is settled by other means: inclusion over it and its neighbours, none of which counts for more
+/// than the set itself.
+pub fn about(
+    quadratic: &Quadratic,
+    priors: &[Prior],
+    always: &[usize],
+    hypotheses: &[Hypothesis],
+    families: &[Family],
+    set: &[usize],
+) -> Decision {
+    let space = Space {
+        quadratic,
+        priors,
+        always,
+        hypotheses,
+        families,
+    };
+    let best = space.log_posterior(set);
+    space.about(set.to_vec(), best)
+}
+
+/// Logarithm of the prior odds of a set.
+pub fn log_prior(hypotheses: &[Hypothesis], families: &[Family], set: &[usize]) -> f64 {
+    let acting = |f: usize| set.iter().filter(|&&h| hypotheses[h].family == f).count();
+    families
+        .iter()
+        .enumerate()
+        .map(|(f, own)| own.log_prior(acting(f)))
+        .sum()
+}
+
+/// What is decided between.
+struct Space<'a> {
+    quadratic: &'a Quadratic,
+    priors: &'a [Prior],
+    always: &'a [usize],
+    hypotheses: &'a [Hypothesis],
+    families: &'a [Family],
+}
+
+impl Space<'_> {
+    /// Log posterior of a set, or its positions that stand at their bounds with all that they free.
+    fn value(&self, set: &[usize]) -> Result<f64, Vec<usize>> {
+        let mut free: Vec<usize> = self.always.to_vec();
+        for &h in set {
+            free.extend(&self.hypotheses[h].parameters);
+        }
+        free.sort_unstable();
+        free.dedup();
+        let parameters = |&h: &usize| &self.hypotheses[h].parameters[..];
+        let listed: Vec<&[usize]> = set.iter().map(parameters).collect();
+        let prior = log_prior(self.hypotheses, self.families, set);
+        possible(self.quadratic, self.priors, free, &listed).map(|log| log + prior)
+    }
+
+    fn log_posterior(&self, set: &[usize]) -> f64 {
+        self.value(set).unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// The start without what stands at its bound: a neighbour may hold another such.
+    fn possible_part(&self, start: &[usize]) -> (Vec<usize>, f64) {
+        let mut set = start.to_vec();
+        set.sort_unstable();
+        loop {
+            match self.value(&set) {
+                Ok(best) => return (set, best),
+                Err(idle) if idle.is_empty() => return (Vec::new(), self.log_posterior(&[])),
+                Err(idle) => {
+                    let kept = set.iter().enumerate().filter(|(k, _)| !idle.contains(k));
+                    set = kept.map(|(_, &h)| h).collect();
+                }
+            }
+        }
+    }
+
+    fn neighbours(&self, set: &[usize]) -> Vec<Vec<usize>> {
+        let all: Vec<usize> = (0..self.hypotheses.len()).collect();
+        let outside = || all.iter().filter(|&&h| !set.contains(&h));
+        let mut out: Vec<Vec<usize>> = outside().map(|&h| with(set, h)).collect();
+        for &gone in set {
+            let rest = without(set, gone);
+            out.extend(outside().map(|&h| with(&rest, h)));
+            out.push(rest);
+        }
+        // One place more or less may be less probable where all or none are more so.
+        for family in 0..self.families.len() {
+            let own = |h: &usize| self.hypotheses[*h].family == family;
+            let acting = set.iter().filter(|h| own(h)).count();
+            let places = all.iter().filter(|h| own(h)).count();
+            let others = set.iter().copied().filter(|h| !own(h));
+            if acting > 1 {
+                out.push(others.clone().collect());
+            }
+            if places - acting > 1 {
+                let mut every: Vec<usize> = others.chain(all.iter().copied().filter(own)).collect();
+                every.sort_unstable();
+                out.push(every);
+            }
+        }
+        out
+    }
+
+    /// Inclusion over a set of log posterior `best` and its neighbours.
+    fn about(&self, set: Vec<usize>, best: f64) -> Decision {
+        let mut total = 1.0;
+        let mut inclusion = vec![0.0; self.hypotheses.len()];
+        for &h in &set {
+            inclusion[h] += 1.0;
+        }
+        let mut swaps = vec![Vec::new(); set.len()];
+        for other in self.neighbours(&set) {
+            let weight = (self.log_posterior(&other) - best).exp().min(1.0);
+            total += weight;
+            for &h in &other {
+                inclusion[h] += weight;
+            }
+            let gone: Vec<usize> = (0..set.len())
+                .filter(|&k| !other.contains(&set[k]))
+                .collect();
+            let came: Vec<usize> = other.iter().copied().filter(|h| !set.contains(h)).collect();
+            if let ([gone], [came]) = (&gone[..], &came[..]) {
+                swaps[*gone].push(Swap {
+                    other: *came,
+                    weight,
+                });
+            }
+        }
+        for p in &mut inclusion {
+            *p /= total;
+        }
+        for list in &mut swaps {
+            list.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        }
+        Decision {
+            set,
+            inclusion,
+            swaps,
+            log_posterior: best,
+        }
+    }
+}
+
+/// Log evidence of what is free, where positive parameters stay so: one that the data draw below zero stands at zero. Where
+/// that leaves hypotheses (their parameters in `listed`) with nothing, so that the set without them says the same, these; none
+/// of them where the posterior is improper.
 fn possible(
     quadratic: &Quadratic,
     priors: &[Prior],
     mut free: Vec<usize>,
     listed: &[&[usize]],
-) -> Option<f64> {
+) -> Result<f64, Vec<usize>> {
     let mut priors = priors.to_vec();
     let bounded = |i: usize, priors: &[Prior]| {
         priors[i].positive && listed.iter().any(|own| own.contains(&i))
     };
     loop {
-        let mode = quadratic.mode(&free, &priors)?;
+        let mode = quadratic.mode(&free, &priors).ok_or_else(Vec::new)?;
         let below: Vec<usize> = (0..free.len())
             .filter(|&r| bounded(free[r], &priors) && mode.x[r] < 0.0)
             .map(|r| free[r])
             .collect();
         if below.is_empty() {
-            return Some(mode.log_evidence);
+            return Ok(mode.log_evidence);
         }
         free.retain(|i| !below.contains(i));
         for i in below {
             priors[i].mean = 0.0;
         }
-        if listed
-            .iter()
-            .any(|own| !own.iter().any(|i| free.contains(i)))
-        {
-            return None;
+        let idle: Vec<usize> = (0..listed.len())
+            .filter(|&k| !listed[k].iter().any(|i| free.contains(i)))
+            .collect();
+        if !idle.is_empty() {
+            return Err(idle);
         }
     }
 }
@@ -295,6 +370,12 @@ mod tests {
         priors[0].positive = true;
         let bounded = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
         assert!(bounded.set.is_empty() && bounded.inclusion[0] == 0.0);
+        // Two such at the start do not stand in the way of a third.
+        let (quadratic, mut priors, hypotheses, families) = simple(&[-8.0, -7.0, 9.0]);
+        priors.iter_mut().for_each(|p| p.positive = true);
+        let all = decide(&quadratic, &priors, &[], &hypotheses, &families, &[0, 1]);
+        assert_eq!(all.set, [2]);
+        assert!(all.inclusion[2] > 0.99);
     }
 
     proptest! {

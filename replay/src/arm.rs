@@ -16,7 +16,7 @@ pub enum Integral {
     Velocity,
 }
 
-/// Drive of one joint. With e = command + offset − q, less the dead band, and e_v = commanded velocity − q̇:
+/// Drive of one joint. With e = command + offset − q and e_v = commanded velocity − q̇:
 /// u = kp·e + kd·e_v + ki·z, cut at `drive_limit`; torque = u − back_emf·q̇, cut at `limit`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Servo {
@@ -34,14 +34,10 @@ pub struct Servo {
     pub drive_limit: f64,
     /// Largest torque, N·m.
     pub limit: f64,
-    /// Error below which the drive does nothing, rad.
-    pub dead_band: f64,
-    /// Time by which commands reach the drive late, s.
+    /// Time by which commands reach this drive later than the others, s.
     pub delay: f64,
     /// Time constant by which the drive smooths its command, s.
     pub lag: f64,
-    /// Largest acceleration of the motion that the drive plans towards its command, rad/s²; infinite where it follows at once.
-    pub acceleration: f64,
     /// What the drive adds to its command, rad.
     pub offset: f64,
 }
@@ -79,6 +75,8 @@ pub struct Arm {
     pub joints: Vec<Joint>,
     /// By joint.
     pub servos: Vec<Servo>,
+    /// Time by which commands reach every drive late, s.
+    pub delay: f64,
     /// Part of the given description's gravity that the drive compensates by itself.
     pub gravity_compensation: f64,
     /// Body at the last link, in its joint frame: mass (kg) and first moment (kg·m).
@@ -89,6 +87,8 @@ pub struct Arm {
     pub tilt: [f64; 2],
     /// By joint: what is added to its recorded position for the true one, rad.
     pub zero: Vec<f64>,
+    /// Longest step of integration, s.
+    pub step: f64,
 }
 
 impl Arm {
@@ -114,17 +114,24 @@ impl Arm {
             robot,
             joints,
             servos,
+            delay: 0.0,
             gravity_compensation: 0.0,
             payload: [0.0; 4],
             link_scale: vec![1.0; n],
             tilt: [0.0; 2],
             zero: vec![0.0; n],
+            step: crate::simulate::STEP,
         }
     }
 
     /// Number of joints.
     pub fn dof(&self) -> usize {
         self.joints.len()
+    }
+
+    /// Time by which commands reach joint `j` late in all, s.
+    pub fn late(&self, j: usize) -> f64 {
+        self.delay + self.servos[j].delay + self.servos[j].lag
     }
 
     /// Value of a parameter.
@@ -136,15 +143,13 @@ impl Arm {
             Kind::Integral => s.ki,
             Kind::DriveLimit => s.drive_limit,
             Kind::Limit => s.limit,
-            Kind::DeadBand => s.dead_band,
-            Kind::Delay | Kind::CommonDelay => s.delay,
+            Kind::Delay => s.delay,
+            Kind::CommonDelay => self.delay,
             Kind::Lag => s.lag,
-            Kind::Acceleration => s.acceleration,
             Kind::Offset => s.offset,
             Kind::Damping => j.damping,
             Kind::Coulomb => j.coulomb,
             Kind::Stribeck => j.stribeck,
-            Kind::StribeckVelocity => j.stribeck_velocity,
             Kind::Load => j.load,
             Kind::Armature => j.armature,
             Kind::GravityCompensation => self.gravity_compensation,
@@ -164,7 +169,6 @@ impl Arm {
         let mut bodies = false;
         for &(p, value) in values {
             bodies |= p.kind.is_body();
-            let n = self.dof();
             let (s, j) = (&mut self.servos[p.joint], &mut self.joints[p.joint]);
             match p.kind {
                 Kind::Gain => s.kp = value,
@@ -172,16 +176,13 @@ impl Arm {
                 Kind::Integral => s.ki = value,
                 Kind::DriveLimit => s.drive_limit = value,
                 Kind::Limit => s.limit = value,
-                Kind::DeadBand => s.dead_band = value,
                 Kind::Delay => s.delay = value,
-                Kind::CommonDelay => (0..n).for_each(|i| self.servos[i].delay = value),
+                Kind::CommonDelay => self.delay = value,
                 Kind::Lag => s.lag = value,
-                Kind::Acceleration => s.acceleration = value,
                 Kind::Offset => s.offset = value,
                 Kind::Damping => j.damping = value,
                 Kind::Coulomb => j.coulomb = value,
                 Kind::Stribeck => j.stribeck = value,
-                Kind::StribeckVelocity => j.stribeck_velocity = value,
                 Kind::Load => j.load = value,
                 Kind::Armature => j.armature = value,
                 Kind::GravityCompensation => self.gravity_compensation = value,

@@ -270,7 +270,12 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
             &[(Kind::Stribeck, 0.5 * torque)],
         );
         add(Effect::LoadDependentFriction, Some(j), &[(Kind::Load, 0.3)]);
-        add(Effect::CommandDelay, Some(j), &[(Kind::Lag, late)]);
+        // On its way to the drive, or by the drive's own filter.
+        add(
+            Effect::CommandDelay,
+            Some(j),
+            &[(Kind::Delay, late), (Kind::Lag, late)],
+        );
         add(
             Effect::EncoderOffset,
             Some(j),

@@ -8,19 +8,16 @@ use crate::input::{InputError, Subject};
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
 use crate::{page, patch, words};
-use clap::Parser;
+use clap::Args;
 use datasets::Part;
 use indicatif::ProgressBar;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Replays recorded commands on a robot's simulator: where its motion departs from the recorded one, which effect causes
-/// it, and how far it shrinks once that effect is added. No torque is needed.
-#[derive(Parser)]
-#[command(name = "replay", version)]
-struct Arguments {
+/// Arguments of a diagnosis.
+#[derive(Args)]
+pub struct Arguments {
     /// URDF or MJCF, or the name of a built-in robot: the simulator's model as it is.
     #[arg(long)]
     robot: String,
@@ -77,9 +74,9 @@ impl ReplayError {
     }
 }
 
-/// What the program `replay` does with these arguments, of which the first is what it was called by; its exit status.
-pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    match run(&Arguments::parse_from(arguments)) {
+/// Makes the diagnosis that the arguments ask for; the program's exit status.
+pub fn run(arguments: &Arguments) -> ExitCode {
+    match diagnosed(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             report::warn!("error: {error}");
@@ -88,7 +85,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<(), ReplayError> {
+fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     check_outputs(arguments)?;
     let canonical = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_owned());
     if arguments

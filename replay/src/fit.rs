@@ -18,7 +18,7 @@ pub struct Free {
 
 impl Free {
     /// Value of the coordinate.
-    fn value(&self, x: f64) -> f64 {
+    pub fn value(&self, x: f64) -> f64 {
         match self.parameter.kind.scale() {
             Scale::Log => x.exp(),
             Scale::Positive => x.max(0.0),
@@ -89,6 +89,17 @@ pub struct Noise {
     pub correlation: f64,
 }
 
+/// How thoroughly a fit is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Most iterations.
+    pub iterations: usize,
+    /// Gain of the objective, nats, below which it ends.
+    pub gain: f64,
+    /// Longest step of integration, s.
+    pub step: f64,
+}
+
 /// Result of a fit.
 #[derive(Debug, Clone)]
 pub struct Fitted {
@@ -104,8 +115,6 @@ pub struct Fitted {
     pub blocks: Vec<Sums>,
     /// Noise by joint, with the fit's own autocorrelation.
     pub noise: Vec<Noise>,
-    /// Passes over the recording.
-    pub iterations: usize,
 }
 
 /// Sums of all blocks, in parallel; the same whatever the number of threads.
@@ -224,7 +233,7 @@ fn prior(free: &[Free], x: &[f64]) -> f64 {
     each.sum()
 }
 
-/// Fit by Levenberg and Marquardt with bounds at zero, from the arm's own values, in `most` iterations.
+/// Fit by Levenberg and Marquardt with bounds at zero, from the arm's own values, with the expansion about it.
 ///
 /// # Errors
 /// The arm as given is unstable.
@@ -233,24 +242,67 @@ pub fn fit(
     free: &[Free],
     blocks: &[Track],
     noise: &[Noise],
-    most: usize,
+    effort: Effort,
 ) -> Result<Fitted, Unstable> {
+    let (arm, x) = descend(start, free, blocks, noise, effort)?;
+    let parameters: Vec<Parameter> = free.iter().map(|f| f.parameter).collect();
+    let per_block = sums(&arm, blocks, &parameters)?;
+    let total = by_trajectory(&per_block);
+    let (_, information) = local(&total, noise, free, &x);
+    Ok(Fitted {
+        objective: likelihood(&total, noise) + prior(free, &x),
+        arm,
+        x,
+        information,
+        blocks: per_block,
+        noise: noise.to_vec(),
+    })
+}
+
+/// Negative log posterior of an arm, nats, up to a constant.
+///
+/// # Errors
+/// The arm is unstable.
+pub fn objective(
+    arm: &Arm,
+    free: &[Free],
+    blocks: &[Track],
+    noise: &[Noise],
+) -> Result<f64, Unstable> {
+    let total = by_trajectory(&sums(arm, blocks, &[])?);
+    let x: Vec<f64> = free
+        .iter()
+        .map(|f| f.coordinate(arm.get(f.parameter)))
+        .collect();
+    Ok(likelihood(&total, noise) + prior(free, &x))
+}
+
+/// The arm at the lowest objective that is found, with its coordinates.
+///
+/// # Errors
+/// The arm as given is unstable.
+pub fn descend(
+    start: &Arm,
+    free: &[Free],
+    blocks: &[Track],
+    noise: &[Noise],
+    effort: Effort,
+) -> Result<(Arm, Vec<f64>), Unstable> {
     let parameters: Vec<Parameter> = free.iter().map(|f| f.parameter).collect();
     let mut arm = start.clone();
+    let scored = start.step;
+    arm.step = effort.step;
     let mut x: Vec<f64> = free
         .iter()
         .map(|f| f.coordinate(start.get(f.parameter)))
         .collect();
     let mut lambda = 1e-3;
     let mut iterations = 0;
-    let mut per_block = sums(&arm, blocks, &parameters)?;
-    let mut total = by_trajectory(&per_block);
+    let mut total = by_trajectory(&sums(&arm, blocks, &parameters)?);
     let mut objective = likelihood(&total, noise) + prior(free, &x);
     loop {
         iterations += 1;
-        let (gradient, information) = local(&total, noise, free, &x);
-        let mut curved = information.clone();
-        let mut slope = gradient.clone();
+        let (mut slope, mut curved) = local(&total, noise, free, &x);
         for (i, f) in free.iter().enumerate() {
             if let Some((mean, deviation)) = f.prior {
                 slope[i] += (x[i] - mean) / deviation.powi(2);
@@ -282,25 +334,11 @@ pub fn fit(
             }
             lambda *= 4.0;
         }
-        // Less than a hundredth of a nat changes nothing that is said.
-        if !improved || gain < 0.01 || iterations >= most {
-            if improved {
-                per_block = sums(&arm, blocks, &parameters)?;
-                total = by_trajectory(&per_block);
-            }
-            let (_, information) = local(&total, noise, free, &x);
-            return Ok(Fitted {
-                arm,
-                x,
-                objective,
-                information,
-                blocks: per_block,
-                noise: noise.to_vec(),
-                iterations,
-            });
+        if !improved || gain < effort.gain || iterations >= effort.iterations {
+            arm.step = scored;
+            return Ok((arm, x));
         }
-        per_block = sums(&arm, blocks, &parameters)?;
-        total = by_trajectory(&per_block);
+        total = by_trajectory(&sums(&arm, blocks, &parameters)?);
     }
 }
 

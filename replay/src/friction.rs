@@ -150,6 +150,7 @@ impl Friction {
 
     /// Solves A x = rhs over the joints that slip for many right-hand sides at once; rows of joints at rest become zero.
     /// `rhs` is row-major, N rows of `columns` values.
+    #[inline(always)]
     pub fn back_substitute(&self, rhs: &mut [f64], columns: usize) {
         let n = self.n;
         for i in (0..n).filter(|&i| self.slip[i] == Slip::Stick) {
@@ -184,6 +185,7 @@ impl Friction {
 }
 
 /// Row `to` less `factor` times row `from`.
+#[inline(always)]
 fn subtract(rows: &mut [f64], columns: usize, to: usize, from: usize, factor: f64) {
     let (low, high) = (to.min(from), to.max(from));
     let (before, after) = rows.split_at_mut(high * columns);
@@ -197,6 +199,7 @@ fn subtract(rows: &mut [f64], columns: usize, to: usize, from: usize, factor: f6
     }
 }
 
+#[inline(always)]
 fn scale(rows: &mut [f64], columns: usize, row: usize, factor: f64) {
     for v in &mut rows[row * columns..][..columns] {
         *v *= factor;

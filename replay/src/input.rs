@@ -110,10 +110,8 @@ fn idle() -> Servo {
         back_emf: 0.0,
         drive_limit: f64::INFINITY,
         limit: f64::INFINITY,
-        dead_band: 0.0,
         delay: 0.0,
         lag: 0.0,
-        acceleration: f64::INFINITY,
         offset: 0.0,
     }
 }
@@ -199,7 +197,11 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
     // One delay of all joints is one number.
     free.retain(|p| p.kind != Kind::CommonDelay || p.joint == 0);
     tolerances.retain(|(p, _)| p.kind != Kind::CommonDelay || p.joint == 0);
+    // What is the same for all is one number.
+    let common = servos.iter().map(|s| s.delay).fold(f64::INFINITY, f64::min);
+    servos.iter_mut().for_each(|s| s.delay -= common);
     let mut arm = Arm::new(robot.clone(), servos);
+    arm.delay = common;
     let mut notes = Vec::new();
     match block.gravity_compensation.known() {
         Some(on) => arm.gravity_compensation = f64::from(u8::from(on)),

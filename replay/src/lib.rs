@@ -16,11 +16,10 @@ pub mod page;
 pub mod parameter;
 pub mod patch;
 pub mod place;
-pub mod profile;
 pub mod schema;
 pub mod score;
 pub mod simulate;
 pub mod tracks;
 pub mod words;
 
-pub use command_line::command_line;
+pub use command_line::{Arguments, run};

@@ -13,16 +13,12 @@ pub enum Kind {
     DriveLimit,
     /// Largest torque.
     Limit,
-    /// Error that the drive ignores.
-    DeadBand,
     /// Delay of one joint's commands.
     Delay,
     /// One delay of all joints' commands.
     CommonDelay,
     /// Time constant of the drive's command filter.
     Lag,
-    /// Largest acceleration of the drive's own planned motion.
-    Acceleration,
     /// What the drive adds to its command.
     Offset,
     /// Viscous friction.
@@ -31,8 +27,6 @@ pub enum Kind {
     Coulomb,
     /// Friction at standstill beyond Coulomb's.
     Stribeck,
-    /// Velocity over which it falls.
-    StribeckVelocity,
     /// Friction per torque.
     Load,
     /// Rotor inertia.
@@ -79,15 +73,9 @@ impl Kind {
     /// How it is searched for.
     pub fn scale(self) -> Scale {
         match self {
-            Self::Gain
-            | Self::Acceleration
-            | Self::DriveLimit
-            | Self::Limit
-            | Self::LinkScale
-            | Self::StribeckVelocity => Scale::Log,
+            Self::Gain | Self::DriveLimit | Self::Limit | Self::LinkScale => Scale::Log,
             Self::ServoDamping
             | Self::Integral
-            | Self::DeadBand
             | Self::Delay
             | Self::CommonDelay
             | Self::Lag

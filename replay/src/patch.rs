@@ -83,7 +83,7 @@ fn outside(given: &Given, arm: &Arm) -> Vec<String> {
     let mut out = Vec::new();
     let names = arm.robot.joint_names();
     for (j, name) in names.iter().enumerate() {
-        let (s, joint, before) = (&arm.servos[j], &arm.joints[j], &given.arm.servos[j]);
+        let (s, joint) = (&arm.servos[j], &arm.joints[j]);
         let mut say = |what: &str, value: f64, unit: &str| {
             if value != 0.0 {
                 out.push(format!(
@@ -94,7 +94,7 @@ fn outside(given: &Given, arm: &Arm) -> Vec<String> {
         };
         say(
             "delay of commands",
-            s.delay - before.delay + s.lag - before.lag,
+            arm.late(j) - given.arm.late(j),
             "s (shift the commands)",
         );
         say(
@@ -155,7 +155,7 @@ fn drive_file(given: &Given, arm: &Arm) -> String {
     if s.iter().all(|s| s.limit.is_finite()) {
         line("limit", list(s.iter().map(|s| s.limit)));
     }
-    line("delay", list(s.iter().map(|s| s.delay + s.lag)));
+    line("delay", list((0..arm.dof()).map(|j| arm.late(j))));
     if arm.gravity_compensation == 0.0 || arm.gravity_compensation == 1.0 {
         line(
             "gravity_compensation",
@@ -172,8 +172,8 @@ fn isaac_lab(arm: &Arm) -> String {
          from isaaclab.actuators import ImplicitActuatorCfg\n\nDELAY = {  # s\n",
     );
     let names = arm.robot.joint_names();
-    for (name, s) in names.iter().zip(&arm.servos) {
-        let _ = writeln!(text, "    {name:?}: {:.6},", s.delay + s.lag);
+    for (j, name) in names.iter().enumerate() {
+        let _ = writeln!(text, "    {name:?}: {:.6},", arm.late(j));
     }
     text.push_str("}\n\nACTUATORS = {\n");
     for ((name, s), j) in names.iter().zip(&arm.servos).zip(&arm.joints) {

@@ -236,24 +236,32 @@ fn part_of(table: &Array2<f64>, joint: usize, rows: &Range<usize>) -> Vec<f64> {
         .collect()
 }
 
-/// Slope of a straight line through the five samples around the start; a recorded velocity may be of another filter.
+/// Time on either side of a start over which its velocity is taken, s: a joint's acceleration hardly changes within it.
+const AROUND: f64 = 0.02;
+
+/// Slope at the start of the parabola through the samples around it, five at least; a recorded velocity may be of another filter.
 fn start_velocity(
     recording: &Recording,
     trajectory: &Range<usize>,
     at: usize,
     joint: usize,
 ) -> f64 {
-    let rows = at.saturating_sub(2).max(trajectory.start)..(at + 3).min(trajectory.end);
-    let count = rows.len() as f64;
-    let time = rows.clone().map(|r| recording.time[r]).sum::<f64>() / count;
-    let q = rows.clone().map(|r| recording.q[(r, joint)]).sum::<f64>() / count;
-    let (mut product, mut square) = (0.0, 0.0);
+    let near = |r: &usize| (recording.time[*r] - recording.time[at]).abs() <= AROUND;
+    let before = (trajectory.start..at).rev().take_while(near).count().max(2);
+    let after = (at + 1..trajectory.end).take_while(near).count().max(2);
+    let rows =
+        at.saturating_sub(before).max(trajectory.start)..(at + after + 1).min(trajectory.end);
+    let mut normal = nalgebra::Matrix3::zeros();
+    let mut right = nalgebra::Vector3::zeros();
     for r in rows {
-        let t = recording.time[r] - time;
-        product += t * (recording.q[(r, joint)] - q);
-        square += t * t;
+        let t = (recording.time[r] - recording.time[at]) / AROUND;
+        let powers = nalgebra::Vector3::new(1.0, t, t * t);
+        normal += powers * powers.transpose();
+        right += powers * (recording.q[(r, joint)] - recording.q[(at, joint)]);
     }
-    if square > 0.0 { product / square } else { 0.0 }
+    normal
+        .cholesky()
+        .map_or(0.0, |c| c.solve(&right)[1] / AROUND)
 }
 
 /// Smallest difference between successive positions of a joint; 0 where hardly any are equal, as then none is quantised.

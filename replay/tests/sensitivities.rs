@@ -17,10 +17,8 @@ fn servo() -> Servo {
         back_emf: 0.0,
         drive_limit: f64::INFINITY,
         limit: f64::INFINITY,
-        dead_band: 0.0,
         delay: 0.012,
         lag: 0.02,
-        acceleration: f64::INFINITY,
         offset: 0.01,
     }
 }

@@ -34,7 +34,7 @@ const PROGRAMS: &[Program] = &[
     Program {
         name: "replay",
         about: "The gap in motion, from commands and encoders: where, which effect, how far it shrinks",
-        run: replay::command_line,
+        run: proof::motion::command_line,
     },
     #[cfg(feature = "programs")]
     Program {

@@ -4,5 +4,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    replay::command_line(std::env::args_os())
+    proof::motion::command_line(std::env::args_os())
 }

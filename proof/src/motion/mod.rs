@@ -1,0 +1,199 @@
+//! The proof of `replay`: sealed cases of motion under a drive, diagnosed and scored.
+//!
+//! The robot that really moves is the project's plant, with mechanisms other than the fitted ones; cases by another simulator
+//! are scored from a folder of the same layout.
+
+mod case;
+mod command_line;
+mod effects;
+mod files;
+mod real;
+mod score;
+mod tables;
+
+pub use case::{Case, Sealed, kind, make};
+pub use command_line::command_line;
+pub use files::write;
+pub use score::{Score, judge, tempering};
+pub use tables::{calibration, kinds, misses, rates};
+
+use datasets::Part;
+use rayon::prelude::*;
+use replay::diagnosis::diagnose;
+use replay::input::{InputError, Subject};
+use replay::simulate::Unstable;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Why a proof cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum MotionError {
+    /// No robot that follows shows what is asked for.
+    #[error(
+        "no robot was found that shows what case {0} withholds; take another --seed or more --joints"
+    )]
+    None(u64),
+    /// Bodies that make no robot.
+    #[error(transparent)]
+    Robot(#[from] physics::robot::RobotError),
+    /// A recording that cannot be written.
+    #[error(transparent)]
+    Recording(#[from] datasets::WriteError),
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Write(#[from] report::WriteError),
+    /// A file or folder that cannot be read or made.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// A folder without cases.
+    #[error("{}: no cases; cases/NAME with robot.urdf or robot.xml, train.parquet and test.parquet, and truth/NAME.json are needed", .0.display())]
+    Empty(PathBuf),
+    /// A case that is refused.
+    #[error("case {case}: {error}")]
+    Refused {
+        /// Its name.
+        case: String,
+        /// Why.
+        error: Box<InputError>,
+    },
+    /// A case whose simulator as given is unstable.
+    #[error("case {case}: {error}")]
+    Unstable {
+        /// Its name.
+        case: String,
+        /// Why.
+        error: Unstable,
+    },
+}
+
+impl MotionError {
+    fn file(path: &Path, error: std::io::Error) -> Self {
+        Self::File {
+            path: path.to_owned(),
+            error,
+        }
+    }
+}
+
+/// Draws cases, writes them into `folder`, and scores what is said of them.
+///
+/// # Errors
+/// The first case that fails.
+pub fn prove(
+    cases: u64,
+    seed: u64,
+    joints: usize,
+    folder: &Path,
+    done: impl Fn(&str) + Sync,
+) -> Result<Vec<Score>, MotionError> {
+    (0..cases).into_par_iter().try_for_each(|i| {
+        let id = name(i);
+        if folder.join("truth").join(format!("{id}.json")).is_file() {
+            return Ok(());
+        }
+        write(&make(i, seed, joints)?, &id, folder)
+    })?;
+    let names: Vec<String> = (0..cases).map(name).collect();
+    score_named(folder, &names, done)
+}
+
+fn name(i: u64) -> String {
+    format!("motion-{i:04}")
+}
+
+/// Scores every case of a folder. Reports go into `folder/reports`; one that is there already is scored as it is.
+///
+/// # Errors
+/// The first case that fails.
+pub fn score(folder: &Path, done: impl Fn(&str) + Sync) -> Result<Vec<Score>, MotionError> {
+    let entries = std::fs::read_dir(folder.join("truth"));
+    let entries = entries.map_err(|error| MotionError::file(&folder.join("truth"), error))?;
+    let mut names: Vec<String> = entries
+        .filter_map(|e| {
+            Some(
+                e.ok()?
+                    .file_name()
+                    .to_str()?
+                    .strip_suffix(".json")?
+                    .to_owned(),
+            )
+        })
+        .collect();
+    names.sort_unstable();
+    if names.is_empty() {
+        return Err(MotionError::Empty(folder.to_owned()));
+    }
+    score_named(folder, &names, done)
+}
+
+fn score_named(
+    folder: &Path,
+    names: &[String],
+    done: impl Fn(&str) + Sync,
+) -> Result<Vec<Score>, MotionError> {
+    let reports = folder.join("reports");
+    std::fs::create_dir_all(&reports).map_err(|error| MotionError::file(&reports, error))?;
+    let of = |name: &String| {
+        let score = one(folder, name)?;
+        done(name);
+        Ok(score)
+    };
+    names.par_iter().map(of).collect()
+}
+
+fn one(folder: &Path, name: &str) -> Result<Score, MotionError> {
+    let read = |path: &Path| -> Result<String, MotionError> {
+        std::fs::read_to_string(path).map_err(|error| MotionError::file(path, error))
+    };
+    let path = folder.join("truth").join(format!("{name}.json"));
+    let invalid = |path: &Path, error: serde_json::Error| {
+        MotionError::file(path, std::io::Error::other(error))
+    };
+    let sealed: Sealed = serde_json::from_str(&read(&path)?).map_err(|e| invalid(&path, e))?;
+    let kept = folder.join("reports").join(format!("{name}.json"));
+    if kept.is_file() {
+        let report = serde_json::from_str(&read(&kept)?).map_err(|e| invalid(&kept, e))?;
+        return Ok(judge(name, &sealed, &report, f64::NAN));
+    }
+    let started = Instant::now();
+    let report = said(&folder.join("cases").join(name), name)?;
+    let text = serde_json::to_string_pretty(&report).expect("a report is plain data");
+    report::write_atomic(&kept, text)?;
+    let report = serde_json::to_value(&report).expect("a report is plain data");
+    Ok(judge(
+        name,
+        &sealed,
+        &report,
+        started.elapsed().as_secs_f64(),
+    ))
+}
+
+/// What `replay` says of a case.
+fn said(case: &Path, name: &str) -> Result<replay::schema::Report, MotionError> {
+    let refused = |error| MotionError::Refused {
+        case: name.to_owned(),
+        error: Box::new(error),
+    };
+    let robot = ["robot.urdf", "robot.xml"].map(|f| case.join(f));
+    let robot = robot.iter().find(|p| p.is_file());
+    let robot = robot.ok_or_else(|| MotionError::Empty(case.to_owned()))?;
+    let drive = case.join("drive.toml");
+    let drive = drive.is_file().then_some(drive.as_path());
+    let subject = Subject::read(&robot.display().to_string(), &[], drive, None).map_err(refused)?;
+    let recording = |file: &str, part: Part| -> Result<_, InputError> {
+        Ok(subject.recordings(&[case.join(file)], part)?.remove(0))
+    };
+    let data = recording("train.parquet", Part::Train).map_err(refused)?;
+    let heldout = recording("test.parquet", Part::Test).map_err(refused)?;
+    let outcome = diagnose(&subject.given, &data, &heldout, true, |_| ());
+    let outcome = outcome.map_err(|error| MotionError::Unstable {
+        case: name.to_owned(),
+        error,
+    })?;
+    Ok(outcome.report)
+}

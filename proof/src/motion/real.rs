@@ -1,0 +1,248 @@
+//! The robot that really moves in a sealed case, under a drive of its own.
+
+use ndarray::Array2;
+use physics::dynamics::{Workspace, inverse_dynamics};
+use physics::robot::{Robot, RobotError};
+use plant::arm::Arm;
+use plant::build::Build;
+use plant::mechanism::{GearMesh, Instant, Mechanism, Ripple, Stribeck, StribeckKind, soft_sign};
+use plant::reference::{Command, Session};
+
+/// Step of the plant, s.
+const STEP: f64 = 2.5e-4;
+
+/// Time under the drive before a trajectory is recorded, s: at rest, then led into the motion.
+const BEFORE: f64 = 2.0;
+
+/// Farthest from its command that a joint may get, rad (m): beyond, the case is none.
+const FARTHEST: f64 = 1.5;
+
+/// What only some robots have, joint by joint.
+#[derive(Debug, Clone)]
+pub enum Extra {
+    /// Boundary friction.
+    Stribeck(Stribeck),
+    /// Losses of a gear's mesh.
+    Mesh(GearMesh),
+    /// A magnet's detents.
+    Detent(Ripple),
+    /// A belt with slack behind the motor: half of the slack, rad, and its stiffness, N·m/rad.
+    Belt {
+        /// Motor.
+        joint: usize,
+        /// Half of the slack.
+        half: f64,
+        /// Stiffness when tight.
+        stiffness: f64,
+    },
+    /// A winding whose torque bends down towards this one, N·m.
+    Winding {
+        /// Motor.
+        joint: usize,
+        /// Largest torque.
+        torque: f64,
+    },
+}
+
+/// Every number on which the motion depends.
+#[derive(Debug, Clone)]
+pub struct Real {
+    /// Bodies and friction.
+    pub arm: Arm,
+    /// Rotor inertias that no description counts, kg·m².
+    pub armature: Vec<f64>,
+    /// Gains, N·m/rad and N·m·s/rad.
+    pub kp: Vec<f64>,
+    /// Gain on velocity.
+    pub kd: Vec<f64>,
+    /// Whether the drive is sent velocities, too.
+    pub rates: bool,
+    /// Largest torque, N·m.
+    pub limit: Vec<f64>,
+    /// Time on the bus to each joint, s.
+    pub late: Vec<f64>,
+    /// Part of the stated model's gravity that the drive adds.
+    pub gravity_compensation: f64,
+    /// Bodies that the drive knows.
+    pub stated: Robot,
+    /// Zero by which each encoder is off, rad.
+    pub zero: Vec<f64>,
+    /// Further mechanisms.
+    pub extras: Vec<Extra>,
+}
+
+/// Commands and true positions at the stamps of one trajectory, rows × joints.
+#[derive(Debug, Clone)]
+pub struct Moved {
+    /// Commanded positions.
+    pub q_ref: Array2<f64>,
+    /// Commanded velocities.
+    pub qd_ref: Array2<f64>,
+    /// Positions as a perfect encoder counts them.
+    pub q: Array2<f64>,
+    /// Whether a drive's torque met its limit.
+    pub cut: bool,
+}
+
+impl Real {
+    /// Runs a trajectory of the session, sampled every `period` s; none where the robot does not follow.
+    ///
+    /// # Errors
+    /// Bodies that make no robot.
+    pub fn run(&self, session: &Session, period: f64) -> Result<Option<Moved>, RobotError> {
+        let n = self.arm.dof();
+        let every = (period / STEP).round() as usize;
+        let rows = (session.lengths[0] / period).round() as usize;
+        let mut out = Moved {
+            q_ref: Array2::zeros((rows, n)),
+            qd_ref: Array2::zeros((rows, n)),
+            q: Array2::zeros((rows, n)),
+            cut: false,
+        };
+        // Commands as they are sent, from before the recording on.
+        let mut command = Command::new(n);
+        let before = (BEFORE / period).round() as usize;
+        let mut sent = [
+            Array2::zeros((before + rows, n)),
+            Array2::zeros((before + rows, n)),
+        ];
+        for row in 0..before + rows {
+            session.sample((row as f64 - before as f64) * period, &mut command);
+            for j in 0..n {
+                sent[0][(row, j)] = command.q[j];
+                sent[1][(row, j)] = command.qd[j];
+                if let Some(row) = row.checked_sub(before) {
+                    out.q_ref[(row, j)] = command.q[j];
+                    out.qd_ref[(row, j)] = command.qd[j];
+                }
+            }
+        }
+        let at: Vec<f64> = (0..n).map(|j| sent[0][(0, j)] - self.zero[j]).collect();
+        let (mut plant, axes) = self.build().plant(&at)?;
+        let mut u = vec![0.0; plant.dof()];
+        let (mut held, mut seen) = (vec![0.0; n], vec![0.0; n]);
+        let still = vec![0.0; n];
+        let mut workspace = Workspace::new(&self.stated);
+        for k in 0..(before + rows) * every {
+            for (j, &axis) in axes.iter().enumerate() {
+                seen[j] = plant.q[axis] + self.zero[j];
+            }
+            let recorded = (k / every).checked_sub(before).filter(|_| k % every == 0);
+            if let Some(row) = recorded {
+                for (j, seen) in seen.iter().enumerate() {
+                    out.q[(row, j)] = *seen;
+                    let far = (seen - out.q_ref[(row, j)]).abs();
+                    if far.is_nan() || far > FARTHEST {
+                        return Ok(None);
+                    }
+                }
+            }
+            if self.gravity_compensation != 0.0 {
+                inverse_dynamics(
+                    &self.stated,
+                    &mut workspace,
+                    &seen,
+                    &still,
+                    &still,
+                    &mut held,
+                );
+            }
+            let now = k as f64 * STEP;
+            for (j, &axis) in axes.iter().enumerate() {
+                let row = ((now - self.late[j]) / period + 1e-9).floor().max(0.0) as usize;
+                let row = row.min(before + rows - 1);
+                let rate = if self.rates { sent[1][(row, j)] } else { 0.0 };
+                let wanted = self.kp[j] * (sent[0][(row, j)] - seen[j])
+                    + self.kd[j] * (rate - plant.v[axis])
+                    + self.gravity_compensation * held[j];
+                let wound = self.wound(j, wanted);
+                out.cut |= now > BEFORE && wound.abs() > self.limit[j];
+                u[axis] = wound.clamp(-self.limit[j], self.limit[j]);
+            }
+            plant.step(now, STEP, &u);
+        }
+        Ok(Some(out))
+    }
+
+    /// Torque that the winding gives where `wanted` is asked for.
+    fn wound(&self, joint: usize, wanted: f64) -> f64 {
+        let own = self.extras.iter().find_map(|e| match e {
+            Extra::Winding { joint: j, torque } if *j == joint => Some(*torque),
+            _ => None,
+        });
+        own.map_or(wanted, |torque| torque * (wanted / torque).tanh())
+    }
+
+    fn build(&self) -> Build {
+        let mut build = Build::plain(&self.arm);
+        build.armature.clone_from(&self.armature);
+        for extra in &self.extras {
+            match extra {
+                Extra::Stribeck(s) => build.add(s.clone()),
+                Extra::Mesh(m) => build.add(m.clone()),
+                Extra::Detent(r) => build.add(r.clone()),
+                // Joints behind it would count on; it comes last.
+                Extra::Belt { .. } | Extra::Winding { .. } => {}
+            }
+        }
+        for extra in &self.extras {
+            if let Extra::Belt {
+                joint,
+                half,
+                stiffness,
+            } = *extra
+            {
+                let critical = (stiffness * build.arm.disc[joint]).sqrt();
+                let at = build.split(joint);
+                build.add(Belt {
+                    joint: at,
+                    half,
+                    stiffness,
+                    damping: 0.3 * critical,
+                });
+            }
+        }
+        build
+    }
+
+    /// Boundary friction of a joint by a law other than the fitted one.
+    pub fn boundary(&self, joint: usize, size: f64, v_s: f64, kind: StribeckKind) -> Extra {
+        Extra::Stribeck(Stribeck {
+            joint,
+            size,
+            v_s,
+            v_eps: self.arm.v_eps[joint],
+            kind,
+            film: 0.0,
+        })
+    }
+}
+
+/// A belt with slack on the joint that [`Build::split`] adds.
+struct Belt {
+    joint: usize,
+    half: f64,
+    stiffness: f64,
+    damping: f64,
+}
+
+impl Belt {
+    fn stretch(&self, x: f64) -> f64 {
+        x - x.clamp(-self.half, self.half)
+    }
+}
+
+impl Mechanism for Belt {
+    fn push(&mut self, now: &Instant, force: &mut [f64]) {
+        force[self.joint] -= self.stiffness * self.stretch(now.q[self.joint]);
+    }
+
+    fn joint(&self) -> Option<usize> {
+        Some(self.joint)
+    }
+
+    fn resist(&self, now: &Instant, v: f64) -> f64 {
+        let tight = f64::from(self.stretch(now.q[self.joint]) != 0.0);
+        self.damping * (0.02 + tight) * v + 1e-6 * soft_sign(v, 1e-3)
+    }
+}

@@ -1,0 +1,217 @@
+//! What a report says against what was withheld.
+
+use super::case::Sealed;
+use super::effects::Truth;
+use serde_json::Value;
+
+/// Quantile of a standard normal deviate outside of which a tenth lies.
+const NINETY: f64 = 1.645;
+
+/// A case's score.
+#[derive(Debug, Clone)]
+pub struct Score {
+    /// Name of the case.
+    pub id: String,
+    /// What was withheld.
+    pub sealed: Sealed,
+    /// First cause of the report.
+    pub first: String,
+    /// Whether it is what was withheld (of two: one of them), or nothing where nothing was.
+    pub right: bool,
+    /// Listed causes that were not withheld, and those withheld that are not listed.
+    pub extra: Vec<String>,
+    /// Withheld and not listed.
+    pub missed: Vec<String>,
+    /// By listed cause its confidence, and whether it was withheld.
+    pub said: Vec<(f64, bool)>,
+    /// By true value with an interval in the report: whether its 90 % interval holds it.
+    pub covered: Vec<(String, bool)>,
+    /// Largest error of a delay, s, and of a gain that was said to be known within 2 %, relative.
+    pub delay_error: f64,
+    /// As said.
+    pub gain_error: Option<f64>,
+    /// Held-out unexplained part as given and corrected.
+    pub unexplained: [f64; 2],
+    /// Verdict.
+    pub verdict: String,
+    /// Time that the report took, s.
+    pub seconds: f64,
+}
+
+/// Scores a report.
+pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
+    let none = Vec::new();
+    let causes = report["causes"].as_array().unwrap_or(&none);
+    let text = |v: &Value| v.as_str().unwrap_or("").to_owned();
+    let listed = |cause: &Value, name: &str| {
+        let ambiguous = cause["ambiguous_with"].as_array().into_iter().flatten();
+        cause["effect"] == name || ambiguous.into_iter().any(|a| a == name)
+    };
+    let on = |cause: &Value, joint: &Option<String>| match joint {
+        Some(joint) => cause["joints"]
+            .as_array()
+            .is_some_and(|all| all.iter().any(|j| j == joint.as_str())),
+        None => true,
+    };
+    let was = |cause: &Value| {
+        sealed
+            .withheld
+            .iter()
+            .any(|w| cause["effect"] == w.effect.as_str() && on(cause, &w.joint))
+    };
+    // Inseparable effects count where the report itself says that the true one may stand in the cause's place.
+    let first_right = causes.first().is_some_and(|c| {
+        was(c)
+            || sealed
+                .withheld
+                .iter()
+                .any(|w| listed(c, &w.effect) && on(c, &w.joint))
+    });
+    let unknown = report["unknown"].as_array().is_some_and(|u| !u.is_empty());
+    let right = match sealed.kind.as_str() {
+        "none" => causes.is_empty(),
+        "outside" => report["verdict"] == "unknown_effect" || unknown,
+        _ => first_right,
+    };
+    let name = |c: &Value| {
+        let joints: Vec<String> = c["joints"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .map(text)
+            .collect();
+        format!("{} {}", text(&c["effect"]), joints.join("+"))
+    };
+    let missed = sealed
+        .withheld
+        .iter()
+        .filter(|w| {
+            !causes
+                .iter()
+                .any(|c| c["effect"] == w.effect.as_str() && on(c, &w.joint))
+        })
+        .map(|w| format!("{} {}", w.effect, w.joint.as_deref().unwrap_or("arm")))
+        .collect();
+    let covered = covered(sealed, causes, report, &was);
+    let gaps = report["ladder"].as_array().into_iter().flatten();
+    let mean: Vec<f64> = gaps
+        .filter_map(|s| s["mean_unexplained"].as_f64())
+        .collect();
+    Score {
+        id: id.to_owned(),
+        first: causes.first().map_or_else(String::new, name),
+        right,
+        extra: causes.iter().filter(|c| !was(c)).map(name).collect(),
+        missed,
+        said: causes
+            .iter()
+            .map(|c| (c["confidence"].as_f64().unwrap_or(0.0), was(c)))
+            .collect(),
+        covered,
+        delay_error: drive_error(sealed, report, "delay").map_or(f64::NAN, |e| e.0),
+        gain_error: drive_error(sealed, report, "kp").map(|e| e.1),
+        unexplained: [mean.first(), mean.last()].map(|v| v.copied().unwrap_or(f64::NAN)),
+        verdict: text(&report["verdict"]),
+        sealed: sealed.clone(),
+        seconds,
+    }
+}
+
+fn inside(value: &Value, std: &Value, truth: f64) -> Option<bool> {
+    let (value, std) = (value.as_f64()?, std.as_f64()?);
+    Some((value - truth).abs() <= NINETY * std)
+}
+
+fn joint_index(report: &Value, joint: &str) -> Option<usize> {
+    report["joints"].as_array()?.iter().position(|j| j == joint)
+}
+
+/// Values of right causes, and every gain that has an interval.
+fn covered(
+    sealed: &Sealed,
+    causes: &[Value],
+    report: &Value,
+    was: &dyn Fn(&Value) -> bool,
+) -> Vec<(String, bool)> {
+    let mut out = Vec::new();
+    for cause in causes.iter().filter(|c| was(c)) {
+        let own = sealed
+            .withheld
+            .iter()
+            .filter(|w| cause["effect"] == w.effect.as_str());
+        for truth in own.flat_map(|w| &w.parameters) {
+            let found = cause["parameters"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .find(|p| {
+                    p["name"] == truth.name.as_str()
+                        && p["joint"].as_str() == truth.joint.as_deref()
+                });
+            let within = found.and_then(|p| inside(&p["value"], &p["std"], truth.value));
+            out.extend(within.map(|w| (truth.name.clone(), w)));
+        }
+    }
+    let drive = |truth: &Truth, value: &str, std: &str| -> Option<bool> {
+        let j = joint_index(report, truth.joint.as_deref()?)?;
+        let controller = &report["controller"];
+        inside(&controller[value][j], &controller[std][j], truth.value)
+    };
+    for truth in sealed.drives.iter().filter(|t| t.name == "kp") {
+        out.extend(drive(truth, "kp", "kp_std").map(|w| ("controller kp".to_owned(), w)));
+    }
+    out
+}
+
+/// Largest absolute and relative error of a drive's value.
+fn drive_error(sealed: &Sealed, report: &Value, name: &str) -> Option<(f64, f64)> {
+    let each = sealed
+        .drives
+        .iter()
+        .filter(|t| t.name == name)
+        .filter_map(|t| {
+            let j = joint_index(report, t.joint.as_deref()?)?;
+            let error = (report["controller"][name][j].as_f64()? - t.value).abs();
+            Some((error, error / t.value.abs().max(1e-9)))
+        });
+    each.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
+}
+
+/// The power to which odds are to be raised so that what is said with some confidence is right as often: by the
+/// largest log score over the said causes. None where all or none were right.
+pub fn tempering(said: &[(f64, bool)]) -> Option<f64> {
+    let right = said.iter().filter(|s| s.1).count();
+    if right == 0 || right == said.len() {
+        return None;
+    }
+    let score = |power: f64| -> f64 {
+        let each = said.iter().map(|&(p, was)| tempered(p, power, was).ln());
+        each.sum()
+    };
+    let grid = (1..=100).map(|k| 0.01 * f64::from(k));
+    grid.max_by(|a, b| score(*a).total_cmp(&score(*b)))
+}
+
+fn tempered(p: f64, power: f64, was: bool) -> f64 {
+    let p = p.clamp(1e-6, 1.0 - 1e-6);
+    let odds = (p / (1.0 - p)).powf(power);
+    if was {
+        odds / (1.0 + odds)
+    } else {
+        1.0 / (1.0 + odds)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_said_too_surely_is_tempered() {
+        // Said at odds of 99 to 1, right at 3 to 1.
+        let said: Vec<(f64, bool)> = (0..40).map(|k| (0.99, k % 4 != 0)).collect();
+        let power = tempering(&said).expect("right and wrong ones");
+        assert!((99.0f64.powf(power) - 3.0).abs() < 0.2, "{power}");
+        assert!(tempering(&[(0.9, true)]).is_none());
+    }
+}

@@ -1,0 +1,148 @@
+//! What the motion does not tell apart, and what was weighed and not listed.
+
+use super::spread::Spread;
+use super::values::named;
+use crate::catalogue::Effect;
+use crate::decide::Found;
+use crate::parameter::{Parameter, Scale};
+use crate::schema::{Candidate, NotIdentifiable};
+use crate::tracks::Replayed;
+
+/// Posterior correlation beyond which two values are named inseparable.
+pub(super) const INSEPARABLE: f64 = 0.95;
+
+/// Weight of another effect in a cause's place from which both are named.
+pub(super) const AMBIGUOUS: f64 = 0.1;
+
+pub(super) fn ambiguous(
+    found: &Found,
+    effect: Effect,
+    members: &[usize],
+    data: &Replayed,
+) -> Vec<&'static str> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for &m in members {
+        let Ok(at) = found.decision.set.binary_search(&m) else {
+            continue;
+        };
+        for swap in found.decision.swaps[at]
+            .iter()
+            .filter(|s| s.weight >= AMBIGUOUS)
+        {
+            names.push(found.mechanisms[swap.other].effect.name());
+        }
+    }
+    // Without commanded velocities the drive's damping and viscous friction are one number.
+    if data.whole.iter().any(|t| t.rates.is_none()) {
+        match effect {
+            Effect::FrictionParameters => names.push(Effect::ServoDamping.name()),
+            Effect::ServoDamping => names.push(Effect::FrictionParameters.name()),
+            _ => {}
+        }
+    }
+    names.sort_unstable();
+    names.dedup();
+    names.retain(|n| *n != effect.name());
+    names
+}
+
+/// Effects that were weighed and are not listed, from a probability of one in a hundred on.
+pub(super) fn candidates(found: &Found, joints: &[String]) -> Vec<Candidate> {
+    let mut out: Vec<Candidate> = (0..found.mechanisms.len())
+        .filter(|m| found.decision.inclusion[*m] < 0.5 && found.decision.inclusion[*m] > 0.01)
+        .map(|m| Candidate {
+            effect: found.mechanisms[m].effect.name(),
+            joints: match found.mechanisms[m].joint {
+                Some(j) => vec![joints[j].clone()],
+                None => joints.to_vec(),
+            },
+            probability: found.decision.inclusion[m],
+        })
+        .collect();
+    out.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    out
+}
+
+pub(super) fn not_identifiable(
+    found: &Found,
+    spread: &Spread,
+    data: &Replayed,
+    joints: &[String],
+) -> Vec<NotIdentifiable> {
+    let effect_of = |p: Parameter| {
+        let own = found.decision.set.iter().find(|&&m| {
+            found.mechanisms[m]
+                .parameters
+                .iter()
+                .any(|s| s.parameter == p)
+        });
+        own.map(|&m| found.mechanisms[m].effect.name())
+    };
+    let place = |p: Parameter| {
+        if p.kind.is_common() {
+            joints.to_vec()
+        } else {
+            vec![joints[p.joint].clone()]
+        }
+    };
+    let say = |p: Parameter| {
+        let (name, _) = named(p.kind, true);
+        if p.kind.is_common() {
+            name.to_owned()
+        } else {
+            format!("{name} of {}", joints[p.joint])
+        }
+    };
+    let mut out = Vec::new();
+    for j in (0..joints.len()).filter(|&j| !data.moves[j]) {
+        out.push(NotIdentifiable {
+            effect: None,
+            joints: vec![joints[j].clone()],
+            reason: "it never moves, and no command asks it to".to_owned(),
+        });
+    }
+    for (i, f) in found.free.iter().enumerate() {
+        let p = f.parameter;
+        let bound = p.kind.scale() == Scale::Positive && found.fitted.x[i] <= 0.0;
+        if bound && effect_of(p).is_some() {
+            out.push(NotIdentifiable {
+                effect: effect_of(p),
+                joints: place(p),
+                reason: format!(
+                    "{} is not told from zero; it is below {:.2e}",
+                    say(p),
+                    2.0 * spread.deviation[i]
+                ),
+            });
+        } else if spread.deviation[i] > 0.5 * spread.prior[i] {
+            out.push(NotIdentifiable {
+                effect: effect_of(p),
+                joints: place(p),
+                reason: format!(
+                    "this motion does not halve what was assumed of {}; move faster, with load and with reversals",
+                    say(p)
+                ),
+            });
+        }
+        for (k, other) in found.free.iter().enumerate().take(i) {
+            let r = spread.correlation[(i, k)];
+            if r.abs() > INSEPARABLE {
+                out.push(NotIdentifiable {
+                    effect: effect_of(p).or_else(|| effect_of(other.parameter)),
+                    joints: place(p),
+                    reason: format!(
+                        "{} and {} cannot be told apart (correlation {r:.2}): {}",
+                        say(other.parameter),
+                        say(p),
+                        if r > 0.0 {
+                            "only their difference is known"
+                        } else {
+                            "only their sum is known"
+                        }
+                    ),
+                });
+            }
+        }
+    }
+    out
+}

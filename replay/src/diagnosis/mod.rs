@@ -1,0 +1,287 @@
+//! A diagnosis of motion from the simulator as given, a recording to fit and one that measures.
+
+mod doubts;
+mod spread;
+mod values;
+mod verdict;
+
+use doubts::{ambiguous, candidates, not_identifiable};
+use spread::Spread;
+use values::{controller, values};
+use verdict::{floors, verdict};
+
+use crate::arm::Arm;
+use crate::catalogue::Effect;
+use crate::decide::{COARSE, Found, find, refit};
+use crate::fit::Effort;
+use crate::given::Given;
+use crate::schema::{Cause, JointParameters, Report, Step, UnknownJoint};
+use crate::score::{Errors, by_stretch, closed, figures, roll_out};
+use crate::simulate::{STEP, Unstable};
+use crate::tracks::Replayed;
+use physics::robot::JointKind;
+use std::collections::BTreeMap;
+
+/// Fits without a cause, by which shares are measured, and of what a file holds. A nat is one standard deviation of one
+/// parameter.
+const LONG: Effort = Effort {
+    iterations: 8,
+    gain: 1.0,
+    step: COARSE,
+};
+
+const SHORT: Effort = Effort {
+    iterations: 2,
+    ..LONG
+};
+
+const HELD: Effort = Effort {
+    gain: 0.1,
+    step: STEP,
+    ..LONG
+};
+
+/// What a diagnosis comes to.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// The report.
+    pub report: Report,
+    /// The simulator as given.
+    pub given: Arm,
+    /// The simulator with every listed cause.
+    pub corrected: Arm,
+    /// The simulator that a model file can hold: friction without load or standstill, fitted for itself.
+    pub held: Arm,
+    /// Errors of the first two on the held-out recording.
+    pub errors: [Errors; 2],
+}
+
+/// Diagnoses the motion: effects are found on `data`, all figures are measured on `heldout`. `fast` shortens the fits
+/// without one cause each, by which shares are measured.
+///
+/// # Errors
+/// The simulator as given is unstable.
+pub fn diagnose(
+    given: &Given,
+    data: &Replayed,
+    heldout: &Replayed,
+    fast: bool,
+    mut stage: impl FnMut(&str),
+) -> Result<Outcome, Unstable> {
+    stage("replaying the simulator as given");
+    let joints = given.arm.robot.joint_names();
+    let rotates: Vec<bool> = given
+        .arm
+        .robot
+        .joints()
+        .iter()
+        .map(|j| j.kind != JointKind::Prismatic)
+        .collect();
+    let before = roll_out(&given.arm, heldout)?;
+    let as_given = given.arm.clone();
+    let merged = given.without_rates();
+    let rates = data.whole.iter().all(|t| t.rates.is_some());
+    let given = if rates { given } else { &merged };
+    let found = find(given, data, &mut stage)?;
+    let corrected = found.fitted.arm.clone();
+    let after = roll_out(&corrected, heldout)?;
+    let spread = Spread::of(&found);
+    let groups = groups(&found);
+    stage("measuring each cause");
+    let mut causes = Vec::new();
+    let mut losses = Vec::new();
+    for (effect, members) in &groups {
+        let others: Vec<usize> = found
+            .decision
+            .set
+            .iter()
+            .copied()
+            .filter(|m| !members.contains(m))
+            .collect();
+        let arm = without(given, data, &found, &others, fast)?;
+        let lost = roll_out(&arm, heldout)?;
+        let touched = touched(&found, members, joints.len());
+        let (whole, interval) = closed(
+            &by_stretch(&lost, heldout, &touched),
+            &by_stretch(&after, heldout, &touched),
+        );
+        losses.push(unexplained(&lost, heldout) - unexplained(&after, heldout));
+        causes.push(Cause {
+            effect: effect.name(),
+            kind: kind(*effect),
+            joints: touched.iter().map(|&j| joints[j].clone()).collect(),
+            confidence: confidence(&found, members),
+            share_of_gap: 0.0,
+            gap_closed: whole,
+            gap_closed_interval: interval,
+            confirmed: interval[0] > 0.0,
+            p_value: None,
+            parameters: values(given, &found, &spread, members, &joints),
+            ambiguous_with: ambiguous(&found, *effect, members, data),
+        });
+    }
+    let sum: f64 = losses.iter().map(|l| l.max(0.0)).sum();
+    for (cause, loss) in causes.iter_mut().zip(&losses) {
+        cause.share_of_gap = if sum > 0.0 { loss.max(0.0) / sum } else { 0.0 };
+    }
+    let mut order: Vec<usize> = (0..causes.len()).collect();
+    // What the held-out recording does not confirm never stands first.
+    order.sort_by(|&a, &b| {
+        let key = |i: usize| (causes[i].confirmed, causes[i].share_of_gap);
+        key(b)
+            .partial_cmp(&key(a))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    stage("climbing the ladder");
+    let mut ladder = vec![Step {
+        step: "as_given".to_owned(),
+        figures: figures(&before, heldout),
+    }];
+    let mut set: Vec<usize> = Vec::new();
+    for (k, &i) in order.iter().enumerate() {
+        set.extend(&groups[i].1);
+        let errors = if k + 1 == order.len() {
+            after.clone()
+        } else {
+            roll_out(&without(given, data, &found, &set, fast)?, heldout)?
+        };
+        ladder.push(Step {
+            step: causes[i].effect.to_owned(),
+            figures: figures(&errors, heldout),
+        });
+    }
+    stage("fitting what a model file holds");
+    let held = held(given, data, &found)?;
+    let alone = figures(&roll_out(&held, heldout)?, heldout);
+    let places = crate::place::places(&before, heldout, &joints, &rotates);
+    let causes: Vec<Cause> = order.iter().map(|&i| causes[i].clone()).collect();
+    let unknown: Vec<UnknownJoint> = found
+        .unknown
+        .iter()
+        .map(|&(j, probability)| UnknownJoint {
+            joint: joints[j].clone(),
+            probability,
+        })
+        .collect();
+    let floors = floors(heldout);
+    let verdict = verdict(&after, heldout, &floors, &causes, &unknown);
+    let report = Report {
+        schema: "replay/1",
+        verdict,
+        reason: (verdict == "cannot_tell").then(|| {
+            "more is left than noise explains, without a cause and without a pattern".to_owned()
+        }),
+        ladder,
+        file_alone: alone,
+        places,
+        candidates: candidates(&found, &joints),
+        not_identifiable: not_identifiable(&found, &spread, data, &joints),
+        unknown,
+        controller: controller(given, &corrected, &found, &spread),
+        joint_parameters: JointParameters {
+            damping: corrected.joints.iter().map(|j| j.damping).collect(),
+            frictionloss: corrected.joints.iter().map(|j| j.coulomb).collect(),
+            armature: corrected.joints.iter().map(|j| j.armature).collect(),
+        },
+        notes: given.notes.clone(),
+        causes,
+        joints,
+    };
+    Ok(Outcome {
+        report,
+        given: as_given,
+        corrected,
+        held,
+        errors: [before, after],
+    })
+}
+
+/// Sum over joints of squared unexplained parts.
+fn unexplained(errors: &Errors, replayed: &Replayed) -> f64 {
+    figures(errors, replayed)
+        .unexplained
+        .iter()
+        .flatten()
+        .map(|u| u * u)
+        .sum()
+}
+
+/// The arm with other mechanisms than the found ones.
+fn without(
+    given: &Given,
+    data: &Replayed,
+    found: &Found,
+    set: &[usize],
+    fast: bool,
+) -> Result<Arm, Unstable> {
+    refit(given, data, found, set, if fast { SHORT } else { LONG })
+}
+
+/// The arm with the causes that a model file can hold; what stands in for friction by load or at standstill is Coulomb and
+/// viscous friction of the same joints.
+fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> {
+    let outside = |m: usize| {
+        let effect = found.mechanisms[m].effect;
+        matches!(
+            effect,
+            Effect::LoadDependentFriction | Effect::StribeckFriction
+        )
+    };
+    let set = &found.decision.set;
+    if !set.iter().any(|&m| outside(m)) {
+        return Ok(found.fitted.arm.clone());
+    }
+    let joints: Vec<Option<usize>> = set
+        .iter()
+        .filter(|&&m| outside(m))
+        .map(|&m| found.mechanisms[m].joint)
+        .collect();
+    let stands_in = |m: &usize| {
+        let own = &found.mechanisms[*m];
+        own.effect == Effect::FrictionParameters && joints.contains(&own.joint)
+    };
+    let kept = set.iter().copied().filter(|&m| !outside(m));
+    let mut kept: Vec<usize> = kept
+        .chain((0..found.mechanisms.len()).filter(stands_in))
+        .collect();
+    kept.sort_unstable();
+    kept.dedup();
+    refit(given, data, found, &kept, HELD)
+}
+
+/// Listed mechanisms by effect.
+fn groups(found: &Found) -> Vec<(Effect, Vec<usize>)> {
+    let mut out: BTreeMap<Effect, Vec<usize>> = BTreeMap::new();
+    for &m in &found.decision.set {
+        if found.decision.inclusion[m] >= 0.5 {
+            out.entry(found.mechanisms[m].effect).or_default().push(m);
+        }
+    }
+    out.into_iter().collect()
+}
+
+fn touched(found: &Found, members: &[usize], n: usize) -> Vec<usize> {
+    if members.iter().any(|&m| found.mechanisms[m].joint.is_none()) {
+        return (0..n).collect();
+    }
+    let mut joints: Vec<usize> = members
+        .iter()
+        .filter_map(|&m| found.mechanisms[m].joint)
+        .collect();
+    joints.sort_unstable();
+    joints
+}
+
+fn confidence(found: &Found, members: &[usize]) -> f64 {
+    members
+        .iter()
+        .map(|&m| found.decision.inclusion[m])
+        .fold(1.0, f64::min)
+}
+
+fn kind(effect: Effect) -> &'static str {
+    match effect {
+        Effect::FrictionParameters | Effect::LinkParameters => "parameter",
+        _ => "structure",
+    }
+}

@@ -1,0 +1,121 @@
+//! Standard deviations of fitted values.
+
+use crate::catalogue::correlations;
+use crate::decide::{Found, RELATIVE};
+use crate::parameter::{Kind, Parameter, Scale};
+use nalgebra::{DMatrix, DVector};
+
+/// Standard deviations and correlations of the fitted coordinates.
+pub(super) struct Spread {
+    pub(super) deviation: Vec<f64>,
+    pub(super) prior: Vec<f64>,
+    pub(super) correlation: DMatrix<f64>,
+}
+
+impl Spread {
+    /// The posterior's covariance, or the spread of fits with one block left out, whichever is wider.
+    pub(super) fn of(found: &Found) -> Self {
+        let p = found.free.len();
+        let prior: Vec<f64> = found
+            .free
+            .iter()
+            .map(|f| f.prior.map_or(f64::INFINITY, |p| p.1))
+            .collect();
+        let mut precision = found.fitted.information.clone();
+        for i in 0..p {
+            precision[(i, i)] += prior[i].powi(-2);
+        }
+        let covariance = precision.clone().cholesky().map_or_else(
+            || DMatrix::from_diagonal_element(p, p, f64::NAN),
+            |c| c.inverse(),
+        );
+        let left_out = jackknife(found, &precision);
+        let deviation = (0..p)
+            .map(|i| {
+                covariance[(i, i)]
+                    .sqrt()
+                    .max(left_out.as_ref().map_or(0.0, |d| d[i]))
+                    .min(prior[i])
+            })
+            .collect();
+        Self {
+            deviation,
+            prior,
+            correlation: correlations(&covariance),
+        }
+    }
+}
+
+/// Deviations by one Newton step from the fit to that without each block; none of fewer than four blocks.
+pub(super) fn jackknife(found: &Found, precision: &DMatrix<f64>) -> Option<Vec<f64>> {
+    let blocks = &found.fitted.blocks;
+    let m = blocks.len();
+    if m < 4 {
+        return None;
+    }
+    let totals = crate::fit::by_trajectory(blocks);
+    let p = found.free.len();
+    let mut steps: Vec<DVector<f64>> = Vec::new();
+    for block in blocks {
+        let total = totals.iter().find(|t| t.trajectory == block.trajectory)?;
+        let mut gradient = DVector::zeros(p);
+        let mut information = DMatrix::zeros(p, p);
+        for (j, noise) in found.fitted.noise.iter().enumerate() {
+            let variance = total.squared[j] / total.samples + noise.floor;
+            let weight = 1.0 / (noise.correlation * variance);
+            gradient += &block.gradient[j] * weight;
+            information += &block.hessian[j] * weight;
+        }
+        let slopes = DVector::from_iterator(
+            p,
+            found.free.iter().zip(&found.fitted.x).map(|(f, x)| {
+                if f.parameter.kind.scale() == Scale::Log {
+                    x.exp()
+                } else {
+                    1.0
+                }
+            }),
+        );
+        gradient.component_mul_assign(&slopes);
+        let scaled = DMatrix::from_fn(p, p, |i, k| information[(i, k)] * slopes[i] * slopes[k]);
+        steps.push((precision - scaled).cholesky()?.solve(&gradient));
+    }
+    let mean: DVector<f64> = steps.iter().fold(DVector::zeros(p), |s, v| s + v) / m as f64;
+    let factor = (m as f64 - 1.0) / m as f64;
+    let square = |i: usize| steps.iter().map(|s| (s[i] - mean[i]).powi(2)).sum::<f64>();
+    Some((0..p).map(|i| (factor * square(i)).sqrt()).collect())
+}
+
+/// Whether a value is a torque per something, so that its scale is that of the description's masses.
+pub(super) fn is_torque(kind: Kind) -> bool {
+    matches!(
+        kind,
+        Kind::Gain
+            | Kind::ServoDamping
+            | Kind::Integral
+            | Kind::DriveLimit
+            | Kind::Limit
+            | Kind::Damping
+            | Kind::Coulomb
+            | Kind::Stribeck
+            | Kind::Armature
+            | Kind::Payload(_)
+    )
+}
+
+/// Standard deviation of a fitted value; none where it is given.
+pub(super) fn deviation(found: &Found, spread: &Spread, parameter: Parameter) -> Option<f64> {
+    let at = found.free.iter().position(|f| f.parameter == parameter)?;
+    let value = found.fitted.arm.get(parameter);
+    let own = if parameter.kind.scale() == Scale::Log {
+        value * spread.deviation[at]
+    } else {
+        spread.deviation[at]
+    };
+    let masses = if is_torque(parameter.kind) {
+        RELATIVE * value
+    } else {
+        0.0
+    };
+    Some(own.hypot(masses))
+}

@@ -1,0 +1,143 @@
+//! One step of the closed loop.
+
+use super::{Drive, State};
+use crate::arm::{Integral, unknown};
+use physics::dynamics::{inverse_dynamics, mass_matrix};
+
+impl State<'_> {
+    /// Takes the arm from `t` over `h` seconds.
+    pub(super) fn step(&mut self, t: f64, h: f64) {
+        let n = self.arm.dof();
+        for i in 0..n {
+            self.body[i] = self.q[i] + self.arm.zero[i];
+        }
+        let robot = &self.arm.robot;
+        mass_matrix(robot, &mut self.workspace, &self.body, &mut self.mass);
+        inverse_dynamics(
+            robot,
+            &mut self.workspace,
+            &self.body,
+            &self.v,
+            &self.still,
+            &mut self.bias,
+        );
+        for passive in robot.passive() {
+            let joint = passive.joint();
+            self.bias[joint] += passive.torque(self.body[joint]);
+        }
+        if self.compensates {
+            // The drive knows the given description, not the payload that it carries.
+            inverse_dynamics(
+                &self.arm.given,
+                &mut self.workspace,
+                &self.body,
+                &self.still,
+                &self.still,
+                &mut self.held,
+            );
+        }
+        for i in 0..n {
+            let drive = self.drive(i, t, h);
+            self.drives[i] = drive;
+            let joint = &self.arm.joints[i];
+            let shape = (self.v[i] / joint.stribeck_velocity).powi(2);
+            self.drives[i].stribeck = (-shape).exp();
+            let limit = joint.coulomb
+                + joint.stribeck * self.drives[i].stribeck
+                + joint.load * drive.transmitted.abs();
+            self.limits[i] = h * limit.max(0.0);
+            self.b[i] = h * (drive.torque - self.bias[i]);
+            for j in 0..n {
+                self.a[i * n + j] = self.mass[i * n + j];
+            }
+            self.a[i * n + i] += joint.armature;
+            for j in 0..n {
+                self.b[i] += self.a[i * n + j] * self.v[j];
+            }
+            self.a[i * n + i] += h * (joint.damping + drive.damping);
+        }
+        // A set that contradicts itself by rounding is as good as its neighbour.
+        self.friction.solve(&self.a, &self.b, &self.limits);
+        if !self.parameters.is_empty() {
+            self.renew(h);
+            // The widest vectors of this processor; the sums keep their order.
+            let arch = self.arch;
+            arch.dispatch(|| self.tangents(h));
+        }
+        for i in 0..n {
+            let drive = &self.drives[i];
+            if drive.integrates {
+                let servo = &self.arm.servos[i];
+                self.integral[i] += h * match servo.integral {
+                    Integral::None => 0.0,
+                    Integral::Position => drive.error,
+                    Integral::Velocity => servo.kp / servo.kd * drive.error + drive.velocity_error,
+                };
+            }
+            self.smooth[i] += drive.to_smooth;
+            self.v[i] = self.friction.velocity[i];
+            self.q[i] += h * self.v[i];
+        }
+    }
+
+    /// The drive of joint `i` over a step.
+    fn drive(&mut self, i: usize, t: f64, h: f64) -> Drive {
+        let servo = &self.arm.servos[i];
+        let mut out = Drive::default();
+        let at = t - self.arm.delay - servo.delay - 0.5 * h;
+        let [hint, rate_hint] = &mut self.hints[i];
+        let (mean, rate) = self.track.commands[i].mean(at, h, hint);
+        out.command_rate = rate;
+        out.take = if servo.lag > 0.0 {
+            -(-h / servo.lag).exp_m1()
+        } else {
+            1.0
+        };
+        out.to_smooth = out.take * (mean - self.smooth[i]);
+        let command = self.smooth[i] + out.to_smooth;
+        let (commanded_velocity, later) = match &self.track.rates {
+            Some(rates) => rates[i].mean(at, h, rate_hint),
+            None => (0.0, 0.0),
+        };
+        out.commanded_velocity_rate = later;
+        out.error = command + servo.offset - self.q[i];
+        out.velocity_error = commanded_velocity - self.v[i];
+        let fixed = servo.kp * out.error + servo.ki * self.integral[i];
+        let wanted = fixed + servo.kd * out.velocity_error;
+        if wanted.abs() > servo.drive_limit {
+            out.drive_cut = wanted.signum();
+        }
+        let (torque, damping) = if out.drive_cut == 0.0 {
+            (
+                fixed + servo.kd * commanded_velocity,
+                servo.kd + servo.back_emf,
+            )
+        } else {
+            (out.drive_cut * servo.drive_limit, servo.back_emf)
+        };
+        let torque = torque + self.arm.gravity_compensation * self.held[i];
+        let now = torque - damping * self.v[i];
+        if now.abs() > servo.limit {
+            out.cut = now.signum();
+            out.torque = out.cut * servo.limit;
+            out.transmitted = out.torque;
+        } else {
+            (out.torque, out.damping, out.transmitted) = (torque, damping, now);
+            if out.drive_cut == 0.0 {
+                out.by_error = servo.kp;
+                out.by_integral = servo.ki;
+            }
+        }
+        out.integrates = servo.integral != Integral::None && out.drive_cut == 0.0 && out.cut == 0.0;
+        let coefficients = &self.arm.joints[i].unknown;
+        if coefficients.iter().any(|&c| c != 0.0) {
+            let shapes = unknown(self.q[i], self.v[i], rate);
+            out.torque += coefficients
+                .iter()
+                .zip(shapes)
+                .map(|(c, s)| c * s)
+                .sum::<f64>();
+        }
+        out
+    }
+}

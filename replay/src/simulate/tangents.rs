@@ -1,0 +1,201 @@
+//! Sensitivities of the motion, carried along with it.
+
+use super::{RENEWED, State};
+use crate::arm::{Integral, UNKNOWN, unknown};
+use crate::friction::Slip;
+use crate::parameter::Kind;
+use physics::dynamics::inverse_dynamics_derivatives;
+
+impl State<'_> {
+    /// Acceleration of the step, and now and then the rigid bodies' derivatives at it.
+    pub(super) fn renew(&mut self, h: f64) {
+        for i in 0..self.arm.dof() {
+            self.acceleration[i] = (self.friction.velocity[i] - self.v[i]) / h;
+        }
+        self.count += 1;
+        if self.count % RENEWED != 1 {
+            return;
+        }
+        let robot = &self.arm.robot;
+        inverse_dynamics_derivatives(
+            robot,
+            &self.body,
+            &self.v,
+            &self.acceleration,
+            &mut self.derivatives,
+        );
+        if let Some(gravity) = &mut self.gravity {
+            inverse_dynamics_derivatives(
+                &self.arm.given,
+                &self.body,
+                &self.still,
+                &self.still,
+                gravity,
+            );
+        }
+    }
+
+    /// Sensitivities after the step from those before it, by the derivative of the step's own equation.
+    #[inline(always)]
+    pub(super) fn tangents(&mut self, h: f64) {
+        let (n, p) = (self.arm.dof(), self.parameters.len());
+        self.rhs.fill(0.0);
+        self.dtau.fill(0.0);
+        self.commands_by_parameters();
+        self.drives_by_parameters();
+        for i in 0..n {
+            let drive = self.drives[i];
+            let joint = &self.arm.joints[i];
+            let servo = &self.arm.servos[i];
+            // Torque of the drive: by command, integral and position.
+            let dtau = &mut self.dtau[i * p..][..p];
+            if drive.by_error != 0.0 {
+                axpy(dtau, drive.by_error, &self.dsmooth[i * p..][..p]);
+                axpy(dtau, -drive.by_error, &self.dq[i * p..][..p]);
+            }
+            if drive.by_integral != 0.0 {
+                axpy(dtau, drive.by_integral, &self.dintegral[i * p..][..p]);
+            }
+            if servo.integral != Integral::None && drive.integrates {
+                let cascade = servo.integral == Integral::Velocity;
+                let of_error = if cascade { servo.kp / servo.kd } else { 1.0 };
+                let own = &mut self.dintegral[i * p..][..p];
+                axpy(own, h * of_error, &self.dsmooth[i * p..][..p]);
+                axpy(own, -h * of_error, &self.dq[i * p..][..p]);
+                if cascade {
+                    axpy(own, -h, &self.dv[i * p..][..p]);
+                }
+                for (by, parameter) in own.iter_mut().zip(self.parameters) {
+                    *by += h * match parameter.kind {
+                        _ if parameter.joint != i => 0.0,
+                        Kind::Offset => of_error,
+                        Kind::Gain if cascade => drive.error / servo.kd,
+                        Kind::ServoDamping if cascade => -of_error * drive.error / servo.kd,
+                        _ => 0.0,
+                    };
+                }
+            }
+            let sign = self.friction.slip[i].sign();
+            let pressed = self.pressed(i);
+            let rhs = &mut self.rhs[i * p..][..p];
+            axpy(rhs, h * (1.0 - pressed), &self.dtau[i * p..][..p]);
+            for j in 0..n {
+                let at = i * n + j;
+                let mut mass = self.mass[at] - h * self.derivatives.dqd[at];
+                let mut stiffness = self.derivatives.dq[at];
+                if let Some(gravity) = &self.gravity {
+                    let part = self.arm.gravity_compensation * drive.free();
+                    stiffness -= part * (1.0 - pressed) * gravity.dq[at];
+                }
+                if i == j {
+                    mass += joint.armature + h * pressed * drive.damping;
+                    // Stribeck's fall with velocity.
+                    mass += h * sign * joint.stribeck * drive.stribeck * 2.0 * self.v[i]
+                        / joint.stribeck_velocity.powi(2);
+                }
+                axpy(rhs, mass, &self.dv[j * p..][..p]);
+                axpy(rhs, -h * stiffness, &self.dq[j * p..][..p]);
+            }
+        }
+        self.bodies_by_parameters(h);
+        self.joints_by_parameters(h);
+        self.friction.back_substitute(&mut self.rhs, p);
+        std::mem::swap(&mut self.rhs, &mut self.dv);
+        for (q, v) in self.dq.iter_mut().zip(&self.dv) {
+            *q += h * v;
+        }
+    }
+
+    /// Part of a change of the drive's torque that friction by load takes: it presses on the gear as it drives.
+    pub(super) fn pressed(&self, i: usize) -> f64 {
+        let sign = self.friction.slip[i].sign();
+        sign * self.arm.joints[i].load * self.drives[i].transmitted.signum()
+    }
+
+    /// The commands that the drives see, by delay and smoothing.
+    #[inline(always)]
+    fn commands_by_parameters(&mut self) {
+        let (n, p) = (self.arm.dof(), self.parameters.len());
+        for i in 0..n {
+            let (drive, servo) = (self.drives[i], &self.arm.servos[i]);
+            for s in &mut self.dsmooth[i * p..][..p] {
+                *s *= 1.0 - drive.take;
+            }
+            for (k, parameter) in self.parameters.iter().enumerate() {
+                let at = i * p + k;
+                let common = parameter.kind == Kind::CommonDelay;
+                if common || (parameter.kind == Kind::Delay && parameter.joint == i) {
+                    self.dsmooth[at] -= drive.take * drive.command_rate;
+                    if drive.drive_cut == 0.0 && drive.cut == 0.0 {
+                        self.dtau[at] -= servo.kd * drive.commanded_velocity_rate;
+                    }
+                }
+                if parameter.kind == Kind::Lag && parameter.joint == i && servo.lag > 0.0 {
+                    // take = 1 − exp(−h/T), so that its derivative by T is −h/T² exp(−h/T).
+                    let change = (1.0 - drive.take).ln() / servo.lag * (1.0 - drive.take);
+                    self.dsmooth[at] += change * drive.to_smooth / drive.take;
+                }
+            }
+        }
+    }
+
+    /// The drives' torque by their own parameters.
+    fn drives_by_parameters(&mut self) {
+        let (n, p) = (self.arm.dof(), self.parameters.len());
+        for (k, parameter) in self.parameters.iter().enumerate() {
+            if parameter.kind == Kind::GravityCompensation {
+                for i in 0..n {
+                    self.dtau[i * p + k] += self.held[i] * self.drives[i].free();
+                }
+                continue;
+            }
+            let i = parameter.joint;
+            let drive = self.drives[i];
+            let linear = f64::from(drive.drive_cut == 0.0 && drive.cut == 0.0);
+            let by = &mut self.dtau[i * p + k];
+            match parameter.kind {
+                Kind::Gain => *by += linear * drive.error,
+                Kind::ServoDamping => {
+                    *by += linear * (drive.velocity_error - (self.friction.velocity[i] - self.v[i]))
+                }
+                Kind::Integral => *by += linear * self.integral[i],
+                Kind::DriveLimit => *by += drive.drive_cut * f64::from(drive.cut == 0.0),
+                Kind::Limit => *by += drive.cut,
+                Kind::Offset => *by += drive.by_error,
+                Kind::Unknown(f) if f < UNKNOWN => {
+                    *by += unknown(self.q[i], self.v[i], drive.command_rate)[f];
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Friction and rotor of a joint.
+    fn joints_by_parameters(&mut self, h: f64) {
+        let p = self.parameters.len();
+        for (k, parameter) in self.parameters.iter().enumerate() {
+            let i = parameter.joint;
+            let drive = self.drives[i];
+            let slip = self.friction.slip[i];
+            let (sign, v) = (slip.sign(), self.friction.velocity[i]);
+            let by = match parameter.kind {
+                Kind::Damping => v,
+                Kind::Coulomb => sign,
+                Kind::Stribeck => sign * drive.stribeck,
+                Kind::Load => sign * drive.transmitted.abs(),
+                Kind::Armature => self.acceleration[i],
+                _ => continue,
+            };
+            if slip != Slip::Stick {
+                self.rhs[i * p + k] -= h * by;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn axpy(y: &mut [f64], a: f64, x: &[f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}
