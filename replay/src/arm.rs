@@ -61,6 +61,9 @@ pub struct Joint {
     pub unknown: [f64; UNKNOWN],
 }
 
+/// Longest step of integration of a motion that is scored, s.
+pub const STEP: f64 = 1e-3;
+
 /// Number of functions that stand for an unknown effect on a joint.
 pub const UNKNOWN: usize = 8;
 
@@ -120,7 +123,7 @@ impl Arm {
             link_scale: vec![1.0; n],
             tilt: [0.0; 2],
             zero: vec![0.0; n],
-            step: crate::simulate::STEP,
+            step: STEP,
         }
     }
 

@@ -3,7 +3,7 @@
 use super::MotionError;
 use super::effects::{OUTSIDE, SINGLES, Scene, Shape, Truth, Withheld, draw};
 use super::files::{drive_file, drives, record};
-use super::real::{Moved, Real};
+use super::real::{LENGTH, Moved, Real};
 use datasets::Recording;
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix};
 use physics::robot::to_urdf;
@@ -16,9 +16,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-
-/// Length of a trajectory, s.
-pub(super) const LENGTH: f64 = 12.0;
 
 /// Part of the departure from the commands that an effect must change on its own joint, or on some joint.
 const SEEN: f64 = 0.1;

@@ -1,9 +1,8 @@
-//! Sealed cases as recordings and files.
+//! What a sealed case hands out: recordings, drive file.
 
 use super::MotionError;
-use super::case::{Case, LENGTH};
 use super::effects::Truth;
-use super::real::{Moved, Real};
+use super::real::{LENGTH, Moved, Real};
 use datasets::{Recording, Trajectory};
 use ndarray::{Array2, Axis, concatenate};
 use rand::RngExt;
@@ -11,7 +10,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 use std::fmt::Write;
-use std::path::Path;
 
 /// Recording of trajectories with counts, noise and jitter of the stamps.
 pub(super) fn record(
@@ -97,26 +95,4 @@ pub(super) fn drives(real: &Real) -> Vec<Truth> {
         add("delay", real.late[j]);
     }
     out
-}
-
-/// Writes `cases/ID/{robot.urdf,drive.toml,train.parquet,test.parquet}` and `truth/ID.json` into `folder`.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write(case: &Case, id: &str, folder: &Path) -> Result<(), MotionError> {
-    let (open, sealed) = (folder.join("cases").join(id), folder.join("truth"));
-    for path in [&open, &sealed] {
-        std::fs::create_dir_all(path).map_err(|error| MotionError::file(path, error))?;
-    }
-    for (name, recording) in ["train.parquet", "test.parquet"]
-        .iter()
-        .zip(&case.recordings)
-    {
-        datasets::write(recording, &open.join(name))?;
-    }
-    report::write_atomic(&open.join("robot.urdf"), &case.urdf)?;
-    report::write_atomic(&open.join("drive.toml"), &case.drive)?;
-    let text = serde_json::to_string_pretty(&case.sealed).expect("plain data");
-    report::write_atomic(&sealed.join(format!("{id}.json")), text)?;
-    Ok(())
 }

@@ -13,7 +13,6 @@ mod tables;
 
 pub use case::{Case, Sealed, kind, make};
 pub use command_line::command_line;
-pub use files::write;
 pub use score::{Score, judge, tempering};
 pub use tables::{calibration, kinds, misses, rates};
 
@@ -196,4 +195,26 @@ fn said(case: &Path, name: &str) -> Result<replay::schema::Report, MotionError> 
         error,
     })?;
     Ok(outcome.report)
+}
+
+/// Writes `cases/ID/{robot.urdf,drive.toml,train.parquet,test.parquet}` and `truth/ID.json` into `folder`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(case: &Case, id: &str, folder: &Path) -> Result<(), MotionError> {
+    let (open, sealed) = (folder.join("cases").join(id), folder.join("truth"));
+    for path in [&open, &sealed] {
+        std::fs::create_dir_all(path).map_err(|error| MotionError::file(path, error))?;
+    }
+    for (name, recording) in ["train.parquet", "test.parquet"]
+        .iter()
+        .zip(&case.recordings)
+    {
+        datasets::write(recording, &open.join(name))?;
+    }
+    report::write_atomic(&open.join("robot.urdf"), &case.urdf)?;
+    report::write_atomic(&open.join("drive.toml"), &case.drive)?;
+    let text = serde_json::to_string_pretty(&case.sealed).expect("plain data");
+    report::write_atomic(&sealed.join(format!("{id}.json")), text)?;
+    Ok(())
 }

@@ -14,6 +14,9 @@ const STEP: f64 = 2.5e-4;
 /// Time under the drive before a trajectory is recorded, s: at rest, then led into the motion.
 const BEFORE: f64 = 2.0;
 
+/// Length of a trajectory, s.
+pub(super) const LENGTH: f64 = 12.0;
+
 /// Farthest from its command that a joint may get, rad (m): beyond, the case is none.
 const FARTHEST: f64 = 1.5;
 

@@ -1,11 +1,10 @@
 //! What a fit frees, and how far from its given value.
 
-use crate::arm::Arm;
+use crate::arm::{Arm, STEP};
 use crate::catalogue::{Mechanism, Sizes};
 use crate::fit::Free;
 use crate::given::Given;
 use crate::parameter::{Kind, Parameter};
-use crate::simulate::STEP;
 use crate::tracks::Replayed;
 use std::collections::BTreeMap;
 

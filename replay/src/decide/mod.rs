@@ -7,11 +7,11 @@ mod refit;
 pub use free::RELATIVE;
 pub use refit::refit;
 
-use crate::arm::Arm;
+use crate::arm::{Arm, STEP};
 use crate::catalogue::{self, Effect, Mechanism, Sizes};
 use crate::fit::{Effort, Fitted, Free, Noise, descend, fit, noise, objective};
 use crate::given::Given;
-use crate::simulate::{STEP, Track, Unstable};
+use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
 use evidence::Decision;
 use expand::{ODDS, beside, expand, families, hypotheses};

@@ -10,14 +10,14 @@ use spread::Spread;
 use values::{controller, values};
 use verdict::{floors, verdict};
 
-use crate::arm::Arm;
+use crate::arm::{Arm, STEP};
 use crate::catalogue::Effect;
 use crate::decide::{COARSE, Found, find, refit};
 use crate::fit::Effort;
 use crate::given::Given;
 use crate::schema::{Cause, JointParameters, Report, Step, UnknownJoint};
 use crate::score::{Errors, by_stretch, closed, figures, roll_out};
-use crate::simulate::{STEP, Unstable};
+use crate::simulate::Unstable;
 use crate::tracks::Replayed;
 use physics::robot::JointKind;
 use std::collections::BTreeMap;

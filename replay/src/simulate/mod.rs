@@ -17,9 +17,6 @@ use ndarray::{Array2, ArrayView1};
 use physics::dynamics::{Derivatives, Workspace, mass_matrix};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
-/// Longest step of integration of a motion that is scored, s.
-pub const STEP: f64 = 1e-3;
-
 /// Steps after which the rigid bodies' derivatives are taken anew: they change with the posture, hardly within milliseconds.
 const RENEWED: usize = 4;
 
