@@ -49,6 +49,7 @@ pub use advice::{directory, next_motion, patch};
 pub use catalogue::choice::Choice;
 pub use catalogue::effect::Effect;
 pub use catalogue::info::{Info, Need};
+pub use catalogue::{Shape, Unit};
 pub use diagnosis::{Earlier, Options, Usual, diagnose};
 pub use error::DiagnoseError;
 pub use input::given::Given;

@@ -1,7 +1,7 @@
 //! What a motion would show, and from which size on.
 
 use crate::columns::{triangle, values};
-use diagnose::{Effect, Settings, Visible, visible};
+use diagnose::{Effect, Settings, Shape, Unit, Visible, visible};
 use identify::base::{BaseParameters, Extra};
 use identify::excitation::{BaseRows, deviations};
 use identify::least_squares::LeastSquaresError;
@@ -58,21 +58,13 @@ pub struct Shown {
     /// What the size is.
     pub quantity: &'static str,
     /// Its unit.
-    pub unit: &'static str,
+    pub unit: Unit,
     /// Least size that would be accepted; null where no plausible one would.
     pub from: Option<f64>,
     /// Torque at that size, N·m.
     pub torque: Option<f64>,
     /// Shape for which it shows first.
     pub shape: Vec<Shape>,
-}
-
-/// A shape parameter.
-#[derive(Clone, Debug, Serialize)]
-pub struct Shape {
-    name: &'static str,
-    value: f64,
-    unit: &'static str,
 }
 
 /// An effect that is found otherwise.
@@ -153,10 +145,6 @@ fn shown(v: Visible, names: &[String]) -> Shown {
         unit: v.unit,
         from: v.from,
         torque: v.torque,
-        shape: v
-            .shape
-            .into_iter()
-            .map(|(name, value, unit)| Shape { name, value, unit })
-            .collect(),
+        shape: v.shape,
     }
 }

@@ -3,6 +3,7 @@
 use crate::judged::Coverage;
 use crate::plan::{Plan, Shown};
 use crate::summary::Summary;
+use diagnose::Unit;
 use identify::least_squares::SubRegressors;
 use report::{Cell, Column, Table, say, say_text};
 use std::path::Path;
@@ -198,7 +199,11 @@ pub fn effects(plan: &Plan, joints: usize) -> Table {
         }
     }
     for (e, sizes) in rows {
-        let unit = if e.unit == "1" { "" } else { e.unit };
+        let unit = if e.unit == Unit::One {
+            ""
+        } else {
+            e.unit.text()
+        };
         let mut cells = vec![
             Cell::text(e.effect),
             Cell::text(format!("{} {unit}", e.quantity).trim()),

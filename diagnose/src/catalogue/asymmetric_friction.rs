@@ -5,6 +5,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{Sliding, Term};
 
@@ -27,8 +28,14 @@ const STANDING: (f64, f64) = (0.01, 0.2);
 const BIAS: f64 = 2.0;
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
-    let viscous = || Quantity::plain("viscous_difference", "N·m·s/rad", Some(joint));
-    let coulomb = || Quantity::plain("coulomb_difference", "N·m", Some(joint));
+    let viscous = || {
+        Quantity::plain(
+            "viscous_difference",
+            Unit::NewtonMetreSecondPerRad,
+            Some(joint),
+        )
+    };
+    let coulomb = || Quantity::plain("coulomb_difference", Unit::NewtonMetre, Some(joint));
     let speed = Column::term(joint, Term::Sliding(Sliding::AsymmetricViscous));
     let velocity = scene.scale.softness[joint];
     let moving = Column::term(

@@ -2,10 +2,12 @@
 //! lands on the other flank ([`super::transmission`]).
 //! Confounders: elasticity (no gap), presliding hysteresis (reversal of velocity, not of torque).
 
-use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
-use super::info::{Info, Need};
+use super::info::{Carried, Info, Need};
+use super::reported::Parameter;
 use super::transmission::Gap;
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 
 /// What is known of it beside its columns.
@@ -22,6 +24,10 @@ pub(super) const INFO: Info = Info {
     place: Some("MJCF"),
     needs: &[Need::Reversals],
     remedy: "add a joint with this range between motor and link ({})",
+    gear: true,
+    carried: |_| Carried::Not,
+    unwritten: "needs a joint of its own between rotor and link, which is not written",
+    reported: play,
     ..Info::NEW
 };
 
@@ -44,9 +50,9 @@ pub fn struck(scene: &Scene, joint: usize, shown: Option<f64>) -> Vec<Candidate>
     let mut all = candidates(scene, joint);
     for c in &mut all {
         c.bounds[0] = Bound::Positive;
-        c.shape
-            .insert(0, ("half_play", c.quantities[0].factor, "rad"));
-        c.quantities[0] = Quantity::plain("share", "1", Some(joint));
+        let half_play = Shape::new("half_play", c.quantities[0].factor, Unit::Rad);
+        c.shape.insert(0, half_play);
+        c.quantities[0] = Quantity::plain("share", Unit::One, Some(joint));
         c.evidence = BLOWS;
     }
     if shown.is_some() {
@@ -74,7 +80,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             let half_play = play * unit;
             let gap = Gap { half_play, rotor };
             let column = Column::whole(dof, move |s| gap.change(s, joint));
-            let quantity = Quantity::scaled("half_play", "rad", Some(joint), half_play);
+            let quantity = Quantity::scaled("half_play", Unit::Rad, Some(joint), half_play);
             all.push(
                 Candidate::single(
                     Effect::Backlash,
@@ -83,9 +89,19 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                     Bound::Between(SIZED.0, SIZED.1),
                     column,
                 )
-                .with_shape("rotor_share", rotor, "1"),
+                .with_shape("rotor_share", rotor, Unit::One),
             );
         }
     }
     all
+}
+
+/// Half the play alone. Of a play that was found by its blows or by another sensor, the share of what it foretells is no number of a simulator.
+fn play(parameters: &mut Vec<Parameter>) {
+    let (least, most) = SIZED;
+    let beside = |p: &Parameter| p.name == "share" && !(least..=most).contains(&p.value);
+    if parameters.iter().any(beside) {
+        parameters.clear();
+    }
+    parameters.retain(|p| p.name != "share");
 }

@@ -1,12 +1,18 @@
 //! `base_tilt`: gravity points elsewhere in the base frame. Two small rotations shared by all joints.
 //! Confounders: first moments of the links, encoder offset of the first joints, offsets.
 
-use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
-use super::info::Info;
+use super::experiment::Experiment;
+use super::info::{Carried, Info};
+use super::reported::{Parameter, size};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use nalgebra::{Rotation3, Vector3};
 use ndarray::Array2;
+
+/// Shape where all axes feel one direction alone: the angle of the tilt's axis in the base frame.
+pub const DIRECTION: &str = "direction";
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -21,6 +27,9 @@ pub(super) const INFO: Info = Info {
     absorbable: true,
     place: Some("URDF"),
     remedy: "turn gravity in the base frame ({})",
+    carried: |_| Carried::Gravity,
+    reported: by_axes,
+    experiments: &[(Effect::EncoderOffset, Experiment::Level)],
     ..Info::NEW
 };
 
@@ -33,11 +42,11 @@ const SEEN: f64 = 0.1;
 pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     let dof = scene.dof();
     let about = |axis: Vector3<f64>| Column::whole(dof, move |s| change(s, axis));
-    let tilt = |name| Quantity::plain(name, "rad", None);
+    let tilt = |name| Quantity::plain(name, Unit::Rad, None);
     let (angle, seen) = directions(scene);
     let (columns, quantities, shape) = if seen < SEEN {
         let axis = Vector3::new(angle.cos(), angle.sin(), 0.0);
-        let direction = vec![("direction", angle, "rad")];
+        let direction = vec![Shape::new(DIRECTION, angle, Unit::Rad)];
         (vec![about(axis)], vec![tilt("tilt")], direction)
     } else {
         let columns = vec![about(Vector3::x()), about(Vector3::y())];
@@ -78,6 +87,24 @@ fn change(scene: &Scene, axis: Vector3<f64>) -> Array2<f64> {
     // The base turned by +angle sees gravity turned by −angle.
     let gravity = Rotation3::new(-STEP * axis) * scene.robot.gravity();
     scene.gravity_change(gravity) / STEP
+}
+
+/// Tilts about both axes instead of one tilt in a direction.
+fn by_axes(parameters: &mut Vec<Parameter>) {
+    let (Some((tilt, std)), Some((angle, _))) =
+        (size(parameters, "tilt"), size(parameters, DIRECTION))
+    else {
+        return;
+    };
+    let (sin, cos) = angle.sin_cos();
+    *parameters = [("tilt_x", cos), ("tilt_y", sin)]
+        .map(|(name, part)| Parameter {
+            name: name.to_owned(),
+            value: tilt * part,
+            std: std.map(|s| s * part.abs()),
+            ..parameters[0].clone()
+        })
+        .to_vec();
 }
 
 #[cfg(test)]
@@ -135,10 +162,12 @@ mod tests {
     fn parallel_axes_feel_one_direction() {
         let flat = candidate(&arm("0 1 0"));
         assert_eq!(flat.columns.len(), 1);
-        let (name, angle, _) = flat.shape[0];
+        let Shape {
+            name, value: angle, ..
+        } = flat.shape[0];
         // The axes' own line: y turned by 0.2 rad, as exact as a difference over a milliradian is.
         let along = std::f64::consts::FRAC_PI_2 + 0.2;
-        assert_eq!(name, "direction");
+        assert_eq!(name, DIRECTION);
         assert!((angle - along).sin().abs() < 1e-4, "{angle}");
         assert_eq!(candidate(&arm("0 0 1")).columns.len(), 2);
     }

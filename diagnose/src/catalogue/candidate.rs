@@ -1,10 +1,12 @@
 //! A hypothesis of the catalogue and its columns.
 
 use super::effect::Effect;
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use ndarray::Array1;
 use physics::effects::Term;
 use physics::robot::PARAMETERS_PER_LINK;
+use serde::Serialize;
 use std::sync::Arc;
 
 /// Torque per unit of one parameter, on the rows of some joints. Clones are the same column.
@@ -49,7 +51,7 @@ pub struct Quantity {
     /// Name, that of docs/formats.md where it has one.
     pub name: &'static str,
     /// Unit.
-    pub unit: &'static str,
+    pub unit: Unit,
     /// Joint that it belongs to.
     pub joint: Option<usize>,
     /// Reported value = `offset` + `factor`·coefficient.
@@ -60,7 +62,7 @@ pub struct Quantity {
 
 impl Quantity {
     /// The coefficient itself.
-    pub fn plain(name: &'static str, unit: &'static str, joint: Option<usize>) -> Self {
+    pub fn plain(name: &'static str, unit: Unit, joint: Option<usize>) -> Self {
         Self {
             name,
             unit,
@@ -71,12 +73,7 @@ impl Quantity {
     }
 
     /// A shape parameter on a grid, corrected by the coefficient.
-    pub fn scaled(
-        name: &'static str,
-        unit: &'static str,
-        joint: Option<usize>,
-        factor: f64,
-    ) -> Self {
+    pub fn scaled(name: &'static str, unit: Unit, joint: Option<usize>, factor: f64) -> Self {
         Self {
             name,
             unit,
@@ -97,7 +94,25 @@ pub struct Size {
     /// Its deviation.
     pub std: f64,
     /// Unit.
-    pub unit: &'static str,
+    pub unit: Unit,
+}
+
+/// A number of a candidate's shape, which is on a grid and not fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Shape {
+    /// Name, that of docs/formats.md.
+    pub name: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Unit.
+    pub unit: Unit,
+}
+
+impl Shape {
+    /// Of these.
+    pub(super) fn new(name: &'static str, value: f64, unit: Unit) -> Self {
+        Self { name, value, unit }
+    }
 }
 
 /// A hypothesis: an effect at one place with fixed shape parameters.
@@ -117,8 +132,8 @@ pub struct Candidate {
     pub quantities: Vec<Quantity>,
     /// Change of its link's parameters per unit of its one coefficient, where that is all it is.
     pub change: Option<[f64; PARAMETERS_PER_LINK]>,
-    /// Shape parameters: name, value, unit.
-    pub shape: Vec<(&'static str, f64, &'static str)>,
+    /// Numbers of its shape.
+    pub shape: Vec<Shape>,
     /// Sizes that a sensor of their own measured.
     pub sizes: Vec<Size>,
     /// Mean and deviation of its coefficients where the recording shows them by itself, whatever the error that its columns leave.
@@ -155,14 +170,20 @@ impl Candidate {
         }
     }
 
+    /// The number of that name of its shape.
+    pub fn shape(&self, name: &str) -> Option<f64> {
+        let mut all = self.shape.iter();
+        all.find(|s| s.name == name).map(|s| s.value)
+    }
+
     /// Whether it changes the torque of a joint that another is named for.
     pub fn touches(&self, other: &Self) -> bool {
         let mut touched = self.columns.iter().flat_map(|c| &c.joints);
         touched.any(|j| other.joints.contains(j))
     }
 
-    pub(super) fn with_shape(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
-        self.shape.push((name, value, unit));
+    pub(super) fn with_shape(mut self, name: &'static str, value: f64, unit: Unit) -> Self {
+        self.shape.push(Shape::new(name, value, unit));
         self
     }
 

@@ -2,9 +2,10 @@
 //! of rising degree, stand for springs, gas and hydraulic cylinders alike.
 //! Confounders: gravity of the links beyond (its sines and cosines), torque offset (degree 0 alone).
 
-use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
 use super::info::{Info, Need};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{Polynomial, Term};
 
@@ -49,9 +50,12 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             bounds: vec![Bound::Free; degree + 1],
             quantities: NAMES[..=degree]
                 .iter()
-                .map(|n| Quantity::plain(n, "N·m", Some(joint)))
+                .map(|n| Quantity::plain(n, Unit::NewtonMetre, Some(joint)))
                 .collect(),
-            shape: vec![("middle", middle, "rad"), ("half_range", half, "rad")],
+            shape: vec![
+                Shape::new("middle", middle, Unit::Rad),
+                Shape::new("half_range", half, Unit::Rad),
+            ],
             sizes: Vec::new(),
             change: None,
             known: None,

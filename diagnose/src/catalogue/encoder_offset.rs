@@ -5,7 +5,8 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
-use super::info::{Info, Need};
+use super::info::{Carried, Info, Need};
+use super::unit::Unit;
 use crate::motion::rigid::rigid_torque;
 use crate::motion::scene::Scene;
 
@@ -23,6 +24,7 @@ pub(super) const INFO: Info = Info {
     place: Some("URDF"),
     needs: &[Need::Range],
     remedy: "correct the joint's zero ({})",
+    carried: |_| Carried::Zero,
     ..Info::NEW
 };
 
@@ -38,14 +40,14 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         Candidate::single(Effect::EncoderOffset, joint, quantity, bound, column)
     };
     let slope = Column::whole(scene.dof(), move |s| s.tangent(joint).q.clone());
-    let zero = Quantity::plain("zero", "rad", Some(joint));
+    let zero = Quantity::plain("zero", Unit::Rad, Some(joint));
     let larger = LARGER.into_iter().map(|angle| {
         let turned = Column::whole(scene.dof(), move |s| {
             let mut q = s.motion.q.clone();
             q.column_mut(joint).mapv_inplace(|x| x + angle);
             rigid_torque(s.robot, &q, &s.motion.qd, &s.motion.qdd) - &s.rigid
         });
-        let zero = Quantity::scaled("zero", "rad", Some(joint), angle);
+        let zero = Quantity::scaled("zero", Unit::Rad, Some(joint), angle);
         new(zero, Bound::Between(AROUND.0, AROUND.1), turned)
     });
     std::iter::once(new(zero, Bound::Between(-LINEAR, LINEAR), slope))

@@ -1,6 +1,6 @@
 //! `external_contact`: pushes. They have no columns: [`crate::traces::contact`] finds them in either recording.
 
-use super::info::Info;
+use super::info::{Carried, Info};
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -8,5 +8,7 @@ pub(super) const INFO: Info = Info {
     plain: "contact",
     confounders: &[],
     remedy: "nothing: leave this part of the recording out ({})",
+    outside: true,
+    carried: |_| Carried::Not,
     ..Info::NEW
 };

@@ -4,7 +4,9 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
-use super::info::{Info, Need};
+use super::experiment::Experiment;
+use super::info::{Carried, Info, Need};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use ndarray::Array1;
 use physics::effects::{Drift, Sliding, Term, WarmUp};
@@ -17,6 +19,9 @@ pub(super) const INFO: Info = Info {
     friction: true,
     needs: &[Need::Minute],
     coded: true,
+    carried: by_clock_alone,
+    experiment: Experiment::ColdAndWarm,
+    unwritten: "goes with a joint's temperature, which no simulator has",
     ..Info::NEW
 };
 
@@ -34,10 +39,13 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         // Falling to the given value as well as leaving it: either end may be the model's.
         for end in [0.0, 1.0] {
             let drifting = |friction| Column::terms(joint, terms(scene, friction, constant, end));
-            let names = [("viscous", "N·m·s/rad"), ("coulomb", "N·m")];
+            let names = [
+                ("viscous", Unit::NewtonMetreSecondPerRad),
+                ("coulomb", Unit::NewtonMetre),
+            ];
             let each = [drifting(Sliding::Viscous), drifting(scene.coulomb(joint))];
             let three = viscous_coulomb_both(joint, names, each);
-            all.extend(three.map(|c| c.with_shape("time_constant", constant, "session")));
+            all.extend(three.map(|c| c.with_shape("time_constant", constant, Unit::Session)));
         }
     }
     all.extend(by_temperature(scene, joint));
@@ -47,7 +55,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
 /// Candidates with viscous, Coulomb and both columns.
 fn viscous_coulomb_both(
     joint: usize,
-    names: [(&'static str, &'static str); 2],
+    names: [(&'static str, Unit); 2],
     [viscous, coulomb]: [Column; 2],
 ) -> [Candidate; 3] {
     let [v, c] = names.map(|(name, unit)| Quantity::plain(name, unit, Some(joint)));
@@ -85,16 +93,16 @@ fn by_temperature(scene: &Scene, joint: usize) -> Vec<Candidate> {
                 })
             };
             let names = [
-                ("viscous_per_kelvin", "N·m·s/(rad·K)"),
-                ("coulomb_per_kelvin", "N·m/K"),
+                ("viscous_per_kelvin", Unit::NewtonMetreSecondPerRadKelvin),
+                ("coulomb_per_kelvin", Unit::NewtonMetrePerKelvin),
             ];
             let each = [column(Sliding::Viscous), column(scene.coulomb(joint))];
             let given = if neutral == 0.0 { low } else { high };
             let three = viscous_coulomb_both(joint, names, each).map(|c| {
-                let c = c.with_shape(REFERENCE, low, "°C");
-                let c = c.with_shape("given_temperature", given, "°C");
+                let c = c.with_shape(REFERENCE, low, Unit::Celsius);
+                let c = c.with_shape("given_temperature", given, Unit::Celsius);
                 match fading.is_finite() {
-                    true => c.with_shape("fading", law.fading, "K"),
+                    true => c.with_shape("fading", law.fading, Unit::Kelvin),
                     false => c,
                 }
             });
@@ -160,6 +168,14 @@ fn terms(scene: &Scene, friction: Sliding, constant: f64, end: f64) -> Vec<(f64,
     };
     terms.retain(|t| t.0 != 0.0);
     terms
+}
+
+/// A drift over the clock is a term of the torque model. No control loop is told a temperature.
+fn by_clock_alone(candidate: &Candidate) -> Carried {
+    match candidate.shape(REFERENCE) {
+        Some(_) => Carried::Not,
+        None => Carried::Terms,
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! What is known of an effect beside its columns.
 
+use super::candidate::Candidate;
 use super::effect::Effect;
+use super::experiment::Experiment;
+use super::reported::Parameter;
 
 /// What a recording has to have for an effect to be told from others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +18,27 @@ pub enum Need {
     Minute,
     /// A sampling rate that shows vibration.
     Rate,
+}
+
+/// How a model directory carries a cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carried {
+    /// As terms of the torque model.
+    Terms,
+    /// As the torque channel's gain.
+    Gain,
+    /// As the torque channel's offset.
+    Offset,
+    /// As the torque channel's limit.
+    Limit,
+    /// As a joint's zero.
+    Zero,
+    /// As the torque channel's delay, which all joints share.
+    Delay,
+    /// As gravity's direction.
+    Gravity,
+    /// Not at all: no torque model holds it.
+    Not,
 }
 
 /// An effect's name, words and rules.
@@ -47,6 +71,26 @@ pub struct Info {
     /// Whether free inertial and friction parameters can take most of it over, so that its worth counts from the model as
     /// given.
     pub absorbable: bool,
+    /// Whether it is a force from outside for a while: it is found by its trace and never fitted.
+    pub outside: bool,
+    /// Whether it moves the recorded torque in time.
+    pub late: bool,
+    /// Whether it is friction with memory.
+    pub memory: bool,
+    /// Whether it is compliance or play between motor and link.
+    pub gear: bool,
+    /// Whether its sizes are those of bodies.
+    pub body: bool,
+    /// How a model directory carries one of its candidates.
+    pub carried: fn(&Candidate) -> Carried,
+    /// Makes what users ask for out of what is linear.
+    pub reported: fn(&mut Vec<Parameter>),
+    /// Motion that separates it from others.
+    pub experiment: Experiment,
+    /// Motions that separate it from single others.
+    pub experiments: &'static [(Effect, Experiment)],
+    /// Why no simulator's description or code holds it, where it is not written.
+    pub unwritten: &'static str,
     /// Part of its joints' squared error that it has to remove to be named.
     pub least_fraction: f64,
 }
@@ -66,6 +110,16 @@ impl Info {
         dynamic: false,
         vibrates: false,
         absorbable: false,
+        outside: false,
+        late: false,
+        memory: false,
+        gear: false,
+        body: false,
+        carried: |_| Carried::Terms,
+        reported: |_| (),
+        experiment: Experiment::Reversals,
+        experiments: &[],
+        unwritten: "not a simulator's matter",
         least_fraction: f64::NEG_INFINITY,
     };
 }

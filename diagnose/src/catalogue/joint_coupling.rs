@@ -5,6 +5,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::Info;
+use super::unit::Unit;
 use crate::motion::scene::{SOFT_SIGN, Scene};
 use physics::effects::{Coupling, Sliding, Term};
 
@@ -39,10 +40,10 @@ pub(super) fn candidates(scene: &Scene, driven: usize) -> Vec<Candidate> {
         let sign = friction(scene.coulomb(driver));
         let qdd = column(Coupling::Inertia { driver });
         let q = column(Coupling::Spring { driver, middle });
-        all.push(new("viscous", "N·m·s/rad", qd));
-        all.push(new("coulomb", "N·m", sign));
-        all.push(new("inertia", "kg·m²", qdd));
-        all.push(new("stiffness", "N·m/rad", q));
+        all.push(new("viscous", Unit::NewtonMetreSecondPerRad, qd));
+        all.push(new("coulomb", Unit::NewtonMetre, sign));
+        all.push(new("inertia", Unit::KilogramMetre2, qdd));
+        all.push(new("stiffness", Unit::NewtonMetrePerRad, q));
         for ratio in RATIOS {
             // Friction of what both motions turn together.
             let relative = column(Coupling::Relative {
@@ -50,7 +51,11 @@ pub(super) fn candidates(scene: &Scene, driven: usize) -> Vec<Candidate> {
                 ratio,
                 velocity: SOFT_SIGN,
             });
-            all.push(new("coulomb", "N·m", relative).with_shape("ratio", ratio, "1"));
+            all.push(new("coulomb", Unit::NewtonMetre, relative).with_shape(
+                "ratio",
+                ratio,
+                Unit::One,
+            ));
         }
     }
     all

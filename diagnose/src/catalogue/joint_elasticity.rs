@@ -6,8 +6,10 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
-use super::info::{Info, Need};
+use super::info::{Carried, Info, Need};
+use super::reported::Parameter;
 use super::transmission::Spring;
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2};
 
@@ -21,6 +23,10 @@ pub(super) const INFO: Info = Info {
     place: Some("MJCF"),
     needs: &[Need::Rate],
     remedy: "split the joint into motor and link with a spring ({})",
+    gear: true,
+    carried: |_| Carried::Not,
+    unwritten: "needs a joint of its own between rotor and link, which is not written",
+    reported: stiffness,
     ..Info::NEW
 };
 
@@ -39,9 +45,14 @@ const ROTORS: [f64; 2] = [0.0, 0.45];
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let inertia = own_inertia(scene, joint);
     let single = |stiffness: f64, rotor: f64, bound, column| {
-        let compliance = Quantity::scaled("compliance", "rad/(N·m)", Some(joint), 1.0 / stiffness);
+        let compliance = Quantity::scaled(
+            "compliance",
+            Unit::RadPerNewtonMetre,
+            Some(joint),
+            1.0 / stiffness,
+        );
         let one = Candidate::single(Effect::JointElasticity, joint, compliance, bound, column);
-        one.with_shape("rotor_share", rotor, "1")
+        one.with_shape("rotor_share", rotor, Unit::One)
     };
     // Of what the spring moves.
     let stiffness = |frequency: f64, rotor: f64| {
@@ -106,4 +117,16 @@ pub(super) fn compliant(
 /// Mean inertia that the joint turns, kg·m².
 pub(super) fn own_inertia(scene: &Scene, joint: usize) -> f64 {
     (scene.tangent(joint).qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
+}
+
+/// Stiffness instead of compliance.
+fn stiffness(parameters: &mut Vec<Parameter>) {
+    let compliances = parameters.iter_mut();
+    for p in compliances.filter(|p| p.name == "compliance" && p.value > 0.0) {
+        p.name = "stiffness".to_owned();
+        p.std = p.std.map(|s| s / (p.value * p.value));
+        p.value = 1.0 / p.value;
+        p.unit = Unit::NewtonMetrePerRad;
+    }
+    parameters.retain(|p| p.name != "share");
 }

@@ -3,7 +3,9 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
+use super::experiment::Experiment;
 use super::info::Info;
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{FrictionShape, LoadFriction, Term};
 
@@ -19,6 +21,7 @@ pub(super) const INFO: Info = Info {
     ],
     friction: true,
     coded: true,
+    experiment: Experiment::Loads,
     ..Info::NEW
 };
 
@@ -35,7 +38,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                 exponent: p,
             };
             let column = Column::terms(joint, vec![(size.powf(1.0 - p), Term::Load(load))]);
-            let load = Quantity::plain("load_coefficient", "1", Some(joint));
+            let load = Quantity::plain("load_coefficient", Unit::One, Some(joint));
             Candidate::single(
                 Effect::LoadDependentFriction,
                 joint,
@@ -43,7 +46,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                 Bound::Positive,
                 column,
             )
-            .with_shape("exponent", p, "1")
+            .with_shape("exponent", p, Unit::One)
         })
         .collect()
 }

@@ -3,12 +3,13 @@
 
 mod asymmetric_friction;
 pub mod backlash;
-mod base_tilt;
+pub mod base_tilt;
 pub(crate) mod candidate;
 pub(crate) mod choice;
 mod counterbalance;
 pub(crate) mod effect;
 mod encoder_offset;
+pub(crate) mod experiment;
 mod external_contact;
 mod friction_drift;
 pub(crate) mod gear;
@@ -20,12 +21,14 @@ mod nonlinear_viscous_friction;
 mod parameters;
 pub mod position_dependent_friction;
 mod presliding_hysteresis;
+pub(crate) mod reported;
 pub mod saturation;
 mod stribeck_friction;
 pub mod time_delay;
 mod torque_channel;
 pub mod torque_ripple;
 mod transmission;
+pub(crate) mod unit;
 
 use crate::motion::scene::Scene;
 use effect::Effect;
@@ -35,8 +38,10 @@ use serde::{Serialize, Serializer};
 
 pub(crate) use friction_drift::REFERENCE;
 
-pub use candidate::{Bound, Candidate, Column, ColumnTorque, Size};
+pub use candidate::{Bound, Candidate, Column, ColumnTorque, Shape, Size};
 pub use parameters::base_columns;
+pub use reported::Parameter;
+pub use unit::Unit;
 
 impl Effect {
     /// What is known of it beside its columns.

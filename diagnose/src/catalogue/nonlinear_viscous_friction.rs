@@ -3,7 +3,9 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
+use super::experiment::Experiment;
 use super::info::{Info, Need};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{Sliding, Term};
 
@@ -16,6 +18,7 @@ pub(super) const INFO: Info = Info {
     least_fraction: 0.15,
     needs: &[Need::Speed],
     coded: true,
+    experiment: Experiment::Speeds,
     ..Info::NEW
 };
 
@@ -26,7 +29,7 @@ const EXPONENTS: [f64; 5] = [0.35, 0.65, 1.5, 2.0, 3.0];
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let speed = scene.scale.speed[joint];
     let new = |bound, name, value, unit, terms| {
-        let amplitude = Quantity::plain("amplitude", "N·m", Some(joint));
+        let amplitude = Quantity::plain("amplitude", Unit::NewtonMetre, Some(joint));
         Candidate::single(
             Effect::NonlinearViscousFriction,
             joint,
@@ -43,7 +46,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             Bound::Positive,
             "velocity",
             velocity,
-            "rad/s",
+            Unit::RadPerSecond,
             vec![(1.0, term)],
         )
     });
@@ -57,7 +60,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         // Of size one at the usual speed.
         let term = Term::Sliding(Sliding::Power { exponent });
         let terms = vec![(speed.powf(-exponent), term)];
-        new(bound, "exponent", exponent, "1", terms)
+        new(bound, "exponent", exponent, Unit::One, terms)
     });
     knees.chain(powers).collect()
 }

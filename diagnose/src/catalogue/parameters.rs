@@ -7,7 +7,10 @@
 
 use super::candidate::{Bound, Candidate, Column, ColumnTorque, Quantity};
 use super::effect::Effect;
+use super::experiment::Experiment;
 use super::info::{Info, Need};
+use super::reported::{Parameter, size};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use crate::simulator::link_sizes;
 use nalgebra::{Rotation3, Vector3};
@@ -40,6 +43,9 @@ pub(super) const PAYLOAD: Info = Info {
     absorbable: true,
     place: Some("URDF"),
     remedy: "attach a body to the last link ({}); --patch writes it",
+    body: true,
+    experiment: Experiment::KnownMass,
+    reported: centre_of_mass,
     ..Info::NEW
 };
 
@@ -66,6 +72,8 @@ pub(super) const LINKS: Info = Info {
     place: Some("URDF"),
     needs: &[Need::Minute],
     remedy: "set the links' inertials ({}); --patch writes them",
+    body: true,
+    experiment: Experiment::KnownMass,
     ..Info::NEW
 };
 
@@ -73,17 +81,17 @@ pub(super) const LINKS: Info = Info {
 /// contact comes to rest is nobody's law, and a wrong one looks like Stribeck or degressive friction.
 const BUILD_UP: f64 = 4.0;
 
-const LINK: [(&str, &str); PARAMETERS_PER_LINK] = [
-    ("mass", "kg"),
-    ("first_moment_x", "kg·m"),
-    ("first_moment_y", "kg·m"),
-    ("first_moment_z", "kg·m"),
-    ("inertia_xx", "kg·m²"),
-    ("inertia_xy", "kg·m²"),
-    ("inertia_yy", "kg·m²"),
-    ("inertia_xz", "kg·m²"),
-    ("inertia_yz", "kg·m²"),
-    ("inertia_zz", "kg·m²"),
+const LINK: [(&str, Unit); PARAMETERS_PER_LINK] = [
+    ("mass", Unit::Kilogram),
+    ("first_moment_x", Unit::KilogramMetre),
+    ("first_moment_y", Unit::KilogramMetre),
+    ("first_moment_z", Unit::KilogramMetre),
+    ("inertia_xx", Unit::KilogramMetre2),
+    ("inertia_xy", Unit::KilogramMetre2),
+    ("inertia_yy", Unit::KilogramMetre2),
+    ("inertia_xz", Unit::KilogramMetre2),
+    ("inertia_yz", Unit::KilogramMetre2),
+    ("inertia_zz", Unit::KilogramMetre2),
 ];
 
 /// Columns of the base: 10 inertial parameters per link, base first, then viscous, then Coulomb
@@ -141,7 +149,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     }
     for j in 0..dof {
         all.extend(friction(scene, j));
-        let inertia = Quantity::plain("inertia", "kg·m²", Some(j));
+        let inertia = Quantity::plain("inertia", Unit::KilogramMetre2, Some(j));
         let column = Column::term(j, Term::RotorInertia);
         all.push(Candidate::single(
             Effect::RotorInertia,
@@ -156,7 +164,7 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
 
 /// A link of another density: all its parameters in proportion. One coefficient, where the link's own need ten.
 fn heavier(scene: &Scene, link: usize) -> Candidate {
-    let density = Quantity::plain("density", "1", Some(link));
+    let density = Quantity::plain("density", Unit::One, Some(link));
     let more = Bound::Between(-1.0, f64::INFINITY);
     changed(link, body(scene.robot, link).parameters(), density, more)
 }
@@ -188,8 +196,8 @@ fn turned(scene: &Scene, link: usize) -> Vec<Candidate> {
             .iter()
             .zip(sizes)
             .any(|(c, s)| c.abs() > TURN_SHOWS * s);
-        let part = Quantity::plain("part_of_turn", "1", Some(link));
-        shows.then(|| changed(link, change, part, WHOLE).with_shape(name, angle, "rad"))
+        let part = Quantity::plain("part_of_turn", Unit::One, Some(link));
+        shows.then(|| changed(link, change, part, WHOLE).with_shape(name, angle, Unit::Rad))
     })
     .collect()
 }
@@ -250,16 +258,16 @@ fn displaced(dof: usize, link: usize) -> Candidate {
 fn friction(scene: &Scene, j: usize) -> [Candidate; 3] {
     let dof = scene.dof();
     let new = |q, bound, c| Candidate::single(Effect::FrictionParameters, j, q, bound, c);
-    let viscous = || Quantity::plain("viscous", "N·m·s/rad", Some(j));
-    let coulomb = || Quantity::plain("coulomb", "N·m", Some(j));
-    let slow = || Quantity::plain("slow_coulomb", "N·m", Some(j));
+    let viscous = || Quantity::plain("viscous", Unit::NewtonMetreSecondPerRad, Some(j));
+    let coulomb = || Quantity::plain("coulomb", Unit::NewtonMetre, Some(j));
+    let slow = || Quantity::plain("slow_coulomb", Unit::NewtonMetre, Some(j));
     let slope = base(dof, PARAMETERS_PER_LINK * dof + j);
     let level = base(dof, (PARAMETERS_PER_LINK + 1) * dof + j);
     let velocity = BUILD_UP * scene.scale.softness[j];
     let late = Term::Sliding(Sliding::SoftCoulomb { velocity });
     let early = Term::Sliding(scene.coulomb(j));
     let slower = Column::terms(j, vec![(1.0, late), (-1.0, early)]);
-    let shaped = |c: Candidate| c.with_shape("slow_velocity", velocity, "rad/s");
+    let shaped = |c: Candidate| c.with_shape("slow_velocity", velocity, Unit::RadPerSecond);
     let plain =
         || new(viscous(), Bound::Free, slope.clone()).and(coulomb(), Bound::Free, level.clone());
     [
@@ -267,4 +275,23 @@ fn friction(scene: &Scene, j: usize) -> [Candidate; 3] {
         shaped(new(slow(), Bound::Positive, slower.clone())),
         shaped(plain().and(slow(), Bound::Positive, slower)),
     ]
+}
+
+/// A payload's centre of mass instead of its first moments.
+fn centre_of_mass(parameters: &mut Vec<Parameter>) {
+    let Some((mass, _)) = size(parameters, "mass") else {
+        return;
+    };
+    for p in parameters {
+        let name = match p.name.as_str() {
+            "first_moment_x" => "com_x",
+            "first_moment_y" => "com_y",
+            "first_moment_z" => "com_z",
+            _ => continue,
+        };
+        p.name = name.to_owned();
+        p.value /= mass;
+        p.std = p.std.map(|s| s / mass.abs());
+        p.unit = Unit::Metre;
+    }
 }

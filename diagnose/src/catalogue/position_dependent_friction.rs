@@ -6,7 +6,9 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
+use super::experiment::Experiment;
 use super::info::{Info, Need};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{FrictionShape, Harmonic, Phase, PositionFriction, Sliding, Term};
 use std::f64::consts::TAU;
@@ -24,6 +26,7 @@ pub(super) const INFO: Info = Info {
     least_fraction: 0.06,
     needs: &[Need::Reversals, Need::Range, Need::Minute],
     coded: true,
+    experiment: Experiment::WholeRange,
     ..Info::NEW
 };
 
@@ -60,15 +63,15 @@ fn at(scene: &Scene, joint: usize, order: f64) -> [Candidate; 2] {
         Column::term(joint, Term::Position(term))
     };
     let sign = scene.coulomb(joint);
-    let coulomb = |name| Quantity::plain(name, "N·m", Some(joint));
-    let viscous = |name| Quantity::plain(name, "N·m·s/rad", Some(joint));
+    let coulomb = |name| Quantity::plain(name, Unit::NewtonMetre, Some(joint));
+    let viscous = |name| Quantity::plain(name, Unit::NewtonMetreSecondPerRad, Some(joint));
     let alone = || {
         let first = coulomb("coulomb_sine");
         let effect = Effect::PositionDependentFriction;
         let (sine, cosine) = (column(Phase::Sin, sign), column(Phase::Cos, sign));
         Candidate::single(effect, joint, first, Bound::Free, sine)
             .and(coulomb("coulomb_cosine"), Bound::Free, cosine)
-            .with_shape("order", order, "1/rad")
+            .with_shape("order", order, Unit::PerRad)
     };
     let speed = Sliding::Viscous;
     let both = alone()

@@ -7,6 +7,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Info, Need};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{Dahl, Stop, Term};
 use signal::quantile::median;
@@ -25,6 +26,7 @@ pub(super) const INFO: Info = Info {
     least_fraction: 0.06,
     needs: &[Need::Reversals],
     coded: true,
+    memory: true,
     ..Info::NEW
 };
 
@@ -50,7 +52,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let least = least_width(scene, joint);
     let (low, high) = scene.scale.range[joint];
     let range = (high - low).max(1e-6);
-    let amplitude = || Quantity::plain("hysteresis", "N·m", Some(joint));
+    let amplitude = || Quantity::plain("hysteresis", Unit::NewtonMetre, Some(joint));
     let single = |width: f64, column: Column| {
         Candidate::single(
             Effect::PreslidingHysteresis,
@@ -59,7 +61,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
             Bound::Positive,
             column,
         )
-        .with_shape("width", width, "rad")
+        .with_shape("width", width, Unit::Rad)
     };
     let mut all = Vec::new();
     let mut elements = Vec::new();
@@ -82,7 +84,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         all.push(single(width, instead(Term::Stop(stop))));
         all.push(single(width, instead(Term::Dahl(dahl))));
         // Micro-damping: the rate of the state, as bristles have it.
-        let damping = Quantity::plain("micro_damping", "N·m·s", Some(joint));
+        let damping = Quantity::plain("micro_damping", Unit::NewtonMetreSecond, Some(joint));
         let damped = single(width, instead(Term::Dahl(dahl)));
         all.push(damped.and(damping, Bound::Free, whole(Term::DahlRate(dahl))));
         elements.push((width, instead(Term::Stop(stop))));
@@ -91,9 +93,11 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     for three in elements.windows(3) {
         let mut c = single(three[0].0, three[0].1.clone());
         for (width, element) in &three[1..] {
-            c = c
-                .and(amplitude(), Bound::Free, element.clone())
-                .with_shape("width", *width, "rad");
+            c = c.and(amplitude(), Bound::Free, element.clone()).with_shape(
+                "width",
+                *width,
+                Unit::Rad,
+            );
         }
         c.bounds = vec![Bound::Free; 3];
         all.push(c);
@@ -135,7 +139,7 @@ mod tests {
             memory: None,
         };
         let all = candidates(&Scene::new(&robot, &motion, &scale), 0);
-        let widths = all.iter().map(|c| c.shape[0].1);
+        let widths = all.iter().map(|c| c.shape[0].value);
         widths.fold(f64::INFINITY, f64::min)
     }
 

@@ -3,8 +3,12 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
-use super::info::Info;
+use super::info::{Carried, Info};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
+
+/// Shape: the torque at which it is cut.
+pub const LIMIT: &str = "limit";
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -12,6 +16,7 @@ pub(super) const INFO: Info = Info {
     plain: "a saturated torque signal",
     confounders: &[Effect::TorqueGain, Effect::NonlinearViscousFriction],
     remedy: "leave out cut samples, or limit the actuator ({})",
+    carried: |_| Carried::Limit,
     ..Info::NEW
 };
 
@@ -47,8 +52,11 @@ fn cut(joint: usize, limit: f64) -> Candidate {
         let predicted = &s.rigid.column(joint) + &s.drive.column(joint);
         predicted.mapv(|t| t.clamp(-limit, limit) - t)
     });
-    let cut = Quantity::plain("cut", "1", Some(joint));
+    let cut = Quantity::plain("cut", Unit::One, Some(joint));
     let bound = Bound::Between(0.7, 1.4);
-    Candidate::single(Effect::Saturation, joint, cut, bound, column)
-        .with_shape("limit", limit, "N·m")
+    Candidate::single(Effect::Saturation, joint, cut, bound, column).with_shape(
+        LIMIT,
+        limit,
+        Unit::NewtonMetre,
+    )
 }

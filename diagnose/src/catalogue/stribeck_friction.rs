@@ -4,7 +4,9 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
+use super::experiment::Experiment;
 use super::info::{Info, Need};
+use super::unit::Unit;
 use crate::motion::scene::{SOFT_SIGN, Scene};
 use physics::effects::{Sliding, Term};
 
@@ -21,6 +23,7 @@ pub(super) const INFO: Info = Info {
     least_fraction: 0.06,
     needs: &[Need::Reversals],
     coded: true,
+    experiment: Experiment::Speeds,
     ..Info::NEW
 };
 
@@ -52,7 +55,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                     softness: scene.scale.softness[joint],
                 }),
             );
-            let stribeck = Quantity::plain("stribeck", "N·m", Some(joint));
+            let stribeck = Quantity::plain("stribeck", Unit::NewtonMetre, Some(joint));
             all.push(
                 Candidate::single(
                     Effect::StribeckFriction,
@@ -61,8 +64,8 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
                     Bound::Positive,
                     column,
                 )
-                .with_shape("velocity", velocity, "rad/s")
-                .with_shape("exponent", exponent, "1"),
+                .with_shape("velocity", velocity, Unit::RadPerSecond)
+                .with_shape("exponent", exponent, Unit::One),
             );
         }
     }

@@ -3,13 +3,17 @@
 //! others'. A current's filter makes it late, too: a first-order lag, which rounds the friction jumps. Confounders: presliding
 //! (reversals only), elasticity (second derivative), viscous friction of the acceleration.
 
-use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
-use super::info::Info;
+use super::info::{Carried, Info};
+use super::unit::Unit;
 use crate::motion::channel::Channel;
 use crate::motion::delay::Late;
 use crate::motion::scene::Scene;
 use ndarray::Array1;
+
+/// Shape of a low-pass: its corner frequency.
+const CORNER: &str = "corner";
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {
@@ -19,6 +23,8 @@ pub(super) const INFO: Info = Info {
     dynamic: true,
     place: Some("MJCF"),
     remedy: "shift the torque in the recording, or delay the actuator ({})",
+    late: true,
+    carried: |_| Carried::Delay,
     ..Info::NEW
 };
 
@@ -116,7 +122,7 @@ fn candidate(joints: Vec<usize>, late: Late, alone: bool) -> Candidate {
         of.iter().map(|&j| change(s, j, late, alone)).collect()
     });
     let corner = 1.0 / (std::f64::consts::TAU * late.constant);
-    let corner = (late.constant > 0.0).then_some(("corner", corner, "Hz"));
+    let corner = (late.constant > 0.0).then_some(Shape::new(CORNER, corner, Unit::Hertz));
     let joint = joints.first().copied().filter(|_| joints.len() == 1);
     Candidate {
         effect: Effect::TimeDelay,
@@ -124,7 +130,7 @@ fn candidate(joints: Vec<usize>, late: Late, alone: bool) -> Candidate {
         driver: None,
         columns: vec![column.late_already()],
         bounds: vec![Bound::Between(0.6, 1.6)],
-        quantities: vec![Quantity::scaled("delay", "s", joint, late.delay())],
+        quantities: vec![Quantity::scaled("delay", Unit::Second, joint, late.delay())],
         shape: corner.into_iter().collect(),
         sizes: Vec::new(),
         change: None,
@@ -137,8 +143,8 @@ fn candidate(joints: Vec<usize>, late: Late, alone: bool) -> Candidate {
 /// How late a candidate says that torque is recorded, its coefficient being `size`.
 pub fn said(candidate: &Candidate, size: f64) -> Late {
     let delay = candidate.quantities[0].factor;
-    let corner = candidate.shape.iter().find(|s| s.0 == "corner");
-    let constant = corner.map_or(0.0, |c| 1.0 / (std::f64::consts::TAU * c.1));
+    let corner = candidate.shape(CORNER);
+    let constant = corner.map_or(0.0, |c| 1.0 / (std::f64::consts::TAU * c));
     Late {
         shift: delay - constant,
         constant,

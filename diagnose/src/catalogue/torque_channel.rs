@@ -7,8 +7,10 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
-use super::info::Info;
+use super::experiment::Experiment;
+use super::info::{Carried, Info};
 use super::saturation;
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::Term;
 
@@ -18,6 +20,8 @@ pub(super) const OFFSET: Info = Info {
     plain: "a torque offset",
     confounders: &[Effect::AsymmetricFriction, Effect::Counterbalance],
     remedy: "take the bias off the torque ({})",
+    carried: |_| Carried::Offset,
+    experiments: &[(Effect::AsymmetricFriction, Experiment::Rests)],
     ..Info::NEW
 };
 
@@ -33,6 +37,8 @@ pub(super) const GAIN: Info = Info {
     ],
     absorbable: true,
     remedy: "correct the torque constant or gear ratio ({})",
+    carried: |_| Carried::Gain,
+    experiment: Experiment::Loads,
     ..Info::NEW
 };
 
@@ -42,7 +48,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         joint,
         Quantity {
             name: "gain",
-            unit: "1",
+            unit: Unit::One,
             joint: Some(joint),
             offset: 1.0,
             factor: 1.0,
@@ -55,7 +61,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let offset = Candidate::single(
         Effect::TorqueOffset,
         joint,
-        Quantity::plain("offset", "N·m", Some(joint)),
+        Quantity::plain("offset", Unit::NewtonMetre, Some(joint)),
         Bound::Free,
         Column::term(joint, Term::Offset),
     );

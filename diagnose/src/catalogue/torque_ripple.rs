@@ -3,9 +3,10 @@
 //! would remove the ripple of a fast joint; lateness of the torque is taken out of it before. Orders need not be whole.
 //! Confounders: none at high orders; below a few cycles per range, gravity and counterbalance.
 
-use super::candidate::{Bound, Candidate, Column, Quantity};
+use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
 use super::info::{Info, Need};
+use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{Harmonic, Phase, Term};
 use std::f64::consts::TAU;
@@ -55,7 +56,10 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
                 columns: Vec::new(),
                 bounds: vec![Bound::Free; 2 * n],
                 quantities: Vec::new(),
-                shape: orders[..n].iter().map(|&k| ("order", k, "1/rad")).collect(),
+                shape: orders[..n]
+                    .iter()
+                    .map(|&k| Shape::new("order", k, Unit::PerRad))
+                    .collect(),
                 sizes: Vec::new(),
                 change: None,
                 known: None,
@@ -65,8 +69,10 @@ pub fn candidates(joint: usize, orders: &[f64]) -> Vec<Candidate> {
             for (&order, (s, k)) in orders[..n].iter().zip(NAMES) {
                 c.columns
                     .extend([column(order, Phase::Sin), column(order, Phase::Cos)]);
-                c.quantities.push(Quantity::plain(s, "N·m", Some(joint)));
-                c.quantities.push(Quantity::plain(k, "N·m", Some(joint)));
+                c.quantities
+                    .push(Quantity::plain(s, Unit::NewtonMetre, Some(joint)));
+                c.quantities
+                    .push(Quantity::plain(k, Unit::NewtonMetre, Some(joint)));
             }
             c
         })

@@ -1,7 +1,6 @@
 //! How late the torque is recorded, before anything else is looked for: a lag of some milliseconds rounds and shifts whatever
 //! turns round, rings or repeats over position, so that nothing has the shape that the catalogue knows.
 
-use crate::catalogue::effect::Effect;
 use crate::catalogue::time_delay;
 use crate::motion::channel::Channel;
 use crate::search::find::Findings;
@@ -30,7 +29,7 @@ pub(super) fn channel(found: &Findings, given: &Robot) -> Option<Channel> {
     let beta = &found.tight.1;
     for cause in &found.accepted {
         let candidate = &found.candidates[cause.candidate];
-        if candidate.effect != Effect::TimeDelay {
+        if !candidate.effect.info().late {
             continue;
         }
         let late = time_delay::said(candidate, beta[cause.variables.start]);

@@ -103,7 +103,7 @@ pub fn diagnose(
     let dead = &channels.dead;
     let judged = judged.off_turns(&frames.data, &settings.motion);
     let rest = remainder(&floors, &judged, &skipped, &left, &names, dead, judging);
-    let pushed = |c: &Cause| c.effect == Effect::ExternalContact;
+    let pushed = |c: &Cause| c.effect.info().outside;
     let evidence = Evidence {
         dead,
         moves: channels.moves,

@@ -1,7 +1,6 @@
 //! What sensors beside the motors' own show and no cause names, and which of them are not used.
 
 use super::units;
-use crate::catalogue::effect::Effect;
 use crate::catalogue::gear::{Gear, Link};
 use crate::input::frames::Frames;
 use crate::measure::quantities::measured;
@@ -29,9 +28,8 @@ pub(super) fn beside(
 
 fn no_causes(links: &[Link], causes: &[Cause], robot: &Robot) -> Vec<String> {
     let named = |joint: &String| {
-        let gears = [Effect::JointElasticity, Effect::Backlash];
         let mut causes = causes.iter();
-        causes.any(|c| gears.contains(&c.effect) && c.joints.contains(joint))
+        causes.any(|c| c.effect.info().gear && c.joints.contains(joint))
     };
     let names = robot.joint_names();
     let joints = names.iter().zip(links);

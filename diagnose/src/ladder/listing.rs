@@ -131,7 +131,7 @@ fn touched(
     frames: &Frames,
 ) -> Vec<usize> {
     let candidate = found.candidate(cause);
-    let few = candidate.joints.len() < torque.ncols() || candidate.effect == Effect::TimeDelay;
+    let few = candidate.joints.len() < torque.ncols() || candidate.effect.info().late;
     if few && candidate.effect != Effect::Payload {
         return candidate.joints.clone();
     }

@@ -151,7 +151,7 @@ pub fn explain(
     let mut causes = Vec::new();
     let mut values = Vec::new();
     for part in parts.iter().filter(|p| listed(p)) {
-        let contact = part.effect == Effect::ExternalContact;
+        let contact = part.effect.info().outside;
         let joints = joints(part, said, here.as_ref());
         let (with, without) = match part.accepted {
             _ if contact => (kept(&residual), residual.clone()),
@@ -163,8 +163,12 @@ pub fn explain(
                 (residual.clone(), left(&others, Free::All))
             }
             None => {
-                let links = part.effect == Effect::LinkParameters;
-                let held_fast = if links { Free::Friction } else { Free::Links };
+                let friction = part.effect.info().friction;
+                let held_fast = if friction {
+                    Free::Links
+                } else {
+                    Free::Friction
+                };
                 (residual.clone(), left(&structure, held_fast))
             }
         };

@@ -1,5 +1,6 @@
 //! Where the gap lies: shares of the squared held-out error by joint and region.
 
+use crate::catalogue::Unit;
 use crate::schema::Place;
 use crate::settings::Settings;
 use crate::traces::order::Orders;
@@ -67,7 +68,15 @@ pub fn locate(
         for (sign, range) in [(1.0, [0.0, 1.0]), (-1.0, [-1.0, 0.0])] {
             let velocity = motion.qd.column(j);
             let inside = velocity.iter().map(|v| v * sign > 0.0).collect();
-            regions.push(filled(j, names, "direction", "sign", range, &share, inside));
+            regions.push(filled(
+                j,
+                names,
+                "direction",
+                Unit::Sign,
+                range,
+                &share,
+                inside,
+            ));
         }
         bands.extend(frequency(gap, motion, j, rate_hz, share.sum(), names));
         bands.extend(order(gap, motion, j, rate_hz, share.sum(), names));
@@ -94,19 +103,31 @@ fn coordinates(
     motion: &Motion,
     load: &Array2<f64>,
     joint: usize,
-) -> [(&'static str, &'static str, Array1<f64>); 6] {
+) -> [(&'static str, Unit, Array1<f64>); 6] {
     let start = motion.time.first().copied().unwrap_or(0.0);
     [
-        ("velocity", "rad/s", motion.qd.column(joint).to_owned()),
-        ("position", "rad", motion.q.column(joint).to_owned()),
+        (
+            "velocity",
+            Unit::RadPerSecond,
+            motion.qd.column(joint).to_owned(),
+        ),
+        ("position", Unit::Rad, motion.q.column(joint).to_owned()),
         (
             "acceleration",
-            "rad/s²",
+            Unit::RadPerSecond2,
             motion.qdd.column(joint).to_owned(),
         ),
-        ("load", "N·m", load.column(joint).to_owned()),
-        ("time", "s", motion.time.iter().map(|t| t - start).collect()),
-        ("reversal_distance", "rad", since_reversal(motion, joint)),
+        ("load", Unit::NewtonMetre, load.column(joint).to_owned()),
+        (
+            "time",
+            Unit::Second,
+            motion.time.iter().map(|t| t - start).collect(),
+        ),
+        (
+            "reversal_distance",
+            Unit::Rad,
+            since_reversal(motion, joint),
+        ),
     ]
 }
 
@@ -114,7 +135,7 @@ fn filled(
     joint: usize,
     names: &[String],
     coordinate: &'static str,
-    unit: &'static str,
+    unit: Unit,
     range: [f64; 2],
     share: &Array1<f64>,
     inside: Vec<bool>,
@@ -134,7 +155,7 @@ fn filled(
 /// A place with its shares of the gap and of time.
 fn place(
     joint: &str,
-    (coordinate, unit): (&'static str, &'static str),
+    (coordinate, unit): (&'static str, Unit),
     range: [f64; 2],
     (share_of_gap, share_of_time): (f64, f64),
 ) -> Place {
@@ -226,7 +247,7 @@ fn frequency(
     let shares = (share * power[best] / all, (high - low) / half);
     Some(place(
         &names[joint],
-        ("frequency", "Hz"),
+        ("frequency", Unit::Hertz),
         [low, high],
         shares,
     ))
@@ -254,7 +275,7 @@ fn order(
     );
     Some(place(
         &names[joint],
-        ("order", "1/rad"),
+        ("order", Unit::PerRad),
         [k - half, k + half],
         shares,
     ))

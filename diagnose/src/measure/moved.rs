@@ -14,8 +14,7 @@ pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
         let mut causes = 0..found.accepted.len();
         causes.any(|c| {
             let effect = found.candidate(c).effect;
-            found.accepted[c].variables.contains(&i)
-                && (!effect.info().parameter || effect == Effect::Payload)
+            found.accepted[c].variables.contains(&i) && !effect.info().parameter
         })
     };
     let inertial = PARAMETERS_PER_LINK * n;

@@ -1,10 +1,8 @@
 //! Sizes of causes, how sure their names are, and what else they could be.
 
-use crate::catalogue::backlash;
 use crate::catalogue::effect::Effect;
-use crate::catalogue::{Candidate, Size};
+use crate::catalogue::{Candidate, Parameter, Shape, Size, Unit};
 use crate::input::frames::Frames;
-use crate::schema::Parameter;
 use crate::search::find::Findings;
 use crate::search::select::Tried;
 use crate::simulator::NominalModel;
@@ -36,7 +34,7 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
                 joint: q.joint.map(|j| names[j].clone()),
                 value,
                 std: Some(own.hypot(around(value, alike(k, q.name)))),
-                unit: q.unit.to_owned(),
+                unit: q.unit,
             }
         })
         .collect();
@@ -46,15 +44,15 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
         .filter(|_| candidate.joints.len() == 1)
         .map(|&j| names[j].clone());
     out.extend(measured(&candidate.sizes, joint.as_ref()));
-    let grid = |&(name, value, unit): &(&'static str, f64, &'static str)| Parameter {
+    let grid = |&Shape { name, value, unit }: &Shape| Parameter {
         name: name.to_owned(),
         joint: joint.clone(),
         value: if value.is_finite() { value } else { 0.0 },
         std: of_grid(found, &shapes, name, value),
-        unit: unit.to_owned(),
+        unit,
     };
     out.extend(candidate.shape.iter().map(grid));
-    derived(candidate.effect, &mut out);
+    (candidate.effect.info().reported)(&mut out);
     out
 }
 
@@ -94,8 +92,8 @@ fn around(value: f64, numbers: impl Iterator<Item = (f64, f64)>) -> f64 {
 /// a number between its neighbours. None where there is but one.
 fn of_grid(found: &Findings, shapes: &[(f64, &Tried)], name: &str, value: f64) -> Option<f64> {
     let number = |(weight, t): &(f64, &Tried)| {
-        let shape = &found.candidates[t.candidate].shape;
-        shape.iter().find(|s| s.0 == name).map(|s| (*weight, s.1))
+        let value = found.candidates[t.candidate].shape(name);
+        value.map(|value| (*weight, value))
     };
     let numbers: Vec<(f64, f64)> = shapes.iter().filter_map(number).collect();
     let beside = |sign: f64| {
@@ -119,71 +117,9 @@ pub fn measured(sizes: &[Size], joint: Option<&String>) -> Vec<Parameter> {
         joint: joint.cloned(),
         value: s.value,
         std: Some(s.std),
-        unit: s.unit.to_owned(),
+        unit: s.unit,
     };
     sizes.iter().map(one).collect()
-}
-
-/// Quantities that users ask for, from those that are linear.
-fn derived(effect: Effect, parameters: &mut Vec<Parameter>) {
-    let value = |p: &[Parameter], n: &str| p.iter().find(|p| p.name == n).map(|p| (p.value, p.std));
-    match effect {
-        Effect::Payload => {
-            let Some((mass, _)) = value(parameters, "mass") else {
-                return;
-            };
-            for p in parameters.iter_mut() {
-                let name = match p.name.as_str() {
-                    "first_moment_x" => "com_x",
-                    "first_moment_y" => "com_y",
-                    "first_moment_z" => "com_z",
-                    _ => continue,
-                };
-                p.name = name.to_owned();
-                p.value /= mass;
-                p.std = p.std.map(|s| s / mass.abs());
-                p.unit = "m".to_owned();
-            }
-        }
-        Effect::BaseTilt => {
-            let (Some((tilt, std)), Some((angle, _))) =
-                (value(parameters, "tilt"), value(parameters, "direction"))
-            else {
-                return;
-            };
-            let (sin, cos) = angle.sin_cos();
-            *parameters = [("tilt_x", cos), ("tilt_y", sin)]
-                .map(|(name, part)| Parameter {
-                    name: name.to_owned(),
-                    value: tilt * part,
-                    std: std.map(|s| s * part.abs()),
-                    ..parameters[0].clone()
-                })
-                .to_vec();
-        }
-        Effect::JointElasticity => {
-            for p in parameters
-                .iter_mut()
-                .filter(|p| p.name == "compliance" && p.value > 0.0)
-            {
-                p.name = "stiffness".to_owned();
-                p.std = p.std.map(|s| s / (p.value * p.value));
-                p.value = 1.0 / p.value;
-                p.unit = "N·m/rad".to_owned();
-            }
-            parameters.retain(|p| p.name != "share");
-        }
-        // Of what was found by its blows or by another sensor: how much of what it foretells is in the torque, no number of a simulator.
-        Effect::Backlash => {
-            let (least, most) = backlash::SIZED;
-            let beside = |p: &Parameter| p.name == "share" && !(least..=most).contains(&p.value);
-            if parameters.iter().any(beside) {
-                parameters.clear();
-            }
-            parameters.retain(|p| p.name != "share");
-        }
-        _ => {}
-    }
 }
 
 /// Changed parameters of the named joints that moved clearly.
@@ -198,14 +134,14 @@ pub fn moved(
     let mut out = Vec::new();
     let changes = found.changes(|_| true);
     let total = |parameter: usize| changes[parameter];
-    let parameter = |name: String, j: usize, value, std, unit: &str| Parameter {
+    let parameter = |name: String, j: usize, value, std, unit: Unit| Parameter {
         name,
         joint: Some(names[j].clone()),
         value,
         std: Some(std).filter(|s: &f64| s.is_finite()),
-        unit: unit.to_owned(),
+        unit,
     };
-    if effect == Effect::FrictionParameters {
+    if effect.info().friction {
         for &j in joints {
             let joint = &model.robot.joints()[j];
             let (dv, sv) = total(PARAMETERS_PER_LINK * n + j);
@@ -215,14 +151,14 @@ pub fn moved(
                 j,
                 joint.damping + dv,
                 sv,
-                "N·m·s/rad",
+                Unit::NewtonMetreSecondPerRad,
             ));
             out.push(parameter(
                 "coulomb".into(),
                 j,
                 joint.friction + dc,
                 sc,
-                "N·m",
+                Unit::NewtonMetre,
             ));
             out.extend(slow(found, j, names));
         }
@@ -233,7 +169,7 @@ pub fn moved(
         for (c, (p, label)) in given.iter().zip(labels).enumerate() {
             let (change, std) = total(c);
             if change.abs() > said.changed * std && change.abs() > said.changed_part * p.abs() {
-                let unit = ["kg", "kg·m", "kg·m²"]
+                let unit = [Unit::Kilogram, Unit::KilogramMetre, Unit::KilogramMetre2]
                     [[0, 1, 1, 1, 2, 2, 2, 2, 2, 2][c % PARAMETERS_PER_LINK]];
                 out.push(parameter(
                     label,
@@ -281,20 +217,20 @@ pub fn pushed(
     };
     let time = &frame.samples().time;
     let joint = Some(model.robot.joints()[burst.last_joint].name.clone());
-    let new = |name: &str, value: f64, unit: &str| Parameter {
+    let new = |name: &str, value: f64, unit: Unit| Parameter {
         name: name.to_owned(),
         joint: joint.clone(),
         value,
         std: None,
-        unit: unit.to_owned(),
+        unit,
     };
     let mut out = vec![
-        new("start", time[burst.samples.start], "s"),
-        new("end", time[burst.samples.end - 1], "s"),
-        new("bursts", contact.bursts.len() as f64, "1"),
+        new("start", time[burst.samples.start], Unit::Second),
+        new("end", time[burst.samples.end - 1], Unit::Second),
+        new("bursts", contact.bursts.len() as f64, Unit::One),
     ];
     let force = contact.force(&model.robot, frame);
-    out.extend(force.map(|f| new("force", f, "N")));
+    out.extend(force.map(|f| new("force", f, Unit::Newton)));
     out
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod value;
 
 use crate::catalogue::effect::Effect;
+use crate::catalogue::{Parameter, Unit};
 use datasets::check::CheckReport;
 use datasets::metrics::Scores;
 use serde::{Deserialize, Serialize};
@@ -126,7 +127,7 @@ pub struct Place {
     /// From, to.
     pub range: [f64; 2],
     /// Unit of the range.
-    pub unit: &'static str,
+    pub unit: Unit,
     /// Share of the squared held-out error.
     pub share_of_gap: f64,
     /// 90 % interval of the same; none for a band of frequency or an order.
@@ -134,22 +135,6 @@ pub struct Place {
     pub share_interval: Option<[f64; 2]>,
     /// Share of the samples.
     pub share_of_time: f64,
-}
-
-/// A parameter of a cause.
-#[derive(Clone, Debug, Serialize)]
-pub struct Parameter {
-    /// Name.
-    pub name: String,
-    /// Joint, where it belongs to one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub joint: Option<String>,
-    /// Value.
-    pub value: f64,
-    /// Standard deviation; null where none was estimated.
-    pub std: Option<f64>,
-    /// Unit.
-    pub unit: String,
 }
 
 /// A force from outside during part of a recording.

@@ -1,10 +1,10 @@
 //! Numbers in words: no more digits than are known.
 
-use super::Parameter;
+use crate::catalogue::{Parameter, Unit};
 
 /// A parameter with its deviation and unit.
 pub fn value(p: &Parameter) -> String {
-    let unit = if p.unit == "1" {
+    let unit = if p.unit == Unit::One {
         String::new()
     } else {
         format!(" {}", p.unit)

@@ -31,12 +31,11 @@ impl Search<'_> {
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
         let misfit = removed.iter().sum::<f64>() > s.share * self.missing() && visible;
         let by_effect = !s.off.holds(Rule::GainByEffect);
-        let memory = by_effect && c.effect == Effect::PreslidingHysteresis;
-        let part = match c.effect {
-            Effect::TimeDelay if !s.off.holds(Rule::MiddleJoint) => {
-                late_fraction(&before, &after, &c.joints)
-            }
-            _ => fraction(&before, &after, &c.joints),
+        let memory = by_effect && c.effect.info().memory;
+        let part = if c.effect.info().late && !s.off.holds(Rule::MiddleJoint) {
+            late_fraction(&before, &after, &c.joints)
+        } else {
+            fraction(&before, &after, &c.joints)
         };
         let sure = c.effect.info().dynamic && gain > s.enough_dynamic * s.enough;
         if part < self.least_fraction(c, others) && !sure {
@@ -45,10 +44,10 @@ impl Search<'_> {
         // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
         let clear = match c.effect {
             _ if !by_effect => s.enough_unseen * s.enough,
-            Effect::PreslidingHysteresis if is_narrow(c, s) && part < s.plainly => {
+            effect if effect.info().memory && is_narrow(c, s) && part < s.plainly => {
                 s.enough_narrow * s.enough
             }
-            Effect::PreslidingHysteresis => s.enough_memory * s.enough,
+            effect if effect.info().memory => s.enough_memory * s.enough,
             Effect::LoadDependentFriction => s.enough,
             effect if effect.info().absorbable => s.enough,
             _ => s.enough_unseen * s.enough,
@@ -71,18 +70,18 @@ impl Search<'_> {
         let s = self.objective.settings;
         let abrupt = || {
             let shape = candidate.shape.first();
-            shape.is_some_and(|shape| shape.1 < s.abrupt)
+            shape.is_some_and(|shape| shape.value < s.abrupt)
         };
-        let late = |c: &usize| self.candidates[*c].effect == Effect::TimeDelay;
+        let late = |c: &usize| self.candidates[*c].effect.info().late;
         match candidate.effect {
             effect if s.off.holds(Rule::PartByEffect) => effect.info().least_fraction,
             Effect::StribeckFriction if abrupt() => s.plainly,
-            Effect::PreslidingHysteresis if is_narrow(candidate, s) => s.narrow_part,
+            effect if effect.info().memory && is_narrow(candidate, s) => s.narrow_part,
             // One joint alone that is late, where no other is, is rather friction of another law, or a spring.
-            Effect::TimeDelay if candidate.joints.len() == 1 && !others.iter().any(late) => {
-                s.late_alone
+            effect if effect.info().late => {
+                let alone = candidate.joints.len() == 1 && !others.iter().any(late);
+                if alone { s.late_alone } else { s.late_part }
             }
-            Effect::TimeDelay => s.late_part,
             // Another sensor saw it.
             _ if !candidate.sizes.is_empty() => f64::NEG_INFINITY,
             // Vibration of whatever kind is a spring's, for a part of its error.
@@ -113,9 +112,10 @@ impl Search<'_> {
         let price = |(&a, &gain): (&usize, &f64)| {
             let earlier = &self.candidates[a];
             // A delay is worth something on every joint, and leaves something on each.
-            let gain = match earlier.effect {
-                Effect::TimeDelay => gain / earlier.joints.len() as f64,
-                _ => gain,
+            let gain = if earlier.effect.info().late {
+                gain / earlier.joints.len() as f64
+            } else {
+                gain
             };
             if earlier.effect.info().parameter {
                 0.0
@@ -148,7 +148,7 @@ fn late_fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
 /// Whether memory reaches no further than what a wrong sign at reversals imitates.
 fn is_narrow(candidate: &Candidate, settings: &SearchSettings) -> bool {
     let shape = candidate.shape.first();
-    shape.is_some_and(|s| s.1 < settings.narrow)
+    shape.is_some_and(|s| s.value < settings.narrow)
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ fn an_effect_is_found_above_its_size_and_not_below() {
         .unwrap();
     let from = stribeck.from.unwrap();
     assert!(from > 0.001 && from < 0.3, "{stribeck:?}");
-    let [velocity, exponent] = [0, 1].map(|k| stribeck.shape[k].1);
+    let [velocity, exponent] = [0, 1].map(|k| stribeck.shape[k].value);
     let found = |size: f64| {
         let friction = |qd: f64| {
             let falling = size * (-(qd.abs() / velocity).powf(exponent)).exp();

@@ -43,13 +43,7 @@ pub(super) fn holds(cause: &Cause) -> bool {
 
 /// Why neither a description nor code holds an effect.
 pub fn beyond(effect: Effect) -> &'static str {
-    match effect {
-        Effect::JointElasticity | Effect::Backlash => {
-            "needs a joint of its own between rotor and link, which is not written"
-        }
-        Effect::FrictionDrift => "goes with a joint's temperature, which no simulator has",
-        _ => "not a simulator's matter",
-    }
+    effect.info().unwritten
 }
 
 /// The code for the accepted causes, with the coefficients that the report names; none where there is nothing to hold.

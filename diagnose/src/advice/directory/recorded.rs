@@ -2,8 +2,10 @@
 //! model carries.
 
 use crate::algebra::fit::Fit;
-use crate::catalogue::effect::Effect;
-use crate::catalogue::{Candidate, REFERENCE};
+use crate::catalogue::Candidate;
+use crate::catalogue::base_tilt::DIRECTION;
+use crate::catalogue::info::Carried;
+use crate::catalogue::saturation::LIMIT;
 use crate::outcome::Outcome;
 use crate::simulator::NominalModel;
 use datasets::channel::Estimate95;
@@ -13,11 +15,6 @@ use physics::robot::Robot;
 
 /// Two-sided 95 % of a normal distribution, deviations.
 const TWO_SIDED: f64 = 1.96;
-
-/// Whether a drift goes with a recorded temperature instead of the clock.
-fn by_temperature(candidate: &Candidate) -> bool {
-    candidate.shape.iter().any(|s| s.0 == REFERENCE)
-}
 
 /// Channel, delay, tilt, and what is left out.
 pub(super) struct Recorded {
@@ -62,9 +59,7 @@ impl Recorded {
             }
         }
         let causes = &outcome.diagnosis.causes;
-        let pushes = causes
-            .iter()
-            .filter(|c| c.effect == Effect::ExternalContact);
+        let pushes = causes.iter().filter(|c| c.effect.info().outside);
         own.left_out
             .extend(pushes.map(|c| c.effect.name().to_owned()));
         own
@@ -73,22 +68,17 @@ impl Recorded {
     /// Whether the candidate stands here and not among the model's terms.
     fn takes(&mut self, candidate: &Candidate, value: &dyn Fn(usize) -> (f64, f64)) -> bool {
         let joint = candidate.joints[0];
-        match candidate.effect {
-            Effect::TorqueGain => self.channel.gain[joint] += value(0).0 - 1.0,
-            Effect::TorqueOffset => self.channel.offset[joint] += value(0).0,
-            Effect::Saturation => {
-                let limit = candidate.shape.iter().find(|s| s.0 == "limit");
-                self.channel.limit[joint] = limit.map(|l| l.1);
-            }
-            Effect::EncoderOffset => {
+        let info = candidate.effect.info();
+        match (info.carried)(candidate) {
+            Carried::Terms => return false,
+            Carried::Gain => self.channel.gain[joint] += value(0).0 - 1.0,
+            Carried::Offset => self.channel.offset[joint] += value(0).0,
+            Carried::Limit => self.channel.limit[joint] = candidate.shape(LIMIT),
+            Carried::Zero => {
                 let of = candidate.quantities[0].joint.unwrap_or(joint);
                 self.channel.zero[of] += value(0).0;
             }
-            // The directory has one delay for all joints.
-            Effect::TimeDelay if candidate.joints.len() < self.channel.gain.len() => {
-                self.left_out.push(candidate.effect.name().to_owned());
-            }
-            Effect::TimeDelay => {
+            Carried::Delay if candidate.joints.len() == self.channel.gain.len() => {
                 let (seconds, std) = value(0);
                 let before = self.delay.and_then(|d| d.value).unwrap_or(0.0);
                 let sum = before + seconds;
@@ -97,21 +87,14 @@ impl Recorded {
                     interval: Some([sum - TWO_SIDED * std, sum + TWO_SIDED * std]),
                 });
             }
-            Effect::BaseTilt => {
-                let angle = candidate.shape.iter().find(|s| s.0 == "direction");
-                self.tilt += match angle {
-                    Some((_, angle, _)) => Vector3::new(angle.cos(), angle.sin(), 0.0) * value(0).0,
+            Carried::Gravity => {
+                self.tilt += match candidate.shape(DIRECTION) {
+                    Some(angle) => Vector3::new(angle.cos(), angle.sin(), 0.0) * value(0).0,
                     None => Vector3::new(value(0).0, value(1).0, 0.0),
                 };
             }
-            Effect::JointElasticity | Effect::Backlash => {
-                self.left_out.push(candidate.effect.name().to_owned());
-            }
-            // No control loop is told a temperature.
-            Effect::FrictionDrift if by_temperature(candidate) => {
-                self.left_out.push(candidate.effect.name().to_owned());
-            }
-            _ => return false,
+            // The directory has one delay for all joints.
+            Carried::Delay | Carried::Not => self.left_out.push(info.name.to_owned()),
         }
         true
     }

@@ -1,6 +1,7 @@
 //! What is asked of a candidate, and the answer.
 
 use crate::catalogue::effect::Effect;
+use crate::catalogue::{Shape, Unit};
 
 /// From which size on an effect at one place would be accepted.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,13 +15,13 @@ pub struct Visible {
     /// What the size is.
     pub quantity: &'static str,
     /// Its unit.
-    pub unit: &'static str,
+    pub unit: Unit,
     /// Least size; none where no plausible one shows.
     pub from: Option<f64>,
     /// Root mean square of its torque at that size on the joint where it is strongest, N·m.
     pub torque: Option<f64>,
-    /// Shape parameters for which it shows first: name, value, unit.
-    pub shape: Vec<(&'static str, f64, &'static str)>,
+    /// Numbers of the shape for which it shows first.
+    pub shape: Vec<Shape>,
 }
 
 /// A coefficient of a candidate.

@@ -9,6 +9,8 @@ use super::candidate::{Bound, Candidate, Column, Quantity, Size};
 use super::effect::Effect;
 use super::joint_elasticity::{ROUNDING, compliant, own_inertia};
 use super::transmission::{Gap, Spring, recorded};
+use super::unit::Unit;
+
 use crate::motion::frame::Frame;
 use crate::motion::motor::Band;
 use crate::motion::scene::Scene;
@@ -115,13 +117,13 @@ impl Gear {
             name: "stiffness",
             value,
             std,
-            unit: "N·m/rad",
+            unit: Unit::NewtonMetrePerRad,
         });
         let plays = found.half_gap.map(|[value, std]| Size {
             name: "half_play",
             value,
             std,
-            unit: "rad",
+            unit: Unit::Rad,
         });
         match plays {
             Some(play) if between > beyond => {
@@ -169,12 +171,12 @@ pub(super) fn candidates(scene: &Scene, joint: usize, gear: &Gear) -> Vec<Candid
         };
         let simulated = move |s: &Scene| gear.change(s, joint) * part;
         let mut push = |column: Column| {
-            let share = Quantity::plain("share", "1", Some(joint));
+            let share = Quantity::plain("share", Unit::One, Some(joint));
             let bound = Bound::Between(0.4, 1.6);
             let mut one = Candidate::single(effect, joint, share, bound, column).with_shape(
                 "rotor_share",
                 rotor,
-                "1",
+                Unit::One,
             );
             one.sizes.clone_from(&sizes);
             one.evidence = WITNESSED;

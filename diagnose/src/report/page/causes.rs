@@ -1,9 +1,10 @@
 //! Causes with their evidence, and what to set.
 
 use crate::advice::patch::{ForMujoco, Patch};
+use crate::catalogue::Parameter;
 use crate::outcome::Outcome;
 use crate::report::words::{corrected, name, told};
-use crate::schema::{Cause, Diagnosis, Parameter};
+use crate::schema::{Cause, Diagnosis};
 use report::figure::{Bars, Ink};
 use report::{Cell, Column, Section, Table};
 
@@ -128,7 +129,7 @@ fn parameters(list: &[Parameter]) -> Table {
             Cell::text(p.name.replace('_', " ")),
             p.joint.as_ref().map_or_else(Cell::missing, Cell::text),
             Cell::with_std(p.value, p.std.unwrap_or(0.0)),
-            Cell::text(&p.unit),
+            Cell::text(p.unit.text()),
         ])
     })
 }

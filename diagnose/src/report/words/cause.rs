@@ -1,15 +1,16 @@
 //! One cause in words: what it is, how much it closes, what to set.
 
-use crate::catalogue::REFERENCE;
 use crate::catalogue::effect::Effect;
+use crate::catalogue::experiment::Experiment;
+use crate::catalogue::{Parameter, REFERENCE};
+use crate::schema::Cause;
 use crate::schema::value::value;
-use crate::schema::{Cause, Parameter};
 
 /// Cause, joint and size.
 pub fn sentence(cause: &Cause) -> String {
     let of = |p: &Parameter| match &p.joint {
         // A time is on no joint.
-        _ if cause.effect == Effect::ExternalContact => format!(", {}", value(p)),
+        _ if cause.effect.info().outside => format!(", {}", value(p)),
         Some(joint) if cause.joints.len() > 1 => format!(", {} on {joint}", value(p)),
         _ => format!(", {}", value(p)),
     };
@@ -125,22 +126,12 @@ fn remedy(effect: Effect, size: &str) -> String {
 
 /// The motion that would separate the cause from its rivals.
 pub(super) fn experiment(cause: &Cause) -> &'static str {
-    let with = |e| cause.ambiguous_with.contains(&e) || cause.effect == e;
-    if with(Effect::TorqueOffset) && with(Effect::AsymmetricFriction) {
-        "Record rests that are reached from both directions."
-    } else if with(Effect::BaseTilt) && with(Effect::EncoderOffset) {
-        "Put a level on the base: where the first axis lies flat, no motion tells a tilt from its joint's zero."
-    } else if with(Effect::Payload) || with(Effect::LinkParameters) {
-        "Record the same motions with and without a known mass on the last link."
-    } else if with(Effect::FrictionDrift) {
-        "Repeat one motion cold and warm."
-    } else if with(Effect::PositionDependentFriction) {
-        "Record slow motion over the joint's whole range, to and fro, with and without load."
-    } else if with(Effect::LoadDependentFriction) || with(Effect::TorqueGain) {
-        "Repeat the same speeds in poses with different load, up and down."
-    } else if with(Effect::StribeckFriction) || with(Effect::NonlinearViscousFriction) {
-        "Record constant speeds from the slowest to the fastest."
-    } else {
-        "Record slow reversals of single joints, and fast ones."
-    }
+    let rivals = || std::iter::once(&cause.effect).chain(&cause.ambiguous_with);
+    let all = rivals().flat_map(|effect| {
+        let info = effect.info();
+        let pairs = info.experiments.iter();
+        let pairs = pairs.filter(|(other, _)| rivals().any(|r| r == other));
+        pairs.map(|p| p.1).chain([info.experiment])
+    });
+    all.min().unwrap_or(Experiment::Reversals).text()
 }

@@ -1,0 +1,44 @@
+//! Motions that separate causes from each other.
+
+/// A motion to record. Where several causes compete, the one that stands first here is advised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Experiment {
+    /// Rests, reached from either side.
+    Rests,
+    /// No motion, but a level.
+    Level,
+    /// The same with a known load.
+    KnownMass,
+    /// The same at another temperature.
+    ColdAndWarm,
+    /// The whole range, slowly.
+    WholeRange,
+    /// The same speeds under other loads.
+    Loads,
+    /// All speeds.
+    Speeds,
+    /// Reversals.
+    Reversals,
+}
+
+impl Experiment {
+    /// What to do, in a sentence.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Rests => "Record rests that are reached from both directions.",
+            Self::Level => {
+                "Put a level on the base: where the first axis lies flat, no motion tells a tilt from its joint's zero."
+            }
+            Self::KnownMass => {
+                "Record the same motions with and without a known mass on the last link."
+            }
+            Self::ColdAndWarm => "Repeat one motion cold and warm.",
+            Self::WholeRange => {
+                "Record slow motion over the joint's whole range, to and fro, with and without load."
+            }
+            Self::Loads => "Repeat the same speeds in poses with different load, up and down.",
+            Self::Speeds => "Record constant speeds from the slowest to the fastest.",
+            Self::Reversals => "Record slow reversals of single joints, and fast ones.",
+        }
+    }
+}

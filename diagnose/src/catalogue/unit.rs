@@ -1,0 +1,158 @@
+//! Units of reported sizes.
+
+use serde::{Serialize, Serializer};
+use std::fmt::{Display, Formatter, Result as Formatted};
+
+macro_rules! units {
+    ($($(#[$doc:meta])* $name:ident = $text:literal,)*) => {
+        /// A unit, as it is written in reports.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Unit {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Unit {
+            /// As it is written.
+            pub fn text(self) -> &'static str {
+                match self {
+                    $(Self::$name => $text,)*
+                }
+            }
+        }
+    };
+}
+
+units! {
+    /// A ratio or a number.
+    One = "1",
+    /// Minus one or one.
+    Sign = "sign",
+    /// Angle.
+    Rad = "rad",
+    /// Length.
+    Metre = "m",
+    /// Periods by angle.
+    PerRad = "1/rad",
+    /// Periods by length.
+    PerMetre = "1/m",
+    /// Angular velocity.
+    RadPerSecond = "rad/s",
+    /// Velocity.
+    MetrePerSecond = "m/s",
+    /// Angular acceleration.
+    RadPerSecond2 = "rad/s²",
+    /// Acceleration.
+    MetrePerSecond2 = "m/s²",
+    /// Time.
+    Second = "s",
+    /// Frequency.
+    Hertz = "Hz",
+    /// The recording's length as a time.
+    Session = "session",
+    /// Mass.
+    Kilogram = "kg",
+    /// First moment of mass.
+    KilogramMetre = "kg·m",
+    /// Inertia.
+    KilogramMetre2 = "kg·m²",
+    /// Force.
+    Newton = "N",
+    /// Torque.
+    NewtonMetre = "N·m",
+    /// Damping by relative motion, which has no unit of its own.
+    NewtonMetreSecond = "N·m·s",
+    /// The same of a joint that slides; viscous torque by the velocity of one that slides.
+    NewtonSecond = "N·s",
+    /// Viscous friction.
+    NewtonMetreSecondPerRad = "N·m·s/rad",
+    /// Viscous friction of a joint that slides.
+    NewtonSecondPerMetre = "N·s/m",
+    /// Viscous force by the velocity of a joint that turns.
+    NewtonSecondPerRad = "N·s/rad",
+    /// Stiffness.
+    NewtonMetrePerRad = "N·m/rad",
+    /// Stiffness of a joint that slides.
+    NewtonPerMetre = "N/m",
+    /// Force by the angle of a joint that turns.
+    NewtonPerRad = "N/rad",
+    /// Compliance.
+    RadPerNewtonMetre = "rad/(N·m)",
+    /// Temperature.
+    Celsius = "°C",
+    /// Difference of temperature.
+    Kelvin = "K",
+    /// Coulomb friction by temperature.
+    NewtonMetrePerKelvin = "N·m/K",
+    /// Viscous friction by temperature.
+    NewtonMetreSecondPerRadKelvin = "N·m·s/(rad·K)",
+    /// Coulomb friction of a joint that slides, by temperature.
+    NewtonPerKelvin = "N/K",
+    /// Viscous friction of a joint that slides, by temperature.
+    NewtonSecondPerMetreKelvin = "N·s/(m·K)",
+}
+
+impl Unit {
+    /// Of the same quantity where the joint slides instead of turning.
+    pub fn linear(self) -> Self {
+        match self {
+            Self::NewtonMetre => Self::Newton,
+            Self::NewtonMetreSecond => Self::NewtonSecond,
+            Self::NewtonMetreSecondPerRad => Self::NewtonSecondPerMetre,
+            Self::NewtonMetreSecondPerRadKelvin => Self::NewtonSecondPerMetreKelvin,
+            Self::NewtonMetrePerKelvin => Self::NewtonPerKelvin,
+            Self::NewtonMetrePerRad => Self::NewtonPerMetre,
+            Self::KilogramMetre2 => Self::Kilogram,
+            Self::Rad => Self::Metre,
+            Self::RadPerSecond => Self::MetrePerSecond,
+            Self::RadPerSecond2 => Self::MetrePerSecond2,
+            Self::PerRad => Self::PerMetre,
+            other => other,
+        }
+    }
+
+    /// Of what a driving joint's motion does to a driven one, where the driven joint slides, or the driving one.
+    pub fn of_coupling(self, driven: bool, driver: bool) -> Self {
+        match (self, driven, driver) {
+            (_, true, true) => self.linear(),
+            (Self::NewtonMetre, true, false) => Self::Newton,
+            (Self::NewtonMetreSecondPerRad, true, false) => Self::NewtonSecondPerRad,
+            (Self::NewtonMetreSecondPerRad, false, true) => Self::NewtonSecond,
+            (Self::NewtonMetrePerRad, true, false) => Self::NewtonPerRad,
+            (Self::NewtonMetrePerRad, false, true) => Self::Newton,
+            (Self::KilogramMetre2, true, false) | (Self::KilogramMetre2, false, true) => {
+                Self::KilogramMetre
+            }
+            _ => self,
+        }
+    }
+}
+
+impl Display for Unit {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Formatted {
+        f.write_str(self.text())
+    }
+}
+
+impl Serialize for Unit {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.text())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Unit;
+
+    #[test]
+    fn a_coupling_is_per_motion_of_its_driver() {
+        let viscous = Unit::NewtonMetreSecondPerRad;
+        assert_eq!(viscous.of_coupling(true, false).text(), "N·s/rad");
+        assert_eq!(viscous.of_coupling(false, true).text(), "N·s");
+        let inertia = Unit::KilogramMetre2;
+        assert_eq!(inertia.of_coupling(false, true).text(), "kg·m");
+        assert_eq!(inertia.of_coupling(true, true).text(), "kg");
+        assert_eq!(Unit::NewtonMetre.of_coupling(false, true).text(), "N·m");
+        let stiffness = Unit::NewtonMetrePerRad;
+        assert_eq!(stiffness.of_coupling(false, false).text(), "N·m/rad");
+    }
+}
