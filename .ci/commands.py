@@ -14,6 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "docs/commands"
 #: Where more is said of a command than its options.
 MORE = {
+    "demo": ["start.md"],
     "train": ["identification.md", "torque-channel.md", "compensator.md", "formats.md"],
     "eval": ["formats.md", "control.md", "sources.md"],
     "diagnose": ["diagnosis.md", "formats.md"],
@@ -55,7 +56,8 @@ def pages(program):
         more = ", ".join(f"[{page.removesuffix('.md')}](../{page})" for page in MORE[name])
         head, *rest = sections(program, [name])
         title, _, body = head.partition("\n")
-        text = f"{title}\n\n`residyn {name}`, or the program `{name}` by itself. More: {more}.\n{body}"
+        alone = "" if name == "demo" else f", or the program `{name}` by itself"
+        text = f"{title}\n\n`residyn {name}`{alone}. More: {more}.\n{body}"
         yield PAGES / f"{name}.md", "\n".join([text, *rest])
 
 

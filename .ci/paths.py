@@ -12,7 +12,7 @@ from pathlib import Path
 
 SUFFIXES = (".rs", ".py", ".md", ".toml", ".urdf", ".sh", ".json", ".csv", ".parquet", ".html")
 # What users and tools make, and what is lent for tests and not part of the repository.
-OUTSIDE = ("target/", "../", "model/", "out/", "DIR/", "cases/", "truth/", "reports/")
+OUTSIDE = ("target/", "residyn-demo/", "../", "model/", "out/", "DIR/", "cases/", "truth/", "reports/")
 
 
 def tracked() -> list[str]:

@@ -1,6 +1,8 @@
 //! `residyn`: every program under one name.
 #![forbid(unsafe_code)]
 
+mod demo;
+
 use clap::Command;
 use std::ffi::OsString;
 use std::iter::once;
@@ -14,6 +16,11 @@ struct Program {
 }
 
 const PROGRAMS: &[Program] = &[
+    Program {
+        name: "demo",
+        about: "A first look: a simulated arm with an unknown load is diagnosed",
+        run: demo::command_line,
+    },
     #[cfg(feature = "programs")]
     Program {
         name: "train",

@@ -170,9 +170,9 @@ fn form(cell: &str) -> String {
     out
 }
 
-/// The README's tables of results are what the commands below them print.
+/// The tables of results in the docs are what the commands below them print.
 #[test]
-fn the_readme_has_what_is_printed() {
+fn the_results_are_what_is_printed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let place = |name: &str| folder.path().join(name);
     let (arm, robot) = urdf(folder.path(), "arm");
@@ -191,12 +191,12 @@ fn the_readme_has_what_is_printed() {
     let ours = cells(&printed);
     let header = printed.lines().next().expect("a header");
 
-    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
-    let readme = std::fs::read_to_string(readme).expect("the README");
-    let commands = readme
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results.md");
+    let page = std::fs::read_to_string(page).expect("the page of results");
+    let commands = page
         .lines()
         .filter(|l| l.contains("--leaderboard") && l.contains("--table"));
-    let tables: Vec<&str> = readme
+    let tables: Vec<&str> = page
         .split("\n\n")
         .filter(|block| block.starts_with(header))
         .collect();

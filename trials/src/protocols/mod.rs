@@ -1,6 +1,7 @@
 //! Recordings made as the source papers made theirs, of simulated robots whose parameters are known.
 
 pub mod changed;
+pub mod demo;
 mod effects;
 mod excitation;
 mod foxbot;
