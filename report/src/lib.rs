@@ -1,6 +1,7 @@
 //! Reports: self-contained HTML pages with SVG figures, and tables for the terminal.
 //!
-//! A page is one file without scripts, fonts or links to anything outside it. It follows the
+//! A page is one file without fonts or links to anything outside it. Curves that a reader may zoom bring one script of the page's own;
+//! without it they are pictures. The page follows the
 //! reader's light or dark scheme, prints, and is the same bytes for the same content. Figures carry
 //! class names instead of colours, so that the page's style sheet paints them in either scheme.
 //! All text given to this crate is plain text and is escaped.

@@ -100,6 +100,32 @@ fn nothing_outside_the_page_is_referred_to() {
 }
 
 #[test]
+fn curves_bring_a_script_that_refers_to_nothing_outside() {
+    let plot = || {
+        Plot::new("elbow", "time / s").panel(Panel::new("N·m").line(
+            "a",
+            Ink::Measured,
+            &VALUES,
+            &VALUES,
+        ))
+    };
+    let page = |figure: Figure| {
+        let inner = Section::new("inner").figure(figure);
+        Page::new("page")
+            .section(Section::new("curves").details(inner))
+            .render()
+    };
+    assert!(!page(plot().draw("")).contains("<script"));
+    let html = page(plot().zoomable().draw("</script>"));
+    assert_eq!(html.matches("<script").count(), 2);
+    assert_eq!(html.matches("</script>").count(), 2);
+    let without_namespace = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for reference in ["http", "//", "url(", "import", "src=", "fetch", "eval("] {
+        assert!(!without_namespace.contains(reference), "{reference}");
+    }
+}
+
+#[test]
 fn the_same_content_gives_the_same_bytes() {
     assert_eq!(
         page("text", &VALUES).render(),

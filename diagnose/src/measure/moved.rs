@@ -1,6 +1,5 @@
 //! Which parameters of the given structure moved, and by how many deviations, the causes being in place.
 
-use crate::catalogue::effect::Effect;
 use crate::schema::Moved;
 use crate::search::find::Findings;
 use crate::simulator::NominalModel;

@@ -5,7 +5,7 @@
 //!
 //! | source | the number is |
 //! |---|---|
-//! | contract | part of what the report means (`docs/formats.md`, `docs/diagnosis.md`): another value makes another format |
+//! | contract | part of what the report means (`docs/formats.md`, `docs/diagnosis-proof.md`): another value makes another format |
 //! | tuned | found on simulated cases; a seed that it was found on proves nothing any more |
 //! | physics | what robots, friction or statistics say, whatever the cases |
 //!

@@ -2,7 +2,7 @@
 
 use super::*;
 
-const DOCUMENT: &str = include_str!("../../../docs/diagnosis.md");
+const DOCUMENT: &str = include_str!("../../../docs/diagnosis-proof.md");
 
 /// Every group with its place among the settings.
 const GROUPS: [(&str, &[[&str; 4]]); 13] = [

@@ -93,7 +93,7 @@ fn torque(file: &ModelFile, subject: &Subject) -> Section {
     let figures = file.joints.iter().enumerate().map(|(j, name)| {
         let predicted = subject.torque.column(j).to_vec();
         let mut upper = Panel::new("torque / N·m");
-        let mut plot = Plot::new(name.clone(), "time / s");
+        let mut plot = Plot::new(name.clone(), "time / s").zoomable();
         if let Some(tau) = &subject.recording.tau {
             let measured = tau.column(j).to_vec();
             let residual: Vec<f64> = measured
@@ -118,7 +118,10 @@ fn torque(file: &ModelFile, subject: &Subject) -> Section {
         }
         plot.draw(format!("{name}: measured and predicted torque over time"))
     });
-    Section::new("Torque over time").figures(figures)
+    let section = Section::new("Torque over time").paragraph(
+        "Drag over a curve to see a part of it, with Shift to move along, and double-click to see all again; the joints move together.",
+    );
+    figures.fold(section, Section::figure)
 }
 
 fn compensator(file: &ModelFile) -> Section {

@@ -142,6 +142,7 @@ impl Bars {
         Figure {
             svg: svg.finish(),
             caption: caption.into(),
+            curves: None,
         }
     }
 

@@ -3,6 +3,9 @@
 /// Points of one curve that are drawn at most.
 pub const MAX_POINTS: usize = 2000;
 
+/// Points of one curve that are kept at most for a reader who zooms.
+pub(super) const ZOOMED_POINTS: usize = 2 * MAX_POINTS;
+
 /// Rows of `y` that keep the curve's look: the lowest and the highest row of each of
 /// `max_points / 2` equal blocks, in order. Rows that are not finite are passed over.
 pub(super) fn extremes(y: &[f64], max_points: usize) -> Vec<usize> {

@@ -89,6 +89,7 @@ impl HeatMap {
         Figure {
             svg: svg.finish(),
             caption: caption.into(),
+            curves: None,
         }
     }
 }

@@ -9,6 +9,7 @@
 
 mod bars;
 mod bins;
+mod curves;
 mod decimate;
 mod draw;
 mod heat;
@@ -30,6 +31,8 @@ pub struct Figure {
     pub svg: String,
     /// What the figure shows and how to read it; plain text.
     pub caption: String,
+    /// The curves as JSON, where a reader can zoom them.
+    pub(crate) curves: Option<String>,
 }
 
 /// Colour of a curve or bar, by meaning.

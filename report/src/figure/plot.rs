@@ -1,7 +1,8 @@
 //! Curves, points and bands over a shared horizontal axis.
 
 use super::bins::Bins;
-use super::decimate::{MAX_POINTS, extremes, thin};
+use super::curves;
+use super::decimate::{MAX_POINTS, ZOOMED_POINTS, extremes, thin};
 use super::draw::{Legend, TITLE, horizontal_axis, vertical_axis, widest};
 use super::scale::{Scale, padded, range};
 use super::svg::{Anchor, Svg};
@@ -21,31 +22,32 @@ use std::ops::Range;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Plot {
-    title: String,
-    x_label: String,
+    pub(super) title: String,
+    pub(super) x_label: String,
     log_x: bool,
     width: f64,
-    panels: Vec<Panel>,
+    zoom: bool,
+    pub(super) panels: Vec<Panel>,
 }
 
 /// One pair of axes of a [`Plot`].
 #[derive(Clone, Debug)]
 pub struct Panel {
-    y_label: String,
+    pub(super) y_label: String,
     log_y: bool,
-    height: f64,
-    layers: Vec<Layer>,
+    pub(super) height: f64,
+    pub(super) layers: Vec<Layer>,
 }
 
 #[derive(Clone, Debug)]
-struct Layer {
-    name: String,
-    ink: Ink,
-    shape: Shape,
+pub(super) struct Layer {
+    pub(super) name: String,
+    pub(super) ink: Ink,
+    pub(super) shape: Shape,
 }
 
 #[derive(Clone, Debug)]
-enum Shape {
+pub(super) enum Shape {
     /// Curves without a connection between them.
     Curves(Vec<Vec<(f64, f64)>>),
     Points(Vec<(f64, f64)>),
@@ -96,18 +98,11 @@ impl Panel {
             .map(|r| r.start.min(x.len().min(y.len()))..r.end.min(x.len().min(y.len())))
             .flat_map(|r| finite_runs(x, y, r))
             .collect::<Vec<_>>();
-        let total: usize = rows.iter().map(ExactSizeIterator::len).sum();
         let pieces = rows
             .into_iter()
-            .map(|r| {
-                let share = (MAX_POINTS * r.len()).div_ceil(total.max(1));
-                let budget = if total > MAX_POINTS { share } else { r.len() };
-                extremes(&y[r.clone()], budget.max(2))
-                    .into_iter()
-                    .map(|i| (x[r.start + i], y[r.start + i]))
-                    .collect()
-            })
+            .map(|r| r.map(|i| (x[i], y[i])).collect())
             .collect();
+        let pieces = thinned(pieces, ZOOMED_POINTS);
         self.layers.push(Layer {
             name: name.to_owned(),
             ink,
@@ -197,8 +192,16 @@ impl Plot {
             x_label: x_label.into(),
             log_x: false,
             width: 960.0,
+            zoom: false,
             panels: Vec::new(),
         }
+    }
+
+    /// Curves that a reader can zoom where the browser runs scripts; plots with the same horizontal axis share what they show. Panels
+    /// may have curves alone, on linear axes.
+    pub fn zoomable(mut self) -> Self {
+        self.zoom = true;
+        self
     }
 
     /// Half the page's width, for figures side by side.
@@ -269,6 +272,7 @@ impl Plot {
         Figure {
             svg: svg.finish(),
             caption: caption.into(),
+            curves: self.zoom.then(|| curves::json(self)),
         }
     }
 }
@@ -279,7 +283,7 @@ impl Layer {
         let seen = |v: f64| !log_y || v > 0.0;
         match &self.shape {
             Shape::Curves(pieces) => {
-                let pieces: Vec<Vec<(f64, f64)>> = pieces
+                let pieces: Vec<Vec<(f64, f64)>> = thinned(pieces.clone(), MAX_POINTS)
                     .iter()
                     .map(|piece| {
                         let visible = piece.iter().filter(|p| seen(p.1));
@@ -301,6 +305,21 @@ impl Layer {
             }
         }
     }
+}
+
+/// The pieces with at most `most` points together, but for two of each, so that extremes survive.
+fn thinned(pieces: Vec<Vec<(f64, f64)>>, most: usize) -> Vec<Vec<(f64, f64)>> {
+    let total: usize = pieces.iter().map(Vec::len).sum();
+    if total <= most {
+        return pieces;
+    }
+    let thin = |piece: Vec<(f64, f64)>| {
+        let share = (most * piece.len()).div_ceil(total).max(2);
+        let y: Vec<f64> = piece.iter().map(|p| p.1).collect();
+        let kept = extremes(&y, share).into_iter();
+        kept.map(|i| piece[i]).collect()
+    };
+    pieces.into_iter().map(thin).collect()
 }
 
 /// Runs of rows where both coordinates are finite.
@@ -353,8 +372,10 @@ mod tests {
         let Shape::Curves(pieces) = &panel.layers[0].shape else {
             panic!("a curve was added");
         };
-        assert!(pieces[0].len() <= MAX_POINTS);
-        assert!(pieces[0].contains(&(54_321.0, 7.0)));
+        assert!(pieces[0].len() <= ZOOMED_POINTS);
+        let drawn = thinned(pieces.clone(), MAX_POINTS);
+        assert!(drawn[0].len() <= MAX_POINTS);
+        assert!(drawn[0].contains(&(54_321.0, 7.0)));
     }
 
     #[test]

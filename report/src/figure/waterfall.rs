@@ -110,6 +110,7 @@ impl Waterfall {
         Figure {
             svg: svg.finish(),
             caption: caption.into(),
+            curves: None,
         }
     }
 }

@@ -106,12 +106,17 @@ impl Page {
     pub fn render(&self) -> String {
         let mut environment = Environment::new();
         environment.set_auto_escape_callback(|_| AutoEscape::Html);
+        let live = self
+            .sections
+            .iter()
+            .any(|s| s.blocks.iter().any(Block::is_live));
         let rendered = environment
             .template_from_named_str("page.html", include_str!("../../templates/page.html"))
             .and_then(|template| {
                 template.render(minijinja::context! {
                     page => Serde(self),
                     style => include_str!("../../templates/style.css"),
+                    script => live.then_some(include_str!("../../templates/curves.js")),
                 })
             });
         rendered.expect("the embedded template renders any page")
@@ -160,11 +165,23 @@ enum Block {
     },
 }
 
+impl Block {
+    /// Whether there are curves that a reader can zoom.
+    fn is_live(&self) -> bool {
+        match self {
+            Self::Figures { figures } => figures.iter().any(|f| f.curves.is_some()),
+            Self::Details { blocks, .. } => blocks.iter().any(Self::is_live),
+            _ => false,
+        }
+    }
+}
+
 /// A figure in the form that the template takes.
 #[derive(Debug, Serialize)]
 struct Drawn {
     svg: String,
     caption: String,
+    curves: Option<String>,
 }
 
 impl From<Figure> for Drawn {
@@ -172,6 +189,7 @@ impl From<Figure> for Drawn {
         Self {
             svg: figure.svg,
             caption: figure.caption,
+            curves: figure.curves,
         }
     }
 }

@@ -136,7 +136,7 @@ fn orders(outcome: &Outcome, joint: usize) -> Option<Figure> {
 }
 
 /// Units of position, velocity and torque of a joint.
-fn units(outcome: &Outcome, joint: usize) -> [&'static str; 3] {
+pub(super) fn units(outcome: &Outcome, joint: usize) -> [&'static str; 3] {
     if outcome.findings.ground.present.joints()[joint]
         .kind
         .is_rotation()

@@ -3,6 +3,7 @@
 mod causes;
 mod data;
 mod maps;
+mod torque;
 
 use crate::advice::patch::Patch;
 use crate::outcome::Outcome;
@@ -46,6 +47,7 @@ pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> 
     }
     page.section(words(d))
         .section(ladder(outcome))
+        .section(torque::section(outcome))
         .section(causes::section(outcome))
         .section(causes::simulators(d, patch))
         .section(motion(d))
