@@ -102,14 +102,19 @@
     return left + ((t - from) / (to - from)) * (right - left);
   };
   const hover = (figure, t) => {
-    const said = [`${t.toPrecision(5)}`];
-    for (const { panel } of figure.panels) for (const layer of panel.layers) {
-      const piece = layer.pieces.find(([x]) => x[0] <= t && t <= x[x.length - 1]);
-      if (piece) said.push(`${layer.name} ${piece[1][Math.min(piece[1].length - 1, at(piece[0], t))].toPrecision(4)}`);
+    const [across, unit] = figure.data.x.split(" / ");
+    const said = [`${across} ${t.toPrecision(4)} ${unit || ""}`];
+    for (const { panel } of figure.panels) {
+      const [what, unit] = panel.label.split(" / "), values = [];
+      for (const layer of panel.layers) {
+        const piece = layer.pieces.find(([x]) => x[0] <= t && t <= x[x.length - 1]);
+        if (piece) values.push(`${layer.name} ${piece[1][at(piece[0], t)].toPrecision(3)}`);
+      }
+      if (values.length) said.push(`${what}: ${values.join(", ")} ${unit || ""}`);
     }
     figure.line.setAttribute("x1", pixel(figure, t));
     figure.line.setAttribute("x2", pixel(figure, t));
-    figure.said.textContent = said.join("   ");
+    figure.said.textContent = said.join(" · ");
   };
   document.querySelectorAll("script.curves").forEach((source) => {
     const svg = source.parentElement.querySelector("svg"), data = JSON.parse(source.textContent);
