@@ -1,56 +1,44 @@
 //! Curves as data, for a reader who zooms.
 
-use super::plot::{Layer, Plot, Shape};
 use serde::Serialize;
 
+/// Panels over one horizontal axis.
 #[derive(Serialize)]
-struct Curves<'a> {
-    title: &'a str,
-    x: &'a str,
-    panels: Vec<Axes<'a>>,
+pub(super) struct Curves<'a> {
+    pub(super) title: &'a str,
+    pub(super) x: &'a str,
+    pub(super) panels: Vec<Axes<'a>>,
 }
 
+/// A panel.
 #[derive(Serialize)]
-struct Axes<'a> {
-    label: &'a str,
-    height: f64,
-    layers: Vec<Curve<'a>>,
+pub(super) struct Axes<'a> {
+    pub(super) label: &'a str,
+    pub(super) height: f64,
+    pub(super) layers: Vec<Curve<'a>>,
 }
 
+/// A curve: its name, its class, and horizontal and vertical coordinates of each piece.
 #[derive(Serialize)]
-struct Curve<'a> {
+pub(super) struct Curve<'a> {
     name: &'a str,
     ink: &'static str,
-    /// Horizontal and vertical coordinates of each piece.
     pieces: Vec<[Vec<f64>; 2]>,
 }
 
-/// The curves of a plot as JSON without `<`, so that it may stand in a page's script.
-pub(super) fn json(plot: &Plot) -> String {
-    let panels = plot.panels.iter().map(|panel| Axes {
-        label: &panel.y_label,
-        height: panel.height,
-        layers: panel.layers.iter().filter_map(curve).collect(),
-    });
-    let curves = Curves {
-        title: &plot.title,
-        x: &plot.x_label,
-        panels: panels.collect(),
-    };
-    let text = serde_json::to_string(&curves).expect("finite numbers and text are JSON");
-    text.replace('<', "\\u003c")
+impl<'a> Curve<'a> {
+    pub(super) fn new(name: &'a str, ink: &'static str, pieces: &[Vec<(f64, f64)>]) -> Self {
+        let pieces = coordinates(pieces);
+        Self { name, ink, pieces }
+    }
 }
 
-/// A layer's curves; none of points and bands.
-fn curve(layer: &Layer) -> Option<Curve<'_>> {
-    let Shape::Curves(pieces) = &layer.shape else {
-        return None;
-    };
-    Some(Curve {
-        name: &layer.name,
-        ink: layer.ink.class(),
-        pieces: coordinates(pieces),
-    })
+impl Curves<'_> {
+    /// As JSON without `<`, so that it may stand in a page's script.
+    pub(super) fn json(&self) -> String {
+        let text = serde_json::to_string(self).expect("finite numbers and text are JSON");
+        text.replace('<', "\\u003c")
+    }
 }
 
 /// Five digits of each coordinate: what no screen shows is not stored.
@@ -76,15 +64,23 @@ fn rounded(values: Vec<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Ink, Panel};
 
     #[test]
     fn pieces_keep_their_numbers_and_text_no_markup() {
-        let x: Vec<f64> = (0..6).map(f64::from).collect();
-        let y: Vec<f64> = x.iter().map(|x| 0.123_456_78 * x).collect();
-        let panel =
-            Panel::new("torque").segments("</script>", Ink::Measured, &x, &y, &[0..3, 3..6]);
-        let text = json(&Plot::new("elbow", "time / s").panel(panel));
+        let point = |k: u32| (f64::from(k), 0.123_456_78 * f64::from(k));
+        let pieces = [(0..3).map(point).collect(), (3..6).map(point).collect()];
+        let layers = vec![Curve::new("</script>", "km", &pieces)];
+        let panels = vec![Axes {
+            label: "torque",
+            height: 100.0,
+            layers,
+        }];
+        let text = Curves {
+            title: "elbow",
+            x: "time / s",
+            panels,
+        }
+        .json();
         assert!(!text.contains('<'));
         let value: serde_json::Value = serde_json::from_str(&text).unwrap();
         let layer = &value["panels"][0]["layers"][0];

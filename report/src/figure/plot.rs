@@ -1,7 +1,7 @@
 //! Curves, points and bands over a shared horizontal axis.
 
 use super::bins::Bins;
-use super::curves;
+use super::curves::{Axes, Curve, Curves};
 use super::decimate::{MAX_POINTS, ZOOMED_POINTS, extremes, thin};
 use super::draw::{Legend, TITLE, horizontal_axis, vertical_axis, widest};
 use super::scale::{Scale, padded, range};
@@ -22,32 +22,32 @@ use std::ops::Range;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Plot {
-    pub(super) title: String,
-    pub(super) x_label: String,
+    title: String,
+    x_label: String,
     log_x: bool,
     width: f64,
     zoom: bool,
-    pub(super) panels: Vec<Panel>,
+    panels: Vec<Panel>,
 }
 
 /// One pair of axes of a [`Plot`].
 #[derive(Clone, Debug)]
 pub struct Panel {
-    pub(super) y_label: String,
+    y_label: String,
     log_y: bool,
-    pub(super) height: f64,
-    pub(super) layers: Vec<Layer>,
+    height: f64,
+    layers: Vec<Layer>,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Layer {
-    pub(super) name: String,
-    pub(super) ink: Ink,
-    pub(super) shape: Shape,
+struct Layer {
+    name: String,
+    ink: Ink,
+    shape: Shape,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Shape {
+enum Shape {
     /// Curves without a connection between them.
     Curves(Vec<Vec<(f64, f64)>>),
     Points(Vec<(f64, f64)>),
@@ -173,6 +173,15 @@ impl Panel {
         })
     }
 
+    /// Its curves as data.
+    fn axes(&self) -> Axes<'_> {
+        Axes {
+            label: &self.y_label,
+            height: self.height,
+            layers: self.layers.iter().filter_map(Layer::curve).collect(),
+        }
+    }
+
     fn y_scale(&self, top: f64) -> Scale {
         let found = range(self.values(false), self.log_y);
         let found = if self.log_y {
@@ -220,6 +229,15 @@ impl Plot {
     pub fn panel(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self
+    }
+
+    /// Its curves as data.
+    fn curves(&self) -> Curves<'_> {
+        Curves {
+            title: &self.title,
+            x: &self.x_label,
+            panels: self.panels.iter().map(Panel::axes).collect(),
+        }
     }
 
     /// Draws it.
@@ -272,12 +290,20 @@ impl Plot {
         Figure {
             svg: svg.finish(),
             caption: caption.into(),
-            curves: self.zoom.then(|| curves::json(self)),
+            curves: self.zoom.then(|| self.curves().json()),
         }
     }
 }
 
 impl Layer {
+    /// Its curves as data; none of points and bands.
+    fn curve(&self) -> Option<Curve<'_>> {
+        match &self.shape {
+            Shape::Curves(pieces) => Some(Curve::new(&self.name, self.ink.class(), pieces)),
+            _ => None,
+        }
+    }
+
     fn draw(&self, svg: &mut Svg, x: &Scale, y: &Scale, log_y: bool) {
         let ink = self.ink.class();
         let seen = |v: f64| !log_y || v > 0.0;
