@@ -90,6 +90,9 @@ pub struct Arm {
     pub tilt: [f64; 2],
     /// By joint: what is added to its recorded position for the true one, rad.
     pub zero: Vec<f64>,
+    /// By joint the drive's given damping where it and viscous friction are one number: of their sum as much is the drive's,
+    /// inside of its limit. Zero where they are two.
+    pub shared: Vec<f64>,
     /// Longest step of integration, s.
     pub step: f64,
 }
@@ -123,6 +126,7 @@ impl Arm {
             link_scale: vec![1.0; n],
             tilt: [0.0; 2],
             zero: vec![0.0; n],
+            shared: vec![0.0; n],
             step: STEP,
         }
     }
@@ -135,6 +139,11 @@ impl Arm {
     /// Time by which commands reach joint `j` late in all, s.
     pub fn late(&self, j: usize) -> f64 {
         self.delay + self.servos[j].delay + self.servos[j].lag
+    }
+
+    /// Whether a change of joint `j`'s viscous friction is one of its drive's damping.
+    pub(crate) fn damped_by_drive(&self, j: usize) -> bool {
+        self.shared[j] > 0.0 && self.joints[j].damping == 0.0
     }
 
     /// Value of a parameter.
@@ -150,6 +159,7 @@ impl Arm {
             Kind::CommonDelay => self.delay,
             Kind::Lag => s.lag,
             Kind::Offset => s.offset,
+            Kind::Damping if self.shared[p.joint] > 0.0 => j.damping + s.kd,
             Kind::Damping => j.damping,
             Kind::Coulomb => j.coulomb,
             Kind::Stribeck => j.stribeck,
@@ -183,6 +193,10 @@ impl Arm {
                 Kind::CommonDelay => self.delay = value,
                 Kind::Lag => s.lag = value,
                 Kind::Offset => s.offset = value,
+                Kind::Damping if self.shared[p.joint] > 0.0 => {
+                    s.kd = value.min(self.shared[p.joint]);
+                    j.damping = value - s.kd;
+                }
                 Kind::Damping => j.damping = value,
                 Kind::Coulomb => j.coulomb = value,
                 Kind::Stribeck => j.stribeck = value,

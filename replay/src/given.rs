@@ -39,14 +39,17 @@ impl Given {
     /// which is held as viscous friction.
     pub fn without_rates(&self) -> Self {
         let mut out = self.clone();
-        for (servo, joint) in out.arm.servos.iter_mut().zip(&mut out.arm.joints) {
-            if servo.integral != crate::arm::Integral::Velocity {
-                joint.damping += servo.kd;
-                servo.kd = 0.0;
-            }
+        let merges: Vec<bool> = out
+            .arm
+            .servos
+            .iter()
+            .map(|s| s.integral != crate::arm::Integral::Velocity)
+            .collect();
+        for (j, servo) in out.arm.servos.iter().enumerate() {
+            out.arm.shared[j] = if merges[j] { servo.kd } else { 0.0 };
         }
         let merged = |p: &mut Parameter| {
-            if p.kind == Kind::ServoDamping && out.arm.servos[p.joint].kd == 0.0 {
+            if p.kind == Kind::ServoDamping && merges[p.joint] {
                 p.kind = Kind::Damping;
             }
         };

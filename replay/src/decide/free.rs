@@ -38,8 +38,11 @@ pub(super) fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {
     for (j, joint) in given.arm.joints.iter().enumerate() {
         add(Kind::Gain, j, RELATIVE);
         add(Kind::LinkScale, j, RELATIVE);
-        add(Kind::ServoDamping, j, RELATIVE * given.arm.servos[j].kd);
-        add(Kind::Damping, j, RELATIVE * joint.damping);
+        if given.arm.shared[j] == 0.0 {
+            add(Kind::ServoDamping, j, RELATIVE * given.arm.servos[j].kd);
+        }
+        let viscous = given.arm.get(Parameter::new(Kind::Damping, j));
+        add(Kind::Damping, j, RELATIVE * viscous);
         add(Kind::Coulomb, j, RELATIVE * joint.coulomb);
         add(Kind::Stribeck, j, STANDSTILL * joint.coulomb);
         add(Kind::Armature, j, RELATIVE * joint.armature);

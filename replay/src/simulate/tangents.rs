@@ -155,7 +155,8 @@ impl State<'_> {
             let by = &mut self.dtau[i * p + k];
             match parameter.kind {
                 Kind::Gain => *by += linear * drive.error,
-                Kind::ServoDamping => {
+                Kind::Damping if !self.arm.damped_by_drive(i) => {}
+                Kind::ServoDamping | Kind::Damping => {
                     *by += linear * (drive.velocity_error - (self.friction.velocity[i] - self.v[i]))
                 }
                 Kind::Integral => *by += linear * self.integral[i],
@@ -179,7 +180,7 @@ impl State<'_> {
             let slip = self.friction.slip[i];
             let (sign, v) = (slip.sign(), self.friction.velocity[i]);
             let by = match parameter.kind {
-                Kind::Damping => v,
+                Kind::Damping if !self.arm.damped_by_drive(i) => v,
                 Kind::Coulomb => sign,
                 Kind::Stribeck => sign * drive.stribeck,
                 Kind::Load => sign * drive.transmitted.abs(),
