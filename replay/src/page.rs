@@ -116,17 +116,20 @@ fn curves(outcome: &Outcome, heldout: &Replayed) -> Section {
             .line("corrected", Ink::Predicted, &time, &simulated(1));
         figure(&outcome.report.joints[j], panel)
     });
-    section
-        .paragraph(format!(
-            "The {SHOWN:.0} seconds in which the simulator as given is furthest off. One uninterrupted roll-out from the recorded start."
-        ))
-        .figures(figures)
+    let section = section.paragraph(format!(
+        "The {SHOWN:.0} seconds in which the simulator as given is furthest off. One uninterrupted roll-out from the recorded start. Drag over a \
+         curve to see a part of it, and double-click to see all again."
+    ));
+    figures.fold(section, Section::figure)
 }
 
 fn figure(joint: &str, panel: Panel) -> Figure {
-    Plot::new(joint, "time / s").panel(panel).draw(format!(
-        "{joint}: the corrected curve should lie on the measured one"
-    ))
+    Plot::new(joint, "time / s")
+        .zoomable()
+        .panel(panel)
+        .draw(format!(
+            "{joint}: the corrected curve should lie on the measured one"
+        ))
 }
 
 /// Trajectory and rows with the largest error of the simulator as given, over what the joints depart from their commands.

@@ -149,7 +149,8 @@ pub fn diagnose(
     } else {
         None
     };
-    let mut unknowable = not_identifiable(&frames, recordings.first(), &names, &settings.input);
+    let mut unknowable =
+        not_identifiable(&frames, recordings.first(), &model.robot, &settings.input);
     unknowable.extend(channels.unusable(&names));
     let causes = if unchanged {
         Vec::new()

@@ -1,5 +1,6 @@
 //! The recordings before any physics: what is wrong with them, what they cannot show, and what was done to them.
 
+use crate::catalogue::Unit;
 use crate::catalogue::effect::Effect;
 use crate::catalogue::info::Need;
 use crate::input::frames::Frames;
@@ -12,6 +13,7 @@ use datasets::check::{CheckOptions, CheckReport, check};
 use datasets::prepare::{PrepareReport, Source};
 use model::preparation::channel;
 use model::preparation::check::channel_findings;
+use physics::robot::Robot;
 
 /// Checks both recordings, the fitted one, then the held-out one: what `train` checks, but for what its own fit needs.
 pub fn checked(
@@ -48,9 +50,10 @@ fn one(model: &NominalModel, frame: &Frame, recording: &Recording) -> Option<Che
 pub fn not_identifiable(
     frames: &Frames,
     report: Option<&CheckReport>,
-    names: &[String],
+    robot: &Robot,
     settings: &InputSettings,
 ) -> Vec<NotIdentifiable> {
+    let names = robot.joint_names();
     let mut out = Vec::new();
     let mut add = |effects: &[Effect], joints: Vec<String>, reason: String| {
         out.extend(effects.iter().map(|&effect| NotIdentifiable {
@@ -62,6 +65,10 @@ pub fn not_identifiable(
     for (j, (low, high)) in frames.scale.range.iter().enumerate() {
         let own = vec![names[j].clone()];
         let name = &names[j];
+        let unit = match robot.joints()[j].kind.is_rotation() {
+            true => Unit::Rad,
+            false => Unit::Metre,
+        };
         if high - low < settings.still {
             add(&Effect::ALL, own, format!("{name} never moves"));
             continue;
@@ -80,7 +87,7 @@ pub fn not_identifiable(
         if figures.top_speed < settings.slow {
             let effects = needing(Need::Speed);
             let reason = format!(
-                "{name} moves at {:.3} rad/s at most; record faster motion",
+                "{name} moves at {:.3} {unit}/s at most; record faster motion",
                 figures.top_speed
             );
             add(&effects, own.clone(), reason);
@@ -88,7 +95,7 @@ pub fn not_identifiable(
         if high - low < settings.narrow {
             let effects = needing(Need::Range);
             let reason = format!(
-                "{name} covers {:.2} rad; record more of its range",
+                "{name} covers {:.2} {unit}; record more of its range",
                 high - low
             );
             add(&effects, own, reason);

@@ -94,6 +94,8 @@ pub(super) fn not_identifiable(
         }
     };
     let mut out = Vec::new();
+    // Parameters of one name that the motion hardly shows are one line.
+    let mut faint: Vec<Parameter> = Vec::new();
     for j in (0..joints.len()).filter(|&j| !data.moves[j]) {
         out.push(NotIdentifiable {
             effect: None,
@@ -115,14 +117,7 @@ pub(super) fn not_identifiable(
                 ),
             });
         } else if spread.deviation[i] > 0.5 * spread.prior[i] {
-            out.push(NotIdentifiable {
-                effect: effect_of(p),
-                joints: place(p),
-                reason: format!(
-                    "this motion does not halve what was assumed of {}; move faster, with load and with reversals",
-                    say(p)
-                ),
-            });
+            faint.push(p);
         }
         for (k, other) in found.free.iter().enumerate().take(i) {
             let r = spread.correlation[(i, k)];
@@ -143,6 +138,25 @@ pub(super) fn not_identifiable(
                 });
             }
         }
+    }
+    while let Some(first) = faint.first().copied() {
+        let of_one = |p: &Parameter| p.kind == first.kind && effect_of(*p) == effect_of(first);
+        let (same, others): (Vec<Parameter>, Vec<Parameter>) = faint.into_iter().partition(of_one);
+        faint = others;
+        let joints: Vec<String> = same.iter().flat_map(|p| place(*p)).collect();
+        let (name, _) = named(first.kind, true);
+        let on = if first.kind.is_common() {
+            String::new()
+        } else {
+            format!(" on {}", joints.join(", "))
+        };
+        out.push(NotIdentifiable {
+            effect: effect_of(first),
+            reason: format!(
+                "this motion says little of {name}{on}: what was assumed is not halved; move faster, with load and with reversals"
+            ),
+            joints,
+        });
     }
     out
 }
