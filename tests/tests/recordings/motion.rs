@@ -1,11 +1,11 @@
 //! The gap in motion on real robots: commands and encoders, no torque.
 
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tests::program::{json, program, run};
 use tests::shared::shared;
 
-fn replay(robot: &Path, more: &[&str], data: &Path, heldout: &Path) -> Value {
+fn replay(robot: &Path, more: &[&str], data: &[PathBuf], heldout: &Path) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     let report = folder.path().join("report.json");
     let mut command = program("replay");
@@ -14,7 +14,7 @@ fn replay(robot: &Path, more: &[&str], data: &Path, heldout: &Path) -> Value {
         .arg(robot)
         .args(more)
         .arg("--data")
-        .arg(data);
+        .args(data);
     command
         .arg("--heldout")
         .arg(heldout)
@@ -40,7 +40,7 @@ fn unitree_z1_follows_its_commands() {
     let report = replay(
         &folder.join("z1.xml"),
         &["--drive", drive.to_str().expect("a path")],
-        &folder.join("train.parquet"),
+        &[folder.join("train.parquet")],
         &folder.join("test.parquet"),
     );
     let ladder = report["ladder"].as_array().expect("steps");
@@ -69,7 +69,7 @@ fn so101_has_other_servos_than_its_model() {
     let report = replay(
         &folder.join("so101.xml"),
         &["--joints", joints],
-        &folder.join("multisine.parquet"),
+        &["multisine", "prbs_excitation"].map(|name| folder.join(format!("{name}.parquet"))),
         &folder.join("friction_gravity.parquet"),
     );
     let ladder = report["ladder"].as_array().expect("steps");
