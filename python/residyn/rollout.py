@@ -68,8 +68,7 @@ class Replayed:
     `controller` has keys of the drive file's block `[controller]` and, of a report, `command_zero` (rad, added to the commands); delay and
     gravity compensation act on the model's own servos, too. Contacts and the ends of joints are off, as in the report's simulation, and
     what else the scene holds stands still. `step` is the time step, s (none: the file's own); `weight` a model whose weight the drives
-    compensate (none: this one's); with `hard` friction, a joint that sticks stands still instead of creeping as MuJoCo lets it. `friction` is what no
-    attribute holds, by joint: `load` per torque of the drive, and `stribeck` (N·m) that falls over `stribeck_velocity` (rad/s).
+    compensate (none: this one's); with `hard` friction, a joint that sticks stands still instead of creeping as MuJoCo lets it.
     """
 
     def __init__(
@@ -80,7 +79,6 @@ class Replayed:
         step: Optional[float] = None,
         weight: Union[str, os.PathLike, None] = None,
         hard: bool = False,
-        friction: Optional[Mapping[str, np.ndarray]] = None,
     ) -> None:
         import mujoco
 
@@ -102,7 +100,6 @@ class Replayed:
             # The shortest time constant that MuJoCo takes, and an impedance next to one.
             self.model.dof_solref[:] = 2.0 * self.model.opt.timestep, 1.0
             self.model.dof_solimp[:, :2] = 0.9999
-        self.friction, self.coulomb = friction, self.model.dof_frictionloss[self.dof].copy()
         controller = {} if controller is None else controller
         count = len(joints)
         self.actuator, self.servo = self._actuators(found)
@@ -216,8 +213,6 @@ class Replayed:
             if self.law is not None:
                 data.ctrl[motor] = drive[motors] / per_control
             data.qfrc_applied[self.dof] = held + np.where(bare, drive, 0.0) * (self.law is not None)
-            if self.friction is not None:
-                model.dof_frictionloss[self.dof] = self._level(data.qvel[self.dof], drive + held)
             mujoco.mj_step(model, data)
             data.qpos[self.still], data.qvel[self.rest] = model.qpos0[self.still], 0.0
             path[i + 1] = data.qpos[self.qpos]
@@ -227,11 +222,6 @@ class Replayed:
                 break
         at = time[0] + np.arange(count + 1) * step
         return np.stack([np.interp(time, at, path[:, k]) for k in range(len(q))], axis=1)
-
-    def _level(self, qd: np.ndarray, torque: np.ndarray) -> np.ndarray:
-        """Friction at which a joint slides."""
-        falls = np.exp(-np.square(qd / self.friction["stribeck_velocity"]))
-        return np.maximum(self.coulomb + self.friction["stribeck"] * falls + self.friction["load"] * np.abs(torque), 0.0)
 
     def _weight(self, data, qpos: np.ndarray) -> np.ndarray:
         """Torque that holds the arm against gravity."""

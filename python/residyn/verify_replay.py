@@ -17,8 +17,6 @@ PathLike = Union[str, os.PathLike]
 
 #: Steps of the report's ladder that are no corrected model.
 NO_MODEL = ("learned", "repeatability")
-#: Velocity over which `replay` lets Stribeck friction fall where its report names none, rad/s (m/s).
-STRIBECK_VELOCITY = 0.1
 #: A figure of MuJoCo that is off the report's by no more than this, relative, is the same.
 CLOSE = 0.05
 
@@ -43,7 +41,7 @@ class Rows:
 
 def corrected(controller: Mapping[str, Any], report: Mapping[str, Any]) -> dict[str, Any]:
     """The drive file's block with the values that the report has found; what it says of torque goes by the block's keys."""
-    found = dict(report["controller"])
+    found = dict(_drives(report))
     kind = found.pop("kind")
     if kind == "dc_servo":
         found["torque_per_error"] = found.pop("kp", None)
@@ -54,18 +52,11 @@ def corrected(controller: Mapping[str, Any], report: Mapping[str, Any]) -> dict[
     return {**controller, **known}
 
 
-def friction(report: Mapping[str, Any], joints: Sequence[str]) -> Optional[dict[str, np.ndarray]]:
-    """Friction that the report has found and no attribute of a model holds, by joint; none where there is none."""
-    out = {"load": np.zeros(len(joints)), "stribeck": np.zeros(len(joints)), "stribeck_velocity": np.full(len(joints), STRIBECK_VELOCITY)}
-    for cause in report.get("causes", []):
-        for parameter in cause["parameters"]:
-            if parameter["name"] in out and parameter.get("joint") in joints:
-                out[parameter["name"]][list(joints).index(parameter["joint"])] = parameter["value"]
-    return out if out["load"].any() or out["stribeck"].any() else None
-
-
 def step_of(report: Mapping[str, Any], first: bool) -> Column:
-    """A step of the report's ladder: the first, or the last that is a model."""
+    """A step of the report's ladder: the first, or what the corrected file leaves by itself, which is the last that is a model where it holds all."""
+    alone = report.get("file_alone")
+    if alone is not None and not first:
+        return Column("report", np.array([np.nan if u is None else u for u in alone["unexplained"]]))
     ladder = [s for s in report["ladder"] if s["step"] not in NO_MODEL]
     if not ladder:
         raise InputError("the report's ladder has no step")
@@ -84,25 +75,22 @@ def verify(
     step: float = 1e-3,
 ) -> tuple[list[str], list[Rows]]:
     """Joints, and the corrected model `robot` behind the `given` one, replayed at `step` (s), at the file's own time step, and with friction that
-    holds; a third row computes friction that the report has found and no attribute holds (of load, Stribeck's). `drive` is a drive file: the law of its block `[controller]` stands in place of the models' actuators; `report` is what `replay --json` wrote."""
+    holds. `drive` is a drive file: the law of its block `[controller]` stands in place of the models' actuators; `report` is what `replay --json` wrote."""
     names = list(joints) or ([] if report is None else list(report["joints"]))
     arm = Robot(os.fspath(given or robot), joints=names, drive=drive)
     recording = data if isinstance(data, Recording) else Recording.read(data, arm)
     if recording.q_ref is None:
         raise InputError("the recording has no commanded positions\nadd q_ref1 …, or name them in the drive file ([columns])")
     block = arm.controller or {}
-    models = [] if given is None else [("as given", given, block, None)]
+    models = [] if given is None else [("as given", given, block)]
     after = block if report is None else corrected(block, report) if block else _beside_servos(report)
-    models.append(("corrected", robot, after, None))
-    levels = None if report is None else friction(report, arm.joints)
-    if levels is not None:
-        models.append(("corrected, with code", robot, after, levels))
+    models.append(("corrected", robot, after))
     out = []
-    for name, path, controller, law in models:
+    for name, path, controller in models:
         settings = [(step, False), (None, False), (step, True)]
         columns, notes = [], []
         for seconds, hard in settings:
-            one = Replayed(path, arm.joints, controller, seconds, given, hard, law)
+            one = Replayed(path, arm.joints, controller, seconds, given, hard)
             if seconds is None and one.model.opt.timestep == step:
                 continue
             errors = one.errors(recording)
@@ -114,9 +102,14 @@ def verify(
     return arm.joints, out
 
 
+def _drives(report: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The drives that belong to the written file."""
+    return report.get("file_alone", {}).get("controller", report["controller"])
+
+
 def _beside_servos(report: Mapping[str, Any]) -> dict[str, Any]:
     """What a report says of drives that no actuator of a model holds."""
-    found = report["controller"]
+    found = _drives(report)
     return {key: found[key] for key in ("delay", "command_zero", "gravity_compensation") if found.get(key) is not None}
 
 

@@ -125,23 +125,22 @@ def test_friction_that_holds(tmp_path):
     assert hard < 1e-4 and soft > 0.01
 
 
-def test_friction_in_code(tmp_path):
-    """Friction of a report that no attribute holds: half of a joint's by Stribeck at any speed, which is Coulomb's."""
+def test_a_file_is_held_to_what_it_leaves_by_itself(tmp_path):
+    """Where a file does not hold all that was found, its own figures stand beside MuJoCo's."""
     truth = recording(model(tmp_path / "truth.xml", SERVOS.format(25, 1), friction=0.6), 0.0)
     half = model(tmp_path / "half.xml", SERVOS.format(25, 1))
-    found = [{"name": name, "joint": joint, "value": value} for joint in JOINTS for name, value in (("stribeck", 0.3), ("stribeck_velocity", 1e3))]
     said = {
         "joints": JOINTS,
         "controller": {"kind": "pd", "kp": [25.0, 25.0], "kd": [1.0, 1.0], "delay": [0.0, 0.0]},
-        "ladder": [{"step": "as_given", "unexplained": [0.5, 0.5]}],
-        "causes": [{"effect": "stribeck_friction", "parameters": found}],
+        "ladder": [{"step": "as_given", "unexplained": [0.5, 0.5]}, {"step": "stribeck_friction", "unexplained": [0.1, None]}],
+        "file_alone": {"unexplained": [0.2, 0.3]},
+        "causes": [],
     }
-    _, (plain, coded) = verify_replay.verify(half, truth, report=said)
-    assert (plain.model, coded.model) == ("corrected", "corrected, with code")
-    assert coded.columns[0].unexplained.max() < 0.01 < 0.03 < plain.columns[0].unexplained.min()
-    loaded = {"load": np.full(2, 0.5), "stribeck": np.zeros(2), "stribeck_velocity": np.ones(2)}
-    level = Replayed(half, JOINTS, friction=loaded)._level(np.zeros(2), np.array([-2.0, 4.0]))
-    np.testing.assert_allclose(level, [1.3, 2.3])
+    _, (row,) = verify_replay.verify(half, truth, report=said)
+    np.testing.assert_array_equal(row.report.unexplained, [0.2, 0.3])
+    del said["file_alone"]
+    _, (row,) = verify_replay.verify(half, truth, report=said)
+    np.testing.assert_array_equal(row.report.unexplained, [0.1, np.nan])
 
 
 def test_a_lost_simulation_is_said(tmp_path, capsys):

@@ -139,7 +139,10 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     for (path, text) in &files {
         report::write_atomic(path, text)?;
     }
-    if let (Some(_), Some(part)) = (&arguments.patch, outcome.report.file_alone.mean_unexplained) {
+    if let (Some(_), Some(part)) = (
+        &arguments.patch,
+        outcome.report.file_alone.figures.mean_unexplained,
+    ) {
         report::say!(
             "The corrected model file by itself leaves {:.0} % unexplained.",
             100.0 * part

@@ -18,7 +18,7 @@ pub struct Report {
     /// How far the gap shrinks, step by step, on the held-out recording.
     pub ladder: Vec<Step>,
     /// What the written model file leaves by itself: it holds no friction by load or at standstill.
-    pub file_alone: Figures,
+    pub file_alone: FileAlone,
     /// Where the gap lies.
     #[serde(rename = "where")]
     pub places: Vec<Place>,
@@ -139,6 +139,16 @@ pub struct UnknownJoint {
     pub joint: String,
     /// Posterior probability.
     pub probability: f64,
+}
+
+/// What the written model file does, fitted for itself.
+#[derive(Debug, Clone, Serialize)]
+pub struct FileAlone {
+    /// What it leaves on the held-out recording.
+    #[serde(flatten)]
+    pub figures: Figures,
+    /// Its drives, of which no deviations are estimated.
+    pub controller: Controller,
 }
 
 /// The drives as fitted, by joint.

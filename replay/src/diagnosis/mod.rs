@@ -15,7 +15,7 @@ use crate::catalogue::Effect;
 use crate::decide::{COARSE, Found, find, refit};
 use crate::fit::Effort;
 use crate::given::Given;
-use crate::schema::{Cause, JointParameters, Report, Step, UnknownJoint};
+use crate::schema::{Cause, FileAlone, JointParameters, Report, Step, UnknownJoint};
 use crate::score::{Errors, by_stretch, closed, figures, roll_out};
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
@@ -152,7 +152,10 @@ pub fn diagnose(
     }
     stage("fitting what a model file holds");
     let held = held(given, data, &found)?;
-    let alone = figures(&roll_out(&held, heldout)?, heldout);
+    let alone = FileAlone {
+        figures: figures(&roll_out(&held, heldout)?, heldout),
+        controller: controller(given, &held, None),
+    };
     let places = crate::place::places(&before, heldout, &joints, &rotates);
     let causes: Vec<Cause> = order.iter().map(|&i| causes[i].clone()).collect();
     let unknown: Vec<UnknownJoint> = found
@@ -177,7 +180,7 @@ pub fn diagnose(
         candidates: candidates(&found, &joints),
         not_identifiable: not_identifiable(&found, &spread, data, &joints),
         unknown,
-        controller: controller(given, &corrected, &found, &spread),
+        controller: controller(given, &corrected, Some((&found, &spread))),
         joint_parameters: JointParameters {
             damping: corrected.joints.iter().map(|j| j.damping).collect(),
             frictionloss: corrected.joints.iter().map(|j| j.coulomb).collect(),

@@ -78,14 +78,16 @@ pub(super) fn values(
     out
 }
 
-pub(super) fn controller(given: &Given, arm: &Arm, found: &Found, spread: &Spread) -> Controller {
+/// The drives of an arm, with deviations where they are those that were found.
+pub(super) fn controller(given: &Given, arm: &Arm, fit: Option<(&Found, &Spread)>) -> Controller {
     let n = arm.dof();
+    let of = |p: Parameter| fit.and_then(|(found, spread)| deviation(found, spread, p));
     let std = |kind: Kind| -> Vec<Option<f64>> {
         (0..n)
-            .map(|j| deviation(found, spread, Parameter::new(kind, j)).filter(|v| v.is_finite()))
+            .map(|j| of(Parameter::new(kind, j)).filter(|v| v.is_finite()))
             .collect()
     };
-    let common = deviation(found, spread, Parameter::new(Kind::CommonDelay, 0));
+    let common = of(Parameter::new(Kind::CommonDelay, 0));
     let lags = std(Kind::Lag);
     Controller {
         kind: given.controller,
