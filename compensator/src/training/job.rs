@@ -184,7 +184,7 @@ impl<'a, 'd> Prepared<'a, 'd> {
 /// does not help.
 ///
 /// # Errors
-/// As [`train`].
+/// As training.
 pub fn judge(job: &Job, unit: Unit) -> Result<Trained, Error> {
     let on = Unit {
         enabled: true,
