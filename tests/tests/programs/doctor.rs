@@ -163,7 +163,7 @@ fn a_wrong_description_is_no_unit() {
         }
         robot.with_parameters(&parameters).expect("ten a link")
     };
-    // A factor of 1.5 is within what this motion leaves open, so that nothing need be said of it.
+    // A factor of 1.5 is met with silence, which is a miss. It is no unit all the same.
     type Factor<'a> = &'a dyn Fn(usize) -> f64;
     let heavy: [(Factor, bool); 4] = [
         (&|_| 1.5, false),
