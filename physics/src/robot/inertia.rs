@@ -74,6 +74,13 @@ impl Inertia {
         self.about_origin - steiner(&self.com()) * self.mass
     }
 
+    /// Principal moments about the centre of mass, kg·m², the least first.
+    pub fn principal_moments(&self) -> [f64; 3] {
+        let mut moments: [f64; 3] = self.about_com().symmetric_eigenvalues().into();
+        moments.sort_by(f64::total_cmp);
+        moments
+    }
+
     /// The same body expressed in a frame in which this one has orientation `rotation` and origin
     /// `translation` (x' = R x + t).
     pub fn transformed(&self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {

@@ -3,7 +3,7 @@
 use super::patched::Patched;
 use crate::error::DiagnoseError;
 use physics::dynamics::{Workspace, inverse_dynamics};
-use physics::robot::{Inertia, Robot};
+use physics::robot::Robot;
 
 /// Departure of a written number from the one that was to be written, relative, that is rounding.
 const ROUNDING: f64 = 1e-6;
@@ -27,17 +27,10 @@ pub(super) fn changes(given: &Robot, patched: &Patched<'_>) -> Vec<String> {
             let what = format!("centre of mass {name}");
             say(&what, was.com()[axis], is.com()[axis], "m");
         }
-        let moments = |i: &Inertia| {
-            let mut values: Vec<f64> = i
-                .about_com()
-                .symmetric_eigenvalues()
-                .iter()
-                .copied()
-                .collect();
-            values.sort_by(f64::total_cmp);
-            values
-        };
-        let of_both = moments(was).into_iter().zip(moments(is));
+        let of_both = was
+            .principal_moments()
+            .into_iter()
+            .zip(is.principal_moments());
         for ((was, is), name) in of_both.zip(["least", "middle", "largest"]) {
             say(&format!("{name} principal moment"), was, is, "kg·m²");
         }

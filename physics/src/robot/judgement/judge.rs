@@ -79,17 +79,7 @@ fn placeholders<'a>(joints: &[Joint], bodies: &[&'a Body]) -> Vec<&'a Body> {
     if bodies.len() >= 2 && bodies.iter().all(unit) {
         return bodies.to_vec();
     }
-    let moments = |b: &Body| {
-        let mut values: Vec<f64> = b
-            .inertia
-            .about_com()
-            .symmetric_eigenvalues()
-            .iter()
-            .copied()
-            .collect();
-        values.sort_by(f64::total_cmp);
-        values
-    };
+    let moments = |b: &Body| b.inertia.principal_moments();
     let near = |a: f64, b: f64| (a - b).abs() <= 1e3 * ALIKE * a.abs().max(b.abs());
     let same = |a: &Body, b: &Body| {
         a.inertia.mass == b.inertia.mass
