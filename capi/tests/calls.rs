@@ -58,7 +58,7 @@ fn json() -> Vec<u8> {
     let own = robot.parameters();
     let record = TorqueModelRecord::new(&robot, own.clone(), own, (0..N).map(each).collect());
     let file = serde_json::json!({
-        "schema": feedforward::SCHEMA, "physics": record, "preprocessing": {"fine_hz": 500.0}, "clock": [], "memory": [],
+        "schema": feedforward::model_file::SCHEMA, "physics": record, "preprocessing": {"fine_hz": 500.0}, "clock": [], "memory": [],
         "compensator": null,
     });
     file.to_string().into_bytes()

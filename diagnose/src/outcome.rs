@@ -5,7 +5,7 @@ use crate::measure::explain::Explanation;
 use crate::measure::learned::Learned;
 use crate::schema::Diagnosis;
 use crate::search::find::Findings;
-use crate::traces::unknown::Left;
+use crate::traces::unknown::Misfit;
 
 /// Everything a report is made of.
 pub struct Outcome {
@@ -20,7 +20,7 @@ pub struct Outcome {
     /// The compensator on what the causes leave, where one was asked for.
     pub learned: Option<Learned>,
     /// What has structure of what is left, per joint, on the fitted recording.
-    pub left: Vec<Option<Left>>,
+    pub left: Vec<Option<Misfit>>,
     /// What link encoders and thermometers show beside the causes, a line each; among the diagnosis's notes, too.
     pub sensors: Vec<String>,
 }

@@ -10,9 +10,10 @@ pub mod clock;
 mod dynamics;
 pub mod guard;
 pub mod inputs;
+pub mod model_file;
 pub mod network;
 mod runtime;
 
 pub use dynamics::Dynamics;
 pub use guard::Guard;
-pub use runtime::{Feedforward, LoadError, SCHEMA, load_network};
+pub use runtime::{Feedforward, LoadError, load_network};

@@ -3,7 +3,7 @@
 use datasets::prepare::Prepared;
 use feedforward::clock::{LONGEST_PAUSE, last_before};
 use ndarray::Array2;
-use physics::dynamics::{Workspace, inverse_dynamics};
+use physics::batch::rigid_torque;
 use physics::effects::{BankState, Sample, Term, TermBank};
 use physics::robot::Robot;
 use signal::Motion;
@@ -66,7 +66,7 @@ impl Session {
     pub fn load(&self, robot: &Robot) -> Vec<Array2<f64>> {
         self.parts
             .iter()
-            .map(|p| rigid_torque(robot, &p.fine))
+            .map(|p| rigid_torque(robot, &p.fine.q, &p.fine.qd, &p.fine.qdd))
             .collect()
     }
 
@@ -272,24 +272,6 @@ pub fn order(motions: &[&Motion], known: &[[f64; 2]]) -> (Vec<Step>, Vec<bool>) 
         last = Some((step.part, time[step.rows.end - 1]));
     }
     (steps, clock_known)
-}
-
-/// Rigid-body torque over a motion, shape (samples, joints).
-pub fn rigid_torque(robot: &Robot, motion: &Motion) -> Array2<f64> {
-    let mut workspace = Workspace::new(robot);
-    let mut table = Array2::zeros((motion.len(), robot.dof()));
-    for (row, mut tau) in table.rows_mut().into_iter().enumerate() {
-        let (q, qd, qdd) = (motion.q.row(row), motion.qd.row(row), motion.qdd.row(row));
-        if let (Some(q), Some(qd), Some(qdd), Some(tau)) = (
-            q.to_slice(),
-            qd.to_slice(),
-            qdd.to_slice(),
-            tau.as_slice_mut(),
-        ) {
-            inverse_dynamics(robot, &mut workspace, q, qd, qdd, tau);
-        }
-    }
-    table
 }
 
 /// First and last time stamp of each trajectory, s.

@@ -3,6 +3,8 @@
 //! How their parameters are found stands in the crate `identify`.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "batch")]
+pub mod batch;
 pub mod dynamics;
 pub mod effects;
 pub mod robot;

@@ -250,7 +250,7 @@ struct View<'a> {
 impl View<'_> {
     fn products(&self, rivals: &Rivals, trajectory: &Series) -> Products {
         let motion = trajectory.sampled(self.rate, 1, self.scale.session.0);
-        let scene = Scene::new(&self.found.ground.present, &motion, &self.scale);
+        let scene = Scene::new(&self.found.session.present, &motion, &self.scale);
         let n = rivals.columns.len();
         let mut tables = vec![Array2::<f64>::zeros((motion.len(), n)); scene.dof()];
         for (c, j, values) in self.dictionary.evaluate(&scene, &rivals.columns) {

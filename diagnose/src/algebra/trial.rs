@@ -34,7 +34,7 @@ pub enum Scored {
 const TOGETHER: usize = 256;
 
 /// Columns that may be added to a fit.
-pub struct Beside<'f, 'a> {
+pub struct SharedColumns<'f, 'a> {
     fit: &'f Fit<'a>,
     /// Row of each column in the tables of [`Common`].
     row: HashMap<usize, usize>,
@@ -81,7 +81,7 @@ struct Place<'b> {
     row: usize,
 }
 
-impl<'f, 'a> Beside<'f, 'a> {
+impl<'f, 'a> SharedColumns<'f, 'a> {
     /// Prepares trials of sets of `columns`.
     pub fn new(fit: &'f Fit<'a>, columns: &[usize], scored: Scored) -> Self {
         let mut columns = columns.to_vec();
@@ -372,7 +372,7 @@ mod tests {
             let grams = grams(&values);
             let v = |column| Variable { column, precision: 0.1, mean: 0.3 * column as f64 };
             let fit = Fit::new(&grams, vec![v(0), v(1)], vec![1.0, 2.0]);
-            let trial = Beside::new(&fit, &[3, 2], Scored::LeftOut).trial(&[v(2), v(3)]);
+            let trial = SharedColumns::new(&fit, &[3, 2], Scored::LeftOut).trial(&[v(2), v(3)]);
             let full = Fit::new(&grams, vec![v(0), v(1), v(2), v(3)], vec![1.0, 2.0]);
             for (a, b) in trial.error.iter().zip(full.error()) {
                 prop_assert!((a - b).abs() < 1e-9);
@@ -383,11 +383,11 @@ mod tests {
             }
             prop_assert!((trial.penalty - full.penalty()).abs() < 1e-9);
             prop_assert!((trial.gamma[1] - full.beta()[3]).abs() < 1e-9);
-            let parts = Beside::new(&fit, &[3, 2], Scored::LeftOut).parts(&[v(2), v(3)]);
+            let parts = SharedColumns::new(&fit, &[3, 2], Scored::LeftOut).parts(&[v(2), v(3)]);
             for (a, b) in parts.iter().zip(full.errors()) {
                 prop_assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9));
             }
-            let glance = Beside::new(&fit, &[0, 2, 3], Scored::Fitted).trial(&[v(2), v(3)]);
+            let glance = SharedColumns::new(&fit, &[0, 2, 3], Scored::Fitted).trial(&[v(2), v(3)]);
             for (a, b) in glance.error.iter().zip(full.error_of(full.beta())) {
                 prop_assert!((a - b).abs() < 1e-9);
             }

@@ -153,7 +153,7 @@ mod tests {
             session: (0.0, 10.0),
             step: 0.05,
             channel: None,
-            memory: None,
+            correlation_rows: None,
         };
         candidates(&Scene::new(robot, &motion, &scale)).swap_remove(0)
     }

@@ -147,7 +147,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// A candidate on one joint with one coefficient.
-    pub(super) fn single(
+    pub(crate) fn single(
         effect: Effect,
         joint: usize,
         quantity: Quantity,
@@ -208,7 +208,7 @@ impl Column {
     }
 
     /// A column on the rows of one joint.
-    pub(super) fn own(
+    pub(crate) fn own(
         joint: usize,
         make: impl Fn(&Scene) -> Array1<f64> + Send + Sync + 'static,
     ) -> Self {

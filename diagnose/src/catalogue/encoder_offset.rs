@@ -7,8 +7,8 @@ use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Carried, Info, Need};
 use super::unit::Unit;
-use crate::motion::rigid::rigid_torque;
 use crate::motion::scene::Scene;
+use physics::batch::rigid_torque;
 
 /// What is known of it beside its columns.
 pub(super) const INFO: Info = Info {

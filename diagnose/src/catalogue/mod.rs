@@ -148,7 +148,7 @@ mod tests {
             session: (0.0, 8.0),
             step: 0.05,
             channel: None,
-            memory: None,
+            correlation_rows: None,
         };
         let scene = Scene::new(&robot, &motion, &scale);
         let mut all = catalogue(&scene, &[]);

@@ -136,7 +136,7 @@ mod tests {
             session: (0.0, 8.0),
             step,
             channel: None,
-            memory: None,
+            correlation_rows: None,
         };
         let all = candidates(&Scene::new(&robot, &motion, &scale), 0);
         let widths = all.iter().map(|c| c.shape[0].value);

@@ -196,7 +196,7 @@ mod tests {
             session: (0.0, 4.0),
             step,
             channel: Some(Arc::new(channel.clone())),
-            memory: None,
+            correlation_rows: None,
         };
         let scene = Scene::new(&real, &motion, &scale);
         let [real, given] = [&real, &given].map(|r| Scene::new(r, &motion, &scale).predicted());

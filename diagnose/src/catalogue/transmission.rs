@@ -199,7 +199,7 @@ mod tests {
             session: (0.0, 4.0),
             step: 1.0 / RATE,
             channel: None,
-            memory: None,
+            correlation_rows: None,
         };
         (robot, motion, scale)
     }

@@ -1,10 +1,10 @@
 //! What a robot's earlier recordings say of a later one, beside the model that was identified from them.
 
-use crate::traces::unknown::Left;
+use crate::traces::unknown::Misfit;
 
 /// What is found and left where nothing has changed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Usual {
+pub struct Baseline {
     /// Most that a cause earned, nats by row.
     pub(crate) earned: f64,
     /// Root mean square of what was left in motion, N·m (N), by joint.
@@ -13,7 +13,7 @@ pub struct Usual {
     pub(crate) structured: Vec<f64>,
 }
 
-impl Usual {
+impl Baseline {
     /// The larger of each.
     pub(super) fn most(self, other: Self) -> Self {
         let larger =
@@ -34,16 +34,16 @@ pub enum Earlier {
         /// Earlier executions on average, whose noise is added.
         executions: f64,
         /// How well the robot repeats itself; none where no motion was executed more than once on one side.
-        usual: Option<Usual>,
+        usual: Option<Baseline>,
     },
     /// It is another: the model's misfit on motions that it does not know is the least that can be told; none where the
     /// earlier recordings are one trajectory.
-    Other(Option<Usual>),
+    Other(Option<Baseline>),
 }
 
 impl Earlier {
     /// What the earlier recordings show where nothing has changed, where that was looked for.
-    pub(crate) fn usual(&self) -> Option<&Usual> {
+    pub(crate) fn usual(&self) -> Option<&Baseline> {
         match self {
             Self::Other(usual) => usual.as_ref(),
             Self::Repeated { .. } => None,
@@ -96,8 +96,8 @@ impl Earlier {
     }
 
     /// What has structure beyond `margin` times the usual; nothing where nobody knows what is usual.
-    pub(super) fn beyond(&self, left: Vec<Option<Left>>, margin: f64) -> Vec<Option<Left>> {
-        let beyond = |(j, l): (usize, Option<Left>)| match self {
+    pub(super) fn beyond(&self, left: Vec<Option<Misfit>>, margin: f64) -> Vec<Option<Misfit>> {
+        let beyond = |(j, l): (usize, Option<Misfit>)| match self {
             Self::Repeated { usual: None, .. } => l,
             Self::Repeated {
                 usual: Some(usual), ..

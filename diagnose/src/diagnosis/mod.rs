@@ -1,19 +1,19 @@
 //! The whole diagnosis of a pair of recordings.
 
+mod autocorrelation;
+mod baseline;
 mod earlier;
-mod late;
-mod memory;
 mod options;
+mod reversal_weights;
 mod searched;
-mod seen;
-mod turns;
+mod sensors;
+mod torque_delay;
 mod units;
-mod usual;
 
 pub use crate::outcome::Outcome;
-pub use earlier::{Earlier, Usual};
+pub(crate) use baseline::options as since;
+pub use earlier::{Baseline, Earlier};
 pub use options::Options;
-pub(crate) use usual::options as since;
 
 use crate::advice::patch;
 use crate::catalogue::effect::Effect;
@@ -22,23 +22,23 @@ use crate::input::frames::Frames;
 use crate::input::recordings::{checked, not_identifiable, notes};
 use crate::ladder::scores::repeatability;
 use crate::measure::bounds::hold;
-use crate::measure::explain::{Explanation, Said, explain};
-use crate::measure::follow;
+use crate::measure::changed_parameters::moved;
+use crate::measure::explain::{Explanation, FittedFindings, explain};
 use crate::measure::friction::friction;
 use crate::measure::learned::learned;
 use crate::measure::locate::locate;
-use crate::measure::moved::moved;
 use crate::measure::other_day;
 use crate::measure::resonance::{resonances, standing_out};
+use crate::measure::tracking;
 use crate::measure::verdict::{Evidence, remainder, verdict};
 use crate::motion::floor::floor;
-use crate::motion::rigid::rigid_torque;
 use crate::schema::{Cause, Diagnosis, Place, Simulation, Tested, Verdict};
 use crate::search::find::Findings;
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::surrogates::Null;
 use datasets::Recording;
+use physics::batch::rigid_torque;
 use physics::robot::{Masses, Robot};
 use searched::{Channels, Searched, Searcher};
 
@@ -69,7 +69,7 @@ pub fn diagnose(
         namings,
     } = Searcher::new(model, &frames, &channels, options).searched(first)?;
     let bounds = hold(model, &mut findings, &frames.scale);
-    let said = Said {
+    let said = FittedFindings {
         listing: &listing,
         contact: contact.as_ref(),
         dead: &channels.dead,
@@ -131,7 +131,7 @@ pub fn diagnose(
         learned(
             &frames,
             &quiet,
-            &findings.ground.present,
+            &findings.session.present,
             &settings.measure.said,
         )?
     } else {
@@ -159,7 +159,7 @@ pub fn diagnose(
         parts.told(&mut causes);
         units::of_causes(causes, &model.robot)
     };
-    let sensors = seen::beside(&frames, &findings.ground.links, &causes, &model.robot);
+    let sensors = sensors::beside(&frames, &findings.session.links, &causes, &model.robot);
     let done = notes(&frames, &settings.input, &settings.ladder).into_iter();
     let diagnosis = Diagnosis {
         schema: "diagnosis/1",
@@ -216,24 +216,24 @@ fn first(
     options: &Options,
 ) -> Result<Findings, DiagnoseError> {
     let mut first = Searcher::new(model, frames, channels, options).first(None)?;
-    for _ in 0..late::ROUNDS {
+    for _ in 0..torque_delay::ROUNDS {
         let known = frames.scale.channel.as_deref();
-        let said = late::channel(&first, &model.robot);
-        if frames.scale.memory.is_some() && late::alike(known, said.as_ref()) {
+        let said = torque_delay::channel(&first, &model.robot);
+        if frames.scale.correlation_rows.is_some() && torque_delay::alike(known, said.as_ref()) {
             break;
         }
         let searcher = Searcher::new(model, frames, channels, options);
         let left = searcher.left(&first);
         // Columns that are to be late are others.
         let on_time = known.is_none() && said.is_none();
-        let ground = if on_time {
+        let session = if on_time {
             Searcher::known(&first)
         } else {
             None
         };
         drop(first);
-        frames.hear(model, said, left, &options.settings.input);
-        first = Searcher::new(model, frames, channels, options).first(ground)?;
+        frames.apply_delay(model, said, left, &options.settings.input);
+        first = Searcher::new(model, frames, channels, options).first(session)?;
     }
     Ok(first)
 }
@@ -284,15 +284,15 @@ fn simulated(
 ) -> Result<Option<Simulation>, DiagnoseError> {
     let given = possible::robot(model.sizes(), &model.robot)?;
     let held = &frames.heldout;
-    let before = follow::Model {
+    let before = tracking::Model {
         robot: &given,
         torque: &(&held.tau - &explanation.gap),
     };
-    let after = follow::Model {
+    let after = tracking::Model {
         robot: patched,
         torque: &(&held.tau - &explanation.residual),
     };
-    Ok(follow::compare(held, &before, &after))
+    Ok(tracking::compare(held, &before, &after))
 }
 
 /// The best candidate of each effect and place that was tried in the place of an accepted cause, or beside all of them: of each of these lists

@@ -1,11 +1,11 @@
 //! The search on the fitted recording, again and again: without what was pushed, and above what chance earns.
 
 use super::options::Options;
-use super::{memory, turns};
+use super::{autocorrelation, reversal_weights};
 use crate::catalogue::effect::Effect;
 use crate::catalogue::gear::Link;
 use crate::error::DiagnoseError;
-use crate::input::frames::{Frames, Rest};
+use crate::input::frames::{Frames, ResidualNoise};
 use crate::ladder::listing::{Listing, list};
 use crate::ladder::out_of_fold::OutOfFold;
 use crate::ladder::scores::{Scored, total};
@@ -14,12 +14,12 @@ use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, Judged, judge, states};
 use crate::schema::NotIdentifiable;
 use crate::search::find::{Findings, find, gap};
-use crate::search::ground::Ground;
+use crate::search::session::Session;
 use crate::settings::{Rule, Settings};
 use crate::simulator::NominalModel;
 use crate::surrogates::{self, Naming, Null};
 use crate::traces::contact::{Contact, detect, suspected};
-use crate::traces::unknown::{Left, examine};
+use crate::traces::unknown::{Misfit, examine};
 use datasets::metrics::Scope;
 use ndarray::Array2;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ impl Channels {
 struct Search {
     findings: Findings,
     listing: Listing,
-    left: Vec<Option<Left>>,
+    left: Vec<Option<Misfit>>,
     judged: Judged,
     /// Torque that the links need at the recorded samples, shape (samples, joints).
     load: Array2<f64>,
@@ -74,9 +74,9 @@ pub(super) struct Searched {
     /// The same as they are listed.
     pub listing: Listing,
     /// Structure in what they leave, by joint.
-    pub left: Vec<Option<Left>>,
+    pub left: Vec<Option<Misfit>>,
     /// The same as the verdict takes it: where pushes are known, what is left beside weaker ones.
-    pub beside: Vec<Option<Left>>,
+    pub beside: Vec<Option<Misfit>>,
     /// What they leave, by how the joints move.
     pub judged: Judged,
     /// Pushes in the fitted recording.
@@ -132,35 +132,35 @@ impl<'a> Searcher<'a> {
     }
 
     /// What a search of the whole recording finds.
-    pub(super) fn first(&self, ground: Option<Arc<Ground>>) -> Result<Findings, DiagnoseError> {
-        self.find(&self.weight, self.chance(), ground)
+    pub(super) fn first(&self, session: Option<Arc<Session>>) -> Result<Findings, DiagnoseError> {
+        self.find(&self.weight, self.chance(), session)
     }
 
     /// What a search of the same frames has in common with another, whatever its rows weigh; what a link's encoder says of a gear goes by the rows.
-    pub(super) fn known(found: &Findings) -> Option<Arc<Ground>> {
+    pub(super) fn known(found: &Findings) -> Option<Arc<Session>> {
         let said = |link: &Link| !matches!(link, Link::Unknown);
-        let ground = &found.ground;
-        (!ground.links.iter().any(said)).then(|| Arc::clone(ground))
+        let session = &found.session;
+        (!session.links.iter().any(said)).then(|| Arc::clone(session))
     }
 
     /// What a search leaves out of fold says of the rows.
-    pub(super) fn left(&self, found: &Findings) -> Rest {
+    pub(super) fn left(&self, found: &Findings) -> ResidualNoise {
         let (frames, data) = (self.frames, &self.frames.data);
         let motion = &self.options.settings.motion;
         let gap = gap(self.model, data, &frames.scale);
         let unseen = OutOfFold::new(found, frames, &gap, &self.weight);
         let left = data.table_thin(&unseen.residual(&found.tight_fit(&frames.scale)));
-        let turning = turns::weights(&left, data, motion);
+        let turning = reversal_weights::weights(&left, data, motion);
         let weight = at_most(data.weights(motion), &turning);
-        Rest {
-            memory: memory::of_joints(&left, &weight, &data.rows),
+        ResidualNoise {
+            correlation_rows: autocorrelation::of_joints(&left, &weight, &data.rows),
             turning,
         }
     }
 
     /// What is left beside pushes, joint by joint the less of that everywhere and that without the part of the rest of the recording
     /// in which most is left: who pushes so that it shows also pushes so that it hardly does, and that is no effect that nobody knows.
-    fn beside(&self, found: &Search, skipped: &[bool]) -> Vec<Option<Left>> {
+    fn beside(&self, found: &Search, skipped: &[bool]) -> Vec<Option<Misfit>> {
         let settings = &self.options.settings;
         let data = &self.frames.data;
         let part = settings.traces.contact.suspected;
@@ -169,7 +169,7 @@ impl<'a> Searcher<'a> {
         let out = data.pick(|i| out[i]);
         let without = examine(data, &found.listing.residual, &out, settings);
         let each = found.left.iter().zip(without);
-        let least = |(all, without): (&Option<Left>, Option<Left>)| {
+        let least = |(all, without): (&Option<Misfit>, Option<Misfit>)| {
             let both = all.iter().copied().chain(without);
             both.min_by(|a, b| a.structured().total_cmp(&b.structured()))
         };
@@ -210,7 +210,7 @@ impl<'a> Searcher<'a> {
         &self,
         weight: &Array2<f64>,
         chance: f64,
-        ground: Option<Arc<Ground>>,
+        session: Option<Arc<Session>>,
     ) -> Result<Findings, DiagnoseError> {
         let own = self.options.settings.clone();
         let effects = self.options.effects;
@@ -221,7 +221,7 @@ impl<'a> Searcher<'a> {
             own,
             effects,
             chance,
-            ground,
+            session,
         )
     }
 
@@ -231,7 +231,7 @@ impl<'a> Searcher<'a> {
         weight: &Array2<f64>,
         skipped: &[bool],
         chance: f64,
-        known: Option<Arc<Ground>>,
+        known: Option<Arc<Session>>,
     ) -> Result<Search, DiagnoseError> {
         Ok(self.listed(self.find(weight, chance, known)?, weight, skipped))
     }
@@ -257,7 +257,7 @@ impl<'a> Searcher<'a> {
             &data.pick(|i| skipped[i]),
             settings,
         );
-        let scene = Scene::new(&findings.ground.present, frames.passage(), &frames.scale);
+        let scene = Scene::new(&findings.session.present, frames.passage(), &frames.scale);
         let load = data.table_to_samples(&scene.rigid);
         let coulomb = Coulomb {
             torque: listing.coulomb.clone(),
@@ -283,14 +283,14 @@ impl<'a> Searcher<'a> {
     }
 
     /// Whether what is left has structure, `learnable` or not.
-    fn structured(&self, left: &[Option<Left>], learnable: impl Fn(&Left) -> bool) -> bool {
+    fn structured(&self, left: &[Option<Misfit>], learnable: impl Fn(&Misfit) -> bool) -> bool {
         let clear = self.options.settings.measure.verdict.clear;
         let mut left = left.iter().flatten();
         left.any(|l| l.structured() > clear && learnable(l))
     }
 
     /// Whether a learner predicts what is left from motion: that repeats, and is no contact.
-    fn repeats(&self, left: &[Option<Left>]) -> bool {
+    fn repeats(&self, left: &[Option<Misfit>]) -> bool {
         let most = self.options.settings.traces.contact.learnable;
         self.structured(left, |l| l.learnable > most)
     }

@@ -4,7 +4,7 @@ use super::reversal::signs;
 use crate::error::DiagnoseError;
 use crate::motion::channel::Channel;
 use crate::motion::frame::Frame;
-use crate::motion::passage::{Passage, Terms};
+use crate::motion::passage::{History, Terms};
 use crate::motion::scene::Scale;
 use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
@@ -17,10 +17,10 @@ use std::sync::Arc;
 /// Trajectories that the softness of signs is chosen on, evenly spread.
 const TRAJECTORIES: usize = 4;
 
-/// What a search left on the fitted rows says of them.
-pub struct Rest {
-    /// Rows for which each joint's rest remembers itself.
-    pub memory: Vec<f64>,
+/// Noise of a search's residual on the fitted rows.
+pub struct ResidualNoise {
+    /// Integrated autocorrelation time of each joint's residual, rows.
+    pub correlation_rows: Vec<f64>,
     /// See [`Frames::turning`].
     pub turning: Array2<f64>,
 }
@@ -96,13 +96,12 @@ impl Frames {
         })
     }
 
-    /// Has all columns as late as a search said, and looks again how friction turns round. `left`: what the rest of that search says of
-    /// the rows.
-    pub fn hear(
+    /// Delays all columns as a search found, and chooses the softness of friction's sign again. `noise` is of that search's residual.
+    pub fn apply_delay(
         &mut self,
         model: &NominalModel,
         channel: Option<Channel>,
-        left: Rest,
+        noise: ResidualNoise,
         settings: &InputSettings,
     ) {
         if channel.is_some() || self.scale.channel.is_some() {
@@ -112,29 +111,29 @@ impl Frames {
                 ..self.data.scale(&[&self.heldout], &signs)
             };
         }
-        self.scale.memory = Some(left.memory.into());
-        self.turning = Some(left.turning);
+        self.scale.correlation_rows = Some(noise.correlation_rows.into());
+        self.turning = Some(noise.turning);
     }
 
     /// Motion of the fitted recording, memory running on through both where they share a clock.
-    pub fn passage(&self) -> Passage<'_> {
-        Passage::of(vec![self.data.motion(), self.heldout.motion()], 0)
+    pub fn passage(&self) -> History<'_> {
+        History::of(vec![self.data.motion(), self.heldout.motion()], 0)
             .with_wide(self.data.wide())
             .with_beside(&self.beside)
             .with_sensed(self.data.sensed())
     }
 
     /// The same of the held-out one.
-    pub fn heldout_passage(&self) -> Passage<'_> {
-        Passage::of(vec![self.data.motion(), self.heldout.motion()], 1)
+    pub fn heldout_passage(&self) -> History<'_> {
+        History::of(vec![self.data.motion(), self.heldout.motion()], 1)
             .with_wide(self.heldout.wide())
             .with_beside(&self.beside)
             .with_sensed(self.heldout.sensed())
     }
 
-    /// What memory has run through by the end of the held-out recording, at the recorded stamps: see [`Passage::walked`].
+    /// What memory has run through by the end of the held-out recording, at the recorded stamps: see [`History::walked`].
     pub fn heldout_walked(&self) -> (Motion, Vec<Option<usize>>) {
-        Passage::of(vec![self.data.samples(), self.heldout.samples()], 1).walked()
+        History::of(vec![self.data.samples(), self.heldout.samples()], 1).walked()
     }
 }
 

@@ -7,11 +7,11 @@ use crate::algebra::cholesky::Cholesky;
 use crate::motion::channel::Channel;
 use crate::motion::delay::delayed;
 use crate::motion::frame::Frame;
-use crate::motion::rigid::rigid_torque;
 use crate::motion::scene::SOFT_SIGN;
 use crate::settings::InputSettings;
 use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2, ArrayView1, Axis, Zip};
+use physics::batch::rigid_torque;
 use physics::effects::EarlySign;
 use rayon::prelude::*;
 

@@ -155,6 +155,38 @@ fn touched(
 /// NRMSE by joint, and losses by block, then joint.
 type Errors = (Vec<Option<f64>>, Vec<Vec<f64>>);
 
+/// Fall of each joint's NRMSE by freeing parameters, where it is more than noise would make it.
+struct Falls {
+    /// By the links, all else fitted.
+    links: Vec<f64>,
+    /// By friction, all else fitted.
+    friction: Vec<f64>,
+    /// By both together.
+    both: Vec<f64>,
+    /// By both without any cause of kind `structure`.
+    alone: Vec<f64>,
+}
+
+impl Falls {
+    /// Joints that are listed for their links, and for their friction. With `more`, a joint that needs both, or that identification
+    /// alone helps and no cause explains, goes to what helps it more.
+    fn listed(&self, least: f64, explained: &[bool], more: bool) -> [Vec<usize>; 2] {
+        let mut listed = [Vec::new(), Vec::new()];
+        for (j, explained) in explained.iter().enumerate() {
+            let (links, friction) = (self.links[j], self.friction[j]);
+            let needed = more && (self.both[j] >= least || self.alone[j] >= least && !explained);
+            let neither = needed && links.max(friction) < least;
+            if links >= least || neither && links >= friction {
+                listed[0].push(j);
+            }
+            if friction >= least || neither && links < friction {
+                listed[1].push(j);
+            }
+        }
+        listed
+    }
+}
+
 /// Changes of parameters that lower a joint's error by what is worth saying, more than noise would: links and friction
 /// each held at the given values while all else is fitted. A joint that needs both, or that re-identification alone helps,
 /// goes to the one that helps it more.
@@ -186,21 +218,15 @@ fn parameters(
     let both = falls(&of(&all, Free::Nothing), &full);
     let alone = falls(&of(&[], Free::Nothing), &of(&[], Free::All));
     let explained = |j: usize| structure.iter().any(|(_, joints)| joints.contains(&j));
-    let dof = links.len();
-    let least = found.settings.ladder.listed;
-    let mut listed = [Vec::new(), Vec::new()];
     let more = !found.settings.search.off.holds(Rule::Listed);
-    for j in 0..dof {
-        let worth = |fall: &[f64]| fall[j] >= least;
-        let needed = more && (worth(&both) || worth(&alone) && !explained(j));
-        let most = links[j].max(friction[j]);
-        if worth(&links) || needed && most < least && links[j] >= friction[j] {
-            listed[0].push(j);
-        }
-        if worth(&friction) || needed && most < least && links[j] < friction[j] {
-            listed[1].push(j);
-        }
-    }
+    let falls = Falls {
+        links,
+        friction,
+        both,
+        alone,
+    };
+    let explained: Vec<bool> = (0..falls.links.len()).map(explained).collect();
+    let mut listed = falls.listed(found.settings.ladder.listed, &explained, more);
     // A link that was found wrong by itself is named, however little of its torque is its own joint's.
     if more && !listed[0].is_empty() {
         let links = found
@@ -217,4 +243,26 @@ fn parameters(
         .zip(listed)
         .filter(|(_, joints)| !joints.is_empty())
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_are_listed_by_what_their_freedom_spares() {
+        let falls = Falls {
+            links: vec![0.05, 0.0, 0.015, 0.0, 0.0, 0.0],
+            friction: vec![0.0, 0.03, 0.010, 0.0, 0.0, 0.0],
+            both: vec![0.05, 0.03, 0.040, 0.0, 0.0, 0.0],
+            alone: vec![0.05, 0.03, 0.040, 0.1, 0.1, 0.01],
+        };
+        let explained = [false, false, false, false, true, false];
+        // Joint 2 needs both and goes to its links; nothing but identification helps joint 3, where a tie is the links'. A cause explains joint 4.
+        let [links, friction] = falls.listed(0.02, &explained, true);
+        assert_eq!(links, [0, 2, 3]);
+        assert_eq!(friction, [1]);
+        let [links, friction] = falls.listed(0.02, &explained, false);
+        assert_eq!((links, friction), (vec![0], vec![1]));
+    }
 }

@@ -30,7 +30,7 @@ impl<'a> OutOfFold<'a> {
         weight: &'a Array2<f64>,
     ) -> Self {
         let frame = &frames.data;
-        let scene = Scene::new(&found.ground.present, frames.passage(), &frames.scale);
+        let scene = Scene::new(&found.session.present, frames.passage(), &frames.scale);
         let samples = |rows: &Range<usize>| frame.samples_of(rows.clone());
         let folds = frame
             .folds()

@@ -11,7 +11,7 @@ use crate::simulator::NominalModel;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use identify::feasible::{Constraints, Feasibility, Nominal};
-use ndarray::Array1;
+use ndarray::{Array1, Array2};
 use physics::robot::PARAMETERS_PER_LINK;
 
 /// Eigenvalue of a pseudo-inertia over the largest, below zero, that is rounding.
@@ -66,24 +66,81 @@ pub fn hold(model: &NominalModel, found: &mut Findings, scale: &Scale) -> Option
         return None;
     }
     let mut nominal = Nominal::of_robot(model.sizes(), &[]);
-    nominal.parameters = given.clone();
+    nominal.parameters = given;
     nominal.std.iter_mut().for_each(|s| *s *= FREE);
     nominal
         .std
         .extend((0..2 * n).map(|f| FREE * scale.torque[f % n].max(1e-9)));
 
     let fit = found.tight_fit(scale);
-    let covariance = fit.covariance();
+    let near = inside(
+        &beta,
+        &fitted,
+        &map,
+        &fit.covariance(),
+        constraints,
+        nominal,
+    )?;
+    let error = |beta: &Array1<f64>| -> f64 {
+        let each = fit.error_of(beta);
+        let relative = each.iter().zip(&found.grams.total).zip(&scale.torque);
+        let sum: f64 = relative
+            .map(|((e, g), t)| (e.max(0.0) / g.samples.max(1.0)).sqrt() / t)
+            .sum();
+        sum / n as f64
+    };
+    let cost = error(&near.beta) - error(&beta);
+    let names = |p: usize| joints[(p - inertial) % n].name.as_str();
+    let kind = |p: usize| {
+        if p < inertial + n {
+            "viscous"
+        } else {
+            "Coulomb"
+        }
+    };
+    let beyond = found.settings.measure.said.beyond;
+    let clearly = negative
+        .into_iter()
+        .filter(|&p| fitted[p] < -beyond * near.deviation[p]);
+    let links = wrong_links.into_iter().map(|at| {
+        let link = &joints[at / PARAMETERS_PER_LINK].link.name;
+        format!("inertials of {link}")
+    });
+    let held = links
+        .chain(clearly.map(|p| format!("{} friction of {}", kind(p), names(p))))
+        .collect();
+    drop(fit);
+    found.tight.1 = near.beta;
+    Some(Bounds { held, cost })
+}
+
+/// A fit whose parameters are possible.
+struct Inside {
+    beta: Array1<f64>,
+    /// Deviation of each parameter before.
+    deviation: Vec<f64>,
+}
+
+/// Coefficients after their parameters are moved to the nearest possible ones, in the metric of the posterior: what is correlated with a
+/// parameter moves with it. `map` says which coefficient changes which parameter, and by how much per unit. None where the numerics fail.
+fn inside(
+    beta: &Array1<f64>,
+    fitted: &[f64],
+    map: &[(usize, usize, f64)],
+    covariance: &Array2<f64>,
+    constraints: Constraints,
+    nominal: Nominal,
+) -> Option<Inside> {
     // Covariance of variables and parameters, and of parameters.
-    let (count, parameters) = (beta.len(), given.len());
+    let (count, parameters) = (beta.len(), fitted.len());
     let mut cross = Mat::<f64>::zeros(count, parameters);
-    for (variable, parameter, size) in &map {
+    for (variable, parameter, size) in map {
         for i in 0..count {
             cross[(i, *parameter)] += size * covariance[[i, *variable]];
         }
     }
     let mut own = Mat::<f64>::zeros(parameters, parameters);
-    for (variable, parameter, size) in &map {
+    for (variable, parameter, size) in map {
         for p in 0..parameters {
             own[(*parameter, p)] += size * cross[(*variable, p)];
         }
@@ -99,49 +156,50 @@ pub fn hold(model: &NominalModel, found: &mut Findings, scale: &Scale) -> Option
     });
     let identity = Mat::<f64>::identity(parameters, parameters);
     let near = Feasibility::new(identity.as_ref(), constraints, nominal)
-        .and_then(|f| f.nearest(&fitted, information.as_ref()))
+        .and_then(|f| f.nearest(fitted, information.as_ref()))
         .ok()?;
     let step = Mat::from_fn(parameters, 1, |i, _| {
         (near.standard[i] - fitted[i]) / deviation[i]
     });
     let weights = factor.solve(step);
-    let moved: Array1<f64> = (0..count)
-        .map(|i| {
-            let change: f64 = (0..parameters)
-                .map(|p| cross[(i, p)] * weights[(p, 0)] / deviation[p])
-                .sum();
-            beta[i] + change
-        })
-        .collect();
-    let error = |beta: &Array1<f64>| -> f64 {
-        let each = fit.error_of(beta);
-        let relative = each.iter().zip(&found.grams.total).zip(&scale.torque);
-        let sum: f64 = relative
-            .map(|((e, g), t)| (e.max(0.0) / g.samples.max(1.0)).sqrt() / t)
+    let moved = |i: usize| {
+        let change: f64 = (0..parameters)
+            .map(|p| cross[(i, p)] * weights[(p, 0)] / deviation[p])
             .sum();
-        sum / n as f64
+        beta[i] + change
     };
-    let cost = error(&moved) - error(&beta);
-    let names = |p: usize| joints[(p - inertial) % n].name.as_str();
-    let kind = |p: usize| {
-        if p < inertial + n {
-            "viscous"
-        } else {
-            "Coulomb"
-        }
-    };
-    let beyond = found.settings.measure.said.beyond;
-    let clearly = negative
-        .into_iter()
-        .filter(|&p| fitted[p] < -beyond * deviation[p]);
-    let links = wrong_links.into_iter().map(|at| {
-        let link = &joints[at / PARAMETERS_PER_LINK].link.name;
-        format!("inertials of {link}")
-    });
-    let held = links
-        .chain(clearly.map(|p| format!("{} friction of {}", kind(p), names(p))))
-        .collect();
-    drop(fit);
-    found.tight.1 = moved;
-    Some(Bounds { held, cost })
+    Some(Inside {
+        beta: (0..count).map(moved).collect(),
+        deviation,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::array;
+
+    #[test]
+    fn what_is_correlated_with_a_bounded_parameter_moves_with_it() {
+        // Two frictions, the second in units of 2, and a cause that changes no parameter.
+        let beta = array![-0.1, 0.2, 1.0];
+        let fitted = [-0.1, 0.4];
+        let map = [(0, 0, 1.0), (1, 1, 2.0)];
+        let covariance = array![[0.04, 0.0, 0.03], [0.0, 0.01, 0.0], [0.03, 0.0, 0.09]];
+        let constraints = Constraints {
+            links: Vec::new(),
+            nonnegative: vec![0, 1],
+        };
+        let nominal = Nominal {
+            parameters: vec![0.0; 2],
+            std: vec![1e3; 2],
+        };
+        let near = inside(&beta, &fitted, &map, &covariance, constraints, nominal).unwrap();
+        assert!((near.deviation[1] - 0.2).abs() < 1e-12);
+        let moved = near.beta;
+        assert!(moved[0].abs() < 1e-5, "{moved}");
+        assert!((moved[1] - 0.2).abs() < 1e-5, "{moved}");
+        // 0.1 more of the first, times 0.03 over 0.04.
+        assert!((moved[2] - 1.075).abs() < 1e-4, "{moved}");
+    }
 }

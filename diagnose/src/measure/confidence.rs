@@ -8,7 +8,7 @@ use crate::schema::Support;
 use crate::search::find::{Accepted, Findings};
 use crate::settings::ConfidenceSettings;
 use crate::surrogates::{Naming, Null};
-use crate::traces::unknown::Left;
+use crate::traces::unknown::Misfit;
 
 /// What each weight multiplies.
 pub const TERMS: [&str; 5] = [
@@ -28,7 +28,7 @@ impl Support {
         cause: &Accepted,
         naming: &Naming,
         null: &Null,
-        left: &[Option<Left>],
+        left: &[Option<Misfit>],
     ) -> Option<Self> {
         let mut tried = cause.tried.iter();
         let own = tried.find(|t| t.candidate == cause.candidate)?;
@@ -38,7 +38,7 @@ impl Support {
             lead: naming.lead,
             likeness: naming.likeness,
             over_chance: found.earned(own) / null.level().max(1.0),
-            left: structured.map(Left::structured).fold(0.0, f64::max),
+            left: structured.map(Misfit::structured).fold(0.0, f64::max),
         })
     }
 
@@ -64,4 +64,37 @@ impl Support {
 pub fn probability(terms: &[f64; WEIGHTS], weights: &[f64; WEIGHTS]) -> f64 {
     let odds: f64 = terms.iter().zip(weights).map(|(t, w)| t * w).sum();
     1.0 / (1.0 + (-odds).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odds_are_weighed_sums_of_logarithms() {
+        let e = std::f64::consts::E;
+        let support = Support {
+            lead: e - 1.0,
+            likeness: -0.5,
+            over_chance: -3.0,
+            left: (e * e - 1.0) / 100.0,
+        };
+        let terms = support.terms();
+        for (term, by_hand) in terms.iter().zip([1.0, 1.0, -0.5, 0.0, 2.0]) {
+            assert!((term - by_hand).abs() < 1e-12, "{terms:?}");
+        }
+        // Three to one: constant ln 6, and two halves of a logarithm of 2 against it.
+        let weights = [6.0_f64.ln(), 0.0, 2.0 * 2.0_f64.ln(), 5.0, 0.0];
+        assert!((probability(&terms, &weights) - 0.75).abs() < 1e-12);
+        let settings = ConfidenceSettings {
+            weights: None,
+            ..ConfidenceSettings::default()
+        };
+        assert_eq!(support.confidence(&settings), None);
+        let settings = ConfidenceSettings {
+            weights: Some(weights),
+            ..settings
+        };
+        assert!((support.confidence(&settings).unwrap() - 0.75).abs() < 1e-12);
+    }
 }

@@ -16,7 +16,7 @@ use crate::search::find::{Accepted, Columns, Findings, gap};
 use crate::simulator::NominalModel;
 use crate::surrogates::{Naming, Null};
 use crate::traces::contact::{Contact, detect};
-use crate::traces::unknown::Left;
+use crate::traces::unknown::Misfit;
 use datasets::metrics::Scope;
 use datasets::metrics::deviations;
 use ndarray::{Array1, Array2};
@@ -46,7 +46,7 @@ pub struct Explanation {
 }
 
 /// What the fitted recording says, which the held-out one only measures.
-pub struct Said<'a> {
+pub struct FittedFindings<'a> {
     /// Causes that are listed.
     pub listing: &'a Listing,
     /// Pushes found in the fitted recording.
@@ -58,7 +58,7 @@ pub struct Said<'a> {
     /// How surely each accepted cause is named; empty where no surrogates were drawn.
     pub namings: &'a [Option<Naming>],
     /// What the causes leave of each joint.
-    pub left: &'a [Option<Left>],
+    pub left: &'a [Option<Misfit>],
     /// Whether pushes are looked for in the held-out recording; if so, whether in motion, too.
     pub look: Option<bool>,
 }
@@ -68,7 +68,7 @@ pub fn explain(
     model: &NominalModel,
     frames: &Frames,
     found: &Findings,
-    said: &Said,
+    said: &FittedFindings,
 ) -> Explanation {
     let (held, settings) = (&frames.heldout, &found.settings);
     let names = model.robot.joint_names();
@@ -82,7 +82,7 @@ pub fn explain(
         deviation = spread.map(|s| Some(s).filter(|s| *s > 0.0)).collect();
     }
     let scene = Scene::new(
-        &found.ground.present,
+        &found.session.present,
         frames.heldout_passage(),
         &frames.scale,
     );
@@ -281,7 +281,7 @@ fn chance(found: &Findings, cause: &Accepted, null: Option<&Null>) -> Option<f64
 }
 
 /// Joints that a cause is reported for.
-fn joints(part: &Part, said: &Said, here: Option<&Contact>) -> Vec<usize> {
+fn joints(part: &Part, said: &FittedFindings, here: Option<&Contact>) -> Vec<usize> {
     match part.accepted {
         Some(cause) => {
             let mut listed = said.listing.structure.iter();

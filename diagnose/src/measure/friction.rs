@@ -22,7 +22,7 @@ pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<
         channel: None,
         ..frames.scale.clone()
     };
-    let scene = Scene::new(&found.ground.present, frames.passage(), &on_time);
+    let scene = Scene::new(&found.session.present, frames.passage(), &on_time);
     let torque = resisting(model, found, &scene, frame);
     let qd = &frame.samples().qd;
     let joints = model.robot.joints();

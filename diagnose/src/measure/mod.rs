@@ -1,15 +1,15 @@
 //! What the causes do: shares, sizes, intervals, and what is left.
 
 pub(crate) mod bounds;
+pub(crate) mod changed_parameters;
 pub mod confidence;
 pub(crate) mod explain;
-pub(crate) mod follow;
 pub(crate) mod friction;
 pub(crate) mod learned;
 pub(crate) mod locate;
-pub(crate) mod moved;
 pub(crate) mod other_day;
 pub(crate) mod quantities;
 pub(crate) mod resonance;
 pub(crate) mod shares;
+pub(crate) mod tracking;
 pub(crate) mod verdict;

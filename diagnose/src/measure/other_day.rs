@@ -36,7 +36,7 @@ pub fn changed(
     skipped: &[bool],
 ) -> Vec<Changed> {
     let settings = &found.settings.measure.other_day;
-    let scene = |passage| Scene::new(&found.ground.present, passage, &frames.scale);
+    let scene = |passage| Scene::new(&found.session.present, passage, &frames.scale);
     let there = scene(frames.heldout_passage());
     let friction = [
         resisting(model, found, &scene(frames.passage()), &frames.data),

@@ -4,7 +4,7 @@ use crate::catalogue::effect::Effect;
 use crate::catalogue::{Candidate, Parameter, Shape, Size, Unit};
 use crate::input::frames::Frames;
 use crate::search::find::Findings;
-use crate::search::select::Tried;
+use crate::search::select::CandidateScore;
 use crate::simulator::NominalModel;
 use crate::traces::contact::Contact;
 use physics::robot::PARAMETERS_PER_LINK;
@@ -44,11 +44,18 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
         .filter(|_| candidate.joints.len() == 1)
         .map(|&j| names[j].clone());
     out.extend(measured(&candidate.sizes, joint.as_ref()));
+    let numbers = |name: &str| -> Vec<(f64, f64)> {
+        let number = |(weight, t): &(f64, &CandidateScore)| {
+            let value = found.candidates[t.candidate].shape(name);
+            value.map(|value| (*weight, value))
+        };
+        shapes.iter().filter_map(number).collect()
+    };
     let grid = |&Shape { name, value, unit }: &Shape| Parameter {
         name: name.to_owned(),
         joint: joint.clone(),
         value: if value.is_finite() { value } else { 0.0 },
-        std: of_grid(found, &shapes, name, value),
+        std: of_grid(&numbers(name), value),
         unit,
     };
     out.extend(candidate.shape.iter().map(grid));
@@ -58,20 +65,20 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
 
 /// Shapes of a cause that were tried in its place, each with how nearly it explains as much: what lies within `leftover` of the gain is
 /// within what a wrong form leaves behind. Weights of 1 and less.
-fn shapes(found: &Findings, cause: usize) -> Vec<(f64, &Tried)> {
+fn shapes(found: &Findings, cause: usize) -> Vec<(f64, &CandidateScore)> {
     let accepted = &found.accepted[cause];
     let own = found.candidate(cause);
-    let gain = |t: &Tried| found.earned(t);
+    let gain = |t: &CandidateScore| found.earned(t);
     let mut tried = accepted.tried.iter();
     let Some(best) = tried.find(|t| t.candidate == accepted.candidate).map(gain) else {
         return Vec::new();
     };
     let scale = (found.settings.search.leftover * best).max(1.0);
-    let alike = |t: &&Tried| {
+    let alike = |t: &&CandidateScore| {
         let c = &found.candidates[t.candidate];
         c.effect == own.effect && c.joints == own.joints && c.driver == own.driver
     };
-    let weight = |t: &Tried| ((gain(t) - best).min(0.0) / scale).exp();
+    let weight = |t: &CandidateScore| ((gain(t) - best).min(0.0) / scale).exp();
     accepted
         .tried
         .iter()
@@ -88,14 +95,9 @@ fn around(value: f64, numbers: impl Iterator<Item = (f64, f64)>) -> f64 {
     (square / f64::max(sum, 1.0)).sqrt()
 }
 
-/// Deviation of a number of the cause's shape, of which a grid was tried: among the shapes that explain nearly as much, and no less than that of
-/// a number between its neighbours. None where there is but one.
-fn of_grid(found: &Findings, shapes: &[(f64, &Tried)], name: &str, value: f64) -> Option<f64> {
-    let number = |(weight, t): &(f64, &Tried)| {
-        let value = found.candidates[t.candidate].shape(name);
-        value.map(|value| (*weight, value))
-    };
-    let numbers: Vec<(f64, f64)> = shapes.iter().filter_map(number).collect();
+/// Deviation of a number of the cause's shape, of which a grid was tried. `numbers` are the values on the grid with their weights: the
+/// deviation is that among them, and no less than that of a number between its neighbours. None where there is but one.
+fn of_grid(numbers: &[(f64, f64)], value: f64) -> Option<f64> {
     let beside = |sign: f64| {
         let steps = numbers.iter().map(|(_, x)| sign * (x - value));
         steps
@@ -106,7 +108,7 @@ fn of_grid(found: &Findings, shapes: &[(f64, &Tried)], name: &str, value: f64) -
         (Some(up), Some(down)) => 0.5 * (up + down),
         (one, other) => one.or(other)?,
     };
-    let finite = numbers.into_iter().filter(|n| n.1.is_finite());
+    let finite = numbers.iter().copied().filter(|n| n.1.is_finite());
     Some(around(value, finite).max(cell / 12.0_f64.sqrt()))
 }
 
@@ -235,7 +237,7 @@ pub fn pushed(
 }
 
 /// Gain of the name over the best other name, nats.
-pub fn lead(found: &Findings, tried: &[Tried], own: usize) -> f64 {
+pub fn lead(found: &Findings, tried: &[CandidateScore], own: usize) -> f64 {
     let effect = found.candidates[own].effect;
     let best = |f: &dyn Fn(&Candidate) -> bool| {
         tried
@@ -247,7 +249,7 @@ pub fn lead(found: &Findings, tried: &[Tried], own: usize) -> f64 {
 }
 
 /// Effects that explain nearly as much in its place.
-pub fn ambiguous(found: &Findings, tried: &[Tried], own: usize) -> Vec<Effect> {
+pub fn ambiguous(found: &Findings, tried: &[CandidateScore], own: usize) -> Vec<Effect> {
     let effect = found.candidates[own].effect;
     let gain = tried
         .iter()
@@ -274,4 +276,24 @@ pub fn ambiguous(found: &Findings, tried: &[Tried], own: usize) -> Vec<Effect> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_deviation_over_a_grid_is_at_least_that_of_its_cell() {
+        // Weights of 1.6 in all; squares of 0.5 · 0.1² and 0.1 · 0.05².
+        let numbers = [(1.0, 0.1), (0.5, 0.2), (0.1, 0.05)];
+        let deviation = of_grid(&numbers, 0.1).unwrap();
+        assert!((deviation - (0.00525_f64 / 1.6).sqrt()).abs() < 1e-12);
+        // One shape that is far better than its neighbours: a uniform number in a cell of (0.1 + 0.05) / 2.
+        let alone = [(1.0, 0.1), (0.0, 0.2), (0.0, 0.05), (1.0, f64::INFINITY)];
+        let deviation = of_grid(&alone, 0.1).unwrap();
+        assert!((deviation - 0.075 / 12.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(of_grid(&[(1.0, 0.1)], 0.1), None);
+        // Less than a whole weight does not make a deviation larger.
+        assert!((around(1.0, [(0.25, 3.0)].into_iter()) - 1.0).abs() < 1e-12);
+    }
 }

@@ -8,7 +8,7 @@ use crate::motion::frame::Frame;
 use crate::motion::standing::{Judged, State};
 use crate::schema::{Unexplained, Verdict};
 use crate::settings::VerdictSettings;
-use crate::traces::unknown::Left;
+use crate::traces::unknown::Misfit;
 use ndarray::Array2;
 
 /// What the verdict is made of.
@@ -20,7 +20,7 @@ pub(crate) struct Evidence<'a> {
     /// Sum over joints of the squared NRMSE as given, on the fitted recording.
     pub given: f64,
     /// What has structure, by joint.
-    pub left: &'a [Option<Left>],
+    pub left: &'a [Option<Misfit>],
     /// What is left, by joint.
     pub rest: &'a [Unexplained],
     /// Whether anything is listed, and whether a push is.
@@ -65,7 +65,7 @@ pub(crate) fn remainder(
     floors: &[Option<f64>],
     judged: &Judged,
     skipped: &[bool],
-    left: &[Option<Left>],
+    left: &[Option<Misfit>],
     names: &[String],
     dead: &[bool],
     settings: &VerdictSettings,
@@ -175,7 +175,7 @@ mod tests {
             standing,
             floor: Some(1.0),
         };
-        let left = Left {
+        let left = Misfit {
             error: 0.02,
             lasting: 1.0,
             learnable: 0.0,
@@ -222,5 +222,51 @@ mod tests {
         let (rest, why) = of(1.2, Some(9.0), false, 0.0);
         assert_eq!(rest, Verdict::CannotTell);
         assert!(why.is_some_and(|w| w.contains("9.000 at rest")));
+    }
+
+    #[test]
+    fn nothing_is_told_without_torque_or_motion_and_structure_comes_first() {
+        let left = |lasting| Misfit {
+            error: 0.2,
+            lasting,
+            learnable: 0.0,
+            rows: 1000,
+        };
+        let of = |dead: bool, moves: bool, pushed: bool, lasting: f64| {
+            let misfit = left(lasting);
+            let evidence = Evidence {
+                dead: &[dead],
+                moves,
+                given: 0.05,
+                left: &[Some(misfit)],
+                rest: &[],
+                causes: true,
+                pushed,
+                cut: 0.0,
+            };
+            verdict(&evidence, &VerdictSettings::default())
+        };
+        let (name, why) = of(true, true, false, 0.0);
+        assert_eq!(name, Verdict::CannotTell);
+        assert!(why.unwrap().contains("torque channel"));
+        let (name, why) = of(false, false, false, 0.0);
+        assert_eq!(name, Verdict::CannotTell);
+        assert!(why.unwrap().contains("motion"));
+        // A push tells something of a robot that stands.
+        assert_eq!(of(false, false, true, 0.0).0, Verdict::PartlyExplained);
+        // 0.2 of the torque, all of it lasting: more than anybody calls plain.
+        assert_eq!(of(false, true, false, 1.0).0, Verdict::UnknownEffect);
+        // What has the floor's size ten times over is judged by the worse of motion and rest.
+        let rest = |moving, standing, floor| Unexplained {
+            joint: "j".to_owned(),
+            nrmse: None,
+            learnable: None,
+            moving,
+            standing,
+            floor,
+        };
+        assert_eq!(over(&rest(Some(2.0), Some(5.0), Some(0.5))), Some(10.0));
+        assert_eq!(over(&rest(None, None, Some(0.5))), None);
+        assert_eq!(over(&rest(Some(2.0), None, None)), Some(f64::INFINITY));
     }
 }

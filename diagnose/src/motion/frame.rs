@@ -328,7 +328,7 @@ impl Frame {
                 0.01
             },
             channel: None,
-            memory: None,
+            correlation_rows: None,
         }
     }
 }

@@ -7,7 +7,6 @@ pub(crate) mod floor;
 pub(crate) mod frame;
 pub(crate) mod motor;
 pub(crate) mod passage;
-pub(crate) mod rigid;
 pub(crate) mod scene;
 pub(crate) mod sensed;
 pub(crate) mod standing;

@@ -8,7 +8,7 @@ use signal::Motion;
 
 /// One motion, and what came before it on the same clock.
 #[derive(Clone, Debug)]
-pub struct Passage<'a> {
+pub struct History<'a> {
     motions: Vec<&'a Motion>,
     part: usize,
     steps: Vec<Step>,
@@ -21,14 +21,14 @@ pub struct Passage<'a> {
 /// Terms of one joint, each with its factor.
 pub type Terms = Vec<(f64, Term)>;
 
-impl<'a> From<&'a Motion> for Passage<'a> {
+impl<'a> From<&'a Motion> for History<'a> {
     /// A motion of which nothing before is known.
     fn from(motion: &'a Motion) -> Self {
         Self::of(vec![motion], 0)
     }
 }
 
-impl<'a> Passage<'a> {
+impl<'a> History<'a> {
     /// Motion `part` of several of one session; the first defines the clock.
     pub fn of(motions: Vec<&'a Motion>, part: usize) -> Self {
         let (mut steps, clock_known) = order(&motions, &[]);

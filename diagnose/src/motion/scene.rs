@@ -3,11 +3,11 @@
 
 use crate::motion::channel::Channel;
 use crate::motion::motor::{Band, Motor, Tangent, Tangents, Wide};
-use crate::motion::passage::Passage;
-use crate::motion::rigid::{rigid_torque, rows};
+use crate::motion::passage::History;
 use crate::motion::sensed::Departure;
 use nalgebra::Vector3;
 use ndarray::{Array1, Array2, Axis, Zip};
+use physics::batch::{by_row, rigid_torque};
 use physics::dynamics::inverse_dynamics_with_gravity;
 use physics::effects::{
     Coupling, EarlySign, FrictionShape, Harmonic, PositionFriction, Sliding, Term,
@@ -43,8 +43,8 @@ pub struct Scale {
     pub step: f64,
     /// How late torque is recorded, where that is known.
     pub channel: Option<Arc<Channel>>,
-    /// Rows for which what is left on each joint remembers itself, where a search has shown it.
-    pub memory: Option<Arc<[f64]>>,
+    /// Integrated autocorrelation time of each joint's residual, rows, where a search has shown it.
+    pub correlation_rows: Option<Arc<[f64]>>,
 }
 
 impl Scale {
@@ -75,12 +75,12 @@ pub struct Scene<'a> {
     pub given: Option<Array2<f64>>,
     tangents: Tangents,
     wide: Option<Wide<'a>>,
-    passage: Passage<'a>,
+    passage: History<'a>,
 }
 
 impl<'a> Scene<'a> {
     /// Evaluates the model on a motion.
-    pub fn new(robot: &'a Robot, passage: impl Into<Passage<'a>>, scale: &'a Scale) -> Self {
+    pub fn new(robot: &'a Robot, passage: impl Into<History<'a>>, scale: &'a Scale) -> Self {
         let passage = passage.into();
         let motion = passage.motion();
         let mut sign = Array2::zeros(motion.qd.dim());
@@ -318,7 +318,7 @@ impl<'a> Scene<'a> {
     /// Rigid torque under another gravity, minus that under the robot's.
     pub fn gravity_change(&self, gravity: Vector3<f64>) -> Array2<f64> {
         let m = self.motion;
-        rows(self.robot, &m.q, &m.qd, &m.qdd, |r, w, q, qd, qdd, tau| {
+        by_row(self.robot, &m.q, &m.qd, &m.qdd, |r, w, q, qd, qdd, tau| {
             inverse_dynamics_with_gravity(r, w, &gravity, q, qd, qdd, tau)
         }) - &self.rigid
     }

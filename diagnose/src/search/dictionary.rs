@@ -5,7 +5,7 @@ use crate::catalogue::{Candidate, Column, ColumnTorque, base_columns};
 use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
 use ndarray::Array1;
-use physics::dynamics::{Workspace, regressor};
+use physics::batch::regressor_columns;
 use physics::robot::PARAMETERS_PER_LINK;
 use rayon::prelude::*;
 
@@ -141,41 +141,14 @@ impl Dictionary {
 
 /// Columns of inertial parameters, joints below their link.
 fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
-    const BLOCK: usize = 512;
-    if wanted.is_empty() {
-        return Vec::new();
-    }
-    let (dof, n, m) = (scene.dof(), scene.len(), scene.motion);
-    let width = PARAMETERS_PER_LINK * dof;
     let entries: Vec<(usize, usize)> = wanted
         .iter()
-        .flat_map(|&c| (0..=c / PARAMETERS_PER_LINK).map(move |j| (c, j)))
+        .flat_map(|&c| (0..=c / PARAMETERS_PER_LINK).map(move |j| (j, c)))
         .collect();
-    // Entry by entry, for some rows.
-    let block = |b: usize| -> Vec<f64> {
-        let rows = b * BLOCK..((b + 1) * BLOCK).min(n);
-        let mut out = vec![0.0; entries.len() * rows.len()];
-        let mut workspace = Workspace::new(scene.robot);
-        let mut y = vec![0.0; dof * width];
-        for (k, i) in rows.clone().enumerate() {
-            let [q, qd, qdd] = [&m.q, &m.qd, &m.qdd].map(|t| {
-                let all = t.as_slice().expect("tables are in standard layout");
-                &all[i * dof..(i + 1) * dof]
-            });
-            regressor(scene.robot, &mut workspace, q, qd, qdd, &mut y);
-            for (out, &(c, j)) in out.chunks_mut(rows.len()).zip(&entries) {
-                out[k] = y[j * width + c];
-            }
-        }
-        out
-    };
-    let blocks: Vec<Vec<f64>> = (0..n.div_ceil(BLOCK)).into_par_iter().map(block).collect();
-    let column = |(e, &(c, j)): (usize, &(usize, usize))| {
-        let parts = blocks.iter().flat_map(|b| {
-            let rows = b.len() / entries.len();
-            &b[e * rows..(e + 1) * rows]
-        });
-        (c, j, parts.copied().collect())
-    };
-    entries.iter().enumerate().map(column).collect()
+    let m = scene.motion;
+    let columns = regressor_columns(scene.robot, &m.q, &m.qd, &m.qdd, &entries, |_| true);
+    let named = entries.into_iter().zip(columns);
+    named
+        .map(|((j, c), column)| (c, j, column.into()))
+        .collect()
 }

@@ -13,12 +13,12 @@ use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
 use crate::search::dictionary::Dictionary;
-use crate::search::ground::Ground;
+use crate::search::model_comparison::{Answer, Comparison, Simplest};
 use crate::search::objective::Objective;
 use crate::search::on_time::on_time;
-use crate::search::select::Tried;
-use crate::search::short::pieces;
-use crate::search::simplest::{Against, Answer, Simplest};
+use crate::search::select::CandidateScore;
+use crate::search::session::Session;
+use crate::search::short_recordings::pieces;
 use crate::search::tables::Tables;
 use crate::settings::{Rule, Settings};
 use crate::simulator::NominalModel;
@@ -39,15 +39,15 @@ pub struct Accepted {
     /// Its variables in the fit.
     pub variables: Range<usize>,
     /// Everything tried in its place, best first.
-    pub tried: Vec<Tried>,
+    pub tried: Vec<CandidateScore>,
     /// How it stands against the parameters.
-    pub against: Against,
+    pub against: Comparison,
 }
 
 /// What the search came to.
 pub struct Findings {
     /// What it has in common with other searches of the recording.
-    pub ground: Arc<Ground>,
+    pub session: Arc<Session>,
     /// The catalogue with the lines found in this recording.
     pub candidates: Vec<Candidate>,
     /// Its columns.
@@ -65,7 +65,7 @@ pub struct Findings {
     /// Standard deviations of the same, see [`Fit::deviations`](crate::algebra::fit::Fit::deviations).
     pub std: Array1<f64>,
     /// The best of what was not accepted.
-    pub rest: Vec<Tried>,
+    pub rest: Vec<CandidateScore>,
     /// How far parameters may leave the given values when they are identified again, in tolerances.
     pub freedom: f64,
     /// How gaps are weighed.
@@ -145,7 +145,7 @@ pub fn find(
     settings: Settings,
     effects: Choice,
     chance: f64,
-    ground: Option<Arc<Ground>>,
+    session: Option<Arc<Session>>,
 ) -> Result<Findings, DiagnoseError> {
     let (data, scale) = (&frames.data, &frames.scale);
     let off = settings.search.off;
@@ -156,13 +156,13 @@ pub fn find(
     let punctual = given.lateness().map(|l| &gap - &data.table_to_samples(&l));
     let left = punctual.as_ref().unwrap_or(&gap);
     let (fitted, residual) = first_fit(model, frames, &given, left, weight, &settings)?;
-    let present = ground.as_ref().map_or(fitted, |g| g.present.clone());
+    let present = session.as_ref().map_or(fitted, |g| g.present.clone());
     let mut scene = Scene::new(&present, frames.passage(), scale);
-    let ground = match ground {
+    let session = match session {
         Some(known) => known,
         None => {
             scene = scene.with_tangents();
-            Arc::new(Ground::new(
+            Arc::new(Session::new(
                 &scene,
                 data,
                 weight,
@@ -171,7 +171,7 @@ pub fn find(
             ))
         }
     };
-    let mut candidates = ground.candidates.clone();
+    let mut candidates = session.candidates.clone();
     let on_time = on_time(&scene, data, &residual, weight);
     let seen = |j: usize| -> Vec<Candidate> {
         let (q, qd) = (data.samples().q.column(j), data.samples().qd.column(j));
@@ -195,7 +195,7 @@ pub fn find(
     let asked = &settings.traces.blows;
     if let Some(blows) = Blows::new(data, &residual, &load, asked)
         && let Some(clearest) = blows.clearest()
-        && matches!(ground.links[clearest.joint], Link::Unknown)
+        && matches!(session.links[clearest.joint], Link::Unknown)
     {
         let shown = Some(blows.chance(&clearest)).filter(|chance| *chance <= asked.chance);
         let shown = shown.filter(|_| !off.holds(Rule::Trace));
@@ -206,7 +206,7 @@ pub fn find(
         candidates.iter_mut().for_each(|c| c.evidence = 0.0);
     }
     let dictionary = Dictionary::new(data.dof(), &candidates);
-    let tables = ground.tables.further(&dictionary, &scene, data);
+    let tables = session.tables.further(&dictionary, &scene, data);
     // Its derivatives need not stay in memory beside the products.
     drop(scene);
     let grams = tables.grams(&y, weight, folds);
@@ -255,7 +255,7 @@ pub fn find(
     );
     let std = selection.fit.deviations();
     Ok(Findings {
-        ground,
+        session,
         candidates,
         dictionary,
         tables,
@@ -326,7 +326,7 @@ impl Findings {
     }
 
     /// Gain of a candidate's own columns, without what else speaks for it.
-    pub fn earned(&self, tried: &Tried) -> f64 {
+    pub fn earned(&self, tried: &CandidateScore) -> f64 {
         tried.gain - self.candidates[tried.candidate].evidence
     }
 

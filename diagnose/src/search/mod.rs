@@ -1,12 +1,14 @@
 //! The search for causes: from the catalogue to those that explain.
 
+mod acceptance;
 pub(crate) mod dictionary;
 pub(crate) mod find;
-pub(crate) mod ground;
+pub(crate) mod model_comparison;
 pub(crate) mod objective;
 mod on_time;
 pub(crate) mod select;
-mod short;
-pub(crate) mod simplest;
+pub(crate) mod session;
+mod short_recordings;
 pub(crate) mod tables;
-mod worth;
+#[cfg(test)]
+mod tests;

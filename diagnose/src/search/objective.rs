@@ -50,8 +50,8 @@ impl<'a> Objective<'a> {
             grams,
             settings,
             torque: scale.torque.clone(),
-            correlated: match &scale.memory {
-                Some(memory) => memory.iter().map(|m| settings.correlated(*m)).collect(),
+            correlated: match &scale.correlation_rows {
+                Some(rows) => rows.iter().map(|r| settings.correlated(*r)).collect(),
                 None => vec![settings.correlated_rows; scale.torque.len()],
             },
         }

@@ -1,7 +1,7 @@
 //! Forward selection of causes with a backward check.
 
 use crate::algebra::fit::{Fit, Variable};
-use crate::algebra::trial::{Beside, Scored, Trial};
+use crate::algebra::trial::{Scored, SharedColumns, Trial};
 use crate::catalogue::effect::Effect;
 use crate::catalogue::{Bound, Candidate};
 use crate::search::objective::Objective;
@@ -19,7 +19,7 @@ const MOMENTS: usize = 4;
 
 /// A candidate tried on top of a fit.
 #[derive(Clone, Debug)]
-pub struct Tried {
+pub struct CandidateScore {
     /// Index of the candidate.
     pub candidate: usize,
     /// Fall of J, nats.
@@ -153,13 +153,13 @@ impl<'a> Search<'a> {
     }
 
     /// Every admissible candidate tried on top of a fit, best first.
-    pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<Tried> {
+    pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<CandidateScore> {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
         self.judged(fit, accepted, &all, Scored::LeftOut)
     }
 
     /// The best candidates on top of a fit, of those that look best on the fitted rows, and `own` in any case.
-    fn contenders(&self, fit: &Fit, accepted: &[usize], own: usize) -> Vec<Tried> {
+    fn contenders(&self, fit: &Fit, accepted: &[usize], own: usize) -> Vec<CandidateScore> {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
         let seen = self.judged(fit, accepted, &all, Scored::Fitted);
         let best = seen.iter().map(|t| t.candidate).filter(|c| *c != own);
@@ -168,19 +168,25 @@ impl<'a> Search<'a> {
     }
 
     /// Those of some candidates that are admissible, tried on top of a fit, best first.
-    fn judged(&self, fit: &Fit, accepted: &[usize], some: &[usize], scored: Scored) -> Vec<Tried> {
+    fn judged(
+        &self,
+        fit: &Fit,
+        accepted: &[usize],
+        some: &[usize],
+        scored: Scored,
+    ) -> Vec<CandidateScore> {
         let before = self.objective.of_fit(fit, 0);
         let places = self.places();
         let open = some.iter().filter(|&&c| self.open(c, accepted));
         let open: Vec<usize> = open.copied().collect();
         let columns: Vec<usize> = open.iter().flat_map(|&c| self.members[c].clone()).collect();
-        let beside = Beside::new(fit, &columns, scored);
-        let mut all: Vec<Tried> = open
+        let beside = SharedColumns::new(fit, &columns, scored);
+        let mut all: Vec<CandidateScore> = open
             .into_par_iter()
             .filter_map(|c| {
                 let trial = beside.trial(&self.variables(c));
                 let gain = self.gain_among(c, before, &trial, &places)?;
-                Some(Tried {
+                Some(CandidateScore {
                     candidate: c,
                     gain,
                     error: trial.error,
@@ -278,7 +284,10 @@ impl<'a> Search<'a> {
 
     /// What some causes were chosen among: for each everything tried in its place, the others standing, and everything
     /// tried beside all of them, best first.
-    pub fn alternatives(&self, selection: &Selection) -> (Vec<Vec<Tried>>, Vec<Tried>) {
+    pub fn alternatives(
+        &self,
+        selection: &Selection,
+    ) -> (Vec<Vec<CandidateScore>>, Vec<CandidateScore>) {
         let accepted = &selection.accepted;
         let instead = |i: usize| {
             let others = without(accepted, i);

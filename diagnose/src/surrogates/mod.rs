@@ -7,9 +7,9 @@
 //! catalogue is searched on each surrogate by algebra. Lines over position, which are picked from the torque, are picked
 //! again ([`scan`]).
 
-mod drawn;
 mod naming;
 mod null;
+mod null_torque;
 mod scan;
 #[cfg(test)]
 mod tests;

@@ -8,8 +8,8 @@
 //! position are tried at the orders that the recording showed, not picked again.
 
 use super::Source;
-use super::drawn::draw;
-use crate::algebra::many::Fitted;
+use super::null_torque::draw;
+use crate::algebra::batched_trials::Fitted;
 use crate::catalogue::effect::Effect;
 use crate::search::find::{Accepted, Findings};
 use crate::search::select::without;

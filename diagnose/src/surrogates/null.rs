@@ -1,8 +1,8 @@
 //! What the search would gain if nothing were missing.
 
 use super::scan::{Scan, scans};
-use super::{Source, drawn};
-use crate::algebra::many::Fitted;
+use super::{Source, null_torque};
+use crate::algebra::batched_trials::Fitted;
 use crate::catalogue::effect::Effect;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -87,7 +87,7 @@ impl Source<'_> {
 
     /// Gains on the surrogates with the given numbers: of each candidate and of each scan.
     fn gains(&self, lines: &[Scan], numbers: Range<u64>) -> Null {
-        let drawn = drawn::draw(self.fit, self.stretches.fold.len(), SEED, numbers);
+        let drawn = null_torque::draw(self.fit, self.stretches.fold.len(), SEED, numbers);
         let fitted = Fitted::new(self.fit, &drawn.products(self.fit, &self.stretches));
         let before = self.values(&fitted);
         let places = self.search.places();

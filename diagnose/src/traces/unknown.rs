@@ -19,7 +19,7 @@ const RIDGE: f64 = 3e-3;
 
 /// What is left on a joint, relative to the deviation of its torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Left {
+pub struct Misfit {
     /// Root mean squared error away from reversals.
     pub error: f64,
     /// Part of its square that lasts 80 ms or longer.
@@ -30,7 +30,7 @@ pub struct Left {
     pub rows: usize,
 }
 
-impl Left {
+impl Misfit {
     /// Error with structure, relative to the torque.
     pub fn structured(&self) -> f64 {
         self.error * self.lasting.max(self.learnable).max(0.0).sqrt()
@@ -44,7 +44,7 @@ pub fn examine(
     residual: &Array2<f64>,
     skipped: &[bool],
     settings: &Settings,
-) -> Vec<Option<Left>> {
+) -> Vec<Option<Misfit>> {
     let r = frame.table_thin(residual);
     let mut reversal = frame.reversals(&settings.motion);
     for (mut row, _) in reversal
@@ -74,7 +74,7 @@ fn one(
     reversal: &Array2<bool>,
     kept: &[usize],
     inputs: &Inputs,
-) -> Left {
+) -> Misfit {
     let deviation = frame.tau.column(joint).std(0.0).max(1e-12);
     let square = kept.iter().map(|&i| r[i] * r[i]).sum::<f64>() / kept.len() as f64;
     let correlation = |lag: f64| {
@@ -93,7 +93,7 @@ fn one(
         .map(correlation)
         .fold(0.0, f64::max)
         .min(1.0);
-    Left {
+    Misfit {
         error: square.sqrt() / deviation,
         lasting,
         learnable: learnable(frame, joint, r, kept, inputs),
@@ -241,4 +241,68 @@ fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], input
         }
     }
     if all > 0.0 { 1.0 - left / all } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use datasets::{PrepareOptions, Recording};
+    use rand::{RngExt, SeedableRng};
+
+    /// A minute of two joints at 100 Hz.
+    fn frame() -> Frame {
+        let time: Vec<f64> = (0..6000).map(|i| 0.01 * f64::from(i)).collect();
+        let q = Array2::from_shape_fn((time.len(), 2), |(i, j)| {
+            let t = time[i];
+            (0.7 * t + j as f64).sin() + 0.5 * (1.9 * t - 0.3 * j as f64).sin()
+        });
+        let tau = q.mapv(|x| 10.0 * x);
+        let recording = Recording::new("two sines", time, q, Some(tau.clone()));
+        Frame::new(&recording, tau, &PrepareOptions::low_passed(20.0)).unwrap()
+    }
+
+    #[test]
+    fn a_function_of_motion_is_learned_and_noise_is_not() {
+        let frame = frame();
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let q = &frame.samples().q;
+        // A torque over the other joint's position, and uniform noise.
+        let residual = Array2::from_shape_fn(q.dim(), |(i, j)| match j {
+            0 => q[[i, 1]].sin(),
+            _ => rng.random::<f64>() - 0.5,
+        });
+        let skipped = vec![false; frame.len()];
+        let found = examine(&frame, &residual, &skipped, &Settings::default());
+        let (learned, noise) = (found[0].unwrap(), found[1].unwrap());
+        assert!(
+            learned.learnable > 0.98 && learned.lasting > 0.9,
+            "{learned:?}"
+        );
+        assert!(noise.learnable < 0.02 && noise.lasting < 0.2, "{noise:?}");
+        assert!((learned.structured() / learned.error - 1.0).abs() < 0.02);
+        // Where all rows are left out nothing is said.
+        let none = examine(
+            &frame,
+            &residual,
+            &vec![true; frame.len()],
+            &Settings::default(),
+        );
+        assert_eq!(none, [None, None]);
+    }
+
+    #[test]
+    fn structure_is_the_larger_of_both_signs() {
+        let misfit = Misfit {
+            error: 0.02,
+            lasting: 0.25,
+            learnable: -0.1,
+            rows: 500,
+        };
+        assert!((misfit.structured() - 0.01).abs() < 1e-15);
+        let learned = Misfit {
+            learnable: 0.64,
+            ..misfit
+        };
+        assert!((learned.structured() - 0.016).abs() < 1e-15);
+    }
 }

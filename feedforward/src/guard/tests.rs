@@ -27,7 +27,7 @@ fn guard() -> Guard {
     let own = robot.parameters();
     let record = TorqueModelRecord::new(&robot, own.clone(), own, terms);
     let json = serde_json::json!({
-        "schema": crate::SCHEMA, "physics": record, "preprocessing": {"fine_hz": 1000.0}, "clock": [], "memory": [],
+        "schema": crate::model_file::SCHEMA, "physics": record, "preprocessing": {"fine_hz": 1000.0}, "clock": [], "memory": [],
         "compensator": null,
     });
     let model = Feedforward::from_bytes(json.to_string().as_bytes(), None, None).unwrap();

@@ -6,23 +6,15 @@ use super::residual::Residual;
 use crate::clock::Memory;
 use crate::dynamics::Dynamics;
 use crate::inputs::CompensatorRecord;
+use crate::model_file::{self, NETWORK, sha256};
 use crate::network::Compensator;
 use physics::torque_model::TorqueModelRecord;
-use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-
-/// Names of the files that a loop needs.
-const MODEL: &str = "model.json";
-const NETWORK: &str = "compensator.safetensors";
-
-/// Version of `model.json` that this run-time reads.
-pub const SCHEMA: &str = "model/1";
 
 /// The part of `model.json` that the run-time needs.
 #[derive(serde::Deserialize)]
 struct ModelJson {
-    schema: String,
     physics: TorqueModelRecord,
     preprocessing: Preprocessing,
     clock: Vec<[f64; 2]>,
@@ -42,7 +34,7 @@ impl Feedforward {
     /// Missing, damaged or altered files, another version, or parts of different robots; a period that is more than 1.5 times as
     /// long as that of the compensator's training, or less than a 2000th of it ([`Self::load_physics`] takes any).
     pub fn load(directory: &Path, period: Option<f64>) -> Result<Self, LoadError> {
-        let text = file(&directory.join(MODEL))?;
+        let text = file(&directory.join(model_file::NAME))?;
         Self::assemble(directory, &text, period, || {
             file(&directory.join(NETWORK)).map(|bytes| Some(Cow::Owned(bytes)))
         })
@@ -53,7 +45,7 @@ impl Feedforward {
     /// # Errors
     /// As [`Self::load`], but for the compensator's.
     pub fn load_physics(directory: &Path, period: Option<f64>) -> Result<Self, LoadError> {
-        let text = file(&directory.join(MODEL))?;
+        let text = file(&directory.join(model_file::NAME))?;
         Self::assemble(directory, &text, period, || Ok(None))
     }
 
@@ -78,19 +70,10 @@ impl Feedforward {
         period: Option<f64>,
         network: impl FnOnce() -> Result<Option<Cow<'a, [u8]>>, LoadError>,
     ) -> Result<Self, LoadError> {
-        let format = |reason: String| LoadError::Format {
-            path: directory.join(MODEL),
-            reason,
-        };
-        let value: serde_json::Value =
-            serde_json::from_slice(text).map_err(|e| format(e.to_string()))?;
-        if value.get("schema").and_then(|s| s.as_str()) != Some(SCHEMA) {
-            return Err(format(format!(
-                "no model of schema {SCHEMA:?}; train the model again with this version"
-            )));
-        }
-        let json: ModelJson = serde_json::from_value(value).map_err(|e| format(e.to_string()))?;
-        debug_assert_eq!(json.schema, SCHEMA);
+        let json: ModelJson = model_file::parse(text).map_err(|reason| LoadError::Format {
+            path: directory.join(model_file::NAME),
+            reason: reason.to_string(),
+        })?;
         let model = json.physics.model()?;
         let network_period = json.compensator.as_ref().map(|c| c.period);
         let period = period
@@ -144,11 +127,7 @@ fn checked(
     record: &CompensatorRecord,
     joints: &[String],
 ) -> Result<Compensator, LoadError> {
-    let found: String = Sha256::digest(bytes)
-        .iter()
-        .map(|b| format!("{b:02x}"))
-        .collect();
-    if found != record.sha256 {
+    if sha256(bytes) != record.sha256 {
         return Err(LoadError::Format {
             path,
             reason: "not the file that model.json was written with (checksum differs); copy or train the model again".into(),

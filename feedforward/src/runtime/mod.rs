@@ -6,5 +6,5 @@ mod model;
 mod residual;
 
 pub use error::LoadError;
-pub use load::{SCHEMA, load_network};
+pub use load::load_network;
 pub use model::Feedforward;

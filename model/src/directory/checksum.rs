@@ -1,13 +1,9 @@
 //! What ties the files of a model directory to each other and to the recordings behind them.
 
+use feedforward::model_file::hexadecimal;
 use sha2::{Digest, Sha256};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-
-/// SHA-256 in lower-case hexadecimal.
-pub fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
 
 /// SHA-256 of a file, or of all files below a folder one behind the other by name; read in pieces, for recordings may be large.
 ///
@@ -41,13 +37,10 @@ pub fn sha256_of(path: &Path) -> std::io::Result<String> {
     Ok(hexadecimal(&hash.finalize()))
 }
 
-fn hexadecimal(digest: &[u8]) -> String {
-    digest.iter().map(|b| format!("{b:02x}")).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use feedforward::model_file::sha256;
 
     #[test]
     fn files_and_folders() {

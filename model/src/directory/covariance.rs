@@ -1,8 +1,8 @@
 //! `covariance.json`: what only the deviation of a prediction needs and no control loop reads, in a file of its own,
 //! because it is most of what there is to write.
 
-use super::checksum::sha256;
 use super::error::DirectoryError;
+use feedforward::model_file::sha256;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

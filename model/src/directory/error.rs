@@ -1,5 +1,6 @@
 //! A model directory that cannot be read or written.
 
+use feedforward::model_file::ModelFileError;
 use physics::torque_model::TorqueModelError;
 use std::path::PathBuf;
 
@@ -30,7 +31,7 @@ pub enum DirectoryError {
         /// Its file.
         path: PathBuf,
     },
-    /// The model was written by another version.
+    /// A file beside it was written by another version.
     #[error("{path}: schema {found:?}, this program reads {read:?}; train the model again")]
     Schema {
         /// The file.
@@ -46,9 +47,17 @@ pub enum DirectoryError {
         /// The file.
         path: PathBuf,
     },
-    /// The parts of the model do not fit together.
+    /// `model.json` is none of this version.
     #[error("{path}: {source}")]
     Model {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: ModelFileError,
+    },
+    /// The parts of the model do not fit together.
+    #[error("{path}: {source}")]
+    Physics {
         /// The file.
         path: PathBuf,
         /// Why.

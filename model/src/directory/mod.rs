@@ -10,8 +10,9 @@ mod text;
 mod timing;
 
 pub use base_parameter::BaseParameter;
-pub use checksum::{sha256, sha256_of};
+pub use checksum::sha256_of;
 pub use error::DirectoryError;
+pub use feedforward::model_file::{SCHEMA, sha256};
 pub use text::json;
 pub use timing::Timing;
 
@@ -25,15 +26,13 @@ use datasets::channel::Estimate95;
 use datasets::prepare::{Derivatives, PrepareError, PrepareOptions, prepare};
 use datasets::{Prepared, Recording, TorqueFilter};
 use feedforward::clock::Memory;
+use feedforward::model_file;
 use metrics::Metrics;
 use ndarray::Array2;
 use physics::robot::Robot;
 use physics::torque_model::{TorqueModelRecord, WeightedTerm};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-
-/// Version of `model.json` that this program writes and reads.
-pub const SCHEMA: &str = "model/1";
 
 /// Files of `train --yardsticks`: figures and trees; the ridge regression, as a compensator is stored.
 pub const YARDSTICKS: [&str; 2] = ["yardsticks.json", "yardsticks.safetensors"];
@@ -229,7 +228,7 @@ impl ModelFile {
     /// # Errors
     /// A missing or damaged file, or one of another version.
     pub fn load(directory: &Path) -> Result<Self, DirectoryError> {
-        let path = directory.join("model.json");
+        let path = directory.join(model_file::NAME);
         let text = std::fs::read_to_string(&path).map_err(|source| {
             let machine = directory.join("machine.json");
             if machine.is_file() {
@@ -257,27 +256,14 @@ impl ModelFile {
     /// # Errors
     /// As [`ModelFile::load`].
     pub fn parse(text: &str, path: PathBuf) -> Result<Self, DirectoryError> {
-        let format = |e: serde_json::Error| DirectoryError::Format {
-            path: path.clone(),
-            reason: e.to_string(),
-        };
-        let value: serde_json::Value = serde_json::from_str(text).map_err(format)?;
-        let found = value
-            .get("schema")
-            .and_then(|s| s.as_str())
-            .unwrap_or("none")
-            .to_owned();
-        if found != SCHEMA {
-            return Err(DirectoryError::Schema {
-                path,
-                found,
-                read: SCHEMA,
-            });
-        }
-        let file: Self = serde_json::from_value(value).map_err(format)?;
+        let file: Self =
+            model_file::parse(text.as_bytes()).map_err(|source| DirectoryError::Model {
+                path: path.clone(),
+                source,
+            })?;
         file.physics
             .model()
-            .map_err(|source| DirectoryError::Model {
+            .map_err(|source| DirectoryError::Physics {
                 path: path.clone(),
                 source,
             })?;
@@ -317,7 +303,7 @@ impl ModelFile {
         };
         report::write_atomic(&directory.join(covariance::FILE), covariance)?;
         Ok(report::write_atomic(
-            &directory.join("model.json"),
+            &directory.join(model_file::NAME),
             json(&stored),
         )?)
     }
@@ -343,7 +329,7 @@ impl ModelFile {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(failed(e)),
             _ => Ok(()),
         };
-        let path = directory.join("compensator.safetensors");
+        let path = directory.join(model_file::NETWORK);
         match weights {
             Some(bytes) => report::write_atomic(&path, bytes)?,
             None => gone(&path)?,
@@ -363,7 +349,7 @@ impl ModelFile {
     /// # Errors
     /// The file cannot be read.
     pub fn sha256(directory: &Path) -> Result<String, DirectoryError> {
-        let path = directory.join("model.json");
+        let path = directory.join(model_file::NAME);
         sha256_of(&path).map_err(|source| DirectoryError::Read { path, source })
     }
 

@@ -6,9 +6,9 @@ use ::identify::base::BaseParameters;
 use ::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
 use datasets::metrics::MOVING;
 use ndarray::Array2;
-use physics::dynamics::{Workspace, regressor};
+use physics::batch::regressor_columns;
 use physics::effects::Term;
-use physics::robot::{PARAMETERS_PER_LINK, Robot};
+use physics::robot::Robot;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -35,30 +35,14 @@ pub fn inertial_columns(
     recordings: Range<usize>,
     every: usize,
 ) -> RigidColumns {
-    let n = robot.dof();
-    let width = PARAMETERS_PER_LINK * n;
-    let mut workspace = Workspace::new(robot);
-    let mut y = vec![0.0; n * width];
-    let mut columns: RigidColumns = vec![Vec::new(); n];
+    let entries: Vec<(usize, usize)> = (0..robot.dof())
+        .flat_map(|joint| standard.iter().map(move |&parameter| (joint, parameter)))
+        .collect();
+    let mut columns: RigidColumns = vec![Vec::new(); robot.dof()];
     for part in &session.parts[recordings] {
-        let motion = &part.fine;
-        // One fine column per joint and parameter, column-major.
-        let mut fine = vec![vec![0.0; motion.len()]; n * standard.len()];
-        let rows = motion.q.rows().into_iter();
-        let rows = rows.zip(motion.qd.rows()).zip(motion.qdd.rows());
+        let m = &part.fine;
         let needed = part.rows_for(every);
-        for (row, ((q, qd), qdd)) in rows.enumerate().filter(|(row, _)| needed[*row]) {
-            let (Some(q), Some(qd), Some(qdd)) = (q.to_slice(), qd.to_slice(), qdd.to_slice())
-            else {
-                unreachable!("tables are in standard layout");
-            };
-            regressor(robot, &mut workspace, q, qd, qdd, &mut y);
-            for joint in 0..n {
-                for (k, &column) in standard.iter().enumerate() {
-                    fine[joint * standard.len() + k][row] = y[joint * width + column];
-                }
-            }
-        }
+        let fine = regressor_columns(robot, &m.q, &m.qd, &m.qdd, &entries, |row| needed[row]);
         let sampled: Vec<Vec<f64>> = fine
             .par_iter()
             .map(|column| part.to_samples(column))

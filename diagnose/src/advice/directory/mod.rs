@@ -75,7 +75,7 @@ pub fn directory(
             terms,
             ..file.physics.clone()
         },
-        None => TorqueModelRecord::new(&robot, rigid, found.ground.present.parameters(), terms),
+        None => TorqueModelRecord::new(&robot, rigid, found.session.present.parameters(), terms),
     };
     let model = record.model()?;
     let preprocessing = preprocessing(outcome, &recorded, cutoff_given);

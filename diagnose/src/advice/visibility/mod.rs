@@ -121,7 +121,7 @@ fn scale(robot: &Robot, motion: &Motion, rate: f64) -> Scale {
         session: (0.0, motion.time.last().copied().unwrap_or(0.0)),
         step: 1.0 / rate,
         channel: None,
-        memory: None,
+        correlation_rows: None,
     };
     let predicted = Scene::new(robot, motion, &scale).predicted();
     scale.torque = predicted

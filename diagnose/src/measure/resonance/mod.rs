@@ -46,7 +46,7 @@ pub fn standing_out(model: &NominalModel, frames: &Frames, found: &Findings) -> 
         .filter(|&c| found.candidate(c).effect == Effect::TorqueRipple)
         .collect();
     let frame = &frames.data;
-    let scene = Scene::new(&found.ground.present, frames.passage(), &frames.scale);
+    let scene = Scene::new(&found.session.present, frames.passage(), &frames.scale);
     let fit = found.refit(model, &frames.scale, &ripple, Free::All);
     let columns = Columns::new(&found.dictionary, &scene, frame, &fit.variables);
     let gap = gap(model, frame, &frames.scale);

@@ -69,7 +69,7 @@ pub(super) fn maps(outcome: &Outcome) -> Section {
     let start = m.time.first().copied().unwrap_or(0.0);
     let time: Vec<f64> = m.time.iter().map(|t| t - start).collect();
     let mut section = Section::new("Maps of the torque error").paragraph(
-        "Means over bins with one standard deviation, of the joints with the largest gap. Against velocity, friction shows; against \
+        "Means over bins with one standard deviation, of the joints with the largest gap. Comparison velocity, friction shows; against \
          position, gravity, springs and ripple; against the torque, gain and load; against time, \
          warming and contact; by order of position, ripple.",
     );
@@ -137,7 +137,7 @@ fn orders(outcome: &Outcome, joint: usize) -> Option<Figure> {
 
 /// Units of position, velocity and torque of a joint.
 pub(super) fn units(outcome: &Outcome, joint: usize) -> [&'static str; 3] {
-    if outcome.findings.ground.present.joints()[joint]
+    if outcome.findings.session.present.joints()[joint]
         .kind
         .is_rotation()
     {

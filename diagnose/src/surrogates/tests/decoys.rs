@@ -82,7 +82,7 @@ fn what_another_trajectory_moved_explains_nothing() {
             all.extend(decoy);
         }
         let dictionary = Dictionary::new(data.dof(), &all);
-        let scene = Scene::new(&found.ground.present, frames.passage(), &frames.scale);
+        let scene = Scene::new(&found.session.present, frames.passage(), &frames.scale);
         let y = data.table_thin(&gap(&model, data, &frames.scale));
         let tables = Tables::new(&dictionary, &scene, data);
         let grams = tables.grams(&y, &weight, data.folds());

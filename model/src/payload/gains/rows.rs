@@ -8,6 +8,7 @@ use crate::session::Session;
 use ::identify::base::BaseParameters;
 use ::identify::least_squares::{Accumulator, Gram, LeastSquaresError};
 use ndarray::{Array1, Array2, ArrayView1, Axis, concatenate};
+use physics::batch::rigid_torque;
 use physics::effects::Term;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use physics::torque_model::{TorqueModel, WeightedTerm};
@@ -208,7 +209,8 @@ fn loads(robot: &Robot, session: &Session, body: &KnownBody) -> Vec<Array2<f64>>
     }
     let mut load = session.load(robot);
     if let Ok(loaded) = robot.with_parameters(&parameters) {
-        load[1] = crate::session::rigid_torque(&loaded, &session.parts[1].fine);
+        let m = &session.parts[1].fine;
+        load[1] = rigid_torque(&loaded, &m.q, &m.qd, &m.qdd);
     }
     load
 }

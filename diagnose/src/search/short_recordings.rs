@@ -4,11 +4,11 @@
 //! of a joint's error shows all the same, in each second by a fit to the others.
 
 use crate::algebra::fit::Fit;
-use crate::algebra::trial::{Beside, Scored};
+use crate::algebra::trial::{Scored, SharedColumns};
 use crate::catalogue::info::Need;
+use crate::search::model_comparison::{Answer, Comparison, Simplest};
 use crate::search::objective::Objective;
-use crate::search::select::{Search, Selection, Tried};
-use crate::search::simplest::{Against, Answer, Simplest};
+use crate::search::select::{CandidateScore, Search, Selection};
 use crate::settings::LadderSettings;
 use std::collections::HashSet;
 
@@ -55,7 +55,7 @@ impl<'a> Simplest<'a> {
         };
         let (steps, rest) = search.alternatives(&selection);
         let mut against = answer.against;
-        against.resize_with(selection.accepted.len(), Against::default);
+        against.resize_with(selection.accepted.len(), Comparison::default);
         Answer {
             selection,
             steps,
@@ -89,7 +89,7 @@ impl<'a> Simplest<'a> {
             self.objective.fit(variables).error()
         });
         let refitted = |j: usize| refits.iter().map(|e| e[j]).fold(f64::INFINITY, f64::min);
-        let tried: Vec<Tried> = search
+        let tried: Vec<CandidateScore> = search
             .tried(&fit, accepted)
             .into_iter()
             .filter(|t| self.may(t.candidate) && self.visible(&fit, t))
@@ -98,8 +98,8 @@ impl<'a> Simplest<'a> {
             .iter()
             .flat_map(|t| self.members[t.candidate].clone())
             .collect();
-        let beside = Beside::new(&fit, &columns, Scored::LeftOut);
-        let halves = |t: &&Tried| {
+        let beside = SharedColumns::new(&fit, &columns, Scored::LeftOut);
+        let halves = |t: &&CandidateScore| {
             let after = by_piece(&beside.parts(&search.variables(t.candidate)), pieces);
             let on = |j: usize| {
                 let mut each = after.iter().zip(&before);
@@ -123,7 +123,7 @@ impl<'a> Simplest<'a> {
     }
 
     /// Whether a trial removes an error that is visible on some joint.
-    fn visible(&self, fit: &Fit, tried: &Tried) -> bool {
+    fn visible(&self, fit: &Fit, tried: &CandidateScore) -> bool {
         let objective: &Objective = self.objective;
         let before = objective.relative(&fit.error());
         let after = objective.relative(&tried.error);

@@ -3,7 +3,7 @@
 //! Each part of the earlier recordings is diagnosed against the model of the others, as a later recording is against all:
 //! what is found there is the model's own misfit on motions that it does not know, and what has changed must be more.
 
-use super::earlier::{Earlier, Usual};
+use super::earlier::{Baseline, Earlier};
 use super::options::Options;
 use super::searched::{Channels, Searched, Searcher};
 use crate::catalogue::choice::Choice;
@@ -13,7 +13,7 @@ use crate::input::frames::Frames;
 use crate::motion::standing::State;
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, Replay};
-use crate::traces::unknown::Left;
+use crate::traces::unknown::Misfit;
 use datasets::{Folds, Recording, repeats};
 use physics::robot::Robot;
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ pub(crate) fn options(
 
 /// How well the robot repeats itself, by motions that stand more than once in one of the recordings, as trajectories or as periods: what
 /// comes and goes from one execution to the next is no change.
-fn spread(recordings: &[&Recording]) -> Option<Usual> {
+fn spread(recordings: &[&Recording]) -> Option<Baseline> {
     let each = recordings.iter().filter_map(|r| {
         let left = repeats::spread(r)?;
         let tau = r.tau.as_ref()?;
@@ -51,13 +51,13 @@ fn spread(recordings: &[&Recording]) -> Option<Usual> {
             let size = tau.std(0.0);
             if size > 0.0 { left / size } else { 0.0 }
         });
-        Some(Usual {
+        Some(Baseline {
             earned: 0.0,
             structured: structured.collect(),
             left,
         })
     });
-    each.reduce(Usual::most)
+    each.reduce(Baseline::most)
 }
 
 /// What is looked for: the links are what they were, and the robot's own model is nearer than a description is. How sure a
@@ -86,7 +86,7 @@ fn usual(
     before: &Recording,
     cutoff_hz: Option<f64>,
     options: &Options,
-) -> Option<Usual> {
+) -> Option<Baseline> {
     let groups = Folds::of_visits(&[before], PARTS).of_trajectories(&[before]);
     let parts: Vec<Vec<usize>> = (0..PARTS)
         .map(|part| {
@@ -95,12 +95,12 @@ fn usual(
         })
         .filter(|part: &Vec<usize>| !part.is_empty() && part.len() < before.trajectories.len())
         .collect();
-    let each: Vec<Usual> = parts
+    let each: Vec<Baseline> = parts
         .par_iter()
         .filter_map(|part| of_part(model.sizes(), before, part, cutoff_hz, options).ok())
         .collect();
     let own = of_whole(model);
-    each.into_iter().reduce(Usual::most).map(|u| u.most(own))
+    each.into_iter().reduce(Baseline::most).map(|u| u.most(own))
 }
 
 fn of_part(
@@ -109,7 +109,7 @@ fn of_part(
     part: &[usize],
     cutoff_hz: Option<f64>,
     options: &Options,
-) -> Result<Usual, DiagnoseError> {
+) -> Result<Baseline, DiagnoseError> {
     let (others, own) = before.split(part);
     let model = before::model(robot, &[others], cutoff_hz)?;
     let model = model.alone().on_clock_of(&[&own])?;
@@ -134,21 +134,21 @@ fn of_part(
         let (sum, n) = squares.fold((0.0, 0.0), |(sum, n), x| (sum + x, n + 1.0));
         f64::sqrt(sum / f64::max(n, 1.0))
     };
-    Ok(Usual {
+    Ok(Baseline {
         earned: findings.most_earned() / rows,
         left: (0..robot.dof()).map(moving).collect(),
         structured: left
             .iter()
-            .map(|l| l.as_ref().map_or(0.0, Left::structured))
+            .map(|l| l.as_ref().map_or(0.0, Misfit::structured))
             .collect(),
     })
 }
 
 /// What the model leaves of the recordings that it was identified from: one of a part may be the better one. How much of it has structure
 /// the parts say.
-fn of_whole(model: &NominalModel) -> Usual {
+fn of_whole(model: &NominalModel) -> Baseline {
     let left = model.replay().map_or_else(Vec::new, Replay::left);
-    Usual {
+    Baseline {
         earned: 0.0,
         structured: vec![0.0; left.len()],
         left,

@@ -29,7 +29,7 @@ impl RightHands {
 
 /// One part of a fit, all folds or all but one.
 #[derive(Clone, Copy)]
-struct Which<'a> {
+struct FitPart<'a> {
     part: &'a Part,
     left_out: Option<usize>,
 }
@@ -159,12 +159,12 @@ impl<'a> Fitted<'a> {
 }
 
 /// Folds left out, then all.
-fn parts<'a>(fit: &'a Fit) -> Vec<Which<'a>> {
-    let folds = fit.parts.iter().enumerate().map(|(f, part)| Which {
+fn parts<'a>(fit: &'a Fit) -> Vec<FitPart<'a>> {
+    let folds = fit.parts.iter().enumerate().map(|(f, part)| FitPart {
         part,
         left_out: Some(f),
     });
-    let all = Which {
+    let all = FitPart {
         part: &fit.all,
         left_out: None,
     };
@@ -180,7 +180,7 @@ fn penalties(variables: &[Variable], beta: &Array2<f64>) -> Array1<f64> {
     beta.columns().into_iter().map(of).collect()
 }
 
-fn addition(fit: &Fit, which: Which, set: &[Variable]) -> Addition {
+fn addition(fit: &Fit, which: FitPart, set: &[Variable]) -> Addition {
     let (k, m) = (set.len(), fit.variables.len());
     let grams = fit.grams;
     let rows: Vec<Vec<(usize, usize)>> = (0..fit.weights.len())
@@ -239,7 +239,7 @@ fn addition(fit: &Fit, which: Which, set: &[Variable]) -> Addition {
     }
 }
 
-fn state(fit: &Fit, which: Which, y: &RightHands) -> State {
+fn state(fit: &Fit, which: FitPart, y: &RightHands) -> State {
     let grams = fit.grams;
     let dof = fit.weights.len();
     let whole: Vec<Array2<f64>> = (0..dof)
@@ -308,7 +308,7 @@ fn state(fit: &Fit, which: Which, y: &RightHands) -> State {
 mod tests {
     use super::*;
     use crate::algebra::gram::{Grams, JointGram, Layout};
-    use crate::algebra::trial::{Beside, Scored};
+    use crate::algebra::trial::{Scored, SharedColumns};
     use proptest::prelude::*;
     use std::ops::Range;
 
@@ -372,7 +372,7 @@ mod tests {
                     prop_assert!((a - b).abs() < 1e-9);
                 }
                 for set in [vec![v(2), v(3)], vec![v(2)]] {
-                    let own = Beside::new(&fit, &[2, 3], Scored::LeftOut).trial(&set);
+                    let own = SharedColumns::new(&fit, &[2, 3], Scored::LeftOut).trial(&set);
                     let many = fitted.trials(&set);
                     for ((a, c), b) in many[0].error.iter().zip(&many[1].error).zip(&own.error) {
                         prop_assert!((a - b).abs() < 1e-9, "{} {}", a, b);

@@ -1,6 +1,6 @@
 //! What a trial has to earn before it is named.
 
-use super::select::{Search, Tried};
+use super::select::{CandidateScore, Search};
 use crate::algebra::fit::Fit;
 use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
@@ -10,7 +10,7 @@ use signal::quantile::median;
 impl Search<'_> {
     /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
     /// visible on some joint and in the whole of what parameters leave.
-    pub(super) fn worth(&self, fit: &Fit, tried: &Tried, others: &[usize]) -> bool {
+    pub(super) fn worth(&self, fit: &Fit, tried: &CandidateScore, others: &[usize]) -> bool {
         let s = self.objective.settings;
         let c = &self.candidates[tried.candidate];
         if self.by_trace(tried.candidate, others) {
@@ -91,7 +91,7 @@ impl Search<'_> {
     }
 
     /// Whether a trial removes so much of its own joints' error that it can be nobody's leftover.
-    pub(super) fn plain(&self, fit: &Fit, tried: &Tried) -> bool {
+    pub(super) fn plain(&self, fit: &Fit, tried: &CandidateScore) -> bool {
         let before = self.objective.relative(&fit.error());
         let after = self.objective.relative(&tried.error);
         let joints = &self.candidates[tried.candidate].joints;

@@ -1,7 +1,7 @@
 //! Torques as they would be if nothing were missing.
 
+use crate::algebra::batched_trials::RightHands;
 use crate::algebra::fit::Fit;
-use crate::algebra::many::RightHands;
 use crate::search::tables::Stretches;
 use ndarray::{Array1, Array2, Axis};
 use rand::{RngExt, SeedableRng};

@@ -12,7 +12,7 @@ use crate::algebra::fit::{Fit, Variable};
 use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
 use crate::search::objective::{Freedom, Objective};
-use crate::search::select::{Search, Selection, Tried, without};
+use crate::search::select::{CandidateScore, Search, Selection, without};
 use crate::settings::Rule;
 use crate::simulator::NominalModel;
 use physics::robot::PARAMETERS_PER_LINK;
@@ -27,18 +27,18 @@ pub struct Answer<'a> {
     /// The causes.
     pub selection: Selection<'a>,
     /// For each cause everything tried in its place, the others standing, best first.
-    pub steps: Vec<Vec<Tried>>,
+    pub steps: Vec<Vec<CandidateScore>>,
     /// What was tried beside all of them, best first.
-    pub rest: Vec<Tried>,
+    pub rest: Vec<CandidateScore>,
     /// Base variables with the priors of the answer.
     pub base: Vec<Variable>,
     /// How each accepted cause stands against the parameters.
-    pub against: Vec<Against>,
+    pub against: Vec<Comparison>,
 }
 
 /// How a cause stands against the parameters; nothing is said of what they cannot take over, and of parameters.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Against {
+pub struct Comparison {
     /// Squared error over that of the free refit in its place.
     pub over_refit: Option<f64>,
     /// Factor on the tolerances of the given parameters up to which it is found; None where it is found under any.
@@ -329,7 +329,7 @@ impl<'a> Run<'a> {
     fn answer(self, within: impl Fn(usize) -> Option<f64>) -> Answer<'a> {
         let (steps, rest) = self.search.alternatives(&self.selection);
         let each = self.selection.accepted.iter().zip(&self.over_refit);
-        let against = each.map(|(&cause, &over_refit)| Against {
+        let against = each.map(|(&cause, &over_refit)| Comparison {
             over_refit,
             within: over_refit.and_then(|_| within(cause)),
         });

@@ -12,9 +12,9 @@
 //!   the recorded motion with u = τ̂ + M(q_r) (ω² (q_r − q) + 2 ζ ω (q̇_r − q̇)), and the gap is what its feedback must make up.
 
 use crate::motion::frame::Frame;
-use crate::motion::rigid::rigid_torque;
 use crate::schema::{ClosedLoop, Free, Simulation};
 use ndarray::Array2;
+use physics::batch::rigid_torque;
 use physics::dynamics::{Workspace, mass_matrix};
 use physics::robot::Robot;
 use plant::mechanism::RestLaw;

@@ -12,7 +12,7 @@ use ndarray::Array2;
 use physics::robot::Robot;
 
 /// The catalogue on one recording, its torque as late as a scene has it.
-pub struct Ground {
+pub struct Session {
     /// The model with the first fit's parameters: what derived columns are built on.
     pub present: Robot,
     /// What each joint's link encoder says of its gear.
@@ -23,7 +23,7 @@ pub struct Ground {
     pub tables: Tables,
 }
 
-impl Ground {
+impl Session {
     /// On a scene with its derivatives. `weight` on the fitted rows, shape (rows, joints). Where the description has no
     /// masses, a body more or another scale of torque is as good as any, and neither is looked for.
     pub fn new(
