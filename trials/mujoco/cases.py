@@ -23,6 +23,7 @@ import json
 import os
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
@@ -200,9 +201,34 @@ class Sensors:
         return q, trace.qd + rng.normal(size=q.shape) * self.velocity, trace.tau + noise, noise
 
 
-def make(seed, index):
-    """A case: its robot's description, recorded tables by file, and truth."""
-    effect_class = deal(seed, index)
+@dataclass
+class Session:
+    """An arm with an effect, its motions, and what was really so on them."""
+
+    arm: Arm
+    effect: Effect
+    size: float
+    motions: dict
+    traces: list
+    joint: int  # on which the size counts
+    share: float
+    attempt: int
+    rng: np.random.Generator
+
+    def recordings(self):
+        """Tables by file, and which rows are held out with what was recorded and its noise."""
+        q, qd, tau, noise = Sensors(self.arm, self.rng).record(Trace.joined(self.traces), self.rng)
+        rows = round(LENGTH * RATE)
+        label = np.repeat(np.arange(TRAJECTORIES), rows)
+        time = label * (LENGTH + PAUSE) + np.tile(np.arange(rows) / RATE, TRAJECTORIES)
+        test = np.isin(label, HELD_OUT)
+        parts = (("train.parquet", ~test), ("test.parquet", test))
+        files = {f: table(label[at], time[at], q[at], qd[at], tau[at]) for f, at in parts}
+        return files, test, q, tau, noise
+
+
+def session(effect_class, seed, index):
+    """The session of a case: the first draw that suits its effect (None: nothing is withheld)."""
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng([seed, index, attempt])
         robots = (effect_class or Effect).robots
@@ -214,20 +240,19 @@ def make(seed, index):
         traces = simulate(arm, effect, size, control, motions)
         if traces is None:
             continue
-        held_out = [traces[i] for i in HELD_OUT]
-        joint, share = reference(effect, shares(arm, effect, held_out))
+        joint, share = reference(effect, shares(arm, effect, [traces[i] for i in HELD_OUT]))
         if effect_class is None or SHARES[0] <= share <= SHARES[1]:
-            break
-    else:
-        sys.exit(f"No robot suited case {index} ({kind_of(effect_class)}) in {ATTEMPTS} draws.")
+            return Session(arm, effect, size, motions, traces, joint, share, attempt, rng)
+    sys.exit(f"No robot suited case {index} ({kind_of(effect_class)}) in {ATTEMPTS} draws.")
 
-    sensors = Sensors(arm, rng)
-    q, qd, tau, noise = sensors.record(Trace.joined(traces), rng)
-    rows = round(LENGTH * RATE)
-    label = np.repeat(np.arange(TRAJECTORIES), rows)
-    time = label * (LENGTH + PAUSE) + np.tile(np.arange(rows) / RATE, TRAJECTORIES)
-    test = np.isin(label, HELD_OUT)
-    files = {f: table(label[at], time[at], q[at], qd[at], tau[at]) for f, at in (("train.parquet", ~test), ("test.parquet", test))}
+
+def make(seed, index):
+    """A case: its robot's description, recorded tables by file, and truth."""
+    effect_class = deal(seed, index)
+    s = session(effect_class, seed, index)
+    arm, effect, size, joint, attempt = s.arm, s.effect, s.size, s.joint, s.attempt
+    files, test, q, tau, noise = s.recordings()
+    held_out = [s.traces[i] for i in HELD_OUT]
 
     torque, held_out = effect_torque(arm, effect, held_out), Trace.joined(held_out)
     std, noise_rms, strength = tau[test].std(axis=0), rms(noise[test]), rms(torque)

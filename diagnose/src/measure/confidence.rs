@@ -86,14 +86,10 @@ mod tests {
         // Three to one: constant ln 6, and two halves of a logarithm of 2 against it.
         let weights = [6.0_f64.ln(), 0.0, 2.0 * 2.0_f64.ln(), 5.0, 0.0];
         assert!((probability(&terms, &weights) - 0.75).abs() < 1e-12);
-        let settings = ConfidenceSettings {
-            weights: None,
-            ..ConfidenceSettings::default()
-        };
+        let settings = ConfidenceSettings { weights: None };
         assert_eq!(support.confidence(&settings), None);
         let settings = ConfidenceSettings {
             weights: Some(weights),
-            ..settings
         };
         assert!((support.confidence(&settings).unwrap() - 0.75).abs() < 1e-12);
     }
