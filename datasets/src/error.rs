@@ -333,8 +333,8 @@ impl Problem {
                 "Add the column, or name the file's own column in the [columns] table of --drive."
             }
             Self::WrongDof { .. } => {
-                "Give the robot that made the recording, with one column per moving joint, or name those of the chain in the [columns] table of \
-                 --drive (q1 = \"…\", tau1 = \"…\")."
+                "Give the robot that made the recording, with one column per moving joint, or choose its recorded joints by --joints, or name those of \
+                 the chain in the [columns] table of --drive (q1 = \"…\", tau1 = \"…\")."
             }
             Self::RowLength { .. } => "Repair or remove the row.",
             Self::NotANumber(_) | Self::MissingValue => "Write a number there, or remove the row.",

@@ -1,6 +1,6 @@
 """Torque models of robot arms: identify, train, predict, and explain what a simulator gets wrong.
 
-The numbers are those of the programs `train`, `eval` and `diagnose`, to the last bit.
+The numbers are those of the programs `train`, `eval`, `diagnose` and `replay`, to the last bit.
 
     import residyn
 
@@ -14,6 +14,7 @@ from ._residyn import InputError, Robot
 from .accumulator import Accumulator, Identified, Parameter
 from .diagnosis import Cause, Place, Push, Report, Step, diagnose
 from .model import Model, Prediction, identify, train
+from .motion import ReplayReport, ReplayStep, replay
 from .recording import Recording
 
 __all__ = [
@@ -27,10 +28,13 @@ __all__ = [
     "Prediction",
     "Push",
     "Recording",
+    "ReplayReport",
+    "ReplayStep",
     "Report",
     "Robot",
     "Step",
     "diagnose",
     "identify",
+    "replay",
     "train",
 ]

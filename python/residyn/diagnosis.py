@@ -36,6 +36,12 @@ class Place:
     share_of_gap: float
     share_of_time: float
 
+    @classmethod
+    def of(cls, raw: dict[str, Any]) -> "Place":
+        """From a report's JSON."""
+        names = ("joint", "coordinate", "unit", "share_of_gap", "share_of_time")
+        return cls(range=tuple(raw["range"]), **{name: raw[name] for name in names})
+
 
 @dataclass(frozen=True)
 class Push:
@@ -68,6 +74,33 @@ class Cause:
     driver: Optional[str] = None
     pushes: list[Push] = field(default_factory=list)
 
+    @classmethod
+    def of(cls, raw: dict[str, Any]) -> "Cause":
+        """From a report's JSON."""
+        several_of = [p["name"] for p in raw["parameters"]]
+        parameters = {}
+        for p in raw["parameters"]:
+            name = p["name"]
+            if several_of.count(name) > 1 and "joint" in p:
+                name = f"{name}[{p['joint']}]"
+            parameters[name] = (p["value"], p["std"], p["unit"])
+        interval = raw["gap_closed_interval"]
+        return cls(
+            effect=raw["effect"],
+            kind=raw["kind"],
+            joints=raw["joints"],
+            share_of_gap=raw["share_of_gap"],
+            gap_closed=raw["gap_closed"],
+            gap_closed_interval=None if interval is None else tuple(interval),
+            confirmed=raw["confirmed"],
+            confidence=raw["confidence"],
+            p_value=raw["p_value"],
+            parameters=parameters,
+            ambiguous_with=raw["ambiguous_with"],
+            driver=raw.get("driver"),
+            pushes=[Push(**p) for p in raw.get("pushes", [])],
+        )
+
 
 @dataclass(frozen=True)
 class Report:
@@ -97,8 +130,7 @@ class Report:
 
     def _repr_html_(self) -> str:
         """In a notebook: the page in a frame of its own."""
-        page = self._diagnosis.html().replace("&", "&amp;").replace('"', "&quot;")
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+        return framed(self._diagnosis.html())
 
     def patch(self, path: Union[str, os.PathLike]) -> list[Path]:
         """Writes the corrected description to `path` and beside it what a URDF cannot hold; returns all paths."""
@@ -174,41 +206,16 @@ def diagnose(
         verdict=raw["verdict"],
         reason=raw.get("reason"),
         joints=raw["joints"],
-        causes=[_cause(c) for c in raw["causes"]],
+        causes=[Cause.of(c) for c in raw["causes"]],
         ladder=[Step(s["step"], s["mean_nrmse"], s["nrmse"]) for s in raw["ladder"]],
-        places=[_place(p) for p in raw["where"]],
+        places=[Place.of(p) for p in raw["where"]],
         notes=raw["notes"],
         raw=raw,
         _diagnosis=done,
     )
 
 
-def _place(raw: dict[str, Any]) -> Place:
-    names = ("joint", "coordinate", "unit", "share_of_gap", "share_of_time")
-    return Place(range=tuple(raw["range"]), **{name: raw[name] for name in names})
-
-
-def _cause(raw: dict[str, Any]) -> Cause:
-    several_of = [p["name"] for p in raw["parameters"]]
-    parameters = {}
-    for p in raw["parameters"]:
-        name = p["name"]
-        if several_of.count(name) > 1 and "joint" in p:
-            name = f"{name}[{p['joint']}]"
-        parameters[name] = (p["value"], p["std"], p["unit"])
-    interval = raw["gap_closed_interval"]
-    return Cause(
-        effect=raw["effect"],
-        kind=raw["kind"],
-        joints=raw["joints"],
-        share_of_gap=raw["share_of_gap"],
-        gap_closed=raw["gap_closed"],
-        gap_closed_interval=None if interval is None else tuple(interval),
-        confirmed=raw["confirmed"],
-        confidence=raw["confidence"],
-        p_value=raw["p_value"],
-        parameters=parameters,
-        ambiguous_with=raw["ambiguous_with"],
-        driver=raw.get("driver"),
-        pushes=[Push(**p) for p in raw.get("pushes", [])],
-    )
+def framed(page: str) -> str:
+    """A page in a frame of its own, for a notebook."""
+    page = page.replace("&", "&amp;").replace('"', "&quot;")
+    return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'

@@ -4,7 +4,8 @@ use diagnose::DiagnoseError;
 use model::failure::Failure;
 use pyo3::PyErr;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyValueError};
+use replay::job::ReplayError;
 
 create_exception!(
     _residyn,
@@ -43,5 +44,14 @@ pub fn undiagnosed(error: &DiagnoseError) -> PyErr {
         InputError::new_err(error.to_string())
     } else {
         PyRuntimeError::new_err(error.to_string())
+    }
+}
+
+/// A diagnosis of motion that cannot be made or written.
+pub fn unreplayed(error: &ReplayError) -> PyErr {
+    if error.is_input() {
+        InputError::new_err(error.to_string())
+    } else {
+        PyOSError::new_err(error.to_string())
     }
 }

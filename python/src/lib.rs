@@ -7,6 +7,7 @@ mod error;
 mod interrupt;
 mod model;
 mod recording;
+mod replaying;
 mod robot;
 mod simulated;
 mod sums;
@@ -23,6 +24,8 @@ mod _residyn {
     use crate::model::Model;
     #[pymodule_export]
     use crate::recording::{read_recording, write_recording};
+    #[pymodule_export]
+    use crate::replaying::{Replay, replay};
     #[pymodule_export]
     use crate::robot::Robot;
     #[pymodule_export]

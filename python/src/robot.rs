@@ -31,12 +31,18 @@ pub struct Robot {
 }
 
 impl Robot {
+    /// Description, joints and gravity, as given.
+    pub fn asked(&self) -> (String, Vec<String>, Option<[f64; 3]>) {
+        (self.source.clone(), self.chosen.clone(), self.gravity)
+    }
+
     /// What a diagnosis takes.
     pub fn subject(&self) -> Subject {
+        let (source, joints, gravity) = self.asked();
         Subject::Robot {
-            source: self.source.clone(),
-            joints: self.chosen.clone(),
-            gravity: self.gravity,
+            source,
+            joints,
+            gravity,
         }
     }
 }

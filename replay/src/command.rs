@@ -84,7 +84,8 @@ impl Command {
 
     /// Value that holds at `t`.
     pub fn value(&self, t: f64) -> f64 {
-        self.at(t, &mut 0).0
+        let last = self.time.partition_point(|stamp| *stamp <= t);
+        self.at(t, &mut last.saturating_sub(1)).0
     }
 }
 

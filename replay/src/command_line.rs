@@ -2,16 +2,10 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-use crate::catalogue::Effect;
-use crate::diagnosis::diagnose;
-use crate::input::{InputError, Subject};
-use crate::simulate::Unstable;
-use crate::tracks::Replayed;
-use crate::{page, patch, words};
+use crate::job::{Job, ReplayError};
 use clap::Args;
-use datasets::Part;
 use indicatif::ProgressBar;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -30,6 +24,9 @@ pub struct Arguments {
     /// Recording on which every figure is measured.
     #[arg(long)]
     heldout: PathBuf,
+    /// Earlier recordings of the same robot: what has changed since is looked for, and the simulator is fitted to them first.
+    #[arg(long, num_args = 1..)]
+    before: Vec<PathBuf>,
     /// Drive file with the block [controller], and names and units of columns. An MJCF's own actuators stand where it says
     /// nothing.
     #[arg(long)]
@@ -52,28 +49,6 @@ pub struct Arguments {
     fast: bool,
 }
 
-#[derive(Debug, thiserror::Error)]
-enum ReplayError {
-    #[error(transparent)]
-    Input(#[from] InputError),
-    #[error(transparent)]
-    Unstable(#[from] Unstable),
-    #[error(transparent)]
-    Patch(#[from] patch::PatchError),
-    #[error(transparent)]
-    Write(#[from] report::WriteError),
-    #[error("{}: its folder does not exist; make it first", .0.display())]
-    Folder(PathBuf),
-    #[error("--heldout {} is among --data: what is measured on it says nothing; give a recording of its own", .0.display())]
-    NotHeldOut(PathBuf),
-}
-
-impl ReplayError {
-    fn is_input(&self) -> bool {
-        !matches!(self, Self::Write(_))
-    }
-}
-
 /// Makes the diagnosis that the arguments ask for; the program's exit status.
 pub fn run(arguments: &Arguments) -> ExitCode {
     match diagnosed(arguments) {
@@ -87,52 +62,33 @@ pub fn run(arguments: &Arguments) -> ExitCode {
 
 fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     check_outputs(arguments)?;
-    let canonical = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_owned());
-    if arguments
-        .data
-        .iter()
-        .any(|d| canonical(d) == canonical(&arguments.heldout))
-    {
-        return Err(ReplayError::NotHeldOut(arguments.heldout.clone()));
-    }
-    let subject = Subject::read(
-        &arguments.robot,
-        &arguments.joints,
-        arguments.drive.as_deref(),
-        arguments.gravity,
-    )?;
-    let data = joined(subject.recordings(&arguments.data, Part::Train)?);
-    let heldout = joined(subject.recordings(std::slice::from_ref(&arguments.heldout), Part::Test)?);
+    let job = Job {
+        robot: arguments.robot.clone(),
+        joints: arguments.joints.clone(),
+        data: arguments.data.clone(),
+        heldout: arguments.heldout.clone(),
+        before: arguments.before.clone(),
+        drive: arguments.drive.clone(),
+        gravity: arguments.gravity,
+        fast: arguments.fast,
+    };
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
-    let outcome = diagnose(&subject.given, &data, &heldout, arguments.fast, |stage| {
-        spinner.set_message(stage.to_owned());
-    })?;
+    let done = job.run(|stage| spinner.set_message(stage.to_owned()))?;
     spinner.finish_and_clear();
-    let title = |name: &str| {
-        Effect::ALL
-            .iter()
-            .find(|e| e.name() == name)
-            .map_or("", |e| e.words())
-    };
-    for line in words::lines(&outcome.report, title) {
+    for line in done.lines() {
         report::say!("{line}");
     }
     let mut files = Vec::new();
     if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&outcome.report).expect("a report is plain data");
-        files.push((path.clone(), text + "\n"));
+        files.push((path.clone(), done.json()));
     }
     if let Some(path) = &arguments.html {
-        let name = subject.setup.robot.name();
-        files.push((
-            path.clone(),
-            page::page(&outcome, &heldout, &format!("Replay of {name}")),
-        ));
+        files.push((path.clone(), done.page()));
     }
     let mut left_out = Vec::new();
     if let Some(path) = &arguments.patch {
-        let patch = patch::patch(&subject.setup, &subject.given, &outcome.held, path)?;
+        let patch = done.patch(path)?;
         left_out = patch.left_out;
         files.extend(patch.files);
     }
@@ -141,7 +97,7 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     }
     if let (Some(_), Some(part)) = (
         &arguments.patch,
-        outcome.report.file_alone.figures.mean_unexplained,
+        done.outcome.report.file_alone.figures.mean_unexplained,
     ) {
         report::say!(
             "The corrected model file by itself leaves {:.0} % unexplained.",
@@ -167,14 +123,4 @@ fn check_outputs(arguments: &Arguments) -> Result<(), ReplayError> {
         }
     }
     Ok(())
-}
-
-/// Several recordings as one.
-fn joined(all: Vec<Replayed>) -> Replayed {
-    let mut all = all.into_iter();
-    let mut out = all.next().expect("at least one recording is asked for");
-    for next in all {
-        out.join(next);
-    }
-    out
 }

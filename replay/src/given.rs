@@ -21,6 +21,17 @@ pub struct Given {
     pub controller: &'static str,
     /// What was assumed or changed, for the reader.
     pub notes: Vec<String>,
+    /// What earlier recordings of the robot say, where it is given by them.
+    pub earlier: Option<Earlier>,
+}
+
+/// What a fit to earlier recordings leaves open.
+#[derive(Debug, Clone)]
+pub struct Earlier {
+    /// Parameters with the deviations of their coordinates.
+    pub open: Vec<(Parameter, f64)>,
+    /// By joint the unexplained part of the earlier recordings; none of a joint that never moved.
+    pub unexplained: Vec<Option<f64>>,
 }
 
 impl Given {
@@ -46,7 +57,10 @@ impl Given {
             .map(|s| s.integral != crate::arm::Integral::Velocity)
             .collect();
         for (j, servo) in out.arm.servos.iter().enumerate() {
-            out.arm.shared[j] = if merges[j] { servo.kd } else { 0.0 };
+            // Of a simulator that is given by earlier recordings they are merged already.
+            if self.earlier.is_none() {
+                out.arm.shared[j] = if merges[j] { servo.kd } else { 0.0 };
+            }
         }
         let merged = |p: &mut Parameter| {
             if p.kind == Kind::ServoDamping && merges[p.joint] {

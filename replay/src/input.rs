@@ -1,11 +1,12 @@
 //! From a robot, its drive file and recordings to what is diagnosed.
 
 use crate::arm::{Arm, Integral, Servo};
+use crate::check::Unusable;
 use crate::command::Interpolation;
 use crate::given::Given;
 use crate::parameter::{Kind, Parameter};
-use crate::tracks::{Replayed, Unusable, prepare};
-use datasets::Part;
+use crate::tracks::{Replayed, prepare};
+use datasets::{Part, Recording};
 use model::preparation::setup::{Setup, SetupError};
 use physics::robot::drive::{Controller, ControllerKind, Interpolation as Filled, Key};
 use physics::robot::{Actuator, Description, RobotError};
@@ -83,20 +84,31 @@ impl Subject {
         Ok(Self { setup, given })
     }
 
-    /// Reads and prepares recordings of one kind (fitted or held out).
+    /// Reads recordings of one kind (fitted or held out).
+    ///
+    /// # Errors
+    /// One of them cannot be read.
+    pub fn recordings(&self, paths: &[PathBuf], part: Part) -> Result<Vec<Recording>, InputError> {
+        let read = |path: &PathBuf| Ok(self.setup.read_one(path, part, false)?);
+        paths.iter().map(read).collect()
+    }
+
+    /// Prepares recordings, at least one, for a replay of all of them together.
     ///
     /// # Errors
     /// One of them cannot be replayed.
-    pub fn recordings(&self, paths: &[PathBuf], part: Part) -> Result<Vec<Replayed>, InputError> {
-        let mut out = Vec::new();
+    pub fn prepared(&self, recordings: &[Recording]) -> Result<Replayed, InputError> {
+        let mut out: Option<Replayed> = None;
         let mut first = 0;
-        for path in paths {
-            let recording = self.setup.read_one(path, part, false)?;
-            let replayed = prepare(&recording, self.given.interpolation, first)?;
+        for recording in recordings {
+            let replayed = prepare(recording, self.given.interpolation, first)?;
             first += recording.trajectories.len();
-            out.push(replayed);
+            match &mut out {
+                Some(all) => all.join(replayed),
+                None => out = Some(replayed),
+            }
         }
-        Ok(out)
+        Ok(out.expect("at least one recording is asked for"))
     }
 }
 
@@ -226,6 +238,7 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
         },
         controller: block.kind.name(),
         notes,
+        earlier: None,
     }
 }
 
@@ -269,6 +282,7 @@ fn by_actuators(setup: &Setup) -> Result<Given, InputError> {
         interpolation: Interpolation::Hold,
         controller: "pd",
         notes: Vec::new(),
+        earlier: None,
     })
 }
 
@@ -299,17 +313,22 @@ fn servo(setup: &Setup, joint: &str, actuator: &Actuator) -> Result<Servo, Input
     })
 }
 
+/// With the block to write: of its recipe where the robot is known.
 fn no_controller(setup: &Setup) -> InputError {
     let n = setup.robot.dof();
     let list = |v: f64| format!("[{}]", vec![format!("{v}"); n].join(", "));
-    InputError::NoController {
-        robot: setup.robot.name().to_owned(),
-        block: format!(
+    let blank = || {
+        format!(
             "[controller]\nkind = \"pd\"            # pd, pid, cascade, dc_servo (hobby servos)\nkp = {}   # N·m/rad, as the drive is \
              set\nkd = {}   # N·m·s/rad\ntolerance = 0.0        # relative\ngravity_compensation = \"unknown\"\n\nWhere the gains are \
              not known: kind = \"pd\", free = [\"kp\", \"kd\"].",
             list(100.0),
             list(1.0)
-        ),
+        )
+    };
+    let robot = setup.robot.name().to_owned();
+    InputError::NoController {
+        block: crate::known::controller(&robot, n).unwrap_or_else(blank),
+        robot,
     }
 }

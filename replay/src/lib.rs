@@ -4,6 +4,7 @@
 
 pub mod arm;
 pub mod catalogue;
+pub mod check;
 pub mod command;
 mod command_line;
 pub mod decide;
@@ -12,6 +13,8 @@ pub mod fit;
 pub mod friction;
 pub mod given;
 pub mod input;
+pub mod job;
+mod known;
 pub mod page;
 pub mod parameter;
 pub mod patch;

@@ -15,6 +15,9 @@ pub struct Report {
     /// Why nothing can be said.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// The recordings that the simulator as given stands for, where what has changed since is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compared: Option<Compared>,
     /// How far the gap shrinks, step by step, on the held-out recording.
     pub ladder: Vec<Step>,
     /// What the written model file leaves by itself: it holds no friction by load or at standstill.
@@ -36,6 +39,13 @@ pub struct Report {
     pub joint_parameters: JointParameters,
     /// What was assumed and what is odd.
     pub notes: Vec<String>,
+}
+
+/// A comparison of two days.
+#[derive(Debug, Clone, Serialize)]
+pub struct Compared {
+    /// Recordings of the first.
+    pub before: Vec<String>,
 }
 
 /// A step of the ladder.

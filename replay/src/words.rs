@@ -6,20 +6,33 @@ use crate::schema::{Cause, Report, Step, Value};
 pub fn verdict(report: &Report) -> String {
     let part = |step: Option<&Step>| step.and_then(|s| s.figures.mean_unexplained);
     let (first, last) = (part(report.ladder.first()), part(report.ladder.last()));
+    let model = if report.compared.is_some() {
+        "The robot as it was before"
+    } else {
+        "The simulator as given"
+    };
     let figures = match (first, last) {
         (Some(a), Some(b)) if report.ladder.len() > 1 => format!(
-            "The simulator as given leaves {:.0} % of the departure from the commands unexplained, the corrected one {:.0} %",
+            "{model} leaves {:.0} % of the departure from the commands unexplained, the corrected one {:.0} %",
             100.0 * a,
             100.0 * b
         ),
         (Some(a), _) => format!(
-            "The simulator as given leaves {:.0} % of the departure from the commands unexplained",
+            "{model} leaves {:.0} % of the departure from the commands unexplained",
             100.0 * a
         ),
         _ => "No joint departs from its commands".to_owned(),
     };
     let meaning = match report.verdict {
+        "no_gap" if report.compared.is_some() => "nothing has changed that this motion shows",
+        "explained" if report.compared.is_some() => "the causes below are what has changed",
+        "partly_explained" if report.compared.is_some() => {
+            "the causes below have changed, and more without a clear pattern"
+        }
         "no_gap" => "nothing is missing that this motion shows",
+        "explained" if report.causes.is_empty() => {
+            "given values within their tolerance explain the motion"
+        }
         "explained" => "the causes below explain the motion",
         "partly_explained" => "more is left than noise, without a clear pattern",
         "unknown_effect" => "something is left that no effect of the catalogue explains",

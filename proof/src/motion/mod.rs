@@ -185,7 +185,7 @@ fn said(case: &Path, name: &str) -> Result<replay::schema::Report, MotionError> 
     let drive = drive.is_file().then_some(drive.as_path());
     let subject = Subject::read(&robot.display().to_string(), &[], drive, None).map_err(refused)?;
     let recording = |file: &str, part: Part| -> Result<_, InputError> {
-        Ok(subject.recordings(&[case.join(file)], part)?.remove(0))
+        subject.prepared(&subject.recordings(&[case.join(file)], part)?)
     };
     let data = recording("train.parquet", Part::Train).map_err(refused)?;
     let heldout = recording("test.parquet", Part::Test).map_err(refused)?;

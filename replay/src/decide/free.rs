@@ -58,6 +58,9 @@ pub(super) fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {
             if log { t } else { t * value.abs() },
         );
     }
+    for &(parameter, deviation) in given.earlier.iter().flat_map(|e| &e.open) {
+        add(parameter.kind, parameter.joint, deviation);
+    }
     for &parameter in &given.free {
         add(
             parameter.kind,

@@ -1,14 +1,17 @@
 //! A diagnosis of motion from the simulator as given, a recording to fit and one that measures.
 
 mod doubts;
+mod earlier;
 mod spread;
 mod values;
 mod verdict;
 
+pub use earlier::earlier;
+
 use doubts::{ambiguous, candidates, not_identifiable};
 use spread::Spread;
 use values::{controller, values};
-use verdict::{floors, verdict};
+use verdict::verdict;
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::Effect;
@@ -40,6 +43,9 @@ const HELD: Effort = Effort {
     step: STEP,
     ..LONG
 };
+
+/// The step of the ladder at which values stand that are known within a tolerance, or not at all; of its own where no cause is listed.
+pub const TOLERANCES: &str = "tolerances";
 
 /// What a diagnosis comes to.
 #[derive(Debug, Clone)]
@@ -166,11 +172,17 @@ pub fn diagnose(
             probability,
         })
         .collect();
-    let floors = floors(heldout);
-    let verdict = verdict(&after, heldout, &floors, &causes, &unknown);
+    let verdict = verdict([&before, &after], heldout, given, &causes, &unknown);
+    if causes.is_empty() && verdict == "explained" && given.earlier.is_none() {
+        ladder.push(Step {
+            step: TOLERANCES.to_owned(),
+            figures: figures(&after, heldout),
+        });
+    }
     let report = Report {
         schema: "replay/1",
         verdict,
+        compared: None,
         reason: (verdict == "cannot_tell").then(|| {
             "more is left than noise explains, without a cause and without a pattern".to_owned()
         }),

@@ -1,11 +1,12 @@
 //! What is left of the gap.
 
+use crate::given::Given;
 use crate::schema::{Cause, UnknownJoint};
 use crate::score::{Errors, figures};
 use crate::tracks::Replayed;
 
 /// Noise of each joint's positions: by third differences, in which smooth motion vanishes, and no less than the quantum's.
-pub(super) fn floors(replayed: &Replayed) -> Vec<f64> {
+fn floors(replayed: &Replayed) -> Vec<f64> {
     (0..replayed.tracking.len())
         .map(|j| {
             let (mut sum, mut count) = (0.0, 0.0);
@@ -24,26 +25,33 @@ pub(super) fn floors(replayed: &Replayed) -> Vec<f64> {
 }
 
 /// Largest multiple of the floor, and largest unexplained part, at which a joint has no gap.
-pub(super) const AT_FLOOR: f64 = 1.5;
+const AT_FLOOR: f64 = 1.5;
 
-pub(super) const SMALL: f64 = 0.05;
+const SMALL: f64 = 0.05;
 
+/// The verdict, from the errors as given and corrected. Where the simulator is given by earlier recordings, what it left of them is small,
+/// and what no cause explains was so before.
 pub(super) fn verdict(
-    after: &Errors,
+    [before, after]: [&Errors; 2],
     heldout: &Replayed,
-    floors: &[f64],
+    given: &Given,
     causes: &[Cause],
     unknown: &[UnknownJoint],
 ) -> &'static str {
-    let figures = figures(after, heldout);
-    let joints = figures.rmse.iter().zip(&figures.unexplained).zip(floors);
-    let done = joints.filter_map(|((r, u), floor)| Some(((*r)?, (*u)?, floor)));
-    let small = done
-        .into_iter()
-        .all(|(r, u, floor)| r <= AT_FLOOR * floor || u <= SMALL);
-    match (small, causes.is_empty(), unknown.is_empty()) {
-        (true, true, _) => "no_gap",
-        (true, false, _) => "explained",
+    let floors = floors(heldout);
+    let small = |errors: &Errors| {
+        let figures = figures(errors, heldout);
+        let usual = |j: usize| given.earlier.as_ref().and_then(|e| e.unexplained[j]);
+        let joints = figures.rmse.iter().zip(&figures.unexplained).enumerate();
+        let mut done = joints.filter_map(|(j, (r, u))| Some((j, (*r)?, (*u)?)));
+        done.all(|(j, r, u)| {
+            let least = usual(j).map_or(SMALL, |usual| SMALL.max(AT_FLOOR * usual));
+            r <= AT_FLOOR * floors[j] || u <= least
+        })
+    };
+    match (small(after), causes.is_empty(), unknown.is_empty()) {
+        (true, true, _) if small(before) => "no_gap",
+        (true, _, _) => "explained",
         (false, _, false) => "unknown_effect",
         (false, false, true) => "partly_explained",
         (false, true, true) => "cannot_tell",

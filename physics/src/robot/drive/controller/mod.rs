@@ -186,9 +186,10 @@ impl Controller {
                 values.values().copied().collect()
             }
         };
-        if let Some(value) = tolerances.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {
+        // A value that may be off by more than itself is not known.
+        if let Some(value) = tolerances.iter().find(|v| !(0.0..=1.0).contains(*v)) {
             return Err(refused(format!(
-                "tolerance is {value}; it is relative (0.1 for ten per cent) and cannot be negative"
+                "tolerance is {value}; it is relative, from 0 to 1 (0.3 for thirty per cent); name a value that nobody knows in free"
             )));
         }
         match self.period {

@@ -1,5 +1,7 @@
 //! The report as a page.
 
+mod following;
+
 use crate::catalogue::Effect;
 use crate::diagnosis::Outcome;
 use crate::schema::Report;
@@ -34,6 +36,7 @@ pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
     }
     page.section(causes(report))
         .section(curves(outcome, heldout))
+        .section(following::following(outcome, heldout))
         .section(ladder(report))
         .section(places(report))
         .section(drives(report))

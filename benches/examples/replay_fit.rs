@@ -1,0 +1,119 @@
+//! How fast a closed loop is fitted to recorded motion, iterate by iterate.
+//!
+//! `cargo run --release --workspace --example replay_fit -- --robot so101.xml --joints a,b --data multisine.parquet --out ours.json`
+//! fits gain, viscous and Coulomb friction and rotor inertia of every joint, from the model as given, to blocks of 5 s that start at
+//! recorded states. It writes every iterate with the seconds and processor seconds until it. `peers/mujoco_sysid.py` does the same
+//! with MuJoCo's own system identification and weighs both.
+
+use clap::Parser;
+use datasets::Part;
+use replay::fit::{Effort, Free, Noise, descend};
+use replay::input::Subject;
+use replay::parameter::{Kind, Parameter};
+use serde_json::json;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// How fast a closed loop is fitted.
+#[derive(Parser)]
+struct Arguments {
+    /// The robot's MJCF with its position servos.
+    #[arg(long)]
+    robot: String,
+    /// Joints, base first.
+    #[arg(long, value_delimiter = ',')]
+    joints: Vec<String>,
+    /// Recording of commands and positions.
+    #[arg(long)]
+    data: PathBuf,
+    /// Threads.
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
+    /// Longest step of integration, s.
+    #[arg(long, default_value_t = 1e-3)]
+    step: f64,
+    /// Iterations.
+    #[arg(long, default_value_t = 20)]
+    iterations: usize,
+    /// Where the iterates are written.
+    #[arg(long)]
+    out: PathBuf,
+}
+
+const FITTED: [(Kind, &str); 4] = [
+    (Kind::Gain, "kp"),
+    (Kind::Damping, "damping"),
+    (Kind::Coulomb, "frictionloss"),
+    (Kind::Armature, "armature"),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let a = Arguments::parse();
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(a.threads)
+        .build_global()?;
+    let subject = Subject::read(&a.robot, &a.joints, None, None)?;
+    let data =
+        subject.prepared(&subject.recordings(std::slice::from_ref(&a.data), Part::Train)?)?;
+    // The drive's damping and viscous friction are one number where no velocity is commanded.
+    let start = subject.given.without_rates().arm;
+    let n = start.dof();
+    let free: Vec<Free> = (0..n)
+        .flat_map(|j| FITTED.map(|(kind, _)| Parameter::new(kind, j)))
+        .map(|parameter| Free {
+            parameter,
+            prior: None,
+        })
+        .collect();
+    let noise: Vec<Noise> = data
+        .quantum
+        .iter()
+        .map(|q| Noise {
+            floor: q * q / 12.0,
+            correlation: 1.0,
+        })
+        .collect();
+    let mut iterates = Vec::new();
+    // The same path every time, cut one iteration later.
+    for iterations in 0..=a.iterations {
+        let effort = Effort {
+            iterations,
+            gain: 0.0,
+            step: a.step,
+        };
+        let (begun, used) = (Instant::now(), processor()?);
+        let (arm, _) = descend(&start, &free, &data.blocks, &noise, effort)?;
+        let (seconds, used) = (begun.elapsed().as_secs_f64(), processor()? - used);
+        let mut values = json!({ "seconds": seconds, "processor": used });
+        for (kind, name) in FITTED {
+            let all: Vec<f64> = (0..n).map(|j| arm.get(Parameter::new(kind, j))).collect();
+            values[name] = json!(all);
+        }
+        println!("{iterations} iterations: {seconds:.2} s, {used:.2} s of processor time");
+        iterates.push(values);
+    }
+    let blocks = data
+        .blocks
+        .iter()
+        .map(|b| json!([b.time[0], b.time[b.time.len() - 1]]));
+    let out = json!({
+        "joints": start.robot.joint_names(), "step": a.step, "threads": a.threads,
+        "blocks": blocks.collect::<Vec<_>>(), "iterates": iterates,
+    });
+    std::fs::write(&a.out, serde_json::to_string_pretty(&out)?)?;
+    Ok(())
+}
+
+/// Processor time of this process, s: of all threads, in ticks of a hundredth of a second.
+fn processor() -> Result<f64, Box<dyn Error>> {
+    let text = std::fs::read_to_string(Path::new("/proc/self/stat"))?;
+    let after = text.rsplit(')').next().unwrap_or_default();
+    let ticks: Vec<f64> = after
+        .split_whitespace()
+        .skip(11)
+        .take(2)
+        .map(str::parse)
+        .collect::<Result<_, _>>()?;
+    Ok(ticks.iter().sum::<f64>() / 100.0)
+}

@@ -1,0 +1,124 @@
+"""Where a simulator's motion departs from the robot's under the same commands, and what causes it; no torque is needed."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _residyn
+from .diagnosis import Cause, Place, framed
+from .recording import RecordingLike, paths, several
+
+
+@dataclass(frozen=True)
+class ReplayStep:
+    """A step of the ladder: how far the simulator with the causes so far is off on the held-out recording."""
+
+    step: str
+    #: Mean over joints of RMS(q_sim - q) / RMS(q_ref - q): 1 knows nothing of the departure from the commands, 0 is perfect.
+    mean_unexplained: Optional[float]
+    #: The same by joint; None for a joint that never moves.
+    unexplained: list[Optional[float]]
+    #: RMS(q_sim - q) by joint, rad (m).
+    rmse: list[Optional[float]]
+    #: RMS(q_ref - q) by joint, rad (m).
+    tracking: list[Optional[float]]
+
+    @classmethod
+    def of(cls, raw: dict[str, Any]) -> "ReplayStep":
+        """From a report's JSON."""
+        return cls(**{f.name: raw[f.name] for f in fields(cls)})
+
+
+@dataclass(frozen=True)
+class ReplayReport:
+    """A diagnosis of motion."""
+
+    verdict: str
+    #: Why nothing can be said, where the verdict is `cannot_tell`.
+    reason: Optional[str]
+    joints: list[str]
+    causes: list[Cause]
+    ladder: list[ReplayStep]
+    places: list[Place]
+    #: What this motion cannot show: `effect` (or None), `joints` and `reason`.
+    not_identifiable: list[dict[str, Any]]
+    #: The drives as fitted: values by joint, with standard deviations (None: the given value).
+    controller: dict[str, Any]
+    #: `damping`, `frictionloss` and `armature` as fitted, by joint.
+    joint_parameters: dict[str, list[float]]
+    notes: list[str]
+    #: Everything, as `replay --json` writes it.
+    raw: dict[str, Any] = field(repr=False)
+    _replay: _residyn.Replay = field(repr=False, compare=False)
+
+    def __str__(self) -> str:
+        return "\n".join(self._replay.lines())
+
+    def to_html(self, path: Union[str, os.PathLike, None] = None) -> str:
+        """The page of the report; written to `path` where one is given."""
+        text = self._replay.html()
+        if path is not None:
+            Path(path).write_text(text, encoding="utf-8")
+        return text
+
+    def _repr_html_(self) -> str:
+        """In a notebook: the page in a frame of its own."""
+        return framed(self._replay.html())
+
+    def patch(self, path: Union[str, os.PathLike]) -> tuple[list[Path], list[str]]:
+        """Writes the corrected model to `path`, and beside it a drive file and values for Isaac Lab and Newton; returns all paths, and
+        what the model's format cannot hold."""
+        written, left_out = self._replay.patch(Path(path))
+        return [Path(p) for p in written], left_out
+
+    def motion(self) -> list[dict[str, np.ndarray]]:
+        """The held-out trajectories as they were scored: `time`, and of shape (samples, joints) the recorded `q`, the command `q_ref`, and
+        the simulated motion as `given` and `corrected`."""
+        return self._replay.motion()
+
+
+def replay(
+    given: Union[_residyn.Robot, str, os.PathLike],
+    data: Union[RecordingLike, Sequence[RecordingLike]],
+    heldout: RecordingLike,
+    *,
+    before: Union[RecordingLike, Sequence[RecordingLike]] = (),
+    drive: Union[str, os.PathLike, None] = None,
+    fast: bool = False,
+) -> ReplayReport:
+    """Diagnoses the gap in motion between a simulator and a real robot under the same commands.
+
+    `given` is the simulator's model, a `Robot` (or its name or path); a URDF needs a drive file with the block [controller]. Recordings
+    have commanded positions (`q_ref`) beside `q`, and need no torque. Effects are fitted on `data`; every figure is measured on
+    `heldout`. With `before`, earlier recordings of the same robot, the report says what has changed since then.
+    `drive` stands in place of the robot's own drive file. `fast` shortens the fits by which shares are measured.
+    Raises `InputError` with the words of the command line; Ctrl-C returns at once.
+    """
+    drive = None if drive is None else Path(drive)
+    if isinstance(given, (str, os.PathLike)):
+        given = _residyn.Robot(os.fspath(given), drive=drive)
+    data, before = several(data), several(before)
+    with paths(*data, *before, heldout) as files:
+        earlier = files[len(data) : -1]
+        done = _residyn.replay(given, files[: len(data)], files[-1], before=earlier, drive=drive or given.drive, fast=fast)
+    raw = json.loads(done.json())
+    return ReplayReport(
+        verdict=raw["verdict"],
+        reason=raw.get("reason"),
+        joints=raw["joints"],
+        causes=[Cause.of(c) for c in raw["causes"]],
+        ladder=[ReplayStep.of(s) for s in raw["ladder"]],
+        places=[Place.of(p) for p in raw["where"]],
+        not_identifiable=raw["not_identifiable"],
+        controller=raw["controller"],
+        joint_parameters=raw["joint_parameters"],
+        notes=raw["notes"],
+        raw=raw,
+        _replay=done,
+    )

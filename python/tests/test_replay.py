@@ -1,0 +1,128 @@
+"""`residyn.replay` against the program: the same numbers, the same words."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+import residyn
+from test_verify_replay import JOINTS, SERVOS, model
+
+
+@pytest.fixture(scope="module")
+def case(program, tmp_path_factory):
+    """A sealed case of motion, with a gain that is off: folder with robot.urdf, drive.toml, train.parquet, test.parquet."""
+    out = tmp_path_factory.mktemp("motion")
+    program("replay", "prove", "--cases", 2, "--seed", 1, "--joints", 3, "--out", out)
+    return sorted(p.parent for p in out.rglob("robot.urdf"))[1]
+
+
+@pytest.fixture(scope="module")
+def report(case):
+    robot = residyn.Robot(str(case / "robot.urdf"), drive=case / "drive.toml")
+    return residyn.replay(robot, case / "train.parquet", case / "test.parquet", fast=True)
+
+
+def test_replay_is_the_program(program, case, report, tmp_path):
+    program("replay", "--robot", case / "robot.urdf", "--drive", case / "drive.toml", "--data", case / "train.parquet", "--heldout",
+            case / "test.parquet", "--fast", "--json", tmp_path / "report.json", "--html", tmp_path / "page.html", "--patch", tmp_path / "cli.urdf")
+    assert report.raw == json.loads((tmp_path / "report.json").read_text())
+    assert report.to_html(tmp_path / "own.html") == (tmp_path / "page.html").read_text() == (tmp_path / "own.html").read_text()
+    assert report._repr_html_().startswith("<iframe srcdoc=")
+    assert report.ladder[0].step == "as_given" and len(report.causes) == len(report.raw["causes"])
+    written, left_out = report.patch(tmp_path / "py.urdf")
+    assert len(written) >= 4 and all(isinstance(line, str) for line in left_out)
+    for path in written:
+        assert path.read_bytes() == (tmp_path / path.name.replace("py.", "cli.", 1)).read_bytes()
+
+
+def test_the_scored_motion_has_the_reports_figures(report):
+    tracks = report.motion()
+    assert report.causes
+    for step, name in ((report.ladder[0], "given"), (report.ladder[-1], "corrected")):
+        off = np.concatenate([t[name] - t["q"] for t in tracks])
+        asked = np.concatenate([t["q_ref"] - t["q"] for t in tracks])
+        of = lambda table: np.sqrt((table**2).mean(axis=0))
+        np.testing.assert_allclose(of(off), step.rmse, rtol=1e-9)
+        np.testing.assert_allclose(of(asked), step.tracking, rtol=1e-9)
+        np.testing.assert_allclose(of(off) / of(asked), step.unexplained, rtol=1e-9)
+
+
+def test_arrays_are_as_good_as_files(case, report):
+    robot = residyn.Robot(str(case / "robot.urdf"))
+    train, test = (residyn.Recording.read(case / f"{name}.parquet") for name in ("train", "test"))
+    arrays = [dataclasses.replace(r) for r in (train, test)]
+    assert all(a.source is None for a in arrays)
+    by_arrays = residyn.replay(robot, arrays[0], arrays[1], drive=case / "drive.toml", fast=True)
+    assert by_arrays.raw == report.raw
+
+
+def test_wrong_input_has_the_words_of_the_program(case, tmp_path):
+    urdf, drive, data, test = (case / name for name in ("robot.urdf", "drive.toml", "train.parquet", "test.parquet"))
+    with pytest.raises(residyn.InputError, match=r"write it into a drive file(?s:.)*\[controller\]"):
+        residyn.replay(urdf, data, test)
+    with pytest.raises(residyn.InputError, match="is among --data"):
+        residyn.replay(urdf, data, data, drive=drive)
+    one = residyn.Recording.read(data)
+    with pytest.raises(residyn.InputError, match="rows stand in the recordings"):
+        residyn.replay(urdf, data, dataclasses.replace(one), drive=drive)
+    with pytest.raises(residyn.InputError, match="no commanded positions"):
+        residyn.replay(urdf, dataclasses.replace(one, q_ref=None), test, drive=drive)
+    with pytest.raises(residyn.InputError, match="equal its positions"):
+        residyn.replay(urdf, dataclasses.replace(one, q_ref=one.q), test, drive=drive)
+    with pytest.raises(residyn.InputError, match="missing.csv"):
+        residyn.replay(urdf, tmp_path / "missing.csv", test, drive=drive)
+    with pytest.raises(TypeError):
+        residyn.replay(urdf, data, drive=drive)
+
+
+def day(path, seed, delay=0.02):
+    """Three runs of 12 s at 50 Hz of one motion by MuJoCo's servos: each command held and `delay` s late, positions with noise, in encoder steps."""
+    mujoco = pytest.importorskip("mujoco", reason="PyPI mujoco is not installed: no robot has two days")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.timestep = 5e-4
+    noise, step = np.random.default_rng(seed), 2.0 * np.pi / 4096
+    tables = {name: [] for name in ("time", "q", "q_ref")}
+    for run in range(3):
+        time = np.arange(600) / 50.0
+        angle = 2.0 * np.pi * np.array([[0.31, 0.53]]) * time[:, None] + run
+        q_ref = 0.4 * np.sin(angle) + 0.2 * np.sign(np.sin(2.0 * np.pi * 0.4 * time + run))[:, None]
+        data = mujoco.MjData(model)
+        data.qpos[:2] = q_ref[0]
+        q = np.empty_like(q_ref)
+        for i in range(len(time)):
+            q[i] = data.qpos[:2]
+            for k in range(40):
+                data.ctrl[:] = q_ref[max(int(np.floor((i / 50.0 + (k + 0.5) * 5e-4 - delay) * 50.0)), 0)]
+                mujoco.mj_step(model, data)
+                data.qpos[2], data.qvel[2] = 0.0, 0.0
+        q = np.round((q + noise.normal(0.0, 3e-4, q.shape)) / step) * step
+        for name, table in (("time", time + 20.0 * run), ("q", q), ("q_ref", q_ref)):
+            tables[name].append(table)
+    return residyn.Recording(**{name: np.concatenate(parts) for name, parts in tables.items()}, starts=[0, 600, 1200])
+
+
+def test_what_has_changed_between_two_days(tmp_path):
+    """By commands and encoders alone, from a simulator that is wrong itself."""
+    given = model(tmp_path / "given.xml", SERVOS.format(60, 2), friction=0.1)
+    monday = model(tmp_path / "monday.xml", SERVOS.format(40, 1))
+    weaker = model(tmp_path / "weaker.xml", SERVOS.format(28, 1))
+    robot = residyn.Robot(str(given), joints=JOINTS)
+    before = day(monday, 1)
+
+    def since(path, delay=0.02):
+        return residyn.replay(robot, day(path, 2, delay), day(path, 3, delay), before=before, fast=True)
+
+    same = since(monday)
+    assert same.verdict == "no_gap" and same.causes == []
+    assert "nothing has changed" in str(same) and len(same.raw["compared"]["before"]) == 1
+    gain = since(weaker)
+    assert [c.effect for c in gain.causes] == ["servo_gain"] and gain.causes[0].confidence > 0.9
+    for name in JOINTS:
+        value, std, unit = gain.causes[0].parameters[f"kp[{name}]"]
+        assert abs(value - 28.0) < 2.0 * std and unit == "N·m/rad"
+    late = since(monday, delay=0.05)
+    assert [c.effect for c in late.causes] == ["command_delay"]
+    assert late.causes[0].parameters["delay"][0] == pytest.approx(0.05, abs=0.002)
+    assert late.ladder[-1].mean_unexplained < 0.1 * late.ladder[0].mean_unexplained

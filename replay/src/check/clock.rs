@@ -1,0 +1,86 @@
+//! Whether commands and positions are stamped by one clock.
+
+use super::follows::{FINEST, FOLLOWED, Follows, SLOWEST};
+use super::unusable::Unusable;
+use datasets::Recording;
+use ndarray::Array2;
+use std::ops::Range;
+
+/// Parts of a trajectory in which a delay is taken by itself, and the length that each needs, s.
+const PARTS: usize = 6;
+const PART: f64 = 5.0;
+
+/// Refuses commands whose clock is not that of the positions, or runs apart from it: by the median delay over joints.
+pub(super) fn clock(
+    recording: &Recording,
+    command: &Array2<f64>,
+    joints: &[usize],
+) -> Result<(), Unusable> {
+    let source_name = || recording.source.clone();
+    let step = recording.median_step().max(FINEST);
+    let late = |rows: &Range<usize>| {
+        let all = joints.iter();
+        let all = all.map(|&j| Follows::over(recording, command, [j, j], rows).best);
+        let follow = all.filter(|(_, correlation)| *correlation > FOLLOWED);
+        signal::quantile::median(follow.map(|(late, _)| late).collect())
+    };
+    let Some(longest) = recording.trajectories.iter().max_by_key(|t| t.range.len()) else {
+        return Ok(());
+    };
+    let rows = longest.range.clone();
+    let time = &recording.time;
+    let span = time[rows.end - 1] - time[rows.start];
+    if span > PARTS as f64 * PART {
+        let cut = |k: usize| rows.start + rows.len() * k / PARTS;
+        let parts: Option<Vec<f64>> = (0..PARTS).map(|k| late(&(cut(k)..cut(k + 1)))).collect();
+        if let Some([first, last]) = parts.as_deref().and_then(|p| drift(p, step)) {
+            // The parts' middles lie five of six parts of the whole apart.
+            let rate = (last - first) / (span * (PARTS - 1) as f64 / PARTS as f64);
+            return Err(Unusable::Drift {
+                source_name: source_name(),
+                first,
+                last,
+                rate,
+            });
+        }
+    }
+    match late(&rows) {
+        Some(late) if late > SLOWEST || late < -2.0 * step => Err(Unusable::Clock {
+            source_name: source_name(),
+            late,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// First and last of delays that grow evenly: by more than a twentieth of a second and two samples, with ten times as much growth as scatter
+/// about its line. A drive's own delay changes with speed, not evenly with time.
+fn drift(parts: &[f64], step: f64) -> Option<[f64; 2]> {
+    let n = parts.len() as f64;
+    let (mean, middle) = (parts.iter().sum::<f64>() / n, 0.5 * (n - 1.0));
+    let (mut xy, mut xx) = (0.0, 0.0);
+    for (k, p) in parts.iter().enumerate() {
+        let x = k as f64 - middle;
+        (xy, xx) = (xy + x * (p - mean), xx + x * x);
+    }
+    let slope = xy / xx;
+    let off = |(k, p): (usize, &f64)| (p - mean - slope * (k as f64 - middle)).powi(2);
+    let scatter = (parts.iter().enumerate().map(off).sum::<f64>() / n).sqrt();
+    let growth = slope * (n - 1.0);
+    let grows = growth.abs() > (2.0 * step).max(0.05) && growth.abs() > 10.0 * scatter;
+    grows.then_some([mean - 0.5 * growth, mean + 0.5 * growth])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn even_growth_is_drift_and_a_jump_is_not() {
+        let even: Vec<f64> = (0..6).map(|k| 0.03 + 0.04 * f64::from(k)).collect();
+        let [first, last] = drift(&even, 0.02).expect("it grows");
+        assert!((first - 0.03).abs() < 1e-12 && (last - 0.23).abs() < 1e-12);
+        assert_eq!(drift(&[0.03, 0.03, 0.03, 0.2, 0.2, 0.2], 0.02), None);
+        assert_eq!(drift(&[0.03, 0.04, 0.03, 0.04, 0.05, 0.04], 0.02), None);
+    }
+}

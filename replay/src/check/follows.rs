@@ -1,0 +1,110 @@
+//! How a joint's positions follow its commands.
+
+use datasets::Recording;
+use ndarray::Array2;
+use std::ops::Range;
+
+/// Longest delay of a drive that is believed, s.
+pub(super) const SLOWEST: f64 = 0.5;
+
+/// Delays that are tried, s; and the shortest step between them: no clock is found more exactly than a drive's own delay is known.
+const FARTHEST: f64 = 2.0;
+pub(super) const FINEST: f64 = 0.01;
+
+/// Correlation below which two signals have little to do with each other, and above which one follows the other.
+pub(super) const RELATED: f64 = 0.5;
+pub(super) const FOLLOWED: f64 = 0.8;
+
+/// How a joint's positions follow its commands over some rows: delay (s) and correlation.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Follows {
+    /// Largest correlation at any delay.
+    pub(super) best: (f64, f64),
+    /// Largest and smallest correlation at a delay that a drive may have.
+    pub(super) drive: [f64; 2],
+}
+
+impl Follows {
+    /// Over the longest trajectory.
+    pub(super) fn of(recording: &Recording, command: &Array2<f64>, pair: [usize; 2]) -> Self {
+        let longest = recording.trajectories.iter().max_by_key(|t| t.range.len());
+        let range = longest.map_or(0..0, |t| t.range.clone());
+        Self::over(recording, command, pair, &range)
+    }
+
+    /// How the positions of joint `moved` follow the commands of joint `commanded`.
+    pub(super) fn over(
+        recording: &Recording,
+        command: &Array2<f64>,
+        [commanded, moved]: [usize; 2],
+        rows: &Range<usize>,
+    ) -> Self {
+        let step = recording.median_step();
+        let every = (FINEST / step).round().max(1.0) as usize;
+        let step = step * every as f64;
+        let thin = |table: &Array2<f64>, j: usize| -> Vec<f64> {
+            let rows = rows.clone().step_by(every);
+            rows.map(|r| table[(r, j)]).collect()
+        };
+        let (c, q) = (thin(command, commanded), thin(&recording.q, moved));
+        let most = ((FARTHEST / step) as isize).min(c.len() as isize / 4);
+        let all: Vec<f64> = (-most..=most).map(|lag| correlation(&c, &q, lag)).collect();
+        let lag = |i: usize| (i as isize - most) as f64 * step;
+        let best = (0..all.len())
+            .max_by(|&a, &b| all[a].total_cmp(&all[b]))
+            .unwrap_or(0);
+        let by_drive = |i: &usize| (0.0..=SLOWEST).contains(&lag(*i));
+        let by_drive: Vec<f64> = (0..all.len()).filter(by_drive).map(|i| all[i]).collect();
+        Self {
+            best: (
+                lag(best) + step * peak(&all, best),
+                all.get(best).copied().unwrap_or(0.0),
+            ),
+            drive: [
+                by_drive.iter().copied().fold(-1.0, f64::max),
+                by_drive.iter().copied().fold(1.0, f64::min),
+            ],
+        }
+    }
+}
+
+/// Where between its neighbours a peak's parabola has its top, in steps.
+fn peak(values: &[f64], at: usize) -> f64 {
+    let (Some(before), Some(after)) = (at.checked_sub(1).map(|i| values[i]), values.get(at + 1))
+    else {
+        return 0.0;
+    };
+    let bend = before - 2.0 * values[at] + after;
+    if bend < 0.0 {
+        (0.5 * (before - after) / bend).clamp(-0.5, 0.5)
+    } else {
+        0.0
+    }
+}
+
+/// Correlation of `a` with `b` `lag` samples later; 0 where one of them stands.
+fn correlation(a: &[f64], b: &[f64], lag: isize) -> f64 {
+    let pairs = || {
+        let later = |(i, x): (usize, &f64)| {
+            let y = b.get(i.checked_add_signed(lag)?)?;
+            Some((*x, *y))
+        };
+        a.iter().enumerate().filter_map(later)
+    };
+    let (mut count, mut mx, mut my) = (0.0_f64, 0.0, 0.0);
+    for (x, y) in pairs() {
+        (count, mx, my) = (count + 1.0, mx + x, my + y);
+    }
+    (mx, my) = (mx / count.max(1.0), my / count.max(1.0));
+    let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
+    for (x, y) in pairs() {
+        xy += (x - mx) * (y - my);
+        xx += (x - mx).powi(2);
+        yy += (y - my).powi(2);
+    }
+    if xx > 0.0 && yy > 0.0 {
+        xy / (xx * yy).sqrt()
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,218 @@
+//! Whether commands and positions of a recording can be those of one robot on one clock, in one unit and order.
+
+mod clock;
+mod follows;
+mod unusable;
+
+use clock::clock;
+use datasets::Recording;
+use follows::{FOLLOWED, Follows, RELATED};
+use ndarray::Array2;
+use std::f64::consts::PI;
+pub use unusable::Unusable;
+
+/// Range of a column: largest less smallest value.
+pub(crate) fn range(table: &Array2<f64>, joint: usize) -> f64 {
+    let column = table.column(joint);
+    let (low, high) = column
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+            (a.min(*v), b.max(*v))
+        });
+    high - low
+}
+
+/// Range of commands through which dry friction of a geared drive may hold a joint, rad: a hobby servo's holds through three
+/// degrees.
+const HELD: f64 = 0.1;
+
+/// Refuses what makes a replay impossible or meaningless, with what to do. `quantum`: the encoders' steps, rad; 0 where there are none.
+///
+/// # Errors
+/// The first fault found.
+pub(crate) fn check(
+    recording: &Recording,
+    command: &Array2<f64>,
+    quantum: &[f64],
+) -> Result<(), Unusable> {
+    let source_name = || recording.source.clone();
+    let n = recording.dof();
+    let spans = |j: usize| (range(&recording.q, j), range(command, j));
+    if (0..n).all(|j| spans(j).0 == 0.0) && (0..n).all(|j| spans(j).1 <= HELD) {
+        return Err(Unusable::Still {
+            source_name: source_name(),
+        });
+    }
+    for j in 0..n {
+        let (own, commanded) = spans(j);
+        if own == 0.0 && commanded > HELD {
+            return Err(Unusable::Stuck {
+                source_name: source_name(),
+                joint: j + 1,
+                commanded,
+            });
+        }
+    }
+    let both: Vec<usize> = (0..n)
+        .filter(|&j| spans(j).0 > 0.0 && spans(j).1 > 0.0)
+        .collect();
+    for &j in &both {
+        if let Some(shift) = echo(recording, command, j, quantum[j]) {
+            return Err(Unusable::Echo {
+                source_name: source_name(),
+                joint: j + 1,
+                shift,
+            });
+        }
+    }
+    let own = |&j: &usize| Follows::of(recording, command, [j, j]);
+    let known: Vec<Follows> = both.iter().map(own).collect();
+    order(recording, command, &both, &known)?;
+    for (&j, follows) in both.iter().zip(&known) {
+        unit_and_sign(recording, command, j, follows)?;
+    }
+    clock(recording, command, &both)?;
+    let each = known.iter().map(|f| f.drive[0]).collect();
+    if let Some(correlation) = signal::quantile::median(each).filter(|c| *c < RELATED) {
+        return Err(Unusable::Unrelated {
+            source_name: source_name(),
+            correlation,
+        });
+    }
+    Ok(())
+}
+
+/// Samples by which a copied position may stand earlier or later in the log.
+const SHIFTED: isize = 10;
+
+/// Whether a joint's commands are its positions, some samples earlier or later, to half an encoder's step (or the rounding of single
+/// precision); how far apart they are, in words.
+fn echo(recording: &Recording, command: &Array2<f64>, j: usize, quantum: f64) -> Option<String> {
+    let (q, c) = (recording.q.column(j), command.column(j));
+    let near = (0.5 * quantum).max(1e-6);
+    let equal = |shift: isize| {
+        recording.trajectories.iter().all(|t| {
+            t.range.clone().all(|row| {
+                let other = row.checked_add_signed(shift);
+                let other = other.filter(|o| t.range.contains(o));
+                other.is_none_or(|o| (c[row] - q[o]).abs() <= near)
+            })
+        })
+    };
+    let mut shifts: Vec<isize> = (-SHIFTED..=SHIFTED).collect();
+    shifts.sort_by_key(|s| s.abs());
+    let shift = shifts.into_iter().find(|&s| equal(s))?;
+    Some(match shift {
+        0 => ", sample by sample".to_owned(),
+        s => format!(
+            " {} sample(s) {}",
+            s.abs(),
+            if s > 0 { "later" } else { "earlier" }
+        ),
+    })
+}
+
+/// Refuses commands in other joints' columns: in a ring of joints each command has much more to do with the next joint's positions
+/// than with its own: it is less than half as far from them, or they follow it and its own do not. Bad drives alone make no
+/// ring: of two joints under one command both would have to follow better than the other.
+fn order(
+    recording: &Recording,
+    command: &Array2<f64>,
+    joints: &[usize],
+    own: &[Follows],
+) -> Result<(), Unusable> {
+    let apart = |a: usize, b: usize| {
+        let pairs = command.column(a).into_iter().zip(recording.q.column(b));
+        pairs.map(|(c, q)| (c - q).powi(2)).sum::<f64>().sqrt()
+    };
+    let best = |of: &dyn Fn(usize) -> f64| {
+        let all = joints.iter().map(|&b| (of(b), b));
+        all.min_by(|x, y| x.0.total_cmp(&y.0))
+    };
+    let whose = |a: usize, own: &Follows| {
+        let (least, nearest) = best(&|b| apart(a, b))?;
+        if least < 0.5 * apart(a, a) {
+            return Some(nearest);
+        }
+        if own.drive[0] > RELATED {
+            return None;
+        }
+        let (less, followed) = best(&|b| -Follows::of(recording, command, [a, b]).drive[0])?;
+        (-less > FOLLOWED).then_some(followed)
+    };
+    let whose: Vec<(usize, Option<usize>)> = joints
+        .iter()
+        .zip(own)
+        .map(|(&a, own)| (a, whose(a, own)))
+        .collect();
+    let next = |a: usize| whose.iter().find(|(j, _)| *j == a).and_then(|(_, b)| *b);
+    let in_ring = |a: &usize| {
+        let ring = std::iter::successors(next(*a), |&b| next(b));
+        ring.take(joints.len()).any(|b| b == *a)
+    };
+    let found: Vec<String> = joints
+        .iter()
+        .copied()
+        .filter(in_ring)
+        .filter_map(|a| Some(format!("command {} is joint {}'s", a + 1, next(a)? + 1)))
+        .collect();
+    if found.is_empty() {
+        return Ok(());
+    }
+    Err(Unusable::Order {
+        source_name: recording.source.clone(),
+        found: found.join(", "),
+    })
+}
+
+/// Ratios of a commanded range to that of the positions that are a change of unit.
+const UNITS: [(f64, &str); 3] = [
+    (180.0 / PI, "degrees beside radians"),
+    (PI / 180.0, "a conversion from degrees applied twice"),
+    (1000.0, "millimetres beside metres"),
+];
+
+fn unit_and_sign(
+    recording: &Recording,
+    command: &Array2<f64>,
+    j: usize,
+    follows: &Follows,
+) -> Result<(), Unusable> {
+    let source_name = recording.source.clone();
+    if follows.drive[1] < -FOLLOWED && follows.drive[0] < RELATED {
+        return Err(Unusable::Sign {
+            source_name,
+            joint: j + 1,
+        });
+    }
+    let ratio = deviation(command, j) / deviation(&recording.q, j);
+    // A drive that follows at all keeps its range within half and twice the command's.
+    let unit = UNITS
+        .iter()
+        .find(|(u, _)| (0.5..2.0).contains(&(ratio / u)));
+    match unit.filter(|_| follows.best.1 > FOLLOWED) {
+        Some((_, meaning)) => Err(Unusable::Unit {
+            source_name,
+            joint: j + 1,
+            ratio,
+            meaning: if percent(command) {
+                "per cent of each motor's range beside radians"
+            } else {
+                meaning
+            },
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Whether all values end at ±100.
+fn percent(table: &Array2<f64>) -> bool {
+    let most = table.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    (99.0..=100.0).contains(&most)
+}
+
+fn deviation(table: &Array2<f64>, j: usize) -> f64 {
+    let column = table.column(j);
+    let mean = column.mean().unwrap_or(0.0);
+    (column.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / column.len() as f64).sqrt()
+}
