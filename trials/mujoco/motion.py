@@ -77,13 +77,15 @@ class Real:
             joint.solref_friction = [2 * STEP, 1.0]
             joint.solimp_friction = [0.99, 0.99, 0.001, 0.5, 2.0]
         # MuJoCo compensates gravity where a body asked for it when the model was compiled.
-        for body in arm.bodies:
-            spec.body(body).gravcomp = 1e-9
+        for body in spec.bodies[1:]:
+            body.gravcomp = 1e-9
         spec.option.timestep = STEP
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
         self.model = spec.compile()
         self.names, self.at, self.n = arm.names, dofs(self.model, arm.names), arm.n
         self.bodies = [self.model.body(b).id for b in arm.bodies]
+        # What is fixed to a link moves with it: the description's link is both.
+        self.links = [np.flatnonzero(self.model.body_weldid == b) for b in self.bodies]
         m = self.model
         m.actuator_gaintype[:] = mujoco.mjtGain.mjGAIN_FIXED
         m.actuator_biastype[:] = mujoco.mjtBias.mjBIAS_AFFINE
@@ -93,9 +95,9 @@ class Real:
         self.late, self.zero = np.zeros(self.n), np.zeros(self.n)
         self.acts = []
 
-    def set(self, joint, kp=1.0):
-        self.model.actuator_gainprm[joint, 0] *= kp
-        self.model.actuator_biasprm[joint, 1] *= kp
+    def set(self, joint, kp):
+        self.model.actuator_gainprm[joint, 0] = kp
+        self.model.actuator_biasprm[joint, 1] = -kp
 
     def run(self, commands, period):
         """Commands and positions at the stamps, or None where it does not follow."""
@@ -136,7 +138,8 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
     viscous = rng.random() < 0.5
 
     def gain(r, s):
-        r.set(j, np.exp(side * (0.45 * usual * s + 2.5 * tolerance)))
+        # Beyond what the stated tolerance makes of it.
+        r.set(j, kp[j] * np.exp(side * (0.45 * usual * s + 2.5 * tolerance)))
         return {"kp": r.model.actuator_gainprm[j, 0]}
 
     def delay(r, s):
@@ -153,7 +156,7 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
         return {"limit": value}
 
     def compensation(r, s):
-        r.model.body_gravcomp[r.bodies] = 0.7 * usual * min(s, 1.5)
+        r.model.body_gravcomp[1:] = 0.7 * usual * min(s, 1.5)
         return {"gain": r.model.body_gravcomp[r.bodies[-1]]}
 
     def friction(r, s):
@@ -211,8 +214,8 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
 
     def link(r, s):
         factor = np.exp(side * 0.35 * usual * s)
-        r.model.body_mass[r.bodies[j]] *= factor
-        r.model.body_inertia[r.bodies[j]] *= factor
+        r.model.body_mass[r.links[j]] *= factor
+        r.model.body_inertia[r.links[j]] *= factor
         return {"mass_factor": factor}
 
     def detent(r, s):
