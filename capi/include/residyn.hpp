@@ -100,6 +100,9 @@ public:
     /// Time of the ramps, and the longest time that an old torque may stand, s.
     void set_times(double ramp, double hold) { check(residyn_set_times(get(), ramp, hold)); }
 
+    /// By how much the drive is late, s, and whether it adds gravity's torque itself, which is then left out.
+    void set_drive(double delay, bool adds_gravity) { check(residyn_set_drive(get(), delay, adds_gravity ? 1 : 0)); }
+
     // In the loop.
 
     residyn_code reset(double clock = std::numeric_limits<double>::quiet_NaN()) noexcept { return residyn_reset(get(), clock); }
@@ -194,6 +197,70 @@ private:
     std::size_t joints_ = 0;
     double period_ = 0.0;
     bool compensated_ = false;
+};
+
+/// The torque of a loop whose joints may stand in another order than the model's: what a controller of any framework needs.
+///
+class JointFeedforward {
+public:
+    /// `joints`: the caller's, in the caller's order; each of the model's once. `period` of the loop, s (0: that of training).
+    JointFeedforward(const std::string& directory, const std::vector<std::string>& joints, double period = 0.0)
+        : model_(directory, period) {
+        const std::vector<std::string> names = model_.joint_names();
+        std::string known;
+        for (const std::string& name : names) {
+            known += known.empty() ? name : ", " + name;
+        }
+        if (joints.size() != names.size()) {
+            throw Error(RESIDYN_LENGTH, "the model has the joints " + known);
+        }
+        for (const std::string& joint : joints) {
+            std::size_t place = 0;
+            while (place < names.size() && names[place] != joint) {
+                ++place;
+            }
+            for (std::size_t earlier : place_) {
+                place = earlier == place ? names.size() : place;
+            }
+            if (place == names.size()) {
+                throw Error(RESIDYN_LENGTH, "joint " + joint + " is none of the model's, or given twice; they are " + known);
+            }
+            place_.push_back(place);
+        }
+        const std::size_t n = names.size();
+        for (auto* part : {&q_, &qd_, &qdd_, &tau_}) {
+            part->assign(n, 0.0);
+        }
+    }
+
+    std::size_t joints() const noexcept { return place_.size(); }
+    double period() const noexcept { return model_.period(); }
+    Model& model() noexcept { return model_; }
+
+    /// The next tick ramps up from zero; what was remembered of an earlier run is forgotten.
+    residyn_code start() noexcept {
+        const residyn_code code = model_.reset();
+        return code == RESIDYN_OK ? model_.start() : code;
+    }
+
+    /// One tick: torque in the caller's order for a motion in the caller's order. `tau` is written on RESIDYN_OK alone.
+    residyn_code tick(double time, const double* q, const double* qd, const double* qdd, double* tau, Status& status) noexcept {
+        for (std::size_t i = 0; i < place_.size(); ++i) {
+            q_[place_[i]] = q[i];
+            qd_[place_[i]] = qd[i];
+            qdd_[place_[i]] = qdd[i];
+        }
+        const residyn_code code = model_.tick(time, q_, qd_, qdd_, tau_, status);
+        for (std::size_t i = 0; i < place_.size() && code == RESIDYN_OK; ++i) {
+            tau[i] = tau_[place_[i]];
+        }
+        return code;
+    }
+
+private:
+    Model model_;
+    std::vector<std::size_t> place_;
+    std::vector<double> q_, qd_, qdd_, tau_;
 };
 
 }  // namespace residyn

@@ -137,6 +137,27 @@ pub unsafe extern "C" fn residyn_set_times(model: *mut Model, ramp: f64, hold: f
     }
 }
 
+/// Sets what the drive does by itself: by how much it is late (s, 0 before), for which the model is asked for the motion so much later;
+/// and whether it adds gravity's torque (0, as before, or 1), which is then left out. Not for the loop: it allocates.
+///
+/// # Safety
+/// `model` is null or a handle that was not freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn residyn_set_drive(
+    model: *mut Model,
+    delay: f64,
+    adds_gravity: i32,
+) -> Code {
+    // SAFETY: passed on.
+    unsafe {
+        set(model, |_, settings| {
+            settings.drive_delay = delay;
+            settings.drive_adds_gravity = adds_gravity != 0;
+            Ok(())
+        })
+    }
+}
+
 /// Lets the torque of residyn_tick grow from what was sent last (0 at first) to the model's.
 ///
 /// # Safety

@@ -19,13 +19,12 @@ import numpy as np
 import pyarrow.parquet
 
 import effects
+import loop
 from arm import LENGTH, nominal_spec
 from cases import HELD_OUT, session
 from outside import CableTug
 
-ROOT = Path(__file__).resolve().parents[2]
 MOTIONS = HELD_OUT[:3]
-PERIOD = 1e-3  # of the loop, s
 KINDS = {
     "none": None,
     "friction": effects.FrictionParameters,
@@ -43,52 +42,11 @@ ROWS = {
 }
 
 
-def compiled(prefix, out):
-    """The program of the loop, linked with both libraries by their full names."""
-    package = Path(mujoco.__file__).parent
-    library = next(package.glob("libmujoco.so.*"))
-    program = out / "track"
-    command = ["c++", "-std=c++17", "-O2", "-Wall", "-Wextra", ROOT / "capi/examples/track.cpp", f"-I{package / 'include'}",
-               f"-I{prefix / 'include'}", library, f"-L{prefix / 'lib'}", "-lresidyn", f"-Wl,-rpath,{package}:{prefix / 'lib'}",
-               "-o", program]  # fmt: skip
-    subprocess.run([str(part) for part in command], check=True)
-    return program
-
-
 def plant(case):
     """The robot with its effect, as it was simulated."""
     spec = nominal_spec(case.arm.robot)
     case.effect.build(spec, case.arm, case.size)
     return case.arm.true(spec, case.effect.step)
-
-
-def reference(case):
-    """Text of the motions for the loop, and their rows."""
-    t = np.arange(0, LENGTH, PERIOD)
-    motions = [np.hstack(case.motions[i].at(t)) for i in MOTIONS]
-    lines = [str(case.arm.n), " ".join(map(repr, case.arm.middle.tolist())), str(len(motions))]
-    for rows in motions:
-        lines.append(str(len(rows)))
-        lines += [" ".join(map(repr, row)) for row in rows.tolist()]
-    return "\n".join(lines) + "\n", motions
-
-
-def differs(model, motions, n, torques):
-    """Largest difference of the Python package's torque from the loop's, over the largest torque; None without the package."""
-    try:
-        import residyn
-    except ImportError:
-        return None
-    loaded = residyn.Model(model, period=PERIOD)
-    worst = 0.0
-    for motion, expected in zip(motions, np.split(torques, len(motions))):
-        loaded.reset()
-        rest = np.zeros((round(1 / PERIOD), 3 * n))
-        rest[:, :n] = motion[0, :n]
-        rows = np.vstack([rest, motion])
-        found = np.array([loaded.torque(*np.split(row, 3)) for row in rows])
-        worst = max(worst, abs(found - expected).max())
-    return worst / abs(torques).max()
 
 
 def track(kind, seed, index, out, program, train):
@@ -101,24 +59,17 @@ def track(kind, seed, index, out, program, train):
     for name, table in files.items():
         pyarrow.parquet.write_table(table, folder / name)
     mujoco.mj_saveModel(plant(case), str(folder / "plant.mjb"), None)
-    text, motions = reference(case)
-    (folder / "reference.txt").write_text(text)
     model = folder / "model"
     if not (model / "model.json").is_file():
         command = [train, "--robot", folder / "robot.xml", "--data", folder / "train.parquet", "--heldout", folder / "test.parquet",
                    "--out", model, "--seed", str(seed)]  # fmt: skip
         with open(folder / "train.txt", "w") as log:
             subprocess.run([str(part) for part in command], check=True, stdout=log, stderr=log)
-    command = [program, folder / "plant.mjb", folder / "robot.xml", model, folder / "reference.txt", folder / "torques.txt"]
-    printed = subprocess.run([str(part) for part in command], check=True, stdout=subprocess.PIPE, text=True).stdout
-    errors = {name: [] for name in ROWS}
-    for line in printed.splitlines():
-        name, _, *values = line.split()
-        errors[name].append(np.array(values, dtype=float).reshape(-1, 2).T.tolist())
-    n = case.arm.n
-    torques = np.loadtxt(folder / "torques.txt").reshape(-1, n)
-    return {"kind": kind, "index": index, "robot": case.arm.robot, "joints": n, "size": case.size, "errors": errors,
-            "python": differs(model, motions, n, torques)}  # fmt: skip
+    t = np.arange(0, LENGTH, loop.PERIOD)
+    motions = [np.hstack(case.motions[i].at(t)) for i in MOTIONS]
+    errors, torques = loop.run(program, folder / "plant.mjb", folder / "robot.xml", model, case.arm.middle, motions, folder)
+    return {"kind": kind, "index": index, "robot": case.arm.robot, "joints": case.arm.n, "size": case.size, "errors": errors,
+            "python": loop.differs(model, motions, torques)}  # fmt: skip
 
 
 def ratio(case, row, base="rigid", which=0):
@@ -151,10 +102,10 @@ def main():
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS))
     parser.add_argument("--out", type=Path, required=True, help="folder for the cases, the program and the results")
     parser.add_argument("--prefix", type=Path, required=True, help="where capi/install.py has put libresidyn")
-    parser.add_argument("--train", type=Path, default=ROOT / "target/release/train", help="the program")
+    parser.add_argument("--train", type=Path, default=loop.ROOT / "target/release/train", help="the program")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    program = compiled(options.prefix.resolve(), options.out)
+    program = loop.compiled(options.prefix.resolve(), options.out)
     results, table = [], {}
     for kind in options.kinds:
         own = [track(kind, options.seed, index, options.out, program, options.train) for index in range(options.cases)]

@@ -28,6 +28,8 @@ pub struct Guard {
     /// What was sent when the ramp began.
     from: Vec<f64>,
     asked: Vec<f64>,
+    ahead: Ahead,
+    gravity: Vec<f64>,
     /// Periods for which the last torque has been held.
     held: usize,
 }
@@ -54,6 +56,8 @@ impl Guard {
             sent: vec![0.0; n],
             from: vec![0.0; n],
             asked: vec![0.0; n],
+            ahead: Ahead::new(n),
+            gravity: vec![0.0; n],
             held: 0,
             model,
         }
@@ -165,7 +169,14 @@ impl Guard {
                 self.model.miss(missed);
             }
         }
-        self.model.torque(q, qd, qdd, &mut self.asked);
+        let (later, rate) = self.ahead.by(self.settings.drive_delay, q, qd, qdd);
+        self.model.torque(later, rate, qdd, &mut self.asked);
+        if self.settings.drive_adds_gravity {
+            self.model.dynamics().gravity(later, &mut self.gravity);
+            for (asked, gravity) in self.asked.iter_mut().zip(&self.gravity) {
+                *asked -= gravity;
+            }
+        }
         if !finite(&self.asked) {
             return status | Status::BAD_TORQUE;
         }
@@ -238,6 +249,32 @@ impl Guard {
             Phase::Stopping(passed) if passed >= ramp && settled => Phase::Stopped,
             same => same,
         };
+    }
+}
+
+/// The motion some time later, at constant acceleration.
+#[derive(Debug, Clone)]
+struct Ahead {
+    q: Vec<f64>,
+    qd: Vec<f64>,
+}
+
+impl Ahead {
+    fn new(joints: usize) -> Self {
+        Self {
+            q: vec![0.0; joints],
+            qd: vec![0.0; joints],
+        }
+    }
+
+    /// Position and velocity after `time` s.
+    fn by(&mut self, time: f64, q: &[f64], qd: &[f64], qdd: &[f64]) -> (&[f64], &[f64]) {
+        let each = self.q.iter_mut().zip(&mut self.qd);
+        for (((ahead, rate), q), (qd, qdd)) in each.zip(q).zip(qd.iter().zip(qdd)) {
+            *ahead = q + time * (qd + 0.5 * time * qdd);
+            *rate = qd + time * qdd;
+        }
+        (&self.q, &self.qd)
     }
 }
 

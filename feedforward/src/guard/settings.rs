@@ -11,6 +11,10 @@ pub struct Settings {
     pub ramp: f64,
     /// Longest time that an old torque may stand, while the input is bad or no tick comes, s.
     pub hold: f64,
+    /// Delay of the drive, s: the model is asked for the motion so much later, by velocity and acceleration.
+    pub drive_delay: f64,
+    /// Whether the drive adds gravity's torque itself; limits are then of what is sent to it.
+    pub drive_adds_gravity: bool,
 }
 
 impl Settings {
@@ -26,6 +30,8 @@ impl Settings {
             torque,
             ramp: Self::RAMP,
             hold: Self::HOLD,
+            drive_delay: 0.0,
+            drive_adds_gravity: false,
         }
     }
 
@@ -47,7 +53,12 @@ impl Settings {
                 });
             }
         }
-        for (what, time) in [("ramp", self.ramp), ("hold", self.hold)] {
+        let times = [
+            ("ramp", self.ramp),
+            ("hold", self.hold),
+            ("drive_delay", self.drive_delay),
+        ];
+        for (what, time) in times {
             if !(time >= 0.0 && time.is_finite()) {
                 return Err(SettingsError::Time { what, time });
             }

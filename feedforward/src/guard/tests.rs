@@ -198,6 +198,58 @@ fn time_that_stands_runs_back_or_leaps() {
 }
 
 #[test]
+fn a_late_drive_gets_the_torque_of_the_motion_to_come() {
+    let mut guard = guard();
+    let settings = Settings {
+        ramp: 0.0,
+        drive_delay: 0.01,
+        ..guard.settings().clone()
+    };
+    guard.set(settings).unwrap();
+    guard.start();
+    let mut tau = [0.0];
+    // It turns backwards at 0.05 rad/s, and forwards 10 ms later: 10 N·m, 4 N·m of friction, 1 kg·m² at 20 rad/s².
+    guard.tick(0.0, &[0.0], &[-0.05], &[20.0], &mut tau);
+    assert!((tau[0] - 34.0).abs() < 1e-9, "{tau:?}");
+    let wrong = Settings {
+        drive_delay: -1.0,
+        ..guard.settings().clone()
+    };
+    assert!(matches!(guard.set(wrong), Err(SettingsError::Time { .. })));
+}
+
+#[test]
+fn a_drive_that_adds_gravity_gets_the_rest_and_starts_at_zero() {
+    // A pendulum of 2 kg at 0.5 m, stretched out.
+    let urdf = r#"<robot name="p"><link name="b"/><link name="l"><inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+        <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+        <joint name="j" type="continuous"><parent link="b"/><child link="l"/><axis xyz="0 1 0"/></joint></robot>"#;
+    let robot = Robot::from_urdf_str(urdf).unwrap();
+    let own = robot.parameters();
+    let record = TorqueModelRecord::new(&robot, own.clone(), own, vec![vec![]]);
+    let json = serde_json::json!({
+        "schema": crate::model_file::SCHEMA, "physics": record, "preprocessing": {"fine_hz": 1000.0}, "clock": [], "memory": [],
+        "compensator": null,
+    });
+    let model = Feedforward::from_bytes(json.to_string().as_bytes(), None, None).unwrap();
+    let mut guard = Guard::new(model);
+    let settings = Settings {
+        drive_adds_gravity: true,
+        ..guard.settings().clone()
+    };
+    guard.set(settings).unwrap();
+    guard.start();
+    let mut tau = [1.0];
+    for k in 0..1000 {
+        guard.tick(f64::from(k) * 1e-3, &[0.0], &[0.0], &[0.0], &mut tau);
+        assert!(tau[0].abs() < 1e-12, "{k}: {tau:?}");
+    }
+    // 0.1 + 2 · 0.25 kg·m² at 3 rad/s².
+    guard.tick(1.0, &[0.0], &[0.0], &[3.0], &mut tau);
+    assert!((tau[0] - 1.8).abs() < 1e-12, "{tau:?}");
+}
+
+#[test]
 fn a_position_outside_the_limits_is_said() {
     let mut guard = guard();
     let mut tau = [0.0];

@@ -1,5 +1,5 @@
 //! The C and the C++ example, compiled against an installed libresidyn, under AddressSanitizer and UndefinedBehaviorSanitizer: the
-//! torque of `eval`.
+//! torque of `eval`. The plug-ins for ROS 2 against stand-ins.
 
 use feedforward::clock::LONGEST_PAUSE;
 use signal::Motion;
@@ -61,6 +61,7 @@ pub fn follow(model: &Path, period: f64, rows: &str, folder: &Path) {
         None => eprintln!("no cmake (pip install cmake): find_package(residyn) is not tried"),
     }
     fit_for_real_time(&root, &prefix, model, folder);
+    under_ros2_control(&root, &prefix, model, folder);
     for program in programs {
         let mut command = Command::new(&program);
         command.arg(model).arg(period.to_string()).arg(&motion);
@@ -95,6 +96,49 @@ fn fit_for_real_time(root: &Path, prefix: &Path, model: &Path, folder: &Path) {
     let ended = run(Command::new(&program).arg(model).args(["0.001", "20000"]));
     assert_eq!(ended.status, 0, "{}{}", ended.out, ended.err);
     eprint!("{}", ended.out);
+}
+
+/// The controller and the solver of `integrations/ros2_control` against stand-ins of ROS 2, each run by its test on `model`.
+fn under_ros2_control(root: &Path, prefix: &Path, model: &Path, folder: &Path) {
+    let package = root.join("integrations/ros2_control");
+    let lib = prefix.join("lib");
+    let ran = |source: &str, test: &str, more: &[String]| {
+        let program = folder.join(test);
+        let mut command = Command::new("g++");
+        command.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-O1"]);
+        for one in [format!("src/{source}.cpp"), format!("test/{test}.cpp")] {
+            command.arg(package.join(one));
+        }
+        for include in ["include", "test/stand_in"] {
+            command.arg(format!("-I{}", package.join(include).display()));
+        }
+        command.arg(format!("-I{}", prefix.join("include").display()));
+        command.args(more).arg(format!("-L{}", lib.display()));
+        command.args(["-lresidyn", "-o"]).arg(&program);
+        command.arg(format!("-Wl,-rpath,{}", lib.display()));
+        run(&mut command).succeeded();
+        let ended = run(Command::new(&program).arg(model));
+        assert_eq!(ended.status, 0, "{}{}", ended.out, ended.err);
+        eprint!("{test}: {}", ended.out);
+    };
+    ran("feedforward_controller", "test_controller", &[]);
+    match eigen() {
+        Some(include) => ran(
+            "inverse_dynamics",
+            "test_solver",
+            &["-isystem".to_owned(), include],
+        ),
+        None => eprintln!("no Eigen (pip install cmeel-eigen): the solver is not compiled"),
+    }
+}
+
+/// Eigen's headers, from its wheel.
+fn eigen() -> Option<String> {
+    let python = std::env::var_os("RESIDYN_PYTHON")?;
+    let asked = "import importlib.metadata as m; f = m.distribution('cmeel-eigen'); print(f.locate_file('cmeel.prefix/include/eigen3'))";
+    let output = Command::new(python).args(["-c", asked]).output().ok()?;
+    let path = String::from_utf8(output.stdout).ok()?.trim().to_owned();
+    Path::new(&path).join("Eigen/Core").is_file().then_some(path)
 }
 
 /// An example, compiled with what pkg-config says, where there is one.
