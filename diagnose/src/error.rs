@@ -88,6 +88,9 @@ pub enum DiagnoseError {
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
+    /// A report that cannot be written, found before the diagnosis.
+    #[error(transparent)]
+    Output(#[from] report::write::OutputError),
     /// A motion cannot be written.
     #[error(transparent)]
     Motion(#[from] datasets::WriteError),

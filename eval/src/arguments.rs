@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Recording (.csv, .parquet, .npz, .mcap, rosbag2 folder, or the KR300 benchmark's .mat: its test part).
     #[arg(long, required_unless_present_any = ["sources", "closed_loop", "onnx"])]
     pub data: Option<PathBuf>,
-    /// Write the scores as JSON.
+    /// Write the scores as JSON; `-` is standard output.
     #[arg(long, requires = "scored")]
     pub json: Option<PathBuf>,
     /// Write a report page.

@@ -38,6 +38,13 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let outputs = [
+        &arguments.json,
+        &arguments.html,
+        &arguments.markdown,
+        &arguments.predict,
+    ];
+    report::write::prepare(outputs.into_iter().flatten())?;
     #[cfg(not(feature = "reproductions"))]
     if arguments.closed_loop || arguments.collision {
         return Err(Failure::input(

@@ -252,6 +252,12 @@ impl From<PayloadError> for Failure {
     }
 }
 
+impl From<report::write::OutputError> for Failure {
+    fn from(error: report::write::OutputError) -> Self {
+        Self::input(error.to_string(), "")
+    }
+}
+
 impl From<report::WriteError> for Failure {
     fn from(error: report::WriteError) -> Self {
         Self::other(error.to_string())

@@ -1,22 +1,42 @@
 //! Printing to a person who may stop reading.
 
 use std::fmt::Arguments;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// Whether standard output was closed by its reader.
 static CLOSED: AtomicBool = AtomicBool::new(false);
+/// Whether standard output is kept for a file.
+static KEPT: AtomicBool = AtomicBool::new(false);
+
+/// Keeps standard output for a file called `-`: what is said goes to standard error from here on.
+pub(crate) fn keep_standard_output() {
+    KEPT.store(true, Ordering::Relaxed);
+}
 
 /// Writes to standard output what `say!` and `say_text!` give.
 ///
 /// A closed pipe (`… | head`) is the end of the output and no failure: what comes later is dropped, and the
 /// program goes on to write its files. Any other failure (a full disk) is said once on standard error.
 pub fn out(text: Arguments) {
+    if KEPT.load(Ordering::Relaxed) {
+        return err(text);
+    }
+    written(|stream| stream.write_fmt(text));
+}
+
+/// Writes a file called `-` to standard output.
+pub(crate) fn kept(contents: &[u8]) {
+    written(|stream| stream.write_all(contents));
+}
+
+fn written(write: impl FnOnce(&mut std::io::StdoutLock) -> std::io::Result<()>) {
     if CLOSED.load(Ordering::Relaxed) {
         return;
     }
     let mut stream = std::io::stdout().lock();
-    if let Err(error) = stream.write_fmt(text).and_then(|()| stream.flush()) {
+    if let Err(error) = write(&mut stream).and_then(|()| stream.flush()) {
         CLOSED.store(true, Ordering::Relaxed);
         if error.kind() != ErrorKind::BrokenPipe {
             err(format_args!(
@@ -29,6 +49,16 @@ pub fn out(text: Arguments) {
 /// Writes to standard error; where nobody listens there is nobody to tell.
 pub fn err(text: Arguments) {
     let _ = std::io::stderr().lock().write_fmt(text);
+}
+
+/// Says which stage of a longer work begins, where no terminal shows a bar: a line on standard error with the time since `begun`.
+pub fn stage(begun: Instant, stage: &str) {
+    if !std::io::stderr().is_terminal() {
+        err(format_args!(
+            "{:6.1} s  {stage}\n",
+            begun.elapsed().as_secs_f64()
+        ));
+    }
 }
 
 /// Prints a line to standard output, as `println!` does; a closed pipe is its end, not a panic.

@@ -1,7 +1,11 @@
 //! Files that are written whole or not at all.
 
-use std::io::Write;
+use crate::say;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+
+/// Name of a file that stands for standard output.
+const STANDARD: &str = "-";
 
 /// A file that could not be written; nothing is left behind.
 #[derive(Debug, thiserror::Error)]
@@ -13,16 +17,56 @@ pub struct WriteError {
     pub source: std::io::Error,
 }
 
-/// Writes `text` to a temporary name in the same directory, then renames it to `path`.
+/// A file that cannot be written, found before work began.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}; name another file, or make its folder first")]
+pub struct OutputError(pub WriteError);
+
+/// Checks before work begins that files can be written: their folders exist and may be written. Where one of them is `-`, standard output
+/// is kept for it, and what is said to a person goes to standard error from here on.
+///
+/// # Errors
+/// The first file that cannot be written, with the reason.
+pub fn prepare<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), OutputError> {
+    for path in paths {
+        if path.as_os_str() == STANDARD {
+            say::keep_standard_output();
+            continue;
+        }
+        let failed = |source| {
+            OutputError(WriteError {
+                path: path.clone(),
+                source,
+            })
+        };
+        if path.is_dir() {
+            return Err(failed(ErrorKind::IsADirectory.into()));
+        }
+        tempfile::Builder::new()
+            .prefix(".report-")
+            .tempfile_in(folder(path))
+            .map_err(failed)?;
+    }
+    Ok(())
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Writes `text` to a temporary name in the same directory, then renames it to `path`; `-` is standard output.
 ///
 /// # Errors
 /// [`WriteError`] when the directory does not exist, is full or may not be written; a file that was there
 /// before is then untouched.
 pub fn write_atomic(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), WriteError> {
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    if path.as_os_str() == STANDARD {
+        say::kept(contents.as_ref());
+        return Ok(());
+    }
     let attempt = || -> std::io::Result<()> {
         let mut builder = tempfile::Builder::new();
         // Temporary files are private by default; a report is as readable as any other new file.
@@ -31,7 +75,7 @@ pub fn write_atomic(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Write
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        let mut file = builder.prefix(".report-").tempfile_in(directory)?;
+        let mut file = builder.prefix(".report-").tempfile_in(folder(path))?;
         file.write_all(contents.as_ref())?;
         file.as_file().sync_all()?;
         file.persist(path)?;
@@ -55,6 +99,18 @@ mod tests {
         write_atomic(&path, "second").unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "second");
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_found_before_work_begins() {
+        let directory = tempfile::tempdir().unwrap();
+        let there = directory.path().join("page.html");
+        prepare([&there]).unwrap();
+        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
+        let missing = directory.path().join("no/page.html");
+        let error = prepare([&there, &missing]).unwrap_err();
+        assert_eq!(error.0.path, missing);
+        assert!(prepare([&directory.path().to_owned()]).is_err());
     }
 
     #[test]

@@ -173,7 +173,7 @@ pub struct Arguments {
     /// Write the motion (CSV or Parquet, as `excite` does) that best tells ambiguous causes apart, within the robot's limits.
     #[arg(long, value_name = "FILE")]
     pub next: Option<PathBuf>,
-    /// Write the report as JSON.
+    /// Write the report as JSON; `-` is standard output.
     #[arg(long)]
     pub json: Option<PathBuf>,
     /// Write the report as a self-contained page.

@@ -16,7 +16,7 @@ use physics::robot::Description;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What the program `diagnose` does with these arguments, of which the first is what it was called by; its exit status.
 /// `--help` and wrong usage end the process here, as clap has it.
@@ -48,9 +48,20 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
+    let outputs = [
+        &arguments.json,
+        &arguments.html,
+        &arguments.patch,
+        &arguments.next,
+    ];
+    report::write::prepare(outputs.into_iter().flatten())?;
+    let begun = Instant::now();
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
-    let done = job(arguments).run(|stage| spinner.set_message(stage))?;
+    let done = job(arguments).run(|stage| {
+        report::say::stage(begun, stage);
+        spinner.set_message(stage);
+    })?;
     spinner.finish_and_clear();
     for warning in &done.warnings {
         report::say!("Warning: {warning}.");
