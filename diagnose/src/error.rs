@@ -1,4 +1,4 @@
-//! Why a diagnosis cannot be made.
+//! Errors of a diagnosis.
 
 use datasets::ReadError;
 use datasets::metrics::ShapeError;
@@ -13,7 +13,7 @@ use model::residual::ResidualError;
 use physics::robot::RobotError;
 use physics::torque_model::TorqueModelError;
 
-/// Why a diagnosis cannot be made.
+/// Reason why a diagnosis cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum DiagnoseError {
     /// The robot's description is refused.
@@ -36,7 +36,7 @@ pub enum DiagnoseError {
     Prepare {
         /// The recording.
         source_name: String,
-        /// Why.
+        /// Reason.
         error: PrepareError,
     },
     /// No cut-off can be chosen from a recording.
@@ -62,9 +62,9 @@ pub enum DiagnoseError {
     TooShort {
         /// The recording.
         source_name: String,
-        /// What it has.
+        /// Duration of motion that it holds, s.
         seconds: f64,
-        /// What is needed.
+        /// Duration of motion that is needed, s.
         needed: f64,
     },
     /// Nothing can be identified from the earlier recordings.
@@ -121,7 +121,7 @@ impl From<CutoffError> for DiagnoseError {
 }
 
 impl DiagnoseError {
-    /// What to do about it, where the message does not say.
+    /// Advice for the user, where the message does not give it.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Prepare { error, .. } => Some(error.advice()).filter(|text| !text.is_empty()),

@@ -1,4 +1,4 @@
-//! What a diagnosis comes to, with everything behind it.
+//! Result of a diagnosis, with all intermediate results behind it.
 
 use crate::input::frames::Frames;
 use crate::measure::explain::Explanation;
@@ -7,7 +7,7 @@ use crate::schema::Diagnosis;
 use crate::search::find::Findings;
 use crate::traces::unknown::Misfit;
 
-/// Everything a report is made of.
+/// Result of a diagnosis: the report and the intermediate results that it is made of.
 pub struct Outcome {
     /// The report.
     pub diagnosis: Diagnosis,
@@ -19,8 +19,8 @@ pub struct Outcome {
     pub explanation: Explanation,
     /// The compensator on what the causes leave, where one was asked for.
     pub learned: Option<Learned>,
-    /// What has structure of what is left, per joint, on the fitted recording.
+    /// Structure in the residual of each joint on the fitted recording; none where it was not judged.
     pub left: Vec<Option<Misfit>>,
-    /// What link encoders and thermometers show beside the causes, a line each; among the diagnosis's notes, too.
+    /// Findings of link encoders and thermometers beside the causes, a line each; also among the diagnosis's notes.
     pub sensors: Vec<String>,
 }

@@ -15,48 +15,48 @@ pub struct Diagnosis {
     pub schema: &'static str,
     /// Joint names, base first.
     pub joints: Vec<String>,
-    /// What it comes to.
+    /// Verdict.
     pub verdict: Verdict,
-    /// Why nothing can be said, where the verdict is `cannot_tell`.
+    /// Reason for the verdict `cannot_tell`; none with any other verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// The earlier recordings that the gap is measured from instead of a simulator's model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
-    /// Why the model as given is nothing to measure a gap from, where its description has no masses: the first step of `ladder` is
-    /// then that of what stands in for them.
+    /// Why no gap to the model as given is stated, where its description has no masses. The first step of
+    /// `ladder` is then that of what replaces the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_gap_as_given: Option<&'static str>,
-    /// How far the gap shrinks, step by step, on the held-out recording.
+    /// Error on the held-out recording, step by step of the ladder.
     pub ladder: Vec<Step>,
-    /// Where the gap lies.
+    /// Regions of time, position, speed or frequency where the gap lies.
     #[serde(rename = "where")]
     pub places: Vec<Place>,
     /// Accepted causes, largest share first.
     pub causes: Vec<Cause>,
-    /// Narrow peaks of what the parameters leave, said before a cause is.
+    /// Narrow peaks in the spectrum of the residual beside re-identified parameters, before causes are taken out.
     pub resonances: Vec<Resonance>,
-    /// Friction of every joint over its speed, all that is friction summed.
+    /// Friction torque of every joint over its speed, all causes that are friction included.
     pub friction: Vec<Friction>,
     /// Parameters of the given structure that moved, the causes being in place; most deviations first.
     pub moved_parameters: Vec<Moved>,
     /// Parameters that a bound holds, and its cost; null where all are possible by themselves.
     pub bounds: Option<Bounds>,
-    /// Everything tried, best first.
+    /// All candidates that were tried, best first.
     pub candidates: Vec<Tested>,
-    /// What the gap means in motion, with the model as given and with the causes.
+    /// Simulated motion against the recorded one, with the model as given and with the causes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<Simulation>,
     /// The motion that would tell ambiguous causes apart, where one was designed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub next_experiment: Option<NextExperiment>,
-    /// What this recording cannot show.
+    /// Effects that this recording cannot show.
     pub not_identifiable: Vec<NotIdentifiable>,
     /// Check of the fitted and of the held-out recording, before any physics.
     pub recordings: Vec<CheckReport>,
-    /// What is left, and whether it has structure.
+    /// Residual of each joint that the causes leave, and its structure.
     pub unexplained: Vec<Unexplained>,
-    /// What was done to the recordings, and what is odd about them.
+    /// Notes on the preparation of the recordings and on oddities in them.
     pub notes: Vec<String>,
 }
 
@@ -64,15 +64,15 @@ pub struct Diagnosis {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Nothing but noise and small parameter changes.
+    /// The gap is nothing but noise and small parameter changes.
     NoGap,
-    /// The causes bring the gap to the floor.
+    /// The causes bring the error down to the noise floor.
     Explained,
-    /// More than the floor is left, without clear structure.
+    /// An error above the floor is left, without clear structure.
     PartlyExplained,
-    /// Clear structure is left that no effect of the catalogue explains.
+    /// A residual with clear structure is left that no effect of the catalogue explains.
     UnknownEffect,
-    /// The recording does not say.
+    /// The recording does not allow a verdict.
     CannotTell,
 }
 
@@ -92,13 +92,13 @@ impl Verdict {
 /// Earlier recordings of the robot.
 #[derive(Clone, Debug, Serialize)]
 pub struct Compared {
-    /// Files.
+    /// Paths of the files.
     pub before: Vec<String>,
-    /// Part of the fitted and of the held-out samples whose motion the earlier recordings hold: there torque is compared with
-    /// torque, elsewhere with the model identified from them.
+    /// Part of the fitted and of the held-out samples whose motion the earlier recordings hold. There torque is
+    /// compared with torque, elsewhere with the model identified from them.
     pub repeated: [f64; 2],
-    /// Where the motion is another: error with structure, over the joint's torque, that is left on each joint where nothing has changed
-    /// (`nrmse` of `unexplained` is to be compared with it).
+    /// Usual structured error of each joint over its torque where nothing has changed, for motions that are not
+    /// repeated. Compare `nrmse` of `unexplained` with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub usual: Option<Vec<f64>>,
 }
@@ -108,12 +108,12 @@ pub struct Compared {
 pub struct Step {
     /// `as_given`, `reidentified`, an effect, `learned` or `repeatability`.
     pub step: String,
-    /// Held-out samples that are scored; where contact is listed, those outside pushes.
+    /// Number of held-out samples that are scored; where contact is listed, those outside pushes.
     pub samples: usize,
-    /// Over all of them; null where nothing was judged.
+    /// Scores over all of these samples; null where nothing was judged.
     #[serde(flatten)]
     pub all: Scores,
-    /// Over those in which each joint moves.
+    /// Scores over those samples in which each joint moves.
     pub moving: Scores,
 }
 
@@ -124,13 +124,13 @@ pub struct Place {
     pub joint: String,
     /// Coordinate, by its name in docs/formats.md.
     pub coordinate: &'static str,
-    /// From, to.
+    /// Lower and upper end of the region, in `unit`.
     pub range: [f64; 2],
     /// Unit of the range.
     pub unit: Unit,
-    /// Share of the squared held-out error.
+    /// Share of the squared error on the held-out recording.
     pub share_of_gap: f64,
-    /// 90 % interval of the same; none for a band of frequency or an order.
+    /// 90 % interval of `share_of_gap`; none for a band of frequency or an order.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_interval: Option<[f64; 2]>,
     /// Share of the samples.
@@ -154,16 +154,16 @@ pub struct Push {
     pub torque: Vec<f64>,
 }
 
-/// What speaks for the name of a cause.
+/// Evidence for the name of a cause.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Support {
     /// Gain over the best other name, parameters and the same effect at another place included, nats.
     pub lead: f64,
-    /// Logarithm of how many times as likely as its rivals together the cause is, going by simulations of each.
+    /// Log of the cause's likelihood over that of its rivals together, from simulations of each.
     pub likeness: f64,
-    /// Gain over what chance reaches in one recording of a hundred.
+    /// Gain over the gain that chance reaches in one recording of a hundred.
     pub over_chance: f64,
-    /// Structure left on its joints, relative to their torque.
+    /// Structure in the residual of its joints, relative to their torque.
     pub left: f64,
 }
 
@@ -181,39 +181,40 @@ pub struct Cause {
     pub driver: Option<String>,
     /// Estimated probability that effect and joint are right; null where it was not estimated.
     pub confidence: Option<f64>,
-    /// What a confidence is made of; null where it was not estimated.
+    /// Evidence from which the confidence is computed; null where it was not estimated.
     pub support: Option<Support>,
-    /// Gain over the best other name in its place, nats; null for parameters and for contact, which nothing else was tried
-    /// against. No probability.
+    /// Gain over the best other name in its place, nats; not a probability. Null for parameters and for
+    /// contact, for which no other name was tried.
     pub lead: Option<f64>,
-    /// Part of what all causes remove: Shapley's value, or what is lost without the cause if that is more, over the sum of these.
+    /// Share of the error that all causes remove: Shapley value, or the loss without the cause if that is more,
+    /// over the sum of these.
     pub share_of_gap: f64,
     /// Part of the named joints' squared error that it removes.
     pub gap_closed: f64,
-    /// 90 % interval of the same; null of contact, which does not repeat.
+    /// 90 % interval of `gap_closed`; null for contact, which does not repeat.
     pub gap_closed_interval: Option<[f64; 2]>,
     /// Whether the interval excludes zero.
     pub confirmed: bool,
     /// Chance of so large a gain anywhere in the catalogue, or of so clear a trace, from surrogates; null where none were drawn.
     pub p_value: Option<f64>,
-    /// Sizes.
+    /// Sizes of the effect with unit and standard deviation.
     pub parameters: Vec<Parameter>,
-    /// Of contact: when, where and how much.
+    /// Pushes, for contact: time, link and torque of each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pushes: Vec<Push>,
-    /// What this recording cannot tell from it.
+    /// Effects that this recording cannot tell from it.
     pub ambiguous_with: Vec<Effect>,
     /// Relative deviation of the description's inertial parameters up to which it is found; null where it is found at any.
     pub right_to: Option<f64>,
-    /// What has to be known to trust it: `short recording`, or by what it was seen where not by the error that it removes.
+    /// Caveat: `short recording`, or the trace by which the cause was seen where not by the error that it removes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remark: Option<&'static str>,
 }
 
-/// Remark on what a few seconds show: nothing says how often chance does.
+/// Remark on a cause from a few seconds of motion, for which no chance level is known.
 pub const SHORT: &str = "short recording";
 
-/// Remark on a play that its blows show, whatever error its torque removes.
+/// Remark on a play that is seen by its blows, whatever error its torque removes.
 pub const STRUCK: &str = "seen by the blows that follow changes of the load's sign";
 
 /// A candidate that was tried.
@@ -223,24 +224,25 @@ pub struct Tested {
     pub effect: Effect,
     /// Joints.
     pub joints: Vec<String>,
-    /// Part of the joints' squared gap that is closed on trajectories left out with it in the place of an accepted cause, or beside all of them.
+    /// Part of the joints' squared gap that it closes on trajectories left out, in the place of an accepted
+    /// cause or beside all of them.
     pub gap_closed: f64,
     /// Chance of so large a gain anywhere in the catalogue, or of so clear a trace, from surrogates; null where none were drawn.
     pub p_value: Option<f64>,
 }
 
-/// What this recording cannot show.
+/// An effect that this recording cannot show.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotIdentifiable {
-    /// Effect; none where nothing at all can be said of the joints.
+    /// The effect; none where nothing at all can be said of the joints.
     pub effect: Option<Effect>,
     /// Joints.
     pub joints: Vec<String>,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
-/// What is left on a joint out of fold, on the fitted recording; null where it was not judged.
+/// Residual of a joint out of fold, on the fitted recording; null where it was not judged.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unexplained {
     /// Joint.
@@ -251,9 +253,9 @@ pub struct Unexplained {
     pub learnable: Option<f64>,
     /// Root mean squared error in motion, N·m (N).
     pub moving: Option<f64>,
-    /// The same at rest, beyond what friction holds there.
+    /// Root mean squared error at rest beyond the torque that friction holds there, N·m (N).
     pub standing: Option<f64>,
-    /// Spread of repeated motions, or noise of the torque, N·m (N).
+    /// Noise floor: spread of repeated motions, or noise of the torque, N·m (N).
     pub floor: Option<f64>,
 }
 
@@ -275,7 +277,7 @@ pub struct ClosedLoop {
     pub bandwidth_hz: f64,
     /// Root mean square tracking error per joint, rad (m).
     pub before: Vec<f64>,
-    /// The same with the causes.
+    /// Root mean square tracking error per joint with the causes, rad (m).
     pub after: Vec<f64>,
 }
 
@@ -290,7 +292,7 @@ pub struct Free {
     pub longest_s: f64,
     /// Median time within the tolerance, s.
     pub before_s: f64,
-    /// The same with the causes.
+    /// Median time within the tolerance with the causes, s.
     pub after_s: f64,
 }
 
@@ -305,7 +307,7 @@ pub struct NextExperiment {
     pub seconds: f64,
     /// Evidence that the recorded data can hold for one against the other, nats.
     pub evidence_recorded: f64,
-    /// The same together with the new motion.
+    /// Evidence expected of the recorded data and the new motion together, nats.
     pub evidence_expected: f64,
 }
 
@@ -314,26 +316,26 @@ pub struct NextExperiment {
 pub struct Moved {
     /// Name: `m`, `mx` … of the joint's link, `viscous`, `coulomb`.
     pub name: String,
-    /// Joint.
+    /// Joint whose link or friction it is.
     pub joint: String,
-    /// In the model as given.
+    /// Value in the model as given.
     pub given: f64,
-    /// As fitted.
+    /// Fitted value.
     pub value: f64,
     /// Standard deviation of the fitted value.
     pub std: f64,
     /// Unit.
     pub unit: &'static str,
-    /// Change over its deviation.
+    /// Change over its standard deviation.
     pub deviations: f64,
 }
 
-/// What the bounds changed.
+/// Effect of the bounds on the fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bounds {
     /// Links that would be no possible bodies, and coefficients of friction that would be negative.
     pub held: Vec<String>,
-    /// What that costs: rise of the mean NRMSE on the fitted rows.
+    /// Rise of the mean NRMSE on the fitted rows by the bounds.
     pub cost: f64,
 }
 
@@ -344,10 +346,10 @@ pub struct Friction {
     pub joint: String,
     /// Speeds, rad/s (m/s).
     pub speed: Vec<f64>,
-    /// Of the model as given at these speeds, N·m (N).
+    /// Friction of the model as given at these speeds, N·m (N).
     pub given: Vec<f64>,
-    /// As found: the model's, the change of its coefficients and every cause that is friction, mean of both directions
-    /// over what was recorded at the speed; null where hardly anything was.
+    /// Friction found: the model's, the change of its coefficients and every cause that is friction. Mean of
+    /// both directions over what was recorded at the speed; null where there was hardly any motion.
     pub found: Vec<Option<f64>>,
     /// Unit of `given` and `found`.
     pub unit: &'static str,
@@ -362,10 +364,10 @@ pub struct Resonance {
     pub width: f64,
     /// Joints that show it, base first.
     pub joints: Vec<String>,
-    /// Root mean square of its torque on each of them, N·m (N).
+    /// Root mean square torque of the resonance on each of these joints, N·m (N).
     pub rms: Vec<f64>,
-    /// Seen while the arm moves.
+    /// Whether it is seen while the arm moves.
     pub in_motion: bool,
-    /// Seen while the arm stands.
+    /// Whether it is seen while the arm stands.
     pub at_rest: bool,
 }

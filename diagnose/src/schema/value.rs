@@ -1,8 +1,8 @@
-//! Numbers in words: no more digits than are known.
+//! Numbers as text, with no more digits than are known.
 
 use crate::catalogue::{Parameter, Unit};
 
-/// A parameter with its deviation and unit.
+/// A parameter as text: name, value, standard deviation and unit.
 pub fn value(p: &Parameter) -> String {
     let unit = if p.unit == Unit::One {
         String::new()

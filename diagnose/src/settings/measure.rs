@@ -1,114 +1,115 @@
-//! The verdict, and what is said beside the causes.
+//! Thresholds of the verdict and of the statements beside the causes.
 
-/// What is measured and said.
+/// Thresholds of the verdict and of the statements beside the causes.
 #[derive(Clone, Debug, Default)]
 pub struct MeasureSettings {
     /// The verdict.
     pub verdict: VerdictSettings,
-    /// How surely a cause is named.
+    /// Confidence in the name of a cause.
     pub confidence: ConfidenceSettings,
     /// Resonances.
     pub resonance: ResonanceSettings,
-    /// Rivals, regions, parameters, friction.
+    /// Statements on rivals, regions, parameters and friction.
     pub said: SaidSettings,
-    /// Friction of another day.
+    /// Friction that differs in the held-out recording.
     pub other_day: OtherDaySettings,
 }
 
 settings! {
-    /// When friction of the held-out recording is another.
+    /// Thresholds from which friction of the held-out recording counts as different.
     OtherDaySettings {
-        /// Chance of saying so of a joint whose friction differs as it does between trajectories.
+        /// False-alarm probability for a joint whose friction varies as it does between trajectories.
         chance: f64 = 0.002, tuned;
-        /// Least change that is said, relative.
+        /// Least change of friction that is reported, relative.
         least: f64 = 0.02, tuned;
     }
 }
 
 settings! {
-    /// What a diagnosis comes to.
+    /// Thresholds of the verdict.
     VerdictSettings {
-        /// Structure left on some joint, relative to its torque, from which it counts as clear.
+        /// Structure in the residual of some joint, relative to its torque, from which it counts as clear.
         clear: f64 = 0.03, tuned;
-        /// The same over what is usual of the robot's own model, where there is no simulator's.
+        /// Factor over the usual structure of the robot's own model from which structure is clear, where there
+        /// is no simulator's model.
         beyond: f64 = 2.0, tuned;
-        /// Part of the whole squared gap that such structure must be.
+        /// Least part of the whole squared gap that clear structure must be.
         clear_share: f64 = 0.06, tuned;
-        /// Structure left on some joint, relative to its torque, that is clear whatever part of the gap it is.
+        /// Structure in the residual of some joint, relative to its torque, that is clear whatever part of the gap it is.
         plain: f64 = 0.09, tuned;
-        /// Error over the floor up to which a joint is at the floor.
+        /// Factor on the noise floor up to which a joint's error counts as at the floor.
         at_floor: f64 = 1.5, contract;
-        /// Part of the held-out recording that pushes may cut before it explains in part at best.
+        /// Part of the held-out recording that pushes may cut out; above it the verdict is `partly_explained` at best.
         most_cut: f64 = 0.2, contract;
-        /// Fewest samples of a joint that are judged, in motion or at rest.
+        /// Fewest samples of a joint that are scored, in motion or at rest.
         fewest_samples: usize = 50, tuned;
-        /// Least motion of some joint that says anything, s.
+        /// Least duration of motion of some joint for a verdict, s.
         least_motion: f64 = 2.0, tuned;
-        /// Part of the samples of one value from which a torque channel says nothing.
+        /// Part of the samples with one and the same value from which a torque channel counts as unusable.
         same: f64 = 0.99, tuned;
     }
 }
 
 settings! {
-    /// How surely a cause has the right name.
+    /// Model of the probability that a cause has the right name.
     ConfidenceSettings {
-        /// Weights of a constant, ln(1 + lead), likeness, ln(1 + gain over chance), ln(1 + structure left in %) in the logarithm
-        /// of the odds; without them no confidence is given.
+        /// Weights of the log-odds: constant, ln(1 + lead), likeness, ln(1 + gain over chance), ln(1 +
+        /// structure left in %). Without weights no confidence is given.
         weights: Option<[f64; 5]> = Some([1.414, 1.057, -0.090, 0.037, -1.532]), tuned;
     }
 }
 
 settings! {
-    /// When a peak of the spectrum is a resonance.
+    /// Thresholds from which a peak of the spectrum is a resonance.
     ResonanceSettings {
-        /// Speed below which every joint of a standing arm stays, rad/s (m/s).
+        /// Speed below which every joint of a standing arm must stay, rad/s (m/s).
         standing: f64 = 0.01, tuned;
-        /// Recordings of noise among which one has such a peak.
+        /// Number of recordings of pure noise among which one shows such a peak.
         chance: f64 = 1e4, physics;
-        /// Density over its surroundings from which a peak is worth saying.
+        /// Spectral density over that around the peak from which the peak is reported.
         stands_out: f64 = 10.0, tuned;
-        /// Part of that density which a single window has to show.
+        /// Part of that ratio that a single window must reach.
         window: f64 = 0.5, tuned;
-        /// Part of the windows that have to show it: what shows in few is an event, not what swings whenever it is struck.
+        /// Part of the windows that must reach it: a peak in few windows is an event, not a vibration whenever it is excited.
         lasting: f64 = 0.5, tuned;
-        /// Part of the residual's peak that the predicted torque's may reach for the peak not to be the motion's.
+        /// Part of the residual's peak that the peak of the predicted torque may reach. Above it the peak is that of the motion.
         motion: f64 = 0.3, tuned;
-        /// Width of a peak over its frequency from which it is a hump, and nothing that swings.
+        /// Width of a peak over its frequency from which it is a hump, not a resonance.
         narrow: f64 = 0.5, tuned;
-        /// Frequencies of two joints that differ by less, relative to them, are one.
+        /// Relative difference of frequency below which the peaks of two joints are one resonance.
         same: f64 = 0.04, tuned;
     }
 }
 
 settings! {
-    /// What is said of causes and beside them.
+    /// Thresholds of the statements on causes and beside them.
     SaidSettings {
-        /// Gain below which two names are one answer, nats.
+        /// Difference of gain below which two names count as ambiguous, nats.
         ambiguous: f64 = 6.0, tuned;
-        /// The same relative to the better one.
+        /// Difference of gain, relative to the better name's, below which two names count as ambiguous.
         ambiguous_part: f64 = 0.08, tuned;
-        /// Part of the better one's gain that a rival has to have.
+        /// Part of the better name's gain that a rival must reach.
         rival: f64 = 0.5, tuned;
-        /// Most candidates beyond the causes.
+        /// Most candidates that the report lists beyond the causes.
         candidates: usize = 40, tuned;
-        /// Least share of the gap that a region is reported with.
+        /// Least share of the gap from which a region is reported.
         region: f64 = 0.01, tuned;
-        /// Most regions.
+        /// Most regions that are reported.
         regions: usize = 16, tuned;
-        /// Deviations from which a parameter has moved.
+        /// Change over its standard deviation from which a parameter has moved.
         moved: f64 = 3.0, physics;
-        /// Most moved parameters.
+        /// Most moved parameters that are reported.
         most_moved: usize = 24, tuned;
-        /// Deviations from which a link's parameter belongs to the cause `link_parameters`.
+        /// Change over its standard deviation from which a link's parameter belongs to the cause `link_parameters`.
         changed: f64 = 2.0, physics;
-        /// Change relative to the parameter that it needs for that.
+        /// Relative change of the parameter that is needed beside that.
         changed_part: f64 = 0.05, tuned;
-        /// Part of its deviation by which a coefficient of friction would be beyond a bound to be said to be held.
+        /// Distance beyond a bound, in standard deviations, from which a coefficient of friction is reported as held by it.
         beyond: f64 = 0.05, tuned;
-        /// Least motion near a speed in each direction for friction to be stated there, s.
+        /// Least duration of motion near a speed, in each direction, for a friction value there, s.
         friction: f64 = 0.1, tuned;
-        /// Part of the error that a learned unit must spare on the pieces that judge it: what helps a little on few may not
-        /// help elsewhere.
+        /// Part of the squared error that a learned unit must remove on the pieces that judge it. A small gain
+        /// on few may not carry over.
         learned: f32 = 0.05, tuned;
     }
 }

@@ -37,27 +37,28 @@ pub use rules::{Off, Rule};
 pub use search::SearchSettings;
 pub use traces::{BlowSettings, ContactSettings, StructureSettings, TraceSettings};
 
-/// How gaps are weighed, room by room.
+/// All thresholds of a diagnosis, room by room.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// Reversals and rests.
     pub motion: MotionSettings,
-    /// What a recording cannot show.
+    /// Limits of what a recording can show.
     pub input: InputSettings,
     /// Pushes, blows, structure.
     pub traces: TraceSettings,
-    /// When a cause is accepted.
+    /// Acceptance of causes by the search.
     pub search: SearchSettings,
-    /// When it is listed.
+    /// Listing of accepted causes in the report.
     pub ladder: LadderSettings,
-    /// Verdict, resonances, what else is said.
+    /// Verdict, resonances and further statements.
     pub measure: MeasureSettings,
-    /// What is advised.
+    /// Guards of the advised motion.
     pub advice: AdviceSettings,
 }
 
 impl Settings {
-    /// The same with one number, `room.field` as the documentation names it, multiplied by a factor; none where there is no such number.
+    /// Settings with one number multiplied by a factor; `name` is `room.field` as in the documentation. None
+    /// where there is no such number.
     pub fn scaled(&self, name: &str, factor: f64) -> Option<Self> {
         let mut own = self.clone();
         let (room, field) = name.rsplit_once('.')?;

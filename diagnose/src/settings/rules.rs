@@ -1,4 +1,4 @@
-//! Special rules, each of which can be switched off alone to see what it is for.
+//! Special rules of the search, each of which an ablation can switch off alone.
 
 use super::Settings;
 use super::fields::Scaled;
@@ -6,19 +6,19 @@ use super::fields::Scaled;
 /// A rule beyond the criterion itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// Another least gain for friction with memory, for friction by load and for what parameters can absorb.
+    /// Another least gain for friction with memory, friction by load and effects that parameters can absorb.
     GainByEffect,
     /// Another least part of the error for narrow memory, abrupt Stribeck friction, delays and springs.
     PartByEffect,
-    /// A delay's part of the error is the middle joint's where that is more.
+    /// The part of the error that a delay removes is that on the median joint, where that is more.
     MiddleJoint,
-    /// What makes a prediction late or oscillate needs no part of the error where its gain is large.
+    /// Effects that make a prediction late or oscillate need no part of the error where their gain is large.
     LargeGain,
-    /// A cause has to exceed a part of what earlier ones gained.
+    /// A cause must exceed a part of the gain of earlier ones.
     Leftovers,
     /// A trace names a play by itself, whatever its torque explains.
     Trace,
-    /// Nats for what a trace or another sensor says.
+    /// Candidates get additional nats for a trace in the residual or another sensor.
     Evidence,
     /// A body on the last link is charged for two coefficients, and for every joint against wider tolerances.
     LastLink,
@@ -26,20 +26,20 @@ pub enum Rule {
     LinkPriors,
     /// Fewer coefficients are tried in the place of a link's full set.
     FullLink,
-    /// What a free refit beats is barred, and the search runs again.
+    /// A cause whose error a free refit undercuts is barred, and the search runs again.
     Barred,
-    /// Causes that halve the error of a short recording.
+    /// Causes that halve the error of a short recording are accepted.
     Short,
-    /// A joint that needs links and friction is listed by what helps more, and a link that was found wrong is listed.
+    /// A joint that needs links and friction is listed by the one that helps more; a link found wrong by itself is listed.
     Listed,
-    /// What bursts have to be beside loud to be pushes.
+    /// Conditions on pushes beside their height.
     Pushes,
     /// Where there are pushes, structure is looked for without the loudest quarter as well.
     BesidePushes,
 }
 
 impl Rule {
-    /// All of them.
+    /// All rules.
     pub const ALL: [Self; 15] = [
         Self::GainByEffect,
         Self::PartByEffect,
@@ -90,10 +90,10 @@ impl Rule {
 pub struct Off(u16);
 
 impl Off {
-    /// None is.
+    /// No rule switched off.
     pub const NONE: Self = Self(0);
 
-    /// Whether a rule is.
+    /// Whether the rule is switched off.
     pub fn holds(self, rule: Rule) -> bool {
         self.0 & (1 << rule as u16) != 0
     }
@@ -104,7 +104,7 @@ impl Scaled for Off {
 }
 
 impl Settings {
-    /// The same with one rule switched off: one that is made of numbers alone by numbers that ask for nothing.
+    /// Settings with one rule switched off. A rule that consists of numbers alone gets numbers that exclude nothing.
     pub fn without(&self, rule: Rule) -> Self {
         let mut own = self.clone();
         own.search.off.0 |= 1 << rule as u16;

@@ -1,107 +1,111 @@
-//! When a cause is accepted.
+//! Thresholds by which the search accepts a cause.
 
 use super::rules::Off;
 
 settings! {
-    /// When a cause is accepted.
+    /// Thresholds by which the search accepts a cause.
     SearchSettings {
-        /// Deviation of the given inertial parameters that is nothing to report, relative.
+        /// Tolerance of the given inertial parameters, relative: a smaller deviation is not reported.
         inertial_tolerance: f64 = 0.025, tuned;
-        /// Deviation of given friction coefficients that is nothing to report, relative.
+        /// Tolerance of the given friction coefficients, relative: a smaller deviation is not reported.
         friction_tolerance: f64 = 0.12, tuned;
-        /// The same of parameters that the robot's own earlier recordings gave.
+        /// Tolerance of inertial parameters that were identified from the robot's own earlier recordings, relative.
         inertial_of_own: f64 = 0.003, tuned;
-        /// The same where the motion is that of the earlier recordings.
+        /// Tolerance of inertial parameters, relative, where the motion repeats that of the earlier recordings.
         inertial_repeated: f64 = 1e-4, tuned;
-        /// The same of friction.
+        /// Tolerance of friction coefficients that were identified from the robot's own earlier recordings, relative.
         friction_of_own: f64 = 0.01, tuned;
-        /// Torque of a change of friction that nobody would report however small the coefficient is, over the joint's.
+        /// Torque of a friction change, over the joint's torque, that is not reported however small the coefficient is.
         unreported: f64 = 0.003, tuned;
-        /// Torque that friction which the model lacks may make, over the joint's, one deviation.
+        /// Prior deviation of friction that the model lacks: its torque over the joint's torque.
         missing: f64 = 3.0, tuned;
-        /// Torque that a candidate may make, over the joint's, one deviation.
+        /// Prior deviation of a candidate's coefficient: its torque over the joint's torque.
         wide: f64 = 3.0, tuned;
-        /// Deviation of a suspected link's parameters, in their sizes.
+        /// Prior deviation of a suspected link's parameters, over their sizes.
         freed: f64 = 0.5, tuned;
-        /// Deviation of a suspected link's density, relative.
+        /// Prior deviation of a suspected link's density, relative.
         density: f64 = 0.5, tuned;
-        /// Largest change of a suspected link's parameter, in squares of its deviation: beyond that the link is not the
-        /// cause, it stands in for something else.
+        /// Largest change of a suspected link's parameter, in squares of its prior deviation. Beyond it the
+        /// link is not the cause but stands in for something else.
         most_change: f64 = 9.0, tuned;
-        /// How far parameters may leave the given values when they are identified again, in tolerances: of these, what
-        /// predicts best where the fit did not see. The freest comes first.
+        /// Factors on the tolerances within which parameters are identified again. The one with the least error
+        /// out of fold is used. The freest comes first.
         freedoms: [f64; 4] = [100.0, 30.0, 10.0, 3.0], tuned;
-        /// Part of the squared error out of fold that less freedom must spare.
+        /// Part of the squared error out of fold that a smaller freedom must remove.
         freedom_gain: f64 = 0.02, tuned;
-        /// Rows per independent sample at most, and as long as no search has shown how long what is left remembers itself.
+        /// Rows per independent sample: the most, and the value as long as no search has shown the residual's
+        /// autocorrelation time.
         correlated_rows: f64 = 25.0, tuned;
-        /// Rows per independent sample, in rows for which what is left remembers itself: it holds mechanisms that nobody described, which are no noise.
+        /// Rows per independent sample, in autocorrelation times of the residual. The residual holds mechanisms
+        /// that nobody described, which are no noise.
         memories: f64 = 4.0, tuned;
         /// Fewest rows per independent sample.
         fewest_rows: f64 = 8.0, tuned;
-        /// Price of a coefficient, nats.
+        /// Penalty of a coefficient, nats.
         cost: f64 = 4.0, tuned;
-        /// Coefficients that a body on the last link is charged for at most: those that a recording shows.
+        /// Most coefficients that a body on the last link is charged for: those that a recording shows.
         last_link_price: usize = 2, physics;
         /// Gain from which a cause is named, nats.
         enough: f64 = 10.0, tuned;
-        /// The same where its error is not visible, in `enough`.
+        /// Factor on `enough` for a cause whose removed error is not visible on any joint.
         enough_unseen: f64 = 1.4, tuned;
-        /// The same of friction with memory.
+        /// Factor on `enough` for friction with memory.
         enough_memory: f64 = 2.0, tuned;
-        /// The same of memory within `narrow` that does not show plainly.
+        /// Factor on `enough` for memory shorter than `narrow` that does not remove the part `plainly`.
         enough_narrow: f64 = 3.0, tuned;
-        /// The same of what makes a prediction late or oscillate, whatever part of the error it removes.
+        /// Factor on `enough` above which an effect that makes a prediction late or oscillate needs no least part of the error.
         enough_dynamic: f64 = 20.0, tuned;
         /// Part of an earlier cause's gain that a further cause must exceed.
         leftover: f64 = 0.12, tuned;
-        /// Part of its gain that the same effect on another joint must exceed.
+        /// Part of an earlier cause's gain that the same effect on another joint must exceed.
         leftover_same: f64 = 0.35, tuned;
-        /// Part of its joints' squared error from which a cause stands for itself, whatever earlier ones gained.
+        /// Part of its joints' squared error from which a cause is accepted whatever earlier ones gained.
         plain_part: f64 = 0.1, tuned;
-        /// Gain that it needs for that, nats.
+        /// Gain that such a cause needs beside that part, nats.
         plain_gain: f64 = 60.0, tuned;
         /// Error that a cause must remove on some joint, relative to the joint's torque.
         visible: f64 = 0.015, tuned;
-        /// Share of the gap, or of what parameters leave of it, that a cause must remove.
+        /// Share of the gap that a cause must remove; of the error that re-identification leaves, where that is less.
         share: f64 = 0.015, tuned;
         /// Error below which a joint counts as explained, relative to its torque.
         floor: f64 = 0.006, tuned;
-        /// Part of the error that shows plainly: asked of what a wrong sign at reversals imitates, and of springs.
+        /// Part of the squared error that an effect must remove where a wrong sign at reversals imitates it,
+        /// and that a spring must.
         plainly: f64 = 0.35, tuned;
-        /// Part of the error that a delay has to remove: what the catalogue lacks may be late, too.
+        /// Part of the squared error that a delay must remove: torque that the catalogue lacks may be late, too.
         late_part: f64 = 0.18, tuned;
-        /// The same of one joint where no other is late.
+        /// Part of the squared error that a delay of one joint must remove where no other joint is late.
         late_alone: f64 = 0.75, tuned;
-        /// Velocity of a Stribeck law below which it has to show plainly, rad/s (m/s).
+        /// Stribeck velocity below which the law must remove the part `plainly`, rad/s (m/s).
         abrupt: f64 = 0.012, tuned;
-        /// Way over which friction has memory below which a wrong sign imitates it, rad (m).
+        /// Length of friction's memory below which a wrong sign at reversals imitates it, rad (m).
         narrow: f64 = 1.2e-3, tuned;
-        /// Part of the error that such memory has to remove.
+        /// Part of the squared error that memory shorter than `narrow` must remove.
         narrow_part: f64 = 0.22, tuned;
         /// Squared error over the free refit's up to which few parameters are the answer alone.
         as_good: f64 = 1.3, contract;
         /// Squared error over the free refit's up to which few parameters are named first, the refit beside them.
         rivalled: f64 = 2.0, contract;
-        /// Part of the largest change that makes a joint one of the cause's in that comparison.
+        /// Part of the largest fall of the error from which a joint belongs to the cause in that comparison.
         touched: f64 = 0.35, tuned;
-        /// Factors on the tolerances among which the recording chooses, of links and friction each: a description is rarely right to a few percent.
+        /// Factors on the tolerances among which the recording chooses, for links and friction each. A
+        /// description is rarely right to a few percent.
         tolerant: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0], tuned;
-        /// What a body on the last link has to be worth against wider tolerances for every joint, nats.
+        /// Penalty of a body on the last link against wider tolerances, per joint of the robot, nats.
         body: f64 = 3.75, tuned;
-        /// What each doubling of the tolerances costs, nats.
+        /// Penalty of each doubling of the tolerances, nats.
         widening: f64 = 4.0, tuned;
-        /// Factors under which what no few parameters explain is left to the parameters.
+        /// Factors on the tolerances within which parameters may take up an error that no few parameters explain.
         wider: [f64; 4] = [1.0, 4.0, 16.0, 100.0], tuned;
         /// Special rules that are switched off, for an ablation.
         off: Off = Off::NONE, contract;
-        /// Most causes that are named.
+        /// Most causes that are accepted.
         most_causes: usize = 24, tuned;
     }
 }
 
 impl SearchSettings {
-    /// Rows per independent sample of a joint of which what is left remembers itself for `memory` rows.
+    /// Rows per independent sample of a joint whose residual has an autocorrelation time of `memory` rows.
     pub fn correlated(&self, memory: f64) -> f64 {
         (self.memories * memory).clamp(self.fewest_rows, self.correlated_rows)
     }
