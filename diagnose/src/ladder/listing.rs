@@ -1,8 +1,9 @@
-//! Which causes are listed: those that pay on the part of the fitted recording that their fit did not see.
+//! Listing: accepted causes that reduce the error on the part of the fitted recording that their fit did not see.
 //!
-//! The search compares sums over that part; here each cause it accepted is left out alone, the others standing, and the
-//! fall of the error is drawn again from blocks of time. A cause whose interval holds zero is taken back, the weakest
-//! first, since two that share a torque may each be spared while the other stands; not one that a trace shows by itself.
+//! The search compares sums over that part. Here each accepted cause is left out alone, the others kept, and
+//! the fall of the error is bootstrapped over blocks of time. A cause whose interval contains zero is taken
+//! back, the weakest first: of two that share a torque, each may be spared while the other stands. A cause that
+//! a trace names by itself is kept.
 
 use crate::catalogue::choice::Choice;
 use crate::catalogue::effect::Effect;
@@ -16,13 +17,13 @@ use crate::simulator::NominalModel;
 use datasets::metrics::{Scope, deviations};
 use ndarray::Array2;
 
-/// What the fitted recording says of the causes that stand.
+/// Causes that are listed, from the fitted recording alone.
 pub struct Listing {
     /// For each accepted cause of kind `structure`: its index among the accepted, and its joints.
     pub structure: Vec<(usize, Vec<usize>)>,
     /// Changes of parameters that are listed, and their joints.
     pub parameters: Vec<(Effect, Vec<usize>)>,
-    /// What the last step leaves out of fold at the recorded samples, shape (samples, joints).
+    /// Residual of the last step out of fold at the recorded samples, shape (samples, joints).
     pub residual: Array2<f64>,
     /// Sum over joints of the squared NRMSE of the model as given.
     pub given: f64,
@@ -30,8 +31,9 @@ pub struct Listing {
     pub coulomb: Vec<f64>,
 }
 
-/// Takes back what does not pay, and says what the rest touches. `weight` on the fitted rows, shape (rows, joints); `scored`
-/// is what of the fitted recording is judged, `effects` what may be listed; `moves` is false where there is hardly any motion to say anything.
+/// Takes back causes that do not pay, and determines the joints that the others touch. `weight` of the fitted
+/// rows, shape (rows, joints); `scored` selects the samples that are judged, `effects` the effects that may be
+/// listed. `moves` is false where there is hardly any motion to judge by.
 pub fn list(
     model: &NominalModel,
     frames: &Frames,
@@ -76,15 +78,16 @@ pub fn list(
     }
 }
 
-/// An accepted cause left out alone.
+/// Gain of an accepted cause when it is left out alone.
 struct LeftOut {
     accepted: usize,
     joints: Vec<usize>,
     interval: [f64; 2],
 }
 
-/// Every accepted cause of kind `structure` left out alone. What free parameters could take over is taken out of the fit
-/// near the given parameters, these held where they are; of all others the parameters are fitted again without it.
+/// Gain of every accepted cause of kind `structure` when left out alone. Causes that free parameters could
+/// absorb are left out of the fit near the given parameters, which are held. For all others the parameters are
+/// fitted again without the cause.
 fn left_out(
     model: &NominalModel,
     frames: &Frames,
@@ -122,7 +125,7 @@ fn left_out(
     structure.iter().map(one).collect()
 }
 
-/// Joints that a cause is reported for: its own, or of the whole arm those whose torque it changes noticeably.
+/// Joints that a cause is reported for: its own. For an effect of the whole arm, the joints whose torque it changes noticeably.
 fn touched(
     found: &Findings,
     cause: usize,
@@ -155,21 +158,21 @@ fn touched(
 /// NRMSE by joint, and losses by block, then joint.
 type Errors = (Vec<Option<f64>>, Vec<Vec<f64>>);
 
-/// Fall of each joint's NRMSE by freeing parameters, where it is more than noise would make it.
+/// Fall of each joint's NRMSE by freeing parameters, where it is larger than by noise.
 struct Falls {
-    /// By the links, all else fitted.
+    /// By freeing the links' parameters, friction fitted.
     links: Vec<f64>,
-    /// By friction, all else fitted.
+    /// By freeing friction, the links' parameters fitted.
     friction: Vec<f64>,
-    /// By both together.
+    /// By freeing both together.
     both: Vec<f64>,
-    /// By both without any cause of kind `structure`.
+    /// By freeing both without any cause of kind `structure`.
     alone: Vec<f64>,
 }
 
 impl Falls {
-    /// Joints that are listed for their links, and for their friction. With `more`, a joint that needs both, or that identification
-    /// alone helps and no cause explains, goes to what helps it more.
+    /// Joints listed for their links, and joints listed for their friction. With `more`, a joint that needs
+    /// both, or that re-identification alone helps and no cause explains, goes to the one that helps it more.
     fn listed(&self, least: f64, explained: &[bool], more: bool) -> [Vec<usize>; 2] {
         let mut listed = [Vec::new(), Vec::new()];
         for (j, explained) in explained.iter().enumerate() {
@@ -187,9 +190,9 @@ impl Falls {
     }
 }
 
-/// Changes of parameters that lower a joint's error by what is worth saying, more than noise would: links and friction
-/// each held at the given values while all else is fitted. A joint that needs both, or that re-identification alone helps,
-/// goes to the one that helps it more.
+/// Parameter changes that lower a joint's error by a reportable amount, and by more than noise. Links and
+/// friction are each held at the given values while all else is fitted. A joint that needs both, or that
+/// re-identification alone helps, goes to the one that helps it more.
 fn parameters(
     model: &NominalModel,
     frames: &Frames,

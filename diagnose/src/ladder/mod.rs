@@ -1,4 +1,4 @@
-//! The ladder of errors: fits of what was found, and which causes stay on it.
+//! The ladder of errors: refits with the accepted causes, and the causes that are listed.
 
 pub(crate) mod listing;
 pub(crate) mod out_of_fold;

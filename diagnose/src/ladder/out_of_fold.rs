@@ -1,4 +1,4 @@
-//! What fits leave on the part of the fitted recording that they did not see, and what a change of the fit gains there.
+//! Residuals out of fold on the fitted recording, and the gain of a change of the fit there.
 
 use crate::algebra::fit::{Fit, Variable};
 use crate::input::frames::Frames;
@@ -8,7 +8,7 @@ use crate::search::find::{Columns, Findings};
 use ndarray::Array2;
 use std::ops::Range;
 
-/// The fitted recording, every sample predicted by the fit that left its fold out.
+/// The fitted recording with every sample predicted by the fit that left its fold out.
 pub struct OutOfFold<'a> {
     frame: &'a Frame,
     gap: &'a Array2<f64>,
@@ -16,13 +16,13 @@ pub struct OutOfFold<'a> {
     /// Samples of each fold.
     folds: Vec<Vec<Range<usize>>>,
     weight: &'a Array2<f64>,
-    /// Rows that the bootstrap draws together.
+    /// Blocks of rows that the bootstrap draws.
     blocks: Vec<Range<usize>>,
 }
 
 impl<'a> OutOfFold<'a> {
-    /// For all variables that some fit of `found` may have. `gap` at the recorded samples, `weight` on the fitted rows;
-    /// both with a column for each joint.
+    /// For all variables that some fit of `found` may have. `gap` at the recorded samples, shape (samples,
+    /// joints); `weight` of the fitted rows, shape (rows, joints).
     pub fn new(
         found: &Findings,
         frames: &'a Frames,
@@ -59,7 +59,7 @@ impl<'a> OutOfFold<'a> {
         }
     }
 
-    /// Torque of the variables of a fit that `keep` keeps, shape (samples, joints).
+    /// Torque of the fit's variables that `keep` selects, shape (samples, joints).
     pub fn torque(&self, fit: &Fit, keep: impl Fn(usize) -> bool) -> Array2<f64> {
         let kept = |v: &[Variable]| -> Vec<usize> { (0..v.len()).filter(|i| keep(*i)).collect() };
         let kept = kept(&fit.variables);
@@ -74,12 +74,12 @@ impl<'a> OutOfFold<'a> {
         out
     }
 
-    /// What a fit leaves, shape (samples, joints).
+    /// Residual of a fit out of fold, shape (samples, joints).
     pub fn residual(&self, fit: &Fit) -> Array2<f64> {
         self.gap - &self.torque(fit, |_| true)
     }
 
-    /// Weighted squared error on the rows that are fitted, by block, then joint.
+    /// Weighted squared error on the fitted rows, by block and joint, (N·m)².
     pub fn losses(&self, residual: &Array2<f64>) -> Vec<Vec<f64>> {
         let rows = self.frame.table_thin(residual);
         let of = |block: &Range<usize>, j: usize| -> f64 {
@@ -94,7 +94,8 @@ impl<'a> OutOfFold<'a> {
     }
 }
 
-/// Part of the joints' squared error that a change removes, with its 90 % interval: blocks drawn in pairs, before and after.
+/// Part of the joints' squared error that a change removes, and its 90 % interval by bootstrap over blocks,
+/// before and after paired.
 pub fn gain(before: &[Vec<f64>], after: &[Vec<f64>], joints: &[usize]) -> (f64, [f64; 2]) {
     let sum = |b: &[f64]| joints.iter().map(|&j| b[j]).sum::<f64>();
     let pairs: Vec<(f64, f64)> = before

@@ -1,4 +1,4 @@
-//! Fits of what was found: the steps of the ladder, and the fit near the given parameters.
+//! Refits with the accepted causes: the steps of the ladder, and the fit near the given parameters.
 
 use crate::algebra::fit::{Fit, Variable};
 use crate::catalogue::effect::Effect;
@@ -17,7 +17,7 @@ pub enum Free {
     Links,
     /// Friction alone.
     Friction,
-    /// None: they are as given.
+    /// None: all as given.
     Nothing,
 }
 
@@ -29,8 +29,8 @@ impl Findings {
             .collect()
     }
 
-    /// Fit of the given structure and some accepted causes, parameters identified again as far as they are `free`. Coulomb
-    /// friction that was found to build up slowly counts as the given structure's.
+    /// Fit of the given structure and the accepted causes `causes`, with the parameters `free` identified
+    /// again. Coulomb friction that was found to build up slowly counts as part of the given structure.
     pub fn refit(
         &self,
         model: &NominalModel,
@@ -55,7 +55,7 @@ impl Findings {
         objective.fit(variables)
     }
 
-    /// Chooses how far parameters may leave the given values when they are identified again.
+    /// Chooses the factor on the tolerances within which parameters are identified again.
     pub fn choose_freedom(&mut self, model: &NominalModel, scale: &Scale) {
         let structure = self.structure();
         let (freedoms, gain) = (
@@ -75,12 +75,12 @@ impl Findings {
         self.freedom = best.1;
     }
 
-    /// The fit near the given parameters, with all that was accepted.
+    /// Fit near the given parameters with all accepted causes.
     pub fn tight_fit(&self, scale: &Scale) -> Fit<'_> {
         Objective::new(&self.grams, scale, &self.settings.search).fit(self.tight.0.clone())
     }
 
-    /// The same without one of the causes, by index among the accepted.
+    /// Fit near the given parameters without one accepted cause, by its index.
     pub fn tight_without(&self, cause: usize, scale: &Scale) -> Fit<'_> {
         let own = &self.accepted[cause].variables;
         let each = self.tight.0.iter().enumerate();
@@ -89,7 +89,7 @@ impl Findings {
         objective.fit(others.collect())
     }
 
-    /// Takes an accepted cause back, by index among the accepted: it becomes the first of what was not accepted.
+    /// Takes an accepted cause back, by its index. It becomes the first of the candidates that were not accepted.
     pub fn take_back(&mut self, cause: usize, scale: &Scale) {
         let taken = self.accepted.remove(cause);
         let (start, n) = (taken.variables.start, taken.variables.len());
@@ -116,7 +116,7 @@ impl Findings {
         self.rest.splice(0..0, own);
     }
 
-    /// Coulomb friction in the prediction of a fit, N·m, by joint.
+    /// Coulomb friction in the prediction of a fit, by joint, N·m (N).
     pub fn coulomb(&self, model: &NominalModel, fit: &Fit) -> Vec<f64> {
         let dof = model.robot.dof();
         let first = (PARAMETERS_PER_LINK + 1) * dof;

@@ -1,4 +1,4 @@
-//! Errors on the held-out recording, by the metric of `eval`.
+//! Scores of residuals by the metric of `eval`.
 
 use crate::motion::frame::Frame;
 use crate::schema::Step;
@@ -6,7 +6,7 @@ use datasets::metrics::{Scope, Scores, deviations};
 use datasets::{Recording, repeats};
 use ndarray::Array2;
 
-/// What of a recording is scored.
+/// Joints and samples of a recording that are scored.
 #[derive(Clone, Debug)]
 pub struct Scored {
     dead: Vec<bool>,
@@ -14,7 +14,7 @@ pub struct Scored {
 }
 
 impl Scored {
-    /// All joints but the dead ones, at the samples kept.
+    /// Scores all joints but the dead ones, at the samples `kept`.
     pub fn new(dead: &[bool], kept: Vec<bool>) -> Self {
         Self {
             dead: dead.to_vec(),
@@ -22,7 +22,7 @@ impl Scored {
         }
     }
 
-    /// A table of shape (samples, joints) with zero where a joint is dead.
+    /// The table, shape (samples, joints), with zeros for dead joints.
     pub fn judged(&self, mut table: Array2<f64>) -> Array2<f64> {
         let columns = table.columns_mut().into_iter().zip(&self.dead);
         for (mut column, _) in columns.filter(|c| *c.1) {
@@ -36,12 +36,12 @@ impl Scored {
         self.kept[sample]
     }
 
-    /// Number of samples.
+    /// Number of samples that are scored.
     pub fn samples(&self) -> usize {
         self.kept.iter().filter(|k| **k).count()
     }
 
-    /// A step of the ladder: figures of a residual at the recorded samples of a frame, shape (samples, joints).
+    /// A step of the ladder: scores of a residual at the recorded samples of a frame, shape (samples, joints).
     pub fn step(&self, name: &str, residual: &Array2<f64>, frame: &Frame) -> Step {
         Step {
             step: name.to_owned(),
@@ -51,7 +51,7 @@ impl Scored {
         }
     }
 
-    /// Figures of a residual in one scope.
+    /// RMSE and NRMSE of a residual by joint in one scope.
     pub fn figures(&self, residual: &Array2<f64>, frame: &Frame, scope: Scope) -> Scores {
         let qd = frame.samples().qd.view();
         let deviations = deviations(frame.tau.view(), qd);
@@ -63,7 +63,7 @@ impl Scored {
     }
 }
 
-/// The floor: spread of the torque over executions of one motion. None where no motion is repeated.
+/// Step `repeatability`, the noise floor: spread of the torque over executions of one motion. None where no motion is repeated.
 pub fn repeatability(recording: &Recording, frame: &Frame) -> Option<Step> {
     let qd = &frame.samples().qd;
     let floor = repeats::repeatability(recording, qd, frame.repeats())?;

@@ -1,4 +1,4 @@
-//! What a trial has to earn before it is named.
+//! Conditions on a trial for its cause to be accepted.
 
 use super::select::{CandidateScore, Search};
 use crate::algebra::fit::Fit;
@@ -8,8 +8,8 @@ use crate::settings::{Rule, SearchSettings};
 use signal::quantile::median;
 
 impl Search<'_> {
-    /// Whether a trial explains enough to be named: it lowers J by far, or by less while the error it removes is
-    /// visible on some joint and in the whole of what parameters leave.
+    /// Whether a trial explains enough to be accepted. Either it lowers J by far, or by less while the error
+    /// that it removes is visible on some joint and in the whole error that parameters leave.
     pub(super) fn worth(&self, fit: &Fit, tried: &CandidateScore, others: &[usize]) -> bool {
         let s = self.objective.settings;
         let c = &self.candidates[tried.candidate];
@@ -55,17 +55,18 @@ impl Search<'_> {
         (misfit && !memory) || gain > clear
     }
 
-    /// Whether a trace in the recording names a candidate by itself. A joint's blows shake its neighbours: where the same effect is accepted
-    /// at another place, it has to pay like every other.
+    /// Whether a trace in the residual names a candidate by itself. A joint's blows shake its neighbours: where
+    /// the same effect is accepted at another place, the candidate must pay like every other.
     pub(super) fn by_trace(&self, candidate: usize, others: &[usize]) -> bool {
         let c = &self.candidates[candidate];
         let same = |other: &usize| self.candidates[*other].effect == c.effect;
         c.shown.is_some() && !others.iter().any(same)
     }
 
-    /// Part of its joints' error that a candidate has to remove. None is asked of what parameters can absorb: it may
-    /// spare them a bend instead. What the sign of a filtered velocity gets wrong at reversals looks like memory over
-    /// less than a milliradian, or like friction that falls at once, which therefore have to show plainly.
+    /// Part of its joints' squared error that a candidate must remove. Effects that parameters can absorb need
+    /// none: they may spare the parameters a bend instead. A wrong sign of the filtered velocity at reversals
+    /// looks like memory over less than a milliradian, or like friction that falls at once. These effects must
+    /// remove a larger part.
     fn least_fraction(&self, candidate: &Candidate, others: &[usize]) -> f64 {
         let s = self.objective.settings;
         let abrupt = || {
@@ -90,7 +91,7 @@ impl Search<'_> {
         }
     }
 
-    /// Whether a trial removes so much of its own joints' error that it can be nobody's leftover.
+    /// Whether a trial removes so large a part of its own joints' error that it cannot be a leftover of another cause.
     pub(super) fn plain(&self, fit: &Fit, tried: &CandidateScore) -> bool {
         let before = self.objective.relative(&fit.error());
         let after = self.objective.relative(&tried.error);
@@ -99,8 +100,9 @@ impl Search<'_> {
         fraction(&before, &after, joints) > s.plain_part && tried.gain > s.plain_gain
     }
 
-    /// Gain that a further cause must exceed, given what earlier ones were worth: what a large effect of another form
-    /// leaves behind looks like a small effect, most of all like its own effect next door.
+    /// Gain that a further cause must exceed, given the gains of earlier ones, nats. A large effect of another
+    /// form leaves a residual that looks like a small effect, most of all like the same effect on a
+    /// neighbouring joint.
     pub(super) fn relative_price(
         &self,
         accepted: &[usize],
@@ -131,21 +133,21 @@ impl Search<'_> {
     }
 }
 
-/// Part of the joints' squared relative error that a trial removes.
+/// Part of the joints' squared error, relative to their torque, that a trial removes.
 fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
     let squares = |e: &[f64]| joints.iter().map(|&j| e[j] * e[j]).sum::<f64>();
     1.0 - squares(after) / squares(before).max(1e-300)
 }
 
-/// The same of a delay of several joints: where one joint errs by far for another reason, together they say little of what is late, and
-/// half of the joints by themselves say more.
+/// Part of the squared error that a delay of several joints removes: of all joints together, or on the median
+/// joint where that is more. One joint that errs by far for another reason would hide the delay in the sum.
 fn late_fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
     let own = |&j: &usize| fraction(before, after, &[j]);
     let middle = median(joints.iter().map(own).collect()).unwrap_or(0.0);
     fraction(before, after, joints).max(middle)
 }
 
-/// Whether memory reaches no further than what a wrong sign at reversals imitates.
+/// Whether a candidate's memory is as short as that which a wrong sign at reversals imitates.
 fn is_narrow(candidate: &Candidate, settings: &SearchSettings) -> bool {
     let shape = candidate.shape.first();
     shape.is_some_and(|s| s.value < settings.narrow)

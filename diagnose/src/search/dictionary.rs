@@ -1,4 +1,4 @@
-//! From candidates and a recording to columns.
+//! Dictionary of columns: torque per unit of each parameter, for the base and all candidates.
 
 use crate::algebra::gram::Layout;
 use crate::catalogue::{Candidate, Column, ColumnTorque, base_columns};
@@ -9,21 +9,22 @@ use physics::batch::regressor_columns;
 use physics::robot::PARAMETERS_PER_LINK;
 use rayon::prelude::*;
 
-/// Columns that are in memory at the fine rate together, beside the inertial ones, which one pass over the motion gives.
+/// Number of columns that are in memory at the fine rate together; the inertial ones, which one pass over the
+/// motion gives, come beside them.
 const BATCH: usize = 16;
 
-/// Columns that the low-pass takes together.
+/// Number of columns that the low-pass filters in one call.
 const TOGETHER: usize = 8;
 
-/// The columns of base and candidates, without repeats.
+/// Columns of the base and the candidates, without duplicates.
 pub struct Dictionary {
     columns: Vec<Column>,
-    /// Columns of each candidate.
+    /// Column numbers of each candidate.
     pub members: Vec<Vec<usize>>,
 }
 
 impl Dictionary {
-    /// Numbers the columns: the base first, then the candidates' own.
+    /// Numbers the columns: the base first, then those of the candidates.
     pub fn new(dof: usize, candidates: &[Candidate]) -> Self {
         let mut columns = base_columns(dof);
         let base = columns.len();
@@ -61,7 +62,7 @@ impl Dictionary {
         self.columns.is_empty()
     }
 
-    /// Columns named by `ids` at the fine rate, as they are recorded: (column, joint, values).
+    /// Columns `ids` at the fine rate, delayed as they are recorded: (column, joint, torque per unit).
     pub fn evaluate(&self, scene: &Scene, ids: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
         let inertial = PARAMETERS_PER_LINK * scene.dof();
         let wanted: Vec<usize> = ids.iter().copied().filter(|&c| c < inertial).collect();
@@ -104,13 +105,13 @@ impl Dictionary {
         out
     }
 
-    /// Which columns touch which joint.
+    /// Joints that each column touches.
     pub fn layout(&self, dof: usize) -> Layout {
         let joints: Vec<Vec<usize>> = self.columns.iter().map(|c| c.joints.clone()).collect();
         Layout::new(dof, &joints)
     }
 
-    /// Numbers of the columns from `first` on: the inertial ones, then the others by the batch.
+    /// Column numbers from `first` on in batches: the inertial ones, then the others by [`BATCH`].
     pub(super) fn batches(&self, dof: usize, first: usize) -> Vec<Vec<usize>> {
         let (inertial, others): (Vec<usize>, Vec<usize>) =
             (first..self.len()).partition(|&c| c < PARAMETERS_PER_LINK * dof);
@@ -118,7 +119,7 @@ impl Dictionary {
         std::iter::once(inertial).chain(others).collect()
     }
 
-    /// Columns named by `ids` on the rows that are fitted: (column, joint, values).
+    /// Columns `ids` on the fitted rows: (column, joint, torque per unit).
     pub(super) fn reduced(
         &self,
         scene: &Scene,
@@ -139,7 +140,7 @@ impl Dictionary {
     }
 }
 
-/// Columns of inertial parameters, joints below their link.
+/// Columns `wanted` of inertial parameters at the fine rate. A link's parameters act on its own joint and all before it.
 fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
     let entries: Vec<(usize, usize)> = wanted
         .iter()

@@ -31,48 +31,48 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// An accepted cause among the candidates.
+/// An accepted cause and its place in the fit.
 #[derive(Clone, Debug)]
 pub struct Accepted {
     /// Index of its candidate.
     pub candidate: usize,
-    /// Its variables in the fit.
+    /// Indices of its variables in the fit.
     pub variables: Range<usize>,
-    /// Everything tried in its place, best first.
+    /// All candidates tried in its place, best first.
     pub tried: Vec<CandidateScore>,
-    /// How it stands against the parameters.
+    /// Comparison of the cause with a free refit of the parameters.
     pub against: Comparison,
 }
 
-/// What the search came to.
+/// Result of the search for causes.
 pub struct Findings {
-    /// What it has in common with other searches of the recording.
+    /// State shared with other searches of the recording.
     pub session: Arc<Session>,
-    /// The catalogue with the lines found in this recording.
+    /// The catalogue, with the candidates picked from this recording's torque.
     pub candidates: Vec<Candidate>,
-    /// Its columns.
+    /// Columns of the candidates.
     pub dictionary: Dictionary,
-    /// The same on the fitted rows.
+    /// Values of these columns on the fitted rows.
     pub tables: Tables,
-    /// Products over the fitted recording.
+    /// Sums of products over the fitted recording.
     pub grams: Grams,
     /// Number of base variables, first in every fit.
     pub base: usize,
     /// Causes in the order of acceptance.
     pub accepted: Vec<Accepted>,
-    /// Variables and coefficients, the base near the given values.
+    /// Variables and coefficients of the fit with the base near the given parameters.
     pub tight: (Vec<Variable>, Array1<f64>),
-    /// Standard deviations of the same, see [`Fit::deviations`](crate::algebra::fit::Fit::deviations).
+    /// Standard deviations of these coefficients, see [`Fit::deviations`](crate::algebra::fit::Fit::deviations).
     pub std: Array1<f64>,
-    /// The best of what was not accepted.
+    /// Candidates that were not accepted, best first.
     pub rest: Vec<CandidateScore>,
-    /// How far parameters may leave the given values when they are identified again, in tolerances.
+    /// Factor on the tolerances within which parameters are identified again.
     pub freedom: f64,
-    /// How gaps are weighed.
+    /// Thresholds of the diagnosis.
     pub settings: Settings,
 }
 
-/// Torque of the gap on a frame's recorded samples: measured − given.
+/// The gap: measured minus predicted torque at the recorded samples, shape (samples, joints).
 pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
     &frame.tau - &model.predicted(frame, scale)
 }
@@ -133,8 +133,8 @@ impl Columns {
     }
 }
 
-/// Finds the causes; `effects` are looked for, and what earns no more than `chance`, in nats, is none. `ground` is that of an earlier search
-/// of the same frames.
+/// Finds the causes among `effects`. A candidate whose gain is at most `chance` (nats) is not accepted.
+/// `session` is that of an earlier search of the same frames.
 ///
 /// # Errors
 /// None beyond those of the model's own numbers.
@@ -270,8 +270,8 @@ pub fn find(
     })
 }
 
-/// Parameters alone, near the given ones: the model that derived columns are built on, and what it
-/// leaves at the recorded samples.
+/// Fit of the parameters alone, near the given ones. Returns the model that derived columns are built on, and
+/// the residual at the recorded samples, shape (samples, joints).
 fn first_fit(
     model: &NominalModel,
     frames: &Frames,
@@ -294,8 +294,8 @@ fn first_fit(
 }
 
 impl Findings {
-    /// How the variables of the fit near the given parameters change the model's parameters (10 N inertial, N viscous, N
-    /// Coulomb): variable, parameter, change per unit.
+    /// Effect of the tight fit's variables on the model's parameters (10 N inertial, N viscous, N Coulomb):
+    /// variable, parameter, change per unit.
     pub fn parameter_map(&self) -> Vec<(usize, usize, f64)> {
         let variables = self.tight.0.iter().enumerate();
         let mut map: Vec<(usize, usize, f64)> = variables
@@ -312,8 +312,9 @@ impl Findings {
         map
     }
 
-    /// Change of each parameter of the model (10 N inertial, N viscous, N Coulomb) by the variables kept, and its deviation:
-    /// of several coefficients of one parameter the narrowest says how well it is known. Infinite where none moves it.
+    /// Change of each parameter of the model (10 N inertial, N viscous, N Coulomb) by the variables that `keep`
+    /// selects, and its standard deviation. Of several coefficients of one parameter the smallest deviation is
+    /// taken. Infinite where no coefficient changes it.
     pub fn changes(&self, keep: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {
         let mut out = vec![(0.0, f64::INFINITY); self.base];
         let beta = &self.tight.1;
@@ -325,12 +326,12 @@ impl Findings {
         out
     }
 
-    /// Gain of a candidate's own columns, without what else speaks for it.
+    /// Gain of a candidate's own columns, nats, without the evidence of a trace or another sensor.
     pub fn earned(&self, tried: &CandidateScore) -> f64 {
         tried.gain - self.candidates[tried.candidate].evidence
     }
 
-    /// What each cause beyond parameters earned that no trace shows by itself.
+    /// Gain of each accepted cause, nats, without parameters and causes that a trace names by itself.
     fn each_earned(&self) -> impl Iterator<Item = f64> {
         self.accepted.iter().filter_map(|a| {
             let mut tried = a.tried.iter();
@@ -341,18 +342,19 @@ impl Findings {
         })
     }
 
-    /// The least of it; infinite where there is none.
+    /// Least gain of these causes, nats; infinite where there is none.
     pub fn least_earned(&self) -> f64 {
         self.each_earned().fold(f64::INFINITY, f64::min)
     }
 
-    /// The most of it; zero where there is none.
+    /// Largest gain of these causes, nats; zero where there is none.
     pub fn most_earned(&self) -> f64 {
         self.each_earned().fold(0.0, f64::max)
     }
 
-    /// Whether a trace names an accepted cause by itself, as [`Search::by_trace`](crate::search::select::Search) has it: the same effect at
-    /// another place takes that away.
+    /// Whether a trace names an accepted cause by itself, as in
+    /// [`Search::by_trace`](crate::search::select::Search). It does not where the same effect is accepted at
+    /// another place.
     pub fn by_trace(&self, cause: usize) -> bool {
         let c = self.candidate(cause);
         let same = |other: usize| other != cause && self.candidate(other).effect == c.effect;

@@ -1,12 +1,12 @@
-//! One number against many: whether few parameters, together with changes of the given ones inside their tolerance,
-//! explain what a free refit of all of them explains.
+//! Comparison of few parameters with many: whether a cause and changes of the given parameters within their
+//! tolerance explain as much as a free refit of all parameters.
 //!
-//! Both are compared on trajectories left out, by squared error on the joints whose torque the cause changes. What leaves
-//! more than `rivalled` times the refit's stands in for a model that is wrong elsewhere: it is barred and the search
-//! runs again, the tolerances widened where nothing else brings the error down.
+//! Both are compared on trajectories left out, by squared error on the joints whose torque the cause changes. A
+//! cause with more than `rivalled` times the refit's error stands in for a model that is wrong elsewhere. It is
+//! barred and the search runs again, with wider tolerances where nothing else brings the error down.
 //!
-//! How far the given parameters may be off nobody knows beforehand: of several factors on their tolerances, each with the causes that
-//! are found under it, the recording chooses the one under which it is likeliest.
+//! The true error of the given parameters is not known beforehand. Causes are searched under several factors on
+//! their tolerances, and the factor is chosen under which the recording is likeliest.
 
 use crate::algebra::fit::{Fit, Variable};
 use crate::catalogue::Candidate;
@@ -19,39 +19,40 @@ use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-/// Searches with one more cause barred, at most, at each width.
+/// Most searches at each width of the tolerances, each with one more cause barred.
 const ROUNDS: usize = 6;
 
-/// What the search came to, and how it stands against the free refit.
+/// Causes that the search accepted, and their comparison with the free refit.
 pub struct Answer<'a> {
-    /// The causes.
+    /// Accepted causes and their fit.
     pub selection: Selection<'a>,
-    /// For each cause everything tried in its place, the others standing, best first.
+    /// For each cause, all candidates tried in its place, the others kept, best first.
     pub steps: Vec<Vec<CandidateScore>>,
-    /// What was tried beside all of them, best first.
+    /// All candidates tried beside the accepted causes, best first.
     pub rest: Vec<CandidateScore>,
     /// Base variables with the priors of the answer.
     pub base: Vec<Variable>,
-    /// How each accepted cause stands against the parameters.
+    /// Comparison of each accepted cause with the free refit of the parameters.
     pub against: Vec<Comparison>,
 }
 
-/// How a cause stands against the parameters; nothing is said of what they cannot take over, and of parameters.
+/// Comparison of a cause with the free refit of the parameters. Empty for causes that parameters cannot absorb,
+/// and for parameters.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Comparison {
-    /// Squared error over that of the free refit in its place.
+    /// Squared error with the cause over that of the free refit without it.
     pub over_refit: Option<f64>,
-    /// Factor on the tolerances of the given parameters up to which it is found; None where it is found under any.
+    /// Largest factor on the given parameters' tolerances under which the cause is found. None where it is found under all.
     pub within: Option<f64>,
 }
 
-/// The comparison over one catalogue.
+/// Model comparison over one catalogue.
 pub struct Simplest<'a> {
-    /// The criterion.
+    /// The criterion J.
     pub objective: &'a Objective<'a>,
     /// The catalogue.
     pub candidates: &'a [Candidate],
-    /// Columns of each candidate.
+    /// Column numbers of each candidate.
     pub members: &'a [Vec<usize>],
     /// The model as given.
     pub model: &'a NominalModel,
@@ -59,19 +60,19 @@ pub struct Simplest<'a> {
     pub chance: f64,
 }
 
-/// A search that has run.
+/// Result of one search.
 struct Run<'a> {
     search: Search<'a>,
     selection: Selection<'a>,
     over_refit: Vec<Option<f64>>,
-    /// Squared error over the free refit's from which a cause is beaten.
+    /// Error over the free refit's above which a cause is beaten.
     rivalled: f64,
-    /// No joint is left that a free refit brings down by far.
+    /// Whether no joint is left on which a free refit has a far lower error.
     enough: bool,
 }
 
 impl<'a> Simplest<'a> {
-    /// The simplest causes that stand.
+    /// The simplest causes that are not beaten by the free refit.
     pub fn answer(&self) -> Answer<'a> {
         let settings = self.objective.settings;
         // A recording of few joints says little of the tolerance: then the stated one stands.
@@ -117,7 +118,8 @@ impl<'a> Simplest<'a> {
             .answer(|_| None)
     }
 
-    /// The widest tolerance under which something like a cause is found, where that is not the widest of all.
+    /// Widest factor on the tolerances under which a cause of the same effect and joints is found; none where
+    /// that is the widest of all.
     fn within(&self, found: &[(f64, Vec<usize>)], cause: usize) -> Option<f64> {
         let alike = self.alike(&[cause]);
         let has = |accepted: &[usize]| accepted.iter().any(|c| alike.contains(c));
@@ -125,8 +127,9 @@ impl<'a> Simplest<'a> {
         (widest + 1 < found.len()).then(|| found[widest].0)
     }
 
-    /// Factor on the tolerances of friction under which the recording is likeliest without any cause, the links' given: one
-    /// factor on both lets friction that is right keep the links' tolerance down, and the last link's error look like a payload.
+    /// Factor on friction's tolerances under which the recording is likeliest without any cause, for given
+    /// factors on the links'. With one factor on both, correct friction would keep the links' tolerance small,
+    /// and an error of the last link would look like a payload.
     fn friction(&self, links: f64) -> f64 {
         let settings = self.objective.settings;
         let surprise = |friction: f64| {
@@ -139,8 +142,8 @@ impl<'a> Simplest<'a> {
         likeliest.map_or(links, |(friction, _)| friction)
     }
 
-    /// The search without a link's full set of parameters, where it needs fewer coefficients than the search with them and
-    /// stands against the refit; else the search with them.
+    /// Search without the full parameter sets of links, where it needs fewer coefficients than the search with
+    /// them and is not beaten by the refit. Else the search with them.
     fn fewer(&self, freedom: Freedom) -> Run<'a> {
         let full = self.run(freedom, HashSet::new());
         let many = |c: usize| self.is_many(c);
@@ -173,13 +176,13 @@ impl<'a> Simplest<'a> {
         }
     }
 
-    /// Whether a candidate is a link's full set of parameters.
+    /// Whether a candidate is the full set of a link's ten parameters.
     fn is_many(&self, candidate: usize) -> bool {
         self.candidates[candidate].effect == Effect::LinkParameters
             && self.members[candidate].len() == PARAMETERS_PER_LINK
     }
 
-    /// Candidates with the effect and the joints of some.
+    /// Candidates with the same effect and joints as one of `some`.
     fn alike(&self, some: &[usize]) -> Vec<usize> {
         let same = |c: &usize| {
             some.iter().any(|&s| {
@@ -190,7 +193,7 @@ impl<'a> Simplest<'a> {
         (0..self.candidates.len()).filter(same).collect()
     }
 
-    /// A search beside some base, some candidates aside.
+    /// Search beside the given base variables, without the `barred` candidates.
     pub(super) fn search(&self, base: Vec<Variable>, barred: HashSet<usize>) -> Search<'a> {
         Search {
             objective: self.objective,
@@ -228,7 +231,7 @@ impl<'a> Simplest<'a> {
         }
     }
 
-    /// Whether no joint is left by far above what something else leaves there.
+    /// Whether no joint's error is far above that of another fit there.
     fn as_low(&self, own: &[f64], other: &[f64]) -> bool {
         let s = self.objective.settings;
         let mut each = own.iter().zip(other);
@@ -237,12 +240,13 @@ impl<'a> Simplest<'a> {
         })
     }
 
-    /// Squared error of a fit by joint on folds left out, the floor added, relative to the torque.
+    /// Squared error of a fit by joint on folds left out plus the floor, relative to the joint's squared torque.
     fn relative(&self, fit: &Fit) -> Vec<f64> {
         self.objective.relative_variance(&fit.error())
     }
 
-    /// The same of the free refit with some causes in place, at the freedom that is best on some joints.
+    /// Relative squared error by joint of the free refit with some causes in place, at the freedom with the
+    /// least error on `joints`.
     fn refit(&self, search: &Search, causes: &[usize], joints: &[usize]) -> Vec<f64> {
         let sum = |e: &[f64]| joints.iter().map(|&j| e[j]).sum::<f64>();
         let of = |freedom: f64| {
@@ -256,7 +260,7 @@ impl<'a> Simplest<'a> {
         })
     }
 
-    /// Squared error with an absorbable cause in place over that of the free refit instead of it.
+    /// Squared error with an absorbable cause over that of the free refit without it. None for all other causes.
     fn over_refit(
         &self,
         search: &Search,
@@ -283,7 +287,7 @@ impl<'a> Simplest<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Accepted candidates that leave too much.
+    /// Accepted causes whose error is above `rivalled` times the free refit's.
     fn beaten(&self) -> Vec<usize> {
         let each = self.selection.accepted.iter().zip(&self.over_refit);
         each.filter(|(_, r)| r.is_some_and(|r| r > self.rivalled))
@@ -291,15 +295,15 @@ impl<'a> Run<'a> {
             .collect()
     }
 
-    /// Accepted candidates that parameters can take over.
+    /// Accepted causes that parameters can absorb.
     fn single(&self) -> Vec<usize> {
         let each = self.selection.accepted.iter().zip(&self.over_refit);
         each.filter(|(_, r)| r.is_some()).map(|(&c, _)| c).collect()
     }
 
-    /// −ln of how likely the recording is under the tolerances and the causes, nats, but for a constant: J, and what the width of
-    /// the tolerances costs. A cause that parameters can absorb has to earn its name against wider tolerances, too; a body on the last
-    /// link by every joint, whose number says how many of its ten coefficients show.
+    /// Negative log-likelihood of the recording under the tolerances and causes, nats, up to a constant: J plus
+    /// the penalty of wide tolerances. A cause that parameters can absorb must pay against wider tolerances,
+    /// too. A body on the last link pays per joint: their number limits how many of its ten coefficients show.
     fn surprise(&self) -> f64 {
         let Selection { accepted, fit } = &self.selection;
         let search = &self.search;
@@ -321,7 +325,7 @@ impl<'a> Run<'a> {
         search.objective.of_fit(fit, 0) + search.charge(accepted) + base.width() + names
     }
 
-    /// Whether nothing leaves too much.
+    /// Whether no cause is beaten and no joint's error is far above a free refit's.
     fn stands(&self) -> bool {
         self.enough && self.beaten().is_empty()
     }

@@ -1,4 +1,4 @@
-//! What makes one set of causes better than another.
+//! The criterion J by which one set of causes is compared with another.
 //!
 //! J = ½ Σ_j n_j log(MSE_j + floor_j²) + ½ Σ λ (β − m)² + cost · coefficients, in nats, smaller is better. MSE_j is the
 //! leave-one-fold-out mean squared error of joint j; n_j counts independent samples, not rows; the second term
@@ -13,12 +13,12 @@ use crate::settings::SearchSettings;
 use crate::simulator::{NominalModel, link_sizes};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
-/// Factors on the tolerances of the given parameters: links are rarely off as friction is.
+/// Factors on the tolerances of the given parameters, for links and friction apart: links are rarely as wrong as friction.
 #[derive(Clone, Copy, Debug)]
 pub struct Freedom {
-    /// Of the inertial parameters.
+    /// Factor on the tolerances of the inertial parameters.
     pub links: f64,
-    /// Of Coulomb and viscous friction.
+    /// Factor on the tolerances of Coulomb and viscous friction.
     pub friction: f64,
 }
 
@@ -32,9 +32,9 @@ impl From<f64> for Freedom {
     }
 }
 
-/// The criterion for one set of products.
+/// The criterion J for one recording, by the sums of products of its columns.
 pub struct Objective<'a> {
-    /// Products of the dictionary.
+    /// Sums of products of the dictionary's columns.
     pub grams: &'a Grams,
     /// Settings.
     pub settings: &'a SearchSettings,
@@ -44,7 +44,7 @@ pub struct Objective<'a> {
 }
 
 impl<'a> Objective<'a> {
-    /// For products of recordings of the given size.
+    /// Criterion for sums of products of a recording with the sizes `scale`.
     pub fn new(grams: &'a Grams, scale: &Scale, settings: &'a SearchSettings) -> Self {
         Self {
             grams,
@@ -57,7 +57,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// Mean squared error of each joint with the floor added, (N·m)².
+    /// Mean squared error of each joint plus the squared floor, (N·m)². `error`: squared error by joint, summed over rows.
     pub fn variance(&self, error: &[f64]) -> Vec<f64> {
         let floor = self.settings.floor;
         error
@@ -68,20 +68,20 @@ impl<'a> Objective<'a> {
             .collect()
     }
 
-    /// Mean squared error of each joint with the floor added, relative to its squared torque.
+    /// Mean squared error of each joint plus the squared floor, relative to the joint's squared torque.
     pub fn relative_variance(&self, error: &[f64]) -> Vec<f64> {
         let each = self.variance(error).into_iter().zip(&self.torque);
         each.map(|(v, t)| v / (t * t)).collect()
     }
 
-    /// Root mean squared error of each joint relative to its torque.
+    /// Root mean squared error of each joint relative to its torque. `error`: squared error by joint, summed over rows.
     pub fn relative(&self, error: &[f64]) -> Vec<f64> {
         let each = error.iter().zip(&self.grams.total).zip(&self.torque);
         each.map(|((e, g), t)| (e.max(0.0) / g.samples.max(1.0)).sqrt() / t)
             .collect()
     }
 
-    /// The same of the gap itself.
+    /// Root mean square of the gap as given of each joint, relative to its torque.
     pub fn given(&self) -> Vec<f64> {
         self.relative(&self.grams.total.iter().map(|g| g.yy).collect::<Vec<_>>())
     }
@@ -90,7 +90,7 @@ impl<'a> Objective<'a> {
         self.grams.total[joint].samples / self.correlated[joint]
     }
 
-    /// J of squared errors, penalty and number of added coefficients.
+    /// J from the squared error by joint, (N·m)², the penalty and the number of added coefficients, nats.
     pub fn value(&self, error: &[f64], penalty: f64, coefficients: usize) -> f64 {
         let misfit: f64 = self
             .variance(error)
@@ -101,17 +101,17 @@ impl<'a> Objective<'a> {
         misfit + 0.5 * penalty + self.settings.cost * coefficients as f64
     }
 
-    /// J of a fit with `coefficients` beyond the base.
+    /// J of a fit with `coefficients` beyond the base, nats.
     pub fn of_fit(&self, fit: &Fit, coefficients: usize) -> f64 {
         self.value(&fit.error(), fit.penalty(), coefficients)
     }
 
-    /// J of a trial that adds to a fit.
+    /// J of a trial that adds columns to a fit, nats.
     pub fn of_trial(&self, trial: &Trial, coefficients: usize) -> f64 {
         self.value(&trial.error, trial.penalty, coefficients)
     }
 
-    /// Weights of the joints for a given squared error.
+    /// Weight of each joint's squared error in a fit, 1/(N·m)²: the inverse of its variance per independent sample.
     pub fn weights(&self, error: &[f64]) -> Vec<f64> {
         let each = self.variance(error).into_iter().zip(&self.correlated);
         each.map(|(v, rows)| 1.0 / (rows * v)).collect()
@@ -126,13 +126,13 @@ impl<'a> Objective<'a> {
         Fit::new(self.grams, variables, self.weights(&error))
     }
 
-    /// A candidate's coefficient: its torque may reach a multiple of the joint's, one deviation.
+    /// Variable of a candidate's column with a wide prior: at one standard deviation its torque is a multiple of the joint's.
     pub fn wide(&self, column: usize) -> Variable {
         let size = self.grams.column_rms(column, &self.torque);
         Variable::about_zero(column, (size / self.settings.wide).powi(2).max(1e-12))
     }
 
-    /// Freedom of a link's parameters when they are suspected.
+    /// Variables of a suspected link's ten inertial parameters, with wide priors about the given values.
     pub fn freed_link(&self, robot: &Robot, link: usize) -> Vec<Variable> {
         let first = PARAMETERS_PER_LINK * link;
         let sizes = link_sizes(&robot.joints()[link]);
@@ -142,10 +142,11 @@ impl<'a> Objective<'a> {
         sizes.into_iter().enumerate().map(variable).collect()
     }
 
-    /// The base columns with the given parameters' tolerances, `freedom` times as wide, as priors. A coefficient of friction
-    /// that the model has at zero is missing, joint by joint, and free: nobody claimed that it is zero. One that was
-    /// identified as zero is. Numbers that the description's judgement doubts have the freedom of suspected ones, and where it has
-    /// no masses that of torque itself.
+    /// Base variables: priors are the given parameters' tolerances, `freedom` times as wide. A friction
+    /// coefficient that is zero in the model counts as missing, joint by joint, and is free: nobody claimed
+    /// that it is zero. A coefficient that was identified as zero counts as zero. Inertial parameters that the
+    /// check of the description doubts get the prior of suspected ones. Without masses in the description they
+    /// get a prior by torque.
     pub fn base(&self, model: &NominalModel, freedom: impl Into<Freedom>) -> Vec<Variable> {
         let (s, freedom) = (self.settings, freedom.into());
         let sizes = model.sizes();

@@ -1,4 +1,4 @@
-//! What a first fit leaves, without what is only early or late.
+//! Residual of a first fit with the part taken out that is only an early or late torque.
 
 use crate::algebra::cholesky::Cholesky;
 use crate::catalogue::time_delay;
@@ -6,8 +6,9 @@ use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2, ArrayView1};
 
-/// A residual without what each joint's torque leaves by being late or early, at the recorded samples, shape (samples,
-/// joints): a few milliseconds at every reversal hide a line over position. `weight` on the fitted rows, shape (rows, joints).
+/// Residual without the error of a delay of each joint's torque, at the recorded samples, shape (samples,
+/// joints). Errors of a few milliseconds at every reversal hide a periodic line over position. `weight` of the
+/// fitted rows, shape (rows, joints).
 pub(super) fn on_time(
     scene: &Scene,
     data: &Frame,

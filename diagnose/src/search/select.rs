@@ -1,4 +1,4 @@
-//! Forward selection of causes with a backward check.
+//! Forward selection of causes with a backward elimination.
 
 use crate::algebra::fit::{Fit, Variable};
 use crate::algebra::trial::{Scored, SharedColumns, Trial};
@@ -11,13 +11,13 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
-/// Candidates that are tried on folds left out where one is exchanged for a better one.
+/// Number of candidates that are scored on folds left out when an accepted cause may be exchanged for a better one.
 const CONTENDERS: usize = 40;
 
-/// Mass and first moments, the first parameters of a body.
+/// Number of a body's first parameters that are mass and first moments.
 const MOMENTS: usize = 4;
 
-/// A candidate tried on top of a fit.
+/// Score of a candidate that is tried on top of a fit.
 #[derive(Clone, Debug)]
 pub struct CandidateScore {
     /// Index of the candidate.
@@ -28,11 +28,11 @@ pub struct CandidateScore {
     pub error: Vec<f64>,
     /// Σ λ (β − m)² of the whole fit.
     pub penalty: f64,
-    /// Coefficients.
+    /// Coefficients of the candidate.
     pub gamma: Vec<f64>,
 }
 
-/// Causes found.
+/// Accepted causes and their fit.
 pub struct Selection<'a> {
     /// Accepted candidates in the order of acceptance.
     pub accepted: Vec<usize>,
@@ -40,24 +40,25 @@ pub struct Selection<'a> {
     pub fit: Fit<'a>,
 }
 
-/// The search over one dictionary.
+/// Forward selection over one dictionary.
 pub struct Search<'a> {
-    /// The criterion.
+    /// The criterion J.
     pub objective: &'a Objective<'a>,
     /// The catalogue.
     pub candidates: &'a [Candidate],
-    /// Columns of each candidate.
+    /// Column numbers of each candidate.
     pub members: &'a [Vec<usize>],
     /// The model as given.
     pub robot: &'a Robot,
-    /// The base with its priors.
+    /// Base variables with their priors.
     pub base: Vec<Variable>,
-    /// Candidates that may not be accepted.
+    /// Candidates that must not be accepted.
     pub barred: HashSet<usize>,
     /// Gain that chance reaches on this recording, nats: a cause beyond parameters has to earn more.
     pub chance: f64,
-    /// Sum over joints of the squared error relative to the torque that a cause's share is measured against: the gap as given, or what
-    /// the base leaves of it, where that is less. Friction that the model lacks altogether says nothing of how much a cause is worth.
+    /// Reference of a cause's share: squared error relative to the torque, summed over joints. It is the gap as
+    /// given or the base fit's residual, whichever is less. Friction that the model lacks altogether would else
+    /// hide how much a cause explains.
     pub missing: OnceLock<f64>,
 }
 
@@ -76,7 +77,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Coefficients of a candidate with wide priors, or with what is known of them.
+    /// Variables of a candidate with wide priors, or with priors from what is known of its coefficients.
     pub fn variables(&self, candidate: usize) -> Vec<Variable> {
         let c = &self.candidates[candidate];
         let wide = self.members[candidate]
@@ -110,16 +111,16 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Fit of the base and the given candidates.
+    /// Fit of the base and the candidates `accepted`.
     pub fn fit(&self, accepted: &[usize]) -> Fit<'a> {
         let mut variables = self.base.clone();
         variables.extend(accepted.iter().flat_map(|&c| self.variables(c)));
         self.objective.fit(variables)
     }
 
-    /// Coefficients that a candidate is charged for. Of a body on the last link a recording shows little more than two
-    /// moments, those about the last axis; the rest is tied to the given values and the link's size. A wrong last link is
-    /// the same columns at the same price.
+    /// Number of coefficients that a candidate pays for. A recording shows little more of a body on the last
+    /// link than two moments, those about the last axis. The rest is tied to the given values and the link's
+    /// size. Wrong parameters of the last link are the same columns at the same price.
     fn price(&self, candidate: usize) -> usize {
         let c = &self.candidates[candidate];
         let all = self.members[candidate].len();
@@ -134,7 +135,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What some causes are charged for, coefficients and places, nats.
+    /// Penalty of some causes for their coefficients and the number of places, nats.
     pub fn charge(&self, accepted: &[usize]) -> f64 {
         let places = self.places();
         let each = accepted.iter().map(|&c| {
@@ -144,7 +145,7 @@ impl<'a> Search<'a> {
         each.sum()
     }
 
-    /// Causes beyond parameters.
+    /// Number of accepted causes beyond parameters.
     fn named(&self, accepted: &[usize]) -> usize {
         accepted
             .iter()
@@ -152,13 +153,13 @@ impl<'a> Search<'a> {
             .count()
     }
 
-    /// Every admissible candidate tried on top of a fit, best first.
+    /// All admissible candidates tried on top of a fit, best first.
     pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<CandidateScore> {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
         self.judged(fit, accepted, &all, Scored::LeftOut)
     }
 
-    /// The best candidates on top of a fit, of those that look best on the fitted rows, and `own` in any case.
+    /// Best candidates on top of a fit, scored on folds left out: those that are best on the fitted rows, and `own` in any case.
     fn contenders(&self, fit: &Fit, accepted: &[usize], own: usize) -> Vec<CandidateScore> {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
         let seen = self.judged(fit, accepted, &all, Scored::Fitted);
@@ -167,7 +168,7 @@ impl<'a> Search<'a> {
         self.judged(fit, accepted, &few, Scored::LeftOut)
     }
 
-    /// Those of some candidates that are admissible, tried on top of a fit, best first.
+    /// Admissible candidates of `some` tried on top of a fit, best first.
     fn judged(
         &self,
         fit: &Fit,
@@ -208,8 +209,8 @@ impl<'a> Search<'a> {
         !self.barred.contains(&candidate) && !accepted.iter().any(|a| self.excludes(*a, candidate))
     }
 
-    /// Fall of J by a trial of a candidate; none where its coefficients make no sense. Each effect is as likely as any other, and so
-    /// is each of its `places`.
+    /// Gain of a candidate: fall of J by its trial, nats. None where its coefficients are out of bounds. Prior:
+    /// each effect is equally likely, and so is each of its `places`.
     pub fn gain_among(
         &self,
         candidate: usize,
@@ -232,7 +233,7 @@ impl<'a> Search<'a> {
         (sensible.all(|s| s) && (!link || moves_little())).then_some(gain)
     }
 
-    /// Number of places where the catalogue looks for each effect.
+    /// Number of places at which the catalogue looks for each effect.
     pub fn places(&self) -> HashMap<Effect, f64> {
         let of = |c: &'a Candidate| (c.effect, &c.joints, c.driver);
         let places: HashSet<_> = self.candidates.iter().map(of).collect();
@@ -243,14 +244,14 @@ impl<'a> Search<'a> {
         counts
     }
 
-    /// Whether one accepted candidate rules another out: the same effect at the same place.
+    /// Whether an accepted candidate excludes another one: the same effect at the same joints with the same driver.
     fn excludes(&self, accepted: usize, other: usize) -> bool {
         let (a, b) = (&self.candidates[accepted], &self.candidates[other]);
         a.effect == b.effect && a.joints == b.joints && a.driver == b.driver
     }
 
-    /// Adds the best candidate until none is worth it, exchanging earlier choices for better ones on the way, then
-    /// drops what the rest has made superfluous.
+    /// Forward selection: adds the best candidate until none is worth it and exchanges earlier choices for
+    /// better ones. Then drops causes that the others have made superfluous.
     pub fn run(&self) -> Selection<'a> {
         let most = self.objective.settings.most_causes;
         let mut accepted: Vec<usize> = Vec::new();
@@ -282,8 +283,8 @@ impl<'a> Search<'a> {
         Selection { accepted, fit }
     }
 
-    /// What some causes were chosen among: for each everything tried in its place, the others standing, and everything
-    /// tried beside all of them, best first.
+    /// Alternatives of the accepted causes: for each, all candidates tried in its place with the others kept;
+    /// and all candidates tried beside all of them. Best first.
     pub fn alternatives(
         &self,
         selection: &Selection,
@@ -297,14 +298,15 @@ impl<'a> Search<'a> {
         (steps, self.tried(&selection.fit, accepted))
     }
 
-    /// Whether a candidate would be named first, beside nothing but the base.
+    /// Whether a candidate would be accepted beside the base alone.
     pub fn accepts(&self, candidate: usize) -> bool {
         let fit = self.fit(&[]);
         let tried = self.judged(&fit, &[], &[candidate], Scored::LeftOut);
         tried.first().is_some_and(|t| self.worth(&fit, t, &[]))
     }
 
-    /// One round over all but the newest choice: each is replaced by what explains more in its place, but what its trace shows.
+    /// One round of exchange over all choices but the newest: each is replaced by a candidate that explains
+    /// more in its place. Causes that a trace names are kept.
     fn exchange(&self, accepted: &mut [usize]) {
         let shown = |c: usize| self.candidates[c].shown.is_some();
         for i in 0..accepted.len().saturating_sub(1) {
@@ -341,7 +343,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// All but one.
+/// The accepted causes without the `i`-th.
 pub(crate) fn without(accepted: &[usize], i: usize) -> Vec<usize> {
     accepted
         .iter()

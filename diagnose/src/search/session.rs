@@ -1,4 +1,4 @@
-//! What searches of one recording have in common, whatever its rows weigh and whatever is picked from the torque.
+//! State that all searches of one recording share, whatever their row weights and the columns they pick from the torque.
 
 use crate::catalogue::choice::Choice;
 use crate::catalogue::effect::Effect;
@@ -11,21 +11,21 @@ use crate::search::tables::Tables;
 use ndarray::Array2;
 use physics::robot::Robot;
 
-/// The catalogue on one recording, its torque as late as a scene has it.
+/// The catalogue's candidates and columns on one recording, delayed as the torque of its scene.
 pub struct Session {
-    /// The model with the first fit's parameters: what derived columns are built on.
+    /// The model with the parameters of the first fit; columns that depend on a model are computed with it.
     pub present: Robot,
-    /// What each joint's link encoder says of its gear.
+    /// Finding of each joint's link encoder about its gear.
     pub links: Vec<Link>,
-    /// Everything that is looked for without having seen the torque.
+    /// Candidates that do not depend on the recorded torque.
     pub candidates: Vec<Candidate>,
-    /// Its columns.
+    /// Values of their columns on the fitted rows.
     pub tables: Tables,
 }
 
 impl Session {
-    /// On a scene with its derivatives. `weight` on the fitted rows, shape (rows, joints). Where the description has no
-    /// masses, a body more or another scale of torque is as good as any, and neither is looked for.
+    /// Session of a scene with derivatives. `weight` of the fitted rows, shape (rows, joints). Without masses
+    /// in the description, payload and torque gain are left out: no recording separates them from the links.
     pub fn new(
         scene: &Scene,
         frame: &Frame,

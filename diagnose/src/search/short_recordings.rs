@@ -1,7 +1,8 @@
-//! What a short recording shows: a cause that halves a joint's error on what fits left out, and its squared error on every piece of it.
+//! Causes of a short recording: those that halve a joint's error on pieces left out of the fit, and its squared
+//! error on every single piece.
 //!
-//! A few seconds hold too few independent samples for a gain in nats to say much, and too few stretches for a null. An effect that is most
-//! of a joint's error shows all the same, in each second by a fit to the others.
+//! A few seconds hold too few independent samples for a gain in nats, and too few stretches for surrogates. An
+//! effect that makes most of a joint's error still shows, in each second by a fit to the others.
 
 use crate::algebra::fit::Fit;
 use crate::algebra::trial::{Scored, SharedColumns};
@@ -12,7 +13,7 @@ use crate::search::select::{CandidateScore, Search, Selection};
 use crate::settings::LadderSettings;
 use std::collections::HashSet;
 
-/// Folds of each piece: neighbours together until they are about as long as one has to be.
+/// Folds of each piece: consecutive folds are joined until a piece has about `least` rows.
 pub(super) fn pieces(rows: &[usize], least: f64) -> Vec<Vec<usize>> {
     let mut out: Vec<Vec<usize>> = Vec::new();
     let mut length = f64::INFINITY;
@@ -33,8 +34,8 @@ pub(super) fn pieces(rows: &[usize], least: f64) -> Vec<Vec<usize>> {
 }
 
 impl<'a> Simplest<'a> {
-    /// The answer with what halves a joint's error on each of some pieces, and is neither a parameter nor something that takes a longer
-    /// recording to be told from parameters.
+    /// The answer plus candidates that halve a joint's error on each piece. Parameters are left out, and so are
+    /// effects that only a longer recording tells from parameters.
     pub fn halving(
         &self,
         answer: Answer<'a>,
@@ -65,7 +66,7 @@ impl<'a> Simplest<'a> {
         }
     }
 
-    /// The best candidate that does so beside some causes.
+    /// Best candidate that halves a joint's error beside the accepted causes.
     fn halves(
         &self,
         search: &Search,
@@ -115,14 +116,14 @@ impl<'a> Simplest<'a> {
         tried.iter().find(halves).map(|t| t.candidate)
     }
 
-    /// Whether a few seconds can tell a candidate from parameters.
+    /// Whether a few seconds suffice to tell a candidate from parameters.
     fn may(&self, candidate: usize) -> bool {
         let info = self.candidates[candidate].effect.info();
         let long = [Need::Minute, Need::Reversals];
         !info.parameter && !info.absorbable && !info.needs.iter().any(|n| long.contains(n))
     }
 
-    /// Whether a trial removes an error that is visible on some joint.
+    /// Whether a trial removes a visible error on some joint.
     fn visible(&self, fit: &Fit, tried: &CandidateScore) -> bool {
         let objective: &Objective = self.objective;
         let before = objective.relative(&fit.error());
@@ -135,7 +136,7 @@ impl<'a> Simplest<'a> {
     }
 }
 
-/// Squared error by piece, then joint, of errors by fold.
+/// Squared error by piece and joint, from that by fold and joint.
 fn by_piece(errors: &[Vec<f64>], pieces: &[Vec<usize>]) -> Vec<Vec<f64>> {
     let of = |folds: &Vec<usize>| {
         let joints = errors.first().map_or(0, Vec::len);

@@ -1,4 +1,4 @@
-//! The columns of a dictionary on the rows that are fitted, and their products.
+//! Values of the dictionary's columns on the fitted rows, and their sums of products.
 
 use crate::algebra::folds::Fold;
 use crate::algebra::gram::{Grams, JointGram, Layout};
@@ -10,42 +10,43 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a fit leaves, by stretch of time.
+/// Sums of products of the columns and a fit's residual, by stretch of time.
 pub struct Stretches {
     /// Fold of each stretch.
     pub fold: Vec<usize>,
-    /// By joint, shape (active columns, stretches).
+    /// Σ w x r of each column x and residual r, by joint, shape (active columns, stretches).
     pub products: Vec<Array2<f64>>,
-    /// Weighted sums of squares, shape (stretches, joints).
+    /// Σ w r² of the residual, shape (stretches, joints).
     pub squares: Array2<f64>,
     /// Parts of stretches that lie near another fold.
     pub near: Vec<Near>,
-    /// Products of these parts, by joint, shape (active columns, parts).
+    /// Σ w x r on these parts, by joint, shape (active columns, parts).
     pub near_products: Vec<Array2<f64>>,
 }
 
-/// A part of a stretch that is not fitted where a fold is scored that it lies near.
+/// Part of a stretch that lies so near another fold that it is not fitted where that fold is scored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Near {
-    /// That fold.
+    /// The other fold.
     pub fold: usize,
-    /// The stretch.
+    /// Index of the stretch.
     pub stretch: usize,
 }
 
-/// Columns on the rows that are fitted. They are most of what a search holds and most of its time, and do not change with what rows weigh: searches of
-/// one recording share those of the catalogue, each adding what it picked from the torque.
+/// Values of all columns on the fitted rows. They take most of a search's memory and time, and do not depend on
+/// the rows' weights. Searches of one recording share the columns of the catalogue; each adds those that it
+/// picked from the torque.
 pub struct Tables {
     layout: Layout,
-    /// Number of columns that are shared: the first ones.
+    /// Number of shared columns, the first ones.
     common: usize,
-    /// By joint, shape (columns that touch it, rows): those that are shared, and the further ones.
+    /// Values by joint, shape (columns that touch it, rows): the shared columns, then this search's own.
     shared: Arc<Vec<Array2<f64>>>,
     own: Vec<Array2<f64>>,
 }
 
 impl Tables {
-    /// All columns of a dictionary.
+    /// Values of all columns of a dictionary.
     pub fn new(dictionary: &Dictionary, scene: &Scene, frame: &Frame) -> Self {
         let layout = dictionary.layout(scene.dof());
         let shared = Arc::new(shown(dictionary, &layout, scene, frame, 0));
@@ -58,7 +59,7 @@ impl Tables {
         }
     }
 
-    /// The same of a dictionary that begins with the shared columns.
+    /// Values of a dictionary that begins with the shared columns: these are reused.
     pub fn further(&self, dictionary: &Dictionary, scene: &Scene, frame: &Frame) -> Self {
         let layout = dictionary.layout(scene.dof());
         Self {
@@ -69,7 +70,7 @@ impl Tables {
         }
     }
 
-    /// Columns that touch a joint, in the order of [`Layout::active`].
+    /// Values of the columns that touch a joint, in the order of [`Layout::active`].
     fn columns(&self, joint: usize) -> impl ExactSizeIterator<Item = ArrayView1<'_, f64>> {
         let (shared, own) = (&self.shared[joint], &self.own[joint]);
         let first = shared.nrows();
@@ -82,7 +83,7 @@ impl Tables {
         })
     }
 
-    /// Products of all columns and the gap `y` (rows, joints), by fold.
+    /// Sums of products of all columns and the gap `y` (rows, joints), by fold.
     pub fn grams(&self, y: &Array2<f64>, weight: &Array2<f64>, folds: &[Fold]) -> Grams {
         let dof = self.layout.dof();
         let of = |rows: &[&[Range<usize>]]| -> Vec<Vec<JointGram>> {
@@ -108,7 +109,8 @@ impl Tables {
         grams.with_near(of(&near))
     }
 
-    /// Products of all columns with what a fit leaves of the fitted rows, by stretch of time; each stretch lies in one of the folds.
+    /// Sums of products of all columns and the residual of a fit on the fitted rows, by stretch of time. Each
+    /// stretch lies in one fold.
     pub fn by_stretch(
         &self,
         residual: &Array2<f64>,
@@ -167,7 +169,7 @@ fn near<'a>(
     })
 }
 
-/// Columns from `first` on, by joint, shape (columns that touch it, rows).
+/// Values of the columns from `first` on, by joint, shape (columns that touch it, rows).
 fn shown(
     dictionary: &Dictionary,
     layout: &Layout,
