@@ -1,7 +1,7 @@
 //! A robot's earlier recordings as the model that a later gap is measured from: no simulator is asked.
 //!
-//! The model is identified from the earlier recordings alone; the description gives lengths and axes. Where the later
-//! recording repeats a motion, the earlier torque itself is what it is compared with.
+//! The model is identified from the earlier recordings alone; the description gives lengths and axes. Where the
+//! later recording repeats a motion, its torque is compared with the earlier torque itself.
 
 use crate::error::DiagnoseError;
 use crate::simulator::{NominalModel, Replay};
@@ -34,7 +34,7 @@ pub fn model(
     Ok(NominalModel::identified(&fit.file)?.with_replay(replay))
 }
 
-/// Which trajectories of a later recording are scored, where no other file is: every third, of two the last.
+/// Indices of a later recording's trajectories that are scored, where no other file is: every third, of two the last.
 fn scored(trajectories: usize) -> Vec<usize> {
     match trajectories {
         2 => vec![1],
@@ -42,11 +42,11 @@ fn scored(trajectories: usize) -> Vec<usize> {
     }
 }
 
-/// Part of a single trajectory that is fitted, and the gap to what is scored, s.
+/// Part of a single trajectory that is fitted, and the gap between it and the scored part, s.
 const FITTED: f64 = 0.7;
 const GAP: f64 = 1.0;
 
-/// What of the later recordings is fitted, and what is scored, where no file of its own is.
+/// Fitted and scored part of the later recording, where no separate file is scored.
 pub fn split(after: &Recording) -> (Recording, Recording) {
     if after.trajectories.len() > 1 {
         return after.split(&scored(after.trajectories.len()));

@@ -1,15 +1,15 @@
-//! Recordings longer than memory allows: stretches of them, evenly spread.
+//! Reduction of recordings that are too long for the memory to evenly spread stretches.
 
 use datasets::{Recording, Trajectory};
 
-/// Samples times joints that are used of one recording; with seven joints about 2 GB at the peak.
+/// Most samples times joints that are used of one recording; with seven joints about 2 GB at the peak.
 const MOST: usize = 1_000_000;
 /// Length of a stretch that is taken or left, s. Trajectories shorter than this stay whole.
 const STRETCH: f64 = 60.0;
-/// 1/φ: its multiples never fall into step with motions that take turns.
+/// Golden ratio 1/φ: its multiples never fall into step with motions that alternate.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// The recording, or evenly spread stretches of it where it is too long, and what was left out, as a sentence.
+/// The recording, or evenly spread stretches of it where it is too long, and a sentence on the part left out.
 pub fn within(recording: Recording) -> (Recording, Option<String>) {
     shortened(recording, MOST)
 }

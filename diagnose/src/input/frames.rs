@@ -1,4 +1,4 @@
-//! Both recordings on their clocks.
+//! Fitted and held-out recording on their clocks.
 
 use super::reversal::signs;
 use crate::error::DiagnoseError;
@@ -14,7 +14,7 @@ use ndarray::Array2;
 use signal::Motion;
 use std::sync::Arc;
 
-/// Trajectories that the softness of signs is chosen on, evenly spread.
+/// Number of trajectories, evenly spread, on which the softness of signs is chosen.
 const TRAJECTORIES: usize = 4;
 
 /// Noise of a search's residual on the fitted rows.
@@ -25,29 +25,30 @@ pub struct ResidualNoise {
     pub turning: Array2<f64>,
 }
 
-/// The recordings on their clocks.
+/// Fitted and held-out recording on their clocks.
 pub struct Frames {
-    /// What is fitted.
+    /// Fitted recording.
     pub data: Frame,
-    /// What is scored.
+    /// Held-out recording, which is scored.
     pub heldout: Frame,
     /// Sizes of the fitted recording.
     pub scale: Scale,
-    /// How both were prepared.
+    /// Options with which both were prepared.
     pub options: PrepareOptions,
-    /// How the cut-off was chosen; none where it was given or a model's.
+    /// Choice of the cut-off; none where it was given or a model's.
     pub cutoff: Option<CutoffChoice>,
-    /// Most that the fitted rows may weigh, shape (rows, joints), going by what a search left around the joints' turns; none before one.
+    /// Largest weight of the fitted rows, shape (rows, joints), from a search's residual around the joints'
+    /// reversals; none before a search.
     pub turning: Option<Array2<f64>>,
-    /// Trajectories that the softness of signs is chosen on.
+    /// Trajectories on which the softness of signs is chosen.
     spread: Vec<usize>,
-    /// Terms of an identified model beside what its robot holds, by joint.
+    /// Terms of an identified model that its robot does not hold, by joint.
     beside: Vec<Terms>,
 }
 
 impl Frames {
-    /// Prepares both recordings: as the model's own training did, where it was identified; else as training on the fitted
-    /// recording would. A given cut-off, Hz, goes before either.
+    /// Prepares both recordings: as for the model's own training, where it was identified; else as for training
+    /// on the fitted recording. A given cut-off, Hz, takes precedence over either.
     ///
     /// # Errors
     /// No torque, or a recording that cannot be prepared.
@@ -96,7 +97,8 @@ impl Frames {
         })
     }
 
-    /// Delays all columns as a search found, and chooses the softness of friction's sign again. `noise` is of that search's residual.
+    /// Delays all columns by the `channel` that a search found, and chooses the softness of friction's sign
+    /// again. `noise` is that of the search's residual.
     pub fn apply_delay(
         &mut self,
         model: &NominalModel,
@@ -115,7 +117,7 @@ impl Frames {
         self.turning = Some(noise.turning);
     }
 
-    /// Motion of the fitted recording, memory running on through both where they share a clock.
+    /// Motion of the fitted recording; memory passes through both recordings where they share a clock.
     pub fn passage(&self) -> History<'_> {
         History::of(vec![self.data.motion(), self.heldout.motion()], 0)
             .with_wide(self.data.wide())
@@ -123,7 +125,7 @@ impl Frames {
             .with_sensed(self.data.sensed())
     }
 
-    /// The same of the held-out one.
+    /// Motion of the held-out recording; memory passes through both recordings where they share a clock.
     pub fn heldout_passage(&self) -> History<'_> {
         History::of(vec![self.data.motion(), self.heldout.motion()], 1)
             .with_wide(self.heldout.wide())
@@ -131,7 +133,8 @@ impl Frames {
             .with_sensed(self.heldout.sensed())
     }
 
-    /// What memory has run through by the end of the held-out recording, at the recorded stamps: see [`History::walked`].
+    /// Samples that memory passes through up to the end of the held-out recording, at the recorded stamps: see
+    /// [`History::walked`].
     pub fn heldout_walked(&self) -> (Motion, Vec<Option<usize>>) {
         History::of(vec![self.data.samples(), self.heldout.samples()], 1).walked()
     }

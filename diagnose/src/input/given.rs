@@ -1,4 +1,4 @@
-//! Model and recordings as the command line names them.
+//! Model and recordings as named on the command line.
 
 use super::before;
 use crate::error::DiagnoseError;
@@ -11,22 +11,22 @@ use model::preparation::units::refuse_degrees;
 use physics::robot::{Description, Urdf};
 use std::path::{Path, PathBuf};
 
-/// A simulator's model with what reading its robot's recordings needs.
+/// A simulator's model with the options for reading its robot's recordings.
 pub struct Given {
     /// The model.
     pub model: NominalModel,
-    /// Its description, as the user has it where there is one.
+    /// Its description, as the user's file has it where there is one.
     pub description: Description,
     /// The recordings that are fitted, file by file, once they are read.
     pub sources: Vec<Source>,
     reading: Reading,
 }
 
-/// Where it stands how recordings are read.
+/// Source of the options for reading recordings.
 enum Reading {
-    /// The robot with its drive file, and what its recordings show.
+    /// The robot with its drive file, and the findings from its recordings.
     Robot(Box<Setup>),
-    /// A model directory: for the recordings that are fitted, and for the one that is scored.
+    /// A model directory: options for the fitted recordings, and for the scored one.
     Directory(Box<[ReadOptions; 2]>),
 }
 
@@ -52,7 +52,8 @@ impl Given {
         })
     }
 
-    /// A robot as its earlier recordings have it, and these, joined: of its description, lengths and axes are used.
+    /// The model of a robot identified from its earlier recordings, and these, joined. The description gives
+    /// lengths and axes only.
     ///
     /// # Errors
     /// As [`Self::robot`], or earlier recordings that cannot be used.
@@ -78,7 +79,7 @@ impl Given {
         Ok((given, read))
     }
 
-    /// The same, with the rate in Hz of recordings that have no column of time.
+    /// The input with the sampling rate, Hz, of recordings that have no time column.
     #[must_use]
     pub fn at_rate(mut self, rate_hz: Option<f64>) -> Self {
         match &mut self.reading {
@@ -106,8 +107,7 @@ impl Given {
         })
     }
 
-    /// Reads and joins the recordings that are fitted; a low-pass that their torque shows then holds for the one
-    /// that is scored as well.
+    /// Reads and joins the fitted recordings. A low-pass that their torque shows is then assumed for the scored one as well.
     ///
     /// # Errors
     /// A file cannot be used, or the torque of two of them has been through different low-passes.

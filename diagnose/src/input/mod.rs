@@ -1,4 +1,4 @@
-//! What the command line names: model and recordings, checked, on their clocks.
+//! Input of a diagnosis: model and recordings, checked and on their clocks.
 
 pub(crate) mod before;
 pub mod budget;

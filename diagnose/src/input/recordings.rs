@@ -1,4 +1,4 @@
-//! The recordings before any physics: what is wrong with them, what they cannot show, and what was done to them.
+//! Checks of the recordings before any physics: faults, effects that they cannot show, and notes on their preparation.
 
 use crate::catalogue::Unit;
 use crate::catalogue::effect::Effect;
@@ -15,7 +15,7 @@ use model::preparation::channel;
 use model::preparation::check::channel_findings;
 use physics::robot::Robot;
 
-/// Checks both recordings, the fitted one, then the held-out one: what `train` checks, but for what its own fit needs.
+/// Checks of both recordings, the fitted one, then the held-out one: those of `train`, without the requirements of its own fit.
 pub fn checked(
     model: &NominalModel,
     frames: &Frames,
@@ -46,7 +46,7 @@ fn one(model: &NominalModel, frame: &Frame, recording: &Recording) -> Option<Che
     Some(report)
 }
 
-/// Effects that the fitted recording cannot show, and why.
+/// Effects that the fitted recording cannot show, each with the reason.
 pub fn not_identifiable(
     frames: &Frames,
     report: Option<&CheckReport>,
@@ -121,13 +121,13 @@ pub fn not_identifiable(
     out
 }
 
-/// Effects that need something of a recording.
+/// Effects with a given need of a recording.
 fn needing(need: Need) -> Vec<Effect> {
     let all = Effect::ALL.into_iter();
     all.filter(|e| e.info().needs.contains(&need)).collect()
 }
 
-/// Where velocity and acceleration come from, in words.
+/// Sources of velocity and acceleration as text.
 fn derivatives(report: &PrepareReport) -> String {
     let word = |source: &Source| match source {
         Source::Recorded => "as recorded",
@@ -148,7 +148,7 @@ fn derivatives(report: &PrepareReport) -> String {
     )
 }
 
-/// What was done to the recordings.
+/// Notes on the preparation of the recordings.
 pub fn notes(frames: &Frames, settings: &InputSettings, ladder: &LadderSettings) -> Vec<String> {
     let mut out = Vec::new();
     for (what, frame) in [("data", &frames.data), ("heldout", &frames.heldout)] {

@@ -1,7 +1,8 @@
-//! How each joint's friction turns round, from the recording itself.
+//! Sign of each joint's friction around reversals, from the recording itself.
 //!
-//! Friction jumps where the filtered velocity changes its sign, but noise turns that sign at random, a real contact bends
-//! before it slides, and both round the jump: error that no parameter removes. A simulator's friction may turn round early.
+//! Friction jumps where the filtered velocity changes its sign. Noise turns that sign at random, and a real
+//! contact bends before it slides: both round the jump and leave an error that no parameter removes. A
+//! simulator's friction may reverse early.
 
 use crate::algebra::cholesky::Cholesky;
 use crate::motion::channel::Channel;
@@ -15,19 +16,21 @@ use physics::batch::rigid_torque;
 use physics::effects::EarlySign;
 use rayon::prelude::*;
 
-/// Velocities tried below which the sign of a motion is softened, rad/s (m/s); docs/formats.md allows up to 0.005.
+/// Velocities of softening that are tried, rad/s (m/s); docs/formats.md allows up to 0.005.
 const SOFTNESSES: [f64; 6] = [0.0004, 0.0007, 0.0012, 0.002, 0.0032, 0.005];
 
-/// Those tried where friction turns round early: a constraint that simulates it is as soft as its impedance.
+/// Velocities of softening that are tried with a lead, rad/s (m/s): a constraint that simulates friction is as
+/// soft as its impedance.
 const WITH_LEAD: [f64; 6] = [0.0007, 0.002, 0.005, 0.01, 0.02, 0.04];
 
-/// Times tried by which friction turns round early, and by which torque as a whole may be early instead, s.
+/// Leads that are tried, s: friction reverses early, or all torque is early instead.
 const LEADS: [f64; 6] = [0.001, 0.003, 0.006, 0.01, 0.015, 0.02];
 
-/// Sign of each joint's Coulomb friction: softened below the velocity, rad/s (m/s), that leaves least error beyond a scaled
-/// model, viscous and Coulomb friction, own inertia and gravity of the joint, on some of the trajectories; below
-/// [`SOFT_SIGN`] where none saves enough over it. It turns round early where that saves enough over a sign that is as soft, and
-/// over all joints more than torque does that is early as a whole. All of it is as late as a `channel` says.
+/// Sign of each joint's Coulomb friction. Its velocity of softening, rad/s (m/s), is the one with the least
+/// error on some of the trajectories beside a scaled model, viscous and Coulomb friction, own inertia and
+/// gravity of the joint. It is [`SOFT_SIGN`] where none removes enough error over it. A lead is taken where it
+/// removes enough error over a sign that is as soft, and over all joints more than an early torque as a whole.
+/// All columns are delayed by `channel`.
 pub fn signs(
     model: &NominalModel,
     frame: &Frame,
@@ -118,19 +121,19 @@ pub fn signs(
     turns.iter().map(of).collect()
 }
 
-/// How one joint's friction turns round, and the squared errors of the alternatives.
+/// Sign of one joint's friction, and the squared errors of the alternatives.
 struct Turn {
-    /// Without lead.
+    /// Best sign without lead.
     best: EarlySign,
-    /// Least error without lead.
+    /// Squared error without lead.
     at_once: f64,
-    /// With lead, and its error.
+    /// Best sign with lead, and its squared error.
     early: (EarlySign, f64),
-    /// Least error with torque that is early as a whole, or not at all.
+    /// Least squared error with a torque that is early as a whole, or not at all.
     as_a_whole: f64,
 }
 
-/// Squared error of a least-squares fit of some columns and one more.
+/// Squared error of a least-squares fit of the columns `smooth` and one more.
 fn left(smooth: &[Array1<f64>], last: &Array1<f64>, y: &Array1<f64>) -> f64 {
     let columns: Vec<&Array1<f64>> = smooth.iter().chain([last]).collect();
     let k = columns.len();

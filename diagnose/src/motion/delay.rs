@@ -1,9 +1,9 @@
-//! Columns of a motion at an earlier or later time, or behind a filter.
+//! Signals shifted in time, or behind a first-order filter.
 
 use ndarray::{Array1, ArrayView1};
 use signal::Motion;
 
-/// How late a torque is recorded: shifted, then behind a first-order filter, as of a current.
+/// Delay of a recorded torque: a shift, then a first-order filter, as of a motor current.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Late {
     /// Shift, s; negative where the torque is early.
@@ -13,7 +13,7 @@ pub struct Late {
 }
 
 impl Late {
-    /// A shift alone, s.
+    /// Delay by a shift alone, s.
     pub fn shifted(shift: f64) -> Self {
         Self {
             shift,
@@ -21,7 +21,7 @@ impl Late {
         }
     }
 
-    /// A filter alone, time constant in s.
+    /// Delay by a filter alone, time constant in s.
     pub fn filtered(constant: f64) -> Self {
         Self {
             shift: 0.0,
@@ -29,12 +29,12 @@ impl Late {
         }
     }
 
-    /// Delay of a slow torque, s.
+    /// Total delay of a slowly changing torque, s.
     pub fn delay(&self) -> f64 {
         self.shift + self.constant
     }
 
-    /// Both times multiplied.
+    /// Delay with both times multiplied by `factor`.
     pub fn times(self, factor: f64) -> Self {
         Self {
             shift: factor * self.shift,
@@ -42,7 +42,7 @@ impl Late {
         }
     }
 
-    /// A torque at the motion's times, as it is recorded.
+    /// A torque at the motion's time stamps with this delay.
     pub fn of(&self, motion: &Motion, x: ArrayView1<f64>) -> Array1<f64> {
         let shifted = if self.shift == 0.0 {
             x.to_owned()
@@ -57,7 +57,7 @@ impl Late {
     }
 }
 
-/// x(t − delay) by linear interpolation within each segment, held at its ends.
+/// x(t − delay) by linear interpolation within each segment; constant beyond its ends.
 pub fn delayed(motion: &Motion, x: ArrayView1<f64>, delay: f64) -> Array1<f64> {
     let time = &motion.time;
     let mut out = Array1::zeros(x.len());

@@ -1,4 +1,4 @@
-//! Executions of one motion in two recordings: which are the same, and how much later one of them began.
+//! Matching of executions of one motion in two recordings, and the shift in time between them.
 //!
 //! Logs of one program are rarely cut at the same instant, so that the shift is looked for, too.
 
@@ -6,35 +6,35 @@ use ndarray::{Array2, ArrayView2};
 use signal::resample;
 use std::ops::Range;
 
-/// Step of the first search, s.
+/// Step of the coarse search for the shift, s.
 const COARSE: f64 = 0.05;
-/// Step that the shift is found to, s.
+/// Resolution of the shift, s.
 const FINE: f64 = 5e-4;
-/// Part of the shorter execution by which the two may be shifted.
+/// Largest shift, relative to the length of the shorter execution.
 const SHIFTED: f64 = 0.2;
-/// Root mean square by which a joint's positions may differ, over their deviation.
+/// Largest root mean square difference of a joint's positions, over their standard deviation.
 const SAME: f64 = 0.05;
-/// The same of a joint that hardly moves, rad or m.
+/// Largest root mean square difference of a joint that hardly moves, rad or m.
 const STILL: f64 = 2e-3;
-/// Difference over the deviation up to which a coarse match is looked at again.
+/// Difference over the standard deviation up to which a coarse match is refined.
 const NEARLY: f64 = 0.5;
 
-/// One trajectory: its stamps and positions.
+/// One trajectory: time stamps and positions.
 #[derive(Clone, Debug)]
 pub struct Execution {
-    /// Stamps from its start, s.
+    /// Time since its start, s.
     time: Vec<f64>,
-    /// Positions, shape (samples, joints).
+    /// Positions, rad (m), shape (samples, joints).
     q: Array2<f64>,
-    /// The positions every [`COARSE`] seconds.
+    /// Positions every [`COARSE`] seconds, shape (steps, joints).
     coarse: Array2<f64>,
-    /// Deviation of each joint's positions, and no less than `STILL / SAME`.
+    /// Standard deviation of each joint's positions, at least `STILL / SAME`, rad (m).
     scale: Vec<f64>,
     moves: bool,
 }
 
 impl Execution {
-    /// The samples `rows` of a recording's stamps and positions.
+    /// Execution of the samples `rows` of a recording.
     pub fn new(time: &[f64], q: &Array2<f64>, rows: Range<usize>) -> Self {
         let start = time[rows.start];
         let time: Vec<f64> = time[rows.clone()].iter().map(|t| t - start).collect();
@@ -51,12 +51,13 @@ impl Execution {
         }
     }
 
-    /// Its length, s.
+    /// Duration, s.
     pub fn length(&self) -> f64 {
         self.time.last().copied().unwrap_or(0.0)
     }
 
-    /// Seconds to be added to this execution's stamps to get the other's, where both are of one motion; standstill is none.
+    /// Shift to be added to this execution's time to get the other's, s, where both execute one motion.
+    /// Standstill counts as no motion.
     pub fn shift_to(&self, other: &Self) -> Option<f64> {
         if !(self.moves && other.moves) {
             return None;
@@ -76,8 +77,8 @@ impl Execution {
         same.then_some(shift)
     }
 
-    /// Mean square over the joints of the difference over the deviation, `k` coarse steps shifted; none where less than the
-    /// allowed part of `shorter` is common to both.
+    /// Mean squared difference over the standard deviation, averaged over joints, at a shift of `k` coarse
+    /// steps. None where both have less than the allowed part of `shorter` in common.
     fn coarse_apart(&self, other: &Self, k: isize, shorter: usize) -> Option<f64> {
         let first = (-k).max(0) as usize;
         let end = self
@@ -98,7 +99,7 @@ impl Execution {
         Some(sum / (common * self.scale.len()) as f64)
     }
 
-    /// Root mean square difference of each joint over its deviation.
+    /// Root mean square difference of each joint over its standard deviation.
     fn apart(&self, other: &Self, shift: f64) -> Vec<f64> {
         let rows = self.common(other.length(), shift);
         let at: Vec<f64> = self.time[rows.clone()].iter().map(|t| t + shift).collect();
@@ -111,15 +112,15 @@ impl Execution {
             .collect()
     }
 
-    /// Own samples that lie within an execution of this length, shifted.
+    /// Own samples that lie within an execution of duration `length`, s, after the shift.
     fn common(&self, length: f64, shift: f64) -> Range<usize> {
         let first = self.time.partition_point(|t| t + shift < 0.0);
         let end = self.time.partition_point(|t| t + shift <= length);
         first..end.max(first)
     }
 
-    /// What the other execution has in `table`, of shape (its samples, joints), at this one's stamps: own samples that lie
-    /// within it, and their rows.
+    /// Values of `table`, shape (samples of the other execution, joints), interpolated at this execution's time
+    /// stamps. Returns the own samples that lie within the other execution, and their rows.
     pub fn replayed(
         &self,
         other: &Self,
@@ -132,7 +133,7 @@ impl Execution {
     }
 }
 
-/// Rows of a table at other times, shape (times, columns).
+/// Rows of a table interpolated at the times `at`, shape (times, columns).
 fn at_times(time: &[f64], table: ArrayView2<f64>, at: &[f64]) -> Array2<f64> {
     let mut out = Array2::zeros((at.len(), table.ncols()));
     for (mut to, from) in out.columns_mut().into_iter().zip(table.columns()) {
@@ -142,7 +143,7 @@ fn at_times(time: &[f64], table: ArrayView2<f64>, at: &[f64]) -> Array2<f64> {
     out
 }
 
-/// The shift within a coarse step of `about` at which `f` is least, by thirds.
+/// Shift within a coarse step of `about` at which `f` is least, by ternary search.
 fn least(about: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (about - COARSE, about + COARSE);
     while high - low > FINE {

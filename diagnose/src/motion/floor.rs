@@ -1,9 +1,10 @@
-//! The level below which nothing can be explained, joint by joint, from the fitted recording.
+//! Noise floor: the error below which nothing can be explained, joint by joint, from the fitted recording.
 //!
-//! Where motions are repeated, the spread of their torque. Elsewhere the torque's noise above the band of the motion: the
-//! density just above the band stands for the band itself, where motion hides the noise. Beside it the noise of q̈, which
-//! derivatives of the position carry into every prediction: position noise of the density N that preparation found gives
-//! ∫(2πf)⁴ N df up to the band's edge, and the mass matrix makes torque of it.
+//! Where motions are repeated, it is the spread of their torque. Elsewhere it is the torque's noise, from the
+//! spectral density just above the band of the motion, since motion hides the noise within the band. To it is
+//! added the noise of q̈, which derivatives of the position carry into every prediction: position noise of the
+//! density N that preparation found gives ∫(2πf)⁴ N df up to the band's edge, and the mass matrix makes torque
+//! of it.
 
 use crate::motion::frame::Frame;
 use crate::motion::standing::State;
@@ -18,15 +19,15 @@ use signal::spectrum::welch;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Length of a stretch whose spectrum is taken, s, and periods of the band's edge that it holds at least.
+/// Shortest stretch whose spectrum is taken, s, and the fewest periods of the band's edge in it.
 const STRETCH: f64 = 0.25;
 const PERIODS: f64 = 8.0;
-/// Upper end of the part above the band that stands for the band, relative to the band's edge.
+/// Upper end of the part of the spectrum above the band that is used instead of the band, relative to the band's edge.
 const EDGE: f64 = 1.6;
-/// Edge of the band where no low-pass sets one, and the highest edge that leaves room above it, relative to the rate.
+/// Edge of the band where there is no low-pass, and the highest edge that leaves room above it, relative to the sampling rate.
 const HIGHEST: f64 = 0.4;
 
-/// Least root mean squared error of any model of `robot`, N·m, by joint; none where the recording does not say.
+/// Least root mean squared error of any model of `robot`, by joint, N·m (N). None where the recording does not show it.
 pub fn floor(
     robot: &Robot,
     recording: &Recording,
@@ -48,8 +49,8 @@ pub fn floor(
         .collect()
 }
 
-/// Torque that the noise of q̈ makes in any prediction, N·m, by joint; zero where accelerations are not those of the
-/// position alone.
+/// Torque that the noise of q̈ adds to any prediction, by joint, N·m (N). Zero where accelerations are not
+/// derived from position alone.
 fn motion_noise(robot: &Robot, frame: &Frame) -> Vec<f64> {
     let n = frame.dof();
     let report = frame.report();
@@ -75,7 +76,7 @@ fn motion_noise(robot: &Robot, frame: &Frame) -> Vec<f64> {
         .collect()
 }
 
-/// Noise of a joint's torque, N·m: its usual level over stretches without a reversal.
+/// Noise of a joint's torque, N·m (N): its median level over stretches without a reversal.
 fn noise(
     frame: &Frame,
     states: &Array2<State>,

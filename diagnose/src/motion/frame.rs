@@ -87,17 +87,18 @@ impl Frame {
         })
     }
 
-    /// The recording as it was prepared.
+    /// The prepared recording.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
 
-    /// Fitted rows that are left out together: those of one motion, or blocks of time where there are few motions.
+    /// Folds of the fitted rows: each is left out as a whole. They are trajectories of one motion, or blocks of
+    /// time where there are few motions.
     pub fn folds(&self) -> &[Fold] {
         &self.folds
     }
 
-    /// Trajectories that execute one motion, each with the next one like it.
+    /// Pairs of trajectories that execute one motion, each with the next one of it.
     pub fn repeats(&self) -> &[(usize, usize)] {
         &self.repeats
     }
@@ -107,7 +108,7 @@ impl Frame {
         self.labels.get(trajectory).map_or("", String::as_str)
     }
 
-    /// Recorded samples that some fitted rows of one trajectory stand for.
+    /// Recorded samples of some fitted rows of one trajectory.
     pub fn samples_of(&self, rows: Range<usize>) -> Range<usize> {
         let own = self.rows.iter().zip(&self.samples().segments);
         for (trajectory, samples) in own {
@@ -129,13 +130,13 @@ impl Frame {
         &self.prepared.fine
     }
 
-    /// Motion on the same grid in the whole band of the rows: what the torque suggests for the low-pass takes away what drives a
-    /// transmission.
+    /// Motion on the same grid in the whole band of the rows. The cut-off that suits the torque removes motion
+    /// that drives a transmission.
     pub fn wide(&self) -> Option<&Motion> {
         self.wide.as_ref()
     }
 
-    /// What sensors beside the motors' encoders say, where there were any.
+    /// Signals of sensors beside the motors' encoders, where there were any.
     pub fn sensed(&self) -> Option<&Sensed> {
         self.sensed.as_ref()
     }
@@ -145,7 +146,7 @@ impl Frame {
         &self.prepared.at_samples
     }
 
-    /// What preparation did.
+    /// Report of the preparation.
     pub fn report(&self) -> &PrepareReport {
         &self.prepared.report
     }
@@ -165,18 +166,17 @@ impl Frame {
         self.tau.ncols()
     }
 
-    /// Rows per second.
+    /// Rate of the fitted rows, Hz.
     pub fn row_rate(&self) -> f64 {
         self.report().rate_hz / self.stride as f64
     }
 
-    /// Whether there are fewer stretches than it takes to say what chance earns.
+    /// Whether the recording is too short for surrogates: it has fewer stretches than they need.
     pub fn is_short(&self, settings: &LadderSettings) -> bool {
         (self.len() as f64) < settings.fewest * settings.stretch * self.row_rate()
     }
 
-    /// A torque at the recorded samples on the rows that are fitted: low-passed within each
-    /// trajectory, then thinned out.
+    /// A torque at the recorded samples reduced to the fitted rows: low-passed within each trajectory, then thinned out.
     pub fn thin(&self, samples: &[f64]) -> Array1<f64> {
         let Some(lowpass) = &self.lowpass else {
             return Array1::from(samples.to_vec());
@@ -192,7 +192,7 @@ impl Frame {
         Array1::from(out)
     }
 
-    /// Values at the recorded samples on the rows that are fitted, without filtering.
+    /// Values at the recorded samples picked for the fitted rows, without filtering.
     pub fn pick<T>(&self, at: impl Fn(usize) -> T) -> Vec<T> {
         self.samples()
             .segments
@@ -202,14 +202,14 @@ impl Frame {
             .collect()
     }
 
-    /// A column at the fine rate as the recorded torque would show it.
+    /// A column at the fine rate resampled to the recorded stamps, with the torque's filter.
     pub fn to_samples(&self, fine: &Array1<f64>) -> Vec<f64> {
         let whole = fine.as_standard_layout();
         let values = whole.as_slice().expect("a column in standard layout");
         self.prepared.to_samples(values)
     }
 
-    /// Columns at the fine rate on the rows that are fitted; the low-pass takes them together.
+    /// Columns at the fine rate reduced to the fitted rows; the low-pass filters them in one call.
     pub fn reduce_each(&self, fine: &[&Array1<f64>]) -> Vec<Array1<f64>> {
         let samples: Vec<Vec<f64>> = fine.iter().map(|c| self.to_samples(c)).collect();
         let Some(lowpass) = &self.lowpass else {
@@ -225,7 +225,7 @@ impl Frame {
         out.into_iter().map(Array1::from).collect()
     }
 
-    /// A table at the fine rate on the recorded samples.
+    /// A table at the fine rate resampled to the recorded samples, shape (samples, joints).
     pub fn table_to_samples(&self, fine: &Array2<f64>) -> Array2<f64> {
         let mut out = Array2::zeros(self.tau.dim());
         for (j, column) in fine.columns().into_iter().enumerate() {
@@ -235,7 +235,7 @@ impl Frame {
         out
     }
 
-    /// A table at the recorded samples on the rows that are fitted.
+    /// A table at the recorded samples reduced to the fitted rows, shape (rows, joints).
     pub fn table_thin(&self, samples: &Array2<f64>) -> Array2<f64> {
         let mut out = Array2::zeros((self.len(), samples.ncols()));
         for (j, column) in samples.columns().into_iter().enumerate() {
@@ -244,7 +244,7 @@ impl Frame {
         out
     }
 
-    /// Whether a row of a joint lies at a reversal; shape (rows, joints).
+    /// Whether each row of each joint lies at a reversal, shape (rows, joints).
     pub fn reversals(&self, settings: &MotionSettings) -> Array2<bool> {
         self.slow(
             settings.reversal_speed,
@@ -252,21 +252,21 @@ impl Frame {
         )
     }
 
-    /// Rows slower than `speed`, crossings of zero velocity, and `reach` rows on either side.
+    /// Rows slower than `speed`, rad/s (m/s), or crossing zero velocity, and `reach` rows on either side.
     fn slow(&self, speed: f64, reach: usize) -> Array2<bool> {
         let qd = self.samples().qd.select(Axis(0), &self.pick(|i| i));
         turning(&qd, &self.rows, speed, reach)
     }
 
-    /// Recorded samples at a reversal of a joint, as far as the low-pass smears it; shape (samples, joints).
+    /// Whether each recorded sample lies at a reversal of a joint, as far as the low-pass smears it, shape (samples, joints).
     pub fn samples_at_reversals(&self, settings: &MotionSettings) -> Array2<bool> {
         let reach = (settings.reversal_time * self.report().rate_hz).ceil() as usize;
         let motion = self.samples();
         turning(&motion.qd, &motion.segments, settings.reversal_speed, reach)
     }
 
-    /// Rows between each row and the nearest one in which the joint turns round or stands, shape (rows, joints); the trajectory's length
-    /// where it does neither.
+    /// Number of rows from each row to the nearest one in which the joint reverses or stands, shape (rows,
+    /// joints). The trajectory's length where it does neither.
     pub fn rows_to_turns(&self, speed: f64) -> Array2<usize> {
         let turning = self.slow(speed, 0);
         let mut out = Array2::zeros(turning.dim());
@@ -297,8 +297,8 @@ impl Frame {
         self.slow(speed, 0).mapv(|r| if r { weight } else { 1.0 })
     }
 
-    /// Sizes for grids of shape parameters; `others` are recordings of the same session, `signs` how each joint's
-    /// friction turns round.
+    /// Sizes for the grids of shape parameters. `others` are recordings of the same session, `signs` each
+    /// joint's sign of friction.
     pub fn scale(&self, others: &[&Frame], signs: &[EarlySign]) -> Scale {
         let m = self.samples();
         let rms = |x: ArrayView1<f64>| (x.dot(&x) / x.len().max(1) as f64).sqrt().max(1e-9);
@@ -333,7 +333,8 @@ impl Frame {
     }
 }
 
-/// Where a joint is slower than `speed` or its velocity crosses zero, and what lies within `reach` on either side of the same stretch; shape of `qd`.
+/// Samples at which a joint is slower than `speed` or its velocity crosses zero, and those within `reach` on
+/// either side in the same stretch; shape of `qd`.
 fn turning(qd: &Array2<f64>, stretches: &[Range<usize>], speed: f64, reach: usize) -> Array2<bool> {
     let mut out = Array2::from_elem(qd.dim(), false);
     for (j, qd) in qd.columns().into_iter().enumerate() {
@@ -350,7 +351,7 @@ fn turning(qd: &Array2<f64>, stretches: &[Range<usize>], speed: f64, reach: usiz
     out
 }
 
-/// Motion in the band of the rows, where the cut-off lies below it.
+/// Motion in the band of the rows, where the motion's cut-off is below it; else none.
 fn wide(
     recording: &Recording,
     prepared: &Prepared,

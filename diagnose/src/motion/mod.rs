@@ -1,4 +1,4 @@
-//! Motion of one recording: its clocks, what columns see of it, where it stands.
+//! Motion of one recording: clocks, input of the columns, rests.
 
 pub(crate) mod channel;
 pub(crate) mod delay;

@@ -1,4 +1,4 @@
-//! How the rigid torque changes with one joint's motion, and what drives that joint's transmission.
+//! Derivatives of the rigid torque by one joint's motion, and the drive of that joint's transmission.
 
 use ndarray::{Array2, ArrayView1};
 use physics::dynamics::{Workspace, inverse_dynamics};
@@ -6,21 +6,21 @@ use physics::robot::Robot;
 use signal::Motion;
 use std::sync::OnceLock;
 
-/// Change of a position (rad) or velocity (rad/s) over which the rigid torque is differenced.
+/// Step of the finite differences of the rigid torque: position (rad) or velocity (rad/s).
 const STEP: f64 = 1e-4;
 
-/// Partial derivatives of the rigid torque of all joints by the position, velocity and acceleration of
-/// one; tables of shape (samples, joints).
+/// Partial derivatives of all joints' rigid torque by the position, velocity and acceleration of one joint.
+/// Tables of shape (samples, joints).
 pub struct Tangent {
-    /// By position, N·m/rad.
+    /// Derivative by position, N·m/rad.
     pub q: Array2<f64>,
-    /// By velocity, N·m·s/rad.
+    /// Derivative by velocity, N·m·s/rad.
     pub qd: Array2<f64>,
-    /// By acceleration, kg·m².
+    /// Derivative by acceleration, kg·m².
     pub qdd: Array2<f64>,
 }
 
-/// The rigid body on the motion that drives a transmission.
+/// Motion in the band of the rows with its rigid torque, N·m (N), and derivatives.
 pub(super) struct Wide<'a> {
     pub motion: &'a Motion,
     pub rigid: Array2<f64>,
@@ -30,25 +30,25 @@ pub(super) struct Wide<'a> {
 /// Band of the motion that drives a transmission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Band {
-    /// That of the motion: its cut-off suits the torque.
+    /// Band of the motion as prepared, whose cut-off suits the torque.
     Motion,
-    /// The whole band of the fitted rows.
+    /// Whole band of the fitted rows.
     Rows,
 }
 
-/// What drives the transmission of one joint.
+/// Motion and torques that drive the transmission of one joint.
 pub struct Motor<'s> {
     /// The joint.
     pub joint: usize,
-    /// Acceleration.
+    /// Acceleration, rad/s² (m/s²).
     pub qdd: ArrayView1<'s, f64>,
-    /// Torque that the rigid body needs to follow the motor.
+    /// Torque that the rigid body needs to follow the motor, N·m (N).
     pub rigid: ArrayView1<'s, f64>,
     /// Derivatives of the rigid torque by the joint's motion.
     pub tangent: &'s Tangent,
 }
 
-/// Derivatives by each joint's motion, each computed when it is first asked for: few columns need any.
+/// Derivatives by each joint's motion, computed on first use: few columns need any.
 pub(super) struct Tangents(Vec<OnceLock<Tangent>>);
 
 impl Tangents {
@@ -56,7 +56,7 @@ impl Tangents {
         Self((0..dof).map(|_| OnceLock::new()).collect())
     }
 
-    /// Derivatives by one joint's motion. `rigid` is the torque of the robot on the motion.
+    /// Derivatives by one joint's motion. `rigid` is the robot's torque on the motion, shape (samples, joints).
     pub(super) fn by(
         &self,
         joint: usize,

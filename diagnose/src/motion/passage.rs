@@ -1,4 +1,4 @@
-//! A recording's motion among those of its session, in the order in which memory runs through them.
+//! A recording's motion among those of its session, in the order in which memory of friction passes through them.
 
 use super::sensed::Sensed;
 use model::session::{Start, Step, order};
@@ -6,7 +6,7 @@ use ndarray::{Array1, Array2, Axis};
 use physics::effects::{Sample, Term, TermBank};
 use signal::Motion;
 
-/// One motion, and what came before it on the same clock.
+/// One motion, and the earlier motions on the same clock.
 #[derive(Clone, Debug)]
 pub struct History<'a> {
     motions: Vec<&'a Motion>,
@@ -22,14 +22,14 @@ pub struct History<'a> {
 pub type Terms = Vec<(f64, Term)>;
 
 impl<'a> From<&'a Motion> for History<'a> {
-    /// A motion of which nothing before is known.
+    /// A motion without known earlier ones.
     fn from(motion: &'a Motion) -> Self {
         Self::of(vec![motion], 0)
     }
 }
 
 impl<'a> History<'a> {
-    /// Motion `part` of several of one session; the first defines the clock.
+    /// Motion `part` of several of one session, whose clock the first defines.
     pub fn of(motions: Vec<&'a Motion>, part: usize) -> Self {
         let (mut steps, clock_known) = order(&motions, &[]);
         // What comes later, or stands on another clock, leaves nothing behind.
@@ -47,32 +47,32 @@ impl<'a> History<'a> {
         }
     }
 
-    /// The same with the motion in the band of the rows, on the same grid, where that is another one.
+    /// History with the motion in the band of the rows, on the same grid, where it differs.
     pub fn with_wide(self, wide: Option<&'a Motion>) -> Self {
         Self { wide, ..self }
     }
 
-    /// The same under a model whose joints have terms beside what its robot holds; none, or one list per joint.
+    /// History under a model with terms that its robot does not hold: none, or one list per joint.
     pub fn with_beside(self, beside: &'a [Terms]) -> Self {
         Self { beside, ..self }
     }
 
-    /// Terms of the model beside what its robot holds; none, or one list per joint.
+    /// Terms of the model that its robot does not hold: none, or one list per joint.
     pub fn beside(&self) -> &'a [Terms] {
         self.beside
     }
 
-    /// The motion in the band of the rows, where it is another one.
+    /// The motion in the band of the rows, where it differs.
     pub fn wide(&self) -> Option<&'a Motion> {
         self.wide
     }
 
-    /// The same with what further sensors say of the motion.
+    /// History with the signals of further sensors.
     pub fn with_sensed(self, sensed: Option<&'a Sensed>) -> Self {
         Self { sensed, ..self }
     }
 
-    /// What further sensors say of the motion.
+    /// Signals of further sensors.
     pub fn sensed(&self) -> Option<&'a Sensed> {
         self.sensed
     }
@@ -82,13 +82,13 @@ impl<'a> History<'a> {
         self.motions[self.part]
     }
 
-    /// Whether its time stamps are on the session's clock.
+    /// Whether its time stamps belong to the session's clock.
     pub fn clock_known(&self) -> bool {
         self.clock_known[self.part]
     }
 
-    /// Every sample that memory runs through up to the motion's end, in this order, and the row of the motion that it is; none
-    /// of those of other motions.
+    /// All samples that memory passes through up to the end of the motion, in that order. Beside each, its row
+    /// in the motion; none for samples of other motions.
     pub fn walked(&self) -> (Motion, Vec<Option<usize>>) {
         let own = self.motion();
         let len = self.steps.iter().map(|s| s.rows.len()).sum();
@@ -120,8 +120,9 @@ impl<'a> History<'a> {
         (walked, rows)
     }
 
-    /// Sum of terms of one joint over the motion, each with its factor. `load` is the torque that the joints' transmissions
-    /// carry on each motion, shape (samples, joints); it is asked for where a term depends on it.
+    /// Sum of terms of one joint over the motion, each with its factor. `load` gives the torque that the
+    /// transmissions carry on a motion, N·m (N), shape (samples, joints). It is called only where a term
+    /// depends on it.
     pub fn terms(
         &self,
         joint: usize,

@@ -1,5 +1,5 @@
-//! What the columns of the dictionary see of one recording: motion at the fine rate and the torques that
-//! the present model predicts on it. Measured torque is no part of it.
+//! Input of the dictionary's columns from one recording: motion at the fine rate, and torques that the present
+//! model predicts on it. It holds no measured torque.
 
 use crate::motion::channel::Channel;
 use crate::motion::motor::{Band, Motor, Tangent, Tangents, Wide};
@@ -21,19 +21,19 @@ use std::sync::Arc;
 /// below what docs/formats.md allows, so that the reversal keeps its shape.
 pub const SOFT_SIGN: f64 = 0.001;
 
-/// Highest velocity below which docs/formats.md lets the sign of the model as given be softened, rad/s (m/s).
+/// Highest velocity of softening that docs/formats.md allows for the sign of the model as given, rad/s (m/s).
 const SOFTEST: f64 = 0.005;
 
-/// Sizes that grids of shape parameters are relative to, one value per joint.
+/// Sizes of a recording by joint, to which the grids of shape parameters are relative.
 #[derive(Clone, Debug)]
 pub struct Scale {
-    /// Velocity below which the sign is softened.
+    /// Velocity below which the sign of friction is softened, rad/s (m/s).
     pub softness: Vec<f64>,
-    /// Time by which Coulomb friction turns round before the motion, s.
+    /// Lead of Coulomb friction: time by which it reverses before the motion, s.
     pub lead: Vec<f64>,
-    /// Root mean square velocity.
+    /// Root mean square velocity, rad/s (m/s).
     pub speed: Vec<f64>,
-    /// Lowest and highest position.
+    /// Lowest and highest position, rad (m).
     pub range: Vec<(f64, f64)>,
     /// Root mean square of the torque to be explained in absolute terms (the measured one), N·m.
     pub torque: Vec<f64>,
@@ -41,14 +41,14 @@ pub struct Scale {
     pub session: (f64, f64),
     /// Sampling interval of the fine motion, s.
     pub step: f64,
-    /// How late torque is recorded, where that is known.
+    /// Delay of the recorded torque, where it is known.
     pub channel: Option<Arc<Channel>>,
     /// Integrated autocorrelation time of each joint's residual, rows, where a search has shown it.
     pub correlation_rows: Option<Arc<[f64]>>,
 }
 
 impl Scale {
-    /// With signs as docs/formats.md has them for the model as given: none is early, none softer than it allows.
+    /// Sizes with the sign as docs/formats.md defines it for the model as given: no lead, and no softer than it allows.
     pub fn at_once(&self) -> Self {
         let mut own = self.clone();
         own.lead.fill(0.0);
@@ -65,13 +65,14 @@ pub struct Scene<'a> {
     pub motion: &'a Motion,
     /// Sizes of the recording that is fitted.
     pub scale: &'a Scale,
-    /// Softened sign that Coulomb friction has.
+    /// Softened sign of Coulomb friction.
     pub sign: Array2<f64>,
-    /// Torque of the rigid body.
+    /// Torque of the rigid body, N·m (N).
     pub rigid: Array2<f64>,
-    /// Viscous and Coulomb friction, rotor inertia, counterbalance, springs, and what else an identified model's joints have.
+    /// Torque of friction (viscous and Coulomb), rotor inertia, counterbalance, springs, and further terms of
+    /// an identified model, N·m (N).
     pub drive: Array2<f64>,
-    /// Torque of the model as given, where torque is known to be recorded late.
+    /// Torque of the model as given, N·m (N), where the torque is known to be recorded late.
     pub given: Option<Array2<f64>>,
     tangents: Tangents,
     wide: Option<Wide<'a>>,
@@ -127,13 +128,13 @@ impl<'a> Scene<'a> {
         scene
     }
 
-    /// Partial derivatives of the rigid torque by the motion of a joint.
+    /// Partial derivatives of the rigid torque by the position, velocity and acceleration of a joint.
     pub fn tangent(&self, joint: usize) -> &Tangent {
         self.tangents
             .by(joint, self.robot, self.motion, &self.rigid)
     }
 
-    /// The same with all derivatives of the motion in the band of the rows, both cores at work.
+    /// Scene with all these derivatives, in the band of the rows too, computed on all cores.
     pub fn with_tangents(self) -> Self {
         (0..self.dof()).into_par_iter().for_each(|joint| {
             self.tangent(joint);
@@ -142,7 +143,8 @@ impl<'a> Scene<'a> {
         self
     }
 
-    /// What drives the transmission of a joint, in a band; where the motion's own cut-off is not below the rows' band, there is but one.
+    /// Motion and torques that drive the transmission of a joint, in a band. Both bands are one where the
+    /// motion's cut-off is not below the rows' band.
     pub fn motor(&self, joint: usize, band: Band) -> Motor<'_> {
         let wide = self.wide.as_ref().filter(|_| band == Band::Rows);
         let (motion, rigid, tangents) = wide
@@ -158,7 +160,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Departure of a joint's link from its motor as it was recorded, but for a constant.
+    /// Recorded difference between the position of a joint's motor and of its link, up to a constant.
     pub fn departed(&self, joint: usize, band: Band) -> Option<&'a Departure> {
         self.passage.sensed()?.departure(joint, band)
     }
@@ -188,7 +190,7 @@ impl<'a> Scene<'a> {
         &self.rigid + &self.drive
     }
 
-    /// What the torque of the model as given changes by being recorded late; none where that is not known.
+    /// Change of the torque of the model as given by the recording delay; none where the delay is not known.
     pub fn lateness(&self) -> Option<Array2<f64>> {
         let (channel, given) = (self.scale.channel.as_ref()?, self.given.as_ref()?);
         let mut out = -given;
@@ -198,8 +200,9 @@ impl<'a> Scene<'a> {
         Some(out)
     }
 
-    /// Sum of terms of the torque model on one joint, each with its factor. What depends on the present sample alone is
-    /// evaluated column by column, by the terms' own functions; the rest is stepped, memory running on from what came before.
+    /// Sum of terms of the torque model on one joint, each with its factor. Terms of the present sample alone
+    /// are evaluated column by column, by their own functions. The others are stepped, with memory from earlier
+    /// samples.
     pub fn terms(&self, joint: usize, terms: &[(f64, Term)]) -> Array1<f64> {
         let mut out = Array1::zeros(self.len());
         let mut stepped = Vec::new();
@@ -215,7 +218,7 @@ impl<'a> Scene<'a> {
         out
     }
 
-    /// The same sample by sample, as a control loop does it.
+    /// Sum of these terms stepped sample by sample, as in a control loop.
     pub fn stepped(&self, joint: usize, terms: &[(f64, Term)]) -> Array1<f64> {
         let load = |motion: &Motion| {
             if std::ptr::eq(motion, self.motion) {
@@ -227,7 +230,7 @@ impl<'a> Scene<'a> {
         self.passage.terms(joint, terms, load)
     }
 
-    /// A term that depends on the present sample alone.
+    /// Column of a term that depends on the present sample alone; none for a term with memory.
     fn at_once(&self, joint: usize, term: &Term) -> Option<Array1<f64>> {
         let m = self.motion;
         let q = m.q.column(joint);
@@ -283,7 +286,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Mean of a factor of the session's clock over the samples: what it counts as where the clock is unknown.
+    /// Mean over the samples of a factor that depends on the session's clock: its value where the clock is unknown.
     pub fn mean_over_session(&self, factor: impl Fn(f64) -> f64) -> f64 {
         let time = &self.motion.time;
         time.iter().map(|&t| factor(t)).sum::<f64>() / time.len().max(1) as f64
@@ -305,7 +308,7 @@ impl<'a> Scene<'a> {
         &by.q * &column(dq) + &by.qd * &column(&rate) + &by.qdd * &column(&acceleration)
     }
 
-    /// Torque that one link alone needs, its body having some parameters.
+    /// Torque of one link alone with the inertial parameters `body`, shape (samples, joints).
     pub fn torque_of_link(&self, link: usize, body: &[f64; PARAMETERS_PER_LINK]) -> Array2<f64> {
         let mut parameters = vec![0.0; PARAMETERS_PER_LINK * self.dof()];
         parameters[PARAMETERS_PER_LINK * link..][..PARAMETERS_PER_LINK].copy_from_slice(body);
@@ -315,7 +318,7 @@ impl<'a> Scene<'a> {
         rigid_torque(&alone, &m.q, &m.qd, &m.qdd)
     }
 
-    /// Rigid torque under another gravity, minus that under the robot's.
+    /// Change of the rigid torque from the robot's gravity to `gravity`.
     pub fn gravity_change(&self, gravity: Vector3<f64>) -> Array2<f64> {
         let m = self.motion;
         by_row(self.robot, &m.q, &m.qd, &m.qdd, |r, w, q, qd, qdd, tau| {
@@ -360,7 +363,8 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// Viscous and Coulomb friction, rotor inertia, counterbalance and springs of a robot; `sign` is that of Coulomb friction.
+/// Torque of viscous and Coulomb friction, rotor inertia, counterbalance and springs. `sign` is the softened
+/// sign of Coulomb friction.
 fn drive_of(robot: &Robot, motion: &Motion, sign: &Array2<f64>) -> Array2<f64> {
     let mut drive = Array2::zeros(motion.q.dim());
     for (j, joint) in robot.joints().iter().enumerate() {
@@ -377,7 +381,7 @@ fn drive_of(robot: &Robot, motion: &Motion, sign: &Array2<f64>) -> Array2<f64> {
     drive
 }
 
-/// tanh(q̇/ε): the sign, softened below [`SOFT_SIGN`], of what is no single joint's motion.
+/// Sign tanh(q̇/ε) softened below [`SOFT_SIGN`], for quantities that are not the motion of a single joint.
 pub fn soft_sign(qd: f64) -> f64 {
     (qd / SOFT_SIGN).tanh()
 }

@@ -1,7 +1,7 @@
-//! What sensors say of a joint beside the motor's encoder: where its link stands, and how warm it is.
+//! Sensors beside the motor's encoder: position of the link and temperature of the joint.
 //!
-//! A column that cannot be what its name says is not used, and the report says why. Where the link's encoder has its zero is a
-//! constant of each joint that whoever uses its departure has to find.
+//! A column that cannot be what its name says is not used, and the report gives the reason. The zero of a
+//! link's encoder is an unknown constant of each joint, which has to be fitted where its departure is used.
 
 use super::motor::Band;
 use datasets::prepare::PrepareError;
@@ -12,40 +12,40 @@ use signal::quantile::median;
 use signal::resample::linear;
 use std::ops::Range;
 
-/// Motion below which a joint says nothing of its sensors, rad (m).
+/// Range of motion below which a joint's sensors are not judged, rad (m).
 const STILL: f64 = 1e-3;
-/// How far a link may move, over how far its motor does.
+/// Range of motion of a link over that of its motor.
 const FOLLOWS: std::ops::RangeInclusive<f64> = 0.8..=1.25;
-/// Largest distance of both zeros, rad (m).
+/// Largest distance between the zeros of both encoders, rad (m).
 const APART: f64 = 1.0;
-/// Largest departure from the motor over the motion, both root mean square, and in rad (m) where the motion is small: no gear gives way
-/// by more than both.
+/// Largest departure of a link from its motor: relative to the motion, both root mean square, and absolute
+/// where the motion is small, rad (m). No gear gives way by more than both.
 const DEPARTS: f64 = 0.1;
 const GIVES: f64 = 0.05;
-/// Temperatures that a joint can have, °C.
+/// Plausible temperatures of a joint, °C.
 const POSSIBLE: std::ops::RangeInclusive<f64> = -60.0..=200.0;
-/// Range below which a temperature says nothing, K.
+/// Range below which a temperature is not used, K.
 const WARMS: f64 = 1.0;
-/// Time over which a temperature is smoothed, s: what it counts in steps of a kelvin changes more slowly.
+/// Half width of the smoothing of a temperature, s: it changes more slowly than its steps of a kelvin.
 const SMOOTHED: f64 = 4.0;
 
 /// Departure of a link from its motor, q − q_link, with two derivatives, per fine sample.
 pub type Departure = [Array1<f64>; 3];
 
-/// What further sensors say, on the fine grid.
+/// Signals of further sensors on the fine grid.
 #[derive(Clone, Debug, Default)]
 pub struct Sensed {
-    /// Of each joint in both bands; empty where no link's position was recorded.
+    /// Departure of each joint's link in both bands; empty where no link's position was recorded.
     links: Vec<Option<[Departure; 2]>>,
-    /// Of each joint, °C; empty where no temperature was recorded.
+    /// Temperature of each joint, °C; empty where none was recorded.
     temperatures: Vec<Option<Array1<f64>>>,
-    /// Joints whose sensor is not used, and why.
+    /// Joints whose sensor is not used, and the reason.
     refused: Vec<(usize, String)>,
 }
 
 impl Sensed {
-    /// Of a recording whose motion was prepared on `fine` with a cut-off, and whose rows have a band, Hz. None where neither was
-    /// recorded.
+    /// Signals of a recording whose motion was prepared on `fine` with the cut-off `cutoff_hz`, and whose rows
+    /// have the band `band`, Hz. None where neither was recorded.
     ///
     /// # Errors
     /// As [`prepare()`].
@@ -80,7 +80,7 @@ impl Sensed {
         Ok(Some(own))
     }
 
-    /// Notes why a sensor is not used; whether it is.
+    /// Whether a sensor is used; notes the reason where not.
     fn take(&mut self, joint: usize, judged: Result<(), String>) -> bool {
         let usable = judged.is_ok();
         if let Err(why) = judged {
@@ -89,7 +89,7 @@ impl Sensed {
         usable
     }
 
-    /// Departure of a joint's link from its motor, but for a constant.
+    /// Departure of a joint's link from its motor, up to a constant.
     pub fn departure(&self, joint: usize, band: Band) -> Option<&Departure> {
         let [motion, rows] = self.links.get(joint)?.as_ref()?;
         Some(match band {
@@ -103,13 +103,13 @@ impl Sensed {
         self.temperatures.get(joint)?.as_ref()
     }
 
-    /// Joints whose sensor is not used, and why.
+    /// Joints whose sensor is not used, and the reason.
     pub fn refused(&self) -> &[(usize, String)] {
         &self.refused
     }
 }
 
-/// Whether a link's position can be that of the joint's link.
+/// Check that a position can be that of the joint's link; else the reason.
 fn link(q: ArrayView1<f64>, ql: ArrayView1<f64>) -> Result<(), String> {
     let n = q.len() as f64;
     let (mean, mean_link) = (q.sum() / n, ql.sum() / n);
@@ -149,7 +149,7 @@ fn link(q: ArrayView1<f64>, ql: ArrayView1<f64>) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether a temperature can be a joint's, and says something.
+/// Check that a temperature is plausible and changes enough to be used; else the reason.
 fn temperature(t: ArrayView1<f64>) -> Result<(), String> {
     let low = t.iter().copied().fold(f64::INFINITY, f64::min);
     let high = t.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -167,7 +167,7 @@ fn temperature(t: ArrayView1<f64>) -> Result<(), String> {
     Ok(())
 }
 
-/// Departures in both bands.
+/// Departure of each joint's link from its motor, in both bands.
 fn links(
     recording: &Recording,
     ql: &Array2<f64>,
@@ -228,7 +228,7 @@ fn on_fine(recording: &Recording, t: ArrayView1<f64>, fine: &Motion) -> Array1<f
     out
 }
 
-/// Line through what was recorded within [`SMOOTHED`] of each sample, at the sample.
+/// Value at each sample of the line fitted to the samples within [`SMOOTHED`] of it.
 fn smoothed(time: &[f64], t: ArrayView1<f64>, rows: &Range<usize>) -> Vec<f64> {
     let n = rows.len();
     let origin = time[rows.start];

@@ -1,9 +1,10 @@
-//! How joints move at each sample, and what of a residual at rest is a gap.
+//! State of motion of the joints at each sample, and the part of a residual at rest that counts as gap.
 //!
-//! A joint at rest holds anything up to its Coulomb torque: what is constant within one rest and below that torque is
-//! friction, not a gap. What changes within the rest, or exceeds it, is one, but for a joint that creeps: friction then turns
-//! against the creep and holds what it came to. A push that moves a joint leaves torque of the other sign. A reversal in
-//! passing is exempt: there not even the true plant's model reaches the noise.
+//! A joint at rest holds any torque up to its Coulomb torque. A residual that is constant within one rest and
+//! below that torque is friction, not a gap. A change within the rest, or a larger residual, is a gap.
+//! Exception: a joint that creeps, whose friction turns against the creep and holds that torque afterwards. A
+//! push that moves a joint leaves torque of the other sign. Slow passages through a reversal are exempt: there
+//! not even the true plant's model reaches the noise.
 
 use crate::motion::frame::Frame;
 use crate::settings::MotionSettings;
@@ -11,38 +12,38 @@ use ndarray::Array2;
 use signal::quantile::median;
 use std::ops::Range;
 
-/// How a joint moves.
+/// State of motion of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// Faster than a reversal.
+    /// Faster than the reversal speed.
     Moving,
-    /// Slower, but not for long.
+    /// Slower than the reversal speed, but not for long.
     Passing,
-    /// At rest for more than half a second.
+    /// At rest for longer than the setting `rest` (half a second).
     Standing,
 }
 
-/// The Coulomb friction in a prediction.
+/// Coulomb friction in a prediction.
 pub struct Coulomb {
-    /// Size, N·m, by joint.
+    /// Coulomb torque by joint, N·m (N).
     pub torque: Vec<f64>,
     /// Softened sign of the velocity at the recorded samples, shape (samples, joints).
     pub sign: Array2<f64>,
 }
 
-/// A residual by how the joints move. Tables of shape (samples, joints).
+/// A residual judged by the joints' state of motion. Tables of shape (samples, joints).
 pub struct Judged {
-    /// How each joint moves at each sample.
+    /// State of motion of each joint.
     pub state: Array2<State>,
-    /// The residual; of a joint at rest, what friction at rest does not hold.
+    /// The residual; for a joint at rest, the part that friction at rest cannot hold.
     pub gap: Array2<f64>,
-    /// The residual; of a joint at rest, its departure from what it holds most of the time.
+    /// The residual; for a joint at rest, its departure from the torque that it holds most of the time.
     pub departure: Array2<f64>,
-    /// The same beyond what friction holds of a joint at rest that gave way a little.
+    /// The same departure beyond the torque that friction holds where a joint at rest gave way a little.
     pub beyond: Array2<f64>,
 }
 
-/// How each joint moves at the recorded samples.
+/// State of motion of each joint at the recorded samples, shape (samples, joints).
 pub fn states(frame: &Frame, settings: &MotionSettings) -> Array2<State> {
     let motion = frame.samples();
     let mut state = Array2::from_elem(motion.qd.dim(), State::Moving);
@@ -69,13 +70,13 @@ pub fn states(frame: &Frame, settings: &MotionSettings) -> Array2<State> {
     state
 }
 
-/// Part of the samples around which a joint stays where it is.
+/// Part of a rest's samples at which the joint keeps its position.
 fn stays(frame: &Frame, joint: usize, rest: &Range<usize>, settings: &MotionSettings) -> f64 {
     let creep = creep(frame, joint, rest, settings);
     creep.iter().filter(|c| c.is_none()).count() as f64 / rest.len() as f64
 }
 
-/// Which way a joint creeps around each sample of a rest: the sign of its velocity; none where it stays.
+/// Direction in which a joint creeps around each sample of a rest: sign of its velocity; none where it keeps its position.
 fn creep(
     frame: &Frame,
     joint: usize,
@@ -91,8 +92,8 @@ fn creep(
     )
 }
 
-/// Which way a joint moves by `least` or more around each sample of a rest. Its motor or its neighbours move it that way; where a push does,
-/// the motor's torque goes the other way.
+/// Direction in which a joint moves by `least` or more around each sample of a rest. Its motor or its
+/// neighbours move it in that direction; where a push does, the motor's torque has the opposite sign.
 fn way(
     frame: &Frame,
     joint: usize,
@@ -110,7 +111,7 @@ fn way(
     rest.clone().map(way).collect()
 }
 
-/// Samples in a row in which a joint is slower than a reversal, or budges only.
+/// Runs of samples in which a joint is slower than the reversal speed, or is only budged by a push.
 fn rests(frame: &Frame, joint: usize, settings: &MotionSettings) -> Vec<Range<usize>> {
     let motion = frame.samples();
     let mut out: Vec<Range<usize>> = Vec::new();
@@ -143,7 +144,7 @@ fn rests(frame: &Frame, joint: usize, settings: &MotionSettings) -> Vec<Range<us
 }
 
 impl Judged {
-    /// The same, with samples in passing as far as the low-pass smears the joint's reversals.
+    /// The judged residual with samples at reversals marked as [`State::Passing`], as far as the low-pass smears them.
     pub fn off_turns(mut self, frame: &Frame, settings: &MotionSettings) -> Self {
         let states = self.state.iter_mut();
         for (state, turning) in states.zip(&frame.samples_at_reversals(settings)) {
@@ -155,7 +156,7 @@ impl Judged {
     }
 }
 
-/// Judges a residual at the recorded samples, shape (samples, joints), whose prediction holds `coulomb`.
+/// Judges a residual at the recorded samples, shape (samples, joints). `coulomb` is the Coulomb friction in its prediction.
 pub fn judge(
     frame: &Frame,
     residual: &Array2<f64>,
@@ -219,15 +220,17 @@ pub fn judge(
     }
 }
 
-/// What a joint holds most of the time of a rest: within `most`, the Coulomb torque, if it is there long enough.
+/// Torque that a joint holds most of the time of a rest: the median within `most`, the Coulomb torque, if
+/// enough of the rest lies within it; else of the whole rest.
 fn usual(held: &[f64], most: f64, settings: &MotionSettings) -> f64 {
     let within: Vec<f64> = held.iter().copied().filter(|x| x.abs() <= most).collect();
     let long = within.len() as f64 >= settings.held * held.len() as f64;
     median(if long { within } else { held.to_vec() }).unwrap_or(0.0)
 }
 
-/// The part of a rest that is judged. A joint that came to rest gives way, and one that is about to move is loaded, until it
-/// holds what it holds, or breaks away: as long as friction can hold that, it belongs to the motion before or after.
+/// Samples of a rest that are judged. At its start a joint gives way, and at its end it is loaded, until it
+/// holds its torque or breaks away. As long as friction can hold that torque, such a part belongs to the motion
+/// before or after.
 fn plateau(held: &[f64], usual: f64, most: f64, settings: &MotionSettings) -> Range<usize> {
     let steps = held.windows(2).map(|x| (x[1] - x[0]).abs()).collect();
     let band = settings.constant * most + settings.constant_steps * median(steps).unwrap_or(0.0);

@@ -1,12 +1,12 @@
-//! Blows of a transmission with play: bursts of vibration right after the transmitted torque has changed its sign.
+//! Blows of a transmission with play: bursts of vibration right after a sign change of the transmitted torque.
 //!
-//! A gap is crossed when the link no longer presses on its flank, and each crossing ends with a blow on the other
-//! flank that rings for some hundredths of a second, above most of what torques of motion hold. When a blow
-//! comes depends on the play, how it rings on much that a model does not know; that it follows the change of sign
-//! does not. So the vibration after such changes is compared with that before them and elsewhere. Reversals of the
-//! motion, where friction jumps, are left out. Whether chance would do as much is seen by moving the changes round in
-//! time. Confounders: ripple of a fast joint, which vibrates before the change
-//! as it does after it; delay, whose error is smooth.
+//! A gap is crossed when the link no longer presses on its flank. Each crossing ends with a blow on the other
+//! flank, which rings for some hundredths of a second, above the band of most torques of motion. The time of a
+//! blow depends on the play, and its ringing on much that a model does not know; that it follows the sign
+//! change does not. So the vibration after sign changes is compared with that before them and elsewhere.
+//! Reversals of the motion, where friction jumps, are left out. The chance level comes from sign changes
+//! shifted circularly in time. Confounders: ripple of a fast joint, which vibrates before the change as much as
+//! after it; delay, whose error is smooth.
 
 use crate::motion::frame::Frame;
 use crate::settings::BlowSettings;
@@ -20,59 +20,59 @@ use std::ops::Range;
 
 /// Band of the vibration, Hz.
 const BAND: (f64, f64) = (12.0, 40.0);
-/// Least upper end of it, Hz.
+/// Lowest upper end of that band, Hz.
 const LOWEST: f64 = 15.0;
-/// Time around a change of sign in which a blow falls, s, before and after.
+/// Window of a blow around a sign change, s before and after.
 const AFTER: (f64, f64) = (0.016, 0.12);
-/// Time before it that must be quiet, s.
+/// Window before a sign change that must be quiet, s.
 const BEFORE: f64 = 0.15;
-/// Time around the joint's own reversal that is left out, s, before and after.
+/// Window around the joint's own reversal that is left out, s before and after.
 const OWN: (f64, f64) = (0.04, 0.08);
-/// The same around another joint's.
+/// Window around another joint's reversal that is left out, s before and after.
 const OTHER: (f64, f64) = (0.024, 0.048);
 /// Ends of trajectories that are left out, s.
 const EDGE: f64 = 0.1;
-/// How often the changes of sign are moved in time to see what chance makes of them, and the seed of that.
+/// Number of circular shifts of the sign changes for the chance level, and their seed.
 const MOVED: u64 = 199;
 const SEED: u64 = 0xB10;
 
-/// Vibration of one joint after its torque changed sign.
+/// Vibration of one joint after sign changes of its torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impacts {
     /// The joint.
     pub joint: usize,
-    /// Its power over the greater of that before the changes and that elsewhere.
+    /// Power of the vibration over that before the changes or elsewhere, whichever is greater.
     pub ratio: f64,
-    /// Root mean square while blows last, over the deviation of the joint's torque.
+    /// Root mean square of the blows while they last, over the deviation of the joint's torque.
     pub size: f64,
-    /// Changes that were seen.
+    /// Number of sign changes that were seen.
     pub changes: usize,
-    /// Part of them after which it vibrates more than usual.
+    /// Part of the sign changes after which the vibration is stronger than usual.
     pub followed: f64,
 }
 
 impl Impacts {
-    /// How clear they are: the logarithm of the likelihood ratio of as many variances, nats.
+    /// Strength of the evidence, nats: log-likelihood ratio of as many variances.
     fn weight(&self) -> f64 {
         0.5 * self.changes as f64 * self.ratio.ln()
     }
 }
 
-/// Where blows are looked for on one joint.
+/// Signals of one joint in which blows are searched.
 struct Listened {
     joint: usize,
-    /// Vibration at the recorded samples.
+    /// Band-passed residual at the recorded samples.
     vibration: Array1<f64>,
-    /// Deviation of the joint's torque.
+    /// Standard deviation of the joint's torque.
     torque: f64,
-    /// Samples before which the torque changes its sign.
+    /// First sample after each sign change of the torque.
     changes: Vec<usize>,
-    /// Samples away from reversals and ends.
+    /// Whether each sample lies away from reversals and ends.
     usable: Vec<bool>,
 }
 
 impl Listened {
-    /// What follows some changes; none where fewer than `fewest` are seen.
+    /// Vibration after some sign changes; none where fewer than `fewest` are seen.
     fn after(&self, changes: &[usize], rate: f64, fewest: usize) -> Option<Impacts> {
         let seen = contrast(&self.vibration, &self.usable, changes, rate, fewest)?;
         Some(Impacts {
@@ -85,7 +85,7 @@ impl Listened {
     }
 }
 
-/// All joints of a recording.
+/// Search for blows on all joints of a recording.
 pub struct Blows<'a> {
     joints: Vec<Listened>,
     segments: &'a [Range<usize>],
@@ -94,8 +94,8 @@ pub struct Blows<'a> {
 }
 
 impl<'a> Blows<'a> {
-    /// `residual` and `load`, the torque that its link needs, at the recorded samples; shape (samples, joints). None where
-    /// the recording is too slow to hold vibration.
+    /// `residual` and `load`, the torque that a joint's link needs, at the recorded samples, shape (samples,
+    /// joints). None where the sampling rate is too low for vibration.
     pub fn new(
         frame: &'a Frame,
         residual: &Array2<f64>,
@@ -161,7 +161,7 @@ impl<'a> Blows<'a> {
         })
     }
 
-    /// The joint whose blows are clearest, if any joint's are.
+    /// Joint with the strongest evidence of blows, if any passes the thresholds.
     pub fn clearest(&self) -> Option<Impacts> {
         self.following(|joint| joint.after(&joint.changes, self.rate, self.settings.fewest))
     }
@@ -173,8 +173,8 @@ impl<'a> Blows<'a> {
             .max_by(|a, b| a.weight().total_cmp(&b.weight()))
     }
 
-    /// Chance that vibration which follows nothing is as clear: (1 + how often it is)/(1 + [`MOVED`]), the changes of sign of each
-    /// trajectory moved round by a random part of its length.
+    /// Chance of blows as clear as `seen` where vibration follows nothing: (1 + number of clearer shifts)/(1 +
+    /// [`MOVED`]). The sign changes of each trajectory are shifted circularly by a random part of its length.
     pub fn chance(&self, seen: &Impacts) -> f64 {
         let as_clear = |number: u64| {
             let mut rng = ChaCha8Rng::seed_from_u64(SEED);
@@ -193,14 +193,14 @@ impl<'a> Blows<'a> {
     }
 }
 
-/// Band in which a recording of a rate holds vibration, Hz; none where it is too narrow. A slow recording is listened to
-/// lower, for the first of the ringing is in there, too.
+/// Band of vibration that a recording of a sampling rate holds, Hz; none where it is too narrow. A slow
+/// recording gets a lower band, which holds the first part of the ringing, too.
 fn heard(rate: f64) -> Option<(f64, f64)> {
     let top = BAND.1.min(0.35 * rate);
     (top >= LOWEST).then(|| (BAND.0.min(0.4 * top), top))
 }
 
-/// Samples moved round within their segments.
+/// Samples shifted circularly within their segments.
 fn moved(at: &[usize], segments: &[Range<usize>], by: &[usize]) -> Vec<usize> {
     let each = segments.iter().zip(by).flat_map(|(s, by)| {
         let own = at.iter().filter(|i| s.contains(i));
@@ -209,18 +209,18 @@ fn moved(at: &[usize], segments: &[Range<usize>], by: &[usize]) -> Vec<usize> {
     each.collect()
 }
 
-/// Power after changes against that before them or elsewhere, whichever is greater.
+/// Power of the vibration after sign changes against that before them or elsewhere, whichever is greater.
 struct Contrast {
     ratio: f64,
-    /// Root of the excess.
+    /// Root mean square of the excess.
     excess: f64,
-    /// Changes that are seen.
+    /// Number of sign changes that are seen.
     changes: usize,
-    /// Part of them after which it is louder than usual: one loud passage is no blows.
+    /// Part of the sign changes after which the vibration is stronger than usual: one loud passage is no blows.
     followed: f64,
 }
 
-/// What follows some changes; none where fewer than `fewest` are seen.
+/// Contrast of the vibration after some sign changes; none where fewer than `fewest` are seen.
 fn contrast(
     vibration: &Array1<f64>,
     usable: &[bool],
@@ -270,7 +270,7 @@ fn contrast(
     })
 }
 
-/// Samples before which a signal changes its sign, within segments.
+/// First sample after each sign change of a signal, within segments.
 pub(super) fn changes(x: impl Iterator<Item = f64>, segments: &[Range<usize>]) -> Vec<usize> {
     let x: Vec<f64> = x.collect();
     segments
@@ -280,7 +280,7 @@ pub(super) fn changes(x: impl Iterator<Item = f64>, segments: &[Range<usize>]) -
         .collect()
 }
 
-/// Whole samples of a time; a rate that the stamps give a little low is taken for the round one.
+/// Whole number of samples in a time, s. A rate that the stamps give slightly too low is rounded up.
 fn count(time: f64, rate: f64) -> usize {
     (time * rate + 0.01) as usize
 }
@@ -293,7 +293,7 @@ fn mark(flags: &mut [bool], at: &[usize], reach: (f64, f64), rate: f64, value: b
     }
 }
 
-/// What lies between two low-passes.
+/// Band-pass: difference of two low-passes.
 fn band(x: &[f64], segments: &[Range<usize>], low: &[Section], high: &[Section]) -> Array1<f64> {
     let mut out = Array1::zeros(x.len());
     for s in segments {

@@ -1,4 +1,4 @@
-//! What is seen in the residual itself: pushes, blows, lines of position, structure.
+//! Traces that a residual shows by itself: pushes, blows, periodic lines over position, structure.
 
 pub(crate) mod contact;
 pub(crate) mod impacts;

@@ -1,4 +1,4 @@
-//! What repeats with a joint's position: the periodogram of a residual over position. Orders need not be whole.
+//! Periodogram of a residual over a joint's position. Orders need not be whole numbers.
 
 use crate::algebra::cholesky::Cholesky;
 use ndarray::{Array1, Array2, ArrayView1};
@@ -8,12 +8,12 @@ use std::f64::consts::{PI, TAU};
 const FEWEST_CYCLES: f64 = 2.5;
 /// Most cycles over the recorded range.
 const MOST_CYCLES: f64 = 320.0;
-/// Part of the sampling rate below which a line has to lie at the joint's usual speed.
+/// Largest frequency of a line at the joint's usual speed, relative to the sampling rate.
 const RATE_SHARE: f64 = 0.33;
-/// Bins after which sine and cosine are evaluated anew.
+/// Number of bins after which sine and cosine are evaluated anew, against rounding.
 const ANEW: usize = 64;
 
-/// A residual summed over bins of position, slow torques of position taken out.
+/// A residual summed over bins of position, with slow torques of position removed.
 pub struct Orders {
     sum: Vec<f64>,
     count: Vec<f64>,
@@ -30,8 +30,8 @@ struct Line {
     gain: f64,
 }
 
-/// Least and most order, 1/rad (1/m), over a range of position that a joint covers at `speed`, root mean square, recorded at `rate` Hz.
-/// None where range or rate is too small for any.
+/// Least and largest order, 1/rad (1/m), that a recording resolves. `range` is that of the position, `speed`
+/// the root mean square velocity, `rate` in Hz. None where range or rate is too small.
 pub fn span(range: f64, speed: f64, rate: f64) -> Option<[f64; 2]> {
     let least = FEWEST_CYCLES * TAU / range;
     let most = (MOST_CYCLES * TAU / range).min(RATE_SHARE * TAU * rate / speed);
@@ -39,8 +39,8 @@ pub fn span(range: f64, speed: f64, rate: f64) -> Option<[f64; 2]> {
 }
 
 impl Orders {
-    /// Of `residual` over position `q`, both at the recorded samples; `rate` in Hz, `speed` the joint's root mean square
-    /// velocity. None where the range or the rate is too small for any order.
+    /// Sums of `residual` over position `q`, both at the recorded samples; `rate` in Hz, `speed` the joint's
+    /// root mean square velocity. None where the range or the rate is too small for any order.
     pub fn new(
         residual: ArrayView1<'_, f64>,
         q: ArrayView1<'_, f64>,
@@ -72,17 +72,17 @@ impl Orders {
         })
     }
 
-    /// Distance between neighbouring orders of the periodogram: a quarter of what the range resolves.
+    /// Step between neighbouring orders of the periodogram, 1/rad (1/m): a quarter of the resolution.
     fn step(&self) -> f64 {
         0.5 * PI / self.range
     }
 
-    /// Orders that differ by less are one line over the recorded range.
+    /// Resolution, 1/rad (1/m): orders closer than this are one line over the recorded range.
     pub fn resolution(&self) -> f64 {
         TAU / self.range
     }
 
-    /// Width of a bin.
+    /// Width of a bin of position, rad (m).
     fn width(&self) -> f64 {
         self.range / self.count.len() as f64
     }
@@ -91,8 +91,8 @@ impl Orders {
         self.low + (bin as f64 + 0.5) * self.width()
     }
 
-    /// Calls `f` with each bin and sine and cosine of an order there: turned on from bin to bin, evaluated anew every so
-    /// often, so that no rounding adds up.
+    /// Calls `f` with each bin and the sine and cosine of an order there. They are rotated from bin to bin, and
+    /// evaluated anew every [`ANEW`] bins so that rounding does not add up.
     fn turning(&self, k: f64, mut f: impl FnMut(usize, f64, f64)) {
         let (turn_s, turn_c) = (k * self.width()).sin_cos();
         for start in (0..self.count.len()).step_by(ANEW) {
@@ -104,7 +104,7 @@ impl Orders {
         }
     }
 
-    /// Orders of the periodogram with the squared error, summed over samples, that a sine of each removes.
+    /// Orders of the periodogram, 1/rad (1/m), each with the squared error, summed over samples, that a sine of it removes.
     pub fn periodogram(&self) -> Vec<(f64, f64)> {
         let [least, most] = self.span;
         let n = ((most - least) / self.step()) as usize;
@@ -114,13 +114,13 @@ impl Orders {
             .collect()
     }
 
-    /// The strongest order with the squared error that it removes.
+    /// Strongest order, 1/rad (1/m), and the squared error that it removes.
     pub fn strongest(&self) -> Option<(f64, f64)> {
         let all = self.periodogram().into_iter();
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The strongest orders, at most `most` of them, fitted together.
+    /// The strongest orders, 1/rad (1/m), at most `most`, fitted together.
     pub fn lines(mut self, most: usize) -> Vec<f64> {
         let mut found: Vec<(f64, Line)> = Vec::new();
         for _ in 0..most {
@@ -138,7 +138,7 @@ impl Orders {
         found.into_iter().map(|(k, _)| k).collect()
     }
 
-    /// Takes the line nearest to an order out.
+    /// Removes the line nearest to an order from the sums, and returns it.
     fn taken(&mut self, order: f64) -> (f64, Line) {
         let k = self.refined(order);
         let line = self.line(k);
@@ -194,7 +194,7 @@ impl Orders {
     }
 }
 
-/// Takes a polynomial of degree four over the range out of the sums: slow torques of position leak into low orders.
+/// Removes a polynomial of degree four over the range from the sums: slow torques of position leak into low orders.
 fn remove_trend(sum: &mut [f64], count: &[f64]) {
     const TERMS: usize = 5;
     let powers = |b: usize| {

@@ -1,8 +1,8 @@
-//! Whether what is left has structure that the catalogue does not explain.
+//! Structure in a residual that the catalogue does not explain.
 //!
 //! Judged away from reversals, where not even the true plant's model reaches the noise. Two signs of structure
-//! on each joint: error that lasts longer than the low-pass remembers, and error that a flexible learner
-//! (ridge regression on products of motions of all joints) predicts on trajectories left out.
+//! on each joint: autocorrelation beyond the low-pass's memory, and error that a flexible learner (ridge
+//! regression on products of motions of all joints) predicts on trajectories left out.
 
 use crate::algebra::cholesky::Cholesky;
 use crate::motion::frame::Frame;
@@ -12,17 +12,17 @@ use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Lags at which filtered noise has forgotten itself, s. Several, because what oscillates vanishes at some.
+/// Lags beyond the autocorrelation of filtered noise, s. Several, because an oscillation is uncorrelated at some of them.
 const LAGS: [f64; 6] = [0.08, 0.1, 0.125, 0.16, 0.2, 0.26];
-/// Ridge of the learner relative to the number of rows.
+/// Ridge penalty of the learner relative to the number of rows.
 const RIDGE: f64 = 3e-3;
 
-/// What is left on a joint, relative to the deviation of its torque.
+/// Structure in the residual of a joint, relative to the deviation of its torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misfit {
     /// Root mean squared error away from reversals.
     pub error: f64,
-    /// Part of its square that lasts 80 ms or longer.
+    /// Part of its square that is correlated over 80 ms or longer.
     pub lasting: f64,
     /// Part of its square that the learner predicts on folds left out.
     pub learnable: f64,
@@ -31,14 +31,14 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    /// Error with structure, relative to the torque.
+    /// Root mean square of the error's structured part, relative to the torque.
     pub fn structured(&self) -> f64 {
         self.error * self.lasting.max(self.learnable).max(0.0).sqrt()
     }
 }
 
-/// Examines a residual at the recorded samples, shape (samples, joints), away from reversals and from `skipped` rows. None
-/// where a joint has too few other rows.
+/// Structure of a residual at the recorded samples, shape (samples, joints), away from reversals and from
+/// `skipped` rows. None for a joint with too few other rows.
 pub fn examine(
     frame: &Frame,
     residual: &Array2<f64>,
@@ -101,7 +101,7 @@ fn one(
     }
 }
 
-/// Motions on the rows, scaled to unit deviation.
+/// Motion on the rows as the learner's inputs, scaled to unit deviation, each of shape (rows, joints).
 struct Inputs {
     q: Array2<f64>,
     qd: Array2<f64>,
@@ -136,7 +136,7 @@ impl Inputs {
         }
     }
 
-    /// Features of a joint: its own curves, and products with every other joint's motion.
+    /// Features of a joint, shape (rows, features): curves of its own motion, and products with every other joint's motion.
     fn features(&self, joint: usize, kept: &[usize]) -> Array2<f64> {
         let n = self.q.ncols();
         let mut rows = Vec::new();
@@ -192,8 +192,7 @@ impl Inputs {
     }
 }
 
-/// Part of the squared error that ridge regression predicts on folds left out; below zero where it predicts worse than
-/// nothing.
+/// Part of the squared error that ridge regression predicts on folds left out; below zero where it predicts worse than zero.
 fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], inputs: &Inputs) -> f64 {
     let mut x = inputs.features(joint, kept);
     for mut c in x.columns_mut() {

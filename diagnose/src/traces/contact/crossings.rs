@@ -1,5 +1,5 @@
-//! Bursts that come where a joint's load changes its sign: a gap of its transmission is crossed there, and no force from
-//! outside waits for it.
+//! Bursts at sign changes of a joint's load: there a gap of its transmission is crossed. A force from outside
+//! does not wait for them.
 
 use crate::motion::frame::Frame;
 use crate::settings::ContactSettings;
@@ -7,11 +7,11 @@ use crate::traces::impacts::changes;
 use ndarray::ArrayView1;
 use std::ops::Range;
 
-/// Time before and after a change of sign in which the gap is left and crossed, s.
+/// Window around a sign change in which the gap is left and crossed, s before and after.
 const REACH: (f64, f64) = (0.1, 0.25);
 
-/// Whether the bursts (`samples`) come with the changes of sign of one joint's load: a part `crossing` of the changes lies in bursts, and
-/// as much of the joint's squared `torque` in the bursts around them.
+/// Whether the bursts (`samples`) come with the sign changes of one joint's load. A part `crossing` of the
+/// changes must lie in bursts, and as large a part of the joint's squared `torque` in the bursts around them.
 pub(super) fn cross(
     frame: &Frame,
     torque: ArrayView1<f64>,

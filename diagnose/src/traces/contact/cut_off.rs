@@ -3,11 +3,12 @@
 use ndarray::ArrayView1;
 use signal::quantile::quantile;
 
-/// Part of the samples whose torque is less than what counts as the largest.
+/// Quantile of the torque's magnitude that counts as the largest torque.
 const LARGEST: f64 = 0.995;
 
-/// Part of a joint's squared burst torque `push` where less torque is recorded than is predicted, and more is predicted than is recorded
-/// nearly anywhere: there the channel or the drive ends. Whoever pushes hard makes the *recorded* torque large.
+/// Part of a joint's squared burst torque `push` at samples where the recorded torque is less than the
+/// predicted one, and the predicted one larger than nearly any recorded one. There the channel or the drive
+/// saturates. A hard push makes the *recorded* torque large.
 pub(super) fn cut_off(tau: ArrayView1<f64>, push: ArrayView1<f64>) -> f64 {
     let sizes = tau.iter().map(|t| t.abs()).collect();
     let Some(largest) = quantile(sizes, LARGEST) else {

@@ -1,12 +1,12 @@
 //! `external_contact`: a force from outside during part of the recording.
 //!
-//! It does not repeat, so nothing fitted on one trajectory predicts it on another: it is found as bursts of what
-//! the other causes leave, in either recording, each by itself. A force on link k loads joints 1…k, not those beyond:
-//! the last loaded joint names the link. Of a joint at rest, what departs from what it holds most of the time counts.
-//! Pushed samples are fitted and scored nowhere.
-//! Confounders: any rare event that repeats with the motion, which a learner then predicts; a fault of one joint's
-//! torque channel or transmission that comes and goes, which loads no other joint; a torque that is cut off; vibration, which swings about
-//! zero.
+//! It does not repeat, so nothing fitted on one trajectory predicts it on another. It is found as bursts in the
+//! residual of the other causes, in either recording, each by itself. A force on link k loads joints 1…k, not
+//! those beyond: the last loaded joint names the link. For a joint at rest, the departure from the torque that
+//! it holds most of the time counts. Pushed samples are neither fitted nor scored. Confounders: any rare event
+//! that repeats with the motion, which a learner then predicts; a fault of one joint's torque channel or
+//! transmission that comes and goes, which loads no other joint; a torque that is cut off; vibration, which
+//! swings about zero.
 
 mod crossings;
 mod cut_off;
@@ -29,39 +29,39 @@ use steady::steadiness;
 pub use windows::suspected;
 use windows::{WINDOW, adjacent, windows};
 
-/// Half width of the running means that follow a burst, s, and their number.
+/// Half width of the running means that follow a burst, s, and the number of passes.
 const SMOOTH: f64 = 0.012;
 const PASSES: usize = 2;
 
-/// One burst.
+/// One burst of a residual.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Burst {
     /// Recorded samples.
     pub samples: Range<usize>,
     /// Last joint that it loads.
     pub last_joint: usize,
-    /// Largest torque over its usual level.
+    /// Height: largest torque over the joint's usual level.
     pub height: f64,
-    /// Whether a joint that it loads stood.
+    /// Whether a joint that it loads was at rest.
     pub at_rest: bool,
 }
 
-/// Bursts of a recording and the torque that they stand for.
+/// Bursts of a recording and the torque of the pushes.
 #[derive(Clone, Debug)]
 pub struct Contact {
     /// Bursts in the order of the samples.
     pub bursts: Vec<Burst>,
-    /// Torque, shape (samples, joints); zero outside bursts.
+    /// Torque of the pushes, N·m (N), shape (samples, joints); zero outside bursts.
     pub torque: Array2<f64>,
-    /// Sum over joints of the torque's mean square over the variance of the measured torque.
+    /// Size: sum over joints of this torque's mean square over the variance of the measured torque.
     pub size: f64,
-    /// Whether some push came while a joint stood.
+    /// Whether some push came while a joint was at rest.
     pub at_rest: bool,
 }
 
-/// Looks for pushes in what is left at the recorded samples; of joints in motion only where `moving` says that the motion
-/// explains no such thing; `load` is the torque that the links need, shape (samples, joints). None where nothing stands out, or
-/// too much does.
+/// Detects pushes in a residual at the recorded samples. For joints in motion only with `moving`: then the
+/// motion does not explain the residual. `load` is the torque that the links need, shape (samples, joints).
+/// None where no burst stands out, or too many do.
 pub fn detect(
     frame: &Frame,
     left: &Judged,
@@ -232,8 +232,8 @@ pub fn detect(
     })
 }
 
-/// Part of the bursts' load, the squares of their means relative to the joints' torques, that lies in bursts of which no joint bears
-/// more than a part `alone`.
+/// Part of the bursts' load in bursts of which no joint bears more than the part `alone`. Load: squared mean
+/// torques relative to the joints' torques.
 fn together(torque: &Array2<f64>, bursts: &[Burst], frame: &Frame, alone: f64) -> f64 {
     let (mut several, mut all) = (0.0, 0.0);
     for burst in bursts {
@@ -253,7 +253,7 @@ fn together(torque: &Array2<f64>, bursts: &[Burst], frame: &Frame, alone: f64) -
     several / all
 }
 
-/// The residual of a joint inside a burst, smoothed by running means, which shorten towards its ends.
+/// Residual of a joint inside a burst, smoothed by running means that shorten towards its ends.
 fn follow(
     residual: ArrayView1<f64>,
     samples: Range<usize>,
@@ -279,7 +279,7 @@ fn follow(
 }
 
 impl Contact {
-    /// Which recorded samples lie in a push, or within `margin` samples of one.
+    /// Whether each recorded sample lies in a push, or within `margin` samples of one.
     pub fn pushed(&self, samples: usize, margin: usize) -> Vec<bool> {
         let near =
             |i: usize, b: &Burst| i + margin >= b.samples.start && i < b.samples.end + margin;
@@ -288,13 +288,13 @@ impl Contact {
             .collect()
     }
 
-    /// Joints that it loads.
+    /// Joints that the pushes load.
     pub fn loaded(&self) -> Vec<usize> {
         let last = self.bursts.iter().map(|b| b.last_joint).max();
         (0..=last.unwrap_or(0)).collect()
     }
 
-    /// The pushes as the report has them; `recording` is `data` or `heldout`.
+    /// The pushes for the report; `recording` is `data` or `heldout`.
     pub fn pushes(&self, recording: &'static str, robot: &Robot, frame: &Frame) -> Vec<Push> {
         let motion = frame.samples();
         let one = |b: &Burst| {

@@ -1,11 +1,11 @@
-//! Bursts that come again when the motion is repeated: no force from outside does.
+//! Bursts that recur when the motion is repeated, which no force from outside does.
 
 use crate::motion::frame::Frame;
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Whether some other execution of the motion in which a burst (`samples`) lies shows a part `again` of it, too. `departure` at the recorded
-/// samples, shape (samples, joints); `usual` is the usual level of each joint.
+/// Whether another execution of the motion of a burst (`samples`) shows a part `again` of it as well.
+/// `departure` at the recorded samples, shape (samples, joints); `usual` is the usual level of each joint.
 pub(super) fn repeats(
     frame: &Frame,
     departure: &Array2<f64>,
@@ -46,7 +46,7 @@ pub(super) fn repeats(
     })
 }
 
-/// The other executions of a trajectory's motion: pairs link each with the next one like it.
+/// Other executions of a trajectory's motion. `pairs` link each execution with the next one.
 fn executions(pairs: &[(usize, usize)], of: usize) -> Vec<usize> {
     let mut found = vec![of];
     let mut k = 0;

@@ -1,11 +1,11 @@
-//! Whether bursts push to one side: whoever touches the robot does, and what vibrates swings about zero.
+//! Test whether bursts push to one side, as a person who touches the robot does; vibration swings about zero.
 
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Part of the bursts' squared torque, relative to the joints' usual level, that means over pieces of at most `piece` samples make: a
-/// force that is held while the robot moves under it loads each joint now one way, now the other, but slowly. `bursts`: samples and last
-/// loaded joint of each; `torque` of shape (samples, joints).
+/// Part of the bursts' squared torque, relative to the joints' usual level, in the means over pieces of at most
+/// `piece` samples. A force that is held while the robot moves under it loads each joint in either direction,
+/// but changes slowly. `bursts`: samples and last loaded joint of each; `torque` of shape (samples, joints).
 pub(super) fn steadiness(
     torque: &Array2<f64>,
     bursts: impl Iterator<Item = (Range<usize>, usize)>,

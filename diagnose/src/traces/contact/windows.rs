@@ -1,4 +1,4 @@
-//! Windows of a residual: what is left on each joint on average, in motion and at rest.
+//! Windows of a residual: its mean on each joint, in motion and at rest.
 
 use crate::motion::frame::Frame;
 use crate::motion::standing::{Judged, State};
@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Length of a window, s.
 pub(super) const WINDOW: f64 = 0.12;
 
-/// Windows of all trajectories: mean of what is left, per joint; none where the joint turns round or stops.
+/// Windows of all trajectories with the mean residual of each joint; none where the joint reverses or stops.
 pub(super) struct Windows {
     pub samples: Vec<Range<usize>>,
     pub mean: Array2<Option<f64>>,
@@ -16,7 +16,7 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// Usual size of the means of a joint that moves, or stands; at least `least`.
+    /// Usual size of a joint's window means, in motion or at rest: robust standard deviation, at least `least`.
     pub fn usual(&self, joint: usize, standing: bool, least: f64) -> f64 {
         let of = |w: usize| self.mean[[w, joint]].filter(|_| self.standing[[w, joint]] == standing);
         let mut size: Vec<f64> = (0..self.samples.len())
@@ -28,7 +28,7 @@ impl Windows {
     }
 }
 
-/// Whether two windows follow each other without a break between trajectories.
+/// Whether window `b` follows `a` without a break between trajectories.
 pub(super) fn adjacent(samples: &[Range<usize>], a: usize, b: usize) -> bool {
     a <= b && (a..b).all(|w| samples[w].end == samples[w + 1].start)
 }
@@ -71,8 +71,8 @@ pub(super) fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
     }
 }
 
-/// Samples of the part of the windows outside of `skipped` in which most is left, relative to the joints' usual level: where a force from outside may have
-/// bent the fit.
+/// Samples of the part `part` of the windows outside `skipped` with the largest residual, relative to the
+/// joints' usual level. There a force from outside may have bent the fit.
 pub fn suspected(frame: &Frame, left: &Judged, skipped: &[bool], part: f64) -> Vec<bool> {
     let windows = windows(frame, left, true);
     let levels: Vec<f64> = (0..frame.dof())
