@@ -1,4 +1,4 @@
-//! Many right-hand sides on one fit: of a trial, what does not depend on the torque is done once for all of them.
+//! Trials for many right-hand sides (torques) on one fit: all that does not depend on the torque is computed once.
 //!
 //! With X fitted, C added, W the joints' weights and A = XᵀWX + Λ on the rows that a part of the fit was made on:
 //! V = CᵀWX A⁻¹, S = CᵀWC + Λ_C − V XᵀWC, γ = S⁻¹ (CᵀW(y − Xβ) + Λ_C m), and the fitted coefficients move by −Vᵀγ. On the rows that the part is
@@ -10,14 +10,14 @@ use crate::algebra::trial::Trial;
 use ndarray::{Array1, Array2, ArrayView1, Axis, Zip};
 use rayon::prelude::*;
 
-/// Products of the columns with several torques, and of those torques with themselves, by fold, then joint.
+/// Sums of products of the columns with several torques, and of each torque with itself, by fold and joint.
 #[derive(Clone, Debug)]
 pub struct RightHands {
     /// Xᵀy, shape (active columns of the joint, torques).
     pub xy: Vec<Vec<Array2<f64>>>,
-    /// yᵀy of each torque.
+    /// yᵀy, by torque.
     pub yy: Vec<Vec<Array1<f64>>>,
-    /// Xᵀy on the rows that are not fitted where a fold is scored; none where these are the fold's.
+    /// Xᵀy on the rows that are not fitted where a fold is scored; none where these are the rows of the fold.
     pub apart: Option<Vec<Vec<Array2<f64>>>>,
 }
 
@@ -34,40 +34,40 @@ struct FitPart<'a> {
     left_out: Option<usize>,
 }
 
-/// A part of the fit to each right-hand side. By joint, over all active columns, shape (columns, torques).
+/// A part of the fit to each right-hand side. Tables by joint over all active columns, shape (columns, torques).
 struct State {
     beta: Array2<f64>,
     /// Xᵀ(y − Xβ) on the rows that were fitted.
     fitted: Vec<Array2<f64>>,
-    /// The same on the rows that are scored.
+    /// Xᵀ(y − Xβ) on the rows that are scored.
     scored: Vec<Array2<f64>>,
     /// The rows of `scored` that belong to fitted columns.
     old: Vec<Array2<f64>>,
     error: Vec<Array1<f64>>,
 }
 
-/// A fit to each of several right-hand sides, its weights kept.
+/// A fit to each of several torques, with the weights of one fit.
 pub struct Fitted<'a> {
     fit: &'a Fit<'a>,
-    /// Folds left out, then all.
+    /// States with each fold left out, then on all folds.
     states: Vec<State>,
     /// Leave-one-fold-out squared error, (N·m)², shape (joints, torques).
     pub error: Array2<f64>,
-    /// Σ λ (β − m)² of each.
+    /// Penalty Σ λ (β − m)² of each fit.
     pub penalty: Array1<f64>,
 }
 
 /// Columns added to one part.
 struct Addition {
     factor: Cholesky,
-    /// V, shape (added, fitted).
+    /// V, shape (added, fitted) columns.
     moved: Array2<f64>,
-    /// Q_j.
+    /// Q_j, by joint.
     change: Vec<Array2<f64>>,
 }
 
 impl<'a> Fitted<'a> {
-    /// Fits what `fit` fits to other torques.
+    /// Fits the variables of `fit` to other torques.
     pub fn new(fit: &'a Fit<'a>, y: &RightHands) -> Self {
         let states: Vec<State> = parts(fit)
             .into_par_iter()
@@ -95,7 +95,7 @@ impl<'a> Fitted<'a> {
         self.penalty.len()
     }
 
-    /// Columns tried on top of the fit, for each right-hand side.
+    /// Trials of the columns `set` on top of the fit, one for each right-hand side.
     pub fn trials(&self, set: &[Variable]) -> Vec<Trial> {
         let fit = self.fit;
         let mut error = self.error.clone();
@@ -158,7 +158,7 @@ impl<'a> Fitted<'a> {
     }
 }
 
-/// Folds left out, then all.
+/// Parts with each fold left out, then on all folds.
 fn parts<'a>(fit: &'a Fit) -> Vec<FitPart<'a>> {
     let folds = fit.parts.iter().enumerate().map(|(f, part)| FitPart {
         part,
@@ -171,7 +171,7 @@ fn parts<'a>(fit: &'a Fit) -> Vec<FitPart<'a>> {
     folds.chain([all]).collect()
 }
 
-/// Σ λ (β − m)² of each column of coefficients.
+/// Penalty Σ λ (β − m)² of each column of coefficients.
 fn penalties(variables: &[Variable], beta: &Array2<f64>) -> Array1<f64> {
     let of = |beta: ArrayView1<f64>| {
         let each = variables.iter().zip(beta);

@@ -58,8 +58,8 @@ impl Cholesky {
         Self { l, scale }
     }
 
-    /// Factorises `a` with its diagonal raised by a part of itself: columns that repeat one another share what they
-    /// explain, and one that is zero explains nothing.
+    /// Factorises `a` with its diagonal raised by a part of itself. Columns that repeat one another then share
+    /// their coefficient, and a zero column gets none.
     pub fn raised(mut a: Array2<f64>, part: f64) -> Self {
         a.diag_mut()
             .mapv_inplace(|d| d * (1.0 + part) + f64::MIN_POSITIVE);
@@ -86,7 +86,7 @@ impl Cholesky {
         Array2::from_shape_fn(b.dim(), |(r, i)| x[r * self.scale.len() + i])
     }
 
-    /// `x` holds `count` right-hand sides one after the other.
+    /// Solves in place for the `count` right-hand sides in `x`, one after the other.
     fn solve_in_place(&self, x: &mut [f64], count: usize) {
         let n = self.scale.len();
         let scaled = |x: &mut [f64]| {
@@ -101,7 +101,7 @@ impl Cholesky {
         scaled(x);
     }
 
-    /// A vector with covariance A⁻¹ from one of independent unit normals.
+    /// A vector with covariance A⁻¹; `noise` is one of independent unit normals.
     pub fn draw(&self, noise: ArrayView1<f64>) -> Array1<f64> {
         let n = self.scale.len();
         let mut x = noise.to_vec();

@@ -9,20 +9,20 @@ use crate::algebra::gram::Grams;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
-/// A fitted coefficient: a column of the dictionary, mean and precision (1/variance) of its
-/// prior. The same column may be fitted twice; the two then share its prior variances.
+/// Variable of a fit: a column of the dictionary with mean and precision (1/variance) of its prior. The same
+/// column may be fitted twice; the two then share its prior variances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variable {
-    /// Column of the dictionary.
+    /// Column number in the dictionary.
     pub column: usize,
     /// 1/variance of the prior, in 1/unit².
     pub precision: f64,
-    /// Mean of the prior, zero of nearly all.
+    /// Mean of the prior, zero for nearly all.
     pub mean: f64,
 }
 
 impl Variable {
-    /// With a prior about zero.
+    /// Variable with a prior about zero.
     pub fn about_zero(column: usize, precision: f64) -> Self {
         Self {
             column,
@@ -31,13 +31,13 @@ impl Variable {
         }
     }
 
-    /// λ (β − m)².
+    /// Penalty λ (β − m)² of a coefficient.
     pub fn penalty(&self, beta: f64) -> f64 {
         self.precision * (beta - self.mean).powi(2)
     }
 }
 
-/// Fit of everything but one fold (or of everything), scored on that fold (or on everything).
+/// Fit to all folds but one, scored on that fold; or fit to all folds, scored on all.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub(super) factor: Cholesky,
@@ -54,7 +54,7 @@ pub(super) struct Part {
 #[derive(Clone, Debug)]
 pub struct Fit<'a> {
     pub(super) grams: &'a Grams,
-    /// What is fitted.
+    /// Fitted variables.
     pub variables: Vec<Variable>,
     /// Weight of each joint's squared torque error, 1/(N·m)².
     pub weights: Vec<f64>,
@@ -99,8 +99,8 @@ impl<'a> Fit<'a> {
         self.all.factor.inverse_diagonal().mapv(f64::sqrt)
     }
 
-    /// The same, or how much they differ between the fits without each fold (jackknife), where that is more: what no model knows is
-    /// no noise, and another motion has more of it or less.
+    /// Standard deviations of the coefficients: posterior, or jackknife over the fits without each fold where
+    /// that is more. Mechanisms outside the model are no noise: another motion has more of them or less.
     pub fn deviations(&self) -> Array1<f64> {
         let mut out = self.std();
         for (i, std) in out.iter_mut().enumerate() {
@@ -117,12 +117,12 @@ impl<'a> Fit<'a> {
             .solve_rows(&Array2::eye(self.variables.len()))
     }
 
-    /// Coefficients drawn from their posterior, from as many independent unit normals.
+    /// Coefficients drawn from their posterior; `noise` are as many independent unit normals.
     pub fn draw(&self, noise: ArrayView1<f64>) -> Array1<f64> {
         &self.all.beta + &self.all.factor.draw(noise)
     }
 
-    /// ½ ln(|XᵀWX + Λ|/|Λ|): what the width of the priors costs where the data are sharper, nats.
+    /// Penalty of wide priors where the data are sharper, nats: ½ ln(|XᵀWX + Λ|/|Λ|).
     pub fn width(&self) -> f64 {
         let prior: f64 = self.variables.iter().map(|v| v.precision.ln()).sum();
         0.5 * (self.all.factor.log_determinant() - prior)
@@ -143,14 +143,14 @@ impl<'a> Fit<'a> {
         &self.grams.apart(fold, joint).xx
     }
 
-    /// Places among a joint's active columns of what is fitted there, and its rows of some coefficients, shape (variables, any).
+    /// Places of a joint's fitted variables among its active columns, and their rows of `beta`, shape (variables, any).
     pub fn fitted_rows(&self, joint: usize, beta: &Array2<f64>) -> (Vec<usize>, Array2<f64>) {
         let (variables, columns): (Vec<usize>, Vec<usize>) =
             self.places[joint].iter().copied().unzip();
         (columns, beta.select(Axis(0), &variables))
     }
 
-    /// Squared error of some coefficients on all rows, by joint, (N·m)².
+    /// Squared error of the coefficients `beta` on all rows, by joint, (N·m)².
     pub fn error_of(&self, beta: &Array1<f64>) -> Vec<f64> {
         let each = self.grams.total.iter().zip(&self.places);
         each.map(|(gram, place)| {
@@ -175,18 +175,18 @@ impl<'a> Fit<'a> {
             .collect()
     }
 
-    /// Σ λ (β − m)².
+    /// Penalty Σ λ (β − m)² of the fit on all folds.
     pub fn penalty(&self) -> f64 {
         penalty(&self.variables, &self.all.beta)
     }
 }
 
-/// Σ λ (β − m)².
+/// Penalty Σ λ (β − m)² of the coefficients `beta`.
 pub(super) fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
     variables.iter().zip(beta).map(|(v, b)| v.penalty(*b)).sum()
 }
 
-/// XᵀXβ, of coefficients that are mostly zero: a joint has many columns, and few are fitted.
+/// XᵀXβ for coefficients that are mostly zero: a joint has many columns, and few are fitted.
 fn fitted(xx: &Array2<f64>, x: &Array1<f64>) -> Array1<f64> {
     let mut out = Array1::zeros(x.len());
     for (row, &b) in xx.rows().into_iter().zip(x).filter(|(_, b)| **b != 0.0) {
@@ -204,8 +204,7 @@ fn places(grams: &Grams, variables: &[Variable]) -> Vec<Vec<(usize, usize)>> {
     (0..grams.dof()).map(of).collect()
 }
 
-/// Squared error by joint on each fold, by the fit to the others, summed over folds, (N·m)²: that of [`Fit::error`] without all else that a fit
-/// is asked for.
+/// Leave-one-fold-out squared error by joint, (N·m)²: that of [`Fit::error`], without the other results of a fit.
 pub fn left_out_error(grams: &Grams, variables: &[Variable], weights: &[f64]) -> Vec<f64> {
     let places = places(grams, variables);
     let of = |f: usize| -> Vec<f64> {
@@ -228,7 +227,7 @@ pub fn left_out_error(grams: &Grams, variables: &[Variable], weights: &[f64]) ->
         .collect()
 }
 
-/// The factor of the normal equations, and the coefficients.
+/// Cholesky factor of the normal equations, and the coefficients.
 fn solved(
     grams: &Grams,
     variables: &[Variable],

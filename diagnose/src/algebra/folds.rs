@@ -1,22 +1,22 @@
-//! Groups of rows that are left out together.
+//! Folds: groups of rows that are left out together.
 
 use datasets::{Folds, Recording};
 use std::ops::Range;
 
-/// Folds, at most: more of them take longer, and of fewer each leaves out much.
+/// Most folds: with more the search takes longer, with fewer each fold leaves out much data.
 const MOST: usize = 8;
 
-/// Fitted rows that are left out together. Each range lies in one trajectory.
+/// A fold of fitted rows. Each range lies in one trajectory.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Fold {
     /// Rows that are scored by a fit to the others.
     pub scored: Vec<Range<usize>>,
-    /// Rows of other folds so near to these that this fit does without them, too.
+    /// Rows of other folds so near to these that they are left out of that fit, too.
     pub near: Vec<Range<usize>>,
 }
 
-/// Deals a recording as [`Folds::of_motions`] does. `rows` are the fitted rows of each trajectory, one in `stride` samples; rows closer
-/// than `gap` (s) to a block cut out of a trajectory are near to it.
+/// Folds of a recording by [`Folds::of_motions`]. `rows` are the fitted rows of each trajectory, one in
+/// `stride` samples. Rows closer than `gap`, s, to a block cut out of a trajectory are near to it.
 pub fn folds(recording: &Recording, rows: &[Range<usize>], stride: usize, gap: f64) -> Vec<Fold> {
     let dealt = Folds::of_motions(&[recording], MOST, gap);
     let mut out = vec![Fold::default(); dealt.count];
@@ -47,7 +47,7 @@ pub fn folds(recording: &Recording, rows: &[Range<usize>], stride: usize, gap: f
     out
 }
 
-/// Deviation of a number by what it is without each block (jackknife); none of fewer than three.
+/// Jackknife standard deviation of a number from its values without each block; none with fewer than three blocks.
 pub fn jackknife(without: &[f64]) -> Option<f64> {
     let count = without.len() as f64;
     let mean = without.iter().sum::<f64>() / count;

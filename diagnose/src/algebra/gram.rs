@@ -1,4 +1,4 @@
-//! Sums of products: all that forward selection needs to know of the samples.
+//! Sums of products: all information on the samples that forward selection needs.
 //!
 //! Every column of the dictionary is a torque per unit of its parameter, on the rows of some
 //! joints. For each fold (a group of whole trajectories) and each joint the products of the
@@ -10,8 +10,8 @@ use faer::{Accum, MatMut, MatRef, Par};
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2};
 use std::ops::Range;
 
-/// Products of one joint's rows in one fold. With X (samples, active columns of the joint) and y
-/// the torque to explain: XᵀX, Xᵀy, yᵀy.
+/// Sums of products of one joint's rows in one fold: XᵀX, Xᵀy, yᵀy with X (samples, active columns of the
+/// joint) and y the torque to explain.
 #[derive(Clone, Debug)]
 pub struct JointGram {
     /// XᵀX
@@ -25,13 +25,13 @@ pub struct JointGram {
 }
 
 impl JointGram {
-    /// Products of the rows `x` and `y`, each multiplied by its weight.
+    /// Sums of products of the rows `x` and `y`, each row multiplied by its weight.
     pub fn new(x: ArrayView2<f64>, y: ArrayView1<f64>, weight: ArrayView1<f64>) -> Self {
         let all = 0..x.nrows();
         Self::of_rows(x.columns().into_iter(), &[all], y, weight)
     }
 
-    /// Products of columns on some `rows`, and of those of `y`, each row multiplied by its weight.
+    /// Sums of products of columns and `y` on some `rows`, each row multiplied by its weight.
     pub fn of_rows<'x>(
         columns: impl ExactSizeIterator<Item = ArrayView1<'x, f64>>,
         rows: &[Range<usize>],
@@ -64,7 +64,7 @@ impl JointGram {
     }
 }
 
-/// X·Xᵀ: half of it is computed.
+/// X·Xᵀ, of which the lower half is computed and mirrored.
 fn outer(x: &Array2<f64>) -> Array2<f64> {
     let (k, n) = x.dim();
     let mut out = Array2::zeros((k, k));
@@ -92,7 +92,7 @@ fn outer(x: &Array2<f64>) -> Array2<f64> {
     out
 }
 
-/// Which columns touch which joint.
+/// Joints that each column touches.
 #[derive(Clone, Debug)]
 pub struct Layout {
     /// For each joint the columns with entries in its rows, ascending.
@@ -101,7 +101,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// From the joints that each column touches.
+    /// Layout from the joints that each column touches.
     pub fn new(dof: usize, joints_of: &[Vec<usize>]) -> Self {
         let mut active = vec![Vec::new(); dof];
         let mut position = vec![vec![None; joints_of.len()]; dof];
@@ -125,21 +125,22 @@ impl Layout {
     }
 }
 
-/// Products of all folds and their sum.
+/// Sums of products of all folds, and their sum.
 #[derive(Clone, Debug)]
 pub struct Grams {
-    /// Which columns touch which joint.
+    /// Joints that each column touches.
     pub layout: Layout,
-    /// By fold, then joint.
+    /// Sums of products by fold and joint.
     pub folds: Vec<Vec<JointGram>>,
-    /// What is not fitted where a fold is scored, by fold, then joint: the fold and what lies near it. None where nothing does.
+    /// Sums of products of the rows that are not fitted where a fold is scored, by fold and joint: the fold and
+    /// the rows near it. None where no rows are near.
     apart: Option<Vec<Vec<JointGram>>>,
     /// Sum over folds, by joint.
     pub total: Vec<JointGram>,
 }
 
 impl Grams {
-    /// Adds the folds up; there must be at least one.
+    /// Sums over folds; there must be at least one fold.
     pub fn new(layout: Layout, folds: Vec<Vec<JointGram>>) -> Self {
         let mut total = folds[0].clone();
         for fold in &folds[1..] {
@@ -155,7 +156,7 @@ impl Grams {
         }
     }
 
-    /// With the products of the rows near each fold, which are in those of other folds as well.
+    /// Sums of products with those of the rows near each fold, which belong to other folds as well.
     pub fn with_near(self, near: Vec<Vec<JointGram>>) -> Self {
         let mut apart = self.folds.clone();
         for (fold, near) in apart.iter_mut().zip(&near) {
@@ -169,12 +170,12 @@ impl Grams {
         }
     }
 
-    /// Products of one joint's rows that are not fitted where a fold is scored.
+    /// Sums of products of one joint's rows that are not fitted where a fold is scored.
     pub fn apart(&self, fold: usize, joint: usize) -> &JointGram {
         &self.apart.as_ref().unwrap_or(&self.folds)[fold][joint]
     }
 
-    /// All products, of which some are in several.
+    /// All sums of products; some rows are in several of them.
     pub fn each_mut(&mut self) -> impl Iterator<Item = &mut Vec<JointGram>> {
         let apart = self.apart.iter_mut().flatten();
         self.folds.iter_mut().chain([&mut self.total]).chain(apart)

@@ -1,7 +1,8 @@
-//! What adding columns to a fit gives, without touching a sample.
+//! Trial: the fit with added columns, computed from sums of products without touching a sample.
 //!
-//! Adding the columns C to fitted columns X uses V = CᵀWX (XᵀWX + Λ)⁻¹ and the Schur complement S = CᵀWC + Λ_C − V XᵀWC. The
-//! rows of V belong to single columns: they are found once for all that is tried beside a fit, in one solve with many right-hand sides.
+//! Adding the columns C to fitted columns X uses V = CᵀWX (XᵀWX + Λ)⁻¹ and the Schur complement S = CᵀWC + Λ_C
+//! − V XᵀWC. The rows of V belong to single columns: they are computed once for all trials beside a fit, in one
+//! solve with many right-hand sides.
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::{Fit, Part, Variable, penalty};
@@ -10,7 +11,7 @@ use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// What adding columns to a fit would give.
+/// Result of adding columns to a fit.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// Squared error, by joint, (N·m)².
@@ -21,16 +22,16 @@ pub struct Trial {
     pub gamma: Vec<f64>,
 }
 
-/// The rows whose error a trial gives.
+/// Rows whose squared error a trial gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scored {
-    /// Each fold's, by the fit to the others.
+    /// Rows of each fold, by the fit to the other folds.
     LeftOut,
-    /// Those that were fitted, at a fraction of the price.
+    /// The fitted rows, which takes a fraction of the time.
     Fitted,
 }
 
-/// Columns that are prepared together.
+/// Number of columns that are prepared in one block.
 const TOGETHER: usize = 256;
 
 /// Columns that may be added to a fit.
@@ -42,38 +43,38 @@ pub struct SharedColumns<'f, 'a> {
     all: Common<'f>,
 }
 
-/// What the columns have in common with one part of the fit.
+/// Prepared columns for one part of the fit.
 struct Common<'f> {
     part: &'f Part,
     left_out: Option<usize>,
-    /// [`TOGETHER`] columns each.
+    /// Blocks of [`TOGETHER`] columns.
     blocks: Vec<Block>,
 }
 
-/// The same of some columns.
+/// Prepared columns of one block.
 struct Block {
     /// CᵀWX, shape (columns, fitted).
     cross: Array2<f64>,
     /// V, shape (columns, fitted).
     moved: Array2<f64>,
-    /// By joint, where the part is scored.
+    /// Error terms by joint, where the part is scored.
     scored: Vec<OnJoint>,
 }
 
-/// What adding columns changes of ‖y − Xβ‖² of one joint's scored rows. With coefficients γ that is γᵀQγ + 2sᵀγ,
-/// Q = (C − XVᵀ)ᵀ(C − XVᵀ) and s = −(C − XVᵀ)ᵀ(y − Xβ).
+/// Terms of the change of ‖y − Xβ‖² on one joint's scored rows by added columns. With coefficients γ the change
+/// is γᵀQγ + 2sᵀγ, Q = (C − XVᵀ)ᵀ(C − XVᵀ) and s = −(C − XVᵀ)ᵀ(y − Xβ).
 struct OnJoint {
-    /// The places of V that touch the joint, shape (columns, places).
+    /// Columns of V that touch the joint, shape (columns, places).
     moved: Array2<f64>,
-    /// Their product with XᵀX.
+    /// Product of these with XᵀX.
     product: Array2<f64>,
     /// Diagonal of Q.
     square: Vec<f64>,
-    /// s
+    /// s, by column.
     slope: Vec<f64>,
 }
 
-/// A column that is tried: its number, and where it is among the prepared ones.
+/// A column of a trial: its number, and its place among the prepared ones.
 #[derive(Clone, Copy)]
 struct Place<'b> {
     column: usize,
@@ -107,7 +108,7 @@ impl<'f, 'a> SharedColumns<'f, 'a> {
         }
     }
 
-    /// The same fit with `added` columns, of those that were prepared, as well.
+    /// Result of the fit with `added` columns, which must be prepared ones.
     pub fn trial(&self, added: &[Variable]) -> Trial {
         let rows: Vec<usize> = added.iter().map(|v| self.row[&v.column]).collect();
         let gamma = self.gamma(&self.all, added, &rows);
@@ -135,7 +136,7 @@ impl<'f, 'a> SharedColumns<'f, 'a> {
         }
     }
 
-    /// Squared error by scored part, then joint, (N·m)², with `added` columns, of those that were prepared, as well.
+    /// Squared error by scored part and joint, (N·m)², with `added` columns, which must be prepared ones.
     pub fn parts(&self, added: &[Variable]) -> Vec<Vec<f64>> {
         let rows: Vec<usize> = added.iter().map(|v| self.row[&v.column]).collect();
         let of = |common: &Common| {
@@ -184,7 +185,7 @@ impl<'f, 'a> SharedColumns<'f, 'a> {
         Cholesky::new(&own).solve(right.view())
     }
 
-    /// ‖y − Xβ‖² of one joint on the scored rows.
+    /// ‖y − Xβ‖² of one joint on the scored rows with the added columns, (N·m)².
     fn error(
         &self,
         common: &Common,
@@ -231,7 +232,7 @@ impl<'f, 'a> SharedColumns<'f, 'a> {
     }
 }
 
-/// What a column at place `p` of a joint has in common with a change of the fitted ones that touch it.
+/// Product of the column at place `p` of a joint with a change `moved` of the fitted columns that touch it.
 fn onto(gram: &JointGram, p: usize, places: &[(usize, usize)], moved: ArrayView1<f64>) -> f64 {
     let row = gram.xx.row(p);
     places
@@ -242,7 +243,7 @@ fn onto(gram: &JointGram, p: usize, places: &[(usize, usize)], moved: ArrayView1
 }
 
 impl<'f> Common<'f> {
-    /// With what the error of its rows needs, where it is `scored`.
+    /// Prepares the columns; with `scored` also the error terms of the part's rows.
     fn new(
         fit: &Fit,
         part: &'f Part,

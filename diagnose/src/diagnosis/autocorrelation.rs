@@ -1,13 +1,14 @@
-//! How long what a search leaves remembers itself: so many rows say no more than one that is independent.
+//! Autocorrelation time of a search's residual: so many rows count as one independent sample.
 
 use ndarray::Array2;
 use signal::correlation::correlation_time;
 use signal::quantile::median;
 use std::ops::Range;
 
-/// Rows for which each joint's residual remembers itself, the median over trajectories: its integrated correlation time, or that of its square
-/// times how unequal the squares are, (κ − 1)/2 with the kurtosis κ, which is 1 of normal noise, where that is longer. An error that is all
-/// at the reversals is a law that is not quite right, and says as much as there are reversals. `left` and `weight` of shape (rows, joints).
+/// Autocorrelation time of each joint's residual, rows, median over trajectories: its integrated
+/// autocorrelation time. Or that of its square times (κ − 1)/2, where that is longer; κ is the kurtosis, and
+/// the factor is 1 for normal noise. An error that is concentrated at the reversals is a law that is not quite
+/// right, and counts as many samples as there are reversals. `left` and `weight` of shape (rows, joints).
 pub(super) fn of_joints(
     left: &Array2<f64>,
     weight: &Array2<f64>,
@@ -25,7 +26,7 @@ pub(super) fn of_joints(
     (0..left.ncols()).map(of).collect()
 }
 
-/// Rows that say as much of the mean square as one of white normal noise.
+/// Number of rows that determine the mean square as well as one row of white normal noise.
 fn of_squares(left: &[f64]) -> f64 {
     let squares: Vec<f64> = left.iter().map(|x| x * x).collect();
     let count = squares.len().max(1) as f64;

@@ -1,7 +1,7 @@
-//! What a robot's own earlier recordings show when nothing has changed.
+//! Baseline from a robot's own earlier recordings: residuals and gains where nothing has changed.
 //!
-//! Each part of the earlier recordings is diagnosed against the model of the others, as a later recording is against all:
-//! what is found there is the model's own misfit on motions that it does not know, and what has changed must be more.
+//! Each part of the earlier recordings is diagnosed against the model of the others, as a later recording is
+//! against all. The findings are the model's own misfit on unknown motions, and a change must exceed them.
 
 use super::earlier::{Baseline, Earlier};
 use super::options::Options;
@@ -18,12 +18,12 @@ use datasets::{Folds, Recording, repeats};
 use physics::robot::Robot;
 use rayon::prelude::*;
 
-/// Parts of the earlier recordings.
+/// Number of parts of the earlier recordings.
 const PARTS: usize = 3;
-/// Part of the later recording's time in motions of the earlier ones from which torque is compared with torque.
+/// Part of the later recording's time in repeated motions from which torque is compared with torque.
 const REPEATED: f64 = 0.5;
 
-/// How a later recording is diagnosed against earlier ones, joined, and the model identified from them.
+/// Options of a diagnosis against earlier recordings, joined, and the model identified from them.
 pub(crate) fn options(
     model: &NominalModel,
     before: &Recording,
@@ -41,8 +41,8 @@ pub(crate) fn options(
     changes(Earlier::Other(usual))
 }
 
-/// How well the robot repeats itself, by motions that stand more than once in one of the recordings, as trajectories or as periods: what
-/// comes and goes from one execution to the next is no change.
+/// Repeatability of the robot: residual between executions of one motion in one of the recordings, as
+/// trajectories or as periods. Differences from one execution to the next are no change.
 fn spread(recordings: &[&Recording]) -> Option<Baseline> {
     let each = recordings.iter().filter_map(|r| {
         let left = repeats::spread(r)?;
@@ -60,8 +60,8 @@ fn spread(recordings: &[&Recording]) -> Option<Baseline> {
     each.reduce(Baseline::most)
 }
 
-/// What is looked for: the links are what they were, and the robot's own model is nearer than a description is. How sure a
-/// name is was learned from descriptions, and is not said.
+/// Options for a search for changes: the links are unchanged, and the robot's own model has narrower tolerances
+/// than a description. No confidence is given, since it was calibrated on descriptions.
 fn changes(earlier: Earlier) -> Options {
     let mut settings = Settings::default();
     let search = &mut settings.search;
@@ -79,8 +79,8 @@ fn changes(earlier: Earlier) -> Options {
     }
 }
 
-/// From earlier recordings, joined, and the model identified from them; none where they are one trajectory, or where no part of
-/// them is enough to identify anything.
+/// Baseline from earlier recordings, joined, and the model identified from them. None where they are one
+/// trajectory, or where no part of them suffices to identify a model.
 fn usual(
     model: &NominalModel,
     before: &Recording,
@@ -144,8 +144,8 @@ fn of_part(
     })
 }
 
-/// What the model leaves of the recordings that it was identified from: one of a part may be the better one. How much of it has structure
-/// the parts say.
+/// Residual of the model on the recordings that it was identified from: that of a part may be smaller. Its
+/// structured part comes from the parts.
 fn of_whole(model: &NominalModel) -> Baseline {
     let left = model.replay().map_or_else(Vec::new, Replay::left);
     Baseline {

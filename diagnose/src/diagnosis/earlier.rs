@@ -1,20 +1,20 @@
-//! What a robot's earlier recordings say of a later one, beside the model that was identified from them.
+//! Baseline of a robot's earlier recordings for a later one, beside the model that was identified from them.
 
 use crate::traces::unknown::Misfit;
 
-/// What is found and left where nothing has changed.
+/// Gain and residual where nothing has changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Baseline {
-    /// Most that a cause earned, nats by row.
+    /// Largest gain of a cause, nats per row.
     pub(crate) earned: f64,
-    /// Root mean square of what was left in motion, N·m (N), by joint.
+    /// Root mean square residual in motion, by joint, N·m (N).
     pub(crate) left: Vec<f64>,
-    /// The part of it with structure, over the joint's torque.
+    /// Its structured part, over the joint's torque.
     pub(crate) structured: Vec<f64>,
 }
 
 impl Baseline {
-    /// The larger of each.
+    /// The larger value of each.
     pub(super) fn most(self, other: Self) -> Self {
         let larger =
             |a: Vec<f64>, b: Vec<f64>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
@@ -26,23 +26,23 @@ impl Baseline {
     }
 }
 
-/// What the earlier recordings say of a later one.
+/// Relation of the earlier recordings to a later one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Earlier {
-    /// The motion is the same: what the model lacks cancels.
+    /// The motion is repeated: torque that the model lacks cancels.
     Repeated {
-        /// Earlier executions on average, whose noise is added.
+        /// Mean number of earlier executions, whose noise is added.
         executions: f64,
-        /// How well the robot repeats itself; none where no motion was executed more than once on one side.
+        /// Repeatability of the robot; none where no motion was executed more than once on one side.
         usual: Option<Baseline>,
     },
-    /// It is another: the model's misfit on motions that it does not know is the least that can be told; none where the
+    /// The motion is new: the model's misfit on unknown motions is the least change that shows. None where the
     /// earlier recordings are one trajectory.
     Other(Option<Baseline>),
 }
 
 impl Earlier {
-    /// What the earlier recordings show where nothing has changed, where that was looked for.
+    /// Baseline where nothing has changed, where it was determined.
     pub(crate) fn usual(&self) -> Option<&Baseline> {
         match self {
             Self::Other(usual) => usual.as_ref(),
@@ -50,12 +50,12 @@ impl Earlier {
         }
     }
 
-    /// What chance earns on so many rows, nats.
+    /// Gain by chance on so many rows, nats.
     pub(super) fn chance(&self, rows: usize) -> f64 {
         self.usual().map_or(0.0, |u| u.earned * rows as f64)
     }
 
-    /// The least that can be left, joint by joint.
+    /// Noise floor by joint, N·m (N).
     pub(super) fn floors(&self, floors: Vec<Option<f64>>) -> Vec<Option<f64>> {
         match self {
             Self::Repeated { executions, usual } => {
@@ -79,8 +79,8 @@ impl Earlier {
         }
     }
 
-    /// Whether the errors (RMS by joint) of the model as given are at the floors, which hold what executions of one motion differ by:
-    /// nothing has changed then, whatever part of them a cause would explain.
+    /// Whether the errors (RMS by joint) of the model as given are at the floors, which hold the difference
+    /// between executions of one motion. Then nothing has changed, whatever part of them a cause would explain.
     pub(super) fn is_usual(
         &self,
         errors: &[Option<f64>],
@@ -95,7 +95,7 @@ impl Earlier {
             })
     }
 
-    /// What has structure beyond `margin` times the usual; nothing where nobody knows what is usual.
+    /// Structure beyond `margin` times the usual one; none where the usual one is unknown.
     pub(super) fn beyond(&self, left: Vec<Option<Misfit>>, margin: f64) -> Vec<Option<Misfit>> {
         let beyond = |(j, l): (usize, Option<Misfit>)| match self {
             Self::Repeated { usual: None, .. } => l,

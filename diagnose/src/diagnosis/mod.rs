@@ -207,8 +207,8 @@ pub fn diagnose(
     })
 }
 
-/// What a first search finds, once the frames are as its own rest shows them: torque as late as it is recorded, as many independent samples
-/// as are left, and the weights of rows near turns.
+/// Findings of the first search, with the frames adjusted to its residual: delay of the torque, number of
+/// independent samples, and weights of rows near reversals. The search is repeated until the delay is stable.
 fn first(
     model: &NominalModel,
     frames: &mut Frames,
@@ -253,7 +253,7 @@ pub(crate) fn first_search(
     Ok((frames, found, weight))
 }
 
-/// Where the gap lies in the held-out recording.
+/// Regions of the held-out recording where the gap lies.
 fn places(
     model: &NominalModel,
     frames: &Frames,
@@ -275,7 +275,7 @@ fn places(
     units::of_places(places, robot)
 }
 
-/// Motion with the model as given and with the causes, where its links can be made possible bodies.
+/// Simulated motion with the model as given and with the causes, where its links can be made possible bodies.
 fn simulated(
     model: &NominalModel,
     frames: &Frames,
@@ -295,8 +295,8 @@ fn simulated(
     Ok(tracking::compare(held, &before, &after))
 }
 
-/// The best candidate of each effect and place that was tried in the place of an accepted cause, or beside all of them: of each of these lists
-/// the first, then the second.
+/// Best candidate of each effect and place that was tried in the place of an accepted cause, or beside all of
+/// them. In turns: the first of each list, then the second.
 fn tested(findings: &Findings, names: &[String], null: Option<&Null>) -> Vec<Tested> {
     let most = findings.settings.measure.said.candidates;
     let mut seen: Vec<(Effect, Vec<usize>, Option<usize>)> = Vec::new();

@@ -1,24 +1,24 @@
-//! What a diagnosis is asked for.
+//! Options of a diagnosis.
 
 use super::earlier::Earlier;
 use crate::catalogue::choice::Choice;
 use crate::settings::Settings;
 
-/// What a diagnosis is to do.
+/// Options of a diagnosis.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// How gaps are weighed.
+    /// Thresholds.
     pub settings: Settings,
-    /// Which effects are looked for.
+    /// Effects that are searched.
     pub effects: Choice,
-    /// The robot's earlier recordings that the gap is measured from, where it is no simulator's.
+    /// Earlier recordings of the robot to which the gap is measured instead of a simulator's model.
     pub earlier: Option<Earlier>,
     /// Cut-off of the motion's low-pass, Hz; chosen from the fitted recording where none is given.
     pub cutoff_hz: Option<f64>,
-    /// Train a compensator on what the causes leave.
+    /// Whether to train a compensator on the residual beside the causes.
     pub learn: bool,
-    /// Simulate motion with the model as given and with the causes.
+    /// Whether to simulate motion with the model as given and with the causes.
     pub simulate: bool,
-    /// Surrogates of the recording that chance is told by; none are drawn for zero.
+    /// Number of surrogates for the chance level; zero for none.
     pub surrogates: u64,
 }

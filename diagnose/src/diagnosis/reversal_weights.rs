@@ -1,21 +1,21 @@
-//! How much less a row says the nearer its joint is to turning round: which sign friction has there, and how it comes to rest, no model
-//! knows to the millisecond, and an error of that kind must not count as the noise of the whole motion.
+//! Lower weights of rows near a joint's reversals. No model knows the sign of friction there, and how the joint
+//! comes to rest, to the millisecond. Such an error must not count as the noise of the whole motion.
 
 use crate::motion::frame::Frame;
 use crate::settings::MotionSettings;
 use ndarray::{Array1, Array2, ArrayView1};
 
-/// Times from a turn up to which rows are taken together, s.
+/// Upper ends of the groups of rows by time from a reversal, s.
 const NEAR: [f64; 4] = [0.02, 0.06, 0.12, 0.25];
-/// Fewest rows that say how large the error is somewhere.
+/// Fewest rows of a group for its mean squared error.
 const FEWEST: usize = 40;
-/// Part of a joint's rows that have to be away from turns.
+/// Least part of a joint's rows that must be away from reversals.
 const AWAY: f64 = 0.25;
 /// Least weight.
 const LEAST: f64 = 0.1;
 
-/// Most that each row may weigh, shape (rows, joints): mean square of what is `left` away from the joint's turns over that at such a time
-/// from one, where that is less than one.
+/// Largest weight of each row, shape (rows, joints): mean squared residual away from the joint's reversals over
+/// that at such a time from one, and at most one. `left` is the residual.
 pub(super) fn weights(left: &Array2<f64>, frame: &Frame, settings: &MotionSettings) -> Array2<f64> {
     let from = frame.rows_to_turns(settings.reversal_speed);
     let mut out = Array2::ones(left.dim());
@@ -33,7 +33,7 @@ pub(super) fn weights(left: &Array2<f64>, frame: &Frame, settings: &MotionSettin
     out
 }
 
-/// The same of one joint, from the group of each row, the last being away from turns.
+/// Largest weights of one joint's rows from the group of each row; the last group is away from reversals.
 fn of_joint(left: ArrayView1<f64>, near: &[usize]) -> Array1<f64> {
     let mut sums = [(0.0, 0usize); NEAR.len() + 1];
     for (x, &k) in left.iter().zip(near) {

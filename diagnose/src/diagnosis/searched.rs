@@ -1,4 +1,4 @@
-//! The search on the fitted recording, again and again: without what was pushed, and above what chance earns.
+//! Repeated search on the fitted recording: without pushed samples, and above the chance level.
 
 use super::options::Options;
 use super::{autocorrelation, reversal_weights};
@@ -24,11 +24,11 @@ use datasets::metrics::Scope;
 use ndarray::Array2;
 use std::sync::Arc;
 
-/// Which joints of the fitted recording can be judged.
+/// Usable joints of the fitted recording.
 pub(super) struct Channels {
-    /// Joints without a usable torque channel.
+    /// Whether each joint lacks a usable torque channel.
     pub dead: Vec<bool>,
-    /// Whether any of the others moves.
+    /// Whether any other joint moves.
     pub moves: bool,
 }
 
@@ -43,7 +43,7 @@ impl Channels {
         }
     }
 
-    /// What the joints without a usable channel cannot show.
+    /// Entry of the report for each joint without a usable torque channel.
     pub(super) fn unusable(&self, names: &[String]) -> Vec<NotIdentifiable> {
         let dead = names.iter().zip(&self.dead).filter(|(_, dead)| **dead);
         let said = dead.map(|(name, _)| NotIdentifiable {
@@ -57,41 +57,41 @@ impl Channels {
     }
 }
 
-/// What one search says, some samples left out.
+/// Result of one search with some samples left out.
 struct Search {
     findings: Findings,
     listing: Listing,
     left: Vec<Option<Misfit>>,
     judged: Judged,
-    /// Torque that the links need at the recorded samples, shape (samples, joints).
+    /// Torque that the links need at the recorded samples, N·m (N), shape (samples, joints).
     load: Array2<f64>,
 }
 
-/// What the search came to.
+/// Result of the repeated search.
 pub(super) struct Searched {
     /// Accepted causes.
     pub findings: Findings,
-    /// The same as they are listed.
+    /// Listed causes.
     pub listing: Listing,
-    /// Structure in what they leave, by joint.
+    /// Structure in their residual, by joint.
     pub left: Vec<Option<Misfit>>,
-    /// The same as the verdict takes it: where pushes are known, what is left beside weaker ones.
+    /// Structure as the verdict uses it, by joint: where pushes are known, that beside weaker pushes.
     pub beside: Vec<Option<Misfit>>,
-    /// What they leave, by how the joints move.
+    /// Their residual, judged by the joints' state of motion.
     pub judged: Judged,
     /// Pushes in the fitted recording.
     pub contact: Option<Contact>,
-    /// Whether pushes are looked for in the held-out recording; if so, whether in motion, too.
+    /// Search for pushes in the held-out recording: none where it is off, else whether joints in motion are searched, too.
     pub look: Option<bool>,
-    /// Recorded samples in a push or near one: fitted and scored nowhere.
+    /// Recorded samples in a push or near one, which are neither fitted nor scored.
     pub skipped: Vec<bool>,
-    /// What chance earns on this recording, where surrogates were drawn.
+    /// Null distribution of gains on this recording, where surrogates were drawn.
     pub null: Option<Null>,
-    /// How surely each accepted cause is named; empty where no surrogates were drawn.
+    /// Evidence for the name of each accepted cause; empty where no surrogates were drawn.
     pub namings: Vec<Option<Naming>>,
 }
 
-/// What all searches of one diagnosis share.
+/// State that all searches of one diagnosis share.
 pub(super) struct Searcher<'a> {
     model: &'a NominalModel,
     frames: &'a Frames,
@@ -125,25 +125,26 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// What the robot's own model earns where nothing has changed, nats.
+    /// Gain by chance, nats: the largest of the robot's own model where nothing has changed.
     fn chance(&self) -> f64 {
         let earlier = self.options.earlier.as_ref();
         earlier.map_or(0.0, |e| e.chance(self.frames.data.len()))
     }
 
-    /// What a search of the whole recording finds.
+    /// Findings of a search of the whole recording.
     pub(super) fn first(&self, session: Option<Arc<Session>>) -> Result<Findings, DiagnoseError> {
         self.find(&self.weight, self.chance(), session)
     }
 
-    /// What a search of the same frames has in common with another, whatever its rows weigh; what a link's encoder says of a gear goes by the rows.
+    /// Session that a further search of the same frames can reuse, whatever its row weights. None where a
+    /// link's encoder determined a gear, since that depends on the rows.
     pub(super) fn known(found: &Findings) -> Option<Arc<Session>> {
         let said = |link: &Link| !matches!(link, Link::Unknown);
         let session = &found.session;
         (!session.links.iter().any(said)).then(|| Arc::clone(session))
     }
 
-    /// What a search leaves out of fold says of the rows.
+    /// Noise of the rows from the out-of-fold residual of a search.
     pub(super) fn left(&self, found: &Findings) -> ResidualNoise {
         let (frames, data) = (self.frames, &self.frames.data);
         let motion = &self.options.settings.motion;
@@ -158,8 +159,9 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// What is left beside pushes, joint by joint the less of that everywhere and that without the part of the rest of the recording
-    /// in which most is left: who pushes so that it shows also pushes so that it hardly does, and that is no effect that nobody knows.
+    /// Structure beside pushes, by joint: the lesser of that on all rows, and that without the part of the
+    /// remaining recording with the largest residual. A person who pushes visibly also pushes weakly, and that
+    /// is no unknown effect.
     fn beside(&self, found: &Search, skipped: &[bool]) -> Vec<Option<Misfit>> {
         let settings = &self.options.settings;
         let data = &self.frames.data;
@@ -176,7 +178,7 @@ impl<'a> Searcher<'a> {
         each.map(least).collect()
     }
 
-    /// Causes and pushes; `first` is what [`Self::first`] found.
+    /// Causes and pushes. `first` are the findings of [`Self::first`].
     pub(super) fn searched(&self, first: Findings) -> Result<Searched, DiagnoseError> {
         let samples = self.frames.data.tau.nrows();
         let found = self.listed(first, &self.weight, &vec![false; samples]);
@@ -205,7 +207,7 @@ impl<'a> Searcher<'a> {
         })
     }
 
-    /// What a search finds; samples that are left out have no weight.
+    /// Findings of a search; samples that are left out have zero weight.
     fn find(
         &self,
         weight: &Array2<f64>,
@@ -225,7 +227,7 @@ impl<'a> Searcher<'a> {
         )
     }
 
-    /// One search more without the samples that are `skipped`, which have no weight either; `known` is what it has in common with others.
+    /// One further search without the `skipped` samples, which have zero weight. `known` is a session to reuse.
     fn search(
         &self,
         weight: &Array2<f64>,
@@ -236,7 +238,7 @@ impl<'a> Searcher<'a> {
         Ok(self.listed(self.find(weight, chance, known)?, weight, skipped))
     }
 
-    /// What a search found, as it is listed.
+    /// Listed causes, residual and structure of a search's findings.
     fn listed(&self, mut findings: Findings, weight: &Array2<f64>, skipped: &[bool]) -> Search {
         let (model, frames, settings) = (self.model, self.frames, &self.options.settings);
         let data = &frames.data;
@@ -273,7 +275,7 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// Weights without the samples that are `out`.
+    /// Weights with zeros at the samples `out`.
     fn without(&self, out: &[bool]) -> Array2<f64> {
         let mut weight = self.weight.clone();
         let rows = weight.rows_mut().into_iter();
@@ -282,20 +284,20 @@ impl<'a> Searcher<'a> {
         weight
     }
 
-    /// Whether what is left has structure, `learnable` or not.
+    /// Whether a residual has clear structure on some joint for which `learnable` holds.
     fn structured(&self, left: &[Option<Misfit>], learnable: impl Fn(&Misfit) -> bool) -> bool {
         let clear = self.options.settings.measure.verdict.clear;
         let mut left = left.iter().flatten();
         left.any(|l| l.structured() > clear && learnable(l))
     }
 
-    /// Whether a learner predicts what is left from motion: that repeats, and is no contact.
+    /// Whether a learner predicts the residual from motion: then it repeats, and is no contact.
     fn repeats(&self, left: &[Option<Misfit>]) -> bool {
         let most = self.options.settings.traces.contact.learnable;
         self.structured(left, |l| l.learnable > most)
     }
 
-    /// Pushes in what a search leaves; of joints in motion where `moving`.
+    /// Pushes in the residual of a search; with `moving` also on joints in motion.
     fn pushed(&self, found: &Search, moving: bool) -> Option<Contact> {
         let pushes = &self.options.settings.traces.contact;
         let data = &self.frames.data;
@@ -306,7 +308,7 @@ impl<'a> Searcher<'a> {
             .filter(|c| c.at_rest || c.size > least)
     }
 
-    /// Pushes of the whole recording, where they are looked for.
+    /// Pushes of the whole recording, where they are searched.
     fn contact(
         &self,
         found: &Search,
@@ -325,8 +327,8 @@ impl<'a> Searcher<'a> {
         Ok(self.pushed(&clean, true))
     }
 
-    /// The search without the pushes, all pushes that it shows, and the samples left out for them: without the pushes the fit
-    /// shows the rest of them, and what is said has been cut.
+    /// The search without pushed samples, all pushes found, and the samples left out for them. Without the
+    /// pushes the fit shows further ones, so this is repeated.
     fn apart(
         &self,
         mut found: Search,
@@ -353,7 +355,7 @@ impl<'a> Searcher<'a> {
         Ok((found, contact, skipped))
     }
 
-    /// What chance earns as well on this recording is no cause.
+    /// Findings without causes whose gain chance reaches as well on this recording.
     #[expect(
         clippy::type_complexity,
         reason = "a search, what chance earns, and namings: one call"

@@ -1,4 +1,4 @@
-//! What sensors beside the motors' own show and no cause names, and which of them are not used.
+//! Findings of sensors beside the motors' encoders that no cause names, and sensors that are not used.
 
 use super::units;
 use crate::catalogue::gear::{Gear, Link};
@@ -9,7 +9,7 @@ use crate::schema::Cause;
 use crate::schema::value::value;
 use physics::robot::Robot;
 
-/// A line for each sensor that is not used, and for each gear that is seen to give way and is no cause.
+/// A line for each sensor that is not used, and for each gear that visibly gives way and is no cause.
 pub(super) fn beside(
     frames: &Frames,
     links: &[Link],

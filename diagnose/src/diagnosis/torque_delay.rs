@@ -1,15 +1,15 @@
-//! How late the torque is recorded, before anything else is looked for: a lag of some milliseconds rounds and shifts whatever
-//! turns round, rings or repeats over position, so that nothing has the shape that the catalogue knows.
+//! Delay of the recorded torque, which is determined before all else. A lag of some milliseconds rounds and
+//! shifts friction jumps, vibration and periodic lines, so that none has the shape in the catalogue.
 
 use crate::catalogue::time_delay;
 use crate::motion::channel::Channel;
 use crate::search::find::Findings;
 use physics::robot::Robot;
 
-/// Most searches after the first: which joints are late hardly changes after one.
+/// Most searches after the first: the set of late joints hardly changes after one.
 pub(super) const ROUNDS: usize = 2;
 
-/// Whether both say of the same joints that they are late.
+/// Whether both channels delay the same joints.
 pub(super) fn alike(a: Option<&Channel>, b: Option<&Channel>) -> bool {
     let joints = |c: &Channel| -> Vec<bool> {
         let each = std::iter::once(&c.whole).chain(&c.own);
@@ -18,7 +18,7 @@ pub(super) fn alike(a: Option<&Channel>, b: Option<&Channel>) -> bool {
     a.map(joints) == b.map(joints)
 }
 
-/// What the accepted delays of a search say of the channel; none without any.
+/// Torque channel from the accepted delays of a search; none without any.
 pub(super) fn channel(found: &Findings, given: &Robot) -> Option<Channel> {
     let dof = given.dof();
     let mut channel = Channel {

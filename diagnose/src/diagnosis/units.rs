@@ -1,10 +1,10 @@
-//! Units of joints that slide.
+//! Units of sliding joints.
 
 use crate::catalogue::Parameter;
 use crate::schema::{Cause, Place};
 use physics::robot::Robot;
 
-/// Units of joints that slide instead of turning. Inertial parameters are those of links.
+/// Converts units of causes for joints that slide instead of turning. Inertial parameters keep the units of links.
 pub(super) fn of_causes(mut causes: Vec<Cause>, robot: &Robot) -> Vec<Cause> {
     for cause in &mut causes {
         if cause.effect.info().body {
@@ -18,7 +18,7 @@ pub(super) fn of_causes(mut causes: Vec<Cause>, robot: &Robot) -> Vec<Cause> {
     causes
 }
 
-/// Units of what one joint's motion does to another.
+/// Converts units of a coupling by the kinds of its driven and driving joint.
 fn of_coupling(parameters: &mut [Parameter], driver: &str, robot: &Robot) {
     for p in parameters {
         let driven = p.joint.as_ref().is_some_and(|j| slides(robot, j));
@@ -26,7 +26,7 @@ fn of_coupling(parameters: &mut [Parameter], driver: &str, robot: &Robot) {
     }
 }
 
-/// The same of numbers of joints.
+/// Converts units of parameters that belong to sliding joints.
 pub(super) fn of_parameters(parameters: &mut [Parameter], robot: &Robot) {
     let slides = |name: &Option<String>| name.as_ref().is_some_and(|n| slides(robot, n));
     for p in parameters.iter_mut().filter(|p| slides(&p.joint)) {
@@ -34,7 +34,7 @@ pub(super) fn of_parameters(parameters: &mut [Parameter], robot: &Robot) {
     }
 }
 
-/// The same of regions.
+/// Converts units of regions on sliding joints.
 pub(super) fn of_places(mut places: Vec<Place>, robot: &Robot) -> Vec<Place> {
     for place in places.iter_mut().filter(|p| slides(robot, &p.joint)) {
         place.unit = place.unit.linear();

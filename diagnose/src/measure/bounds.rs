@@ -1,8 +1,9 @@
-//! What is advised is possible: links that are bodies, friction that takes energy.
+//! Bounds on the parameters: links must be possible bodies, and friction must dissipate energy.
 //!
-//! The fit near the given parameters knows no bounds; noise takes a damping of nothing below zero and a light link out of the
-//! cone of bodies. Its estimate is moved to the nearest one inside, nearest in the metric of its own posterior, and all that
-//! is fitted beside the parameters moves with them: text, tables, patch and figures are of one set of numbers.
+//! The fit near the given parameters has no bounds. Noise can make a damping near zero negative, and move a
+//! light link out of the cone of possible bodies. The estimate is moved to the nearest one inside, in the
+//! metric of its own posterior. All that is fitted beside the parameters moves with them, so that text, tables,
+//! patch and figures use one set of numbers.
 
 use crate::motion::scene::Scale;
 use crate::schema::Bounds;
@@ -14,13 +15,13 @@ use identify::feasible::{Constraints, Feasibility, Nominal};
 use ndarray::{Array1, Array2};
 use physics::robot::PARAMETERS_PER_LINK;
 
-/// Eigenvalue of a pseudo-inertia over the largest, below zero, that is rounding.
+/// Negative eigenvalue of a pseudo-inertia, over the largest, that counts as rounding.
 const ROUNDING: f64 = 1e-9;
-/// Deviation of the nominal model over a parameter's size: the posterior decides, not this.
+/// Prior deviation about the nominal model, over a parameter's size: so wide that the posterior decides.
 const FREE: f64 = 1e3;
 
-/// Moves the fit near the given parameters to possible ones. None where it is possible, and for an identified model, whose
-/// parameters are combinations.
+/// Moves the fit near the given parameters to possible ones. None where they are possible already, and for an
+/// identified model, whose parameters are combinations.
 pub fn hold(model: &NominalModel, found: &mut Findings, scale: &Scale) -> Option<Bounds> {
     if model.is_identified() {
         return None;
@@ -114,15 +115,16 @@ pub fn hold(model: &NominalModel, found: &mut Findings, scale: &Scale) -> Option
     Some(Bounds { held, cost })
 }
 
-/// A fit whose parameters are possible.
+/// A fit with possible parameters.
 struct Inside {
     beta: Array1<f64>,
-    /// Deviation of each parameter before.
+    /// Standard deviation of each parameter before the move.
     deviation: Vec<f64>,
 }
 
-/// Coefficients after their parameters are moved to the nearest possible ones, in the metric of the posterior: what is correlated with a
-/// parameter moves with it. `map` says which coefficient changes which parameter, and by how much per unit. None where the numerics fail.
+/// Coefficients after their parameters are moved to the nearest possible ones, in the metric of the posterior,
+/// so that correlated coefficients move along. `map` lists coefficient, parameter and change per unit. None
+/// where the numerics fail.
 fn inside(
     beta: &Array1<f64>,
     fitted: &[f64],

@@ -1,11 +1,11 @@
-//! Which parameters of the given structure moved, and by how many deviations, the causes being in place.
+//! Parameters of the given structure that moved, with all causes in the fit, and by how many standard deviations.
 
 use crate::schema::Moved;
 use crate::search::find::Findings;
 use crate::simulator::NominalModel;
 use physics::robot::{PARAMETER_NAMES, PARAMETERS_PER_LINK};
 
-/// Parameters that moved clearly, most deviations first. A payload is no move of the last link.
+/// Parameters that moved clearly, most deviations first. A payload does not count as a change of the last link.
 pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
     let n = model.robot.dof();
     let said = &found.settings.measure.said;

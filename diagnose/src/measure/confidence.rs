@@ -1,8 +1,9 @@
-//! How surely a cause has the right name, as one number.
+//! Confidence of a cause: the estimated probability that it has the right name.
 //!
-//! What speaks for a name is put together by logistic regression over simulated cases whose truth is known
-//! (`diagnose prove --calibrate` fits the weights and prints them), so that of the causes that are named with a confidence of 0.8 four in
-//! five are right there. Until the settings hold such weights there is no confidence, and the report has what speaks for a name alone.
+//! The evidence is combined by logistic regression over simulated cases with known truth (`diagnose prove
+//! --calibrate` fits the weights and prints them). So of the causes named with a confidence of 0.8, four in
+//! five are right there. Without such weights in the settings there is no confidence, and the report gives the
+//! evidence alone.
 
 use crate::schema::Support;
 use crate::search::find::{Accepted, Findings};
@@ -10,7 +11,7 @@ use crate::settings::ConfidenceSettings;
 use crate::surrogates::{Naming, Null};
 use crate::traces::unknown::Misfit;
 
-/// What each weight multiplies.
+/// Names of the terms that the weights multiply.
 pub const TERMS: [&str; 5] = [
     "constant",
     "ln(1 + lead)",
@@ -18,11 +19,11 @@ pub const TERMS: [&str; 5] = [
     "ln(1 + gain over chance)",
     "ln(1 + structure left in %)",
 ];
-/// Their number.
+/// Number of weights.
 pub const WEIGHTS: usize = TERMS.len();
 
 impl Support {
-    /// Of an accepted cause; none where its own columns were refused in its place.
+    /// Evidence for an accepted cause; none where its own columns were refused in its place.
     pub fn new(
         found: &Findings,
         cause: &Accepted,
@@ -42,7 +43,7 @@ impl Support {
         })
     }
 
-    /// What the weights multiply, in the order of `TERMS`.
+    /// Values of the terms that the weights multiply, in the order of `TERMS`.
     pub fn terms(&self) -> [f64; WEIGHTS] {
         [
             1.0,
@@ -60,7 +61,7 @@ impl Support {
     }
 }
 
-/// Logistic function of weighed terms.
+/// Logistic function of the weighted sum of the terms.
 pub fn probability(terms: &[f64; WEIGHTS], weights: &[f64; WEIGHTS]) -> f64 {
     let odds: f64 = terms.iter().zip(weights).map(|(t, w)| t * w).sum();
     1.0 / (1.0 + (-odds).exp())

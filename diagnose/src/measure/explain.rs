@@ -1,4 +1,4 @@
-//! What each cause does to the held-out recording: steps, shares, intervals, sizes.
+//! Effect of each cause on the held-out recording: steps of the ladder, shares, intervals, sizes.
 
 use crate::algebra::fit::Fit;
 use crate::catalogue::Candidate;
@@ -22,44 +22,44 @@ use datasets::metrics::deviations;
 use ndarray::{Array1, Array2};
 use physics::robot::PARAMETERS_PER_LINK;
 
-/// One cause's torque on the held-out recording.
+/// Torque of one cause on the held-out recording, shape (samples, joints).
 struct Part {
     effect: Effect,
     accepted: Option<usize>,
     torque: Array2<f64>,
 }
 
-/// Ladder, causes, and what the last step leaves on the held-out recording.
+/// Ladder, causes, and the residual of the last step on the held-out recording.
 pub struct Explanation {
-    /// Steps on the held-out recording.
+    /// Steps of the ladder on the held-out recording.
     pub ladder: Vec<Step>,
     /// Causes, largest share first.
     pub causes: Vec<Cause>,
     /// Held-out gap as given, shape (samples, joints); zero where a joint is not judged.
     pub gap: Array2<f64>,
-    /// Held-out residual of the last step, pushes still in it.
+    /// Held-out residual of the last step, shape (samples, joints), with pushes still in it.
     pub residual: Array2<f64>,
-    /// What of the held-out recording is scored at the last step.
+    /// Joints and samples of the held-out recording that are scored at the last step.
     pub scored: Scored,
-    /// Part of the held-out samples that pushes cut.
+    /// Part of the held-out samples that pushes cut out.
     pub cut: f64,
 }
 
-/// What the fitted recording says, which the held-out one only measures.
+/// Findings on the fitted recording, which the held-out recording only measures.
 pub struct FittedFindings<'a> {
     /// Causes that are listed.
     pub listing: &'a Listing,
     /// Pushes found in the fitted recording.
     pub contact: Option<&'a Contact>,
-    /// Joints without a usable torque channel there.
+    /// Whether each joint of the fitted recording lacks a usable torque channel.
     pub dead: &'a [bool],
-    /// Gains where nothing is missing, where surrogates were drawn.
+    /// Chance level of gains from surrogates, where they were drawn.
     pub null: Option<&'a Null>,
-    /// How surely each accepted cause is named; empty where no surrogates were drawn.
+    /// Evidence for the name of each accepted cause; empty where no surrogates were drawn.
     pub namings: &'a [Option<Naming>],
-    /// What the causes leave of each joint.
+    /// Structure in the residual of each joint beside the causes.
     pub left: &'a [Option<Misfit>],
-    /// Whether pushes are looked for in the held-out recording; if so, whether in motion, too.
+    /// Search for pushes in the held-out recording: none where it is off, else whether joints in motion are searched, too.
     pub look: Option<bool>,
 }
 
@@ -264,13 +264,13 @@ pub fn explain(
     }
 }
 
-/// What has to be known to trust a cause.
+/// Caveat of a cause for the report.
 fn remark(short: bool, candidate: Option<&Candidate>) -> Option<&'static str> {
     let shown = candidate.and_then(|c| c.shown).map(|_| STRUCK);
     short.then_some(SHORT).or(shown)
 }
 
-/// Chance of a gain, or of a trace, like an accepted cause's where nothing is missing.
+/// Probability of such a gain, or such a trace, where no effect is present.
 fn chance(found: &Findings, cause: &Accepted, null: Option<&Null>) -> Option<f64> {
     if let Some(shown) = found.candidates[cause.candidate].shown {
         return null.map(|_| shown);
@@ -305,7 +305,7 @@ fn joints(part: &Part, said: &FittedFindings, here: Option<&Contact>) -> Vec<usi
     }
 }
 
-/// Torques of all causes from the joint fit near the given parameters.
+/// Torques of all causes from the joint fit near the given parameters, shape (samples, joints) each.
 fn parts(
     model: &NominalModel,
     found: &Findings,

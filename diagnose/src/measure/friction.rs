@@ -1,4 +1,4 @@
-//! Friction as one number: all that resists a joint's motion at a speed, whatever the causes call it.
+//! Friction of a joint as one curve over speed: all torque that resists its motion, whatever cause it is assigned to.
 
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
@@ -9,9 +9,9 @@ use crate::simulator::NominalModel;
 use ndarray::{Array1, Array2, ArrayView1};
 use physics::robot::PARAMETERS_PER_LINK;
 
-/// Speeds that friction is stated at where a joint moved so fast, rad/s (m/s).
+/// Speeds at which friction is stated where a joint moved so fast, rad/s (m/s).
 const SPEEDS: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0];
-/// Samples of a speed: those within this factor of it.
+/// Half width of a speed's samples: factor on the speed.
 const BAND: f64 = 1.25;
 
 /// Friction of every joint, from the fit near the given parameters on the fitted recording.
@@ -50,7 +50,8 @@ pub fn friction(model: &NominalModel, frames: &Frames, found: &Findings) -> Vec<
         .collect()
 }
 
-/// Torque of all friction at a frame's recorded samples, of the fit near the given parameters, shape (samples, joints). `scene` shows the frame's motion.
+/// Torque of all friction in the fit near the given parameters, at a frame's recorded samples, N·m (N), shape
+/// (samples, joints). `scene` shows the frame's motion.
 pub(super) fn resisting(
     model: &NominalModel,
     found: &Findings,
@@ -80,8 +81,8 @@ pub(super) fn resisting(
     torque
 }
 
-/// Half the difference of the torque between both directions at a speed: of each the line through what was recorded near
-/// it. None where one direction was hardly recorded.
+/// Friction at a speed, N·m (N): half the difference between the torques of both directions. Each is read from
+/// a line through the samples near that speed. None where one direction has fewer than `least` samples.
 fn at_speed(qd: ArrayView1<f64>, torque: ArrayView1<f64>, speed: f64, least: usize) -> Option<f64> {
     let side = |sign: f64| {
         let near = |v: &f64| (speed / BAND..=speed * BAND).contains(v);
@@ -96,7 +97,7 @@ fn at_speed(qd: ArrayView1<f64>, torque: ArrayView1<f64>, speed: f64, least: usi
     Some(0.5 * (side(1.0)? + side(-1.0)?))
 }
 
-/// Value at `x` of the least-squares line through some points; their mean where they all stand at one place.
+/// Value at `x` of the least-squares line through some points; their mean where all have the same x.
 fn line_at(points: &[(f64, f64)], x: f64) -> f64 {
     let n = points.len() as f64;
     let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;

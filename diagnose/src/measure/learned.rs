@@ -1,8 +1,8 @@
-//! What the compensator would still close: error-learning units trained on what the causes leave of the fitted
-//! recording, applied to the held-out one.
+//! Error that a learned compensator would still remove: units trained on the fitted recording's residual beside
+//! the causes, applied to the held-out one.
 //!
-//! Inputs and architecture are those of `train`; the training is short, as the question is how much there is to
-//! learn and not how to learn all of it. A unit that does not help on the last fitted trajectories is off.
+//! Inputs and architecture are those of `train`. The training is short: it measures how much there is to learn,
+//! and does not learn all of it. A unit that does not help on the last fitted trajectories is switched off.
 
 use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
@@ -20,15 +20,15 @@ use std::ops::Range;
 
 /// Fastest rate of the samples within a window, Hz; faster recordings are several interleaved ones.
 const RATE: f64 = 62.5;
-/// Samples that an epoch visits.
+/// Number of samples that an epoch visits.
 const SAMPLES: f32 = 8000.0;
-/// Passes.
+/// Number of epochs.
 const EPOCHS: usize = 10;
-/// Fewest pieces; fewer trajectories are cut in time.
+/// Fewest pieces; with fewer trajectories each is cut in time.
 const FEWEST: usize = 8;
-/// Samples of the shortest piece.
+/// Number of samples of the shortest piece.
 const SHORTEST: usize = 50;
-/// Part of the pieces that decides whether a unit helps.
+/// Part of the pieces that judges whether a unit helps.
 const JUDGES: f64 = 0.25;
 
 /// A trained compensator.
@@ -36,12 +36,12 @@ pub struct Learned {
     compensator: Compensator,
     inputs: Vec<Input>,
     period: f64,
-    /// What it adds on the held-out recording, N·m, shape (samples, joints).
+    /// Torque that it adds on the held-out recording, N·m (N), shape (samples, joints).
     pub torque: Array2<f64>,
 }
 
 impl Learned {
-    /// Enters it into a model's file, whose session is the fitted recording and the held-out one; returns the weights.
+    /// Adds the compensator to a model's file, whose session is the fitted and the held-out recording. Returns the weights.
     ///
     /// # Errors
     /// Weights that cannot be written down.
@@ -64,9 +64,9 @@ impl Learned {
     }
 }
 
-/// The compensator on what the causes leave. `left` is what the causes leave of
-/// the fitted one; `robot` says which load the transmissions carry. None where the held-out recording is too slow for
-/// the windows.
+/// Trains a compensator on the residual beside the causes. `left` is that residual on the fitted recording,
+/// shape (samples, joints); `robot` gives the load of the transmissions. None where the held-out recording is
+/// too slow for the windows.
 ///
 /// # Errors
 /// The training failed.
@@ -139,7 +139,7 @@ pub fn learned(
     }))
 }
 
-/// Trajectories, or where there are few of them stretches of time.
+/// Trajectories; where there are few, each cut into stretches of time.
 fn pieces(segments: &[Range<usize>]) -> Vec<Range<usize>> {
     let cuts = FEWEST.div_ceil(segments.len().max(1));
     let cut = |s: &Range<usize>| {

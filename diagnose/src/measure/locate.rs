@@ -1,4 +1,4 @@
-//! Where the gap lies: shares of the squared held-out error by joint and region.
+//! Location of the gap: shares of the squared error on the held-out recording by joint and region.
 
 use crate::catalogue::Unit;
 use crate::schema::Place;
@@ -9,24 +9,24 @@ use ndarray::{Array1, Array2};
 use signal::Motion;
 use signal::spectrum::welch;
 
-/// Bins of a coordinate.
+/// Number of bins of a coordinate.
 const BINS: usize = 8;
-/// Window of the spectrum, s.
+/// Length of the spectrum's windows, s.
 const WINDOW: f64 = 4.0;
-/// Upper ends of the bands, Hz; the last reaches half the sampling rate.
+/// Upper ends of the frequency bands, Hz; the last band reaches half the sampling rate.
 const BANDS: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
 
-/// A region with the samples inside it.
+/// A region and the samples inside it.
 struct Region {
     place: Place,
     inside: Vec<bool>,
     joint: usize,
 }
 
-/// Regions with the largest shares of the squared error, in mean over joints of squared NRMSE. Each joint and coordinate
-/// gives its most overloaded region: the one whose share exceeds its share of time most. Of a band of frequency, the share of
-/// time is its share of the band up to half the sampling rate; of an order of position, its share of the orders that the
-/// recording resolves.
+/// Regions with the largest shares of the squared error: mean over joints of squared NRMSE. Each joint and
+/// coordinate gives the region whose share exceeds its share of time most. For a band of frequency, the share
+/// of time is its share of the band up to half the sampling rate. For an order of position, it is its share of
+/// the orders that the recording resolves.
 pub fn locate(
     gap: &Array2<f64>,
     tau: &Array2<f64>,
@@ -152,7 +152,7 @@ fn filled(
     }
 }
 
-/// A place with its shares of the gap and of time.
+/// A place with its share of the gap and of time.
 fn place(
     joint: &str,
     (coordinate, unit): (&'static str, Unit),
@@ -170,7 +170,7 @@ fn place(
     }
 }
 
-/// The contiguous bins of a coordinate that hold most error for their time.
+/// Contiguous bins of a coordinate with the most error for their time.
 fn region(values: &Array1<f64>, share: &Array1<f64>) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -214,7 +214,7 @@ fn interval(shares: &Array2<f64>, joint: usize, inside: &[bool], block: usize) -
     signal::bootstrap::ratio(&blocks).1
 }
 
-/// The band of frequency that holds most of a joint's error for its width; `share` is the joint's own.
+/// Band of frequency with the most error of a joint for its width. `share` is the joint's share of the gap.
 fn frequency(
     gap: &Array2<f64>,
     motion: &Motion,
@@ -253,7 +253,7 @@ fn frequency(
     ))
 }
 
-/// The order of position that holds most of a joint's error; `share` is the joint's own.
+/// Order of position with the most error of a joint. `share` is the joint's share of the gap.
 fn order(
     gap: &Array2<f64>,
     motion: &Motion,
@@ -281,7 +281,7 @@ fn order(
     ))
 }
 
-/// Distance travelled since the joint last turned round, within each trajectory.
+/// Distance travelled since the joint's last reversal, rad (m), within each trajectory.
 fn since_reversal(motion: &Motion, joint: usize) -> Array1<f64> {
     let mut out = Array1::zeros(motion.len());
     for s in &motion.segments {

@@ -1,4 +1,4 @@
-//! What the causes do: shares, sizes, intervals, and what is left.
+//! Measured effect of the causes: shares, sizes, intervals, residual, verdict.
 
 pub(crate) mod bounds;
 pub(crate) mod changed_parameters;

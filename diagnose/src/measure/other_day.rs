@@ -1,7 +1,8 @@
-//! Whether the held-out recording is of another day: friction that is more or less there than where it was fitted.
+//! Change of friction between the fitted and the held-out recording, as on another day.
 //!
-//! Of each joint the factor on all of its friction that what is left asks for, on every trajectory of either recording by itself. How much it
-//! differs between trajectories of the fitted recording says what is nothing. It changes no cause, no size and no verdict.
+//! For each joint and trajectory of either recording, the residual is regressed on the joint's friction: a
+//! factor on all of it. The spread of the factors between trajectories of the fitted recording gives the noise.
+//! It changes no cause, no size and no verdict.
 
 use crate::input::frames::Frames;
 use crate::measure::explain::Explanation;
@@ -14,19 +15,19 @@ use crate::simulator::NominalModel;
 use ndarray::Array2;
 use signal::delay::student;
 
-/// A joint whose friction is another in the held-out recording.
+/// A joint whose friction differs in the held-out recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Changed {
     /// Joint.
     pub joint: usize,
-    /// Friction there over that of the fitted recording, less one.
+    /// Relative change of friction from the fitted to the held-out recording.
     pub change: f64,
-    /// Its deviation.
+    /// Standard deviation of the change.
     pub std: f64,
 }
 
-/// Joints whose friction is another. `left` and `skipped` are of the fitted recording at its samples: what the causes leave out of fold,
-/// shape (samples, joints), and what a push has cut.
+/// Joints whose friction differs. `left` and `skipped` belong to the fitted recording at its samples: the
+/// residual out of fold, shape (samples, joints), and the samples that a push cuts out.
 pub fn changed(
     model: &NominalModel,
     frames: &Frames,
@@ -63,7 +64,7 @@ pub fn changed(
         .collect()
 }
 
-/// By trajectory: what is left, regressed on the friction.
+/// Regression coefficient of the residual on the friction, by trajectory.
 fn factors(
     frame: &Frame,
     left: &Array2<f64>,
@@ -84,7 +85,7 @@ fn factors(
     each.filter_map(|rows| of(frame.samples_of(rows))).collect()
 }
 
-/// Difference of the means and its deviation, where it is too large to be one between trajectories of a day.
+/// Difference of the means and its standard deviation, where it is too large for one between trajectories of a day.
 fn difference(own: &[f64], other: &[f64], settings: &OtherDaySettings) -> Option<(f64, f64)> {
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
     let squares = |x: &[f64]| {
@@ -104,7 +105,7 @@ fn difference(own: &[f64], other: &[f64], settings: &OtherDaySettings) -> Option
     (change.abs() > settings.least && change.abs() > most * std).then_some((change, std))
 }
 
-/// What is said of it.
+/// Note for the report; none where nothing changed.
 pub fn note(changed: &[Changed], names: &[String]) -> Option<String> {
     let one = |c: &Changed| {
         format!(

@@ -1,4 +1,4 @@
-//! Sizes of causes, how sure their names are, and what else they could be.
+//! Sizes of causes, the lead of their names, and ambiguous names.
 
 use crate::catalogue::effect::Effect;
 use crate::catalogue::{Candidate, Parameter, Shape, Size, Unit};
@@ -9,7 +9,7 @@ use crate::simulator::NominalModel;
 use crate::traces::contact::Contact;
 use physics::robot::PARAMETERS_PER_LINK;
 
-/// Coefficients as the report's quantities, shape parameters after them.
+/// Coefficients of a cause as the report's parameters, followed by its shape parameters.
 pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Parameter> {
     let accepted = &found.accepted[cause];
     let candidate = found.candidate(cause);
@@ -63,8 +63,8 @@ pub fn parameters(found: &Findings, cause: usize, names: &[String]) -> Vec<Param
     out
 }
 
-/// Shapes of a cause that were tried in its place, each with how nearly it explains as much: what lies within `leftover` of the gain is
-/// within what a wrong form leaves behind. Weights of 1 and less.
+/// Shapes of a cause that were tried in its place, each with a weight of at most 1 by its gain. A gain that is
+/// lower by the part `leftover` is within what a wrong form leaves behind.
 fn shapes(found: &Findings, cause: usize) -> Vec<(f64, &CandidateScore)> {
     let accepted = &found.accepted[cause];
     let own = found.candidate(cause);
@@ -87,7 +87,7 @@ fn shapes(found: &Findings, cause: usize) -> Vec<(f64, &CandidateScore)> {
         .collect()
 }
 
-/// Deviation from `value` of weighed numbers.
+/// Weighted standard deviation of numbers about `value`.
 fn around(value: f64, numbers: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (sum, square) = numbers.fold((0.0, 0.0), |(sum, square), (weight, x)| {
         (sum + weight, square + weight * (x - value).powi(2))
@@ -95,8 +95,9 @@ fn around(value: f64, numbers: impl Iterator<Item = (f64, f64)>) -> f64 {
     (square / f64::max(sum, 1.0)).sqrt()
 }
 
-/// Deviation of a number of the cause's shape, of which a grid was tried. `numbers` are the values on the grid with their weights: the
-/// deviation is that among them, and no less than that of a number between its neighbours. None where there is but one.
+/// Standard deviation of a shape parameter that was tried on a grid. `numbers` are the values on the grid with
+/// their weights. It is their deviation from `value`, and at least that of a number between its neighbours.
+/// None where there is but one.
 fn of_grid(numbers: &[(f64, f64)], value: f64) -> Option<f64> {
     let beside = |sign: f64| {
         let steps = numbers.iter().map(|(_, x)| sign * (x - value));
@@ -112,7 +113,7 @@ fn of_grid(numbers: &[(f64, f64)], value: f64) -> Option<f64> {
     Some(around(value, finite).max(cell / 12.0_f64.sqrt()))
 }
 
-/// Sizes that a sensor measured, as the report's quantities.
+/// Sizes that a sensor measured, as the report's parameters.
 pub fn measured(sizes: &[Size], joint: Option<&String>) -> Vec<Parameter> {
     let one = |s: &Size| Parameter {
         name: s.name.to_owned(),
@@ -186,7 +187,7 @@ pub fn moved(
     out
 }
 
-/// The part of a joint's Coulomb friction that builds up over a wider velocity than the model's, and that velocity.
+/// Part of a joint's Coulomb friction that builds up over a wider velocity than the model's, and that velocity.
 fn slow(found: &Findings, joint: usize, names: &[String]) -> Vec<Parameter> {
     let own = (0..found.accepted.len()).find(|&c| {
         let candidate = found.candidate(c);
@@ -199,7 +200,7 @@ fn slow(found: &Findings, joint: usize, names: &[String]) -> Vec<Parameter> {
     all
 }
 
-/// Force of the strongest push, its link and time: of the held-out recording, or of the fitted one where there is none.
+/// Force of the strongest push, its link and time, from the held-out recording, else from the fitted one.
 pub fn pushed(
     model: &NominalModel,
     frames: &Frames,
@@ -236,7 +237,7 @@ pub fn pushed(
     out
 }
 
-/// Gain of the name over the best other name, nats.
+/// Lead of the name: gain over the best other name, nats.
 pub fn lead(found: &Findings, tried: &[CandidateScore], own: usize) -> f64 {
     let effect = found.candidates[own].effect;
     let best = |f: &dyn Fn(&Candidate) -> bool| {
@@ -248,7 +249,7 @@ pub fn lead(found: &Findings, tried: &[CandidateScore], own: usize) -> f64 {
     best(&|c| c.effect == effect) - best(&|c| c.effect != effect)
 }
 
-/// Effects that explain nearly as much in its place.
+/// Effects whose gain in its place is nearly as large.
 pub fn ambiguous(found: &Findings, tried: &[CandidateScore], own: usize) -> Vec<Effect> {
     let effect = found.candidates[own].effect;
     let gain = tried

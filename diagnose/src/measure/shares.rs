@@ -1,31 +1,32 @@
-//! Shares of the gap and what leaving a cause out costs.
+//! Shares of the gap, and the loss when a cause is left out.
 //!
 //! With r the gap as given and c_k the torques of the causes from one joint fit, the squared error of a set S
 //! of causes is |r − Σ_S c_k|². Shapley's value of a game that is quadratic in its players is exact without
 //! enumeration: φ_k = 2 r·c_k − c_k·Σ_l c_l. What a push leaves out of the score counts as its torque.
 //!
-//! Causes that work against each other (friction near standstill and a smaller Coulomb coefficient) take from each
-//! other's values, down to nothing, though neither can be done without. So a cause's part is at least what is lost
-//! where it alone is left out and the rest fitted again.
+//! Causes that oppose each other (friction near standstill and a smaller Coulomb coefficient) reduce each
+//! other's Shapley values, down to zero, though neither can be left out. So a cause's part is at least the loss
+//! when it alone is left out and the others are fitted again.
 
 use ndarray::Array2;
 
-/// What a cause removes from the gap; all of shape (samples, joints).
+/// Torques for the share of one cause, N·m (N), all of shape (samples, joints).
 pub struct Removed<'a> {
     /// The gap as given.
     pub gap: &'a Array2<f64>,
     /// Torques of all causes.
     pub all: &'a Array2<f64>,
-    /// The cause's own.
+    /// Torque of this cause.
     pub torque: &'a Array2<f64>,
-    /// What all causes leave.
+    /// Residual with all causes.
     pub with: &'a Array2<f64>,
-    /// What the others leave, fitted again.
+    /// Residual with all other causes, fitted again.
     pub without: &'a Array2<f64>,
 }
 
 impl Removed<'_> {
-    /// Squared NRMSE, summed over joints and samples, by Shapley's value, or what is lost without the cause where that is more.
+    /// Value of the cause: squared NRMSE, summed over joints and samples. It is the Shapley value, or the loss
+    /// without the cause where that is more.
     pub fn value(&self, deviation: &[Option<f64>]) -> f64 {
         let each = deviation.iter().enumerate();
         let scored = || each.clone().filter_map(|(j, d)| Some((j, (*d)?)));
@@ -41,7 +42,7 @@ impl Removed<'_> {
     }
 }
 
-/// Shares that sum to one; what does harm has none.
+/// Shares that sum to one; a negative value gets none.
 pub fn normed(values: &[f64]) -> Vec<f64> {
     let sum: f64 = values.iter().map(|v| v.max(0.0)).sum();
     let share = |v: &f64| if sum > 0.0 { v.max(0.0) / sum } else { 0.0 };

@@ -1,10 +1,10 @@
-//! What the gap means in motion: how long the simulated robot follows the real one, and how well a controller tracks with
-//! the model's torque as feed-forward.
+//! The gap as motion: how long a simulated robot follows the recorded motion, and the tracking error of a
+//! controller with the model's torque as feed-forward.
 //!
-//! A simulated robot is the rigid body with friction and rotor inertia, τ_b(q, q̇, q̈), and whatever torque the model has
-//! beyond that, taken along the recorded motion: τ_x(t) = τ̂(t) − τ_b(q, q̇, q̈ as recorded). Effects with memory, shifts in time
-//! and errors of the torque measurement are thereby in it without a simulation of their own; it holds while the simulated
-//! motion is near the recorded one, which is what is measured.
+//! A simulated robot is the rigid body with friction and rotor inertia, τ_b(q, q̇, q̈). Torque of the model
+//! beyond that is taken along the recorded motion: τ_x(t) = τ̂(t) − τ_b(q, q̇, q̈ as recorded). It holds
+//! effects with memory, shifts in time and errors of the torque measurement without a simulation of their own.
+//! This is valid while the simulated motion is near the recorded one, which is what is measured.
 //!
 //! - Free: τ_b(q, q̇, q̈) = τ − τ_x(t) from the recorded state on, τ as recorded. A model without gap stays on the recorded
 //!   motion.
@@ -26,26 +26,26 @@ use std::ops::Range;
 
 /// Integration step and control period, s.
 const STEP: f64 = 1e-3;
-/// Motion that is simulated, s.
+/// Most motion that is simulated, s.
 const LONGEST: f64 = 20.0;
-/// Time between the starts of free runs, and their longest duration, s.
+/// Time between the starts of free runs, s, and their longest duration, s.
 const FREE: (f64, f64) = (2.0, 5.0);
-/// Distance from the recorded motion at which it is followed no more, rad and m.
+/// Distance from the recorded motion at which a free run ends, rad and m.
 const TOLERANCE: [f64; 2] = [0.035, 0.01];
 /// Bandwidth (Hz) and damping of the controller.
 const CONTROLLER: (f64, f64) = (5.0, 0.8);
-/// Speed below which the sign of velocity is softened, rad/s (m/s).
+/// Speed below which the sign of velocity is softened, rad/s (m/s), in the simulation.
 const SOFT: f64 = 0.005;
 
-/// A model and what it predicts at the recorded samples.
+/// A model and its predicted torque at the recorded samples.
 pub struct Model<'a> {
     /// Rigid body, friction and rotor inertia; its links are possible bodies.
     pub robot: &'a Robot,
-    /// Torque, shape (samples, joints).
+    /// Predicted torque, N·m (N), shape (samples, joints).
     pub torque: &'a Array2<f64>,
 }
 
-/// Simulates the recording with two models. None where a simulation runs away.
+/// Simulates the recording with two models. None where a simulation diverges.
 pub fn compare(frame: &Frame, before: &Model, after: &Model) -> Option<Simulation> {
     let stretches = stretches(frame);
     let seconds: f64 = stretches.iter().map(|r| duration(frame, r)).sum();
@@ -74,7 +74,7 @@ pub fn compare(frame: &Frame, before: &Model, after: &Model) -> Option<Simulatio
     })
 }
 
-/// The first trajectories, cut to what is simulated.
+/// First trajectories of the recording, cut to the simulated duration.
 fn stretches(frame: &Frame) -> Vec<Range<usize>> {
     let rate = frame.report().rate_hz;
     let mut left = (LONGEST * rate) as usize;
@@ -101,7 +101,7 @@ fn tolerances(robot: &Robot) -> Vec<f64> {
     joints.map(|j| of(j.kind.is_rotation())).collect()
 }
 
-/// τ_b on the recorded motion, shape (samples, joints).
+/// τ_b on the recorded motion, N·m (N), shape (samples, joints).
 fn body_torque(frame: &Frame, robot: &Robot) -> Array2<f64> {
     let m = frame.samples();
     let mut tau = rigid_torque(robot, &m.q, &m.qd, &m.qdd);
@@ -141,7 +141,7 @@ fn plant(frame: &Frame, robot: &Robot, row: usize) -> Plant {
     plant
 }
 
-/// A table between its samples: cubic through the neighbours (Catmull and Rom), within one trajectory.
+/// Interpolation of a table between its samples within one trajectory, by cubic splines (Catmull and Rom).
 struct Between<'a> {
     table: &'a Array2<f64>,
     time: &'a [f64],
@@ -159,7 +159,7 @@ impl<'a> Between<'a> {
         }
     }
 
-    /// Values at `t`, which must not fall from call to call.
+    /// Values at the time `t`, s, which must not fall from call to call.
     fn values(&mut self, t: f64, out: &mut [f64]) {
         while self.at + 2 < self.rows.end && self.time[self.at + 1] <= t {
             self.at += 1;
@@ -190,7 +190,7 @@ impl<'a> Between<'a> {
     }
 }
 
-/// Seconds for which free runs stay within the tolerance.
+/// Time for which each free run stays within the tolerance, s.
 fn follows(frame: &Frame, model: &Model, stretches: &[Range<usize>]) -> Vec<f64> {
     let acting = &frame.tau - model.torque + body_torque(frame, model.robot);
     let rate = frame.report().rate_hz;

@@ -1,8 +1,8 @@
-//! What a diagnosis comes to.
+//! The verdict.
 //!
-//! Judged joint by joint on what the last step leaves out of fold of the fitted recording, pushes aside: in motion and at
-//! rest against the floor, and away from reversals by structure. Held-out torque decides nothing here but how much of it
-//! pushes have cut.
+//! Judged joint by joint on the residual of the last step, out of fold on the fitted recording, without pushes.
+//! In motion and at rest it is compared with the floor, and away from reversals it is tested for structure.
+//! Held-out torque decides nothing here but the part that pushes cut out.
 
 use crate::motion::frame::Frame;
 use crate::motion::standing::{Judged, State};
@@ -11,27 +11,27 @@ use crate::settings::VerdictSettings;
 use crate::traces::unknown::Misfit;
 use ndarray::Array2;
 
-/// What the verdict is made of.
+/// Evidence for the verdict.
 pub(crate) struct Evidence<'a> {
     /// Joints without a usable torque channel.
     pub dead: &'a [bool],
-    /// Whether there is motion to judge by.
+    /// Whether some joint moves long enough to be judged.
     pub moves: bool,
-    /// Sum over joints of the squared NRMSE as given, on the fitted recording.
+    /// Gap as given on the fitted recording: sum over joints of the squared NRMSE.
     pub given: f64,
-    /// What has structure, by joint.
+    /// Structure in the residual, by joint.
     pub left: &'a [Option<Misfit>],
-    /// What is left, by joint.
+    /// Size of the residual and of the floor, by joint.
     pub rest: &'a [Unexplained],
-    /// Whether anything is listed, and whether a push is.
+    /// Whether any cause is listed.
     pub causes: bool,
-    /// The same of pushes.
+    /// Whether a push is listed.
     pub pushed: bool,
-    /// Part of the held-out samples that pushes cut.
+    /// Part of the held-out samples that pushes cut out.
     pub cut: f64,
 }
 
-/// Joints whose torque channel says nothing: nearly every sample has one value.
+/// Whether each joint's torque channel is unusable: nearly all samples have one value.
 pub(crate) fn dead(frame: &Frame, settings: &VerdictSettings) -> Vec<bool> {
     let one = |column: ndarray::ArrayView1<f64>| {
         let mut values: Vec<f64> = column.to_vec();
@@ -60,7 +60,7 @@ pub(crate) fn moves(
     (0..frame.dof()).any(|j| !dead[j] && seconds(j) as f64 >= least)
 }
 
-/// What is left on every joint, `skipped` samples aside; `floors` is the least that any model leaves.
+/// Residual of every joint without `skipped` samples. `floors` is the noise floor by joint, N·m (N).
 pub(crate) fn remainder(
     floors: &[Option<f64>],
     judged: &Judged,
@@ -96,8 +96,8 @@ pub(crate) fn remainder(
         .collect()
 }
 
-/// How many times the floor is left on a joint, in motion or at rest, whichever is more; none where nothing was judged.
-/// Infinite where something is left and no floor is known.
+/// Largest error of a joint, in motion or at rest, over its floor. None where nothing was judged; infinite
+/// where an error is left and no floor is known.
 fn over(rest: &Unexplained) -> Option<f64> {
     let most = rest
         .moving
@@ -107,7 +107,7 @@ fn over(rest: &Unexplained) -> Option<f64> {
     Some(most / rest.floor.unwrap_or(0.0))
 }
 
-/// The verdict, and why where nothing can be told.
+/// The verdict, and the reason where it is `cannot_tell`.
 pub(crate) fn verdict(e: &Evidence, settings: &VerdictSettings) -> (Verdict, Option<String>) {
     let tell = |why: &str| (Verdict::CannotTell, Some(why.to_owned()));
     if e.dead.iter().all(|d| *d) {

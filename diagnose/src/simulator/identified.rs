@@ -1,4 +1,4 @@
-//! The physics of a model directory as the model that a gap is measured from.
+//! The physics of a model directory as the model to which the gap is measured.
 
 use crate::motion::frame::Frame;
 use crate::motion::passage::Terms;
@@ -16,22 +16,23 @@ use physics::effects::{Sliding, Term};
 use physics::robot::Robot;
 use physics::torque_model::{TorqueModel, TorqueModelError, TorqueModelRecord, WeightedTerm};
 
-/// Difference of start times within which two trajectories are the same one, s.
+/// Largest difference of start times at which two trajectories count as the same, s.
 const SAME_START: f64 = 1e-6;
 
-/// What of a model file another one starts from.
+/// Contents of a model file that a further model file takes over.
 #[derive(Clone, Debug)]
 pub(crate) struct IdentifiedFile {
     /// The torque model.
     pub(crate) physics: TorqueModelRecord,
-    /// What the recorded torque went through.
+    /// Torque channel of the recordings.
     pub(crate) channel: Option<TorqueChannel>,
-    /// How much later it was recorded than the motion.
+    /// Delay of the recorded torque after the motion.
     pub(crate) torque_delay: Option<Estimate95>,
 }
 
-/// Parameters of all links with the torque of the identified ones: the description's, changed where the recordings say
-/// so. What no motion of the mounted arm shows, a tilt of its base does, and zero would be a poor guess of it.
+/// Inertial parameters of all links with the same torque as the identified ones: the description's, changed
+/// where the recordings determine them. Combinations that no motion of the mounted arm shows matter once its
+/// base is tilted, and zero would be a poor guess of them.
 fn filled(nominal: &Robot, identified: &Robot) -> Vec<f64> {
     let base = BaseParameters::of_robot(nominal, &[]);
     let given = nominal.parameters();
@@ -42,7 +43,7 @@ fn filled(nominal: &Robot, identified: &Robot) -> Vec<f64> {
     given.iter().zip(change).map(|(g, c)| g + c).collect()
 }
 
-/// An identified torque model with what it remembers of its training.
+/// An identified torque model with its memory of the training recordings.
 #[derive(Clone, Debug)]
 pub(super) struct Identified {
     model: TorqueModel,
@@ -54,8 +55,8 @@ pub(super) struct Identified {
 }
 
 impl Identified {
-    /// The robot that stands for the model where columns are built, and the model itself. The robot has the identified
-    /// inertial parameters, friction, rotor inertias, counterbalance and springs.
+    /// The robot with which columns are built, and the model itself. The robot has the identified inertial
+    /// parameters, friction, rotor inertias, counterbalance and springs.
     pub(super) fn new(file: &ModelFile) -> Result<(Robot, Self), TorqueModelError> {
         let model = file.physics.model()?;
         let value = |wanted: &Term| -> Vec<f64> {
@@ -101,7 +102,7 @@ impl Identified {
         Ok((robot, identified))
     }
 
-    /// Terms that no robot holds, and friction below zero, which a robot's is not, by joint.
+    /// Terms by joint that a robot cannot hold: negative friction, and all terms but friction, rotor inertia and passive torques.
     pub(super) fn beside(&self) -> Vec<Terms> {
         let plain = [Sliding::Viscous, Sliding::Coulomb].map(Term::Sliding);
         let of = |list: &Vec<WeightedTerm>| {
@@ -121,7 +122,7 @@ impl Identified {
         self.model.terms().iter().map(of).collect()
     }
 
-    /// The same on the clock of other recordings than those that it was trained on.
+    /// Moves the model's memory to the clock of other recordings than those of its training.
     pub(super) fn on_clock_of(&mut self, recordings: Vec<Prepared>) {
         let count = recordings.len();
         let session = Session::new(recordings, &[]);
@@ -129,7 +130,7 @@ impl Identified {
         self.clock = session.clock(count);
     }
 
-    /// Torque at the recorded samples, shape (samples, joints).
+    /// Predicted torque at the recorded samples, N·m (N), shape (samples, joints).
     pub(super) fn predicted(&self, frame: &Frame) -> Array2<f64> {
         // What is known of the frame's own trajectories is computed again; it may continue any other.
         let own = spans(frame.motion());

@@ -1,4 +1,4 @@
-//! The simulator's model: what a gap is measured from.
+//! The simulator's model, to which the gap is measured.
 
 mod identified;
 pub(crate) mod possible;
@@ -18,10 +18,10 @@ use ndarray::Array2;
 use physics::robot::{Joint, Masses, PARAMETERS_PER_LINK, Robot, RobotError};
 use std::sync::Arc;
 
-/// What the simulator computes torque with: a robot with its friction, or an identified model.
+/// Model with which the simulator computes torque: a robot with its friction, or an identified model.
 #[derive(Clone, Debug)]
 pub struct NominalModel {
-    /// Inertials, damping, friction, rotor inertia, counterbalance, springs.
+    /// Robot with inertials, damping, friction, rotor inertia, counterbalance and springs.
     pub robot: Robot,
     identified: Option<Identified>,
     preparation: Option<PrepareOptions>,
@@ -53,7 +53,7 @@ impl NominalModel {
         })
     }
 
-    /// The same with what it left of the recordings that it was identified on, where a later one repeats their motions.
+    /// The model with its residual on the recordings that it was identified from, for later recordings that repeat their motions.
     pub fn with_replay(self, replay: Replay) -> Self {
         Self {
             replay: Some(Arc::new(replay)),
@@ -61,8 +61,7 @@ impl NominalModel {
         }
     }
 
-    /// The same on the clock of recordings of another day, by their motion alone; a model that was not identified remembers
-    /// nothing.
+    /// The model on the clock of recordings of another day, by their motion alone. A model that was not identified has no memory.
     ///
     /// # Errors
     /// A recording that cannot be prepared.
@@ -81,12 +80,12 @@ impl NominalModel {
         Ok(self)
     }
 
-    /// What the model replays, where it does.
+    /// The earlier residuals that the model replays, where it does.
     pub fn replay(&self) -> Option<&Replay> {
         self.replay.as_deref()
     }
 
-    /// The same without: the model alone speaks.
+    /// The model without replayed residuals.
     pub fn alone(self) -> Self {
         Self {
             replay: None,
@@ -94,40 +93,42 @@ impl NominalModel {
         }
     }
 
-    /// The robot whose masses and lengths say how large a change of a parameter is. Identified parameters are
-    /// combinations and may be zero or negative where the nominal ones are not.
+    /// Robot whose masses and lengths give the size of each parameter. Identified parameters are combinations,
+    /// and may be zero or negative where the nominal ones are not.
     pub fn sizes(&self) -> &Robot {
         self.identified.as_ref().map_or(&self.robot, |i| &i.sizes)
     }
 
-    /// Whether its masses are somebody's statement: described as such, or identified.
+    /// Whether its masses are given: described as such, or identified.
     pub fn has_masses(&self) -> bool {
         self.is_identified() || self.robot.masses() == Masses::Described
     }
 
-    /// How recordings were prepared that the parameters were identified on; none where nothing was.
+    /// Preparation of the recordings on which the parameters were identified; none for a model that was not identified.
     pub fn preparation(&self) -> Option<&PrepareOptions> {
         self.preparation.as_ref()
     }
 
-    /// Terms of an identified model beside what [`NominalModel::robot`] holds, by joint; nothing where none was identified.
+    /// Terms of an identified model that [`NominalModel::robot`] does not hold, by joint; empty for a model
+    /// that was not identified.
     pub fn beside(&self) -> Vec<Terms> {
         self.identified.as_ref().map_or(Vec::new(), |i| i.beside())
     }
 
-    /// The model file that the model comes from, where it does.
+    /// Contents of the model file, where the model comes from one.
     pub(crate) fn file(&self) -> Option<&IdentifiedFile> {
         self.identified.as_ref().map(|i| &i.file)
     }
 
-    /// Whether the parameters were identified on a recording, so that one at zero is no missing one.
+    /// Whether the parameters were identified on a recording. Then a parameter at zero does not count as missing.
     pub fn is_identified(&self) -> bool {
         self.identified.is_some()
     }
 
-    /// Torque that the simulator predicts at the recorded samples, shape (samples, joints): inverse dynamics +
-    /// damping·q̇ + friction·sign(q̇), with rotor inertia, counterbalance and springs where the model has them; or the
-    /// identified model's torque, memory included, and what it left where it replays an earlier recording.
+    /// Torque that the simulator predicts at the recorded samples, N·m (N), shape (samples, joints): inverse
+    /// dynamics + damping·q̇ + friction·sign(q̇), with rotor inertia, counterbalance and springs where the
+    /// model has them. For an identified model its torque with memory, plus the replayed residual of an earlier
+    /// recording.
     pub fn predicted(&self, frame: &Frame, scale: &Scale) -> Array2<f64> {
         let torque = match &self.identified {
             Some(identified) => identified.predicted(frame),
@@ -141,8 +142,8 @@ impl NominalModel {
         }
     }
 
-    /// The same structure with parameters moved by `change` (10 N inertial, N viscous, N Coulomb). Coefficients of friction
-    /// stay at zero or above: a direction of friction that feeds energy is a fit's artefact.
+    /// The model's robot with parameters moved by `change` (10 N inertial, N viscous, N Coulomb). Coefficients
+    /// of friction stay at zero or above: a direction of friction that feeds energy is a fit's artefact.
     ///
     /// # Errors
     /// Wrong number of values.

@@ -1,11 +1,11 @@
-//! Links that are possible bodies and give the torques that were fitted.
+//! Robots with possible bodies that have the fitted torques.
 
 use identify::base::BaseParameters;
 use identify::feasible::{Constraints, Feasibility, Nominal};
 use physics::robot::{Robot, RobotError, to_urdf};
 
-/// `fitted` as it is where its links are possible bodies; else the possible robot with the same base parameters, hence
-/// the same torques, that is nearest to `nominal`.
+/// `fitted` itself where its links are possible bodies. Else the possible robot nearest to `nominal` with the
+/// same base parameters, hence the same torques.
 ///
 /// # Errors
 /// Neither makes a robot.

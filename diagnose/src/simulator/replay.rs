@@ -1,7 +1,7 @@
-//! What a model left of an earlier recording, as far as a later one repeats its motions.
+//! Residual of a model on an earlier recording, where a later one repeats its motions.
 //!
-//! What the model lacks is the same in both, so that it cancels: the later torque is compared with the earlier one
-//! itself, and the model only carries it over the small difference of the two motions.
+//! Torque that the model lacks is the same in both, so that it cancels. The later torque is compared with the
+//! earlier torque itself, and the model only bridges the small difference of the two motions.
 
 use crate::motion::executions::Execution;
 use crate::motion::frame::Frame;
@@ -9,14 +9,14 @@ use datasets::Recording;
 use ndarray::{Array2, Axis};
 use signal::Motion;
 
-/// Earlier executions with what the model left of their torque.
+/// Earlier executions with the model's residual torque.
 #[derive(Clone, Debug, Default)]
 pub struct Replay {
     executions: Vec<(Execution, Array2<f64>)>,
 }
 
 impl Replay {
-    /// Adds a recording: its motion at the recorded stamps, and what is left of its torque there, shape (samples, joints).
+    /// Adds a recording: its motion at the recorded stamps, and the residual torque there, N·m (N), shape (samples, joints).
     pub fn add(&mut self, motion: &Motion, left: &Array2<f64>) {
         let executions = motion.segments.iter().map(|rows| {
             let own = left.slice_axis(Axis(0), rows.clone().into()).to_owned();
@@ -26,7 +26,7 @@ impl Replay {
         self.executions.extend(executions);
     }
 
-    /// Root mean square of what was left of all earlier recordings, by joint, N·m (N).
+    /// Root mean square of the residual over all earlier recordings, by joint, N·m (N).
     pub fn left(&self) -> Vec<f64> {
         let joints = self.executions.first().map_or(0, |(_, left)| left.ncols());
         let rms = |j: usize| {
@@ -37,8 +37,7 @@ impl Replay {
         (0..joints).map(rms).collect()
     }
 
-    /// Part of a recording's time that is spent in motions which the earlier ones hold, and how many executions of these they
-    /// hold on average.
+    /// Part of a recording's time in motions that the earlier recordings hold, and the mean number of their executions.
     pub fn known(&self, recording: &Recording) -> (f64, f64) {
         let (mut all, mut known, mut executions) = (0, 0, 0);
         for rows in recording.segments() {
@@ -55,8 +54,8 @@ impl Replay {
         (share, executions as f64 / known.max(1) as f64)
     }
 
-    /// What was left at the samples of a later recording, the mean of all earlier executions of the motion, shape (samples,
-    /// joints); zero where the motion is new.
+    /// Residual at the samples of a later recording, N·m (N), shape (samples, joints): mean over all earlier
+    /// executions of the motion; zero where the motion is new.
     pub fn at(&self, frame: &Frame) -> Array2<f64> {
         let motion = frame.samples();
         let mut sum = Array2::zeros(motion.q.dim());

@@ -1,11 +1,11 @@
-//! Surrogates of the user's own recording: torques as they would be if something were true of it.
+//! Surrogates of the user's recording: simulated torques under a hypothesis on the recording.
 //!
-//! A surrogate's torque is what a fit predicts, its coefficients drawn from their posterior, plus what the accepted model
-//! left of each stretch of time out of fold, with the stretch's sign drawn anew for all joints together (wild bootstrap by
-//! blocks: Liu 1988; Shao 2010). Motion, places where the error is large, autocorrelation within a stretch and correlation between
-//! joints stay; what repeats from stretch to stretch, and so could be a cause, goes. Only products with the torque change, so the
-//! catalogue is searched on each surrogate by algebra. Lines over position, which are picked from the torque, are picked
-//! again ([`scan`]).
+//! A surrogate's torque is a fit's prediction, its coefficients drawn from their posterior, plus the
+//! out-of-fold residual of the accepted model, with one random sign per stretch of time for all joints (wild
+//! bootstrap by blocks: Liu 1988; Shao 2010). It keeps the motion, the places of large errors, autocorrelation
+//! within a stretch and correlation between joints. It destroys all that repeats from stretch to stretch, and
+//! so could be a cause. Only products with the torque change, so the catalogue is searched on each surrogate by
+//! algebra. Lines over position, which are picked from the torque, are picked again ([`scan`]).
 
 mod naming;
 mod null;
@@ -32,22 +32,23 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Everything that surrogates of one recording are drawn from and searched with.
+/// Data from which surrogates of one recording are drawn, and with which they are searched.
 pub struct Source<'a> {
     frames: &'a Frames,
     search: Search<'a>,
     fit: &'a Fit<'a>,
-    /// What the accepted model leaves out of fold, and the rows' weights, shape (rows, joints).
+    /// Out-of-fold residual of the accepted model, N·m (N), and the rows' weights, both of shape (rows, joints).
     residual: &'a Array2<f64>,
     weight: &'a Array2<f64>,
-    /// Stretches of rows, each with its fold, and what is left on them.
+    /// Stretches of rows, each with its fold, and the products with the residual on them.
     cut: &'a [(usize, Range<usize>)],
     stretches: Stretches,
     /// Candidates that are tried beside the accepted ones.
     open: Vec<usize>,
 }
 
-/// Calls `ask` with the source of surrogates of the fitted recording. Flat tops and blows that were seen stay candidates as they are.
+/// Calls `ask` with the source of surrogates of the fitted recording. Candidates from a flat top or blows in
+/// the recording are kept as they are.
 pub fn with<T>(
     model: &NominalModel,
     frames: &Frames,

@@ -1,11 +1,12 @@
-//! How surely a cause has the right name: the same recording simulated as if it, or a rival, were true, and named again.
+//! Evidence for the name of a cause: the recording is simulated as if the cause, or a rival, were true, and named again.
 //!
-//! For the cause and for each of its rivals, surrogates are drawn from the fit that has it in the cause's place. On each, the shapes of
-//! the cause and of the rival are tried again; the lead of the cause over the rival is distributed one way where the cause is true and
-//! another where the rival is. Where the observed lead lies between the two says how many times as likely one is as the
-//! other. Leads are compared by Student's t with few degrees of freedom, so that no recording makes a name certain. Parameters are
-//! no such rivals: what is free imitates nearly everything, and what speaks against it is its price, which the lead holds. Lines over
-//! position are tried at the orders that the recording showed, not picked again.
+//! For the cause and for each of its rivals, surrogates are drawn from the fit with it in the cause's place. On
+//! each, the shapes of the cause and of the rival are tried again. The lead of the cause over the rival has one
+//! distribution where the cause is true and another where the rival is; their densities at the observed lead
+//! give the likelihood ratio. They are modelled by Student's t with few degrees of freedom, so that no
+//! recording makes a name certain. Parameters are no such rivals: free parameters imitate nearly everything,
+//! and the evidence against them is their penalty, which the lead includes. Lines over position are tried at
+//! the orders that the recording showed, not picked again.
 
 use super::Source;
 use super::null_torque::draw;
@@ -18,43 +19,43 @@ use statrs::distribution::{Continuous, StudentsT};
 
 /// Seed of the surrogates.
 const SEED: u64 = 0xCAFE;
-/// Surrogates of each truth.
+/// Number of surrogates of each truth.
 const SURROGATES: u64 = 40;
-/// Fewest stretches of time, whose signs the surrogates differ by: half a minute of them.
+/// Fewest stretches of time, whose random signs distinguish the surrogates: half a minute of them.
 const STRETCHES: usize = 20;
 /// Most rivals of a cause.
 const RIVALS: usize = 6;
 /// Most shapes of one name that are tried.
 const SHAPES: usize = 6;
-/// Gain that stands for none at all, nats.
+/// Gain of a name whose coefficients are out of bounds, nats.
 const NOTHING: f64 = -20.0;
-/// Degrees of freedom of the leads' distributions.
+/// Degrees of freedom of Student's t for the leads.
 const FREEDOM: f64 = 4.0;
-/// Least deviation of a lead, nats: what a model that is only nearly right adds.
+/// Least standard deviation of a lead, nats: the contribution of a model that is only nearly right.
 const LEAST: f64 = 2.0;
-/// Largest logarithm of odds that simulations may speak for or against a name with.
+/// Largest log likelihood ratio from simulations, for or against a name.
 const MOST: f64 = 5.0;
 
-/// How surely a cause is named.
+/// Evidence for the name of a cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Naming {
     /// Gain over the best other name, parameters and the same effect at another place included, nats.
     pub lead: f64,
-    /// Logarithm of how many times as likely as its rivals together the cause is, going by its leads over them.
+    /// Log of the cause's likelihood over that of its rivals together, from the leads on surrogates.
     pub likeness: f64,
 }
 
-/// One name, an effect at a place.
+/// A name: an effect at one place.
 struct Name {
-    /// Its candidates: the one that it is simulated by, then others, best first.
+    /// Candidates of the name: the one with which it is simulated, then others, best first.
     shapes: Vec<usize>,
-    /// Gain of the best of them on the recording.
+    /// Gain of its best candidate on the recording, nats.
     gain: f64,
 }
 
 impl Source<'_> {
-    /// How surely each accepted cause has the right name; none for parameters, where nothing else could be it, and where the recording is
-    /// too short.
+    /// Evidence for the name of each accepted cause. None for parameters, for a cause without rivals, and for a
+    /// recording that is too short.
     pub fn namings(&self, found: &Findings) -> Vec<Option<Naming>> {
         let named = |c: usize| !found.candidate(c).effect.info().parameter;
         let long = self.stretches.fold.len() >= STRETCHES;
@@ -103,7 +104,7 @@ impl Source<'_> {
         })
     }
 
-    /// Largest gain of a name's shapes on each surrogate.
+    /// Largest gain of a name's shapes on each surrogate, nats.
     fn best(&self, name: &Name, fitted: &Fitted) -> Vec<f64> {
         let before = self.values(fitted);
         let places = self.search.places();
@@ -125,7 +126,7 @@ fn place(found: &Findings, candidate: usize) -> (Effect, &[usize], Option<usize>
     (c.effect, &c.joints, c.driver)
 }
 
-/// Largest gain of any other name in a cause's place; zero where there is none.
+/// Largest gain of any other name in a cause's place, nats; zero where there is none.
 fn best_other(found: &Findings, cause: &Accepted) -> f64 {
     let own = place(found, cause.candidate);
     let mut others = cause.tried.iter();
@@ -133,7 +134,7 @@ fn best_other(found: &Findings, cause: &Accepted) -> f64 {
     best.map_or(0.0, |t| t.gain.max(0.0))
 }
 
-/// The cause, then its rivals: the best of the other names, whatever they gain.
+/// The cause, then its rivals: the best other names, whatever their gain.
 fn names(found: &Findings, cause: &Accepted) -> Vec<Name> {
     let place = |candidate: usize| place(found, candidate);
     let name = |candidate: usize| {
@@ -159,7 +160,7 @@ fn names(found: &Findings, cause: &Accepted) -> Vec<Name> {
     names
 }
 
-/// Density of a lead among simulated ones.
+/// Probability density at the lead `at` among simulated leads.
 fn density(leads: &[f64], at: f64) -> f64 {
     let n = leads.len() as f64;
     let mean = leads.iter().sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! What the search would gain if nothing were missing.
+//! Null distribution of the search's gains: their size on surrogates without a further effect.
 
 use super::scan::{Scan, scans};
 use super::{Source, null_torque};
@@ -8,26 +8,26 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Seed of the surrogates: the same recording has the same null.
+/// Seed of the surrogates: it is fixed, so that a recording always has the same null distribution.
 const SEED: u64 = 0x5EED;
-/// Chance below which a gain is none.
+/// Probability that defines the chance level of a gain.
 const RARE: f64 = 0.01;
-/// Surrogates that are in memory together.
+/// Number of surrogates that are in memory together.
 const TOGETHER: u64 = 100;
 
 /// Gains on surrogates, nats.
 #[derive(Clone, Debug)]
 pub struct Null {
-    /// Largest of any cause beyond parameters, surrogate by surrogate. Parameters are right or wrong by themselves: a surrogate of
-    /// a model whose friction was moved is one whose given friction is wrong.
+    /// Largest gain of any cause beyond parameters, by surrogate. Parameters are left out, since they are right
+    /// or wrong by themselves: in surrogates of a model whose friction was moved, the given friction is wrong.
     pub largest: Vec<f64>,
-    /// Largest of each effect.
+    /// Largest gain of each effect, by surrogate.
     pub by_effect: BTreeMap<Effect, Vec<f64>>,
 }
 
 impl Null {
-    /// Chance of a gain at least this large anywhere in the catalogue where nothing is missing: (1 + number of surrogates that
-    /// reach it)/(1 + number of surrogates). None for parameters.
+    /// p-value of a gain: chance of one at least this large anywhere in the catalogue where nothing is missing.
+    /// It is (1 + number of surrogates that reach it)/(1 + number of surrogates). None for parameters.
     pub fn p_value(&self, effect: Effect, gain: f64) -> Option<f64> {
         if effect.info().parameter {
             return None;
@@ -36,7 +36,7 @@ impl Null {
         Some((1 + reached) as f64 / (1 + self.largest.len()) as f64)
     }
 
-    /// Gain that chance reaches in one recording of a hundred.
+    /// Chance level, nats: gain that chance reaches in one recording of a hundred.
     pub fn level(&self) -> f64 {
         let mut sorted = self.largest.clone();
         sorted.sort_by(|a, b| b.total_cmp(a));
@@ -54,8 +54,8 @@ impl Null {
 }
 
 impl Source<'_> {
-    /// The null beyond everything that was found. A gain is what a candidate's own columns earn, without what else speaks for it. Each
-    /// number of `surrogates` is another one.
+    /// Null distribution beyond all accepted causes. A gain is that of a candidate's own columns, without other
+    /// evidence. Each number of `surrogates` is another one.
     pub fn null(&self, surrogates: Range<u64>) -> Null {
         let (first, last) = (surrogates.start, surrogates.end);
         let parts = (first..last).step_by(TOGETHER as usize);
@@ -69,7 +69,7 @@ impl Source<'_> {
         })
     }
 
-    /// The scans for lines over position of all joints.
+    /// Scans for periodic lines over position of all joints.
     fn lines(&self) -> Vec<Scan> {
         let (frame, scale) = (&self.frames.data, &self.frames.scale);
         (0..frame.dof())
@@ -78,14 +78,14 @@ impl Source<'_> {
             .collect()
     }
 
-    /// J of a fit to each surrogate.
+    /// J of a fit to each surrogate, nats.
     pub(super) fn values(&self, fitted: &Fitted) -> Vec<f64> {
         let each = fitted.error.columns().into_iter().zip(&fitted.penalty);
         each.map(|(e, p)| self.search.objective.value(&e.to_vec(), *p, 0))
             .collect()
     }
 
-    /// Gains on the surrogates with the given numbers: of each candidate and of each scan.
+    /// Gains of each candidate and each scan on the surrogates with the given numbers, nats.
     fn gains(&self, lines: &[Scan], numbers: Range<u64>) -> Null {
         let drawn = null_torque::draw(self.fit, self.stretches.fold.len(), SEED, numbers);
         let fitted = Fitted::new(self.fit, &drawn.products(self.fit, &self.stretches));

@@ -1,4 +1,4 @@
-//! Torques as they would be if nothing were missing.
+//! Surrogate torques under the null hypothesis that no further effect is present.
 
 use crate::algebra::batched_trials::RightHands;
 use crate::algebra::fit::Fit;
@@ -9,15 +9,15 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::ops::Range;
 
-/// Some surrogates: coefficients of the fit, shape (variables, surrogates), and the sign of each stretch, shape (stretches,
-/// surrogates).
+/// Drawn surrogates: coefficients of the fit, shape (variables, surrogates), and the sign of each stretch,
+/// shape (stretches, surrogates).
 pub(super) struct Drawn {
     beta: Array2<f64>,
     pub(super) signs: Array2<f64>,
 }
 
-/// Draws the surrogates with the given numbers: each has a stream of its own, so that neither threads nor how many are drawn together
-/// change any. The same seed and recording give the same surrogates.
+/// Draws the surrogates with the given numbers. Each has its own random stream, so that neither threads nor the
+/// number drawn together changes any. Equal seed and recording give equal surrogates.
 pub(super) fn draw(fit: &Fit, stretches: usize, seed: u64, numbers: Range<u64>) -> Drawn {
     let count = (numbers.end - numbers.start) as usize;
     let mut drawn = Drawn {
@@ -40,7 +40,7 @@ pub(super) fn draw(fit: &Fit, stretches: usize, seed: u64, numbers: Range<u64>) 
 }
 
 impl Drawn {
-    /// Products of the columns with these torques.
+    /// Sums of products of the columns with these torques.
     pub(super) fn products(&self, fit: &Fit, stretches: &Stretches) -> RightHands {
         let (folds, dof) = (fit.folds(), stretches.products.len());
         let mut out = RightHands {
@@ -74,7 +74,7 @@ impl Drawn {
         out
     }
 
-    /// Products of a joint's columns with these torques on the rows that are not fitted where a fold is scored.
+    /// Sums of products of a joint's columns with these torques, on the rows that are not fitted where a fold is scored.
     fn apart(&self, fit: &Fit, stretches: &Stretches, fold: usize, joint: usize) -> Array2<f64> {
         let own: Vec<usize> = (0..stretches.fold.len())
             .filter(|&b| stretches.fold[b] == fold)

@@ -1,8 +1,9 @@
-//! The largest line over position that chance makes: the scan for orders repeated on every surrogate.
+//! Largest periodic line over position by chance: the scan over orders, repeated on every surrogate.
 //!
-//! What is picked from the torque is picked again. A line's sine and cosine are two sums over rows, which are linear in the torque:
-//! they are formed once by stretch, and a surrogate adds them up with its signs. The squared error that a line removes where it was
-//! fitted is more than what it removes out of fold, so the null errs to the cautious side.
+//! Lines that are picked from the torque are picked again on each surrogate. A line's sine and cosine are two
+//! sums over rows, linear in the torque. They are formed once by stretch, and a surrogate adds them with its
+//! signs. The squared error that a line removes where it was fitted exceeds what it removes out of fold, so the
+//! null distribution is on the cautious side.
 
 use crate::catalogue::effect::Effect;
 use crate::motion::frame::Frame;
@@ -12,22 +13,22 @@ use ndarray::{Array1, Array2};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Sums of one joint's rows over the orders of a scan.
+/// Sums over one joint's rows at the orders of a scan.
 pub(super) struct Scan {
-    /// What a line would be.
+    /// Effect of such a line.
     pub effect: Effect,
     /// The joint.
     pub joint: usize,
-    /// Σ w s², Σ w s c, Σ w c² of each order.
+    /// Σ w s², Σ w s c, Σ w c² of each order, with s and c its sine and cosine.
     squares: Vec<[f64; 3]>,
-    /// Σ w s r by stretch, shape (orders, stretches).
+    /// Σ w s r by stretch with the residual r, shape (orders, stretches).
     sine: Array2<f64>,
-    /// Σ w c r by stretch.
+    /// Σ w c r by stretch, shape (orders, stretches).
     cosine: Array2<f64>,
 }
 
-/// Scans of a joint: lines of position, and lines of position that turn with the motion. `residual` and `weight` on the fitted rows,
-/// shape (rows, joints).
+/// Scans of a joint: for lines over position (ripple), and for lines that reverse with the motion (friction).
+/// `residual` and `weight` of the fitted rows, shape (rows, joints).
 pub(super) fn scans(
     frame: &Frame,
     scale: &Scale,
@@ -97,7 +98,7 @@ pub(super) fn scans(
 }
 
 impl Scan {
-    /// Largest squared error that a line removes, for each column of signs, shape (stretches, surrogates).
+    /// Largest squared error that a line removes, by column of `signs`, shape (stretches, surrogates).
     pub(super) fn largest(&self, signs: &Array2<f64>) -> Vec<f64> {
         let (sine, cosine) = (self.sine.dot(signs), self.cosine.dot(signs));
         let mut most = vec![0.0f64; signs.ncols()];

@@ -1,4 +1,4 @@
-//! Resonance: a narrow peak in the spectrum of what the model leaves, while the arm moves or ringing while it stands.
+//! Resonance: a narrow peak in the spectrum of the residual, while the arm moves or rings at standstill.
 //!
 //! The spectrum is Welch's over windows of the recorded samples; a peak stands out of the median of its surroundings by
 //! more than the highest of as many bins of noise would once in `chance` recordings (a sum of K windows of noise is
@@ -19,18 +19,18 @@ use signal::resample::{linear, uniform_grid};
 use signal::spectrum::{Spectrum, welch};
 use std::ops::Range;
 
-/// Shortest and longest window, s.
+/// Shortest and longest window of the spectrum, s.
 const WINDOW: (f64, f64) = (1.5, 8.0);
-/// Windows in the longest motion, one beside the other.
+/// Fewest windows, without overlap, in the longest motion.
 const FEWEST: f64 = 4.0;
-/// Frequencies that are searched: periods in a window at least, and Hz at most; above it lies electrical hum.
+/// Lower end of the search, in periods per window, and upper end, Hz; above it lies electrical hum.
 const SEARCHED: (f64, f64) = (4.0, 40.0);
-/// Part of the sampling rate that a frequency stays below.
+/// Largest frequency of the search, relative to the sampling rate.
 const RATE_SHARE: f64 = 0.4;
-/// Surroundings of a frequency: up to this factor of it.
+/// Surroundings of a frequency for the median density: up to this factor above and below it.
 const AROUND: f64 = 1.6;
 
-/// A peak of one joint.
+/// A peak in the spectrum of one joint.
 struct Peak {
     joint: usize,
     frequency: f64,
@@ -39,8 +39,9 @@ struct Peak {
     at_rest: bool,
 }
 
-/// What parameters alone, and ripple, which has its own place, leave of the fitted recording at the recorded samples:
-/// causes that could have taken a resonance for friction, play or a delay are out of it.
+/// Residual of re-identified parameters and ripple on the fitted recording, at the recorded samples, shape
+/// (samples, joints). Other causes are left out of that fit: friction, play or a delay could have absorbed a
+/// resonance. Ripple is fitted since it has a place of its own in the report.
 pub fn standing_out(model: &NominalModel, frames: &Frames, found: &Findings) -> Array2<f64> {
     let ripple: Vec<usize> = (0..found.accepted.len())
         .filter(|&c| found.candidate(c).effect == Effect::TorqueRipple)
@@ -53,7 +54,7 @@ pub fn standing_out(model: &NominalModel, frames: &Frames, found: &Findings) -> 
     &gap - &columns.torque(gap.dim(), &fit.variables, fit.beta())
 }
 
-/// Resonances of `residual` (what a model leaves at the recorded samples, shape (samples, joints)), the slowest first.
+/// Resonances in `residual`, at the recorded samples, shape (samples, joints), lowest frequency first.
 pub fn resonances(
     frame: &Frame,
     residual: &Array2<f64>,
@@ -99,7 +100,7 @@ pub fn resonances(
     together(peaks, names, s.same)
 }
 
-/// Longest runs of samples that satisfy a condition.
+/// Maximal runs of samples that satisfy a condition.
 fn stretches(range: Range<usize>, holds: &dyn Fn(usize) -> bool) -> Vec<Range<usize>> {
     let mut out: Vec<Range<usize>> = Vec::new();
     for i in range.filter(|&i| holds(i)) {
@@ -111,8 +112,8 @@ fn stretches(range: Range<usize>, holds: &dyn Fn(usize) -> bool) -> Vec<Range<us
     out
 }
 
-/// Spectra of windows of a recording, halfway over each other, up to what is searched and its surroundings; none where no
-/// stretch holds a window.
+/// Spectra of windows that overlap by half, up to the highest searched frequency and its surroundings. None
+/// where no stretch holds a window.
 fn windows(
     frame: &Frame,
     x: ArrayView1<f64>,
@@ -145,7 +146,7 @@ fn windows(
     out
 }
 
-/// Mean of the spectra of equal windows.
+/// Mean spectrum of windows of equal length.
 fn mean(windows: &[Spectrum]) -> Option<Spectrum> {
     let first = windows.first()?;
     let n = windows.len() as f64;
@@ -156,12 +157,12 @@ fn mean(windows: &[Spectrum]) -> Option<Spectrum> {
     })
 }
 
-/// Prominence of the mean of some windows.
+/// Prominence in the mean spectrum of some windows.
 fn mean_of(windows: &[Spectrum]) -> Option<Vec<f64>> {
     mean(windows).map(|m| prominence(&m, windows.len()))
 }
 
-/// The signal less its straight line.
+/// The signal without its linear trend.
 fn straightened(mut x: Vec<f64>) -> Vec<f64> {
     let n = x.len() as f64;
     let middle = 0.5 * (n - 1.0);
@@ -179,7 +180,7 @@ fn straightened(mut x: Vec<f64>) -> Vec<f64> {
     x
 }
 
-/// Density over the median of its surroundings; zero where nothing is searched. A window's main lobe is no surrounding.
+/// Prominence: density over the median of its surroundings, without a window's main lobe. Zero outside the searched frequencies.
 fn prominence(spectrum: &Spectrum, windows: usize) -> Vec<f64> {
     const LOBE: usize = 3;
     let (f, d) = (&spectrum.frequency, &spectrum.density);
@@ -201,7 +202,7 @@ fn prominence(spectrum: &Spectrum, windows: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Independent windows among those that lie halfway over each other.
+/// Number of independent windows among windows that overlap by half.
 fn independent(windows: usize) -> f64 {
     (0.75 * windows as f64).max(1.0)
 }
@@ -263,7 +264,7 @@ fn peak(spectrum: &Spectrum, own: &[f64], k: usize, joint: usize, at_rest: bool)
     }
 }
 
-/// Peaks of one frequency, up to a relative difference `same`, as one resonance.
+/// Peaks of all joints merged into resonances where their frequencies differ by at most `same`, relative.
 fn together(mut peaks: Vec<Peak>, names: &[String], same: f64) -> Vec<Resonance> {
     peaks.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
     let mut groups: Vec<Vec<Peak>> = Vec::new();
