@@ -1,4 +1,4 @@
-//! A diagnosis from files, with everything that can be written of it: what the program and other languages call.
+//! A diagnosis from files, with all its outputs: the entry point of the program and of other languages.
 
 use crate::advice::directory::{self, Directory};
 use crate::advice::next_motion::{self, Experiment};
@@ -15,28 +15,28 @@ use model::preparation::setup::refuse_overlap;
 use model::residual::ResidualError;
 use std::path::PathBuf;
 
-/// Surrogates of a recording: the least chance that they can tell is one in 200.
+/// Number of surrogates of a recording: the least p-value that they give is 1/200.
 pub const SURROGATES: u64 = 199;
 
-/// The simulator's model.
+/// Subject of a diagnosis: the simulator's model or the robot's earlier recordings.
 #[derive(Clone, Debug)]
 pub enum Subject {
-    /// A description.
+    /// A robot's description.
     Robot {
         /// Built-in robot, URDF or MJCF.
         source: String,
-        /// Its joints, where the description holds more.
+        /// Names of its joints, where the description has more.
         joints: Vec<String>,
         /// Gravity in the base frame, m/s², where it is not the description's.
         gravity: Option<[f64; 3]>,
     },
     /// Model directory.
     Model(PathBuf),
-    /// The robot as its own earlier recordings have it: what has changed since is looked for.
+    /// The robot's own earlier recordings: changes since then are searched.
     Before {
         /// Built-in robot, URDF or MJCF, for lengths and axes.
         source: String,
-        /// Its joints, where the description holds more.
+        /// Names of its joints, where the description has more.
         joints: Vec<String>,
         /// Gravity in the base frame, m/s², where it is not the description's.
         gravity: Option<[f64; 3]>,
@@ -46,7 +46,7 @@ pub enum Subject {
 }
 
 impl Subject {
-    /// The same robot as its earlier recordings have it; a model directory stays what it is.
+    /// The same robot by its earlier recordings; a model directory is returned unchanged.
     pub fn as_in(self, recordings: Vec<PathBuf>) -> Self {
         match self {
             Self::Robot {
@@ -63,7 +63,7 @@ impl Subject {
         }
     }
 
-    /// A built-in robot, URDF or MJCF with all of its joints and gravity as the description has it.
+    /// A built-in robot, URDF or MJCF with all of its joints and its own gravity.
     pub fn robot(source: impl Into<String>) -> Self {
         Self::Robot {
             source: source.into(),
@@ -73,40 +73,40 @@ impl Subject {
     }
 }
 
-/// A diagnosis that is asked for.
+/// A diagnosis to be run.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The simulator's model.
+    /// The simulator's model, or the robot's earlier recordings.
     pub subject: Subject,
     /// Drive file.
     pub drive: Option<PathBuf>,
-    /// Rows per second of tables without a column of time.
+    /// Sampling rate of tables without a time column, Hz.
     pub rate_hz: Option<f64>,
     /// Recordings that effects are fitted on.
     pub data: Vec<PathBuf>,
-    /// Recording that every figure is measured on; where there is none, trajectories of `data` that are then not fitted.
+    /// Recording on which every figure is measured; where there is none, trajectories of `data` that are then not fitted.
     pub heldout: Option<PathBuf>,
     /// Cut-off of the motion's low-pass, Hz; chosen where none is given.
     pub cutoff_hz: Option<f64>,
-    /// Draw no surrogates.
+    /// Whether to skip the surrogates.
     pub fast: bool,
-    /// Train a compensator on what is left.
+    /// Whether to train a compensator on the residual beside the causes.
     pub learn: bool,
-    /// Design the motion that tells ambiguous causes apart.
+    /// Whether to design the motion that separates ambiguous causes.
     pub next: bool,
 }
 
-/// A diagnosis that is done.
+/// A finished diagnosis.
 pub struct Done {
-    /// The model with what reading its recordings needs.
+    /// The model with the options for reading its recordings.
     pub given: Given,
-    /// The report with everything behind it.
+    /// The report with its intermediate results.
     pub outcome: Outcome,
     /// The next motion, where one was asked for and is needed.
     pub next: Option<Experiment>,
-    /// What is doubtful about the description, in words; the report's notes have it, too.
+    /// Doubts about the description, as text; also in the report's notes.
     pub warnings: Vec<String>,
-    /// What was left out, in words; the report's notes have it, too.
+    /// Parts of the recordings that were left out, as text; also in the report's notes.
     pub notes: Vec<String>,
     data: Recording,
     heldout: Recording,
@@ -114,7 +114,7 @@ pub struct Done {
 }
 
 impl Job {
-    /// A diagnosis with nothing but what it needs.
+    /// A diagnosis without optional steps.
     pub fn new(subject: Subject, data: Vec<PathBuf>, heldout: impl Into<PathBuf>) -> Self {
         Self {
             heldout: Some(heldout.into()),
@@ -122,7 +122,7 @@ impl Job {
         }
     }
 
-    /// What has changed on a robot since its recordings `before`, with nothing but what that needs: part of `data` is held out.
+    /// A diagnosis of changes on a robot since its recordings `before`, without optional steps. A part of `data` is held out.
     pub fn since(robot: Subject, before: Vec<PathBuf>, data: Vec<PathBuf>) -> Self {
         Self::of(robot.as_in(before), data)
     }
@@ -141,7 +141,7 @@ impl Job {
         }
     }
 
-    /// Reads and diagnoses; `stage` is told what is being done.
+    /// Reads the files and runs the diagnosis; `stage` is called with the name of each stage.
     ///
     /// # Errors
     /// Files that cannot be used.
@@ -286,7 +286,7 @@ impl Done {
         page::render(&self.outcome, &inputs, patch)
     }
 
-    /// The model directory that predicts what the last structural step does.
+    /// Model directory with the prediction of the ladder's last structural step.
     ///
     /// # Errors
     /// A model that does not fit together.

@@ -1,4 +1,4 @@
-//! What to do: the corrected model, and the motion that would tell more.
+//! Advice: corrected model, generated code, next motion, visibility of effects.
 
 pub mod code;
 pub mod directory;

@@ -27,27 +27,26 @@ use identify::excitation::{Bounds, MotionLimits, Room, SearchOptions, Series, op
 use ndarray::{Array1, Array2};
 use std::path::Path;
 
-/// Period of the motion, s, and how often it is run.
+/// Period of the motion, s, and number of periods.
 const PERIOD: f64 = 12.5;
 const PERIODS: usize = 2;
-/// Samples per second while searching; more where what is told apart vibrates.
+/// Sampling rate during the search, Hz; the higher one where the effects vibrate.
 const RATE: [f64; 2] = [62.5, 250.0];
-/// Samples per second in the file.
+/// Sampling rate of the written file, Hz.
 const FILE_RATE: f64 = 100.0;
 /// Harmonics of the motion.
 const HARMONICS: [usize; 5] = [1, 2, 3, 4, 5];
-/// Search: random starts, and motions judged in all.
+/// Search: number of random starts, and of motions evaluated in all.
 const SEARCH: (usize, usize) = (6, 280);
 
 /// A motion to be run.
 pub struct Experiment {
-    /// What it is for, for the report.
+    /// Purpose of the motion, for the report.
     pub summary: NextExperiment,
     trajectory: Series,
 }
 
-/// Designs the motion for the first cause that has a rival. None where there is no ambiguity, or none that a motion
-/// settles.
+/// Designs the motion for the first cause that has a rival. None where no name is ambiguous, or no motion separates the two.
 ///
 /// # Errors
 /// Limits that leave no motion.
@@ -122,7 +121,7 @@ pub fn design(
     }))
 }
 
-/// Cause and the place of its best rival in what was tried instead of it.
+/// Index of the cause among the accepted, and index of its best rival among the candidates tried in its place.
 fn pair(outcome: &Outcome) -> Option<(usize, usize)> {
     let found = &outcome.findings;
     let settled = |e: Effect| !matches!(e, Effect::FrictionDrift | Effect::ExternalContact);
@@ -143,7 +142,7 @@ fn pair(outcome: &Outcome) -> Option<(usize, usize)> {
     })
 }
 
-/// Columns of base and both causes, without repeats.
+/// Columns of the base and both causes, without duplicates.
 fn columns(base: &[Variable], ours: &[Variable], theirs: &[Variable]) -> Vec<usize> {
     let all = base.iter().chain(ours).chain(theirs);
     let mut columns: Vec<usize> = all.map(|v| v.column).collect();
@@ -152,7 +151,7 @@ fn columns(base: &[Variable], ours: &[Variable], theirs: &[Variable]) -> Vec<usi
     columns
 }
 
-/// One cause: its torque, and what its model may move.
+/// One of both causes: its torque by column, and the variables that its model may move.
 struct Side {
     torque: Vec<(usize, f64)>,
     free: Vec<Variable>,
@@ -212,7 +211,7 @@ impl Rivals {
 struct Products(Array2<f64>);
 
 impl Products {
-    /// Of the recorded data.
+    /// Sums of products of the recorded data.
     fn recorded(rivals: &Rivals, found: &Findings) -> Self {
         let n = rivals.columns.len();
         let mut sum = Array2::zeros((n, n));
@@ -238,7 +237,7 @@ impl Products {
     }
 }
 
-/// How columns are evaluated on a motion that nobody has run.
+/// Evaluation of columns on a planned motion.
 struct View<'a> {
     found: &'a Findings,
     dictionary: &'a Dictionary,
@@ -264,7 +263,7 @@ impl View<'_> {
     }
 }
 
-/// The robot's own limits, kept at a distance; the recorded motion's where it has none.
+/// The robot's own limits with a margin; the recorded motion's where it has none.
 fn limits(model: &NominalModel, frame: &Frame, settings: &AdviceSettings) -> Vec<MotionLimits> {
     let motion = frame.samples();
     let most = |t: &Array2<f64>, j: usize| t.column(j).iter().fold(0.0f64, |m, x| m.max(x.abs()));
@@ -301,7 +300,7 @@ fn limits(model: &NominalModel, frame: &Frame, settings: &AdviceSettings) -> Vec
 }
 
 impl Experiment {
-    /// Writes the motion as CSV or Parquet, by the ending: as `excite` writes its own.
+    /// Writes the motion as CSV or Parquet, by the file's ending, in the form that `excite` writes.
     ///
     /// # Errors
     /// An ending of neither, or a failure of the disk; nothing half-written is left.

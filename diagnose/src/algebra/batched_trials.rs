@@ -1,8 +1,9 @@
 //! Trials for many right-hand sides (torques) on one fit: all that does not depend on the torque is computed once.
 //!
-//! With X fitted, C added, W the joints' weights and A = XᵀWX + Λ on the rows that a part of the fit was made on:
-//! V = CᵀWX A⁻¹, S = CᵀWC + Λ_C − V XᵀWC, γ = S⁻¹ (CᵀW(y − Xβ) + Λ_C m), and the fitted coefficients move by −Vᵀγ. On the rows that the part is
-//! scored on the squared error of joint j changes by γᵀQ_jγ − 2 γᵀ(C − XVᵀ)ᵀ(y − Xβ), where Q_j = (C − XVᵀ)ᵀ(C − XVᵀ) on its rows.
+//! With X fitted, C added, W the joints' weights and A = XᵀWX + Λ on the rows that a part of the fit was made
+//! on: V = CᵀWX A⁻¹, S = CᵀWC + Λ_C − V XᵀWC, γ = S⁻¹ (CᵀW(y − Xβ) + Λ_C m), and the fitted coefficients move
+//! by −Vᵀγ. On the rows that the part is scored on the squared error of joint j changes by γᵀQ_jγ − 2 γᵀ(C −
+//! XVᵀ)ᵀ(y − Xβ), where Q_j = (C − XVᵀ)ᵀ(C − XVᵀ) on its rows.
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::{Fit, Part, Variable};

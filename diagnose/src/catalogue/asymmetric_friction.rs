@@ -9,7 +9,7 @@ use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{Sliding, Term};
 
-/// What is known of it beside its columns.
+/// Description of `asymmetric_friction`: confounders, needs, rules.
 pub(super) const INFO: Info = Info {
     name: "asymmetric_friction",
     plain: "friction that differs by direction",
@@ -20,11 +20,11 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Speed below which a joint stands, rad/s (m/s), and the part of the time up to which it may.
+/// Speed below which a joint stands, rad/s (m/s), and the largest part of the time that it may stand.
 const STANDING: (f64, f64) = (0.01, 0.2);
 
-/// What speaks for a bias of the channel, which has the same torque wherever the joint moves, against a difference of Coulomb
-/// friction, nats.
+/// Evidence for a bias of the torque channel against a difference of Coulomb friction, nats. Both have the same
+/// torque wherever the joint moves.
 const BIAS: f64 = 2.0;
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {

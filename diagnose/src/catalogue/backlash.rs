@@ -10,7 +10,7 @@ use super::transmission::Gap;
 use super::unit::Unit;
 use crate::motion::scene::Scene;
 
-/// What is known of it beside its columns.
+/// Description of `backlash`: confounders, needs, remedy, rules.
 pub(super) const INFO: Info = Info {
     name: "backlash",
     plain: "backlash",
@@ -31,21 +31,22 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Half plays, rad (m for prismatic joints, where they are a tenth).
+/// Half plays that are tried, rad; for prismatic joints m, where they are a tenth of these values.
 const HALF_PLAYS: [f64; 6] = [2e-4, 6e-4, 1.3e-3, 2.6e-3, 5e-3, 9e-3];
-/// Parts of the joint's inertia that turn with the motor. These, the landings' rounding and the bound of the coefficient were chosen on
-/// two seeds of the project's own simulator, whose gears split their inertia so.
+/// Parts of the joint's inertia that turn with the motor. These, the landings' rounding and the bound of the
+/// coefficient were chosen on two seeds of the project's own simulator, whose gears split their inertia so.
 const ROTORS: [f64; 3] = [0.0, 0.25, 0.45];
 
-/// Parts of a column's torque that a play of its size may be off by: less or more says nothing of the size.
+/// Range of the coefficient on a play's column within which the play's size is stated.
 pub const SIZED: (f64, f64) = (0.3, 2.0);
 
-/// What blows after changes of the torque's sign are worth, nats.
+/// Evidence of blows after sign changes of the torque, nats.
 const BLOWS: f64 = 40.0;
 
-/// Candidates of a joint whose blows were found. Their timing is not asked of the column: what of it the play
-/// predicts is taken, in any size. `shown` where they are so clear that they name the play by themselves: then one candidate has no
-/// column, for how the motor bounces between its flanks may be all that is left, which nothing foretells.
+/// Candidates of a joint whose blows were found. The column need not have their timing: the coefficient on the
+/// play's predicted torque is free in size. `shown` is the chance of such blows, where they name the play by
+/// themselves. Then one candidate has no column, since the motor's bouncing between its flanks may be all that
+/// is left, which nothing predicts.
 pub fn struck(scene: &Scene, joint: usize, shown: Option<f64>) -> Vec<Candidate> {
     let mut all = candidates(scene, joint);
     for c in &mut all {
@@ -96,7 +97,8 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     all
 }
 
-/// Half the play alone. Of a play that was found by its blows or by another sensor, the share of what it foretells is no number of a simulator.
+/// Reduces the sizes to half the play. For a play found by its blows or by another sensor, the coefficient on
+/// the predicted torque is no number of a simulator.
 fn play(parameters: &mut Vec<Parameter>) {
     let (least, most) = SIZED;
     let beside = |p: &Parameter| p.name == "share" && !(least..=most).contains(&p.value);

@@ -11,10 +11,10 @@ use crate::motion::scene::Scene;
 use nalgebra::{Rotation3, Vector3};
 use ndarray::Array2;
 
-/// Shape where all axes feel one direction alone: the angle of the tilt's axis in the base frame.
+/// Name of the shape parameter where all axes feel one direction alone: angle of the tilt's axis in the base frame, rad.
 pub const DIRECTION: &str = "direction";
 
-/// What is known of it beside its columns.
+/// Description of `base_tilt`: confounders, remedy, experiment, rules.
 pub(super) const INFO: Info = Info {
     name: "base_tilt",
     plain: "a tilted base",
@@ -33,9 +33,9 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Angle over which the torque is differenced, rad.
+/// Step of the finite difference of the torque, rad.
 const STEP: f64 = 1e-3;
-/// Torque of one direction over that of the direction across it below which it cannot be known: an arm with parallel
+/// Torque of a tilt in one direction, over that across it, below which it is unobservable. An arm with parallel
 /// axes does not feel a tilt about a line across them.
 const SEEN: f64 = 0.1;
 
@@ -68,8 +68,8 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     }]
 }
 
-/// Angle from x of the horizontal line about which a tilt changes the torque most, rad, and how much less it does about
-/// the line across.
+/// Horizontal axis about which a tilt changes the torque most, as its angle from x, rad, and the ratio of the
+/// torque about the axis across it.
 fn directions(scene: &Scene) -> (f64, f64) {
     let [x, y] = [Vector3::x(), Vector3::y()].map(|axis| change(scene, axis));
     let product = |a: &Array2<f64>, b: &Array2<f64>| -> f64 {
@@ -82,14 +82,14 @@ fn directions(scene: &Scene) -> (f64, f64) {
     (0.5 * (2.0 * xy).atan2(xx - yy), least.sqrt())
 }
 
-/// Torque per angle of the base turned about an axis, N·m/rad.
+/// Torque per angle of a base turned about an axis, N·m/rad, shape (samples, joints).
 fn change(scene: &Scene, axis: Vector3<f64>) -> Array2<f64> {
     // The base turned by +angle sees gravity turned by −angle.
     let gravity = Rotation3::new(-STEP * axis) * scene.robot.gravity();
     scene.gravity_change(gravity) / STEP
 }
 
-/// Tilts about both axes instead of one tilt in a direction.
+/// Converts one tilt in a direction into tilts about both axes.
 fn by_axes(parameters: &mut Vec<Parameter>) {
     let (Some((tilt, std)), Some((angle, _))) =
         (size(parameters, "tilt"), size(parameters, DIRECTION))

@@ -1,4 +1,4 @@
-//! A hypothesis of the catalogue and its columns.
+//! Candidates of the catalogue: hypotheses with their columns.
 
 use super::effect::Effect;
 use super::unit::Unit;
@@ -9,39 +9,40 @@ use physics::robot::PARAMETERS_PER_LINK;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Torque per unit of one parameter, on the rows of some joints. Clones are the same column.
+/// Column: torque per unit of one parameter, on the rows of some joints. Clones are the same column.
 #[derive(Clone)]
 pub struct Column {
     /// Joints whose torque it changes.
     pub joints: Vec<usize>,
-    /// Columns of one recording at the fine rate, one per joint of `joints`.
+    /// Computation of its torque at the fine rate, one vector per joint of `joints`.
     pub torque: ColumnTorque,
-    /// Whether it is torque as it is recorded: how late that is has nothing to add.
+    /// Whether it is torque as recorded, to which no delay is added.
     pub recorded: bool,
 }
 
-/// A column from a scene: one vector per joint that it touches.
+/// Function that computes a column from a scene: one vector per joint that it touches.
 pub type Maker = dyn Fn(&Scene) -> Vec<Array1<f64>> + Send + Sync;
 
-/// How a column's torque is made.
+/// Computation of a column's torque.
 #[derive(Clone)]
 pub enum ColumnTorque {
-    /// Column `usize` of the base: inertial parameters, then viscous, then Coulomb friction.
+    /// Column of the base, by number: inertial parameters, then viscous, then Coulomb friction.
     Base(usize),
-    /// Terms of the torque model, each with its factor: what a control loop can compute, too.
+    /// Terms of the torque model, each with its factor, which a control loop can compute as well.
     Terms(Vec<(f64, Term)>),
-    /// From the scene: what no control loop can compute, or what belongs to the rigid body or the torque channel.
+    /// Function of the scene: for torque that no control loop can compute, or that belongs to the rigid body or
+    /// the torque channel.
     Made(Arc<Maker>),
 }
 
-/// Which values of a coefficient make sense.
+/// Bound of a coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// Any.
+    /// Unbounded.
     Free,
     /// Above zero.
     Positive,
-    /// Between the two: a shape on a grid whose size the coefficient only corrects.
+    /// Between two values, for a shape on a grid whose size the coefficient only corrects.
     Between(f64, f64),
 }
 
@@ -61,7 +62,7 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// The coefficient itself.
+    /// Quantity that is the coefficient itself.
     pub fn plain(name: &'static str, unit: Unit, joint: Option<usize>) -> Self {
         Self {
             name,
@@ -72,7 +73,7 @@ impl Quantity {
         }
     }
 
-    /// A shape parameter on a grid, corrected by the coefficient.
+    /// Quantity that is a shape parameter on a grid, corrected by the coefficient.
     pub fn scaled(name: &'static str, unit: Unit, joint: Option<usize>, factor: f64) -> Self {
         Self {
             name,
@@ -84,20 +85,20 @@ impl Quantity {
     }
 }
 
-/// A size that a sensor of its own measured.
+/// A size that a separate sensor measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
     /// Name, that of docs/formats.md.
     pub name: &'static str,
     /// Value.
     pub value: f64,
-    /// Its deviation.
+    /// Standard deviation.
     pub std: f64,
     /// Unit.
     pub unit: Unit,
 }
 
-/// A number of a candidate's shape, which is on a grid and not fitted.
+/// A shape parameter of a candidate, which lies on a grid and is not fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shape {
     /// Name, that of docs/formats.md.
@@ -109,7 +110,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Of these.
+    /// Shape parameter with a name, value and unit.
     pub(super) fn new(name: &'static str, value: f64, unit: Unit) -> Self {
         Self { name, value, unit }
     }
@@ -128,20 +129,21 @@ pub struct Candidate {
     pub columns: Vec<Column>,
     /// Bound of each coefficient.
     pub bounds: Vec<Bound>,
-    /// What the coefficients are.
+    /// Reported quantity of each coefficient.
     pub quantities: Vec<Quantity>,
-    /// Change of its link's parameters per unit of its one coefficient, where that is all it is.
+    /// Change of its link's parameters per unit of its only coefficient, for a candidate that is such a change alone.
     pub change: Option<[f64; PARAMETERS_PER_LINK]>,
-    /// Numbers of its shape.
+    /// Shape parameters.
     pub shape: Vec<Shape>,
-    /// Sizes that a sensor of their own measured.
+    /// Sizes that a separate sensor measured.
     pub sizes: Vec<Size>,
-    /// Mean and deviation of its coefficients where the recording shows them by itself, whatever the error that its columns leave.
+    /// Prior mean and standard deviation of its coefficients where the recording shows them directly, whatever
+    /// the residual beside its columns.
     pub known: Option<(f64, f64)>,
-    /// What speaks for it beside the error that it removes, nats.
+    /// Evidence for it beside the error that it removes, nats.
     pub evidence: f64,
-    /// Where a trace in the recording shows it by itself, whatever error its columns remove: the chance of such a trace where
-    /// nothing is missing.
+    /// Chance of a trace as clear as the one in the recording, where that names the candidate by itself,
+    /// whatever error its columns remove.
     pub shown: Option<f64>,
 }
 
@@ -170,13 +172,13 @@ impl Candidate {
         }
     }
 
-    /// The number of that name of its shape.
+    /// Value of the shape parameter `name`.
     pub fn shape(&self, name: &str) -> Option<f64> {
         let mut all = self.shape.iter();
         all.find(|s| s.name == name).map(|s| s.value)
     }
 
-    /// Whether it changes the torque of a joint that another is named for.
+    /// Whether it changes the torque of a joint for which another candidate is named.
     pub fn touches(&self, other: &Self) -> bool {
         let mut touched = self.columns.iter().flat_map(|c| &c.joints);
         touched.any(|j| other.joints.contains(j))
@@ -231,12 +233,12 @@ impl Column {
         }
     }
 
-    /// A term of the torque model on one joint.
+    /// Column of a term of the torque model on one joint.
     pub(super) fn term(joint: usize, term: Term) -> Self {
         Self::terms(joint, vec![(1.0, term)])
     }
 
-    /// Terms of the torque model on one joint, each with its factor.
+    /// Column of several terms of the torque model on one joint, each with its factor.
     pub(super) fn terms(joint: usize, terms: Vec<(f64, Term)>) -> Self {
         Self {
             joints: vec![joint],
@@ -263,7 +265,7 @@ impl Column {
         }
     }
 
-    /// The same, as it is recorded.
+    /// The column marked as torque as recorded, to which no delay is added.
     pub(super) fn late_already(self) -> Self {
         Self {
             recorded: true,

@@ -1,23 +1,23 @@
-//! Which effects are looked for.
+//! Choice of the effects that are searched.
 
 use super::candidate::{Bound, Candidate};
 use super::effect::Effect;
 
-/// Which effects are looked for.
+/// Choice of the effects that are searched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
-    /// All of the catalogue.
+    /// All effects of the catalogue.
     #[default]
     All,
-    /// All but one, for the proof.
+    /// All effects but one, for the proof.
     Without(Effect),
-    /// What may differ between two days of one robot: its load, which may also be gone, friction, torque channel, mount and
-    /// joint zeros, and pushes.
+    /// Effects that may change between two days of one robot: load, which may also be removed, friction, torque
+    /// channel, mount, joint zeros and pushes.
     Changes,
 }
 
 impl Choice {
-    /// Whether an effect is looked for.
+    /// Whether an effect is searched.
     pub fn holds(self, effect: Effect) -> bool {
         match self {
             Self::All => true,
@@ -36,7 +36,7 @@ impl Choice {
         }
     }
 
-    /// Leaves the candidates that are looked for.
+    /// Keeps the candidates of searched effects.
     pub fn retain(self, candidates: &mut Vec<Candidate>) {
         candidates.retain(|c| self.holds(c.effect));
         if self == Self::Changes {

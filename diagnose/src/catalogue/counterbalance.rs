@@ -1,6 +1,6 @@
-//! `counterbalance`: a torque of the joint's own position. Legendre polynomials over the recorded range,
-//! of rising degree, stand for springs, gas and hydraulic cylinders alike.
-//! Confounders: gravity of the links beyond (its sines and cosines), torque offset (degree 0 alone).
+//! `counterbalance`: a torque that depends on the joint's own position. Legendre polynomials over the recorded
+//! range, of rising degree, describe springs, gas and hydraulic cylinders alike. Confounders: gravity of the
+//! links beyond (its sines and cosines), torque offset (degree 0 alone).
 
 use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
@@ -9,7 +9,7 @@ use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{Polynomial, Term};
 
-/// What is known of it beside its columns.
+/// Description of `counterbalance`: confounders, needs, remedy, rules.
 pub(super) const INFO: Info = Info {
     name: "counterbalance",
     plain: "a counterbalance",

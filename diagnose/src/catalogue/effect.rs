@@ -1,6 +1,6 @@
-//! The effects.
+//! Effects of the catalogue.
 
-/// An effect of the catalogue, parameters first. What is known of each stands in its own file, as [`super::info::Info`].
+/// An effect of the catalogue, parameters first. The description of each is in its own file, as [`super::info::Info`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Effect {
     /// Mass, centre of mass or inertia of a link differ from the model's.
@@ -11,9 +11,9 @@ pub enum Effect {
     Payload,
     /// Reflected inertia of motor and gear on its own joint.
     RotorInertia,
-    /// Gravity's direction in the base frame.
+    /// Wrong direction of gravity in the base frame.
     BaseTilt,
-    /// A spring, gas or hydraulic torque of the joint's own position.
+    /// A spring, gas or hydraulic torque that depends on the joint's own position.
     Counterbalance,
     /// Friction that differs by direction.
     AsymmetricFriction,
@@ -52,7 +52,7 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// All of them.
+    /// All effects.
     pub const ALL: [Effect; 23] = [
         Effect::LinkParameters,
         Effect::FrictionParameters,

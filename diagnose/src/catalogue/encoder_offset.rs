@@ -10,7 +10,7 @@ use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::batch::rigid_torque;
 
-/// What is known of it beside its columns.
+/// Description of `encoder_offset`: confounders, needs, remedy, rules.
 pub(super) const INFO: Info = Info {
     name: "encoder_offset",
     plain: "a wrong joint zero",
@@ -28,11 +28,11 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Zero up to which the derivative holds, rad: cos falls by less than one percent.
+/// Largest zero for which the torque's derivative is used, rad: cos falls by less than one percent.
 const LINEAR: f64 = 0.14;
-/// Larger zeros, rad.
+/// Larger zeros that are tried, rad.
 const LARGER: [f64; 6] = [-0.46, -0.32, -0.2, 0.2, 0.32, 0.46];
-/// How far the coefficient may correct one of these.
+/// Bounds of the coefficient that corrects a larger zero.
 const AROUND: (f64, f64) = (0.75, 1.3);
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {

@@ -1,15 +1,15 @@
 //! Motions that separate causes from each other.
 
-/// A motion to record. Where several causes compete, the one that stands first here is advised.
+/// A motion to record. Where several causes compete, the first in this order is advised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Experiment {
     /// Rests, reached from either side.
     Rests,
-    /// No motion, but a level.
+    /// No motion: a level on the base.
     Level,
-    /// The same with a known load.
+    /// The same motions with and without a known mass on the last link.
     KnownMass,
-    /// The same at another temperature.
+    /// The same motion at another temperature.
     ColdAndWarm,
     /// The whole range, slowly.
     WholeRange,
@@ -22,7 +22,7 @@ pub enum Experiment {
 }
 
 impl Experiment {
-    /// What to do, in a sentence.
+    /// Instruction for the user, in a sentence.
     pub fn text(self) -> &'static str {
         match self {
             Self::Rests => "Record rests that are reached from both directions.",

@@ -2,7 +2,7 @@
 
 use super::info::{Carried, Info};
 
-/// What is known of it beside its columns.
+/// Description of `external_contact`: remedy, rules.
 pub(super) const INFO: Info = Info {
     name: "external_contact",
     plain: "contact",

@@ -11,7 +11,7 @@ use crate::motion::scene::Scene;
 use ndarray::Array1;
 use physics::effects::{Drift, Sliding, Term, WarmUp};
 
-/// What is known of it beside its columns.
+/// Description of `friction_drift`: confounders, needs, experiment, rules.
 pub(super) const INFO: Info = Info {
     name: "friction_drift",
     plain: "friction that drifts over the session",
@@ -25,12 +25,12 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Time constants relative to the session; infinity stands for a straight line.
+/// Time constants of the drift relative to the session's length; infinity: a straight line.
 const CONSTANTS: [f64; 4] = [0.1, 0.3, 1.0, f64::INFINITY];
-/// Temperatures over which what warmth changes has faded to 1/e, relative to those of the recording; infinity stands for a straight line.
+/// Temperature rises over which the slope of friction falls to 1/e, relative to the recorded range; infinity: a straight line.
 const FADING: [f64; 3] = [0.3, 0.8, f64::INFINITY];
 
-/// Name of the shape parameter that only drift by a temperature has.
+/// Name of the shape parameter that marks drift by temperature.
 pub(crate) const REFERENCE: &str = "reference_temperature";
 
 pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
@@ -52,7 +52,7 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     all
 }
 
-/// Candidates with viscous, Coulomb and both columns.
+/// Candidates with the viscous column, the Coulomb column, and both.
 fn viscous_coulomb_both(
     joint: usize,
     names: [(&'static str, Unit); 2],
@@ -70,7 +70,7 @@ fn viscous_coulomb_both(
     ]
 }
 
-/// Candidates over the joint's temperature, where it was recorded.
+/// Candidates over the joint's recorded temperature; none where it was not recorded.
 fn by_temperature(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let Some(t) = scene.temperature(joint) else {
         return Vec::new();
@@ -112,12 +112,12 @@ fn by_temperature(scene: &Scene, joint: usize) -> Vec<Candidate> {
     all
 }
 
-/// How a friction goes with temperature, with slope 1 at the reference.
+/// Factor on friction over temperature, with slope 1 at the reference.
 #[derive(Clone, Copy, Debug)]
 struct Warmth {
     /// Rise over which the slope falls to 1/e, K; infinity: a straight line.
     fading: f64,
-    /// °C.
+    /// Reference temperature, °C.
     reference: f64,
 }
 
@@ -131,7 +131,7 @@ impl Warmth {
         }
     }
 
-    /// Over a scene; `usual` where its temperature is unknown.
+    /// Factor over the samples of a scene; `usual` where its temperature is unknown.
     fn factor(self, scene: &Scene, joint: usize, usual: f64) -> Array1<f64> {
         match scene.temperature(joint) {
             Some(t) => t.mapv(|t| self.at(t)),
@@ -140,8 +140,8 @@ impl Warmth {
     }
 }
 
-/// Friction times the share of the way that has been gone since the session's start, less `end`: an exponential's
-/// 1 − exp(−progress/constant), or the progress itself.
+/// Terms of friction times the progress since the session's start, less `end`: 1 − exp(−progress/constant), or
+/// the progress itself.
 fn terms(scene: &Scene, friction: Sliding, constant: f64, end: f64) -> Vec<(f64, Term)> {
     let (start, stop) = scene.scale.session;
     let span = (stop - start).max(1e-9);
@@ -170,7 +170,8 @@ fn terms(scene: &Scene, friction: Sliding, constant: f64, end: f64) -> Vec<(f64,
     terms
 }
 
-/// A drift over the clock is a term of the torque model. No control loop is told a temperature.
+/// How a model directory carries a drift: over the clock as terms of the torque model, over temperature not at
+/// all, since no control loop is told a temperature.
 fn by_clock_alone(candidate: &Candidate) -> Carried {
     match candidate.shape(REFERENCE) {
         Some(_) => Carried::Not,

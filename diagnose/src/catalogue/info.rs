@@ -1,18 +1,18 @@
-//! What is known of an effect beside its columns.
+//! Description of an effect beside its columns.
 
 use super::candidate::Candidate;
 use super::effect::Effect;
 use super::experiment::Experiment;
 use super::reported::Parameter;
 
-/// What a recording has to have for an effect to be told from others.
+/// Property of a recording that an effect needs to be told from others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
-    /// The joint turns round often enough.
+    /// Enough reversals of the joint.
     Reversals,
-    /// The joint moves fast enough.
+    /// High enough velocity of the joint.
     Speed,
-    /// The joint covers enough of its range.
+    /// Large enough part of the joint's range.
     Range,
     /// A minute of motion.
     Minute,
@@ -20,83 +20,82 @@ pub enum Need {
     Rate,
 }
 
-/// How a model directory carries a cause.
+/// Place of a cause in a model directory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carried {
-    /// As terms of the torque model.
+    /// Terms of the torque model.
     Terms,
-    /// As the torque channel's gain.
+    /// Gain of the torque channel.
     Gain,
-    /// As the torque channel's offset.
+    /// Offset of the torque channel.
     Offset,
-    /// As the torque channel's limit.
+    /// Limit of the torque channel.
     Limit,
-    /// As a joint's zero.
+    /// Zero of a joint.
     Zero,
-    /// As the torque channel's delay, which all joints share.
+    /// Delay of the torque channel, common to all joints.
     Delay,
-    /// As gravity's direction.
+    /// Direction of gravity.
     Gravity,
-    /// Not at all: no torque model holds it.
+    /// None: no torque model holds it.
     Not,
 }
 
-/// An effect's name, words and rules.
+/// Description of an effect: names, texts and rules.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
     /// Name in the report.
     pub name: &'static str,
     /// Name in plain words.
     pub plain: &'static str,
-    /// What to set in a simulator; `{}` stands for the sizes.
+    /// Advice on the simulator's settings; `{}` is replaced by the sizes.
     pub remedy: &'static str,
-    /// Effects whose torque looks like this one's on a usual recording: a fair second answer where its own candidate is
-    /// not in the catalogue. Parameters of links and of friction are confounders of whatever they can absorb.
+    /// Effects whose torque looks alike on a usual recording. They are a fair second answer where the effect
+    /// itself is not in the catalogue. Parameters of links and of friction are confounders of all that they can
+    /// absorb.
     pub confounders: &'static [Effect],
-    /// What a recording has to have.
+    /// Properties that a recording must have.
     pub needs: &'static [Need],
-    /// File of a patch that it is written to; none: the table of values alone.
+    /// File of a patch into which it is written; none: only the table of values.
     pub place: Option<&'static str>,
-    /// Whether code that is generated for simulators holds it: its columns are terms of the torque model and belong to the
-    /// robot.
+    /// Whether generated code for simulators holds it: its columns are terms of the torque model and belong to the robot.
     pub coded: bool,
-    /// Whether it is a change of parameters that the model's structure has already.
+    /// Whether it is a change of parameters that the model already has.
     pub parameter: bool,
-    /// Whether it resists the motion of its own joint.
+    /// Whether it is friction of its own joint.
     pub friction: bool,
-    /// Whether it makes the whole prediction late or oscillate, of which other effects give some as well.
+    /// Whether it makes the whole prediction late or oscillate, which other effects do in part as well.
     pub dynamic: bool,
     /// Whether it shows at frequencies beyond those of the motion.
     pub vibrates: bool,
-    /// Whether free inertial and friction parameters can take most of it over, so that its worth counts from the model as
-    /// given.
+    /// Whether free inertial and friction parameters can absorb most of it. Then its share is counted from the model as given.
     pub absorbable: bool,
-    /// Whether it is a force from outside for a while: it is found by its trace and never fitted.
+    /// Whether it is a temporary force from outside: it is found by its trace and never fitted.
     pub outside: bool,
-    /// Whether it moves the recorded torque in time.
+    /// Whether it shifts the recorded torque in time.
     pub late: bool,
     /// Whether it is friction with memory.
     pub memory: bool,
     /// Whether it is compliance or play between motor and link.
     pub gear: bool,
-    /// Whether its sizes are those of bodies.
+    /// Whether its sizes are inertial parameters of bodies.
     pub body: bool,
-    /// How a model directory carries one of its candidates.
+    /// Place of one of its candidates in a model directory.
     pub carried: fn(&Candidate) -> Carried,
-    /// Makes what users ask for out of what is linear.
+    /// Converts linear coefficients into the quantities that users expect.
     pub reported: fn(&mut Vec<Parameter>),
-    /// Motion that separates it from others.
+    /// Motion that separates it from other effects.
     pub experiment: Experiment,
-    /// Motions that separate it from single others.
+    /// Motions that separate it from particular other effects.
     pub experiments: &'static [(Effect, Experiment)],
-    /// Why no simulator's description or code holds it, where it is not written.
+    /// Reason why no simulator's description or code holds it, where it is not written.
     pub unwritten: &'static str,
-    /// Part of its joints' squared error that it has to remove to be named.
+    /// Least part of its joints' squared error that it must remove to be accepted.
     pub least_fraction: f64,
 }
 
 impl Info {
-    /// Nothing is known yet.
+    /// Defaults.
     pub const NEW: Self = Self {
         name: "",
         plain: "",

@@ -1,6 +1,6 @@
 //! `joint_coupling`: another joint's motion drives this joint's transmission. A sparse screen over pairs, one
-//! column each: the driver's velocity, direction, acceleration or position, and the direction of both motions combined. Confounders: Coriolis and inertial coupling
-//! (all base parameters), kinematic errors.
+//! column each: the driver's velocity, direction, acceleration or position, and the direction of both motions
+//! combined. Confounders: Coriolis and inertial coupling (all base parameters), kinematic errors.
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
@@ -9,7 +9,7 @@ use super::unit::Unit;
 use crate::motion::scene::{SOFT_SIGN, Scene};
 use physics::effects::{Coupling, Sliding, Term};
 
-/// What is known of it beside its columns.
+/// Description of `joint_coupling`: confounders, rules.
 pub(super) const INFO: Info = Info {
     name: "joint_coupling",
     plain: "coupling to another joint",
@@ -19,7 +19,7 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Ratios of driver to driven motion in a shared transmission.
+/// Ratios of driver to driven motion in a shared transmission that are tried.
 const RATIOS: [f64; 10] = [-4.0, -2.0, -1.0, -0.5, -0.25, 0.25, 0.5, 1.0, 2.0, 4.0];
 
 pub(super) fn candidates(scene: &Scene, driven: usize) -> Vec<Candidate> {

@@ -13,7 +13,7 @@ use super::unit::Unit;
 use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2};
 
-/// What is known of it beside its columns.
+/// Description of `joint_elasticity`: confounders, needs, remedy, rules.
 pub(super) const INFO: Info = Info {
     name: "joint_elasticity",
     plain: "elasticity of the transmission",
@@ -30,13 +30,13 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Frequencies of the joint's own oscillation against the rigid arm, Hz.
+/// Natural frequencies of the joint against the rigid arm that are tried, Hz.
 const FREQUENCIES: [f64; 4] = [4.5, 7.5, 12.0, 20.0];
-/// Rounding of the spring torque before it is differentiated twice, s: noise of the acceleration grows with the
-/// square of the frequency, the wind-up of a motion does not.
+/// Time constants of the spring torque's smoothing before it is differentiated twice, s. Noise of the
+/// acceleration grows with the square of the frequency; the wind-up of a motion does not.
 pub(super) const ROUNDING: [f64; 2] = [0.01, 0.025];
 
-/// Frequencies of the oscillating link, Hz, and its damping ratios.
+/// Natural frequencies of the oscillating link that are tried, Hz, and damping ratios.
 const RESONANCES: [f64; 7] = [3.5, 5.0, 7.0, 9.5, 13.0, 18.0, 25.0];
 const DAMPING: [f64; 2] = [0.06, 0.2];
 /// Parts of the joint's inertia that turn with the motor.
@@ -88,8 +88,8 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
     all
 }
 
-/// Change of the rigid torque by a transmission of the given compliance, rad/(N·m), a part of the joint's inertia turning with
-/// the motor.
+/// Change of the rigid torque by a transmission of the given compliance, rad/(N·m), shape (samples, joints).
+/// The part `rotor` of the joint's inertia turns with the motor.
 pub(super) fn compliant(
     scene: &Scene,
     joint: usize,
@@ -119,7 +119,7 @@ pub(super) fn own_inertia(scene: &Scene, joint: usize) -> f64 {
     (scene.tangent(joint).qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
 }
 
-/// Stiffness instead of compliance.
+/// Converts compliance into stiffness.
 fn stiffness(parameters: &mut Vec<Parameter>) {
     let compliances = parameters.iter_mut();
     for p in compliances.filter(|p| p.name == "compliance" && p.value > 0.0) {

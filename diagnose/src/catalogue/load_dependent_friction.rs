@@ -9,7 +9,7 @@ use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{FrictionShape, LoadFriction, Term};
 
-/// What is known of it beside its columns.
+/// Description of `load_dependent_friction`: confounders, experiment, rules.
 pub(super) const INFO: Info = Info {
     name: "load_dependent_friction",
     plain: "load-dependent friction",

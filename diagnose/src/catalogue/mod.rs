@@ -44,7 +44,7 @@ pub use reported::Parameter;
 pub use unit::Unit;
 
 impl Effect {
-    /// What is known of it beside its columns.
+    /// Description of the effect beside its columns.
     pub fn info(self) -> &'static Info {
         match self {
             Effect::LinkParameters => &parameters::LINKS,
@@ -85,7 +85,7 @@ impl Serialize for Effect {
     }
 }
 
-/// Everything that needs no look at the residual; `links` are what the joints' link encoders say, where there are any.
+/// All candidates that do not depend on the residual. `links` are the findings of the joints' link encoders, where there are any.
 pub fn catalogue(scene: &Scene, links: &[Link]) -> Vec<Candidate> {
     let mut all = Vec::new();
     all.extend(parameters::candidates(scene));

@@ -9,7 +9,7 @@ use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::{Sliding, Term};
 
-/// What is known of it beside its columns.
+/// Description of `nonlinear_viscous_friction`: confounders, needs, experiment, rules.
 pub(super) const INFO: Info = Info {
     name: "nonlinear_viscous_friction",
     plain: "nonlinear viscous friction",
@@ -22,7 +22,7 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Knees relative to the joint's root mean square velocity.
+/// Velocities v of tanh(q̇/v) relative to the joint's root mean square velocity.
 const KNEES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 const EXPONENTS: [f64; 5] = [0.35, 0.65, 1.5, 2.0, 3.0];
 

@@ -19,7 +19,7 @@ use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-/// What is known of it beside its columns.
+/// Description of `rotor_inertia`: confounders, needs, remedy, rules.
 pub(super) const ROTOR: Info = Info {
     name: "rotor_inertia",
     plain: "rotor inertia",
@@ -35,7 +35,7 @@ pub(super) const ROTOR: Info = Info {
     ..Info::NEW
 };
 
-/// What is known of it beside its columns.
+/// Description of `payload`: confounders, remedy, experiment, rules.
 pub(super) const PAYLOAD: Info = Info {
     name: "payload",
     plain: "a payload on the last link",
@@ -49,7 +49,7 @@ pub(super) const PAYLOAD: Info = Info {
     ..Info::NEW
 };
 
-/// What is known of it beside its columns.
+/// Description of `friction_parameters`: confounders, remedy, rules.
 pub(super) const FRICTION: Info = Info {
     name: "friction_parameters",
     plain: "friction coefficients",
@@ -62,7 +62,7 @@ pub(super) const FRICTION: Info = Info {
     ..Info::NEW
 };
 
-/// What is known of it beside its columns.
+/// Description of `link_parameters`: confounders, needs, remedy, experiment, rules.
 pub(super) const LINKS: Info = Info {
     name: "link_parameters",
     plain: "inertial parameters of links",
@@ -77,8 +77,9 @@ pub(super) const LINKS: Info = Info {
     ..Info::NEW
 };
 
-/// Velocity over which a part of a joint's Coulomb friction may build up, in widths of its softened sign: how a real
-/// contact comes to rest is nobody's law, and a wrong one looks like Stribeck or degressive friction.
+/// Velocity over which a part of a joint's Coulomb friction may build up, in widths of its softened sign. No
+/// law is known for how a real contact comes to rest, and a wrong one looks like Stribeck or degressive
+/// friction.
 const BUILD_UP: f64 = 4.0;
 
 const LINK: [(&str, Unit); PARAMETERS_PER_LINK] = [
@@ -162,21 +163,22 @@ pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     all
 }
 
-/// A link of another density: all its parameters in proportion. One coefficient, where the link's own need ten.
+/// Candidate of a link with another density: all its parameters in proportion. It has one coefficient, where
+/// the full set has ten.
 fn heavier(scene: &Scene, link: usize) -> Candidate {
     let density = Quantity::plain("density", Unit::One, Some(link));
     let more = Bound::Between(-1.0, f64::INFINITY);
     changed(link, body(scene.robot, link).parameters(), density, more)
 }
 
-/// Quarter and half turns, rad, about the axes of a link's frame.
+/// Quarter and half turns about the axes of a link's frame that are tried, rad.
 const TURNS: [f64; 3] = [-FRAC_PI_2, FRAC_PI_2, PI];
-/// Bound of the part of such a turn that is found.
+/// Bound of the coefficient on such a turn.
 const WHOLE: Bound = Bound::Between(0.75, 1.25);
-/// Change of the parameters, relative to the link's sizes, below which a turn shows nothing.
+/// Least change of the parameters by a turn, relative to the link's sizes; a smaller one is not tried.
 const TURN_SHOWS: f64 = 0.2;
 
-/// A link whose inertials stand in a wrong frame: centre of mass and inertia turned against it.
+/// Candidates of a link whose inertials are given in a wrong frame: centre of mass and inertia turned.
 fn turned(scene: &Scene, link: usize) -> Vec<Candidate> {
     let own = body(scene.robot, link);
     let sizes = link_sizes(&scene.robot.joints()[link]);
@@ -202,12 +204,12 @@ fn turned(scene: &Scene, link: usize) -> Vec<Candidate> {
     .collect()
 }
 
-/// A link's body in the present model.
+/// Inertial parameters of a link in the present model.
 fn body(robot: &Robot, link: usize) -> Inertia {
     robot.joints()[link].link.inertia
 }
 
-/// A link whose parameters change by a multiple of `change`.
+/// Candidate of a link whose parameters change by a multiple of `change`.
 fn changed(
     link: usize,
     change: [f64; PARAMETERS_PER_LINK],
@@ -227,8 +229,8 @@ fn changed(
     candidate
 }
 
-/// A link whose mass lies elsewhere: its first moments. Three coefficients, where a torque of the joint's position that
-/// does the same needs more.
+/// Candidate of a link with its mass at another place: first moments. It has three coefficients, where a torque
+/// of the joint's position that does the same needs more.
 fn displaced(dof: usize, link: usize) -> Candidate {
     let moments = 1..4;
     Candidate {
@@ -253,8 +255,8 @@ fn displaced(dof: usize, link: usize) -> Candidate {
     }
 }
 
-/// Other coefficients of viscous and Coulomb friction, a part of Coulomb friction that builds up more slowly, and all
-/// of these.
+/// Candidates of a joint's friction: change of the viscous and Coulomb coefficients, a part of Coulomb friction
+/// that builds up more slowly, and all of these.
 fn friction(scene: &Scene, j: usize) -> [Candidate; 3] {
     let dof = scene.dof();
     let new = |q, bound, c| Candidate::single(Effect::FrictionParameters, j, q, bound, c);
@@ -277,7 +279,7 @@ fn friction(scene: &Scene, j: usize) -> [Candidate; 3] {
     ]
 }
 
-/// A payload's centre of mass instead of its first moments.
+/// Converts a payload's first moments into its centre of mass.
 fn centre_of_mass(parameters: &mut Vec<Parameter>) {
     let Some((mass, _)) = size(parameters, "mass") else {
         return;

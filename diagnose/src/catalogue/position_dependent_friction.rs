@@ -13,7 +13,7 @@ use crate::motion::scene::Scene;
 use physics::effects::{FrictionShape, Harmonic, Phase, PositionFriction, Sliding, Term};
 use std::f64::consts::TAU;
 
-/// What is known of it beside its columns.
+/// Description of `position_dependent_friction`: confounders, needs, experiment, rules.
 pub(super) const INFO: Info = Info {
     name: "position_dependent_friction",
     plain: "friction that changes with position",
@@ -33,14 +33,14 @@ pub(super) const INFO: Info = Info {
 /// Most lines of one joint that are tried.
 pub const LINES: usize = 2;
 
-/// Whole orders that are tried.
+/// Whole orders that are tried, periods per turn.
 const WHOLE: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
-/// Fewest cycles over the recorded range: over less the friction is about constant.
+/// Fewest cycles over the recorded range: with fewer the friction is about constant.
 const FEWEST_CYCLES: f64 = 0.4;
-/// Orders that differ by fewer cycles over the range are one.
+/// Difference in cycles over the range below which two orders count as one.
 const SAME: f64 = 0.25;
 
-/// Candidates of a joint at whole orders and at `lines`, 1/rad (1/m).
+/// Candidates of a joint at whole orders and at the orders `lines`, 1/rad (1/m).
 pub fn candidates(scene: &Scene, joint: usize, lines: &[f64]) -> Vec<Candidate> {
     let (low, high) = scene.scale.range[joint];
     let cycles = |order: f64| order * (high - low) / TAU;
@@ -53,7 +53,7 @@ pub fn candidates(scene: &Scene, joint: usize, lines: &[f64]) -> Vec<Candidate> 
     orders.flat_map(|order| at(scene, joint, order)).collect()
 }
 
-/// Candidates at one order: Coulomb friction that changes, and Coulomb with viscous friction.
+/// Candidates at one order: Coulomb friction alone, and Coulomb with viscous friction.
 fn at(scene: &Scene, joint: usize, order: f64) -> [Candidate; 2] {
     let column = |phase, friction| {
         let term = PositionFriction {

@@ -12,7 +12,7 @@ use crate::motion::scene::Scene;
 use physics::effects::{Dahl, Stop, Term};
 use signal::quantile::median;
 
-/// What is known of it beside its columns.
+/// Description of `presliding_hysteresis`: confounders, needs, rules.
 pub(super) const INFO: Info = Info {
     name: "presliding_hysteresis",
     plain: "presliding hysteresis",
@@ -30,14 +30,15 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Widths relative to the recorded range of the joint. The narrowest are a few steps of an encoder: gears give by tenths of a milliradian.
+/// Widths of memory that are tried, relative to the recorded range of the joint. The narrowest are a few steps
+/// of an encoder: gears give way by tenths of a milliradian.
 const WIDTHS: [f64; 9] = [3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 8e-3, 0.02, 0.05, 0.12];
 
-/// Sampling intervals that a joint takes at least from where it turns round to the end of the width: what is over sooner is how
-/// friction turns round, and no recording shows how.
+/// Fewest sampling intervals from a reversal to the end of the width. Memory that ends sooner is the shape of
+/// the reversal itself, which no recording shows.
 const SEEN: f64 = 1.0;
 
-/// Way that a joint usually leaves behind within `SEEN` after it turned round.
+/// Usual distance that a joint moves within `SEEN` intervals after a reversal, rad (m).
 fn least_width(scene: &Scene, joint: usize) -> f64 {
     let m = scene.motion;
     let (qd, qdd) = (m.qd.column(joint), m.qdd.column(joint));

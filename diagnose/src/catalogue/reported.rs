@@ -1,4 +1,4 @@
-//! Sizes of a cause as the report gives them.
+//! Sizes of a cause in the report.
 
 use super::unit::Unit;
 use serde::Serialize;
@@ -19,7 +19,7 @@ pub struct Parameter {
     pub unit: Unit,
 }
 
-/// The size of that name, and its deviation.
+/// Value and standard deviation of the parameter `name`.
 pub(super) fn size(parameters: &[Parameter], name: &str) -> Option<(f64, Option<f64>)> {
     let mut all = parameters.iter();
     all.find(|p| p.name == name).map(|p| (p.value, p.std))

@@ -7,10 +7,10 @@ use super::info::{Carried, Info};
 use super::unit::Unit;
 use crate::motion::scene::Scene;
 
-/// Shape: the torque at which it is cut.
+/// Name of the shape parameter: torque at which the signal is cut, N·m (N).
 pub const LIMIT: &str = "limit";
 
-/// What is known of it beside its columns.
+/// Description of `saturation`: confounders, remedy, rules.
 pub(super) const INFO: Info = Info {
     name: "saturation",
     plain: "a saturated torque signal",
@@ -20,17 +20,17 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Limits relative to the largest predicted torque.
+/// Limits that are tried, relative to the largest predicted torque.
 const LIMITS: [f64; 10] = [0.3, 0.38, 0.46, 0.54, 0.62, 0.68, 0.74, 0.8, 0.86, 0.92];
 
-/// What a flat top of the recorded torque is worth, nats.
+/// Evidence of a flat top of the recorded torque, nats.
 const FLAT_TOP: f64 = 40.0;
 
-/// Deviation of the cut from that of the predicted torque, whose peaks err, where the recording shows the limit.
+/// Standard deviation of the cut where the recording shows the limit, relative to the predicted cut, whose peaks err.
 const CUT: f64 = 0.15;
 
-/// The limit of a flat top in the recorded torque: what lies above it in the prediction is cut, all of it. Where only one trajectory
-/// reaches the limit no other could foretell how much.
+/// Candidate with the limit of a flat top in the recorded torque: all predicted torque above it is cut. Where
+/// only one trajectory reaches the limit, no other could predict the coefficient.
 pub fn flat_top(joint: usize, limit: f64) -> Candidate {
     let mut candidate = cut(joint, limit);
     candidate.evidence = FLAT_TOP;

@@ -10,7 +10,7 @@ use super::unit::Unit;
 use crate::motion::scene::{SOFT_SIGN, Scene};
 use physics::effects::{Sliding, Term};
 
-/// What is known of it beside its columns.
+/// Description of `stribeck_friction`: confounders, needs, experiment, rules.
 pub(super) const INFO: Info = Info {
     name: "stribeck_friction",
     plain: "Stribeck friction",
@@ -27,9 +27,9 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Stribeck velocities relative to the joint's root mean square velocity. What is narrower than the softened sign is
-/// not told from it. Half as many leave so much of a law between two of them that a second curve, of viscous friction, pays for
-/// itself beside a Stribeck force twice as large.
+/// Stribeck velocities relative to the joint's root mean square velocity. A law narrower than the softened sign
+/// cannot be told from it. With half as many values, a law between two of them would leave a residual in which
+/// a second curve, of viscous friction, pays for itself beside a Stribeck force twice as large.
 const VELOCITIES: [f64; 12] = [
     0.015, 0.03, 0.043, 0.06, 0.085, 0.12, 0.17, 0.25, 0.35, 0.5, 0.71, 1.0,
 ];

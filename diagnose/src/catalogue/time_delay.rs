@@ -12,10 +12,10 @@ use crate::motion::delay::Late;
 use crate::motion::scene::Scene;
 use ndarray::Array1;
 
-/// Shape of a low-pass: its corner frequency.
+/// Name of a low-pass's shape parameter: its corner frequency, Hz.
 const CORNER: &str = "corner";
 
-/// What is known of it beside its columns.
+/// Description of `time_delay`: confounders, remedy, rules.
 pub(super) const INFO: Info = Info {
     name: "time_delay",
     plain: "a time shift between torque and motion",
@@ -28,27 +28,27 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Delays in sampling intervals; the coefficient corrects what lies between.
+/// Delays of all joints that are tried, in sampling intervals; the coefficient interpolates between them.
 const DELAYS: [f64; 12] = [
     -12.0, -6.0, -3.0, -1.5, -0.75, 0.75, 1.5, 3.0, 5.0, 8.0, 12.0, 18.0,
 ];
 
-/// Those of a single joint, beside what all share.
+/// Delays of a single joint beside the common one that are tried, in sampling intervals.
 const OWN: [f64; 7] = [-4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0];
-/// Time constants of a filter, in sampling intervals.
+/// Time constants of a filter that are tried, in sampling intervals.
 const LAGS: [f64; 4] = [0.75, 1.5, 3.0, 6.0];
 
-/// Of a delay that is known: parts of it that are a filter's, and factors on it.
+/// Refinement of a known delay: parts of it that are a filter's, and factors on it.
 const PARTS: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
-/// See `PARTS`.
+/// Factors, see `PARTS`.
 const FACTORS: [f64; 5] = [0.7, 0.85, 1.0, 1.2, 1.45];
 
-/// Of the whole arm.
+/// Candidates of a delay of all joints.
 pub(super) fn candidates(scene: &Scene) -> Vec<Candidate> {
     all(scene, (0..scene.dof()).collect(), &DELAYS, false)
 }
 
-/// Of one joint alone.
+/// Candidates of a delay of one joint alone.
 pub(super) fn own(scene: &Scene, joint: usize) -> Vec<Candidate> {
     if scene.dof() > 1 {
         all(scene, vec![joint], &OWN, true)
@@ -57,8 +57,7 @@ pub(super) fn own(scene: &Scene, joint: usize) -> Vec<Candidate> {
     }
 }
 
-/// How a joint's torque changes where it is early or late by about an interval, or several: what any lateness of its own is
-/// made of.
+/// Changes of a joint's torque by shifts of about one interval or several, and by filters: a basis of any delay of that joint.
 pub fn changes(scene: &Scene, joint: usize) -> Vec<Array1<f64>> {
     let step = scene.scale.step;
     let shifts = [-3.0, -1.0, 1.0, 3.0, 6.0].map(|s| Late::shifted(s * step));
@@ -71,8 +70,9 @@ pub fn changes(scene: &Scene, joint: usize) -> Vec<Array1<f64>> {
     .collect()
 }
 
-/// How a joint's torque changes where all of it is late, or where it is late beside what all joints are. What other
-/// columns add to the model as given is late by what is known: here is what that leaves.
+/// Change of a joint's torque by the delay `late` of all of it, or with `alone` beside the delay common to all
+/// joints. Torque that other columns add to the model as given is delayed already where a delay is known; this
+/// is the remaining change.
 fn change(scene: &Scene, joint: usize, late: Late, alone: bool) -> Array1<f64> {
     let mut all = &scene.rigid.column(joint) + &scene.drive.column(joint);
     let (Some(channel), Some(given)) = (&scene.scale.channel, &scene.given) else {
@@ -90,7 +90,7 @@ fn change(scene: &Scene, joint: usize, late: Late, alone: bool) -> Array1<f64> {
     known.map_or_else(|| change.clone(), |known| &change - &known)
 }
 
-/// Of all joints, or of one beside them.
+/// Candidates of delays of the joints, common to all, or with `alone` of one beside the common one.
 fn all(scene: &Scene, joints: Vec<usize>, shifts: &[f64], alone: bool) -> Vec<Candidate> {
     let of = |c: &Channel| if alone { c.own[joints[0]] } else { c.whole };
     let known = scene.scale.channel.as_deref().and_then(of);
@@ -140,7 +140,7 @@ fn candidate(joints: Vec<usize>, late: Late, alone: bool) -> Candidate {
     }
 }
 
-/// How late a candidate says that torque is recorded, its coefficient being `size`.
+/// Delay of the recorded torque by a candidate with the coefficient `size`.
 pub fn said(candidate: &Candidate, size: f64) -> Late {
     let delay = candidate.quantities[0].factor;
     let corner = candidate.shape(CORNER);

@@ -14,7 +14,7 @@ use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::effects::Term;
 
-/// What is known of it beside its columns.
+/// Description of `torque_offset`: confounders, remedy, experiment, rules.
 pub(super) const OFFSET: Info = Info {
     name: "torque_offset",
     plain: "a torque offset",
@@ -25,7 +25,7 @@ pub(super) const OFFSET: Info = Info {
     ..Info::NEW
 };
 
-/// What is known of it beside its columns.
+/// Description of `torque_gain`: confounders, remedy, experiment, rules.
 pub(super) const GAIN: Info = Info {
     name: "torque_gain",
     plain: "a wrong torque scale",

@@ -11,7 +11,7 @@ use crate::motion::scene::Scene;
 use physics::effects::{Harmonic, Phase, Term};
 use std::f64::consts::TAU;
 
-/// What is known of it beside its columns.
+/// Description of `torque_ripple`: confounders, needs, rules.
 pub(super) const INFO: Info = Info {
     name: "torque_ripple",
     plain: "torque ripple",
@@ -32,10 +32,10 @@ const NAMES: [(&str, &str); LINES] = [
     ("sine_3", "cosine_3"),
 ];
 
-/// Cycles over the recorded range that are tried beside the lines of the periodogram, which has none so slow.
+/// Cycles over the recorded range that are tried beside the lines of the periodogram, whose lowest order is higher.
 const SLOW: [f64; 4] = [1.5, 1.75, 2.0, 2.25];
 
-/// Candidates of a joint with one slow line each.
+/// Candidates of a joint with one slow line each, see [`SLOW`].
 pub(super) fn slow(scene: &Scene, joint: usize) -> Vec<Candidate> {
     let (low, high) = scene.scale.range[joint];
     let order = |cycles: f64| cycles * TAU / (high - low);

@@ -10,21 +10,22 @@ use crate::motion::scene::Scene;
 use crate::motion::sensed::Departure;
 use ndarray::{Array1, Array2, Axis};
 
-/// A spring.
+/// Transmission with a spring.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spring {
-    /// Natural frequency of link and spring, Hz.
+    /// Natural frequency of the link on the spring, Hz.
     pub frequency: f64,
-    /// Its damping ratio.
+    /// Damping ratio.
     pub damping: f64,
     /// Part of the joint's inertia that turns with the motor.
     pub rotor: f64,
-    /// Half of the play under its wind-up, rad.
+    /// Half of the play before the spring winds up, rad.
     pub half_play: f64,
 }
 
-/// A gap between flanks on which the link stays where it lands: how it would bounce on stiff flanks cannot be foretold, and
-/// lasts no longer than the torque's low-pass. When it leaves a flank is seen in the whole band of the rows.
+/// Transmission with a gap between flanks, on which the link stays where it lands. Bounces on stiff flanks
+/// cannot be predicted, and last no longer than the torque's low-pass. The time at which the link leaves a
+/// flank is computed in the whole band of the rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
     /// Half of the play, rad.
@@ -35,13 +36,14 @@ pub(super) struct Gap {
 
 /// Largest phase of the natural oscillation in one step of the integration, rad.
 const STEP_PHASE: f64 = 0.15;
-/// Time to which landings are known, s: a friction, a mass or a play that is a little different shifts them.
+/// Uncertainty of a landing's time, s: small errors of friction, mass or play shift it.
 const LANDING: f64 = 0.015;
-/// Least part of its inertia that is the link's in any position.
+/// Least part of the joint's inertia that belongs to the link in any position.
 const LEAST_LINK: f64 = 0.05;
 
-/// Change of the rigid torque of all joints where the link's departure was recorded, shape (samples, joints); none where it was not.
-/// `zero`: what the encoders show where the transmission carries nothing.
+/// Change of the rigid torque of all joints by the recorded departure of the link, N·m (N), shape (samples,
+/// joints); none where it was not recorded. `zero`: departure that the encoders show where the transmission
+/// carries no torque.
 pub(super) fn recorded(
     scene: &Scene,
     joint: usize,
@@ -55,13 +57,13 @@ pub(super) fn recorded(
 }
 
 impl Spring {
-    /// Change of the rigid torque of all joints, shape (samples, joints).
+    /// Change of the rigid torque of all joints by the spring, N·m (N), shape (samples, joints).
     pub fn change(&self, scene: &Scene, joint: usize) -> Array2<f64> {
         let motor = scene.motor(joint, Band::Motion);
         changed(&motor, self.rotor, &self.follow(scene, &motor))
     }
 
-    /// By semi-implicit Euler steps, from rest in every trajectory.
+    /// Departure by semi-implicit Euler steps, from rest in every trajectory.
     fn follow(&self, scene: &Scene, motor: &Motor) -> Departure {
         let omega = std::f64::consts::TAU * self.frequency;
         let step = scene.scale.step;
@@ -98,7 +100,8 @@ impl Spring {
 }
 
 impl Gap {
-    /// Change of the rigid torque of all joints, shape (samples, joints), rounded as landings are known.
+    /// Change of the rigid torque of all joints by the gap, N·m (N), shape (samples, joints), smoothed by the
+    /// uncertainty of landings.
     pub fn change(&self, scene: &Scene, joint: usize) -> Array2<f64> {
         let motor = scene.motor(joint, Band::Rows);
         let mut out = changed(&motor, self.rotor, &self.cross(scene, &motor));
@@ -109,7 +112,7 @@ impl Gap {
         out
     }
 
-    /// From the flank that the torque presses at the start of every trajectory.
+    /// Departure by steps, starting in every trajectory from the flank that the torque presses.
     fn cross(&self, scene: &Scene, motor: &Motor) -> Departure {
         let h = scene.scale.step;
         let needed = needed(motor, self.rotor);
@@ -135,7 +138,7 @@ impl Gap {
     }
 }
 
-/// Acceleration with which a free link departs from its motor, T/M.
+/// Acceleration of a free link's departure from its motor, T/M.
 fn needed(motor: &Motor, rotor: f64) -> Array1<f64> {
     let inertia = motor.tangent.qdd.column(motor.joint);
     let own = rotor * inertia.mean().unwrap_or(0.0);
@@ -145,7 +148,7 @@ fn needed(motor: &Motor, rotor: f64) -> Array1<f64> {
         .collect()
 }
 
-/// Torque that a link needs less where it departs from its motor.
+/// Change of all joints' torque by the departure of a link, N·m (N), shape (samples, joints).
 fn changed(motor: &Motor, rotor: f64, departure: &Departure) -> Array2<f64> {
     let by = motor.tangent;
     let [q, qd, qdd] = [0, 1, 2].map(|k| -departure[k].clone().insert_axis(Axis(1)));

@@ -12,7 +12,7 @@ macro_rules! units {
         }
 
         impl Unit {
-            /// As it is written.
+            /// Text of the unit in reports.
             pub fn text(self) -> &'static str {
                 match self {
                     $(Self::$name => $text,)*
@@ -23,17 +23,17 @@ macro_rules! units {
 }
 
 units! {
-    /// A ratio or a number.
+    /// Dimensionless: a ratio or a number.
     One = "1",
-    /// Minus one or one.
+    /// Sign: −1 or 1.
     Sign = "sign",
     /// Angle.
     Rad = "rad",
     /// Length.
     Metre = "m",
-    /// Periods by angle.
+    /// Order: periods per angle.
     PerRad = "1/rad",
-    /// Periods by length.
+    /// Order: periods per length.
     PerMetre = "1/m",
     /// Angular velocity.
     RadPerSecond = "rad/s",
@@ -47,7 +47,7 @@ units! {
     Second = "s",
     /// Frequency.
     Hertz = "Hz",
-    /// The recording's length as a time.
+    /// Time as a multiple of the recording's length.
     Session = "session",
     /// Mass.
     Kilogram = "kg",
@@ -61,7 +61,7 @@ units! {
     NewtonMetre = "N·m",
     /// Damping by relative motion, which has no unit of its own.
     NewtonMetreSecond = "N·m·s",
-    /// The same of a joint that slides; viscous torque by the velocity of one that slides.
+    /// Damping by relative motion of a joint that slides; also viscous torque by the velocity of a joint that slides.
     NewtonSecond = "N·s",
     /// Viscous friction.
     NewtonMetreSecondPerRad = "N·m·s/rad",
@@ -92,7 +92,7 @@ units! {
 }
 
 impl Unit {
-    /// Of the same quantity where the joint slides instead of turning.
+    /// Unit of the same quantity where the joint slides instead of turning.
     pub fn linear(self) -> Self {
         match self {
             Self::NewtonMetre => Self::Newton,
@@ -110,7 +110,7 @@ impl Unit {
         }
     }
 
-    /// Of what a driving joint's motion does to a driven one, where the driven joint slides, or the driving one.
+    /// Unit of a coupling coefficient. `driven` and `driver`: whether the driven and the driving joint slide.
     pub fn of_coupling(self, driven: bool, driver: bool) -> Self {
         match (self, driven, driver) {
             (_, true, true) => self.linear(),

@@ -1,4 +1,4 @@
-//! The report in words and as a page.
+//! The report as text and as a page.
 
 pub mod page;
 pub mod words;

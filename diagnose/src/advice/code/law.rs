@@ -1,11 +1,12 @@
 //! Terms of the torque model as lines of Python that NumPy and PyTorch read alike.
 //!
-//! What a joint's motion turns round is no torque of the law but a *level*: how much friction holds the joint, which the
-//! simulator's own friction then turns against the motion without chatter. Everything else is a torque.
+//! Torque that reverses with a joint's motion is no torque of the law but a *level*: the size of the friction
+//! that holds the joint. The simulator's own friction turns it against the motion without chatter. All other
+//! terms are torques.
 
 use physics::effects::{Coupling, FrictionShape, Harmonic, Phase, Sliding, Term};
 
-/// A term in a simulator's hands: on which joint, of which effect, how large.
+/// A term for a simulator, with its joint, effect and size.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     /// Index of the joint, base first.
@@ -18,7 +19,7 @@ pub(super) struct Piece {
     pub(super) term: Term,
 }
 
-/// The body of the function `law`, and what has to stand beside it.
+/// Body of the function `law`, and its requirements.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Law {
     /// Joints that the law reads or loads, by index of the arm; their order is that of the law's last axis.
@@ -31,11 +32,11 @@ pub(super) struct Law {
     pub(super) helpers: Vec<&'static str>,
     /// Names that the lines need of NumPy or PyTorch.
     pub(super) imports: Vec<&'static str>,
-    /// Whether the lines read the torque that transmissions carry, or the acceleration.
+    /// Whether the lines read the load of the transmissions or the acceleration.
     pub(super) sees: Sees,
 }
 
-/// What a simulator has to compute for the law alone.
+/// Quantities that a simulator computes only for the law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Sees {
     pub(super) load: bool,
@@ -83,7 +84,7 @@ def drift(clock, start, span, neutral):
 ";
 
 impl Law {
-    /// The law of some terms; `softness` has one speed per joint of the arm, over which its friction turns round.
+    /// Law of some terms; `softness` is the velocity of softening of friction, rad/s (m/s), by joint of the arm.
     pub(super) fn new(pieces: &[Piece], softness: &[f64], names: &[String]) -> Self {
         let mut joints: Vec<usize> = pieces
             .iter()
@@ -113,7 +114,7 @@ impl Law {
         own
     }
 
-    /// Place of a joint of the arm on the law's last axis.
+    /// Index of a joint of the arm on the law's last axis.
     fn at(&self, joint: usize) -> usize {
         let found = self.joints.iter().position(|j| *j == joint);
         found.expect("every joint of a piece is in the list")
@@ -144,7 +145,7 @@ impl Law {
         self.imports.dedup();
     }
 
-    /// The level of a term that turns round with its own joint's motion.
+    /// Level of a term that reverses with its own joint's motion; none for other terms.
     fn level(&mut self, term: &Term, joint: usize, softness: f64) -> Option<String> {
         let qd = self.of("qd", joint);
         match term {
@@ -176,7 +177,7 @@ impl Law {
         }
     }
 
-    /// The level of friction of the present speed, where it jumps at a reversal.
+    /// Level of friction that depends on the present speed, where it jumps at a reversal; none for other shapes.
     fn sliding_level(&mut self, s: &Sliding, qd: &str, softness: f64) -> Option<String> {
         Some(match *s {
             Sliding::Coulomb => "1.0".into(),
@@ -206,7 +207,7 @@ impl Law {
         })
     }
 
-    /// Torque of a term for a coefficient of one.
+    /// Torque of a term with coefficient one.
     fn torque(&mut self, term: &Term, joint: usize) -> String {
         let (q, qd) = (self.of("q", joint), self.of("qd", joint));
         let dq = self.of("dq", joint);
@@ -370,7 +371,7 @@ impl Law {
         self.state(|z| format!("dahl({z}, {dq}, {stiffness:?})"))
     }
 
-    /// Advances a state of its own and is its value.
+    /// Allocates a state, advances it by `next`, and returns its name.
     fn state(&mut self, next: impl Fn(&str) -> String) -> String {
         let z = format!("z[..., {}]", self.memory);
         self.memory += 1;
@@ -386,7 +387,7 @@ fn times(factor: &str, value: &str) -> String {
     }
 }
 
-/// Text that stays in one line of a comment or docstring.
+/// Text that stays on one line of a comment or docstring.
 pub(super) fn comment(text: &str) -> String {
     let plain = |c: char| {
         if c.is_control() || c == '\\' || c == '"' {

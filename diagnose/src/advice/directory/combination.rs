@@ -1,5 +1,4 @@
-//! A torque model as a combination of what a fit moved: every parameter is its given value and a sum of the fit's
-//! coefficients.
+//! Torque model as a linear combination of a fit's coefficients: every parameter is its given value plus a weighted sum of them.
 
 use crate::catalogue::{Column, ColumnTorque};
 use crate::motion::scene::Scale;
@@ -23,7 +22,7 @@ impl Sum {
         self.given + self.moved.iter().map(|(i, f)| f * beta[*i]).sum::<f64>()
     }
 
-    /// Its row of the map from coefficients to parameters.
+    /// Row of the matrix from coefficients to parameters.
     fn row(&self, coefficients: usize) -> Array1<f64> {
         let mut row = Array1::zeros(coefficients);
         self.moved.iter().for_each(|(i, f)| row[*i] += f);
@@ -31,7 +30,7 @@ impl Sum {
     }
 }
 
-/// Rigid parameters and the terms of each joint.
+/// Rigid-body parameters, and terms of each joint.
 pub(super) struct Combination {
     rigid: Vec<Sum>,
     terms: Vec<Vec<(Term, Sum)>>,
@@ -41,7 +40,7 @@ pub(super) struct Combination {
 }
 
 impl Combination {
-    /// The given model. Terms see true positions, which are `zeros` beyond the recorded ones that columns were made on.
+    /// The given model. Its terms use true positions, which are `zeros` beyond the recorded ones on which columns were evaluated.
     pub(super) fn of(given: &NominalModel, scale: &Scale, zeros: &[f64]) -> Self {
         let robot = &given.robot;
         let rigid = robot.parameters().into_iter().map(|given| Sum {
@@ -133,7 +132,7 @@ impl Combination {
         self.entry(joint, term).moved.push((variable, factor));
     }
 
-    /// Rigid parameters and terms for some coefficients of this covariance.
+    /// Rigid-body parameters and terms for the coefficients `beta` with a covariance.
     pub(super) fn values(
         &self,
         beta: &Array1<f64>,
@@ -152,8 +151,8 @@ impl Combination {
         (rigid.collect(), terms.collect())
     }
 
-    /// Covariance of base parameters, then each joint's terms, as a model file has it: a known counterbalance or spring has no
-    /// place.
+    /// Covariance of base parameters, then each joint's terms, in the order of a model file. A known
+    /// counterbalance or spring has no entry.
     pub(super) fn covariance(&self, base: &BaseParameters, of: &Array2<f64>) -> Array2<f64> {
         let n = of.nrows();
         let mut rows: Vec<Array1<f64>> = vec![Array1::zeros(n); base.len()];
@@ -174,7 +173,7 @@ impl Combination {
     }
 }
 
-/// A term of recorded positions as terms of true ones, which are `zeros` beyond them.
+/// Terms of true positions that equal a term of recorded positions; the true ones are `zeros` beyond the recorded ones.
 fn at_true_positions(joint: usize, term: &Term, zeros: &[f64]) -> Vec<(f64, Term)> {
     let zero = zeros[joint];
     match term {
@@ -198,7 +197,7 @@ fn at_true_positions(joint: usize, term: &Term, zeros: &[f64]) -> Vec<(f64, Term
     }
 }
 
-/// sin(k q) or cos(k q) in sines and cosines of k (q + zero).
+/// Expansion of sin(k q) or cos(k q) in sines and cosines of k (q + zero).
 fn turned(shape: Harmonic, zero: f64) -> Vec<(f64, Harmonic)> {
     if zero == 0.0 {
         return vec![(1.0, shape)];

@@ -1,10 +1,11 @@
 //! The accepted causes as a torque model: a directory that `eval`, a control loop and `diagnose --model` take, so that one
 //! diagnosis corrects the simulator (the patch) and the controller (this).
 //!
-//! What the last structural step of the ladder predicts is a sum of columns. Inertial parameters go into the rigid body,
-//! columns that are terms of the torque model become its terms, properties of the recording go into the preprocessing.
-//! Two things are not linear in their parameters, a tilted base and a torque scale: they are carried as what they are, and
-//! how far the directory's prediction then is from the step is measured and said.
+//! The prediction of the last structural step of the ladder is a sum of columns. Inertial parameters go into
+//! the rigid body, columns that are terms of the torque model become its terms, properties of the recording go
+//! into the preprocessing. A tilted base and a torque gain are not linear in their parameters. They are stored
+//! as tilt and gain, and the difference between the directory's prediction and that of the step is measured and
+//! reported.
 
 mod combination;
 mod recorded;
@@ -37,8 +38,8 @@ pub struct Directory {
     pub compensator: Option<Vec<u8>>,
     /// Causes that a torque model cannot carry.
     pub left_out: Vec<String>,
-    /// Root mean square of what its prediction on the held-out recording differs from the ladder's last structural step by,
-    /// relative to the torque, on the joint where that is most.
+    /// Root mean square difference between its prediction on the held-out recording and that of the ladder's
+    /// last structural step, relative to the torque, on the joint where it is largest.
     pub departure: f64,
 }
 
@@ -128,7 +129,7 @@ pub fn directory(
     })
 }
 
-/// How recordings are prepared for the model: as those of the diagnosis were.
+/// Preparation of recordings for the model: that of the diagnosis.
 fn preprocessing(outcome: &Outcome, recorded: &Recorded, cutoff_given: bool) -> Preprocessing {
     let (frames, report) = (&outcome.frames, outcome.frames.data.report());
     Preprocessing {
@@ -197,7 +198,7 @@ fn metrics(
     })
 }
 
-/// Largest relative difference, by joint, of the held-out prediction from that of the ladder's last structural step.
+/// Largest relative difference over the joints between the held-out prediction and that of the ladder's last structural step.
 fn departure(outcome: &Outcome, physics: &Array2<f64>) -> f64 {
     let (tau, left) = (&outcome.frames.heldout.tau, &outcome.explanation.residual);
     let rms = |x: &Array1<f64>| (x.dot(x) / x.len().max(1) as f64).sqrt();

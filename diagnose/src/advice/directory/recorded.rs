@@ -1,5 +1,4 @@
-//! What of the accepted causes belongs to the recording and not to the robot, what turns the base, and what no torque
-//! model carries.
+//! Accepted causes that belong to the recording (torque channel, delay), to the base (tilt), or to no torque model.
 
 use crate::algebra::fit::Fit;
 use crate::catalogue::Candidate;
@@ -13,17 +12,17 @@ use model::torque_channel::TorqueChannel;
 use nalgebra::{Rotation3, Vector3};
 use physics::robot::Robot;
 
-/// Two-sided 95 % of a normal distribution, deviations.
+/// Two-sided 95 % quantile of a normal distribution, in standard deviations.
 const TWO_SIDED: f64 = 1.96;
 
-/// Channel, delay, tilt, and what is left out.
+/// Torque channel, delay, tilt, and causes that are left out.
 pub(super) struct Recorded {
     pub(super) channel: TorqueChannel,
     pub(super) delay: Option<Estimate95>,
     tilt: Vector3<f64>,
-    /// Causes that a torque model cannot carry, in words.
+    /// Causes that a torque model cannot hold, as text.
     pub(super) left_out: Vec<String>,
-    /// Columns of the fit that stand here.
+    /// Columns of the fit that are held here.
     columns: Vec<usize>,
 }
 
@@ -65,7 +64,7 @@ impl Recorded {
         own
     }
 
-    /// Whether the candidate stands here and not among the model's terms.
+    /// Whether the candidate is held here and not among the model's terms.
     fn takes(&mut self, candidate: &Candidate, value: &dyn Fn(usize) -> (f64, f64)) -> bool {
         let joint = candidate.joints[0];
         let info = candidate.effect.info();
@@ -99,17 +98,17 @@ impl Recorded {
         true
     }
 
-    /// Whether a column of the fit stands here.
+    /// Whether a column of the fit is held here.
     pub(super) fn holds(&self, column: usize) -> bool {
         self.columns.contains(&column)
     }
 
-    /// Gravity as the tilted base sees it, m/s².
+    /// Gravity in the frame of the tilted base, m/s².
     pub(super) fn gravity(&self, robot: &Robot) -> Vector3<f64> {
         Rotation3::new(-self.tilt) * robot.gravity()
     }
 
-    /// The channel where it does something.
+    /// The torque channel, where it changes the torque.
     pub(super) fn named(&self) -> Option<TorqueChannel> {
         let faithful = TorqueChannel::faithful(self.channel.gain.len());
         Some(self.channel.clone()).filter(|c| *c != faithful)

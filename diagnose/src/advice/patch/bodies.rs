@@ -1,29 +1,30 @@
-//! Bodies that give the fitted torques and are otherwise as the description has them.
+//! Possible bodies with the fitted torques that are otherwise nearest to the description's.
 //!
-//! A recording shows some combinations of inertial parameters; a fit leaves the others to whatever its arithmetic prefers, and a
-//! description with such numbers has jaws of a forearm's mass. Here the data's information is one term, and the other is the
-//! divergence of each body from its description, tr(J₀⁻¹J) − ln det(J₀⁻¹J) − 4 in nats, with J the pseudo-inertia (Lee,
-//! Wensing and Park, "Geometric robot dynamic identification: a convex programming approach", IEEE T-RO 36(2), 2020). It knows
-//! no units, is zero for the description's own body, and infinite where a body ends to be one.
+//! A recording shows some combinations of inertial parameters. A fit leaves the others to its arithmetic, which
+//! can give jaws the mass of a forearm. Here one term is the data's information. The other is the divergence of
+//! each body from its description, tr(J₀⁻¹J) − ln det(J₀⁻¹J) − 4 in nats, with J the pseudo-inertia (Lee,
+//! Wensing and Park, "Geometric robot dynamic identification: a convex programming approach", IEEE T-RO 36(2),
+//! 2020). It is independent of units, zero for the description's own body, and infinite at the border of
+//! possible bodies.
 
 use nalgebra::{DMatrix, DVector, Matrix4};
 use physics::robot::{Inertia, PARAMETERS_PER_LINK};
 
-/// Newton steps for one part of the information, at most.
+/// Most Newton steps for one part of the information.
 const STEPS: usize = 200;
 
-/// Growth of that part, from where the fit counts as one nat: what barrier methods take.
+/// Growth of that part, from where the fit counts as one nat: a usual factor of barrier methods.
 const GROWTH: f64 = 10.0;
 
-/// Squared length of a Newton step, in its own metric, at which the minimum is reached.
+/// Squared length of a Newton step, in its own metric, below which the minimum counts as reached.
 const REACHED: f64 = 1e-16;
 
 /// Least second moment of a described body over its largest: a rod or plate gets a little thickness.
 const THINNEST: f64 = 1e-4;
 
-/// The bodies that minimise ½ (x − t)ᵀ H (x − t) + Σ divergence(body ‖ its description). Each of `described` has a place in
-/// `sums`: the index of the ten parameters of x that it is a part of, so that a link and its load are two bodies whose sum is
-/// seen. `target` and `information` (10 N, 10 N × 10 N) are t and H of these sums.
+/// Bodies that minimise ½ (x − t)ᵀ H (x − t) + Σ divergence(body ‖ its description). For each of `described`,
+/// `sums` is the index of the ten parameters of x to which it adds. So a link and its load are two bodies of
+/// which only the sum is seen. `target` and `information` (10 N, 10 N × 10 N) are t and H of these sums.
 pub(super) fn nearest(
     described: &[Inertia],
     sums: &[usize],
@@ -88,7 +89,7 @@ pub(super) fn nearest(
         .collect()
 }
 
-/// Minimum of a convex function by Newton steps, each as long as it falls; where rounding lets none, what was reached.
+/// Minimum of a convex function by damped Newton steps. Where rounding allows no descent, the point reached.
 fn minimum(
     mut y: DVector<f64>,
     value: impl Fn(&DVector<f64>) -> Option<f64>,
@@ -139,7 +140,7 @@ fn bases() -> [Matrix4<f64>; PARAMETERS_PER_LINK] {
     })
 }
 
-/// A body as it is described, its parameters over their sizes.
+/// A described body, its parameters divided by their sizes.
 struct Described {
     sizes: [f64; PARAMETERS_PER_LINK],
     own: [f64; PARAMETERS_PER_LINK],
@@ -179,7 +180,7 @@ impl Described {
             .fold(Matrix4::zeros(), |sum, (e, y)| sum + e * y)
     }
 
-    /// Divergence of the body with parameters `y`; none where there is no such body.
+    /// Divergence, nats, of the body with parameters `y`; none where that is no possible body.
     fn divergence(
         &self,
         bases: &[Matrix4<f64>; PARAMETERS_PER_LINK],
@@ -192,7 +193,7 @@ impl Described {
         Some((self.inverse * j).trace() - logarithm - described - 4.0)
     }
 
-    /// Its first and second derivatives.
+    /// First and second derivatives of the divergence.
     fn derivatives(
         &self,
         bases: &[Matrix4<f64>; PARAMETERS_PER_LINK],

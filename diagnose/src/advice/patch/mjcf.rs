@@ -1,11 +1,11 @@
-//! The patched robot as MuJoCo's XML has it: elements to be merged into a model by their names.
+//! The patched robot in MuJoCo's XML: elements to be merged into a model by name.
 
 use super::patched::{Patched, number};
 use crate::catalogue::effect::Effect;
 use report::xml::attribute;
 use std::fmt::Write;
 
-/// A well-formed document with `<option>`, every joint and body of the robot, and what else has a place.
+/// A well-formed document with `<option>`, every joint and body of the robot, and all else that MJCF can hold.
 pub(super) fn snippet(patched: &Patched, zeros: &[f64]) -> String {
     let robot = &patched.robot;
     let mut out = String::from("<mujoco>\n  <!-- Merge by name into the robot's model. -->\n");

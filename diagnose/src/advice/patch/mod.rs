@@ -1,5 +1,6 @@
-//! The simulator's model with the accepted causes written in: an MJCF or URDF as far as that has a place for them, beside a
-//! URDF a drive file for rotor inertias, elements for MuJoCo and Gazebo and a layer for USD, and a table of values for everything else.
+//! Patch: the simulator's model with the accepted causes written in. It is an MJCF or URDF as far as the format
+//! holds them. Beside a URDF there is a drive file for rotor inertias, elements for MuJoCo and Gazebo, a layer
+//! for USD, and a table of values for the remaining causes.
 
 mod bodies;
 mod mjcf;
@@ -31,30 +32,30 @@ pub struct Patch {
     pub urdf: String,
     /// Drive file with the rotor inertias, where there is a new one; for `--drive`.
     pub drive: Option<String>,
-    /// For MuJoCo.
+    /// Elements or whole model for MuJoCo.
     pub mjcf: ForMujoco,
-    /// For Gazebo and USD, where the model is a URDF: ending and text.
+    /// Files for Gazebo and USD, where the model is a URDF: ending and text.
     pub others: Vec<(&'static str, String)>,
-    /// Code for simulators, where one has no parameter for a cause.
+    /// Code for simulators, where they have no parameter for a cause.
     pub code: Option<Code>,
     /// Values of all causes, tab-separated.
     pub values: String,
-    /// What every joint is to be set to.
+    /// Numbers to be set, joint by joint.
     pub settings: Vec<Setting>,
-    /// What changes in the description, from → to, a line each.
+    /// Changes in the description, from → to, a line each.
     pub changes: Vec<String>,
 }
 
-/// What a patch has for MuJoCo.
+/// Part of a patch for MuJoCo.
 pub enum ForMujoco {
-    /// The user's own model with the new numbers.
+    /// The user's own model with corrected numbers.
     Whole(Edited),
     /// Elements to be merged by name.
     Snippet(String),
 }
 
 impl Patch {
-    /// The files when the model is to be `out`: that, and beside it what it has no place for.
+    /// The files for a model `out`: that file, and beside it files for what it cannot hold.
     ///
     /// # Errors
     /// Files of an MJCF that no longer fit together.
@@ -77,8 +78,8 @@ impl Patch {
         Ok(files)
     }
 
-    /// Removes what an earlier patch to `out` has left and this one does not write, as it would be taken for a part of it; returns the
-    /// paths. A file that does not begin as this program's do stays.
+    /// Removes files of an earlier patch to `out` that this one does not write, since they would be taken for a
+    /// part of it. Returns their paths. A file that does not begin like this program's stays.
     pub fn remove_stale(&self, out: &Path) -> Vec<PathBuf> {
         let drive = out.with_extension("drive.toml");
         let mut stale = Vec::new();
@@ -93,7 +94,7 @@ impl Patch {
         stale
     }
 
-    /// What has a place in the model and could not be written there; one line each.
+    /// Corrections that the model's format could hold but that could not be written; one line each.
     pub fn left_out(&self) -> Vec<String> {
         match &self.mjcf {
             ForMujoco::Whole(files) => files.left_out().to_vec(),
@@ -102,7 +103,8 @@ impl Patch {
     }
 }
 
-/// Writes the accepted causes into the model; `description` is what it was read from. Of an MJCF there is a URDF of its own.
+/// Writes the accepted causes into the model; `description` is the one that it was read from. For an MJCF there
+/// is a separate URDF, too.
 ///
 /// # Errors
 /// The fitted parameters make no robot, or `description` is not that of the model.
@@ -189,8 +191,8 @@ pub fn patch(
     })
 }
 
-/// One line on what the patch holds; `mjcf` says whether the model is one, which has a place for rotor inertias too, and
-/// `changes` whether any number of it changes.
+/// One line on the content of the patch. `mjcf`: whether the model is an MJCF, which also holds rotor inertias;
+/// `changes`: whether any number of it changes.
 pub fn summary(causes: &[Cause], mjcf: bool, changes: bool) -> String {
     let format = if mjcf { "MJCF" } else { "URDF" };
     let inside = |c: &&Cause| place_of(c, mjcf) == Some(format);

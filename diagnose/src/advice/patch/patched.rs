@@ -1,4 +1,4 @@
-//! The robot that is written.
+//! The corrected robot that a patch writes.
 
 use super::bodies::nearest;
 use crate::advice::code;
@@ -10,15 +10,15 @@ use crate::simulator::NominalModel;
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use physics::robot::{Inertia, Load, PARAMETERS_PER_LINK, Robot, RobotError, to_urdf};
 
-/// Density of what a robot carries, kg/m³: water's, between plastics and metals. It gives a load whose inertia the recording does
-/// not show a size.
+/// Density assumed for a load, kg/m³: that of water, between plastics and metals. It gives a size to a load
+/// whose inertia the recording does not show.
 const LOAD_DENSITY: f64 = 1000.0;
 
-/// What is written of a robot.
+/// Corrected robot with load, tilt and causes.
 pub(super) struct Patched<'a> {
-    /// Possible inertials, friction, rotor inertia; with the load.
+    /// Robot with its load: possible inertials, friction, rotor inertia.
     pub(super) robot: Robot,
-    /// The same without the load.
+    /// Robot without the load.
     pub(super) unloaded: Robot,
     /// The load.
     pub(super) load: Option<Load>,
@@ -27,18 +27,18 @@ pub(super) struct Patched<'a> {
     pub(super) causes: &'a [Cause],
 }
 
-/// A robot as it is written.
+/// Corrected robot with and without its load.
 pub struct Parts {
-    /// With its load.
+    /// Robot with its load.
     pub whole: Robot,
-    /// Without.
+    /// Robot without its load.
     pub unloaded: Robot,
     /// The load.
     pub load: Option<Load>,
 }
 
 impl Parts {
-    /// Gives the causes the inertial numbers that are written, so that page and file say the same.
+    /// Puts the written inertial parameters into the causes, so that page and file agree.
     pub fn told(&self, causes: &mut [Cause]) {
         let labels = self.unloaded.parameter_names();
         let values = self.unloaded.parameters();
@@ -53,8 +53,8 @@ impl Parts {
     }
 }
 
-/// The model with every fitted change of parameters that it has a place for, payload and rotor inertia included, as a robot
-/// whose links are possible bodies: those nearest to the description's that the data allow.
+/// The model with all fitted changes that its parameters can hold, payload and rotor inertia included. Its
+/// links are possible bodies: those nearest to the description's that the data allow.
 ///
 /// # Errors
 /// The fitted parameters make no robot.
@@ -106,7 +106,7 @@ pub fn parts(
     })
 }
 
-/// The load as it was fitted beside the last link's parameters: its mass and place; the ball of its mass for its inertia.
+/// Load as fitted beside the last link's parameters: its mass and place, with the inertia of a ball of its mass.
 fn load(found: &Findings) -> Option<Inertia> {
     let own = found
         .accepted
@@ -125,8 +125,8 @@ fn load(found: &Findings) -> Option<Inertia> {
     })
 }
 
-/// What the fitted recording says of the links' parameters, all else as it was fitted: the sum of their columns' products over
-/// what each joint's error varies.
+/// Information matrix of the links' parameters on the fitted recording, all other coefficients fixed: Σ_j w_j
+/// XᵀX with the inverse error variance w_j of joint j.
 fn information(found: &Findings, scale: &Scale, count: usize) -> DMatrix<f64> {
     let (grams, fit) = (&found.grams, found.tight_fit(scale));
     let mut sum = DMatrix::zeros(count, count);
@@ -143,8 +143,8 @@ fn information(found: &Findings, scale: &Scale, count: usize) -> DMatrix<f64> {
     sum
 }
 
-/// Where a patch writes an effect; none for the table of values alone. `mjcf` says whether the model is one: what a URDF
-/// needs a drive file for stands in it.
+/// File of a patch that holds an effect; none: only the table of values. `mjcf`: whether the model is an MJCF,
+/// which also holds what a URDF needs a drive file for.
 pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
     if effect.info().coded {
         return Some("generated code");
@@ -156,13 +156,14 @@ pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
     }
 }
 
-/// The same of a cause: what is coded as an effect may go with something that no simulator has.
+/// File of a patch that holds a cause. Unlike for its effect there is none where the cause depends on a
+/// quantity that no simulator has.
 pub(super) fn place_of(cause: &Cause, mjcf: bool) -> Option<&'static str> {
     let coded = cause.effect.info().coded;
     place(cause.effect, mjcf).filter(|_| !coded || code::holds(cause))
 }
 
-/// A parameter of a cause; zero where it has none of this name.
+/// Value of a cause's parameter; zero where it has none of this name.
 pub(super) fn number(cause: &Cause, name: &str) -> f64 {
     let found = cause.parameters.iter().find(|p| p.name == name);
     found.map_or(0.0, |p| p.value)
@@ -175,7 +176,7 @@ pub(super) fn joint(model: &NominalModel, cause: &Cause) -> Option<usize> {
 }
 
 impl Patched<'_> {
-    /// Gravity as the tilted base sees it, m/s².
+    /// Gravity in the frame of the tilted base, m/s².
     pub(super) fn gravity(&self) -> Vector3<f64> {
         Rotation3::new(-self.tilt) * self.robot.gravity()
     }

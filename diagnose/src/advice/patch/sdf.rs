@@ -1,11 +1,12 @@
-//! The patched robot as Gazebo's SDF has it: links and joints by their names, to be merged into a model.
+//! The patched robot in Gazebo's SDF: links and joints by name, to be merged into a model.
 
 use super::patched::Patched;
 use report::xml::attribute;
 use std::fmt::Write;
 
-/// A document with the inertial of every link that a joint moves, bodies fixed to it included, as Gazebo lumps them when it reads a
-/// URDF, and each joint's `<dynamics>`. What SDF has no place for is said at its head.
+/// Document with the inertial of every link that a joint moves and each joint's `<dynamics>`. The inertial
+/// includes bodies fixed to the link, as Gazebo lumps them when it reads a URDF. A comment at its head lists
+/// what SDF cannot hold.
 pub(super) fn document(patched: &Patched) -> String {
     let robot = &patched.robot;
     let mut out = String::from(

@@ -8,8 +8,9 @@ use std::fmt::Write;
 
 /// A layer with `newton:armature`, `newton:damping` and `newton:friction` of every joint.
 ///
-/// Prims lie where `urdf-usd-converter` puts them: `/ROBOT/Physics/JOINT`. It takes neither damping nor friction from a URDF, and a URDF has
-/// no rotor inertia; masses and poses it does take, so that they stand in what it makes of the corrected URDF and not here.
+/// Prims lie where `urdf-usd-converter` puts them: `/ROBOT/Physics/JOINT`. That converter takes neither damping
+/// nor friction from a URDF, and a URDF has no rotor inertia. It does take masses and poses, so they come with
+/// the converted, corrected URDF and not with this layer.
 pub(super) fn layer(patched: &Patched) -> String {
     let robot = &patched.robot;
     let mut out = String::from(
@@ -37,7 +38,7 @@ pub(super) fn layer(patched: &Patched) -> String {
     out
 }
 
-/// Damping in the schema's unit: N·m·s for each degree, N·s/m where the joint slides.
+/// Damping in the schema's unit: N·m·s per degree, N·s/m for a joint that slides.
 fn damping(joint: &Joint) -> f64 {
     match joint.kind {
         JointKind::Prismatic => joint.damping,
@@ -45,7 +46,7 @@ fn damping(joint: &Joint) -> f64 {
     }
 }
 
-/// A name as a prim may have it. Converters have their own ways with other names: those are to be set by hand.
+/// A name with the characters that a prim may have. Converters treat other names in their own ways: those are to be set by hand.
 fn prim(name: &str) -> String {
     let mut out: String = name
         .chars()

@@ -1,23 +1,23 @@
-//! Values for simulators without a file format of their own here, and the drive file.
+//! Table of values for simulators without a file format here, and the drive file.
 
 use super::patched::{Patched, place_of};
 use physics::robot::{JointKind, Robot};
 use std::fmt::Write;
 use std::path::Path;
 
-/// What a drive file of a patch begins with.
+/// First line of a patch's drive file.
 const DRIVE: &str = "# Seen from the link, kg·m² (kg for a prismatic joint). Merge into the drive file where there is one.";
 
-/// One number to be set, and what three simulators call it.
+/// One number to be set, with its name in three simulators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     /// Joint.
     pub joint: String,
     /// Quantity.
     pub what: &'static str,
-    /// In the model as given.
+    /// Value in the model as given.
     pub given: f64,
-    /// To be set.
+    /// Value to be set.
     pub value: f64,
     /// Unit.
     pub unit: &'static str,
@@ -29,7 +29,7 @@ pub struct Setting {
     pub gazebo: &'static str,
 }
 
-/// What every joint is to be set to.
+/// Numbers to be set, joint by joint.
 pub(super) fn settings(given: &Robot, patched: &Robot) -> Vec<Setting> {
     let mut out = Vec::new();
     for (old, new) in given.joints().iter().zip(patched.joints()) {
@@ -76,9 +76,10 @@ pub(super) fn settings(given: &Robot, patched: &Robot) -> Vec<Setting> {
     out
 }
 
-/// Tab-separated: the parameters of every cause with where they are written, then what each joint is to be set to.
+/// Tab-separated table: parameters of every cause with the place where they are written, then the numbers to be
+/// set on each joint.
 ///
-/// `mjcf` says whether the model is one.
+/// `mjcf`: whether the model is an MJCF.
 pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> String {
     let mut out = String::from("effect\tjoints\tparameter\tvalue\tstd\tunit\twritten to\n");
     for cause in patched.causes {
@@ -117,7 +118,7 @@ pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> Stri
     out
 }
 
-/// A name in one cell.
+/// A name without control characters, for one cell of the table.
 fn cell(name: &str) -> String {
     let plain = |c: char| if c.is_control() { ' ' } else { c };
     name.chars().map(plain).collect()

@@ -1,17 +1,17 @@
-//! What a patch changes in the description, in words, and whether the written files hold it.
+//! Changes of a patch in the description as text, and a check of the written files.
 
 use super::patched::Patched;
 use crate::error::DiagnoseError;
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::Robot;
 
-/// Departure of a written number from the one that was to be written, relative, that is rounding.
+/// Relative difference between a written number and the intended one that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// A change too small to be printed.
+/// Relative change below which it is not printed.
 const UNSEEN: f64 = 1e-4;
 
-/// What changes from the given robot, a line each: from → to. Centres of mass stand in the frame of their link.
+/// Changes from the given robot, a line each: from → to. Centres of mass are in the frame of their link.
 pub(super) fn changes(given: &Robot, patched: &Patched<'_>) -> Vec<String> {
     let mut lines = Vec::new();
     for (old, new) in given.joints().iter().zip(patched.unloaded.joints()) {
@@ -78,7 +78,7 @@ pub(super) fn changes(given: &Robot, patched: &Patched<'_>) -> Vec<String> {
     lines
 }
 
-/// A number with four digits.
+/// A number with four significant digits.
 fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -91,7 +91,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// Compares a robot that was read back with the one that was to be written: its torque at a pose in motion, its friction.
+/// Compares a robot that was read back with the intended one: torque at a pose in motion, and friction.
 ///
 /// # Errors
 /// They differ.

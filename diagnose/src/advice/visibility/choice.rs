@@ -1,9 +1,9 @@
-//! What is asked of a candidate, and the answer.
+//! Coefficient whose visibility is determined, and the result.
 
 use crate::catalogue::effect::Effect;
 use crate::catalogue::{Shape, Unit};
 
-/// From which size on an effect at one place would be accepted.
+/// Least size from which an effect at one place would be accepted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visible {
     /// The effect.
@@ -12,23 +12,23 @@ pub struct Visible {
     pub joints: Vec<usize>,
     /// Driving joint of a coupling.
     pub driver: Option<usize>,
-    /// What the size is.
+    /// Name of the quantity whose size is stated.
     pub quantity: &'static str,
     /// Its unit.
     pub unit: Unit,
-    /// Least size; none where no plausible one shows.
+    /// Least size; none where no plausible size is accepted.
     pub from: Option<f64>,
     /// Root mean square of its torque at that size on the joint where it is strongest, N·m.
     pub torque: Option<f64>,
-    /// Numbers of the shape for which it shows first.
+    /// Shape parameters for which the least size is smallest.
     pub shape: Vec<Shape>,
 }
 
 /// A coefficient of a candidate.
 #[derive(Clone, Copy)]
 pub(super) struct Choice {
-    /// Number of the candidate.
+    /// Index of the candidate.
     pub candidate: usize,
-    /// Number of its coefficient.
+    /// Index of its coefficient.
     pub place: usize,
 }

@@ -1,4 +1,4 @@
-//! The search on the recording that is expected of one effect at one size.
+//! Search on the expected recording of one effect of one size.
 
 use super::choice::{Choice, Visible};
 use crate::algebra::folds::{Fold, folds};
@@ -18,20 +18,21 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Rows per second that the search's numbers are meant for, and the cut-off before they are thinned out, relative to it.
+/// Rate of the rows for which the search's thresholds are meant, Hz, and the cut-off of the low-pass before
+/// thinning, relative to it.
 const ROWS: f64 = 62.5;
 const CUTOFF: f64 = 0.4;
-/// Sizes that are looked at: torque on the strongest joint over that joint's own.
+/// Smallest and largest size that is tried: torque on the strongest joint over that joint's own.
 const SIZES: (f64, f64) = (1e-5, 3.0);
-/// Factor between sizes that are tried upwards, and bisections after the first that is accepted: to 1 %.
+/// Factor between sizes that are tried upwards, and number of bisections after the first accepted one: to 1 %.
 const STRIDE: f64 = 4.0;
 const BISECTIONS: usize = 7;
-/// By how much another shape has to show sooner to be named.
+/// Factor on the least size by which another shape must be accepted sooner to be named.
 const SOONER: f64 = 0.95;
-/// Part of the upper bound of a coefficient that is still inside.
+/// Part of a coefficient's upper bound up to which sizes are tried.
 const INSIDE: f64 = 0.98;
 
-/// One row in so many fine samples, by segment.
+/// Picks one row in `stride` fine samples, by segment: indices of the samples, and ranges of the rows.
 fn thinned(segments: &[Range<usize>], stride: usize) -> (Vec<usize>, Vec<Range<usize>>) {
     let (mut picked, mut rows) = (Vec::new(), Vec::new());
     for s in segments {
@@ -42,16 +43,16 @@ fn thinned(segments: &[Range<usize>], stride: usize) -> (Vec<usize>, Vec<Range<u
     (picked, rows)
 }
 
-/// The expected search on one motion.
+/// Expected search on one motion.
 pub(super) struct Judge<'a> {
     scene: &'a Scene<'a>,
     candidates: &'a [Candidate],
     settings: &'a Settings,
     model: NominalModel,
-    /// Fine samples that are rows.
+    /// Indices of the fine samples that are rows.
     picked: Vec<usize>,
     folds: Vec<Fold>,
-    /// Columns of the base on the rows of each joint, and their numbers.
+    /// Columns of the base on the rows of each joint, shape (rows, columns), and their numbers.
     base: Vec<Array2<f64>>,
     /// Weight of each row, shape (rows, joints).
     weight: Array2<f64>,
@@ -104,7 +105,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// The least size of choices that differ in shape or coefficient.
+    /// Least accepted size among choices that differ in shape or coefficient.
     pub fn first(&self, group: &[Choice]) -> Visible {
         let c = &self.candidates[group[0].candidate];
         let first = &c.quantities[group[0].place];
@@ -134,7 +135,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// A planned motion as a recording of it would be dealt into folds.
+/// A planned motion as an empty recording, to be dealt into folds.
 fn planned(motion: &Motion) -> Recording {
     let label = |(k, range): (usize, &Range<usize>)| Trajectory {
         label: k.to_string(),
@@ -159,7 +160,7 @@ fn table(columns: &[Array1<f64>], rows: usize) -> Array2<f64> {
     out
 }
 
-/// Products of the base and one candidate, with an expected torque that is one of its columns times a size.
+/// Sums of products of the base and one candidate. The expected torque is one of the candidate's columns times a size.
 struct Expected<'a> {
     judge: &'a Judge<'a>,
     choice: Choice,
@@ -214,12 +215,12 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// The column that is in the expected torque.
+    /// Number of the column in the expected torque.
     fn column(&self) -> usize {
         self.members[self.choice.place]
     }
 
-    /// Sets the torque that is to be explained.
+    /// Sets the expected torque by its size.
     fn set(&mut self, size: f64) {
         let column = self.column();
         let layout = self.grams.layout.clone();
@@ -235,7 +236,7 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// Whether the search would accept the candidate at this size.
+    /// Whether the search accepts the candidate at this size.
     fn accepted(&mut self, size: f64) -> bool {
         self.set(size);
         let judge = self.judge;
@@ -255,8 +256,7 @@ impl<'a> Expected<'a> {
         search.accepts(self.choice.candidate)
     }
 
-    /// The least size that is accepted, below `at_most`, and the root mean square of its torque on the strongest joint,
-    /// N·m.
+    /// Least accepted size below `at_most`, and the root mean square of its torque on the strongest joint, N·m.
     fn least(mut self, at_most: Option<f64>) -> Option<(f64, f64)> {
         let scale = &self.judge.scene.scale.torque;
         let per_unit = self.grams.column_rms(self.column(), scale);

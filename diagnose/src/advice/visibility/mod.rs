@@ -1,10 +1,11 @@
-//! What a motion would show of each effect of the catalogue, before anyone runs it.
+//! Visibility: the size from which a planned motion shows each effect of the catalogue, before it is run.
 //!
-//! The recording is the expected one: torque of the described robot and of one effect at one size, seen through the effect's own
-//! columns, with white noise. Sums of products are all that the search needs, and those follow from the columns:
-//! xᵀy = γ xᵀc and yᵀy = γ² cᵀc + n σ² for the effect c of size γ. The size at which the search's own rule would accept the effect, nothing
-//! else being wrong and the given parameters free inside their tolerances, is found by bisection. Noise that is fitted by
-//! chance, surrogates and rivals are not counted: a real recording asks for a little more.
+//! The expected recording is the torque of the described robot and of one effect at one size, by the effect's
+//! own columns, with white noise. Sums of products are all that the search needs, and they follow from the
+//! columns: xᵀy = γ xᵀc and yᵀy = γ² cᵀc + n σ² for the effect c of size γ. By bisection the size is found at
+//! which the search's own rule accepts the effect, with nothing else wrong and the given parameters free within
+//! their tolerances. Noise that is fitted by chance, surrogates and rivals are not counted: a real recording
+//! needs a slightly larger effect.
 
 mod choice;
 mod expected;
@@ -22,16 +23,17 @@ use rayon::prelude::*;
 use signal::Motion;
 use std::ops::Range;
 
-/// Motion that columns are evaluated on, s: of a longer one the rest counts as more of the same.
+/// Longest motion on which columns are evaluated, s; the remainder of a longer one is counted as more of the same.
 const MOST_SECONDS: f64 = 150.0;
-/// Frequency below which a ripple stays in the rows, Hz, and its order where the gear is not known, 1/rad.
+/// Frequency up to which a ripple passes into the rows, Hz, and its order where the gear is unknown, 1/rad.
 const RIPPLE_HZ: f64 = 25.0;
 const RIPPLE_ORDER: f64 = 100.0;
 
-/// Sizes from which the effects of the catalogue would be accepted on a motion of a robot, in the order of the catalogue.
+/// Least accepted size of each effect of the catalogue on a motion of a robot, in the order of the catalogue.
 ///
-/// `motion` is evenly sampled within its segments; `noise` is the standard deviation of one torque sample at that rate,
-/// N·m, by joint. Effects that are found in a residual itself (pushes, a saturated signal) are not among them.
+/// `motion` is evenly sampled within its segments; `noise` is the standard deviation of one torque sample at
+/// that rate, N·m, by joint. Effects that are found in a residual directly (pushes, a saturated signal) are not
+/// included.
 pub fn visible(robot: &Robot, motion: &Motion, noise: &[f64], settings: &Settings) -> Vec<Visible> {
     let rate = rate(motion);
     let (motion, share) = on_one_clock(motion, rate);
@@ -63,10 +65,10 @@ pub fn visible(robot: &Robot, motion: &Motion, noise: &[f64], settings: &Setting
     groups.par_iter().map(|g| judge.first(g)).collect()
 }
 
-/// Coefficients of a candidate up to which each is looked at.
+/// Most coefficients of a candidate for which each is tried; with more, the first alone.
 const FEW: usize = 2;
 
-/// Samples per second.
+/// Sampling rate of a motion, Hz.
 fn rate(motion: &Motion) -> f64 {
     let steps = motion.segments.iter().filter(|s| s.len() > 1);
     let (time, steps) = steps.fold((0.0, 0), |(t, n), s| {
@@ -78,7 +80,7 @@ fn rate(motion: &Motion) -> f64 {
     steps as f64 / f64::max(time, f64::MIN_POSITIVE)
 }
 
-/// The first stretches of a motion on a clock that runs on, and how often they stand for the whole.
+/// First stretches of a motion on one running clock, and the factor by which they count for the whole.
 fn on_one_clock(motion: &Motion, rate: f64) -> (Motion, f64) {
     let most = (MOST_SECONDS * rate) as usize;
     let mut segments: Vec<Range<usize>> = Vec::new();
@@ -132,8 +134,9 @@ fn scale(robot: &Robot, motion: &Motion, rate: f64) -> Scale {
     scale
 }
 
-/// The catalogue with a ripple of each joint; of each effect and quantity at each place the candidates of fewest coefficients.
-/// Links turned by right angles and friction that builds up slowly have no size of their own.
+/// Candidates of the catalogue, with a ripple of each joint. For each effect, quantity and place those with the
+/// fewest coefficients. Links turned by right angles and friction that builds up slowly are left out: they have
+/// no size of their own.
 fn candidates(scene: &Scene, motion: &Motion) -> Vec<Candidate> {
     let mut all = catalogue(scene, &[]);
     for (j, joint) in scene.robot.joints().iter().enumerate() {

@@ -1,5 +1,6 @@
-//! `joint_elasticity` and `backlash` where the link's own encoder was recorded: how far the link departs from its motor is measured, and so
-//! is what that changes of the torque. Which of the two it is, and of what size, the departure itself says ([`flanks`]).
+//! `joint_elasticity` and `backlash` where the link's own encoder was recorded. Then the link's departure from
+//! its motor is measured, and so is its change of the torque. The departure itself decides between the two, and
+//! gives the size ([`flanks`]).
 //!
 //! On a recording without that encoder the columns are those of the transmission with the sizes found.
 
@@ -17,29 +18,30 @@ use crate::motion::scene::Scene;
 use flanks::{Flanks, Rows, flanks};
 use ndarray::{Array1, Array2};
 
-/// Change of the torque by a departure, relative to the joint's, below which the link stands where its motor does.
+/// Change of the torque by the departure, relative to the joint's, below which the gear counts as stiff.
 const STIFF: f64 = 0.006;
-/// What a departure that goes with the torque is worth, nats.
+/// Evidence of a departure that follows the torque, nats.
 const WITNESSED: f64 = 40.0;
-/// Parts of the joint's inertia that turn with the motor, beside the one that the torque says.
+/// Parts of the joint's inertia that turn with the motor, tried beside the one found from the torque.
 const ROTORS: [f64; 3] = [0.0, 0.25, 0.45];
-/// Damping ratios of a simulated gear: how long it rings is known worst, and what rings wrongly is worse than what does not.
+/// Damping ratios of a simulated gear. The ringing time is known worst, and wrong ringing is worse than none.
 const DAMPING: [f64; 4] = [0.06, 0.15, 0.35, 0.7];
-/// Deflection beyond the flanks over that between them from which a gap's stiffness is told: less is hidden by the rows' band.
+/// Least deflection beyond the flanks, over that between them, for a stiffness of a gap's flanks. A smaller one
+/// is hidden by the rows' band.
 const TOLD: f64 = 0.3;
 
-/// What a joint's link encoder says of its gear.
+/// Finding of a joint's link encoder about its gear.
 #[derive(Clone, Debug)]
 pub enum Link {
-    /// Nothing: none was recorded, or what it shows is its own noise.
+    /// None: no encoder was recorded, or it shows its own noise.
     Unknown,
-    /// The link stands where the motor does.
+    /// Stiff: the link follows the motor.
     Stiff,
     /// The gear gives way.
     Gives(Gear),
 }
 
-/// A gear as the departure of its link shows it.
+/// A gear found from the departure of its link.
 #[derive(Clone, Debug)]
 pub struct Gear {
     flanks: Flanks,
@@ -47,7 +49,7 @@ pub struct Gear {
     rotors: Vec<f64>,
 }
 
-/// What each joint's link encoder says; `weight` on the fitted rows, shape (rows, joints).
+/// Finding of each joint's link encoder; `weight` of the fitted rows, shape (rows, joints).
 pub fn links(scene: &Scene, frame: &Frame, weight: &Array2<f64>) -> Vec<Link> {
     let of = |j: usize| link(scene, frame, weight, j).unwrap_or(Link::Unknown);
     (0..scene.dof()).map(of).collect()
@@ -109,7 +111,7 @@ fn link(scene: &Scene, frame: &Frame, weight: &Array2<f64>, joint: usize) -> Opt
 }
 
 impl Gear {
-    /// What it is, and its sizes.
+    /// Effect of the gear (elasticity or backlash) and its sizes.
     pub fn told(&self) -> (Effect, Vec<Size>) {
         let found = &self.flanks;
         let [between, beyond] = found.parts;
@@ -192,12 +194,12 @@ pub(super) fn candidates(scene: &Scene, joint: usize, gear: &Gear) -> Vec<Candid
     all
 }
 
-/// A gear of the sizes found, for recordings without the link's encoder.
+/// A gear with the sizes found, for recordings without the link's encoder.
 #[derive(Clone, Copy)]
 enum Simulated {
     Spring(Spring),
     Gap(Gap),
-    /// A spring without its own oscillation: compliance, the motor's part of the inertia, rounding of the torque, s.
+    /// A spring without its own oscillation: compliance, rad/(N·m), the motor's part of the inertia, rounding of the torque, s.
     WindUp([f64; 3]),
 }
 
@@ -213,8 +215,8 @@ impl Simulated {
     }
 }
 
-/// The one of some gears that foretells best how the recorded departure changes the joint's torque, and the part of its change that is
-/// right: an oscillation out of phase foretells nothing.
+/// The one of some gears whose simulated change of the joint's torque is nearest to that by the recorded
+/// departure, and the coefficient on it. An oscillation out of phase predicts nothing.
 fn nearest(
     scene: &Scene,
     joint: usize,

@@ -1,4 +1,4 @@
-//! Causes with their evidence, and what to set.
+//! Sections on the causes with their evidence, and on the numbers to set.
 
 use crate::advice::patch::{ForMujoco, Patch};
 use crate::catalogue::Parameter;
@@ -8,10 +8,10 @@ use crate::schema::{Cause, Diagnosis};
 use report::figure::{Bars, Ink};
 use report::{Cell, Column, Section, Table};
 
-/// Candidates listed beside the causes.
+/// Number of candidates listed beside the causes.
 const TRIED: usize = 12;
 
-/// The causes.
+/// Section with the causes.
 pub(super) fn section(outcome: &Outcome) -> Section {
     let d = &outcome.diagnosis;
     if d.causes.is_empty() {
@@ -134,7 +134,7 @@ fn parameters(list: &[Parameter]) -> Table {
     })
 }
 
-/// What else was tried, the causes being in place or left out in turn.
+/// Table of the other candidates, with the causes in place or left out in turn.
 fn tried(d: &Diagnosis) -> Section {
     let head = [
         Column::text("effect"),
@@ -155,7 +155,7 @@ fn tried(d: &Diagnosis) -> Section {
     Section::new("Evidence: what was tried in their place").table(table)
 }
 
-/// What to set in the simulators that people use.
+/// Section with the numbers to set in common simulators.
 pub(super) fn simulators(d: &Diagnosis, patch: &Patch) -> Section {
     let head = [
         Column::text("joint"),

@@ -1,11 +1,11 @@
-//! What is left, what the recordings are, and where everything comes from.
+//! Sections on the remaining residual, the recordings, and the provenance.
 
 use crate::report::words::unknowable;
 use crate::schema::Diagnosis;
 use datasets::check::Severity;
 use report::{Cell, Column, Section, Table};
 
-/// Error with structure, joint by joint.
+/// Section with the structured error, joint by joint.
 pub(super) fn left(d: &Diagnosis) -> Section {
     let head = [
         Column::text("joint"),
@@ -35,7 +35,7 @@ pub(super) fn left(d: &Diagnosis) -> Section {
         .table(table)
 }
 
-/// The check of both recordings, and what they cannot show.
+/// Section with the check of both recordings, and the effects that they cannot show.
 pub(super) fn recordings(d: &Diagnosis) -> Section {
     let mut section = Section::new("The recordings");
     for (what, r) in ["data", "held out"].into_iter().zip(&d.recordings) {
@@ -65,7 +65,7 @@ pub(super) fn recordings(d: &Diagnosis) -> Section {
     section
 }
 
-/// Caveats, inputs and version.
+/// Section with caveats, inputs and version.
 pub(super) fn provenance(inputs: &[(String, String)]) -> Section {
     let mut pairs: Vec<(String, String)> = inputs.to_vec();
     pairs.push(("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()));

@@ -1,4 +1,4 @@
-//! Where the gap lies: shares by region, and the residual against what may drive it.
+//! Maps of the gap: shares by region, and the residual over the coordinates that may drive it.
 
 use crate::outcome::Outcome;
 use crate::schema::Diagnosis;
@@ -7,12 +7,12 @@ use ndarray::Array2;
 use report::figure::{HeatMap, Ink, Panel, Plot};
 use report::{Cell, Column, Figure, Section, Table};
 
-/// Joints whose maps are drawn: those with most of the gap.
+/// Number of joints whose maps are drawn, those with the largest gap.
 const MAPS: usize = 3;
-/// Bins of a map.
+/// Number of bins of a map.
 const BINS: usize = 40;
 
-/// Shares by joint and coordinate.
+/// Section with shares by joint and coordinate.
 pub(super) fn places(d: &Diagnosis) -> Section {
     let mut coordinates: Vec<&str> = d.places.iter().map(|p| p.coordinate).collect();
     coordinates.sort_unstable();
@@ -57,7 +57,7 @@ pub(super) fn places(d: &Diagnosis) -> Section {
         .details(Section::new("The regions").table(table))
 }
 
-/// The residual of the worst joints, as given and explained.
+/// Section with the residual of the worst joints, as given and beside the causes.
 pub(super) fn maps(outcome: &Outcome) -> Section {
     let d = &outcome.diagnosis;
     let (gap, left) = (&outcome.explanation.gap, &outcome.explanation.residual);
@@ -106,7 +106,7 @@ pub(super) fn maps(outcome: &Outcome) -> Section {
     section
 }
 
-/// Amplitude of what repeats with position, by order.
+/// Figure of a residual's amplitude by order of position.
 fn orders(outcome: &Outcome, joint: usize) -> Option<Figure> {
     let frame = &outcome.frames.heldout;
     let speed = outcome.frames.scale.speed[joint];
@@ -147,7 +147,7 @@ pub(super) fn units(outcome: &Outcome, joint: usize) -> [&'static str; 3] {
     }
 }
 
-/// Distance of the largest from the smallest value.
+/// Difference between the largest and the smallest value.
 fn spread(x: &[f64]) -> f64 {
     let largest = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     largest - x.iter().copied().fold(f64::INFINITY, f64::min)

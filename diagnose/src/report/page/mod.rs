@@ -12,7 +12,7 @@ use crate::schema::{Diagnosis, Verdict};
 use report::figure::{Bars, Ink, Waterfall};
 use report::{Cell, Column, KeyFigure, Page, Section, Table, Tone};
 
-/// Renders the page. `inputs` names robot and recordings; `patch` is what the causes change in the model.
+/// Renders the page. `inputs` names robot and recordings; `patch` holds the changes of the model by the causes.
 pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> String {
     let d = &outcome.diagnosis;
     let [title, subtitle] = match d.compared {
@@ -72,7 +72,7 @@ fn tone(d: &Diagnosis) -> Tone {
     }
 }
 
-/// The verdict and what follows from it, as the terminal says it.
+/// Section with the verdict and its consequences, in the words of the terminal.
 fn words(d: &Diagnosis) -> Section {
     let findings = worst_findings(d);
     // Lines that belong together in the terminal are one item here.
@@ -138,7 +138,7 @@ fn ladder(outcome: &Outcome) -> Section {
         .details(moved(d))
 }
 
-/// Parameters of the given structure that moved.
+/// Table of parameters of the given structure that moved.
 fn moved(d: &Diagnosis) -> Section {
     let head = [
         Column::text("parameter"),

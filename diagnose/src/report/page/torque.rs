@@ -1,4 +1,4 @@
-//! Torque over time: measured, of the model as given, of the model with its causes.
+//! Torque over time: measured, of the model as given, and of the model with its causes.
 
 use super::maps::units;
 use crate::outcome::Outcome;
@@ -6,10 +6,10 @@ use report::Section;
 use report::figure::{Ink, Panel, Plot};
 use std::ops::Range;
 
-/// Joints in the order of their gap, the largest first; those with least of it are folded away.
+/// Number of joints whose curves are shown unfolded, those with the largest gap.
 const SHOWN: usize = 3;
 
-/// Curves of the held-out recording, joint by joint.
+/// Section with torque curves of the held-out recording, joint by joint.
 pub(super) fn section(outcome: &Outcome) -> Section {
     let frame = &outcome.frames.heldout;
     let motion = frame.samples();

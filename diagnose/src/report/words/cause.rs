@@ -1,4 +1,4 @@
-//! One cause in words: what it is, how much it closes, what to set.
+//! Text on one cause: effect, part of the gap that it closes, numbers to set.
 
 use crate::catalogue::effect::Effect;
 use crate::catalogue::experiment::Experiment;
@@ -6,7 +6,7 @@ use crate::catalogue::{Parameter, REFERENCE};
 use crate::schema::Cause;
 use crate::schema::value::value;
 
-/// Cause, joint and size.
+/// Sentence with cause, joint and size.
 pub fn sentence(cause: &Cause) -> String {
     let of = |p: &Parameter| match &p.joint {
         // A time is on no joint.
@@ -19,7 +19,7 @@ pub fn sentence(cause: &Cause) -> String {
     format!("{} on {}{size}{remark}", what(cause), place(cause))
 }
 
-/// What a cause is, in plain words.
+/// Plain name of a cause.
 fn what(cause: &Cause) -> &'static str {
     if cause.parameters.iter().any(|p| p.name == REFERENCE) {
         "friction that goes with the joint's temperature"
@@ -28,7 +28,7 @@ fn what(cause: &Cause) -> &'static str {
     }
 }
 
-/// Where a cause acts.
+/// Joints of a cause, with the driver of a coupling.
 pub(super) fn place(cause: &Cause) -> String {
     let driver = cause
         .driver
@@ -37,7 +37,7 @@ pub(super) fn place(cause: &Cause) -> String {
     format!("{}{driver}", cause.joints.join(", "))
 }
 
-/// How much of the gap it closes, and how sure its name is.
+/// Part of the gap that it closes, and the confidence of its name, as text.
 pub fn closes(cause: &Cause) -> String {
     let interval = cause
         .gap_closed_interval
@@ -60,7 +60,7 @@ pub fn closes(cause: &Cause) -> String {
     )
 }
 
-/// A part in whole per cent, none of them negative zeros.
+/// A part in whole per cent, without negative zero.
 fn percent(part: f64) -> f64 {
     (100.0 * part).round() + 0.0
 }
@@ -76,7 +76,7 @@ pub fn plain(effect: Effect) -> &'static str {
     effect.info().plain
 }
 
-/// What to set in a simulator, in one line.
+/// Advice on the simulator's settings, in one line.
 pub fn told(cause: &Cause) -> String {
     let lines = advice(cause).into_iter();
     lines
@@ -84,14 +84,14 @@ pub fn told(cause: &Cause) -> String {
         .unwrap_or_default()
 }
 
-/// A line and the next one as one.
+/// Two lines joined into one.
 pub fn joined(said: &str, line: &str) -> String {
     let said = said.trim_end_matches('.');
     let mark = if said.ends_with(':') { "" } else { ";" };
     format!("{said}{mark} {}", line.trim())
 }
 
-/// What to set in a simulator; values of several joints follow joint by joint.
+/// Advice on the simulator's settings; values of several joints follow joint by joint.
 pub fn advice(cause: &Cause) -> Vec<String> {
     let mut joints: Vec<&str> = Vec::new();
     for name in cause.parameters.iter().filter_map(|p| p.joint.as_deref()) {
@@ -119,7 +119,7 @@ pub fn advice(cause: &Cause) -> Vec<String> {
         .collect()
 }
 
-/// What to set in a simulator, with the sizes in words.
+/// Advice on the simulator's settings, with `size` inserted.
 fn remedy(effect: Effect, size: &str) -> String {
     effect.info().remedy.replace("{}", size)
 }

@@ -1,4 +1,4 @@
-//! The report in words, for the terminal and the page.
+//! The report as text, for the terminal and the page.
 
 mod cause;
 
@@ -51,7 +51,7 @@ pub fn lines(d: &Diagnosis) -> Vec<String> {
     out
 }
 
-/// What the causes correct: a simulator's model, or the robot's own of before.
+/// Name of the model that the causes correct: a simulator's, or the robot's own earlier one.
 pub fn corrected(d: &Diagnosis) -> &'static str {
     match d.compared {
         None => "simulator",
@@ -59,7 +59,7 @@ pub fn corrected(d: &Diagnosis) -> &'static str {
     }
 }
 
-/// What bounds hold, and what that costs.
+/// Text on parameters held at a bound, and the cost of the bounds.
 pub fn bounds(b: &Bounds) -> String {
     const NAMED: usize = 3;
     let held = match b.held.len() {
@@ -73,7 +73,7 @@ pub fn bounds(b: &Bounds) -> String {
     )
 }
 
-/// A resonance: before friction or a delay is blamed, something swings.
+/// Text on a resonance. It precedes the causes, since friction or a delay may be blamed for it.
 pub fn resonance(r: &Resonance) -> String {
     let when = match (r.in_motion, r.at_rest) {
         (true, true) => "in motion, and rings at rest",
@@ -88,7 +88,7 @@ pub fn resonance(r: &Resonance) -> String {
     )
 }
 
-/// Further causes, those of one effect in one line.
+/// Lines on further causes, those of one effect in one line.
 fn also(head: &str, causes: &[&Cause]) -> Vec<String> {
     let mut groups: Vec<Vec<&Cause>> = Vec::new();
     for &cause in causes {
@@ -120,7 +120,7 @@ fn also(head: &str, causes: &[&Cause]) -> Vec<String> {
     groups.into_iter().map(line).collect()
 }
 
-/// What the recordings cannot tell apart, causes with the same rivals together.
+/// Lines on ambiguous names, causes with the same rivals together.
 fn ambiguities(d: &Diagnosis) -> Vec<String> {
     let mut groups: Vec<Vec<&Cause>> = Vec::new();
     for cause in d.causes.iter().filter(|c| !c.ambiguous_with.is_empty()) {
@@ -148,7 +148,7 @@ fn ambiguities(d: &Diagnosis) -> Vec<String> {
     groups.into_iter().map(line).collect()
 }
 
-/// Causes that wider tolerances of the description would take over.
+/// Lines on causes that wider tolerances of the description would absorb.
 fn supposed(d: &Diagnosis) -> Vec<String> {
     let one = |cause: &Cause| {
         let right_to = cause.right_to.filter(|_| d.compared.is_none())?;
@@ -162,7 +162,7 @@ fn supposed(d: &Diagnosis) -> Vec<String> {
     d.causes.iter().filter_map(one).collect()
 }
 
-/// What is wrong with the recordings, the worst alone: no cause can be trusted before it is put right.
+/// Lines on faults of the recordings, severe ones only: no cause can be trusted before they are corrected.
 pub fn worst_findings(d: &Diagnosis) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for report in &d.recordings {
@@ -177,7 +177,7 @@ pub fn worst_findings(d: &Diagnosis) -> Vec<String> {
     out
 }
 
-/// What the recording cannot show, effects of one reason together.
+/// Lines on effects that the recording cannot show, those with the same reason together.
 pub fn unknowable(d: &Diagnosis) -> Vec<String> {
     let mut out: Vec<(String, Vec<&str>)> = Vec::new();
     for n in &d.not_identifiable {
@@ -198,7 +198,7 @@ pub fn unknowable(d: &Diagnosis) -> Vec<String> {
     out.into_iter().map(say).collect()
 }
 
-/// What is left at a step of the ladder.
+/// Text on the error that is left at a step of the ladder.
 fn remainder(d: &Diagnosis) -> Option<String> {
     let mean = |name: &str| {
         d.ladder
@@ -214,7 +214,7 @@ fn remainder(d: &Diagnosis) -> Option<String> {
     (!parts.is_empty()).then(|| format!("Of the mean NRMSE, {}.", parts.join("; ")))
 }
 
-/// What the designed motion is good for.
+/// Text on the purpose of the designed motion.
 fn experiment_designed(n: &NextExperiment) -> String {
     let [own, rival] = n.effects.map(plain);
     format!(
@@ -224,7 +224,7 @@ fn experiment_designed(n: &NextExperiment) -> String {
     )
 }
 
-/// What the gap means in motion.
+/// Text on the gap as motion.
 pub fn motion(s: &Simulation, joints: &[String]) -> String {
     let (before, after) = (&s.closed_loop.before, &s.closed_loop.after);
     let worst = (0..before.len()).max_by(|&a, &b| before[a].total_cmp(&before[b]));

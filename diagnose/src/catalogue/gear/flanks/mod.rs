@@ -1,9 +1,10 @@
-//! What a gear's departure from its motor says of its flanks: a spring on either side of a gap, fitted to the motor's torque.
+//! Flanks of a gear from the link's departure from its motor: a spring on either side of a gap, fitted to the motor's torque.
 //!
-//! The motor carries its own friction and inertia and, through the gear, the link:
-//! τ = K·d + K₃·d³ + (D + E·|d|)·ḋ + friction between the teeth + friction and inertia of the motor, d the departure beyond the
-//! flanks. All but the flanks' places is linear; they are found by Gauss–Newton steps from several starts. No rigid body is asked, but for
-//! the part of the joint's own link that may turn with the motor, which is held near none.
+//! The motor carries its own friction and inertia and, through the gear, the link: τ = K·d + K₃·d³ + (D +
+//! E·|d|)·ḋ + friction between the teeth + friction and inertia of the motor, d the departure beyond the
+//! flanks. All but the flanks' places is linear; they are found by Gauss–Newton steps from several starts. No
+//! rigid-body model is used, except for the part of the joint's own link that may turn with the motor, which is
+//! tied to zero.
 
 mod products;
 mod rows;
@@ -17,27 +18,27 @@ use signal::quantile::{median, quantile};
 
 pub(super) use rows::{Flanks, Rows};
 
-/// Parts of the departure's range that the gap is at first, none last: a spring.
+/// Initial gaps, relative to the departure's range. Last a start without gap is tried: a spring.
 const STARTS: [f64; 4] = [0.1, 0.3, 0.6, 0.85];
-/// Most steps from a start.
+/// Most steps from one start.
 const STEPS: usize = 14;
-/// Radii over which friction between the teeth turns, relative to the deflection's root mean square.
+/// Radii over which friction between the teeth reverses, relative to the deflection's root mean square.
 const TEETH: [f64; 2] = [0.1, 0.3];
-/// Deviation of the part of the own link's torque that turns with the motor.
+/// Prior deviation of the part of the own link's torque that turns with the motor.
 const OWN: f64 = 0.1;
-/// How much more firmly it is held where the rotor is taken to be balanced.
+/// Factor on that prior's precision where the rotor is taken to be balanced.
 const BALANCED: f64 = 1e8;
-/// Residuals beyond so many deviations are outliers.
+/// Residual, in deviations, beyond which a row is an outlier.
 const OUTLIER: f64 = 8.0;
-/// Gain from which a gap is one, nats.
+/// Gain from which a gap is accepted, nats.
 const SEEN: f64 = 10.0;
-/// Part of the departure's root mean square below which a gap is a law of the spring that is not quite right.
+/// Least gap, relative to the departure's root mean square. A smaller one is an error of the spring's law.
 const LEAST_GAP: f64 = 0.1;
 
-/// Columns that depend on the departure alone.
+/// Number of columns that depend on the departure alone.
 const GEAR: usize = 4 + TEETH.len();
 
-/// A fit with the flanks in one place.
+/// Fit with the flanks at given places.
 struct Fit {
     at: [f64; 2],
     coefficients: Vec<f64>,
@@ -51,7 +52,7 @@ impl Rows {
         self.departure.iter().map(depth).collect()
     }
 
-    /// All columns with the flanks in one place, own link last.
+    /// All columns with the flanks at the places `at`, own link last.
     fn columns(&self, at: [f64; 2]) -> Vec<Vec<f64>> {
         let depth = self.beyond(at);
         let square = depth.iter().map(|d| d * d).sum::<f64>() / depth.len() as f64;
@@ -76,7 +77,7 @@ impl Rows {
         all
     }
 
-    /// A spring that slips beyond a radius (Prandtl), from −1 to 1.
+    /// Stop operator (Prandtl): a spring that slips beyond a radius, from −1 to 1.
     fn stop(&self, depth: &[f64], radius: f64) -> Vec<f64> {
         let mut out = vec![0.0; depth.len()];
         for rows in &self.trajectories {
@@ -91,13 +92,13 @@ impl Rows {
         out
     }
 
-    /// Products of columns and the torque over some rows.
+    /// Sums of products of columns and the torque over some rows.
     fn torque_of(&self, columns: &[Vec<f64>], rows: &[usize]) -> Products {
         let columns: Vec<&Vec<f64>> = columns.iter().collect();
         self.products(&columns, &self.torque, rows)
     }
 
-    /// Fit with the flanks in one place; `tie` is how firmly the own link's part is held at none.
+    /// Fit with the flanks at the places `at`; `tie` is the penalty that ties the own link's part to zero.
     fn fit(&self, at: [f64; 2], tie: f64) -> Option<Fit> {
         let columns = self.columns(at);
         let all: Vec<usize> = (0..self.torque.len()).collect();
@@ -121,7 +122,7 @@ impl Rows {
         })
     }
 
-    /// Columns by which the torque changes with the places of both flanks, to first order.
+    /// Derivatives of the torque by the places of both flanks.
     fn moved(&self, fit: &Fit) -> [Vec<f64>; 2] {
         let k = fit.coefficients[0];
         let inside = |beyond: &dyn Fn(f64) -> bool| -> Vec<f64> {
@@ -131,7 +132,7 @@ impl Rows {
         [inside(&|x| x < fit.at[0]), inside(&|x| x > fit.at[1])]
     }
 
-    /// The best places of the flanks from a start.
+    /// Fit with the best places of the flanks from a start.
     fn settle(&self, start: [f64; 2], tie: f64) -> Option<Fit> {
         let mut best = self.fit(start, tie)?;
         let all: Vec<usize> = (0..self.torque.len()).collect();
@@ -160,7 +161,7 @@ impl Rows {
         Some(best)
     }
 
-    /// Deviations of stiffness and half gap: the larger of what blocks left out and the posterior say.
+    /// Standard deviations of stiffness and half gap: jackknife over blocks or posterior, whichever is larger.
     fn deviations(&self, fit: &Fit, tie: f64, gap: bool, memory: f64) -> Option<[f64; 2]> {
         let mut columns = self.columns(fit.at);
         let n = columns.len();
@@ -195,7 +196,7 @@ impl Rows {
         Some([stiffness?.max(posterior.sqrt()), half?])
     }
 
-    /// Leaves out rows that a fit misses by far.
+    /// Leaves out rows with a residual beyond [`OUTLIER`] deviations.
     fn without_outliers(&mut self, fit: &Fit) {
         let size = median(fit.residual.iter().map(|r| r.abs()).collect()).unwrap_or(0.0);
         let most = OUTLIER * 1.48 * size;
@@ -205,8 +206,8 @@ impl Rows {
     }
 }
 
-/// The flanks that the rows show; none where they show none. Of flanks that give way too little to see, the departure alone says how far apart
-/// they stand.
+/// Flanks from the rows; none where the rows show none. For flanks that are too stiff to deflect visibly, their
+/// distance comes from the departure alone.
 pub(super) fn flanks(mut rows: Rows) -> Option<Flanks> {
     if rows.departure.len() < 20 * (GEAR + 7) {
         return None;
@@ -225,7 +226,7 @@ pub(super) fn flanks(mut rows: Rows) -> Option<Flanks> {
     }
 }
 
-/// Flanks as the torque shows them.
+/// Flanks from the fit of the motor's torque.
 fn by_torque(rows: &mut Rows) -> Option<Flanks> {
     let n = rows.departure.len();
     let middle = rows.departure.iter().sum::<f64>() / n as f64;
@@ -279,7 +280,7 @@ fn by_torque(rows: &mut Rows) -> Option<Flanks> {
 }
 
 impl Rows {
-    /// Part of what the motor and an error of the encoder once a turn leave of the squared torque that the gear accounts for.
+    /// Part of the squared torque that the gear explains, of that which the motor and a once-per-turn error of the encoder leave.
     fn explained(&self, at: [f64; 2]) -> Option<f64> {
         let columns = self.columns(at);
         let gear = &columns[..GEAR];

@@ -1,9 +1,9 @@
-//! Sums of products of columns, and what follows from them.
+//! Sums of products of columns, and least squares from them.
 
 use crate::algebra::cholesky::Cholesky;
 use ndarray::{Array1, Array2};
 
-/// Sums of products of columns with each other, below the diagonal and on it, and with what was measured.
+/// Sums of products of columns with each other (lower triangle), and with the measured values.
 #[derive(Clone)]
 pub(super) struct Products {
     gram: Array2<f64>,
@@ -11,7 +11,7 @@ pub(super) struct Products {
 }
 
 impl Products {
-    /// No rows yet, of `n` columns.
+    /// Empty sums for `n` columns.
     pub(super) fn new(n: usize) -> Self {
         Self {
             gram: Array2::zeros((n, n)),
@@ -19,7 +19,7 @@ impl Products {
         }
     }
 
-    /// Adds one row and what was measured there.
+    /// Adds one row and its measured value.
     pub(super) fn row(&mut self, row: &[f64], measured: f64) {
         for (a, x) in row.iter().enumerate() {
             for (b, y) in row[..=a].iter().enumerate() {
@@ -29,19 +29,19 @@ impl Products {
         }
     }
 
-    /// Adds those of other rows, by a factor.
+    /// Adds the sums of other rows, times a factor.
     pub(super) fn add(&mut self, other: &Self, factor: f64) {
         self.gram.scaled_add(factor, &other.gram);
         self.right.scaled_add(factor, &other.right);
     }
 
-    /// Coefficients.
+    /// Least-squares coefficients.
     pub(super) fn solve(&self) -> Option<Vec<f64>> {
         let x = Cholesky::new(&self.gram).solve(self.right.view());
         x.iter().all(|x| x.is_finite()).then(|| x.to_vec())
     }
 
-    /// The same with one coefficient held at none so firmly.
+    /// Sums with one coefficient tied to zero by a penalty.
     pub(super) fn held(&self, (column, tie): (usize, f64)) -> Self {
         let mut own = self.clone();
         own.gram[[column, column]] += tie;

@@ -1,59 +1,59 @@
-//! One joint's rows, and what a gear's departure from its motor says of it.
+//! Rows of one joint for the fit of its gear, and the flanks found.
 
 use super::products::Products;
 use std::ops::Range;
 
-/// Part by which laws that the equation does not have shift a stiffness, and a gap: chosen on seeds 9101 and 9102 of the project's own
-/// simulator.
+/// Relative error of a stiffness, and of a gap, by laws that the equation lacks: chosen on seeds 9101 and 9102
+/// of the project's own simulator.
 pub(super) const LAWS: [f64; 2] = [0.04, 0.02];
-/// Deviations of a stiffness or a gap above nothing, and part of the torque beyond the motor's own that it explains, from which a departure is
-/// the gear's and not the encoder's.
+/// Least stiffness or gap, in deviations, and least part of the torque beyond the motor's own that it explains.
+/// Below either, a departure is the encoder's error and not the gear's.
 pub(super) const SURE: f64 = 3.0;
 pub(super) const EXPLAINS: f64 = 0.05;
 
-/// Length of a block that knows nothing of the next one, s.
+/// Length of a block of the jackknife, s, which counts as independent of the next one.
 const BLOCK: f64 = 3.0;
 
-/// One joint on the fitted rows.
+/// Rows of one joint: the fitted rows.
 #[derive(Clone, Debug)]
 pub struct Rows {
-    /// Departure of the link, rad, and its rate.
+    /// Departure of the link, rad, and its rate, rad/s.
     pub departure: Vec<f64>,
     pub rate: Vec<f64>,
-    /// Velocity, its softened sign, and acceleration of the motor, and ones.
+    /// Motor's velocity, its softened sign, its acceleration, and ones.
     pub motor: [Vec<f64>; 4],
-    /// Sine and cosine of the joint's position: what an encoder whose disc is not centred shows as a departure.
+    /// Sine and cosine of the joint's position: departure that an encoder with an eccentric disc shows.
     pub turn: [Vec<f64>; 2],
-    /// Torque that the joint's own link alone needs.
+    /// Torque that the joint's own link alone needs, N·m.
     pub own: Vec<f64>,
-    /// Measured torque; rows without weight are left out.
+    /// Measured torque, N·m, and whether each row is counted; rows without weight are not.
     pub torque: Vec<f64>,
     pub counts: Vec<bool>,
     /// Trajectories.
     pub trajectories: Vec<Range<usize>>,
-    /// Rows per second.
+    /// Rate of the rows, Hz.
     pub rate_hz: f64,
 }
 
 /// Flanks of a gear.
 #[derive(Clone, Copy, Debug)]
 pub struct Flanks {
-    /// Where they stand, rad; the same where there is no gap.
+    /// Departure at which each flank begins, rad; equal where there is no gap.
     pub at: [f64; 2],
-    /// Stiffness where they begin, N·m/rad, and its deviation; none where they are too stiff to tell.
+    /// Stiffness at the flanks and its standard deviation, N·m/rad; none where they are too stiff to tell.
     pub stiffness: Option<[f64; 2]>,
-    /// Half of the gap and its deviation; none of a spring.
+    /// Half of the gap and its standard deviation, rad; none for a spring.
     pub half_gap: Option<[f64; 2]>,
     /// Inertia that turns with the motor, kg·m².
     pub inertia: f64,
-    /// Part of the squared torque beyond what the motor itself takes that the gear accounts for.
+    /// Part of the squared torque that the gear explains, of that beyond the motor's own torque.
     pub explained: f64,
-    /// Root mean square of the departure between the flanks and beyond them.
+    /// Root mean square of the departure between the flanks and beyond them, rad.
     pub parts: [f64; 2],
 }
 
 impl Rows {
-    /// Rows cut into blocks.
+    /// Rows by block of the jackknife.
     pub(super) fn blocks(&self) -> Vec<Vec<usize>> {
         let length = (BLOCK * self.rate_hz).max(1.0);
         let cut = |rows: &Range<usize>| {
@@ -64,7 +64,7 @@ impl Rows {
         self.trajectories.iter().flat_map(cut).collect()
     }
 
-    /// Products of some columns and what was measured over some rows.
+    /// Sums of products of some columns and the measured values over some rows.
     pub(super) fn products(
         &self,
         columns: &[&Vec<f64>],
@@ -80,7 +80,7 @@ impl Rows {
         sums
     }
 
-    /// Sum of squares of the torque that some columns leave.
+    /// Sum of squares of the torque's residual beside some columns.
     pub(super) fn left(&self, columns: &[&Vec<f64>]) -> Option<f64> {
         let all: Vec<usize> = (0..self.torque.len()).collect();
         let x = self.products(columns, &self.torque, &all).solve()?;

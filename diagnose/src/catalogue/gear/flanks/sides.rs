@@ -1,20 +1,22 @@
-//! A gap between flanks that are too stiff for their deflection to show: the link stands on one side or on the other, as its load has it.
+//! Gap between flanks that are too stiff for a visible deflection: the link stands on one side or the other,
+//! depending on its load.
 
 use super::rows::{EXPLAINS, Flanks, LAWS, Rows, SURE, rms};
 use crate::algebra::folds::jackknife;
 use signal::quantile::{median, quantile};
 
-/// Most of the rows on the way between the sides (nearer to the middle than half of the way), least on either side, and most that a side
-/// spreads, over half of the way: a departure that follows a load instead is rarely at its ends.
+/// Most rows between the sides (nearer to the middle than half of the way), fewest rows on either side, and
+/// largest spread of a side over half of the way. A departure that follows a load instead is rarely at its
+/// ends.
 const ON_THE_WAY: f64 = 0.2;
 const EITHER: f64 = 0.05;
 const SPREADS: f64 = 0.35;
-/// Rows that a stay on one side lasts at least, on average: noise of a sensor that counts in steps stays nowhere.
+/// Least mean number of rows of a stay on one side: noise of a sensor that counts in steps stays nowhere.
 const STAYS: f64 = 5.0;
-/// Most steps until the sides are settled.
+/// Most iterations until the sides converge.
 const STEPS: usize = 20;
 
-/// The sides, where the departure has two and the torque pushes to where the link stands.
+/// The two sides, where the departure has two and the torque pushes towards the one at which the link stands.
 pub(super) fn sides(rows: &Rows) -> Option<Flanks> {
     let own = &rows.departure;
     let at = settled(own)?;
@@ -81,7 +83,7 @@ pub(super) fn sides(rows: &Rows) -> Option<Flanks> {
     })
 }
 
-/// Where the departure mostly stands on either side of its middle.
+/// Median departure on either side of its middle.
 fn settled(own: &[f64]) -> Option<[f64; 2]> {
     let mut at = [quantile(own.to_vec(), 0.03)?, quantile(own.to_vec(), 0.97)?];
     for _ in 0..STEPS {
