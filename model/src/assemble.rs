@@ -1,4 +1,4 @@
-//! A model file from its parts.
+//! Assembly of a model file from its parts.
 
 use crate::baseline::{BaselineError, ForwardBaseline, inverse::LinearInverse};
 use crate::directory::{
@@ -15,42 +15,42 @@ use physics::effects::Term;
 use physics::robot::Robot;
 use physics::torque_model::{TorqueModel, TorqueModelRecord};
 
-/// Base parameters as they were estimated.
+/// Estimated base parameters.
 pub struct Estimated<'a> {
     /// Values, in the order of the robot's base parameters.
     pub values: &'a [f64],
-    /// Their standard deviations.
+    /// Standard deviations of the values.
     pub std: &'a [f64],
 }
 
-/// What a model file is made of.
+/// Parts of a model file.
 pub struct Parts<'a> {
     /// The nominal robot.
     pub robot: &'a Robot,
-    /// The recordings that were fitted.
+    /// Recordings on which the model was fitted.
     pub data: &'a [Recording],
-    /// These, and perhaps more, in the order in which memory runs through them.
+    /// Session of these recordings, and perhaps more, in the order in which memory passes through them.
     pub session: &'a Session,
-    /// Torque that the model predicts for each of them at the recorded samples, shape (samples, joints).
+    /// Predicted torque at the recorded samples of each recording of the session, N·m (N), shape (samples, joints).
     pub physics: &'a [Array2<f64>],
-    /// The model.
+    /// Record of the torque model.
     pub record: TorqueModelRecord,
-    /// Its base parameters.
+    /// Base parameters of the model.
     pub base: Estimated<'a>,
     /// Covariance of base parameters, then each joint's fitted terms.
     pub covariance: &'a Array2<f64>,
-    /// How recordings are prepared.
+    /// Preparation of the recordings.
     pub preprocessing: Preprocessing,
-    /// How well the identification stands.
+    /// Quality of the identification.
     pub diagnostics: Option<Diagnostics>,
     /// Seed, for provenance.
     pub seed: u64,
-    /// Folds of the cross-validation.
+    /// Number of folds of the cross-validation.
     pub folds: usize,
 }
 
 impl Parts<'_> {
-    /// The file, with baselines fitted on the same recordings and what `model`, made of the record, remembers of them.
+    /// The model file, with baselines fitted on the same recordings and the memory of `model`, which was made of the record.
     ///
     /// # Errors
     /// The linear baseline cannot be fitted.
@@ -87,7 +87,7 @@ impl Parts<'_> {
     }
 }
 
-/// What the physical terms remember at the end of each trajectory of the first `recordings` that is on the clock
+/// Memory of the physical terms at the end of each trajectory of the first `recordings` that is on the clock
 /// ([`Session::clock`]).
 pub fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<Memory> {
     let load = session.load(model.load_robot());
@@ -108,7 +108,7 @@ pub fn memory(model: &TorqueModel, session: &Session, recordings: usize) -> Vec<
     memory
 }
 
-/// Base parameters of `robot` as they are stored.
+/// Base parameters of `robot` in stored form.
 pub(crate) fn base_parameters(robot: &Robot, estimated: &Estimated) -> Vec<BaseParameter> {
     let base = BaseParameters::of_robot(robot, &[]);
     let nominal = base.base_from(&robot.parameters());
@@ -153,7 +153,7 @@ fn baseline(data: &[Recording], session: &Session) -> Result<LinearInverse, Base
     )
 }
 
-/// Deviation of what the model leaves.
+/// Standard deviation of the physics' residual by joint, in motion and at standstill.
 fn residual_std(data: &[Recording], session: &Session, physics: &[Array2<f64>]) -> ResidualStd {
     let joints = physics[0].ncols();
     let deviation = |joint: usize, moving: bool| {

@@ -1,4 +1,4 @@
-//! Torque of the physics on its own training samples as it would be on new ones: refitted without each fold.
+//! Out-of-fold torque of the physics on its own training samples: refitted without each fold.
 
 use crate::identify::design::rigid_columns;
 use crate::physics_fit::Fit;
@@ -10,7 +10,7 @@ use physics::effects::Term;
 use physics::torque_model::TorqueModelError;
 use signal::cholesky;
 
-/// Ridge relative to the columns' norms, as the identification has it.
+/// Ridge relative to the columns' norms, as in the identification.
 const RIDGE: f64 = 3e-5;
 
 /// Normal equations over all parameters.
@@ -28,7 +28,7 @@ impl Normal {
         }
     }
 
-    /// Adds rows over the parameters at `places`, times `weight`.
+    /// Adds rows of the parameters `places`, times `weight`.
     fn add(&mut self, places: &[usize], columns: &Array2<f64>, target: &Array1<f64>, weight: f64) {
         let products = columns.t().dot(columns);
         let moments = columns.t().dot(target);
@@ -40,7 +40,7 @@ impl Normal {
         }
     }
 
-    /// All rows but those of `other`.
+    /// Normal equations without the rows of `other`.
     fn without(&self, other: &Self) -> Self {
         Self {
             products: &self.products - &other.products,
@@ -48,7 +48,7 @@ impl Normal {
         }
     }
 
-    /// Least squares; none where the columns depend on each other all the same.
+    /// Least-squares parameters; none where the columns are linearly dependent despite the ridge.
     fn solve(&self) -> Option<Array1<f64>> {
         let n = self.moments.len();
         let scale = self
@@ -69,11 +69,12 @@ impl Normal {
     }
 }
 
-/// Torque of the physics at the samples of each training recording, shape (samples, joints), by parameters to which the
-/// sample's own fold did not contribute. Terms, load and cut-off stay: they were chosen on all folds. A fit with a single
-/// fold stays as it is.
+/// Torque of the physics at the samples of each training recording, N·m (N), shape (samples, joints). The
+/// parameters were fitted without the sample's own fold. Terms, load and cut-off stay as chosen on all folds. A
+/// fit with a single fold is returned unchanged.
 ///
-/// What least squares changes when a fold is left out is added to the fit, whatever estimator that fit comes from.
+/// The change of the least-squares parameters when a fold is left out is added to the fit's parameters,
+/// whatever estimator gave these.
 ///
 /// # Errors
 /// A model that does not fit together.

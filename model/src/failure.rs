@@ -1,4 +1,4 @@
-//! What a command line says when it cannot go on.
+//! Failure messages of the command lines.
 
 use crate::directory::DirectoryError;
 use crate::evaluation::EvaluateError;
@@ -16,16 +16,16 @@ use physics::robot::RobotError;
 /// One line for the user, a hint, and the exit status.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// What is wrong.
+    /// What is wrong, in one line.
     pub message: String,
-    /// What to do; empty where nothing can be advised.
+    /// Advice; empty where there is none.
     pub hint: String,
-    /// 2: the input cannot be used; 130: interrupted; 1: anything else.
+    /// Exit status: 2 where the input cannot be used, 130 where interrupted, 1 for all else.
     pub status: u8,
 }
 
 impl Failure {
-    /// Input that cannot be used.
+    /// Failure by input that cannot be used, exit status 2.
     pub fn input(message: impl Into<String>, hint: impl Into<String>) -> Self {
         Self {
             message: message.into(),
@@ -34,7 +34,7 @@ impl Failure {
         }
     }
 
-    /// Anything that is not the input's fault.
+    /// Failure that is not the input's fault, exit status 1.
     pub fn other(message: impl Into<String>) -> Self {
         Self {
             message: message.into(),
@@ -43,7 +43,7 @@ impl Failure {
         }
     }
 
-    /// Stopped by the user.
+    /// Interruption by the user, exit status 130.
     pub fn interrupted(hint: impl Into<String>) -> Self {
         Self {
             message: "interrupted".into(),

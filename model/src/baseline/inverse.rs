@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// The constant matrix A ∈ ℝ^{N×3N} with the normalisation of its inputs and outputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinearInverse {
-    /// Of q, q̇, q̈ (3N channels).
+    /// Normalisation of q, q̇, q̈ (3N channels).
     pub input: Normalisation,
-    /// Of τ (N channels).
+    /// Normalisation of τ (N channels).
     pub output: Normalisation,
     /// Rows of A, one per joint, of length 3N; without unit, between normalised quantities.
     pub matrix: Vec<Vec<f64>>,
@@ -56,7 +56,7 @@ impl LinearInverse {
         })
     }
 
-    /// Torque for tables q, q̇, q̈ of shape (samples, joints).
+    /// Torque, N·m (N), for tables q, q̇, q̈ of shape (samples, joints).
     ///
     /// # Errors
     /// Tables of different shapes or of another number of joints, values that are not finite.

@@ -13,13 +13,13 @@ pub use normal::Normalisation;
 
 use ::identify::least_squares::LeastSquaresError;
 
-/// Why a baseline could not be fitted or applied.
+/// Reason why a baseline could not be fitted or applied.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BaselineError {
     /// A table of the wrong shape.
     #[error("{what} has the shape {found:?} (samples, joints), needed is {needed:?}")]
     Shape {
-        /// The table.
+        /// Name of the table.
         what: &'static str,
         /// Its shape.
         found: (usize, usize),
@@ -32,9 +32,9 @@ pub enum BaselineError {
     /// Too little data.
     #[error("{found} samples in unbroken stretches are too few: at least {needed} are needed")]
     TooShort {
-        /// Samples that can be used.
+        /// Number of usable samples.
         found: usize,
-        /// Samples needed.
+        /// Number of samples needed.
         needed: usize,
     },
     /// Trajectories that reach beyond the tables.

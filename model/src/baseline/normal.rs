@@ -1,4 +1,4 @@
-//! Normalisation of channels, as both listings of the paper have it.
+//! Normalisation of channels as in both listings of the paper.
 
 use ndarray::{Array2, ArrayView2, Axis};
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ pub struct Normalisation {
 }
 
 impl Normalisation {
-    /// From a table (samples, channels).
+    /// Normalisation from a table (samples, channels).
     pub(super) fn of(table: ArrayView2<f64>) -> Self {
         let columns = || table.axis_iter(Axis(1));
         let mean: Vec<f64> = columns().map(|c| c.mean().unwrap_or(0.0)).collect();
@@ -37,14 +37,14 @@ impl Normalisation {
         }
     }
 
-    /// (x − mean)/std per channel.
+    /// Normalised values (x − mean)/std per channel.
     pub(super) fn apply(&self, table: ArrayView2<f64>) -> Array2<f64> {
         Array2::from_shape_fn(table.dim(), |(k, c)| {
             (table[(k, c)] - self.mean[c]) / self.std[c]
         })
     }
 
-    /// x·std + mean per channel.
+    /// Physical values x·std + mean per channel.
     pub(super) fn undo(&self, table: ArrayView2<f64>) -> Array2<f64> {
         Array2::from_shape_fn(table.dim(), |(k, c)| {
             table[(k, c)] * self.std[c] + self.mean[c]

@@ -1,10 +1,10 @@
-//! Results published on the KR300 benchmark, to stand beside our own in terminal and page.
+//! Results published on the KR300 benchmark, for comparison with own results in terminal and page.
 //!
 //! None was measured by this project. Protocols differ: read `protocol` before comparing.
 
 use physics::robot::Builtin;
 
-/// What a model was asked for.
+/// Task of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
     /// Torque from q, q̇, q̈ at the same sample.
@@ -16,9 +16,9 @@ pub enum Task {
 /// Part of the benchmark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// 39,988 samples.
+    /// Training part: 39,988 samples.
     Train,
-    /// 3,636 samples.
+    /// Test part: 3,636 samples.
     Test,
 }
 
@@ -39,10 +39,9 @@ pub struct Published {
     pub mean_nrmse: f64,
     /// Mean R² over joints in percent, where published.
     pub mean_r2: Option<f64>,
-    /// What the model was given and where the row deviates from the paper's protocol; empty where it
-    /// does not.
+    /// Inputs of the model, and deviations from the paper's protocol; empty where there are none.
     pub protocol: &'static str,
-    /// Where it was published.
+    /// Publication.
     pub source: &'static str,
 }
 
@@ -53,8 +52,7 @@ const TABLE_VI: &str =
 const FROM_FIRST_SAMPLE: &str = "simulation from the first position";
 const OWN_SPLIT: &str = "simulation from the first position; own split, 36387 samples for training and 3600 for validation";
 
-/// All rows, task by task. No published result of the inverse task beyond the paper's own baseline is
-/// known to us.
+/// All rows, task by task. For the inverse task no published result beyond the paper's own baseline is known to us.
 pub const PUBLISHED: &[Published] = &[
     Published {
         task: Task::Inverse,
@@ -141,7 +139,7 @@ const fn forward(model: &'static str, mean_nrmse: f64) -> Published {
 }
 
 impl Part {
-    /// The name in tables.
+    /// Name of the part in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Train => "train",
@@ -150,7 +148,8 @@ impl Part {
     }
 }
 
-/// What belongs beside the scores of a robot on these parts: nothing but for the benchmark's own, the built-in.
+/// Published rows to be shown beside the scores of a robot on these parts. Only the benchmark's own robot, the
+/// built-in one, has any.
 pub fn beside(robot: Option<Builtin>, parts: &[Part]) -> Vec<&'static Published> {
     PUBLISHED
         .iter()

@@ -1,13 +1,13 @@
-//! Base parameters as they are stored.
+//! Base parameters in stored form.
 
 use serde::{Deserialize, Serialize};
 
 /// One base parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BaseParameter {
-    /// Name of the standard parameter that stands for it.
+    /// Name of the standard parameter that represents it.
     pub name: String,
-    /// The standard parameters that form it.
+    /// Combination of standard parameters that it is.
     pub formula: String,
     /// Identified value.
     pub value: f64,
@@ -18,6 +18,6 @@ pub struct BaseParameter {
     pub relative_std: Option<f64>,
     /// Value of the nominal robot.
     pub nominal: f64,
-    /// kg, kg·m or kg·m².
+    /// Unit: kg, kg·m or kg·m².
     pub unit: String,
 }

@@ -1,11 +1,12 @@
-//! What ties the files of a model directory to each other and to the recordings behind them.
+//! Checksums that tie the files of a model directory to each other and to the recordings.
 
 use feedforward::model_file::hexadecimal;
 use sha2::{Digest, Sha256};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// SHA-256 of a file, or of all files below a folder one behind the other by name; read in pieces, for recordings may be large.
+/// SHA-256 of a file, or of all files below a folder, concatenated in order of their names. Files are read in
+/// pieces, since recordings may be large.
 ///
 /// # Errors
 /// A file cannot be read.

@@ -1,5 +1,5 @@
-//! `covariance.json`: what only the deviation of a prediction needs and no control loop reads, in a file of its own,
-//! because it is most of what there is to write.
+//! `covariance.json`: covariance of the parameters. Only the standard deviation of a prediction needs it and no
+//! control loop reads it. It has a file of its own since it is most of the model's data.
 
 use super::error::DirectoryError;
 use feedforward::model_file::sha256;
@@ -23,7 +23,7 @@ struct Stored {
     covariance: Vec<Vec<f64>>,
 }
 
-/// The file's text.
+/// Text of the file.
 pub(super) fn text(covariance: &[Vec<f64>]) -> String {
     let written = Written {
         schema: SCHEMA,
@@ -35,7 +35,7 @@ pub(super) fn text(covariance: &[Vec<f64>]) -> String {
     text
 }
 
-/// The table of a model directory whose `model.json` knows it by `checksum`.
+/// Covariance table of a model directory whose `model.json` holds its `checksum`.
 ///
 /// # Errors
 /// No file, a damaged one, or that of another model.

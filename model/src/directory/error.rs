@@ -1,10 +1,10 @@
-//! A model directory that cannot be read or written.
+//! Errors of reading or writing a model directory.
 
 use feedforward::model_file::ModelFileError;
 use physics::torque_model::TorqueModelError;
 use std::path::PathBuf;
 
-/// A model directory that cannot be read or written.
+/// Reason why a model directory cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum DirectoryError {
     /// A file cannot be read.
@@ -12,7 +12,7 @@ pub enum DirectoryError {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
     /// A file is no model.
@@ -20,39 +20,39 @@ pub enum DirectoryError {
     Format {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         reason: String,
     },
-    /// The directory is of `machine identify`.
+    /// The directory was written by `machine identify`.
     #[error(
         "{path}: a machine of the motion controller's kinds, not a serial arm; machine eval and machine payload read it"
     )]
     Machine {
-        /// Its file.
+        /// Path of its file.
         path: PathBuf,
     },
-    /// A file beside it was written by another version.
+    /// A file beside the model was written by another version.
     #[error("{path}: schema {found:?}, this program reads {read:?}; train the model again")]
     Schema {
         /// The file.
         path: PathBuf,
-        /// Its schema.
+        /// Schema of the file.
         found: String,
-        /// The schema of this program.
+        /// Schema that this program reads.
         read: &'static str,
     },
-    /// Made with another model than the one that it stands beside.
+    /// A file was made with another model than the one beside it.
     #[error("{path}: made with another model than the model.json beside it (checksum differs)")]
     Other {
         /// The file.
         path: PathBuf,
     },
-    /// `model.json` is none of this version.
+    /// `model.json` is not of this version.
     #[error("{path}: {source}")]
     Model {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: ModelFileError,
     },
     /// The parts of the model do not fit together.
@@ -60,15 +60,15 @@ pub enum DirectoryError {
     Physics {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: TorqueModelError,
     },
-    /// The directory cannot be made, or an old file in it not be removed.
+    /// The directory cannot be created, or an old file in it cannot be removed.
     #[error("{path}: {source}")]
     Folder {
         /// The directory.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
     /// A file cannot be written.

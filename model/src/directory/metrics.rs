@@ -1,4 +1,4 @@
-//! Scores beside a model: `metrics.json`.
+//! `metrics.json`: scores of a model.
 
 use super::base_parameter::BaseParameter;
 use crate::identify::diagnostics::Diagnostics;
@@ -17,24 +17,24 @@ pub struct Metrics {
     pub joints: Vec<String>,
     /// Scores of the training recordings.
     pub train: Vec<Row>,
-    /// Scores of the held-out one.
+    /// Scores of the held-out recording.
     pub heldout: Option<Vec<Row>>,
     /// Identified parameters.
     pub base_parameters: Vec<BaseParameter>,
-    /// How well they stand.
+    /// Quality of the identification.
     pub diagnostics: Option<Diagnostics>,
-    /// Each member of the ensembles alone on the held-out recording.
+    /// Scores of each member of the ensembles alone, on the held-out recording.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub members: Vec<Member>,
 }
 
-/// Mean NRMSE of one seed.
+/// Mean NRMSE of one member of the ensembles (one seed).
 #[derive(Serialize)]
 pub struct Member {
-    /// Index.
+    /// Index of the member.
     pub member: usize,
-    /// Over all samples.
+    /// Mean NRMSE over all samples.
     pub mean_nrmse: Option<f64>,
-    /// In motion.
+    /// Mean NRMSE in motion.
     pub mean_nrmse_moving: Option<f64>,
 }

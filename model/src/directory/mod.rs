@@ -34,7 +34,7 @@ use physics::torque_model::{TorqueModelRecord, WeightedTerm};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Files of `train --yardsticks`: figures and trees; the ridge regression, as a compensator is stored.
+/// Files of `train --yardsticks`: figures and trees; the ridge regression, stored like a compensator.
 pub const YARDSTICKS: [&str; 2] = ["yardsticks.json", "yardsticks.safetensors"];
 
 /// File of `train forward`.
@@ -47,79 +47,80 @@ pub struct ModelFile {
     pub schema: String,
     /// Version of the program that wrote it.
     pub residyn: String,
-    /// Joint names.
+    /// Joint names, base first.
     pub joints: Vec<String>,
     /// The identified physics.
     pub physics: TorqueModelRecord,
-    /// Base parameters with their deviations.
+    /// Base parameters with their standard deviations.
     pub base_parameters: Vec<BaseParameter>,
-    /// Covariance of the base parameters, then each joint's fitted terms, row by row; in `covariance.json`, in `model.json`
-    /// itself where that is of an earlier version.
+    /// Covariance of the base parameters, then each joint's fitted terms, row by row. It is stored in
+    /// `covariance.json`; an earlier version stored it in `model.json`.
     #[serde(default, skip_serializing)]
     pub covariance: Vec<Vec<f64>>,
     /// SHA-256 of `covariance.json`; empty before it is written.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub covariance_sha256: String,
-    /// Deviation of the whole model's error by regime: in a model of `train`, on training samples left out of every fit, such
-    /// that ± 1.645 of it holds 90 %; of the physics' residual on the samples fitted where there were no folds to leave out.
+    /// Standard deviation of the whole model's error by regime. For a model of `train` it is from training
+    /// samples left out of every fit, such that ± 1.645 of it holds 90 %. Without folds to leave out it is that
+    /// of the physics' residual on the fitted samples.
     pub residual_std: ResidualStd,
     /// How the recordings were prepared.
     pub preprocessing: Preprocessing,
     /// The benchmark paper's linear baseline, fitted on the same samples.
     pub linear_baseline: LinearInverse,
-    /// Its forward one, torque to position in simulation; none where the recordings are too short for it.
+    /// The paper's forward baseline, torque to position in simulation; none where the recordings are too short for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forward_baseline: Option<ForwardBaseline>,
-    /// How well the identification stands.
+    /// Quality of the identification.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diagnostics: Option<Diagnostics>,
-    /// Spans of time of the training trajectories, on which memory and warm-up run on, s.
+    /// Time spans of the training trajectories, s, over which memory and warm-up continue.
     pub clock: Vec<[f64; 2]>,
-    /// What terms remembered at the end of each of them.
+    /// Memory of the terms at the end of each of these trajectories.
     pub memory: Vec<Memory>,
-    /// Where the model comes from.
+    /// Provenance of the model.
     pub provenance: Provenance,
-    /// What the compensator sees and how it was trained, where there is one.
+    /// Inputs of the compensator and its training, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compensator: Option<feedforward::inputs::CompensatorRecord>,
 }
 
-/// Residual deviation in N·m (N), per joint.
+/// Standard deviation of the residual by joint, N·m (N).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResidualStd {
-    /// Where the joint moves.
+    /// Standard deviation where the joint moves.
     pub moving: Vec<f64>,
-    /// Where it stands still.
+    /// Standard deviation at standstill.
     pub standstill: Vec<f64>,
 }
 
-/// How recordings were prepared before the fit.
+/// Preparation of the recordings before the fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Preprocessing {
     /// Rate of the recorded samples, Hz.
     pub rate_hz: f64,
     /// Rate of the grid on which memory runs, Hz.
     pub fine_hz: f64,
-    /// Zero-phase low-pass of the motion, Hz; none where positions were interpolated.
+    /// Cut-off of the motion's zero-phase low-pass, Hz; none where positions were interpolated.
     pub cutoff_hz: Option<f64>,
     /// Whether the cut-off was given rather than chosen.
     #[serde(default)]
     pub cutoff_given: bool,
-    /// How the cut-off was chosen by the torque; none where it was not.
+    /// Choice of the cut-off by the torque; none where it was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cutoff: Option<CutoffChoice>,
-    /// Whether recorded velocity was left aside; otherwise it is fused in where it fits.
+    /// Whether recorded velocity was ignored. Otherwise it is fused with the position where it fits.
     #[serde(default)]
     pub position_alone: bool,
     /// Whether recorded velocity was used as recorded.
     pub recorded_velocity: bool,
-    /// Low-pass that the recorded torque went through.
+    /// Low-pass by which the recorded torque was filtered.
     pub torque_filter: Option<TorqueFilter>,
-    /// How much later the recorded torque is than the motion, s, where that is certain; fit and score allow for it, the
-    /// control loop does not have it.
+    /// Delay of the recorded torque after the motion, s, where it is certain. Fit and scores compensate for it;
+    /// the control loop does not have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque_delay: Option<Estimate95>,
-    /// What a diagnosis found of the torque channel and of joint zeros; none where it found nothing. Scores include it, the
+    /// Torque channel and joint zeros from a diagnosis; none where it found nothing. Scores include them, the
     /// control loop does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<TorqueChannel>,
@@ -127,23 +128,23 @@ pub struct Preprocessing {
     pub moving_only: bool,
 }
 
-/// Where a model comes from.
+/// Provenance of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Training recordings.
     pub recordings: Vec<Source>,
-    /// Seed.
+    /// Random seed.
     pub seed: u64,
-    /// Folds of the cross-validation that chose the terms.
+    /// Number of folds of the cross-validation that chose the terms.
     pub folds: usize,
 }
 
-/// One recording.
+/// Provenance of one recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Source {
     /// File name without its folder, or the name of a simulation.
     pub name: String,
-    /// SHA-256 of the file (of a folder: of its files one behind the other, by name); empty for a simulation.
+    /// SHA-256 of the file, or of a folder's files concatenated in order of their names; empty for a simulation.
     pub sha256: String,
     /// Number of samples.
     pub samples: usize,
@@ -152,7 +153,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// What provenance says of a recording as it was read.
+    /// Provenance of a recording as read.
     pub fn of(recording: &Recording) -> Self {
         let path = Path::new(&recording.source);
         let name = path.file_name();
@@ -169,7 +170,7 @@ impl Source {
 }
 
 impl Preprocessing {
-    /// How a recording is prepared for this model; `cutoff_hz` instead of the model's own cut-off where it is given.
+    /// Options for preparing a recording for this model. `cutoff_hz` replaces the model's own cut-off where it is given.
     pub fn options(&self, cutoff_hz: Option<f64>) -> PrepareOptions {
         PrepareOptions {
             cutoff_hz: cutoff_hz.or(self.cutoff_hz),
@@ -185,8 +186,8 @@ impl Preprocessing {
 }
 
 impl Preprocessing {
-    /// A recording as this model sees it: prepared as its training was, or with another cut-off, positions true where a
-    /// joint zero is known.
+    /// A recording prepared as for the model's training, or with another cut-off. Positions are corrected where
+    /// a joint zero is known.
     ///
     /// # Errors
     /// As [`prepare()`].
@@ -205,7 +206,7 @@ impl Preprocessing {
 }
 
 impl ModelFile {
-    /// What an identification of the same robot may take as known from it.
+    /// Parameters of this model as prior for an identification of the same robot.
     ///
     /// # Errors
     /// Other base parameters than `robot` has.
@@ -250,8 +251,8 @@ impl ModelFile {
         Ok(file)
     }
 
-    /// Reads the text of a `model.json`, which leaves the covariance empty unless it is of an earlier version; `path` stands
-    /// for it in messages.
+    /// Parses the text of a `model.json`. The covariance is left empty unless the file is of an earlier
+    /// version. `path` is used in messages.
     ///
     /// # Errors
     /// As [`ModelFile::load`].
@@ -279,8 +280,8 @@ impl ModelFile {
         Ok(file)
     }
 
-    /// Number of parameters of the physics that were fitted: base parameters and the terms of every joint. What the robot's
-    /// description gives is not among them.
+    /// Number of fitted parameters of the physics: base parameters and the terms of every joint. Parameters
+    /// from the robot's description are not counted.
     pub fn fitted_parameters(&self) -> usize {
         let terms = self.physics.terms.iter().flatten();
         self.base_parameters.len() + terms.filter(|w| w.term.passive().is_none()).count()
@@ -291,7 +292,7 @@ impl ModelFile {
         self.covariance.len() == size && self.covariance.iter().all(|row| row.len() == size)
     }
 
-    /// Writes `covariance.json`, then `model.json`; the directory exists.
+    /// Writes `covariance.json`, then `model.json`; the directory must exist.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -308,8 +309,9 @@ impl ModelFile {
         )?)
     }
 
-    /// Writes a whole model directory, which is made where there is none: `model.json` last, so that a directory with one is
-    /// whole. `weights` is `compensator.safetensors`, `urdf` the identified robot. What stands beside an earlier training (timing, yardsticks, positions from torque) goes.
+    /// Writes a whole model directory, which is created where there is none: `model.json` last, so that a
+    /// directory with one is complete. `weights` is `compensator.safetensors`, `urdf` the identified robot.
+    /// Files of an earlier training (timing, yardsticks, positions from torque) are removed.
     ///
     /// # Errors
     /// The directory or a file cannot be written.
@@ -344,7 +346,7 @@ impl ModelFile {
         self.save(directory)
     }
 
-    /// SHA-256 of a directory's `model.json`, by which what is made for that model knows it.
+    /// SHA-256 of a directory's `model.json`, which files made for that model store.
     ///
     /// # Errors
     /// The file cannot be read.

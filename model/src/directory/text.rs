@@ -1,4 +1,4 @@
-//! How files of a model directory are written down.
+//! Text form of the files of a model directory.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! `timing.json`: what a training took. It lies outside the rule that the same seed gives the same bytes.
+//! `timing.json`: wall time of a training. It is exempt from the rule that the same seed gives the same bytes.
 
 use super::error::DirectoryError;
 use super::text::json;
@@ -14,18 +14,18 @@ const SCHEMA: &str = "timing/1";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     schema: String,
-    /// Threads that it was given.
+    /// Number of threads.
     pub threads: usize,
     /// Identification of the physics, choice of the cut-off included, s.
     pub physics_s: f64,
     /// Training of the compensator, s; none without one.
     pub compensator_s: Option<f64>,
-    /// Whether the run went on from a checkpoint, so that part of the training is missing here.
+    /// Whether the run continued from a checkpoint, so that the time before it is missing.
     pub resumed: bool,
 }
 
 impl Timing {
-    /// Of a run on so many threads.
+    /// Timing of a run on `threads` threads.
     pub fn new(threads: usize, physics_s: f64, compensator_s: Option<f64>, resumed: bool) -> Self {
         Self {
             schema: SCHEMA.into(),
@@ -36,12 +36,12 @@ impl Timing {
         }
     }
 
-    /// Wall time of the whole, s.
+    /// Total wall time, s.
     pub fn seconds(&self) -> f64 {
         self.physics_s + self.compensator_s.unwrap_or(0.0)
     }
 
-    /// That of a model directory; none where nothing was noted.
+    /// Timing of a model directory; none where it has none.
     ///
     /// # Errors
     /// A damaged file, or one of another version.

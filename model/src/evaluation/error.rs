@@ -1,4 +1,4 @@
-//! Why a recording could not be scored.
+//! Errors of an evaluation.
 
 use crate::baseline::BaselineError;
 use crate::directory::DirectoryError;
@@ -9,10 +9,10 @@ use datasets::metrics::ShapeError;
 use datasets::prepare::PrepareError;
 use physics::torque_model::TorqueModelError;
 
-/// Why an evaluation failed.
+/// Reason why an evaluation failed.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
-    /// The model directory.
+    /// The model directory cannot be used.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
     /// The recording cannot be prepared.
@@ -20,19 +20,19 @@ pub enum EvaluateError {
     Prepare {
         /// The recording.
         file: String,
-        /// Why.
+        /// Cause.
         source: PrepareError,
     },
-    /// The stored model.
+    /// The stored model does not fit together.
     #[error(transparent)]
     Model(#[from] TorqueModelError),
-    /// The compensator.
+    /// The compensator cannot be used.
     #[error(transparent)]
     Residual(#[from] ResidualError),
-    /// Positions from torque.
+    /// Positions from torque cannot be computed.
     #[error(transparent)]
     Inversion(#[from] InversionError),
-    /// The linear baseline.
+    /// The linear baseline cannot be applied.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
     /// Tables of different shapes.
@@ -48,9 +48,9 @@ pub enum EvaluateError {
     Joints {
         /// The recording.
         file: String,
-        /// Its joints.
+        /// Number of joints of the recording.
         found: usize,
-        /// Joints of the model.
+        /// Number of joints of the model.
         expected: usize,
         /// Name of the robot.
         robot: String,

@@ -47,20 +47,20 @@ pub struct EvalReport {
     pub samples: usize,
     /// Scores.
     pub rows: Vec<Row>,
-    /// Spread of repeated motions, where the recording has some: the floor in motion.
+    /// Repeatability: spread of repeated motions, where the recording has some. It is the noise floor in motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeatability: Option<Repeatability>,
     /// Share of (physics² − repeatability²) that the compensator removes over all samples, where motions repeat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_of_repeatable: Option<Share>,
-    /// How much of the recorded torque the stated 90 % intervals hold; none without torque.
+    /// Coverage: part of the recorded torque within the stated 90 % intervals; none without torque.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<Coverage>,
-    /// What the figures depend on, in words.
+    /// Conditions of the figures, as text.
     pub notes: Vec<String>,
 }
 
-/// A recording with everything that was computed for it.
+/// A scored recording with all intermediate results.
 pub struct Evaluation {
     /// Scores and notes.
     pub report: EvalReport,
@@ -68,13 +68,14 @@ pub struct Evaluation {
     pub recording: Recording,
     /// Its motion at the recorded samples.
     pub session: Session,
-    /// Torque of the whole model, shape (samples, joints).
+    /// Torque of the whole model, N·m (N), shape (samples, joints).
     pub torque: Array2<f64>,
-    /// Torque of the physics alone.
+    /// Torque of the physics alone, N·m (N), shape (samples, joints).
     pub physics: Array2<f64>,
-    /// Standard deviation of `torque`.
+    /// Standard deviation of `torque`, N·m (N), shape (samples, joints).
     pub deviation: Array2<f64>,
-    /// Positions from torque alone, where the model was taught them and the recording has the rate.
+    /// Positions from torque alone, rad (m), shape (samples, joints). None unless `train forward` was run and
+    /// the recording has its rate.
     pub positions: Option<Array2<f64>>,
 }
 
@@ -268,7 +269,7 @@ impl Evaluation {
         report::write_atomic(path, &text)
     }
 
-    /// What its page shows.
+    /// Subject of its page.
     pub fn subject<'a>(&'a self, published: &'a [&'static Published]) -> Subject<'a> {
         Subject {
             recording: &self.recording,
@@ -281,7 +282,7 @@ impl Evaluation {
     }
 }
 
-/// Where a cut-off comes from.
+/// Origin of a cut-off as text.
 fn cutoff_words(report: &PrepareReport, file: &ModelFile) -> String {
     let own = &file.preprocessing;
     match (own.cutoff_hz, report.cutoff_hz) {
@@ -295,7 +296,7 @@ fn cutoff_words(report: &PrepareReport, file: &ModelFile) -> String {
     }
 }
 
-/// What the figures of one recording of the session depend on, in words.
+/// Conditions of the figures of one recording of the session, as text.
 pub fn notes(session: &Session, part: usize, file: &ModelFile) -> Vec<String> {
     let report = &session.parts[part].report;
     let mut notes = Vec::new();

@@ -1,19 +1,20 @@
-//! What a compensator removes of what could be removed at most.
+//! Share of the removable error that a compensator removes.
 
 use datasets::metrics::Scores;
 use serde::Serialize;
 
-/// Share of (physics² − floor²) in squared NRMSE that the whole model removes; none where physics leaves nothing above the floor.
+/// Share of (physics² − floor²) in squared NRMSE that the whole model removes. None where the physics' error is
+/// not above the floor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// By joint.
+    /// Share by joint.
     pub joints: Vec<Option<f64>>,
-    /// Of the sums over the joints.
+    /// Share of the sums over the joints.
     pub all: Option<f64>,
 }
 
 impl Share {
-    /// From the scores of the physics, of the whole model, and of what can be had at best.
+    /// Share from the scores of the physics, of the whole model, and of the noise floor.
     pub fn of(physics: &Scores, whole: &Scores, floor: &Scores) -> Self {
         let joint = |j: usize| {
             let [p, w, f] = [physics, whole, floor].map(|s| s.nrmse[j].map(|e| e * e));

@@ -1,4 +1,5 @@
-//! The same model fed other motion of the same recording: planned, and derived as a control loop must.
+//! Scores of the same model on other motion of the same recording: planned motion, and motion derived causally
+//! as in a control loop.
 
 use super::error::EvaluateError;
 use crate::loaded::Loaded;
@@ -10,8 +11,8 @@ use signal::filter::Causal;
 use signal::sos::Section;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Rows for planned motion, where the recording has it, and for causally derived motion, with a note
-/// on each. Measured torque, scope and samples are those of the other rows.
+/// Scores with planned motion, where the recording has it, and with causally derived motion, with a note on
+/// each. Measured torque, scope and samples are those of the other rows.
 pub(super) fn rows(
     loaded: &Loaded,
     recording: &Recording,
@@ -81,8 +82,7 @@ fn planned(recording: &Recording) -> Option<Recording> {
 
 /// `prepared` with its motion replaced by one in which no sample depends on a later one.
 ///
-/// Between recorded samples (the fine grid of a slow recording) motion goes on with the acceleration of
-/// the newest one.
+/// Between recorded samples (the fine grid of a slow recording) motion is extrapolated with the acceleration of the newest one.
 fn causal(recording: &Recording, prepared: &Prepared) -> Prepared {
     let mut made = prepared.clone();
     let report = &prepared.report;

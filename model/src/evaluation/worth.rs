@@ -1,9 +1,10 @@
-//! What a model is worth, in words.
+//! Summary of a model's scores as text.
 
 use super::EvalReport;
 
 impl EvalReport {
-    /// In words: how much the stated intervals hold, and what the compensator removes of what repeats do not explain.
+    /// Lines on the coverage of the stated 90 % intervals, and on the share of the error above the
+    /// repeatability that the compensator removes.
     pub fn worth(&self) -> Vec<String> {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
         let by_joint = |figures: Vec<String>| {

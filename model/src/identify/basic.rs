@@ -13,11 +13,11 @@ use physics::effects::{Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 
-/// Speeds over which the sign of a velocity turns round that are tried, rad/s or m/s. A true sign is what a smooth
-/// velocity asks for; noise, encoder counts and the low-pass soften it.
+/// Velocities of softening of the sign that are tried, rad/s or m/s. Smooth velocities suit a true sign; noise,
+/// encoder counts and the low-pass soften it.
 const SOFTNESSES: [f64; 6] = [0.002, 0.005, 0.01, 0.02, 0.05, 0.1];
 
-/// Basic terms of each joint, with a true sign. Rotor inertia belongs to them where the rigid body does not contain it.
+/// Basic terms of each joint, with a true sign. They include rotor inertia where the rigid body does not contain it.
 pub fn terms(robot: &Robot) -> Vec<Vec<Term>> {
     let with_rotors = BaseParameters::of_robot(robot, &[Extra::RotorInertia]);
     let rigid = PARAMETERS_PER_LINK * robot.dof();
@@ -85,7 +85,7 @@ pub fn with_signs(
         .collect()
 }
 
-/// How far the given inertias count in a fit of the basic model.
+/// Prior from the given inertias for a fit of the basic model, with its strength chosen on rows left out.
 ///
 /// # Errors
 /// Columns that are not finite.

@@ -15,8 +15,8 @@ use std::ops::Range;
 /// Base columns of every joint and recording: `[joint][recording]`, shape (samples, base parameters).
 pub type RigidColumns = Vec<Vec<Array2<f64>>>;
 
-/// Base columns of some of the recordings at their samples, as the recorded torque would
-/// show them: see [`datasets::Prepared::to_samples`]. Only every `every`-th sample is right.
+/// Base columns of some of the recordings at their samples, with the recorded torque's filter: see
+/// [`datasets::Prepared::to_samples`]. Only every `every`-th sample is valid.
 pub fn rigid_columns(
     robot: &Robot,
     base: &BaseParameters,
@@ -27,7 +27,7 @@ pub fn rigid_columns(
     inertial_columns(robot, base.independent(), session, recordings, every)
 }
 
-/// The same for any of the 10 N standard parameters, given by their places.
+/// Columns of any of the 10 N standard parameters, given by their indices, at the samples of some recordings.
 pub fn inertial_columns(
     robot: &Robot,
     standard: &[usize],
@@ -57,26 +57,26 @@ pub fn inertial_columns(
     columns
 }
 
-/// Everything that the rows of all joints are made of.
+/// Data for the rows of all joints.
 pub struct Data<'a> {
     /// The robot.
     pub robot: &'a Robot,
     /// Its base parameters.
     pub base: &'a BaseParameters,
-    /// Their columns.
+    /// Columns of the base parameters.
     pub rigid: &'a RigidColumns,
     /// The recordings.
     pub session: &'a Session,
-    /// Their torque.
+    /// Torque to be explained.
     pub target: &'a Target<'a>,
-    /// Whether only moving samples count.
+    /// Whether only moving samples are rows.
     pub moving_only: bool,
-    /// Every how many samples one is a row; 1: all.
+    /// Step between samples that are rows; 1: all.
     pub every: usize,
 }
 
 impl Data<'_> {
-    /// The systems of all joints, with `blocks` or without.
+    /// Least-squares systems of all joints, with `blocks` for standard deviations or without.
     ///
     /// # Errors
     /// Columns that are not finite.
@@ -97,7 +97,7 @@ impl Data<'_> {
         self.target.tau.iter().map(|t| t.nrows()).sum()
     }
 
-    /// Whether the row of one joint at one sample counts.
+    /// Whether one sample of one joint is a row.
     pub fn counts(&self, part: usize, row: usize, joint: usize) -> bool {
         row.is_multiple_of(self.every)
             && (!self.moving_only
@@ -105,24 +105,24 @@ impl Data<'_> {
     }
 }
 
-/// Blocks of samples that deviations are taken from, at most.
+/// Most blocks of samples for standard deviations.
 const BLOCKS: usize = 256;
-/// Samples in a block, at least.
+/// Fewest samples of a block.
 const SHORTEST_BLOCK: usize = 8;
 
-/// Normal equations of one joint, cell by cell of the folds and block by block, over its own columns.
+/// Normal equations of one joint over its own columns, by cell of the folds and by block.
 pub struct JointSystem {
-    /// Base parameters that act on this joint: indices into all base parameters.
+    /// Indices of the base parameters that act on this joint.
     acting: Vec<usize>,
     terms: usize,
     cells: Vec<Triangle>,
-    /// Samples that follow each other, the same ones for every joint.
+    /// Blocks of consecutive samples, the same for every joint.
     blocks: Vec<Gram>,
 }
 
 impl JointSystem {
-    /// Builds the columns and folds them; nothing of sample size is kept. `blocks`: keep those for
-    /// [`block_covariance`](::identify::least_squares::block_covariance).
+    /// Builds the columns and folds them into normal equations; nothing of sample size is kept. `blocks`:
+    /// whether to keep those for [`block_covariance`](::identify::least_squares::block_covariance).
     ///
     /// # Errors
     /// Columns that are not finite.
@@ -188,8 +188,8 @@ impl JointSystem {
         })
     }
 
-    /// From the factors of stretches of rows that follow each other, whose columns are the base parameters `acting` on this
-    /// joint and `terms` terms; all of them are one cell.
+    /// System from the factors of stretches of consecutive rows. Their columns are the base parameters `acting`
+    /// on this joint and `terms` terms; all stretches are one cell.
     ///
     /// # Errors
     /// No stretch, or stretches of different numbers of columns.
@@ -231,7 +231,7 @@ impl JointSystem {
         self.cells.iter().map(Gram::from).collect()
     }
 
-    /// Where this joint's columns stand among all parameters when its terms begin at `offset`.
+    /// Indices of this joint's columns among all parameters when its terms begin at `offset`.
     pub fn map(&self, offset: usize) -> Vec<usize> {
         self.acting
             .iter()
@@ -240,13 +240,13 @@ impl JointSystem {
             .collect()
     }
 
-    /// Root mean square of the measured torque.
+    /// Root mean square of the measured torque, N·m (N).
     pub fn target_deviation(&self) -> f64 {
         let sum: f64 = self.cells.iter().map(Triangle::target_sum_of_squares).sum();
         (sum / self.rows() as f64).sqrt().max(f64::MIN_POSITIVE)
     }
 
-    /// Root mean square of the residual of parameters in this joint's own order.
+    /// Root mean square of the residual with parameters in this joint's own order, N·m (N).
     ///
     /// # Errors
     /// A parameter vector of another length.
@@ -259,8 +259,7 @@ impl JointSystem {
     }
 }
 
-/// What a joint's rows are scaled by for a residual of deviation `sigma`; a channel without any error is dead and tells of
-/// nothing.
+/// Factor on a joint's rows for a residual of standard deviation `sigma`. It is zero for a dead channel, whose error is zero.
 pub fn scale(sigma: f64) -> f64 {
     if sigma <= f64::MIN_POSITIVE {
         0.0
@@ -283,7 +282,7 @@ pub fn joined(
     Ok(whole)
 }
 
-/// The blocks of all joints over `total` parameters, each joint scaled by [`scale`].
+/// Blocks of all joints over `total` parameters, each joint scaled by [`scale`].
 pub fn joined_blocks(
     joints: &[(&JointSystem, Vec<usize>)],
     sigma: &[f64],
@@ -303,7 +302,7 @@ pub fn joined_blocks(
         .collect()
 }
 
-/// Columns that are not zero throughout: a joint does not feel the links before it.
+/// Indices of columns that are not zero throughout: a joint does not feel the links before it.
 fn acting(tables: &[Array2<f64>]) -> Vec<usize> {
     let count = tables.first().map_or(0, Array2::ncols);
     (0..count)

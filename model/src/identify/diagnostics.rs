@@ -1,4 +1,4 @@
-//! How well an identification stands: conditioning, residual tests, possible links.
+//! Quality of an identification: conditioning, residual tests, possible links.
 
 use crate::identify::error::IdentifyError;
 use crate::identify::estimators::constrained;
@@ -10,35 +10,35 @@ use physics::effects::Term;
 use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
 use serde::{Deserialize, Serialize};
 
-/// Relative deviation from which a parameter counts as poorly determined.
+/// Relative standard deviation above which a parameter counts as poorly determined.
 pub const POOR: f64 = 0.3;
 
-/// What `model.json` says about the quality of an identification.
+/// Quality of an identification, in `model.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostics {
-    /// How the parameters were estimated.
+    /// Report of the estimator.
     pub estimator: crate::identify::estimators::EstimatorReport,
     /// Condition numbers of the weighted regressor.
     pub conditioning: Conditioning,
-    /// Base parameters whose deviation exceeds 30 % of their value.
+    /// Base parameters whose standard deviation exceeds 30 % of their value.
     pub poorly_determined: Vec<String>,
     /// Tests of each joint's training residual; none where it cannot be tested.
     pub residual_tests: Vec<Option<ResidualTests>>,
     /// The links of the identified URDF; empty where no possible links were found.
     pub links: Vec<PossibleLink>,
-    /// Largest distance of a base parameter of those links from its estimate, in deviations.
+    /// Largest distance of a base parameter of those links from its estimate, in standard deviations.
     pub moved: Option<f64>,
-    /// Training error of those links beside the free estimate's.
+    /// Training error with those links, beside that of the free estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<PossibleCost>,
 }
 
-/// Root mean square of the training rows' errors, each joint's over its residual deviation.
+/// Root mean squared error on the training rows, each joint's over its residual's standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PossibleCost {
-    /// Of the estimate without the condition.
+    /// Error of the estimate without the condition.
     pub free: f64,
-    /// Of possible links.
+    /// Error with possible links.
     pub possible: f64,
 }
 
@@ -46,29 +46,29 @@ pub struct PossibleCost {
 /// rank.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Conditioning {
-    /// All columns.
+    /// Condition number of all columns.
     pub whole: Option<f64>,
-    /// All columns, each of unit norm: what is left when units are taken out.
+    /// Condition number of all columns, each scaled to unit norm, which removes the units.
     pub scaled: Option<f64>,
-    /// Second moments and rotor inertias.
+    /// Condition number of second moments and rotor inertias.
     pub inertial: Option<f64>,
-    /// First moments and masses.
+    /// Condition number of first moments and masses.
     pub gravity: Option<f64>,
-    /// Friction, memory and offset.
+    /// Condition number of friction, memory and offset.
     pub friction: Option<f64>,
 }
 
 /// A link of the identified URDF.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PossibleLink {
-    /// Its name.
+    /// Name of the link.
     pub link: String,
     /// Eigenvalues of its 4 × 4 pseudo-inertia, ascending, each over the largest: all positive where it is possible.
     pub eigenvalues: Vec<f64>,
 }
 
 impl Conditioning {
-    /// Of an identification.
+    /// Condition numbers of an identification.
     ///
     /// # Errors
     /// A decomposition that fails.
@@ -111,7 +111,7 @@ pub fn poorly_determined(found: &Identified) -> Vec<String> {
     chosen.map(|(_, name)| name).collect()
 }
 
-/// Tests of the residual measured − predicted of one joint; none where it cannot be tested.
+/// Tests of the residual, measured minus predicted, of one joint; none where it cannot be tested.
 ///
 /// `breaks` are the first samples of the trajectories after the first.
 pub fn tests(
@@ -126,8 +126,8 @@ pub fn tests(
     residual_tests(&residual, predicted, velocity, breaks).ok()
 }
 
-/// The possible links that explain the training rows best, friction beside them fitted again; those of the fit,
-/// where it demanded them. Directions that the data leave open keep the nominal values.
+/// Possible links that explain the training rows best, with friction fitted again. Those of the fit itself,
+/// where it required possible links. Directions that the data leave open keep the nominal values.
 ///
 /// # Errors
 /// No such links were found.
@@ -144,7 +144,7 @@ pub fn possible(robot: &Robot, found: &Identified) -> Result<Feasible, IdentifyE
     )
 }
 
-/// What it costs that links are possible bodies.
+/// Training error with possible links, beside that of the free estimate.
 ///
 /// # Errors
 /// Parameters that do not belong to the rows.
@@ -182,7 +182,7 @@ pub fn links(robot: &Robot, standard: &[f64]) -> Vec<PossibleLink> {
         .collect()
 }
 
-/// Largest distance of `possible` base parameters from the estimate, in deviations.
+/// Largest distance of a base parameter of the `possible` links from its estimate, in standard deviations.
 pub fn moved(found: &Identified, possible: &Feasible) -> Option<f64> {
     let free = &found.free;
     (0..found.base.len())

@@ -1,4 +1,4 @@
-//! Candidate terms of a joint: what cross-validation chooses from.
+//! Dictionary of terms from which cross-validation chooses, for one joint.
 
 use physics::effects::{
     Dahl, FrictionShape, Harmonic, LaggedSign, LoadFriction, Phase, PositionFriction, Sliding,
@@ -7,7 +7,7 @@ use physics::effects::{
 
 /// Terms that every joint has: offset, viscous and Coulomb friction.
 ///
-/// Rotor inertia belongs to them where the rigid body does not contain it already.
+/// Rotor inertia is added where the rigid body does not contain it already.
 pub fn basic() -> Vec<Term> {
     vec![
         Term::Offset,
@@ -16,8 +16,8 @@ pub fn basic() -> Vec<Term> {
     ]
 }
 
-/// Whether a term is friction of a shape of its own, which may not be many times the joint's friction: curves that
-/// differ little cancel, and hundreds of N·m of one against hundreds of another are no physics.
+/// Whether a term is a shape of friction, whose size is limited relative to the joint's friction. Similar
+/// curves cancel, and hundreds of N·m of one against hundreds of another are unphysical.
 pub fn is_friction_shape(term: &Term) -> bool {
     match term {
         Term::Sliding(_)
@@ -40,12 +40,12 @@ pub fn is_friction_shape(term: &Term) -> bool {
     }
 }
 
-/// Whether a term is torque of the joint's position, which over a part of a turn is nearly an offset.
+/// Whether a term is a torque of the joint's position, which over a part of a turn is nearly an offset.
 pub fn is_torque_of_position(term: &Term) -> bool {
     matches!(term, Term::Harmonic(_))
 }
 
-/// What warm-up terms need to know about the clock of the training recordings.
+/// Clock of the training recordings, for warm-up terms.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionClock {
     /// First time stamp, s.
@@ -54,7 +54,7 @@ pub struct SessionClock {
     pub end: f64,
 }
 
-/// Candidates for one joint. `revolute` says whether its position is an angle.
+/// Candidate terms of one joint. `revolute`: whether its position is an angle.
 ///
 /// The grids span what drives show: Stribeck velocities of 0.5–8°/s, presliding displacements of
 /// 0.0005–3°, lags of 0.1–3 s. Warm-up needs a session several minutes long.

@@ -1,10 +1,10 @@
-//! Why a model could not be fitted.
+//! Errors of identification.
 
 use ::identify::feasible::FeasibilityError;
 use ::identify::iterative::IterativeError;
 use ::identify::least_squares::LeastSquaresError;
 
-/// Why identification failed.
+/// Reason why identification failed.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentifyError {
     /// A recording has no torque.
@@ -13,9 +13,9 @@ pub enum IdentifyError {
     /// The recordings have another number of joints than the robot.
     #[error("the recordings have {found} joints, the robot has {expected}")]
     Joints {
-        /// Joints of the recordings.
+        /// Number of joints of the recordings.
         found: usize,
-        /// Joints of the robot.
+        /// Number of joints of the robot.
         expected: usize,
     },
     /// No sample is left to fit.
@@ -30,7 +30,7 @@ pub enum IdentifyError {
     /// The parameters do not fit the robot.
     #[error(transparent)]
     Robot(#[from] physics::robot::RobotError),
-    /// The iterative estimator.
+    /// The iterative estimator failed.
     #[error(transparent)]
     Iterative(#[from] IterativeError),
     /// No possible links could be found.

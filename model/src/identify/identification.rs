@@ -1,4 +1,4 @@
-//! From prepared recordings to an identified physical model.
+//! Identification: from prepared recordings to a physical model.
 //!
 //! 1. Base parameters, offset, viscous and Coulomb friction and rotor inertia of all joints
 //!    together, rows weighted by each joint's residual deviation.
@@ -29,17 +29,17 @@ use std::ops::Range;
 /// Settings of [`identify()`].
 #[derive(Clone, Debug)]
 pub struct IdentifyOptions {
-    /// Fit on moving samples alone: for each joint, those with |q̇| above [`datasets::metrics::MOVING`].
+    /// Whether to fit on moving samples alone: for each joint, those with |q̇| above [`datasets::metrics::MOVING`].
     pub moving_only: bool,
-    /// Choose further terms; otherwise the basic ones are all.
+    /// Whether to choose further terms; otherwise there are only the basic ones.
     pub select: bool,
-    /// Joints that keep the basic terms alone, by index: what is asked of them lies outside what they are fitted on.
+    /// Indices of joints with basic terms only, because they are used outside the motion on which they are fitted.
     pub plain: Vec<usize>,
     /// Most folds of the cross-validation.
     pub folds: usize,
     /// Settings of the selection.
     pub forward: ForwardOptions,
-    /// How the parameters are estimated.
+    /// Options of the estimator.
     pub estimator: EstimatorOptions,
 }
 
@@ -56,36 +56,36 @@ impl Default for IdentifyOptions {
     }
 }
 
-/// Times the joint's basic friction that a further friction shape may move, and times the joint's torque that torque of its
-/// position may.
+/// Largest torque of a further friction shape over that of the joint's basic friction, and of a torque of
+/// position over the joint's torque.
 const LARGEST: f64 = 3.0;
 
-/// What identification found.
+/// Result of an identification.
 #[derive(Clone, Debug)]
 pub struct Identified {
     /// Base parameters of the rigid body.
     pub base: BaseParameters,
     /// Parameters: the base parameters, then the terms of joint 1, 2, …
     pub estimate: Estimate,
-    /// The same without the condition that links be possible.
+    /// Parameters without the condition that links be possible.
     pub free: Vec<f64>,
-    /// Rigid parameters behind the load that load-dependent terms see (base parameters).
+    /// Base parameters of the load for load-dependent terms.
     pub load_base: Vec<f64>,
     /// Terms of each joint: basic ones first, then the chosen ones in order of choice.
     pub terms: Vec<Vec<Term>>,
     /// Cross-validated error of each joint's selection.
     pub selections: Vec<Selection>,
-    /// Deviation of each joint's residual on the samples fitted, N·m.
+    /// Standard deviation of each joint's residual on the fitted samples, N·m.
     pub residual_std: Vec<f64>,
-    /// Number of folds that took part.
+    /// Number of folds used.
     pub folds: usize,
     /// Triangle of the weighted rows of all joints.
     pub triangle: Triangle,
-    /// The possible links behind the estimate, where these were asked for.
+    /// The possible links behind the estimate, where required.
     pub feasible: Option<Feasible>,
-    /// How it was estimated.
+    /// Report of the estimation.
     pub report: EstimatorReport,
-    /// How far the given inertias count, where they do.
+    /// Prior from the given inertias, where it was used.
     pub given: Option<GivenInertias>,
 }
 
@@ -103,8 +103,8 @@ impl Identified {
     }
 }
 
-/// Identifies `robot` from the first `target.tau.len()` recordings of `session`; further recordings
-/// of the session lend their motion to memory and nothing else.
+/// Identifies `robot` from the first `target.tau.len()` recordings of `session`. Of further recordings only the
+/// motion is used, for memory.
 ///
 /// # Errors
 /// See [`IdentifyError`].
@@ -224,9 +224,9 @@ pub fn identify(
     Ok(whole(last, load_base, selections, estimator.given))
 }
 
-/// Largest size of the coefficient of each of a joint's terms: a friction shape moves at most [`LARGEST`] times the
-/// torque (RMS) that viscous and Coulomb friction of the basic fit move, torque of position at most [`LARGEST`] times the
-/// deviation `torque` of the joint's; others are free.
+/// Bound on the coefficient of each of a joint's terms. A friction shape moves at most [`LARGEST`] times the
+/// torque (RMS) of viscous and Coulomb friction in the basic fit. A torque of position moves at most
+/// [`LARGEST`] times the deviation `torque` of the joint's. Others are free.
 fn bounds(
     folds: &FoldGrams,
     torque: f64,
@@ -266,13 +266,13 @@ fn bounds(
         .collect()
 }
 
-/// Bounds of the basic terms, then of those taken.
+/// Bounds of the basic terms, then of the selected ones.
 fn kept(selection: &Selection, bounds: &[f64], rigid: usize, basic: usize) -> Vec<f64> {
     let taken = selection.taken.iter().map(|&c| bounds[c - rigid]);
     bounds[..basic].iter().copied().chain(taken).collect()
 }
 
-/// The term whose coefficient is furthest beyond its bound: joint, index.
+/// Term whose coefficient exceeds its bound most: joint, index; none where none does.
 fn beyond(solution: &Solution, base: usize, bounds: &[Vec<f64>]) -> Option<(usize, usize)> {
     let (offsets, _) = estimators::offsets(base, &solution.terms);
     let mut worst = (1.0, None);
@@ -287,7 +287,7 @@ fn beyond(solution: &Solution, base: usize, bounds: &[Vec<f64>]) -> Option<(usiz
     worst.1
 }
 
-/// Whether some joint's positions differ: poses held still tell of gravity too.
+/// Whether some joint's position varies: poses held still depend on gravity too.
 fn moves(session: &Session, recordings: Range<usize>) -> bool {
     let parts = &session.parts[recordings];
     let columns = parts.first().map_or(0, |p| p.at_samples.q.ncols());

@@ -1,4 +1,4 @@
-//! From prepared recordings to a physical model: which rows, which terms, which estimator.
+//! From prepared recordings to a physical model: rows, terms, estimators.
 
 pub mod basic;
 pub mod design;

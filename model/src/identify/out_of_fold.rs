@@ -1,4 +1,4 @@
-//! Error of a joint fit of all joints on rows that it has not seen.
+//! Out-of-fold error of a joint fit of all joints.
 
 use crate::identify::design::{JointSystem, scale};
 use crate::identify::selection::FoldGrams;
@@ -9,22 +9,22 @@ use ndarray::{Array2, Axis};
 /// Ridge of the fits, relative to the columns' norms.
 const RIDGE: f64 = 3e-5;
 
-/// The systems of all joints with what each fold is fitted on, ready to be solved with different priors.
+/// Systems of all joints and sums for each fold, ready to be solved with different priors.
 pub struct OutOfFold<'a> {
     systems: &'a [JointSystem],
-    /// Where each joint's columns stand among all.
+    /// Indices of each joint's columns among all.
     maps: Vec<Vec<usize>>,
     total: usize,
-    /// For each fold: sums of the rows fitted, and each joint's rows tested.
+    /// For each fold: sums of the fitted rows, and of each joint's test rows.
     folds: Vec<(Gram, Vec<Gram>)>,
-    /// All rows.
+    /// Sums of all rows.
     whole: Gram,
     rows: Vec<usize>,
 }
 
 impl<'a> OutOfFold<'a> {
     /// `offsets`: index of the first parameter of each joint's terms; `total`: number of parameters. Joints are
-    /// weighted by the deviation that each leaves when fitted alone.
+    /// weighted by the inverse residual deviation of a fit of each joint alone.
     ///
     /// # Errors
     /// Systems that do not fit together.
@@ -94,7 +94,7 @@ impl<'a> OutOfFold<'a> {
         })
     }
 
-    /// Parameters fitted on all rows, with further rows `prior` of known deviation one.
+    /// Parameters fitted on all rows, with further rows `prior` of unit standard deviation.
     ///
     /// # Errors
     /// A prior over other columns.

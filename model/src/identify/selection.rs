@@ -6,11 +6,11 @@ use datasets::Folds;
 /// Settings of [`forward`].
 #[derive(Clone, Copy, Debug)]
 pub struct ForwardOptions {
-    /// Part of the cross-validated error that a term has to remove to be taken.
+    /// Least part of the cross-validated error that a term must remove to be selected.
     pub least_gain: f64,
-    /// Standard errors, over the folds, by which what it removes has to exceed zero where trajectories are cut.
+    /// Number of standard errors, over the folds, by which the error removed must exceed zero where trajectories are cut.
     pub standard_errors: f64,
-    /// Most terms taken.
+    /// Most terms that are selected.
     pub most: usize,
     /// Ridge relative to the columns' norms.
     pub ridge: f64,
@@ -28,8 +28,8 @@ impl Default for ForwardOptions {
 }
 
 impl ForwardOptions {
-    /// Whether squared errors by fold fall by more than chance: the mean of the falls above `standard_errors` of its
-    /// own, and their sum above `least_gain` of the error before.
+    /// Whether squared errors by fold fall by more than chance. The mean fall must exceed `standard_errors` of
+    /// its standard error, and the sum `least_gain` of the error before.
     pub fn falls(&self, before: &[f64], after: &[f64]) -> bool {
         let n = before.len() as f64;
         let falls: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
@@ -40,7 +40,7 @@ impl ForwardOptions {
     }
 }
 
-/// Terms taken, in the order in which they were taken.
+/// Selected terms in the order of selection.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
     /// Column indices.
@@ -49,7 +49,7 @@ pub struct Selection {
     pub errors: Vec<f64>,
 }
 
-/// Sums over what each fold is fitted on and tested on.
+/// Sums over the fitted and the test rows of each fold.
 pub struct FoldGrams {
     fitted: Vec<Gram>,
     tested: Vec<Gram>,
@@ -93,12 +93,12 @@ impl FoldGrams {
         self.fitted.len()
     }
 
-    /// Whether there is nothing to test on.
+    /// Whether there are too few folds for a test.
     pub fn is_empty(&self) -> bool {
         self.len() < 2
     }
 
-    /// Squared error of each fold, fitted on `columns` without it; `None` where they are dependent.
+    /// Squared error on each fold of a fit of `columns` without it; `None` where they are linearly dependent.
     ///
     /// # Errors
     /// Columns that do not exist.
@@ -125,7 +125,7 @@ impl FoldGrams {
         self.whole.rms(column)
     }
 
-    /// Parameters of `columns` fitted on all rows; `None` where they are dependent.
+    /// Parameters of `columns` fitted on all rows; `None` where they are linearly dependent.
     ///
     /// # Errors
     /// Columns that do not exist.
@@ -138,11 +138,11 @@ impl FoldGrams {
     }
 }
 
-/// Greedy selection: as long as the best candidate lowers the error on folds left out enough, and by more than
-/// chance.
+/// Greedy forward selection: adds the best candidate as long as it lowers the out-of-fold error enough, and by more than chance.
 ///
-/// `always` are the columns in every fit; `admissible` judges the parameters of a fit of all rows (columns in order
-/// of `always`, then as taken). With fewer than two folds nothing can be tested and nothing is taken.
+/// `always` are the columns in every fit; `admissible` judges the parameters of a fit of all rows (columns in
+/// order of `always`, then as selected). With fewer than two folds nothing can be tested and nothing is
+/// selected.
 ///
 /// # Errors
 /// Columns that the normal equations do not have.

@@ -1,9 +1,9 @@
-//! The given inertias as a prior, as strong as rows left out say.
+//! Prior from the given inertias, with its strength chosen on rows left out.
 //!
-//! Little motion leaves combinations of base parameters to chance, and what the robot's description says of them is
-//! better than nothing. Each link's mass, first moments and inertias may differ from the given ones by a part of the
-//! link's own size; base parameters β = G φ then have the covariance G Σ Gᵀ. How large that part is (nothing, or 3 %
-//! to 300 %) is chosen by the error on rows left out, so that a wrong description has no say.
+//! Little motion leaves combinations of base parameters undetermined, and the robot's description is better
+//! than nothing there. Each link's mass, first moments and inertias may differ from the given ones by a part of
+//! the link's own size. Base parameters β = G φ then have the covariance G Σ Gᵀ. That part (no prior, or 3 % to
+//! 300 %) is chosen by the error on rows left out, so that a wrong description has no influence.
 
 use crate::identify::out_of_fold::OutOfFold;
 use ::identify::base::BaseParameters;
@@ -13,21 +13,21 @@ use faer::{Mat, Side};
 use ndarray::{Array1, Array2};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
-/// Relative deviations tried.
+/// Relative prior deviations that are tried.
 const PARTS: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
-/// Part by which the mean squared error relative to the torque has to fall for the prior to be used.
+/// Least relative fall of the mean squared error, relative to the torque, for the prior to be used.
 const LEAST_GAIN: f64 = 0.01;
-/// Time over which residuals are alike, s: rows within it count as one observation.
+/// Time over which residuals are correlated, s: rows within it count as one observation.
 pub(crate) const CORRELATED: f64 = 0.2;
 /// Least size of a link relative to the mean one: a massless flange may turn out to be a tool.
 const SMALLEST: f64 = 0.1;
 
-/// Given inertias as further rows of the fit.
+/// Given inertias as a prior: further rows of the fit.
 #[derive(Clone, Debug)]
 pub struct GivenInertias {
-    /// Part of a link's size by which its parameters may differ from the given ones.
+    /// Prior deviation of a link's parameters from the given ones, relative to the link's size.
     pub part: f64,
-    /// Rows of deviation one over the base parameters.
+    /// Rows of unit standard deviation over the base parameters.
     rows: Triangle,
 }
 
@@ -42,8 +42,9 @@ impl GivenInertias {
     }
 }
 
-/// Chooses how far the given inertias count; `None` where they do not lower the error on rows left out. `total` is
-/// the number of parameters, base parameters first; `deviation` the measured torque's, per joint; `rate_hz` that of the rows.
+/// Chooses the strength of the prior; `None` where it does not lower the error on rows left out. `total`:
+/// number of parameters, base parameters first; `deviation`: that of the measured torque by joint; `rate_hz`:
+/// rate of the rows.
 ///
 /// # Errors
 /// Systems that do not fit together.
@@ -84,8 +85,8 @@ pub fn choose(
     Ok(best.1)
 }
 
-/// Covariance of the base parameters when each standard parameter has the size of its link as deviation; `None`
-/// for a robot without inertias.
+/// Covariance of the base parameters when each standard parameter has its link's size as standard deviation.
+/// `None` for a robot without inertias.
 fn covariance(robot: &Robot, base: &BaseParameters) -> Option<Mat<f64>> {
     let parameters = robot.parameters();
     let links: Vec<&[f64]> = parameters.chunks(PARAMETERS_PER_LINK).collect();
@@ -113,7 +114,7 @@ fn covariance(robot: &Robot, base: &BaseParameters) -> Option<Mat<f64>> {
     Some(&scaled * scaled.transpose())
 }
 
-/// Rows whose squares are the distance from the given base parameters in deviations.
+/// Rows whose sum of squares is the squared distance from the given base parameters, in standard deviations.
 fn rows(
     robot: &Robot,
     base: &BaseParameters,

@@ -1,4 +1,4 @@
-//! What a model is fitted to.
+//! Torque to which a model is fitted.
 
 use crate::identify::error::IdentifyError;
 use datasets::prepare::Prepared;
@@ -6,16 +6,16 @@ use datasets::{Folds, Recording};
 use ndarray::Array2;
 use physics::robot::Robot;
 
-/// Torque and scope of the samples to fit.
+/// Torque of the samples to fit, and their folds.
 pub struct Target<'a> {
-    /// Measured torque of each recording, shape (samples, joints).
+    /// Measured torque of each recording, N·m (N), shape (samples, joints).
     pub tau: Vec<&'a Array2<f64>>,
-    /// How the rows are dealt for cross-validation.
+    /// Folds of the rows for cross-validation.
     pub folds: Folds,
 }
 
-/// Measured torque of a recording, shape (samples, joints), less that of a known counterbalance or spring, which is not
-/// identified. `part` is the recording prepared.
+/// Measured torque of a recording, shape (samples, joints), minus that of a known counterbalance or spring,
+/// which is not identified. `part` is the prepared recording.
 ///
 /// # Errors
 /// No torque was recorded.

@@ -24,11 +24,11 @@ use std::ops::Range;
 /// A linear state space from normalised torque to normalised position.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinearForward {
-    /// How it was fitted.
+    /// Settings of its fit.
     pub settings: ForwardSettings,
-    /// Of τ.
+    /// Normalisation of the torque τ.
     pub input: Normalisation,
-    /// Of q.
+    /// Normalisation of the position q.
     pub output: Normalisation,
     /// The model; all its eigenvalues lie within the unit circle.
     pub system: StateSpace,

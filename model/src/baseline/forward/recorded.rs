@@ -9,20 +9,20 @@ use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Name of the baseline's rows.
+/// Name of the baseline's rows of scores.
 pub const FORWARD: &str = "forward_baseline";
 
-/// Rate of the benchmark, Hz: faster recordings are thinned to about this, so that the horizon covers the same time
-/// and 1000 Hz cost no more than 10.
+/// Sampling rate of the benchmark, Hz. Faster recordings are thinned to about this rate, so that the horizon
+/// covers the same time and 1000 Hz cost no more than 10.
 const RATE_HZ: f64 = 10.0;
 
-/// Two recordings have the same rate within this part of it.
+/// Largest relative difference at which two sampling rates count as the same.
 const SAME_RATE: f64 = 0.05;
 
-/// A linear state space from torque to position with the rate that it was fitted at.
+/// A linear state space from torque to position, with the sampling rate of its fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForwardBaseline {
-    /// Samples per second of the model, about 10.
+    /// Sampling rate of the model, Hz, about 10.
     pub rate_hz: f64,
     /// The model.
     pub model: LinearForward,
@@ -30,13 +30,13 @@ pub struct ForwardBaseline {
 
 /// Positions of a recording at the model's rate.
 pub struct Simulated {
-    /// As measured, shape (samples at that rate, joints).
+    /// Measured positions, rad (m), shape (samples at that rate, joints).
     pub measured: Array2<f64>,
-    /// As simulated.
+    /// Simulated positions, rad (m), shape (samples at that rate, joints).
     pub simulated: Array2<f64>,
-    /// Sample of the recording behind each row.
+    /// Index of the recording's sample for each row.
     pub source: Vec<usize>,
-    /// Rows of each trajectory.
+    /// Range of rows of each trajectory.
     pub trajectories: Vec<Range<usize>>,
 }
 
@@ -45,14 +45,14 @@ struct Thinned {
     rate_hz: f64,
     tau: Array2<f64>,
     q: Array2<f64>,
-    /// Sample of the recording behind each row.
+    /// Index of the recording's sample for each row.
     source: Vec<usize>,
     trajectories: Vec<Range<usize>>,
 }
 
 impl Thinned {
-    /// None without torque. Of every k samples the last one's position is kept, and the mean torque: what moved the
-    /// joint there.
+    /// Thins a recording; none without torque. Of every k samples the last one's position is kept, and the mean
+    /// torque, which moved the joint there.
     fn of(recording: &Recording) -> Option<Self> {
         let tau = recording.tau.as_ref()?;
         let rate = recording.median_step().recip();
@@ -83,7 +83,7 @@ impl Thinned {
 }
 
 impl ForwardBaseline {
-    /// Fits the paper's state space (12 states for six joints) to the recordings that have the rate of the longest.
+    /// Fits the paper's state space (12 states for six joints) to the recordings with the sampling rate of the longest.
     ///
     /// # Errors
     /// No torque, or too few samples in unbroken stretches.
@@ -134,8 +134,8 @@ impl ForwardBaseline {
         })
     }
 
-    /// Rows of [`ForwardBaseline::simulate`]; `qd`, of shape (samples, joints), says where joints move. None where there is
-    /// nothing to score.
+    /// Scores of [`ForwardBaseline::simulate`]. `qd`, shape (samples, joints), tells where joints move. None
+    /// where there is nothing to score.
     ///
     /// # Errors
     /// Tables of different shapes.

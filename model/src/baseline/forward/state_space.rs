@@ -7,13 +7,13 @@ use std::ops::Range;
 /// x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k); matrices as lists of rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StateSpace {
-    /// n × n.
+    /// System matrix, n × n.
     pub a: Vec<Vec<f64>>,
-    /// n × inputs.
+    /// Input matrix, n × inputs.
     pub b: Vec<Vec<f64>>,
-    /// outputs × n.
+    /// Output matrix, outputs × n.
     pub c: Vec<Vec<f64>>,
-    /// outputs × inputs.
+    /// Feedthrough matrix, outputs × inputs.
     pub d: Vec<Vec<f64>>,
 }
 

@@ -117,7 +117,7 @@ fn weighted_range(
     Ok(basis * scaled)
 }
 
-/// How many of the descending values are not rounding.
+/// Number of leading values, in descending order, that are not rounding.
 fn significant(values: &[f64]) -> usize {
     let largest = values.first().copied().unwrap_or(0.0);
     values

@@ -1,4 +1,4 @@
-//! The estimators of `::identify` on recordings.
+//! The estimators of `::identify`, applied to recordings.
 //!
 //! Ordinary and weighted least squares need the normal equations alone, whatever the number of samples;
 //! reweighted and iterative ones keep the rows in memory.
@@ -22,7 +22,8 @@ use crate::identify::error::IdentifyError;
 use ndarray::Array2;
 use physics::effects::Term;
 
-/// Estimates base parameters and `terms`; `load` is the torque that load-dependent terms see.
+/// Estimates base parameters and `terms`. `load` is the torque for load-dependent terms, N·m (N), shape
+/// (samples, joints) per recording.
 ///
 /// # Errors
 /// Nothing to fit, or a system that cannot be solved.

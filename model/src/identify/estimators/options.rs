@@ -1,4 +1,4 @@
-//! Which estimator, and how.
+//! Options of the estimation.
 
 use super::prior::Known;
 use crate::identify::shrinkage::GivenInertias;
@@ -7,55 +7,56 @@ use ::identify::least_squares::{Prior, SolveOptions};
 use physics::effects::Term;
 use serde::{Deserialize, Serialize};
 
-/// Which estimator.
+/// Estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Estimator {
-    /// Ordinary least squares: every joint's torque error counts the same.
+    /// Ordinary least squares: equal weight for every joint's torque error.
     Ols,
-    /// Rows weighted by their joint's residual deviation.
+    /// Weighted least squares: rows weighted by the inverse standard deviation of their joint's residual.
     #[default]
     Wls,
-    /// As `Wls`, and rows reweighted by their own residual until outliers have no say.
+    /// As `Wls`, with rows reweighted by their own residual until outliers have no influence.
     Irls,
     /// The iterative approach of Han et al. (2020): covariance between joints, outliers, and on joints whose friction
     /// is viscous and Coulomb alone the exponent of speed.
     Iterative,
 }
 
-/// When every link must be a possible body.
+/// Condition that every link is a possible body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lmi {
-    /// Never.
+    /// Never imposed.
     #[default]
     Off,
-    /// In the last step.
+    /// Imposed in the last step.
     Last,
-    /// In every step.
+    /// Imposed in every step.
     Every,
 }
 
-/// Ridge without a prior.
+/// Ridge without a prior, relative to the norm of each column.
 const RIDGE: f64 = 3e-5;
 
-/// Ridge towards a prior: a column of which the others leave less than this part to itself keeps the prior's value.
+/// Ridge towards a prior, relative to the norm of each column. A column keeps the prior's value where less than
+/// this part of it is independent of the others.
 const PRIOR_RIDGE: f64 = 0.1;
 
-/// How parameters are estimated.
+/// Options of the estimation.
 #[derive(Clone, Debug)]
 pub struct EstimatorOptions {
     /// The estimator. Default [`Estimator::Wls`].
     pub estimator: Estimator,
-    /// Weight function of [`Estimator::Irls`] and [`Estimator::Iterative`]. Default: hard, 3 deviations.
+    /// Weight function of [`Estimator::Irls`] and [`Estimator::Iterative`]. Default: hard, 3 standard deviations.
     pub weight: Weight,
     /// Physical feasibility. Default off.
     pub lmi: Lmi,
-    /// What the ridge pulls towards. Default none: zero.
+    /// Parameters towards which the ridge pulls. Default none: zero.
     pub prior: Option<Known>,
     /// Ridge relative to the norm of each column. Default 3e-5, with a prior 0.1.
     pub ridge: Option<f64>,
-    /// How far the given inertias count; least squares without outliers alone. Default: not at all.
+    /// Prior from the given inertias; for least squares without outliers alone. Default: none.
     pub given: Option<GivenInertias>,
 }
 
@@ -73,7 +74,7 @@ impl Default for EstimatorOptions {
 }
 
 impl EstimatorOptions {
-    /// The same with the fastest estimator, for a first look.
+    /// Options with the fastest estimator, for a first estimate.
     pub fn quick(&self) -> Self {
         Self {
             estimator: Estimator::Wls,
@@ -91,7 +92,7 @@ impl EstimatorOptions {
         self.ridge.unwrap_or(default)
     }
 
-    /// For `base` base parameters and these terms.
+    /// Options of the solver for `base` base parameters and the terms.
     pub(super) fn solve_options(&self, base: usize, terms: &[Vec<Term>]) -> SolveOptions {
         SolveOptions {
             ridge: self.ridge(),

@@ -13,11 +13,11 @@ use physics::effects::Term;
 use physics::robot::Robot;
 use rayon::prelude::*;
 
-/// Passes in which weights settle.
+/// Number of passes in which the weights converge.
 const PASSES: usize = 4;
 
-/// Weights are the inverse residual deviations of the joints, found in a few passes; one, of equal weights, for
-/// ordinary least squares.
+/// Solves with the inverse standard deviations of the joints' residuals as weights, found in a few passes.
+/// Ordinary least squares takes one pass with equal weights.
 pub(super) fn solve(
     data: &Data,
     terms: Vec<Vec<Term>>,
@@ -28,7 +28,7 @@ pub(super) fn solve(
     solve_systems((data.robot, data.base), &systems, terms, options)
 }
 
-/// The same from the systems of all joints, with blocks, of a robot with these base parameters.
+/// Solves from the systems of all joints, with blocks, of a robot with these base parameters.
 pub(crate) fn solve_systems(
     (robot, base): (&Robot, &BaseParameters),
     systems: &[JointSystem],

@@ -1,4 +1,4 @@
-//! Links that must be possible bodies, with friction terms beside them.
+//! Links constrained to possible bodies, with friction terms beside them.
 
 use super::solution::offsets;
 use crate::identify::error::IdentifyError;
@@ -9,11 +9,12 @@ use faer::Mat;
 use physics::effects::{Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
-/// Times a term may exceed what alone would explain the whole torque.
+/// Bound of a term: multiple of the size at which it alone would explain the whole torque.
 const GENEROUS: f64 = 10.0;
 
-/// The condition for base parameters and terms. Rotor inertia may not be negative, nor may viscous and Coulomb friction
-/// where no other term shares a joint's friction with them; `triangle` gives terms their scale.
+/// Condition on base parameters and terms: possible links and no negative rotor inertia. Viscous and Coulomb
+/// friction must not be negative, where no other term shares a joint's friction with them. `triangle` gives the
+/// terms' scale.
 pub(super) fn condition(
     robot: &Robot,
     base: &BaseParameters,
@@ -64,7 +65,7 @@ pub(super) fn condition(
     )?)
 }
 
-/// The estimate from the same rows of links that are possible bodies.
+/// Estimate with possible links from the same rows.
 ///
 /// # Errors
 /// A system that cannot be solved.

@@ -1,14 +1,14 @@
-//! What was known of the robot before the data.
+//! Prior knowledge of the robot's parameters.
 
 use crate::identify::error::IdentifyError;
 use ::identify::base::BaseParameters;
 use physics::effects::{Sliding, Term};
 use physics::robot::Robot;
 
-/// Parameters of an earlier model.
+/// Parameters of an earlier model, used as a prior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Known {
-    /// Its name.
+    /// Name of the earlier model.
     pub name: String,
     /// Base parameters.
     base: Vec<f64>,
@@ -17,7 +17,7 @@ pub struct Known {
 }
 
 impl Known {
-    /// The robot as its description has it: inertias, rotor inertia, damping and friction.
+    /// Parameters of the robot's description: inertias, rotor inertia, damping and friction.
     pub fn nominal(robot: &Robot) -> Self {
         let base = BaseParameters::of_robot(robot, &[]);
         let terms = robot.joints().iter().map(|joint| {
@@ -34,8 +34,8 @@ impl Known {
         }
     }
 
-    /// Base parameters and terms of an earlier model of the same robot; `robot` is its name there, `formulae` its base
-    /// parameters'.
+    /// Base parameters and terms of an earlier model of the same robot. `robot` is its name there, `formulae`
+    /// are those of its base parameters.
     ///
     /// # Errors
     /// Other base parameters than `nominal` has.

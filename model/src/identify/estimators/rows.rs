@@ -13,7 +13,7 @@ use faer::Mat;
 use ndarray::Array2;
 use physics::effects::{Sliding, Term};
 
-/// Rows kept in memory, bytes, at most: longer recordings are thinned.
+/// Most memory for rows, bytes: longer recordings are thinned.
 const MEMORY: usize = 1 << 30;
 
 pub(super) fn solve(
@@ -88,14 +88,14 @@ fn is_viscous(term: &Term) -> bool {
     *term == Term::Sliding(Sliding::Viscous)
 }
 
-/// The rows of all joints.
+/// Rows of all joints.
 struct Rows {
     problem: Problem,
-    /// Rows that count, samples × N.
+    /// Whether each row is used, shape (samples, joints).
     kept: Array2<bool>,
     samples: usize,
     every: usize,
-    /// Viscous columns whose exponent is free.
+    /// Viscous columns with a free exponent.
     law: Option<PowerLaw>,
 }
 
