@@ -1,14 +1,14 @@
-//! Why positions cannot be had from torque.
+//! Errors of computing positions from torque.
 
 use crate::directory::DirectoryError;
 use crate::residual::ResidualError;
 use datasets::prepare::PrepareError;
 use physics::torque_model::TorqueModelError;
 
-/// What [`super`] may refuse.
+/// Reason why positions cannot be computed from torque.
 #[derive(Debug, thiserror::Error)]
 pub enum InversionError {
-    /// Nothing to learn motions from.
+    /// There is no trajectory from which to learn motions.
     #[error("there is no trajectory of six samples or more to learn motions from")]
     NoTrajectory,
     /// Too few motions.
@@ -16,11 +16,11 @@ pub enum InversionError {
         "{trajectories} trajectories of one length are made of {shapes} shapes: that takes {needed} of them at least"
     )]
     TooFew {
-        /// Trajectories of the commonest length.
+        /// Number of trajectories of the most common length.
         trajectories: usize,
-        /// Shapes that they are made of.
+        /// Number of shapes that they need.
         shapes: usize,
-        /// Trajectories that it takes.
+        /// Number of trajectories needed.
         needed: usize,
     },
     /// A joint that does not move.
@@ -44,10 +44,10 @@ pub enum InversionError {
     /// Files of the model directory.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
-    /// The found motion cannot be prepared.
+    /// The motion found cannot be prepared.
     #[error(transparent)]
     Prepare(#[from] PrepareError),
-    /// The compensator.
+    /// The compensator cannot be used.
     #[error(transparent)]
     Residual(#[from] ResidualError),
 }

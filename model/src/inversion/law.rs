@@ -1,7 +1,7 @@
-//! The torque of a motion as a smooth function of the sample: what the solver takes derivatives of.
+//! Torque of a motion as a smooth function of the sample, for the solver's derivatives.
 //!
-//! Rigid body and springs are the identified model's own. Friction, which remembers there, is a curve over speed here, fitted
-//! to what rigid body and springs leave of the training torque in motion.
+//! Rigid body and springs are the identified model's own. Its friction has memory; here it is replaced by a
+//! curve over speed. The curve is fitted to the training torque in motion minus that of rigid body and springs.
 
 use super::error::InversionError;
 use datasets::metrics::MOVING;
@@ -12,32 +12,32 @@ use physics::torque_model::TorqueModel;
 use serde::{Deserialize, Serialize};
 use signal::cholesky;
 
-/// Speed over which friction goes on rising, in RMS speeds of the joint.
+/// Velocity over which the curved friction rises, in RMS speeds of the joint.
 const CURVED: f64 = 1.0;
-/// Softness of the sign that friction is fitted with, in RMS speeds.
+/// Velocity of softening of friction's sign in the fit, in RMS speeds.
 pub(super) const SOFTNESS: f64 = 0.02;
 /// Step of numerical derivatives, rad (rad/s).
 const STEP: f64 = 1e-6;
-/// Columns of a joint's friction.
+/// Number of columns of a joint's friction.
 const COLUMNS: usize = 5;
-/// Ridge on them, relative to their squares.
+/// Ridge on these columns, relative to their squares.
 const RIDGE: f64 = 1e-9;
 
-/// What is added to rigid body and springs on one joint, N·m (N): offset + inertia·q̈ + viscous·q̇ + coulomb·tanh(q̇/soft)
-/// + curved·tanh(q̇/speed).
+/// Torque added to rigid body and springs on one joint, N·m (N): offset + inertia·q̈ + viscous·q̇ +
+/// coulomb·tanh(q̇/soft) + curved·tanh(q̇/speed).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointFriction {
     /// Offset, inertia, viscous, coulomb, curved.
     pub parameters: [f64; COLUMNS],
     /// RMS speed of the joint in motion, rad/s (m/s).
     pub speed: f64,
-    /// Deviation of what is left in motion.
+    /// Standard deviation of the residual in motion, N·m (N).
     pub moving: f64,
-    /// The same at standstill.
+    /// Standard deviation of the residual at standstill, N·m (N).
     pub standing: f64,
 }
 
-/// Columns and their derivatives by speed.
+/// Columns, and their derivatives by velocity.
 fn columns(qd: f64, qdd: f64, soft: f64, curved: f64) -> [[f64; COLUMNS]; 2] {
     let (sign, bend) = ((qd / soft).tanh(), (qd / curved).tanh());
     [
@@ -53,7 +53,7 @@ fn columns(qd: f64, qdd: f64, soft: f64, curved: f64) -> [[f64; COLUMNS]; 2] {
 }
 
 impl JointFriction {
-    /// Least squares over the samples in motion; `left` is what rigid body and springs leave of the torque.
+    /// Least-squares fit over the samples in motion. `left` is the torque minus that of rigid body and springs, N·m (N).
     fn fit(left: &[f64], qd: ArrayView1<f64>, qdd: ArrayView1<f64>) -> Option<Self> {
         let moves = |k: &usize| qd[*k].abs() > MOVING;
         let moving: Vec<usize> = (0..left.len()).filter(moves).collect();
@@ -97,14 +97,14 @@ impl JointFriction {
     }
 }
 
-/// Rigid body and springs of an identified model with a friction curve for each joint.
+/// Smooth law: rigid body and springs of an identified model, with a friction curve for each joint.
 pub(super) struct Law {
     robot: Robot,
     passive: Vec<(f64, Passive)>,
     pub friction: Vec<JointFriction>,
 }
 
-/// Torque at a sample with its derivatives by position, velocity and acceleration, each N × N, row-major.
+/// Torque of a sample and its derivatives by position, velocity and acceleration, each N × N, row-major.
 pub(super) struct Derived {
     pub torque: Vec<f64>,
     pub by: [Vec<f64>; 3],
@@ -178,7 +178,7 @@ impl Law {
         }
     }
 
-    /// Torque of one sample and its derivatives; `softness` of friction's sign in RMS speeds.
+    /// Torque of one sample and its derivatives; `softness` is the velocity of softening of friction's sign, in RMS speeds.
     pub(super) fn derive(
         &self,
         q: &[f64],

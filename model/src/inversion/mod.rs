@@ -1,9 +1,10 @@
 //! The identified model solved for the motion: positions from torque alone, the forward task of the KR300 benchmark.
 //!
-//! Simulating forwards from torque drifts: a joint without gravity is two integrators, and friction at rest holds torque that
-//! moves nothing. Here the torque of a whole trajectory is explained at once. The motion is a sum of shapes that the
-//! training trajectories are made of ([`MotionPrior`]), and `solve.rs` finds the coefficients whose torque is nearest to what was recorded, from
-//! the first position on. So it is no simulation sample by sample: every position has seen all torque of its trajectory.
+//! Simulating forwards from torque drifts: a joint without gravity is two integrators, and friction at rest
+//! holds torque that moves nothing. Here the torque of a whole trajectory is explained at once. The motion is a
+//! sum of shapes learned from the training trajectories ([`MotionPrior`]). `solve.rs` finds the coefficients
+//! whose torque is nearest to the recorded one, from the first position on. So it is no simulation sample by
+//! sample: every position depends on all torque of its trajectory.
 
 mod error;
 mod law;
@@ -27,20 +28,20 @@ use signal::Motion;
 use solve::{Solved, Trajectory};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Name of its rows.
+/// Name of its rows of scores.
 pub const PHYSICS_FORWARD: &str = "physics_forward";
 
-/// What positions are found with, beside the identified model.
+/// Learned prior and friction with which positions are found, beside the identified model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inversion {
-    /// Motions that are likely.
+    /// Prior on motions.
     pub prior: MotionPrior,
     /// Friction of each joint as a curve over speed.
     pub friction: Vec<JointFriction>,
 }
 
 impl Inversion {
-    /// Learns from recordings with their motion at the samples.
+    /// Learns from recordings and their motion at the samples.
     ///
     /// # Errors
     /// Recordings without torque, too few motions, a joint that hardly moves.
@@ -74,8 +75,9 @@ impl Inversion {
 
     /// Positions of a recording from its torque and the first position of each trajectory, shape (samples, joints).
     ///
-    /// The motion is first found with the smooth law alone; then what the whole model says of it beyond that law is taken
-    /// from the recorded torque, and it is found again. Raising `cancel` ends it early.
+    /// The motion is first found with the smooth law alone. Then the difference between the whole model and
+    /// that law on this motion is subtracted from the recorded torque, and it is found again. Raising `cancel`
+    /// ends it early.
     ///
     /// # Errors
     /// A recording without torque, of another rate, or with longer trajectories than those that were learned; the interruption.
@@ -101,7 +103,7 @@ impl Inversion {
         Ok(found.q)
     }
 
-    /// Finds the motion of every trajectory.
+    /// Finds the motion of every trajectory with `find`.
     fn each(
         &self,
         law: &Law,
@@ -148,14 +150,14 @@ impl Inversion {
     }
 }
 
-/// Motions of a recording with the torque of the smooth law, tables of shape (samples, joints).
+/// Motions of a recording and the torque of the smooth law, tables of shape (samples, joints).
 struct Found {
     q: Array2<f64>,
     torque: Array2<f64>,
     coefficients: Vec<Vec<f64>>,
 }
 
-/// What the whole model predicts where a recording's positions were these.
+/// Torque of the whole model for a recording with the positions `q`.
 fn torque_at(
     whole: &Loaded,
     recording: &Recording,

@@ -1,4 +1,4 @@
-//! What motions the training recordings hold: the shapes that they are made of, sample by sample from their start.
+//! Prior on motions: shapes of the training trajectories, sample by sample from their start.
 
 use super::error::InversionError;
 use datasets::Recording;
@@ -9,43 +9,44 @@ use serde::{Deserialize, Serialize};
 use signal::spline::Spline;
 use std::collections::BTreeMap;
 
-/// Part of the squared motion that the shapes may leave.
+/// Largest part of the squared motion that the shapes may fail to describe.
 const LEFT: f64 = 1e-5;
-/// Motions of joints by shape, at least: with fewer the shapes are those very motions.
+/// Fewest joint motions per shape: with fewer the shapes would be those very motions.
 const MOTIONS_BY_SHAPE: usize = 4;
-/// Samples that a quintic spline takes.
+/// Fewest samples for a quintic spline.
 const LEAST: usize = 6;
-/// Two recordings have the same rate within this part of it.
+/// Largest relative difference at which two sampling rates count as the same.
 const SAME_RATE: f64 = 0.01;
 
-/// Shapes of motion with the size that they have: position of a joint less where it started, over the samples of a
-/// trajectory, is `scale` · Σ coefficient · shape, with coefficients about as large as `deviation`.
+/// Shapes of motion with their scale. The position of a joint minus its start, over the samples of a
+/// trajectory, is `scale` · Σ coefficient · shape. Coefficients have the standard deviation `deviation`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionPrior {
-    /// Samples per second.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// RMS way of each joint from where it started, rad (m).
+    /// Root mean square distance of each joint from its start, rad (m).
     pub scale: Vec<f64>,
     /// Shapes, each over the samples of a trajectory; orthonormal.
     pub shapes: Vec<Vec<f64>>,
-    /// Deviation of each shape's coefficient over motions and joints.
+    /// Standard deviation of each shape's coefficient over motions and joints.
     pub deviation: Vec<f64>,
-    /// At each sample the share of motions that stand there.
+    /// Share of the motions at standstill, by sample.
     pub standing: Vec<f64>,
 }
 
-/// Shapes with their derivatives: tables of shape (samples, shapes).
+/// Shapes and their derivatives: tables of shape (samples, shapes).
 pub(super) struct Shapes {
     /// Values.
     pub q: Array2<f64>,
-    /// By time, 1/s.
+    /// First derivatives by time, 1/s.
     pub qd: Array2<f64>,
-    /// Twice by time, 1/s².
+    /// Second derivatives by time, 1/s².
     pub qdd: Array2<f64>,
 }
 
 impl MotionPrior {
-    /// Learns the shapes from the trajectories of the commonest length, in recordings that have the rate of the first; `qd` are the joints' velocities at the samples.
+    /// Learns the shapes from the trajectories of the most common length, in recordings with the rate of the
+    /// first. `qd` are the joints' velocities at the samples.
     ///
     /// # Errors
     /// Too few such trajectories for the number of shapes that they are made of.
@@ -131,12 +132,12 @@ impl MotionPrior {
         })
     }
 
-    /// Longest trajectory, in samples.
+    /// Number of samples of the longest trajectory.
     pub fn samples(&self) -> usize {
         self.standing.len()
     }
 
-    /// Whether a recording has the rate that the shapes have, and no trajectory longer than they are.
+    /// Whether a recording has the shapes' sampling rate, and no longer trajectory than they have.
     pub fn covers(&self, recording: &Recording) -> bool {
         let rate = (recording.median_step() * self.rate_hz - 1.0).abs() < SAME_RATE;
         let long = |s: std::ops::Range<usize>| s.len() > self.samples();

@@ -1,9 +1,10 @@
-//! One trajectory: the motion whose torque is nearest to the recorded one, among those that the prior holds likely.
+//! Solution of one trajectory: the motion whose torque is nearest to the recorded one, under the prior on motions.
 //!
-//! Unknown are the coefficients of the shapes of every joint. Levenberg–Marquardt steps (Marquardt 1963) on torque errors, each by
-//! its deviation, and coefficients, each by theirs. A pose has more than one branch for one gravity torque, so the window of
-//! samples grows from the start, where the position is known, and each window begins where the one before ended; then
-//! friction's sign is sharpened and large errors lose weight as under Student's t.
+//! The unknowns are the coefficients of the shapes of every joint. Levenberg–Marquardt steps (Marquardt 1963)
+//! minimise torque errors and coefficients, each over its standard deviation. A gravity torque can belong to
+//! several branches of a pose. So the window of samples grows from the start, where the position is known, and
+//! each window begins from the solution of the one before. Then friction's sign is sharpened, and large errors
+//! lose weight as under Student's t.
 
 use super::law::{Derived, Law, SOFTNESS};
 use super::prior::{MotionPrior, Shapes};
@@ -14,30 +15,31 @@ use rand_distr::StandardNormal;
 use signal::cholesky;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// First window, s, and what each grows by.
+/// First window, s, and factor by which each window grows.
 const FIRST: f64 = 6.0;
 const GROWS: f64 = 1.5;
-/// Draws of each pair of neighbouring joints.
+/// Number of random draws for each pair of neighbouring joints.
 const DRAWS: usize = 8;
-/// Samples that err together: torque errors count by one in so many.
+/// Correlation length of torque errors, samples: one in so many counts.
 const TOGETHER: f64 = 10.0;
-/// Degrees of freedom of Student's t.
+/// Degrees of freedom of Student's t for torque errors.
 const STUDENT: f64 = 6.0;
-/// While the window grows, errors may be so much larger in motion, and by this part of the error at rest where motions rest.
+/// Factor on the error's deviation in motion while the window grows, and part of it added at rest times the
+/// share of motions at rest.
 const WIDER: [f64; 2] = [3.0, 0.5];
-/// Speed below which friction at rest takes over, rad/s (m/s).
+/// Velocity below which friction at rest takes over, rad/s (m/s).
 const RESTING: f64 = 0.01;
 /// Relative decrease of the cost at which a stage ends.
 const ENOUGH: f64 = 1e-4;
-/// Damping: at first, its factor, its bounds.
+/// Damping of the steps: initial value, factor, lower and upper bound.
 const DAMPING: [f64; 4] = [1e-2, 6.0, 1e-9, 1e8];
 
-/// How torque errors are weighed.
+/// Weighting of torque errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Weights {
-    /// By what the prior knows of rests: the motion itself is still far off.
+    /// By the prior's share of motions at rest, while the motion itself is still far off.
     Schedule,
-    /// By the motion's own speed, large errors less.
+    /// By the motion's own velocity, with lower weights for large errors.
     Robust,
 }
 
@@ -47,7 +49,7 @@ struct Stage {
     softness: f64,
     weights: Weights,
     steps: usize,
-    /// Samples in the window.
+    /// Number of samples in the window.
     until: usize,
 }
 
@@ -59,30 +61,30 @@ pub(super) struct Solved {
     pub torque: Array2<f64>,
 }
 
-/// What is known of a trajectory.
+/// Known quantities of a trajectory.
 pub(super) struct Trajectory<'a> {
     pub law: &'a Law,
     pub prior: &'a MotionPrior,
     pub shapes: &'a Shapes,
-    /// Recorded torque less what the law does not know, shape (samples, joints).
+    /// Recorded torque minus the part that the law does not describe, N·m (N), shape (samples, joints).
     pub torque: ArrayView2<'a, f64>,
-    /// Where it starts.
+    /// Position at the start, rad (m), by joint.
     pub start: &'a [f64],
-    /// Raised where the motion is no longer wanted: what is found then is of no use.
+    /// Flag that cancels the search; the motion found then is of no use.
     pub cancel: &'a AtomicBool,
 }
 
-/// Cost at some coefficients, with what the next step needs.
+/// Cost at some coefficients, and the normal equations of the next step.
 struct State {
     cost: f64,
-    /// Jᵀ·W·J and Jᵀ·W·r of the torque alone.
+    /// Jᵀ·W·J and Jᵀ·W·r of the torque alone, without the prior.
     products: Array2<f64>,
     moments: Array1<f64>,
     solved: Solved,
 }
 
 impl Trajectory<'_> {
-    /// The motion from nothing but its start.
+    /// Motion from the start position alone.
     pub(super) fn solve(&self) -> Solved {
         let all = self.torque.nrows();
         let samples = |s: f64| (s * self.prior.rate_hz).round().max(1.0) as usize;
@@ -108,8 +110,8 @@ impl Trajectory<'_> {
         self.refine(best.solved.coefficients)
     }
 
-    /// Looks for another branch of the pose: draws the motion of two neighbouring joints anew, goes down from there, and
-    /// keeps what is lower.
+    /// Searches another branch of the pose: draws the motion of two neighbouring joints at random, descends
+    /// from there, and keeps the lower cost.
     fn redraw(&self, mut best: State, stage: Stage) -> State {
         let (joints, kept) = (self.torque.ncols(), self.prior.shapes.len());
         let mut random = ChaCha8Rng::seed_from_u64(0);
@@ -134,7 +136,7 @@ impl Trajectory<'_> {
         best
     }
 
-    /// Goes on from coefficients near the solution.
+    /// Motion from coefficients near the solution.
     pub(super) fn refine(&self, mut x: Vec<f64>) -> Solved {
         let sharp = |softness, steps| Stage {
             softness,
@@ -150,7 +152,7 @@ impl Trajectory<'_> {
         self.torque.ncols() * self.prior.shapes.len()
     }
 
-    /// Steps of one stage.
+    /// Motion after the steps of one stage.
     fn descend(&self, x: Vec<f64>, stage: Stage) -> Solved {
         self.lower(x, stage).solved
     }
@@ -199,7 +201,7 @@ impl Trajectory<'_> {
         self.prior.deviation[unknown % self.prior.shapes.len()].powi(-2)
     }
 
-    /// Motion of the coefficients over the whole trajectory, the cost and its derivatives over the window.
+    /// Motion of the coefficients over the whole trajectory; cost and its derivatives over the window.
     fn state(&self, x: Vec<f64>, stage: Stage) -> State {
         let (all, n, kept) = (
             self.torque.nrows(),
@@ -274,7 +276,7 @@ impl Trajectory<'_> {
         }
     }
 
-    /// What one torque error costs, and its weight in the normal equations.
+    /// Cost of one torque error, and its weight in the normal equations.
     fn weigh(
         &self,
         joint: usize,

@@ -1,4 +1,4 @@
-//! `forward.json`: what positions are found with, beside the model that it belongs to.
+//! `forward.json`: prior and friction for positions from torque, stored beside the model to which they belong.
 
 use super::Inversion;
 use crate::directory::{DirectoryError, FORWARD, ModelFile, json};
@@ -18,7 +18,7 @@ struct Stored<T> {
 }
 
 impl Inversion {
-    /// That of a model directory; none where `train forward` has written none.
+    /// Stored inversion of a model directory; none where `train forward` has written none.
     ///
     /// # Errors
     /// A damaged file, one of another version, or one that was made with another `model.json`.
@@ -69,7 +69,7 @@ impl Inversion {
             && self.friction.iter().all(of_joint)
     }
 
-    /// Writes it into the directory of the model that it was made with, whose `model.json` has the checksum.
+    /// Writes it into the directory of its model, whose `model.json` has the checksum `model_sha256`.
     ///
     /// # Errors
     /// The file cannot be written.

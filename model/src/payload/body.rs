@@ -1,4 +1,4 @@
-//! From the rows to a body, and which of its figures may be claimed.
+//! The body's parameters from the rows, and which of them are determined.
 
 use super::size::Size;
 use ::identify::least_squares::{
@@ -18,7 +18,7 @@ pub struct Figure {
     pub std: f64,
 }
 
-/// The body; a figure that the motion does not tell is none.
+/// Parameters of the body; none for a parameter that the motion does not determine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Body {
     /// Mass, kg.
@@ -29,30 +29,30 @@ pub struct Body {
     pub first_moment: [Option<Figure>; 3],
     /// Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, in the directions of the last joint's frame, kg·m².
     pub inertia: [Option<Figure>; 6],
-    /// Whether a body with these ten parameters exists; none where not all of them are told.
+    /// Whether a body with these ten parameters is possible; none where not all of them are determined.
     pub possible: Option<bool>,
 }
 
-/// What one pass finds.
+/// Result of one pass.
 pub(super) struct Settled {
-    /// The body's figures.
+    /// The body's parameters with standard deviations.
     pub(super) body: Body,
-    /// Its ten standard parameters, those that are not told as they are taken.
+    /// Its ten standard parameters; undetermined ones are those of a plausible body.
     pub(super) parameters: [f64; PARAMETERS_PER_LINK],
     /// All unknowns.
     pub(super) unknowns: Vec<f64>,
 }
 
-/// A mass or moment counts as told where the rows narrow it to this part of what the robot could carry.
+/// Largest standard deviation of a determined mass or moment, relative to the largest that the robot could carry.
 const TOLD: f64 = 0.05;
-/// An inertia counts as told where its deviation is at most this part of a plausible body's.
+/// Largest standard deviation of a determined inertia, relative to that of a plausible body.
 const TOLD_INERTIA: f64 = 0.1;
-/// Radius of gyration of a plausible body, relative to the distance of its centre of mass, and at least, m.
+/// Radius of gyration of a plausible body: part of the distance of its centre of mass, and least value, m.
 const GYRATION: (f64, f64) = (0.5, 0.1);
-/// Passes that take the plausible inertia from the estimated centre of mass.
+/// Number of passes that take the plausible inertia from the estimated centre of mass.
 const PLAUSIBLE: usize = 3;
 
-/// Solves with everything free, decides what is told, and holds the rest at a plausible body.
+/// Solves with all parameters free, decides which are determined, and holds the others at a plausible body.
 pub(super) fn settle(
     triangle: &Triangle,
     blocks: &[Gram],
@@ -130,7 +130,7 @@ fn ten(unknowns: &[f64]) -> [f64; PARAMETERS_PER_LINK] {
     std::array::from_fn(|i| unknowns[i])
 }
 
-/// The body's figures, those of products by their linear parts.
+/// The body's parameters with standard deviations; products by linear propagation.
 fn figures(
     p: &[f64; PARAMETERS_PER_LINK],
     covariance: &Array2<f64>,

@@ -1,8 +1,8 @@
-//! What a joint's torque may be wrong by, as a function of its position and direction.
+//! Shapes of a joint's torque error over its position and direction.
 
 /// Speed over which the sign of motion is softened, rad/s (m/s).
 const SOFT: f64 = 0.01;
-/// Harmonics of the joint's position.
+/// Number of harmonics of the joint's position.
 const HARMONICS: usize = 2;
 /// Number of shapes.
 pub(super) const SHAPES: usize = 2 * (1 + 2 * HARMONICS);
@@ -12,7 +12,8 @@ pub(super) fn direction(qd: f64) -> f64 {
     qd / qd.hypot(SOFT)
 }
 
-/// A constant and two harmonics of position `q`, rad (m), each alike both ways of motion and not: no part above one.
+/// A constant and two harmonics of the position `q`, rad (m), each once symmetric and once antisymmetric in the
+/// direction of motion; none exceeds 1.
 pub(super) fn shapes(q: f64, qd: f64) -> [f64; SHAPES] {
     let way = direction(qd);
     let mut shapes = [0.0; SHAPES];

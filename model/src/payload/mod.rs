@@ -1,13 +1,14 @@
-//! A body on the last link, from a recording with it and a stored model without it.
+//! Payload: a body on the last link, from a recording with it and a stored model without it.
 //!
-//! The recorded torque less the stored model's is the body's, Y_b(q, q̇, q̈)·p with its ten standard parameters p in the last
-//! joint's frame, plus what the stored model is wrong by, plus noise. The second is not neglected: the model's own
-//! parameters stay unknowns whose prior is the covariance that it was stored with, friction may have changed since, the
-//! body's torque may come through a loaded gear with another gain and more loss, and each joint's torque may be wrong by a
-//! function of its position and direction, as large as what the first pass leaves that is no noise (a discrepancy in the sense of
-//! Kennedy and O'Hagan, "Bayesian calibration of computer models", J. R. Stat. Soc. B 63(3), 2001).
-//! With C the model's sensitivities, z ~ N(0, Σ), the estimate minimises ‖Y_b p + C z − r‖² in units of the noise plus
-//! zᵀ Σ⁻¹ z, so that its deviations hold both.
+//! The recorded torque minus the stored model's is the body's torque, plus an error of the stored model, plus
+//! noise. The body's torque is Y_b(q, q̇, q̈)·p with its ten standard parameters p in the last joint's frame.
+//! The model's error is not neglected: its own parameters stay unknowns with the stored covariance as prior,
+//! friction may have changed since, and the body's torque may pass a loaded gear with another gain and more
+//! loss. Each joint's torque may also have an error over its position and direction, as large as the correlated
+//! residual of the first pass (a discrepancy in the sense of Kennedy and O'Hagan, "Bayesian calibration of
+//! computer models", J. R. Stat. Soc. B 63(3), 2001). With C the model's sensitivities, z ~ N(0, Σ), the
+//! estimate minimises ‖Y_b p + C z − r‖² in units of the noise plus zᵀ Σ⁻¹ z, so that its standard deviations
+//! include both.
 
 mod body;
 pub mod gains;
@@ -39,8 +40,8 @@ use system::System;
 pub struct PayloadOptions {
     /// Cut-off of the motion's low-pass instead of the model's own, Hz.
     pub cutoff_hz: Option<f64>,
-    /// How far each coefficient of friction may have changed since the model was made, as one standard deviation relative to
-    /// its size. Default 0.1: a few degrees of a gear's temperature.
+    /// Prior deviation of each coefficient of friction since the model was made, relative to its size. Default
+    /// 0.1: a few degrees of a gear's temperature.
     pub friction_change: f64,
 }
 
@@ -53,29 +54,29 @@ impl Default for PayloadOptions {
     }
 }
 
-/// What was found of a body.
+/// Estimated body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Payload {
     /// `payload/1`.
     pub schema: &'static str,
     /// Joint names.
     pub joints: Vec<String>,
-    /// Joint in whose frame the figures are.
+    /// Name of the joint in whose frame the parameters are.
     pub frame: String,
     /// Number of samples.
     pub samples: usize,
     /// The body.
     #[serde(flatten)]
     pub body: Body,
-    /// Root mean square of the torque that the model without the body leaves, N·m (N).
+    /// Root mean square residual of the model without the body, by joint, N·m (N).
     pub rmse_without: Vec<f64>,
-    /// The same with the body.
+    /// Root mean square residual of the model with the body, by joint, N·m (N).
     pub rmse_with: Vec<f64>,
-    /// What the figures depend on, in words.
+    /// Conditions of the figures, as text.
     pub notes: Vec<String>,
 }
 
-/// Why no body could be estimated.
+/// Reason why no body could be estimated.
 #[derive(Debug, thiserror::Error)]
 pub enum PayloadError {
     /// The recording and the model do not fit together.
@@ -84,23 +85,23 @@ pub enum PayloadError {
     /// The recording has no torque.
     #[error("{0} holds no torque (tau1 …), which the payload is told from")]
     NoTorque(String),
-    /// Nothing in the recording moves or weighs.
+    /// No torque of the recording depends on the body.
     #[error("{0}: no torque of this motion depends on the payload's mass or its moments")]
     Nothing(String),
-    /// No drive's gain can be told.
+    /// No drive's gain is determined.
     #[error(
         "{file}: no joint's gain is told to {percent:.0} %: the known body's torque is too small beside what the model leaves"
     )]
     NoGain {
         /// The recording with the body.
         file: String,
-        /// Deviation asked for, %.
+        /// Standard deviation required, %.
         percent: f64,
     },
-    /// Least squares.
+    /// Least squares failed.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),
-    /// Possible links.
+    /// No possible links could be found.
     #[error(transparent)]
     Feasibility(#[from] FeasibilityError),
 }
@@ -117,10 +118,11 @@ impl From<Degrees> for PayloadError {
     }
 }
 
-/// Passes: each takes deviations from what the one before leaves, and the load of load-dependent friction from its body.
+/// Number of passes: each takes the noise from the residual of the one before, and the load of load-dependent
+/// friction from its body.
 const PASSES: usize = 4;
 
-/// Estimates the body on the last link of a recording that the stored model knows without it.
+/// Estimates the body on the last link from a recording and the stored model without it.
 ///
 /// # Errors
 /// See [`PayloadError`].
@@ -202,7 +204,7 @@ fn refuse_joints(file: &ModelFile, recording: &Recording) -> Result<(), PayloadE
     }))
 }
 
-/// Recorded torque less that of the model, with the body on its last link where one is given.
+/// Recorded torque minus that of the model, with the body on its last link where one is given, N·m (N), shape (samples, joints).
 fn left(
     file: &ModelFile,
     session: &Session,

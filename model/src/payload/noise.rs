@@ -1,4 +1,4 @@
-//! How much one row says.
+//! Weights of the rows by their noise and its autocorrelation.
 
 use crate::session::Session;
 use ::identify::residuals::residual_tests;
@@ -6,15 +6,15 @@ use datasets::Recording;
 use datasets::metrics::MOVING;
 use ndarray::{Array2, ArrayView1};
 
-/// What each row is multiplied by, shape (samples, joints): see [`weights`].
+/// Factor on each row, shape (samples, joints): see [`weights`].
 pub(super) fn scale(left: &Array2<f64>, session: &Session, recording: &Recording) -> Array2<f64> {
     let qd = &session.parts[0].at_samples.qd;
     let weights = weights(left, qd, &recording.starts());
     Array2::from_shape_fn(left.raw_dim(), |(k, j)| weights[j][moving(qd[[k, j]])])
 }
 
-/// What the rows of each joint are multiplied by, those at rest and around reversals and those in motion: one over the
-/// deviation of what the fit leaves there, and over the root of how many neighbours tell the same (samples over effective ones).
+/// Factors on the rows of each joint, at rest and around reversals, and in motion. Each is the inverse standard
+/// deviation of the residual there, divided by the square root of samples per effective sample.
 ///
 /// `left` and `qd` of shape (samples, joints), `starts` the first row of each trajectory.
 pub(super) fn weights(left: &Array2<f64>, qd: &Array2<f64>, starts: &[usize]) -> Vec<[f64; 2]> {
@@ -50,13 +50,13 @@ pub(super) fn weighted_rms(
     (squares.sum::<f64>() / left.nrows().max(1) as f64).sqrt()
 }
 
-/// 1 in motion, 0 at rest and around reversals.
+/// Regime of a row: 1 in motion, 0 at rest and around reversals.
 pub(super) fn moving(qd: f64) -> usize {
     usize::from(qd.abs() > MOVING)
 }
 
-/// Root mean square of the part of a residual that neighbouring samples share, joint by joint: what a model leaves that is no
-/// noise. `left` and `starts` as in [`weights`].
+/// Root mean square of the part of a residual that neighbouring samples share, by joint: model error rather
+/// than noise. `left` and `starts` as in [`weights`].
 pub(super) fn shared(left: &Array2<f64>, starts: &[usize]) -> Vec<f64> {
     let of = |column: ArrayView1<f64>| {
         let e = column.to_vec();

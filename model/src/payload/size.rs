@@ -1,17 +1,17 @@
-//! What no row tells is held within what a robot could carry.
+//! Prior on the body from what the robot could carry, for parameters that no row determines.
 
 use physics::robot::Robot;
 
-/// How large a body the robot could carry: what a figure that no row tells is held within.
+/// Size of the largest body that the robot could carry: prior deviation of undetermined parameters.
 pub(super) struct Size {
-    /// kg.
+    /// Mass, kg.
     pub(super) mass: f64,
-    /// m.
+    /// Distance of its centre of mass, m.
     pub(super) length: f64,
 }
 
 impl Size {
-    /// A body as heavy as the whole robot, as far from its last joint as the arm is long.
+    /// Size of a body as heavy as the whole robot, as far from its last joint as the arm is long.
     pub(super) fn of(robot: &Robot) -> Self {
         let links = robot.joints().iter();
         let mass: f64 = links.clone().map(|j| j.link.inertia.mass.abs()).sum();

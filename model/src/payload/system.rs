@@ -1,4 +1,4 @@
-//! The rows: torque by the body's parameters, by what the stored model may be wrong by, and by what a load does to a gear.
+//! Rows of the payload estimate: torque by the body's parameters, by errors of the stored model, and by the load of the gears.
 
 use super::misfit::{SHAPES, direction, shapes};
 use crate::directory::ModelFile;
@@ -12,34 +12,34 @@ use physics::effects::Term;
 use physics::robot::PARAMETERS_PER_LINK;
 use physics::torque_model::TorqueModel;
 
-/// Blocks of time that deviations are taken from, at most.
+/// Most blocks of time for standard deviations.
 const BLOCKS: usize = 96;
 
-/// What a body's torque may come through a joint with, as one deviation: a gear passes another part of it when it drives
-/// than when it is driven, and a torque constant falls with current.
+/// Prior deviation of the gain with which a body's torque passes a joint. A gear passes another part of it when
+/// it drives than when it is driven, and a torque constant falls with current.
 const GAIN: f64 = 0.02;
-/// Friction by unit of load that the model may not know, as one deviation.
+/// Prior deviation of friction per unit of load that the model may lack.
 const LOSS: f64 = 0.1;
 
-/// Columns of what each joint may be wrong by beside the stored parameters: gain, loss, shapes of position and direction.
+/// Number of columns for each joint's error beside the stored parameters: gain, loss, shapes of position and direction.
 const EXTRA: usize = 2 + SHAPES;
 
-/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation, then, by unit
-/// deviation too, gain and loss of each joint, for which a body has to be known, and its torque's error by position and
-/// direction, for which a residual has to be known.
+/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation.
+/// Then, by unit deviation too, gain and loss of each joint, which need a first estimate of the body. Last its
+/// torque's error by position and direction, which needs a residual.
 pub(super) struct System {
-    /// Shape (samples, 10 + directions + [`EXTRA`] N), one for each joint.
+    /// Columns by joint, shape (samples, 10 + directions + [`EXTRA`] N).
     joints: Vec<Array2<f64>>,
-    /// Torque of the model's own links, shape (samples, joints).
+    /// Torque of the model's own links, N·m (N), shape (samples, joints).
     load: Array2<f64>,
-    /// Positions.
+    /// Positions, rad (m), shape (samples, joints).
     position: Array2<f64>,
-    /// Velocities.
+    /// Velocities, rad/s (m/s), shape (samples, joints).
     velocity: Array2<f64>,
 }
 
 impl System {
-    /// For one recording; its motion is the only part of the session.
+    /// System of one recording, whose motion is the only part of the session.
     pub(super) fn new(
         file: &ModelFile,
         model: &TorqueModel,
@@ -76,7 +76,7 @@ impl System {
         }
     }
 
-    /// Lets each joint pass on more or less of a body's torque, and lose more or less of it in friction.
+    /// Sets the columns by which each joint passes more or less of a body's torque, and loses more or less of it in friction.
     pub(super) fn allow(&mut self, body: &[f64; PARAMETERS_PER_LINK]) {
         let carried = self.torque(body);
         let first = self.width() - EXTRA * self.joints.len();
@@ -91,8 +91,8 @@ impl System {
         }
     }
 
-    /// Lets each joint's torque be wrong by a function of its position and direction of this size, N·m (N): a constant
-    /// and harmonics, each of which may alone be so large.
+    /// Sets the columns of each joint's error over its position and direction: a constant and harmonics, each
+    /// with the prior deviation `size`, N·m (N).
     pub(super) fn misfit(&mut self, size: &[f64]) {
         let first = self.width() - EXTRA * self.joints.len();
         for (j, columns) in self.joints.iter_mut().enumerate() {
@@ -115,19 +115,19 @@ impl System {
         columns.any(|c| c.iter().any(|v| v.abs() > 1e-9))
     }
 
-    /// Torque of a body, shape (samples, joints).
+    /// Torque of a body, N·m (N), shape (samples, joints).
     pub(super) fn torque(&self, body: &[f64; PARAMETERS_PER_LINK]) -> Array2<f64> {
         let mut unknowns = vec![0.0; self.width()];
         unknowns[..PARAMETERS_PER_LINK].copy_from_slice(body);
         self.of(&unknowns)
     }
 
-    /// What unknowns leave of a target, shape (samples, joints).
+    /// Residual of `target` beside the torque by `unknowns`, N·m (N), shape (samples, joints).
     pub(super) fn left(&self, target: &Array2<f64>, unknowns: &[f64]) -> Array2<f64> {
         target - &self.of(unknowns)
     }
 
-    /// The weighted rows of all joints folded into one triangle, and block by block of time.
+    /// Weighted rows of all joints folded into one triangle, and their sums by block of time.
     pub(super) fn rows(
         &self,
         target: &Array2<f64>,

@@ -1,4 +1,4 @@
-//! The check of a recording with the robot at hand: the torque's channel, and which parameters the motion tells apart.
+//! Check of a recording against the robot's model: torque channel, and parameters that the motion does not separate.
 
 use crate::preparation::{channel, doctor};
 use ::identify::base::{BaseParameters, Extra};
@@ -15,11 +15,11 @@ use ndarray::Array2;
 use physics::dynamics::{Workspace, regressor};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
-/// Samples looked at, at most.
+/// Most samples that are checked.
 const SAMPLES: usize = 5000;
-/// A column of which the others leave less than this part to itself is poorly told from them.
+/// Independent part of a column below which it is poorly separated from the others.
 const OWN_SHARE: f64 = 0.01;
-/// Kinds of columns beside the rigid ones.
+/// Columns beside the rigid ones.
 const EXTRAS: [Extra; 4] = [
     Extra::RotorInertia,
     Extra::Viscous,
@@ -27,7 +27,7 @@ const EXTRAS: [Extra; 4] = [
     Extra::Offset,
 ];
 
-/// Why a recording could not be checked.
+/// Reason why a recording could not be checked.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckError {
     /// It cannot be prepared.
@@ -35,7 +35,7 @@ pub enum CheckError {
     Prepare {
         /// The recording.
         file: String,
-        /// Why.
+        /// Cause.
         source: PrepareError,
     },
     /// It holds nothing to check.
@@ -43,20 +43,20 @@ pub enum CheckError {
     Check {
         /// The recording.
         file: String,
-        /// Why.
+        /// Problem.
         problem: Problem,
     },
-    /// Its regressor could not be taken apart.
+    /// Its regressor could not be decomposed.
     #[error("{file}: {source}")]
     LeastSquares {
         /// The recording.
         file: String,
-        /// Why.
+        /// Cause.
         source: LeastSquaresError,
     },
 }
 
-/// Checks a recording of `robot`: everything of [`datasets::check`], and what needs a model.
+/// Checks a recording of `robot`: all of [`datasets::check`], and the checks that need a model.
 ///
 /// # Errors
 /// See [`CheckError`].
@@ -99,7 +99,7 @@ pub fn check_recording(
     Ok(report)
 }
 
-/// What of a recording's channel is worth a sentence, scales as far as the doctor finds them too.
+/// Findings on a recording's torque channel; those on scales only where the doctor confirms them.
 pub fn channel_findings(
     robot: &Robot,
     recording: &Recording,
@@ -119,8 +119,7 @@ fn confirmed(mut found: Vec<Finding>, complaints: &[Complaint]) -> Vec<Finding> 
     found
 }
 
-/// Whether the doctor, who knows friction too, finds that a scale or sign is another. A torque without gravity or sign has
-/// no scale.
+/// Whether the doctor, whose model includes friction, finds a wrong scale or sign. A torque without gravity or sign has no scale.
 fn is_confirmed(complaints: &[Complaint], joint: Option<usize>) -> bool {
     let scaled = |c: &&Complaint| {
         use Ailment::{Current, Motor, PerMille, Percent, Scale, Sign};
@@ -133,7 +132,7 @@ fn is_confirmed(complaints: &[Complaint], joint: Option<usize>) -> bool {
     all.any(|c| joint.is_none_or(|j| c.joints.contains(&j)))
 }
 
-/// Samples looked at: evenly thinned.
+/// Indices of the samples that are checked, evenly thinned.
 fn thinned(recording: &Recording) -> impl Iterator<Item = usize> + use<> {
     (0..recording.len()).step_by(recording.len().div_ceil(SAMPLES).max(1))
 }
@@ -143,7 +142,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// The finding of parameters of rigid body and basic friction that the motion does not tell apart.
+/// Finding on parameters of rigid body and basic friction that the motion does not separate.
 fn told_apart(
     robot: &Robot,
     recording: &Recording,
@@ -193,7 +192,7 @@ fn told_apart(
     conditioning(&base, &whole)
 }
 
-/// The finding of columns that the motion does not tell from others.
+/// Finding on columns that the motion does not separate from others.
 fn conditioning(
     base: &BaseParameters,
     triangle: &Triangle,

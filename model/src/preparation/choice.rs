@@ -1,4 +1,4 @@
-//! How recordings are prepared for a fit, chosen from them alone.
+//! Choice of the preparation of recordings for a fit, from these recordings alone.
 
 use crate::preparation::channel;
 use crate::preparation::cutoff::{self, CutoffChoice, CutoffError};
@@ -7,9 +7,9 @@ use datasets::channel::Estimate95;
 use datasets::prepare::PrepareOptions;
 use physics::robot::Robot;
 
-/// How to prepare recordings of `robot`: the cut-off, how it was chosen, and the torque's delay where it is certain and
-/// rigid body and friction are better with it on rows left out. The cut-off is chosen again with it: a torque
-/// that is late is explained best by too slow a motion.
+/// Options for preparing recordings of `robot`, the choice of the cut-off, and the torque's delay. The delay is
+/// used where it is certain and lowers the error of rigid body and friction on rows left out. Then the cut-off
+/// is chosen again: without the delay, too low a cut-off would explain a late torque best.
 ///
 /// # Errors
 /// Recordings that cannot be prepared, or not fitted.

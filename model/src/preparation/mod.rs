@@ -1,4 +1,4 @@
-//! What happens to a recording before it is fitted: robot and columns, its check, its torque channel, its cut-off.
+//! Preparation of a recording for a fit: robot and columns, check, torque channel, cut-off.
 
 pub mod channel;
 pub mod check;

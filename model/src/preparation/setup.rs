@@ -1,4 +1,4 @@
-//! From the command line's robot and drive file to a robot and the way its recordings are read.
+//! Setup of a robot and the options for reading its recordings, from the command line's robot and drive file.
 
 use crate::preparation::units::{Degrees, looks_like_percent, refuse_degrees};
 use crate::preparation::{torque_band, wrapped};
@@ -15,40 +15,39 @@ use physics::robot::{
 };
 use std::path::{Path, PathBuf};
 
-/// A robot with everything that reading its recordings needs.
+/// A robot with the options for reading its recordings.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// The robot, drive data included.
     pub robot: Robot,
     /// Drive file, if one was given.
     pub drive: Option<Drive>,
-    /// What the robot was read from; a URDF of its own for a built-in one.
+    /// Source of the robot; a URDF for a built-in one.
     pub description: Description,
-    /// Rows per second of recordings without a column of time.
+    /// Sampling rate of recordings without a time column, Hz.
     pub rate_hz: Option<f64>,
-    /// Names of all joints that the description has, of which the robot's may be some.
+    /// Names of all joints in the description, of which the robot may use some.
     described: Vec<String>,
-    /// Low-pass of the recorded torque that the training recordings have shown.
+    /// Low-pass of the recorded torque that was recognised in the training recordings.
     recognised: Option<DeclaredFilter>,
 }
 
-/// Recordings up to this many times as fast as those that a filter is known of are taken to have been through
-/// it as well.
+/// Factor on the rate of recordings with a known filter up to which other recordings are taken to have it as well.
 const AS_FAST: f64 = 1.25;
 
-/// A robot or a recording that cannot be used.
+/// Reason why a robot or a recording cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
-    /// The robot or its drive file.
+    /// The robot or its drive file cannot be used.
     #[error(transparent)]
     Robot(#[from] RobotError),
-    /// A recording.
+    /// A recording cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A recording in another unit.
+    /// The positions of a recording are in degrees.
     #[error(transparent)]
     Degrees(#[from] Degrees),
-    /// A recording that is to score what was fitted to it.
+    /// A recording that is to score the model shares rows with those that are fitted.
     #[error(
         "{heldout}: {rows} of its {of} rows stand in the recordings that are fitted as well: what is measured on them says nothing; give a \
          recording of its own as --heldout, or leave it out"
@@ -56,14 +55,14 @@ pub enum SetupError {
     NotHeldOut {
         /// The recording.
         heldout: String,
-        /// Rows that are in both.
+        /// Number of rows that are in both.
         rows: usize,
-        /// Its rows.
+        /// Number of its rows.
         of: usize,
     },
 }
 
-/// Refuses a recording as held out of which a part is fitted.
+/// Refuses a held-out recording that shares rows with the fitted ones.
 ///
 /// # Errors
 /// How much.
@@ -78,7 +77,7 @@ pub fn refuse_overlap(fitted: &[Recording], heldout: &Recording) -> Result<(), S
     }
 }
 
-/// Reads a rate in Hz.
+/// Parses a rate in Hz.
 ///
 /// # Errors
 /// Not a positive number.
@@ -88,7 +87,7 @@ pub fn rate(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a positive number in Hz".into())
 }
 
-/// Reads gravity in the base frame, m/s², from `X,Y,Z`.
+/// Parses gravity in the base frame, m/s², from `X,Y,Z`.
 ///
 /// # Errors
 /// Not three finite numbers.
@@ -117,7 +116,7 @@ impl Setup {
         Self::with_joints(robot, &[], drive, gravity)
     }
 
-    /// The same, with the joints that make the robot where its description holds more: see [`Description::load`].
+    /// Loads a robot with the joints that form it, where its description has more: see [`Description::load`].
     ///
     /// # Errors
     /// As [`Setup::new`], or joints that make no chain.
@@ -139,8 +138,8 @@ impl Setup {
         Ok(setup)
     }
 
-    /// The same, for recordings: where no joints are given, those that the recordings' columns name, or the one chain that has
-    /// as many joints as they have columns.
+    /// Loads a robot for recordings. Where no joints are given, they are those that the recordings' columns
+    /// name, or those of the one chain with as many joints as there are columns.
     ///
     /// # Errors
     /// As [`Setup::with_joints`], or joints of more than one chain.
@@ -188,7 +187,7 @@ impl Setup {
         usual
     }
 
-    /// For a robot that is loaded already.
+    /// Setup of a robot that is loaded already.
     ///
     /// # Errors
     /// A drive file that cannot be used.
@@ -289,9 +288,9 @@ impl Setup {
             .collect()
     }
 
-    /// Reads the training recordings. Where neither they nor the drive file nor the built-in robot declare a
-    /// low-pass of the torque, one that their torque shows is taken over, for these recordings and for those of
-    /// their rate that are read later.
+    /// Reads the training recordings. A low-pass that their torque shows is used where neither they nor the
+    /// drive file nor the built-in robot declare one. It then applies to these recordings and to those of their
+    /// rate that are read later.
     ///
     /// # Errors
     /// The first recording that cannot be used.
@@ -314,7 +313,7 @@ impl Setup {
     }
 }
 
-/// Whether a description was refused because several of its chains may be meant.
+/// Whether a description was refused because it has several chains.
 fn several(error: &RobotError) -> bool {
     match error {
         RobotError::SeveralChains { .. } => true,
@@ -323,13 +322,13 @@ fn several(error: &RobotError) -> bool {
     }
 }
 
-/// Number of joints of a recording whose columns are numbered; none where it cannot be read without a drive file.
+/// Number of joints of a recording with numbered columns; none where it cannot be read without a drive file.
 fn columns(path: &Path, plain: bool) -> Option<usize> {
     let options = ReadOptions::default();
     plain.then(|| read(path, &options).ok().map(|r| r.dof()))?
 }
 
-/// A filter that recordings of `rate_hz` are known to have been through.
+/// Declared filter for recordings of about `rate_hz`.
 pub fn known(filter: TorqueFilter, rate_hz: f64) -> DeclaredFilter {
     DeclaredFilter {
         up_to_hz: filter.decimated().up_to_hz.max(AS_FAST * rate_hz),

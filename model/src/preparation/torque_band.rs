@@ -1,4 +1,4 @@
-//! Whether a torque was low-passed before it was stored: what its spectrum suggests, confirmed by the basic model.
+//! Recognition of a low-pass on the stored torque, from its spectrum and confirmed by the basic model.
 
 use crate::identify::design::rigid_columns;
 use crate::identify::dictionary;
@@ -11,9 +11,9 @@ use ndarray::Array2;
 use physics::robot::Robot;
 use rayon::prelude::*;
 
-/// The filter that the torque of these training recordings has been through, where its spectrum has an empty
-/// stop band ([`stop_band`]) and rigid body and basic friction explain the torque better through the filter than
-/// without it. Only `data` is looked at.
+/// Filter of the torque of these training recordings. Its spectrum must have an empty stop band
+/// ([`stop_band`]), and rigid body and basic friction must explain the torque better through the filter than
+/// without it. Only `data` is used.
 pub fn recognise(robot: &Robot, data: &[Recording]) -> Option<TorqueFilter> {
     if data.iter().any(|r| r.torque_filter.is_some()) {
         return None;
@@ -31,8 +31,8 @@ pub fn recognise(robot: &Robot, data: &[Recording]) -> Option<TorqueFilter> {
         .map(|(_, filter)| filter)
 }
 
-/// Mean over joints of the squared NRMSE that rigid body and basic friction, fitted joint by joint, leave of the
-/// torque. None where a recording cannot be prepared or nothing moves.
+/// Mean over joints of the squared NRMSE of rigid body and basic friction, fitted joint by joint. None where a
+/// recording cannot be prepared or nothing moves.
 fn error(robot: &Robot, data: &[Recording], filter: Option<TorqueFilter>) -> Option<f64> {
     let parts = data
         .iter()

@@ -1,4 +1,4 @@
-//! Positions whose unit a recording itself gives away.
+//! Units of positions that a recording itself shows.
 
 use datasets::Recording;
 use physics::robot::Robot;
@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 /// The line of a drive file that declares degrees.
 const LINE: &str = "units.angle = \"deg\"";
 
-/// Positions of rotating joints that can only be degrees, or part of a range.
+/// Positions of rotating joints that can only be degrees, or percentages of a range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{file}: q{} runs over {span:.0} ({turns:.1} turns, were it rad), where {joint} has {room:.1} rad, and so do \
@@ -17,21 +17,21 @@ const LINE: &str = "units.angle = \"deg\"";
 pub struct Degrees {
     /// The recording.
     pub file: String,
-    /// The joint with the longest way, by index and name.
+    /// Index of the joint with the longest motion.
     pub index: usize,
     /// Its name.
     pub joint: String,
-    /// Its largest position less its smallest, as recorded.
+    /// Range of its positions, in the recorded unit.
     pub span: f64,
-    /// The same in turns, were it rad.
+    /// That range in turns, if it were rad.
     pub turns: f64,
-    /// What the robot has between its limits, rad.
+    /// Range between the joint's limits, rad.
     pub room: f64,
-    /// Joints that go further than they can.
+    /// Number of joints that exceed their range.
     pub alike: usize,
-    /// Joints that move.
+    /// Number of joints that move.
     pub moving: usize,
-    /// The numbers end at ±100: per cent of each motor's range, as LeRobot stores it.
+    /// Whether the numbers end at ±100: percent of each motor's range, as LeRobot stores it.
     pub percent: bool,
 }
 
@@ -47,15 +47,15 @@ fn means(percent: bool) -> String {
     }
 }
 
-/// Rotation that a joint without limits is given, rad: it may well turn on and on.
+/// Range assumed for a joint without limits, rad, since it may turn on and on.
 const UNLIMITED: f64 = 4.0 * TAU;
-/// A joint goes further than it can beyond this many times its room.
+/// Factor on a joint's range beyond which its motion exceeds it.
 const BEYOND: f64 = 1.5;
-/// Degrees of motion below which nothing is said of a joint.
+/// Motion in degrees below which a joint is not judged.
 const SMALL: f64 = 1.0;
 
-/// Proof that the recorded positions are degrees: at least half of the moving joints go further than the robot can
-/// turn, wherever their zeros are, and none does when the numbers are read as degrees. A motion of few degrees
+/// Refuses recorded positions that are provably degrees. At least half of the moving joints exceed the robot's
+/// range, wherever their zeros are, and none does when the numbers are read as degrees. A motion of few degrees
 /// proves nothing.
 ///
 /// # Errors
@@ -110,7 +110,7 @@ pub fn refuse_degrees(robot: &Robot, recording: &Recording) -> Result<(), Degree
     }
 }
 
-/// What is to be said of positions that were declared as degrees and look like per cent of a range.
+/// Warning for positions that were declared as degrees and look like percent of a range; none otherwise.
 pub fn looks_like_percent(recording: &Recording) -> Option<String> {
     let mut declared = recording.clone();
     declared.q.mapv_inplace(f64::to_degrees);
@@ -121,8 +121,8 @@ pub fn looks_like_percent(recording: &Recording) -> Option<String> {
     })
 }
 
-/// Whether no position is beyond ±100, and at least two joints (or the only one) come to within one of it on a side: a motion in degrees
-/// has no reason to end there.
+/// Whether no position is beyond ±100, and at least two joints (or the only one) come within 1 of it on a side.
+/// A motion in degrees has no reason to end there.
 fn is_percent(recording: &Recording) -> bool {
     let largest = |j: usize| {
         recording

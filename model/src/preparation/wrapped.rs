@@ -6,12 +6,13 @@ use physics::robot::Robot;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// How many times the longest other step of a joint the step over the seam may be.
+/// Largest step over a seam, relative to the longest other step of the joint.
 const LIKE_OTHERS: f64 = 2.0;
 
-/// Puts angles of rotating joints that jump by a turn where the others go on together again; a note says of which.
+/// Unwraps angles of rotating joints that jump by a turn; a note names the joints.
 ///
-/// A jump counts where less a whole number of turns it is a step like the joint's others: anything else is damage, which stays.
+/// A jump counts where, minus a whole number of turns, it is a step like the joint's others. Any other jump is
+/// damage and is kept.
 pub fn unwrap(robot: &Robot, recording: &mut Recording) {
     let segments = recording.segments();
     let mut seams = Vec::new();
@@ -42,7 +43,7 @@ pub fn unwrap(robot: &Robot, recording: &mut Recording) {
     }
 }
 
-/// Puts one column together; says over how many seams.
+/// Unwraps one column; returns the number of seams.
 fn whole(mut angle: ArrayViewMut1<'_, f64>, segments: &[Range<usize>]) -> usize {
     let rows = || segments.iter().flat_map(|s| s.start + 1..s.end);
     let steps = |angle: &ArrayViewMut1<'_, f64>| -> Vec<f64> {

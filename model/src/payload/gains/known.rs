@@ -1,31 +1,31 @@
-//! A body whose parameters are known, or some of them.
+//! A body with known parameters, or some of them.
 
 use nalgebra::{Matrix3, Vector3};
 use physics::robot::{Inertia, PARAMETERS_PER_LINK};
 use serde::Serialize;
 use std::str::FromStr;
 
-/// What is known of a body on the last link: its mass; its centre of mass too; all ten parameters.
+/// A body on the last link with known mass; with known mass and centre of mass; or with all ten parameters known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct KnownBody {
-    /// Standard parameters in the last joint's frame; those that are not known are zero.
+    /// Standard parameters in the last joint's frame; unknown ones are zero.
     parameters: [f64; PARAMETERS_PER_LINK],
-    /// How many of them, from the first, are known: 1, 4 or 10.
+    /// Number of known parameters, from the first: 1, 4 or 10.
     count: usize,
 }
 
-/// Why numbers are no known body.
+/// Reason why numbers are no known body.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KnownBodyError {
-    /// Something else than numbers between commas, or another number of them.
+    /// The text is no list of 1, 4 or 10 numbers.
     #[error(
         "{0:?} is no known body: MASS, MASS,X,Y,Z or MASS,X,Y,Z,Ixx,Ixy,Iyy,Ixz,Iyz,Izz (kg, m, kg·m² about the centre of mass) is needed"
     )]
     Numbers(String),
-    /// Nothing that weighs.
+    /// The mass is not above zero.
     #[error("a known body of {0} kg: its mass has to be above zero")]
     Mass(String),
-    /// No body has these parameters.
+    /// No possible body has these parameters.
     #[error("no body of positive density has the inertia given")]
     Impossible,
 }
@@ -60,12 +60,12 @@ impl KnownBody {
         Ok(Self { parameters, count })
     }
 
-    /// Its standard parameters, those that are not known zero.
+    /// Standard parameters; unknown ones are zero.
     pub fn parameters(&self) -> &[f64; PARAMETERS_PER_LINK] {
         &self.parameters
     }
 
-    /// Indices of the parameters that are not known.
+    /// Indices of the unknown parameters.
     pub(super) fn unknown(&self) -> std::ops::Range<usize> {
         self.count..PARAMETERS_PER_LINK
     }

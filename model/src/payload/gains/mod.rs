@@ -1,10 +1,11 @@
 //! Gains of the joints' drives from a recording without and one with a body of known parameters.
 //!
-//! With τ_j as recorded (a current times a torque constant that is off) and g_j the gain that it is off by, each sample of each
-//! joint is g_j τ_j = Y_j β + F_j φ_j, and with the body + Y_b p on the right. Without a known p all of it could be scaled
-//! at once; the known part of p is the scale (Gautier and Briot 2014, see [`identify::total_least_squares`]). Motion counts
-//! as exact and what the model leaves as noise of the recorded torque. With noise of joint j in units of its own rows the right
-//! singular vector is the estimate of largest likelihood, so that rows and columns are scaled by what the pass before left.
+//! With the recorded τ_j (a current times a wrong torque constant) and g_j the gain of its error, each sample
+//! of each joint is g_j τ_j = Y_j β + F_j φ_j, and with the body + Y_b p on the right. Without a known p all of
+//! it could be scaled at once; the known part of p is the scale (Gautier and Briot 2014, see
+//! [`identify::total_least_squares`]). Motion counts as exact, and the model's residual as noise of the
+//! recorded torque. With noise of joint j in units of its own rows the right singular vector is the
+//! maximum-likelihood estimate. So rows and columns are scaled by the residual of the pass before.
 
 mod known;
 mod rows;
@@ -33,7 +34,7 @@ use serde::Serialize;
 pub struct GainOptions {
     /// Cut-off of the motion's low-pass instead of the model's own, Hz.
     pub cutoff_hz: Option<f64>,
-    /// Largest deviation of a gain that is told, relative to it. Default 0.1.
+    /// Largest relative standard deviation of a gain that is reported. Default 0.1.
     pub widest: f64,
 }
 
@@ -46,37 +47,37 @@ impl Default for GainOptions {
     }
 }
 
-/// What the recorded torque of each joint is to be multiplied by.
+/// Factors on the recorded torque of each joint that make it N·m (N).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DriveGains {
     /// `drive_gains/1`.
     pub schema: &'static str,
     /// Joint names.
     pub joints: Vec<String>,
-    /// Samples of the recording without and of that with the body.
+    /// Number of samples of the recordings without and with the body.
     pub samples: [usize; 2],
-    /// What was known of the body: standard parameters in the last joint's frame.
+    /// Known standard parameters of the body in the last joint's frame.
     pub known: KnownBody,
-    /// Gains by total least squares; none where they are not told.
+    /// Gains by total least squares; none where they are not determined.
     pub gain: Vec<Option<Figure>>,
-    /// The same by ordinary least squares, which are too small where noise is large beside the body's torque.
+    /// Gains by ordinary least squares, which are too small where noise is large beside the body's torque.
     pub ordinary: Vec<Option<f64>>,
-    /// The same by total least squares among robots whose links are possible bodies.
+    /// Gains by total least squares among robots whose links are possible bodies.
     pub possible: Vec<Option<f64>>,
-    /// Root mean square that both recordings leave, N·m (N) after the gain.
+    /// Root mean square residual over both recordings, N·m (N) after the gain.
     pub rmse: Vec<Option<f64>>,
-    /// What the figures depend on, in words.
+    /// Conditions of the figures, as text.
     pub notes: Vec<String>,
 }
 
-/// Passes that take noise from what the one before leaves, at most.
+/// Most passes; each takes the noise from the residual of the one before.
 const PASSES: usize = 30;
-/// Change of all gains, relative, below which a pass was the last.
+/// Relative change of all gains below which the passes have converged.
 const STILL: f64 = 1e-5;
-/// What the first pass takes as noise, as a part of the recorded torque.
+/// Noise in the first pass, relative to the recorded torque.
 const FIRST: f64 = 0.1;
 
-/// Estimates the gains of all joints whose drive the body tells.
+/// Estimates the gains of all joints that the body determines.
 ///
 /// # Errors
 /// See [`PayloadError`].
@@ -175,16 +176,16 @@ fn prepare(
     })
 }
 
-/// An estimate of the gains of the joints chosen, in their order.
+/// Estimate of the gains of the chosen joints, in their order.
 struct Fit {
     gain: Vec<f64>,
     std: Vec<f64>,
     ordinary: Vec<f64>,
     rmse: Vec<f64>,
-    /// Sums of all rows as weighted in the last pass, and the noise of the gains' columns in the same units.
+    /// Sums of all rows with the weights of the last pass, and the noise of the gains' columns in the same units.
     whole: Gram,
     noise: Vec<f64>,
-    /// Their solution.
+    /// Total-least-squares solution of these sums.
     total: Total,
 }
 
@@ -248,7 +249,8 @@ impl Fit {
         }
     }
 
-    /// The joint (place among those chosen) whose gain has the largest relative deviation, infinite where it is negative.
+    /// Index among the chosen joints of the gain with the largest relative standard deviation, which is
+    /// infinite for a negative gain; and that deviation.
     fn widest(&self) -> (usize, f64) {
         let relative = std::iter::zip(&self.gain, &self.std).map(|(g, s)| {
             if *g > 0.0 && s.is_finite() {
@@ -261,7 +263,7 @@ impl Fit {
         relative.enumerate().fold((0, f64::NEG_INFINITY), larger)
     }
 
-    /// Gains of positive size among links that are possible bodies: the noise's part taken from the sums, a quadratic is left.
+    /// Positive gains with links that are possible bodies: quadratic minimum of the sums without the noise's part.
     fn possible(
         &self,
         rows: &Rows,
@@ -294,7 +296,8 @@ impl Fit {
     }
 }
 
-/// The larger of what blocks left out tell and of what noise and wrong shapes would make; none where blocks are too few.
+/// Standard deviations of the gains: jackknife over blocks, or by noise and shapes, whichever is larger; none
+/// where there are too few blocks.
 fn deviations(
     parts: &[Gram],
     held: &Gram,
@@ -313,7 +316,7 @@ fn deviations(
     }))
 }
 
-/// How far anything but a link may be off, relative to its estimate.
+/// Bound of all unknowns but links, relative to their estimate.
 const GENEROUS: f64 = 100.0;
 
 fn notes(file: &ModelFile, chosen: &[usize], body: &KnownBody) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! The rows of both recordings as sums, joint by joint and block by block of time.
+//! Sums over the rows of both recordings, by joint and block of time.
 
 use super::known::KnownBody;
 use crate::identify::design::{inertial_columns, rigid_columns};
@@ -13,18 +13,18 @@ use physics::effects::Term;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use physics::torque_model::{TorqueModel, WeightedTerm};
 
-/// Blocks of time of both recordings together that deviations are taken from, at most.
+/// Most blocks of time of both recordings together, for standard deviations.
 const BLOCKS: usize = 96;
-/// Size of a shape that counts as none, N·m (N).
+/// Size below which a shape counts as zero, N·m (N).
 const SMALLEST: f64 = 1e-6;
 
-/// Rows −Y β − F φ − Y_u p_u − S m + τ g = Y_k p_k of every joint: base parameters, friction, unknown part of the body, shapes of
-/// position and direction by which the joint is wrong with the body and not without, gains; the known part of the body (and
-/// springs, which are known) on the right. Torque in N·m (N), τ as recorded.
+/// Rows −Y β − F φ − Y_u p_u − S m + τ g = Y_k p_k of every joint: base parameters, friction, unknown part of
+/// the body, shapes of position and direction for the joint's error with the body alone, gains. On the right:
+/// the known part of the body, and springs, which are known. Torque in N·m (N), τ as recorded.
 pub(super) struct Rows {
-    /// Columns of each joint but that of its gain, shape (samples, width of the joint), the loaded recording last.
+    /// Columns of each joint without that of its gain, shape (samples, width of the joint), the loaded recording last.
     exact: Vec<Array2<f64>>,
-    /// Places of these columns among all.
+    /// Indices of these columns among all.
     places: Vec<Vec<usize>>,
     /// Known torque, shape (samples, joints).
     known: Array2<f64>,
@@ -36,11 +36,11 @@ pub(super) struct Rows {
     pub(super) width: usize,
 }
 
-/// The sums of one joint over one block, at rest and in motion, over its own columns and its gain.
+/// Sums of one joint over one block, at rest and in motion, over its own columns and its gain.
 pub(super) struct Block(Vec<[Gram; 2]>);
 
 impl Rows {
-    /// For a session of the recording without the body and the one with it.
+    /// Rows of a session of the recording without the body and the one with it.
     pub(super) fn new(
         model: &TorqueModel,
         base: &BaseParameters,
@@ -117,7 +117,7 @@ impl Rows {
         }
     }
 
-    /// What holds each joint's shapes to zero, as rows of unit noise: each may be `size` of its joint, N·m (N), as one deviation.
+    /// Prior of each joint's shapes about zero, as rows of unit noise. `size` of a joint, N·m (N), is one standard deviation.
     ///
     /// # Errors
     /// A size that is no number.
@@ -134,7 +134,7 @@ impl Rows {
         Ok(Gram::from(&rows.finish()?))
     }
 
-    /// Sums of stretches of rows that follow each other.
+    /// Sums by block of consecutive rows.
     ///
     /// # Errors
     /// Columns that are not finite.
@@ -164,8 +164,8 @@ impl Rows {
         joints.map(Block)
     }
 
-    /// A block among all columns, of the joints chosen, whose gains stand last in that order; rows of each joint at rest and in
-    /// motion times `scale`.
+    /// Sums of a block over all columns of the chosen joints, whose gains are last in that order. Rows of each
+    /// joint, at rest and in motion, are multiplied by `scale`.
     ///
     /// # Errors
     /// None but programming errors.
@@ -187,7 +187,8 @@ impl Rows {
         Gram::sum(&all)
     }
 
-    /// Recorded torque times its gain less what parameters give, shape (samples, joints), N·m (N); zero for joints not chosen.
+    /// Residual: recorded torque times its gain minus the torque by `parameters`, N·m (N), shape (samples,
+    /// joints); zero for joints not chosen.
     pub(super) fn left(&self, chosen: &[usize], parameters: &[f64]) -> Array2<f64> {
         let mut left = Array2::zeros(self.recorded.raw_dim());
         for (at, &j) in chosen.iter().enumerate() {
@@ -200,7 +201,7 @@ impl Rows {
     }
 }
 
-/// What load-dependent terms see: the model's own links, and with the body those with what is known of it.
+/// Load of load-dependent terms, N·m (N): by the model's own links, and with the body by these plus its known part.
 fn loads(robot: &Robot, session: &Session, body: &KnownBody) -> Vec<Array2<f64>> {
     let mut parameters = robot.parameters();
     let first = parameters.len() - PARAMETERS_PER_LINK;

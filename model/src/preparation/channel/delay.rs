@@ -1,4 +1,4 @@
-//! Delay of the recorded torque behind the motion: a first guess for all joints, and what they have in common.
+//! Delay of the recorded torque after the motion: a first guess for all joints, and their common delay.
 
 use super::fit::Moments;
 use super::systems::Systems;
@@ -6,13 +6,14 @@ use datasets::channel::Estimate95;
 use rayon::prelude::*;
 use signal::delay::{Search, profile, student_975};
 
-/// Nats by which a delay has to explain a torque better than none before it is looked at: one in twenty is left …
+/// Least log-likelihood gain of a delay over none, nats, for it to be considered: one in twenty is left …
 const NOT_NOISE: f64 = 3.0;
-/// … of rows that know something of their own: their low-pass lets this part of them through.
+/// … of the independent rows, whose number is this part of all, since the low-pass correlates them.
 const OWN: f64 = 0.3;
 
-/// The delay at which all joints' own models, fitted freely, leave least: Σ log of the squared errors. None where as small an error would
-/// come of noise, by the number of delays that are tried: a fit that starts there would never come back.
+/// Delay with the least Σ log of squared errors over all joints, each joint's model fitted freely, s. None
+/// where noise would give as small an error, for the number of delays tried: a fit that starts there would
+/// never come back.
 pub(super) fn guess(systems: &Systems) -> f64 {
     let search = Search::default();
     let each: Vec<Vec<(f64, f64)>> = systems
@@ -47,27 +48,27 @@ pub(super) fn guess(systems: &Systems) -> f64 {
     })
 }
 
-/// What the joints have in common, with the variance between them.
+/// Common value of the joints, and the variance between them.
 pub(super) struct Common {
-    /// Mean; not a number where nothing is known.
+    /// Mean; NaN where no joint's value is known.
     pub mean: f64,
-    /// Half width of its interval of 95 %.
+    /// Half width of its 95 % interval.
     half: f64,
-    /// Variance between the joints that their own variances do not explain.
+    /// Variance between the joints beyond their own variances.
     pub between: f64,
 }
 
 impl Common {
-    /// Mean and interval, with a systematic error of about `apart` beside the scatter.
+    /// Mean with a 95 % interval that includes a systematic error of about `apart`.
     pub fn estimate(&self, apart: f64) -> Estimate95 {
         let half = self.half.hypot(apart);
         Estimate95::new(self.mean, [self.mean - half, self.mean + half])
     }
 }
 
-/// The joints' mean weighted by precision, with the spread between them that their own deviations do not explain
-/// (DerSimonian and Laird 1986) and an interval from how they differ (Hartung and Knapp 2001). A model that is wrong
-/// differently on each joint shows in that spread.
+/// Mean of the joints weighted by precision, with the variance between joints beyond their own variances
+/// (DerSimonian and Laird 1986) and an interval from their differences (Hartung and Knapp 2001). A model error
+/// that differs from joint to joint shows in that variance.
 pub(super) fn common(joints: &[Moments], blocks: usize) -> Common {
     let known: Vec<(f64, f64)> = joints
         .iter()

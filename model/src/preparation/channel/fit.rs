@@ -1,13 +1,14 @@
-//! Delay, scale and offset of all joints in one fit.
+//! Joint fit of delay, scale and offset of all joints.
 //!
 //! τ_j(t) = k_j (r_j + Σ_i Y_ji δ_i) + a_j q̈_j + friction + offset + e, all of it at t − d_j,
 //!
-//! with the described robot's torque r, the regressor Y of its standard parameters and their errors δ, which all
-//! joints share: δ_i ~ N(0, (T s_i)²) with the size s_i of each parameter and one tolerance T. The recording tells T by the
-//! evidence (MacKay 1992), and all tolerances are averaged by it. k_j and d_j have no prior, so that a joint whose
-//! described torque hardly varies, or varies as its friction and rotor do, gets no scale, and one whose torque hardly
-//! changes with the delay no delay. Residuals are correlated in time: each row counts as one over their correlation
-//! time, and deviations are the larger ones of posterior and sandwich over blocks of time.
+//! with the described robot's torque r, the regressor Y of its standard parameters and their errors δ, which
+//! all joints share: δ_i ~ N(0, (T s_i)²) with the size s_i of each parameter and one tolerance T. T is
+//! determined by the evidence (MacKay 1992), and results for all tolerances are averaged with it. k_j and d_j
+//! have no prior. So a joint whose described torque hardly varies, or varies as its friction and rotor do, gets
+//! no scale, and one whose torque hardly changes with the delay no delay. Residuals are correlated in time:
+//! each row counts as one over their correlation time. Standard deviations are the larger ones of posterior and
+//! sandwich over blocks of time.
 
 use super::rows::Rows;
 use super::systems::Systems;
@@ -18,15 +19,16 @@ use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use signal::delay::{Search, student_975};
 
-/// Relative errors of the described inertials that are weighed against each other. Nobody knows them better than the first.
+/// Relative errors of the described inertials that are compared by the evidence. No description is better than the first.
 const TOLERANCES: [f64; 5] = [0.02, 0.04, 0.08, 0.16, 0.32];
-/// Rounds of Gauss and Newton.
+/// Number of Gauss–Newton iterations.
 const ROUNDS: usize = 6;
-/// Longest step of a delay in one round, s.
+/// Longest step of a delay in one iteration, s.
 const STEP: f64 = 0.02;
-/// Shortest block of the sandwich, s, and that in correlation times of the residual.
+/// Shortest block of the sandwich: in s, and in correlation times of the residual.
 const BLOCK: [f64; 2] = [1.0, 4.0];
-/// Own columns of a joint: scale and rotor, then offset and friction, then the change with the delay.
+/// Index of the offset among a joint's own columns: scale and rotor come first, then offset and friction, then
+/// the derivative by the delay.
 const OFFSET: usize = 2;
 
 /// A value with its variance.
@@ -36,7 +38,7 @@ pub(super) struct Moments {
     pub variance: f64,
 }
 
-/// What is found of one joint.
+/// Estimates of one joint: delay in s, scale, offset in N·m (N).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     pub delay: Moments,
@@ -44,20 +46,20 @@ pub(super) struct Found {
     pub offset: Moments,
 }
 
-/// What is found of all joints, and the number of blocks behind it.
+/// Estimates of all joints, and the number of blocks on which their deviations rest.
 pub(super) struct Fitted {
     pub joints: Vec<Option<Found>>,
     pub blocks: usize,
 }
 
 impl Fitted {
-    /// Half width of the interval of 95 % that goes with a variance: Student's quantile of the number of blocks.
+    /// Half width of the 95 % interval for a variance, by Student's quantile for the number of blocks.
     pub fn half_width(&self, variance: f64) -> f64 {
         student_975(self.blocks.saturating_sub(1)) * variance.sqrt()
     }
 }
 
-/// Fits all joints from a common delay on; none where nothing can be fitted.
+/// Fits all joints, starting from a common delay, s; none where nothing can be fitted.
 pub(super) fn all(robot: &Robot, systems: &Systems, start: f64) -> Option<Fitted> {
     let n = robot.dof();
     let prior = Sizes::of(robot);
@@ -100,11 +102,11 @@ pub(super) fn all(robot: &Robot, systems: &Systems, start: f64) -> Option<Fitted
     None
 }
 
-/// Sizes of what the fit has a prior for.
+/// Sizes of the parameters with a prior.
 struct Sizes {
-    /// Standard parameters of the links.
+    /// Sizes of the links' standard parameters.
     inertials: Vec<f64>,
-    /// Rotor inertia of each joint where nothing is known of it: what the described robot has about that axis.
+    /// Size of each joint's rotor inertia where it is unknown: the described robot's inertia about that axis, kg·m².
     rotors: Vec<f64>,
 }
 
@@ -138,7 +140,7 @@ impl Sizes {
     }
 }
 
-/// What one tolerance says. Unknowns: δ over tolerance and size, then each joint's own.
+/// Posterior for one tolerance. Unknowns: δ over tolerance and size, then each joint's own.
 struct Posterior {
     tolerance: f64,
     evidence: f64,
@@ -146,7 +148,7 @@ struct Posterior {
     x: Mat<f64>,
     starts: Vec<usize>,
     scale_of_shared: Vec<f64>,
-    /// k in the products k·δ.
+    /// Scale k in the products k·δ, by joint.
     k: Vec<f64>,
 }
 
@@ -222,7 +224,7 @@ fn posterior(rows: &[Option<Rows>], sizes: &Sizes, tolerance: f64, k: &[f64]) ->
     })
 }
 
-/// Means and deviations over all tolerances, weighed by their evidence; deviations at least those of the sandwich.
+/// Means and standard deviations over all tolerances, weighted by their evidence; deviations are at least those of the sandwich.
 fn mixed(
     rows: &[Option<Rows>],
     each: &[Posterior],
@@ -289,7 +291,7 @@ fn mixed(
     }
 }
 
-/// Blocks of rows that know little of each other, the same for all joints.
+/// Blocks of rows that are nearly independent, the same for all joints.
 fn blocks(rows: &[Option<Rows>], systems: &Systems) -> Vec<std::ops::Range<usize>> {
     let step = systems.steps.first().copied().unwrap_or(0.01);
     let Some(count) = rows.iter().flatten().map(|r| r.target.len()).max() else {
@@ -308,7 +310,7 @@ fn blocks(rows: &[Option<Rows>], systems: &Systems) -> Vec<std::ops::Range<usize
         .collect()
 }
 
-/// Weighted products of columns and residual, summed over each block and all joints.
+/// Weighted products of columns and residual (scores), summed over each block and all joints.
 fn scores(
     rows: &[Option<Rows>],
     best: &Posterior,

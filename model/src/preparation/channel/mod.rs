@@ -1,12 +1,12 @@
-//! The torque channel of a recording: delay, scale, offset and sign, each with an interval of 95 %.
+//! The torque channel of a recording: delay, scale, offset and sign, each with a 95 % interval.
 //!
-//! Motion is known up to noise, torque through a channel of unknown delay, gain and offset. Three things mislead simple
-//! estimates: a correlation peaks at the end of its search where nothing depends on the delay; noise of q̈ makes a
-//! regression on the model's torque too small; friction and an offset look like scale on a joint that carries little.
-//! Here the delay is that of the whole model (base parameters, friction and offset refitted at each delay), columns and
-//! torque pass one low-pass that takes the noise of q̈ away, and the scale is fitted beside friction, offset, rotor
-//! inertia and a robot whose inertials differ from the described ones by a tolerance that the recording tells. What
-//! the recording does not determine is null.
+//! Motion is known up to noise, torque through a channel of unknown delay, gain and offset. Simple estimates
+//! fail in three ways. A correlation peaks at the end of its search where nothing depends on the delay; noise
+//! of q̈ biases a regression on the model's torque low; friction and an offset look like scale on a joint with
+//! little load. Here the delay is that of the whole model (base parameters, friction and offset refitted at
+//! each delay). Columns and torque pass one low-pass that removes the noise of q̈. The scale is fitted beside
+//! friction, offset, rotor inertia and a robot whose inertials differ from the described ones by a tolerance
+//! that the recording determines. Quantities that the recording does not determine are null.
 
 mod delay;
 mod fit;
@@ -21,22 +21,22 @@ use fit::{Fitted, Found, Moments};
 use physics::robot::Robot;
 use systems::Systems;
 
-/// Half width of a delay's interval, s, beyond which it is as wide as the search.
+/// Half width of a delay's interval beyond which it counts as undetermined, s: then it is as wide as the search.
 const WIDEST_DELAY: f64 = 0.06;
-/// Half width of a scale's interval, relative to it, beyond which not even its sign is known.
+/// Relative half width of a scale's interval beyond which not even its sign is determined.
 const WIDEST_SCALE: f64 = 1.0;
 
-/// Part of a joint's described torque that is the last link's from which its scale may be a tool's.
+/// Least part of a joint's described torque from the last link for which a scale may be due to a tool.
 const CARRIED: f64 = 0.5;
-/// Scale that no tool makes.
+/// Largest scale that a tool can cause.
 const TOOL: f64 = 30.0;
 
-/// Estimates the channel of a recording of `robot`, whose described inertials count as nearly right. `prepared` comes
-/// from `recording`. All null without torque.
+/// Estimates the channel of a recording of `robot`, whose described inertials are taken as nearly right.
+/// `prepared` is the prepared `recording`. All null without torque.
 ///
-/// Everything is fitted twice: with friction that may bend and build up after reversals, which is the answer, and with
-/// viscous and Coulomb friction alone. How far the two are apart is part of the interval: nobody knows the friction of
-/// the robot at hand.
+/// Everything is fitted twice: with friction that may bend and build up after reversals, which gives the
+/// estimate, and with viscous and Coulomb friction alone. The difference of the two is added to the interval,
+/// since the friction of the robot at hand is not known.
 pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> ChannelEstimate {
     let n = robot.dof();
     let Some(systems) = Systems::new(robot, recording, prepared) else {
@@ -63,8 +63,8 @@ pub fn estimate(robot: &Robot, recording: &Recording, prepared: &Prepared) -> Ch
     }
 }
 
-/// Delay of the torque of some recordings made with one channel, s, where it is certain: its interval lies beyond what
-/// changes no torque. `options` says how they are prepared.
+/// Delay of the torque of some recordings made with one channel, s, where it is certain: its interval excludes
+/// delays that change no torque. `options` are those of the preparation.
 ///
 /// # Errors
 /// Recordings that cannot be prepared.
@@ -102,7 +102,7 @@ pub fn certain_delay(
     Ok(Some(delay).filter(|d| d.lies_outside(SHORT_DELAY)))
 }
 
-/// What all joints whose delay is determined have in common.
+/// Common delay of all joints whose delay is determined.
 fn common(fitted: &Fitted) -> delay::Common {
     let known: Vec<Moments> = fitted
         .joints
@@ -114,8 +114,8 @@ fn common(fitted: &Fitted) -> delay::Common {
     delay::common(&known, fitted.blocks)
 }
 
-/// One joint's channel from its fit, the one with plain friction, the variance of delays between joints, and the part of
-/// its described torque that is the last link's.
+/// Channel of one joint. `found` is its fit, `plain` the one with plain friction, `between` the variance of
+/// delays between joints, `carried` the part of its described torque from the last link.
 fn of_joint(
     fitted: &Fitted,
     found: Found,

@@ -1,4 +1,4 @@
-//! The rows of one joint: its torque against shared and own columns at a delay.
+//! Rows of one joint: its torque, and shared and own columns at a delay.
 
 use super::systems::{Joint, Systems};
 use faer::linalg::matmul::matmul;
@@ -7,33 +7,33 @@ use faer::{Accum, Mat, MatRef, Par, Side};
 use signal::correlation::correlation_time;
 use signal::delay::{Search, System, rows_at};
 
-/// Least variance of a residual, as a part of the torque's mean square: no model is right to a thousandth.
+/// Least variance of a residual, relative to the torque's mean square: no model is right to a thousandth.
 const PRECISION: f64 = 1e-6;
-/// Rows of one joint: shared columns, own columns, and, from the second round on, the change with the delay.
+/// Rows of one joint: shared columns, own columns, and, from the second iteration on, the derivative by the delay.
 pub(super) struct Rows {
-    /// Values, row after row.
+    /// Values of the columns, row after row.
     pub values: Vec<f64>,
-    /// Recorded torque of each row.
+    /// Recorded torque of each row, N·m (N).
     pub target: Vec<f64>,
-    /// Shared columns, the first ones.
+    /// Number of shared columns, the first ones.
     pub shared: usize,
-    /// Own columns without the change with the delay.
+    /// Number of own columns without the derivative by the delay.
     pub own: usize,
-    /// All columns.
+    /// Number of all columns.
     pub width: usize,
-    /// Whether the change with the delay is among them, as the last.
+    /// Whether the derivative by the delay is among them, as the last.
     pub slope: bool,
-    /// One over variance and correlation time.
+    /// Weight of a row: one over residual variance and correlation time.
     pub weight: f64,
     /// Correlation time of the residual, rows.
     pub correlation: f64,
-    /// Products of all columns, the target last.
+    /// Sums of products of all columns, the target last.
     sums: Mat<f64>,
 }
 
 impl Rows {
-    /// Rows at a delay, s; `known` are the coefficients of shared and own columns, from which the change with the delay
-    /// follows.
+    /// Rows at a delay, s. `known` are the coefficients of shared and own columns, from which the derivative by
+    /// the delay follows.
     pub fn new(
         joint: &Joint,
         systems: &Systems,
@@ -99,7 +99,7 @@ impl Rows {
         Some(rows)
     }
 
-    /// Sets the weight by what the best model of this joint alone leaves.
+    /// Sets the weight from the residual of the best model of this joint alone.
     fn weigh(&mut self) -> Option<()> {
         let p = self.width;
         let mut a = self.products(|_| 1.0);
@@ -137,7 +137,7 @@ impl Rows {
         Some(())
     }
 
-    /// Products of all columns times a factor, the target last.
+    /// Sums of products of all columns, each times a factor, the target last.
     pub fn products(&self, factor: impl Fn(usize) -> f64) -> Mat<f64> {
         let p = self.width;
         let factor = |i: usize| if i < p { factor(i) } else { 1.0 };
@@ -147,7 +147,7 @@ impl Rows {
     }
 }
 
-/// Products of columns, row after row, and a target, which comes last.
+/// Sums of products of columns, row after row, and a target, which comes last.
 fn sums(values: &[f64], target: &[f64], width: usize) -> Mat<f64> {
     let x = MatRef::from_row_major_slice(values, target.len(), width);
     let y = MatRef::from_column_major_slice(target, target.len(), 1);

@@ -1,4 +1,4 @@
-//! What each joint's torque is compared with: rigid body and friction as columns on a uniform grid.
+//! Columns of each joint's torque: rigid body and friction on a uniform grid.
 
 use ::identify::base::{BaseParameters, Extra};
 use datasets::Recording;
@@ -11,26 +11,26 @@ use signal::delay::System;
 use signal::{Motion, resample, smoother};
 use std::ops::Range;
 
-/// Rate of the rows, Hz, or a little more: motion and the delay of a torque live far below half of it.
+/// Least rate of the rows, Hz: motion and the effect of a delay lie far below half of it.
 const RATE: f64 = 100.0;
-/// Low-pass of motion, friction and torque alike, as a part of the rows' rate and of the recording's: what passes is
-/// sampled well in both, and hardly any noise of q̈ passes. Where preparation has passed less of the motion, no more of the
-/// torque is looked at.
+/// Cut-off of the low-pass of motion, friction and torque, relative to the rows' rate and to the recording's.
+/// All that passes is sampled well in both, and hardly any noise of q̈ passes. Where the preparation's cut-off
+/// is lower, it applies to the torque as well.
 const BAND: [f64; 2] = [0.15, 0.3];
-/// Rows looked at, at most: minutes of motion say what hours do.
+/// Most rows that are used: minutes of motion suffice.
 const ROWS: usize = 12_000;
 
-/// How the columns of a recording are read: which of them is each joint's, and where its position counts backwards.
+/// Assignment of a recording's columns to the joints, and sign of each position.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::preparation) struct Reading {
-    /// Column of each joint, for position and torque alike.
+    /// Index of each joint's column, for position and torque alike.
     pub order: Vec<usize>,
-    /// Joints whose position is taken with the other sign.
+    /// Whether each joint's position is taken with the opposite sign.
     pub turned: Vec<bool>,
 }
 
 impl Reading {
-    /// As the columns stand.
+    /// Columns in their order, with their signs.
     pub fn plain(joints: usize) -> Self {
         Self {
             order: (0..joints).collect(),
@@ -62,9 +62,9 @@ impl Reading {
 pub(in crate::preparation) struct Systems {
     /// Base parameters of the robot with its rotors.
     pub base: BaseParameters,
-    /// One for each joint; none for a joint that never moves or whose torque keeps one value.
+    /// Columns by joint; none for a joint that never moves or whose torque keeps one value.
     pub joints: Vec<Option<Joint>>,
-    /// Rows that follow each other, and their steps in s.
+    /// Ranges of consecutive rows.
     pub segments: Vec<Range<usize>>,
     /// Time between the rows of each segment, s.
     pub steps: Vec<f64>,
@@ -77,24 +77,24 @@ pub(in crate::preparation) struct Joint {
     pub standard: Vec<Vec<f64>>,
     /// Torque of the robot as described, counterbalance included.
     pub rigid: Vec<f64>,
-    /// Part of that torque, by root mean square, that is the last link's.
+    /// Part of that torque that comes from the last link, by root mean square.
     pub carried: f64,
-    /// Acceleration: rotor inertia.
+    /// Acceleration, the column of rotor inertia.
     pub rotor: Vec<f64>,
-    /// Friction and offset; the offset is the first.
+    /// Columns of offset (the first) and friction.
     pub friction: Vec<Vec<f64>>,
-    /// Recorded torque.
+    /// Recorded torque, N·m (N).
     pub torque: Vec<f64>,
 }
 
 impl Systems {
-    /// The systems of a recording; `prepared` comes from it.
+    /// Systems of a recording; `prepared` is that recording prepared.
     pub fn new(robot: &Robot, recording: &Recording, prepared: &Prepared) -> Option<Self> {
         let plain = Reading::plain(robot.dof());
         Self::read(robot, recording, prepared, &plain, ROWS)
     }
 
-    /// The same of columns that are read otherwise, with about `most` rows.
+    /// Systems with another assignment of the columns, and about `most` rows.
     pub fn read(
         robot: &Robot,
         recording: &Recording,
@@ -177,7 +177,7 @@ impl Systems {
         })
     }
 
-    /// The same with offset, viscous and Coulomb friction alone.
+    /// Systems with offset, viscous and Coulomb friction alone.
     pub fn with_plain_friction(&self) -> Self {
         let mut plain = self.clone();
         for joint in plain.joints.iter_mut().flatten() {
@@ -186,7 +186,7 @@ impl Systems {
         plain
     }
 
-    /// One joint's torque against base parameters, friction and offset.
+    /// Least-squares system of one joint's torque: base parameters, friction and offset.
     pub fn system(&self, joint: &Joint, index: usize) -> System {
         let rigid = joint.standard.len();
         let mut columns: Vec<Vec<f64>> = self
@@ -209,7 +209,7 @@ impl Systems {
     }
 }
 
-/// Part of a described torque, by root mean square, that the last link makes.
+/// Part of a described torque that comes from the last link, by root mean square.
 fn carried(standard: &[Vec<f64>], rigid: &[f64], parameters: &[f64]) -> f64 {
     let first = parameters.len().saturating_sub(PARAMETERS_PER_LINK);
     let last = |row: usize| -> f64 {
@@ -224,16 +224,16 @@ fn carried(standard: &[Vec<f64>], rigid: &[f64], parameters: &[f64]) -> f64 {
     if all > 0.0 { (own / all).sqrt() } else { 1.0 }
 }
 
-/// Columns of offset, viscous and Coulomb friction, the first ones.
+/// Number of columns of offset, viscous and Coulomb friction, the first ones.
 const PLAIN: usize = 3;
-/// Speeds, as parts of the top speed, at which friction departs from viscous and Coulomb.
+/// Velocities at which friction departs from viscous and Coulomb, relative to the top speed.
 const BENDS: [f64; 2] = [0.05, 0.3];
-/// Ways, as parts of the range, in which friction builds up after a reversal.
+/// Displacements over which friction builds up after a reversal, relative to the range.
 const WAYS: [f64; 2] = [0.001, 0.01];
 
-/// Offset and friction of a joint: viscous, Coulomb, odd functions of speed that bend at low speed, and friction that
-/// builds up after a reversal. The last looks like a delay of Coulomb friction: where it is allowed for, reversals do not
-/// tell of the delay, and smooth torque does.
+/// Columns of a joint's offset and friction: viscous, Coulomb, odd functions of speed that bend at low speed,
+/// and friction that builds up after a reversal. The last looks like a delay of Coulomb friction. With it in
+/// the fit the delay is determined by smooth torque and not by reversals.
 fn friction(q: &[f64], qd: &[f64], segments: &[Range<usize>]) -> Vec<Vec<f64>> {
     let top = qd.iter().fold(f64::MIN_POSITIVE, |m, v| v.abs().max(m));
     let low = q.iter().copied().fold(f64::INFINITY, f64::min);
@@ -256,8 +256,8 @@ fn friction(q: &[f64], qd: &[f64], segments: &[Range<usize>]) -> Vec<Vec<f64>> {
     columns
 }
 
-/// What a reversal takes from Coulomb friction until the joint has gone some multiples of `way`: sign(q̇) less a bristle that
-/// bends by that way (Dahl), zero where the joint starts.
+/// Deficit of Coulomb friction after a reversal: sign(q̇) minus the state of a bristle that bends over the
+/// displacement `way` (Dahl); zero where the joint starts.
 fn built_up(q: &[f64], qd: &[f64], segments: &[Range<usize>], way: f64) -> Vec<f64> {
     let mut out = vec![0.0; q.len()];
     for s in segments {
@@ -278,15 +278,15 @@ fn built_up(q: &[f64], qd: &[f64], segments: &[Range<usize>], way: f64) -> Vec<f
     out
 }
 
-/// The rows: every `stride`-th of the fine motion.
+/// Grid of the rows: every `stride`-th sample of the fine motion.
 struct Grids {
-    /// Trajectories that are looked at, and their part of the fine motion.
+    /// Trajectories that are used, and their ranges of the fine motion.
     trajectories: Vec<usize>,
     fine: Vec<Range<usize>>,
     stride: usize,
     rate_hz: f64,
     cutoff_hz: f64,
-    /// Whether preparation has passed no more of the motion than that.
+    /// Whether the preparation's cut-off of the motion is no higher than that.
     motion_is_smooth: bool,
     segments: Vec<Range<usize>>,
     steps: Vec<f64>,
@@ -331,7 +331,7 @@ impl Grids {
         smoother::low_pass(x, self.cutoff_hz, rate_hz).unwrap_or_else(|_| x.to_vec())
     }
 
-    /// Positions or their derivatives on the rows.
+    /// Positions or their derivatives on the rows, low-passed where necessary.
     fn motion(&self, column: &[f64]) -> Vec<f64> {
         if !self.motion_is_smooth {
             return self.thinned(column);
@@ -342,7 +342,7 @@ impl Grids {
             .collect()
     }
 
-    /// A column of the fine motion through the low-pass, on the rows.
+    /// A column of the fine motion, low-passed, on the rows.
     fn thinned(&self, column: &[f64]) -> Vec<f64> {
         let parts = self.fine.iter();
         parts
@@ -353,7 +353,7 @@ impl Grids {
             .collect()
     }
 
-    /// Recorded torque on the fine grid, through the low-pass, on the rows.
+    /// Recorded torque on the fine grid, low-passed, on the rows.
     fn torque(&self, recording: &Recording, prepared: &Prepared, tau: &[f64]) -> Option<Vec<f64>> {
         let mut rows = Vec::with_capacity(self.rows());
         for (&t, s) in self.trajectories.iter().zip(&self.fine) {
@@ -367,7 +367,7 @@ impl Grids {
     }
 }
 
-/// Some stretches, evenly spread, with about `most` samples together, and their indices; the beginning of a longer one.
+/// Some stretches, evenly spread, with about `most` samples in all, and their indices; of a longer stretch its beginning.
 fn evenly(stretches: &[Range<usize>], most: usize) -> (Vec<usize>, Vec<Range<usize>>) {
     let all: usize = stretches.iter().map(Range::len).sum();
     let every = all.div_ceil(most).clamp(1, stretches.len().max(1));

@@ -1,9 +1,9 @@
-//! Why no cut-off could be chosen.
+//! Errors of the choice of a cut-off.
 
 use crate::identify::error::IdentifyError;
 use datasets::prepare::PrepareError;
 
-/// Why no cut-off could be chosen.
+/// Reason why no cut-off could be chosen.
 #[derive(Debug, thiserror::Error)]
 pub enum CutoffError {
     /// A recording cannot be prepared.
@@ -11,7 +11,7 @@ pub enum CutoffError {
     Prepare {
         /// The recording.
         file: String,
-        /// Why.
+        /// Cause.
         source: PrepareError,
     },
     /// The basic model cannot be fitted.

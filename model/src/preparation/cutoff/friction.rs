@@ -1,9 +1,9 @@
-//! Friction of whatever shape, linear in its parameters.
+//! Friction of flexible shape, linear in its parameters, for the comparison of cut-offs.
 //!
-//! What a cut-off is worth shows only where the rest of the model is right: under a sign that is too soft for a joint
-//! the errors of all cut-offs are alike. So the sign is a sum of soft ones, friction may grow with the square of the
-//! speed and build up over a displacement after a reversal; nothing is chosen, and parameters that little motion leaves
-//! to chance are held by a weak prior.
+//! Cut-offs can be compared only where the other parts of the model are right: under a sign that is too soft
+//! for a joint the errors of all cut-offs are alike. So the sign is a sum of soft ones, and friction may grow
+//! with the square of the speed and build up over a displacement after a reversal. No terms are selected.
+//! Parameters that little motion leaves undetermined are held by a weak prior.
 
 use crate::identify::basic;
 use crate::identify::design::JointSystem;
@@ -13,12 +13,12 @@ use ndarray::{Array1, Array2};
 use physics::effects::{Sliding, Stop, Term};
 use physics::robot::Robot;
 
-/// Speeds over which a sign turns round, rad/s or m/s.
+/// Velocities of softening of the signs, rad/s or m/s.
 const SOFTNESSES: [f64; 3] = [0.004, 0.02, 0.1];
 /// Displacements over which friction builds up, rad or m: 0.05° and 0.5°.
 const WIDTHS: [f64; 2] = [8.7e-4, 8.7e-3];
 
-/// Terms of each joint.
+/// Terms of each joint for the comparison.
 pub(super) fn terms(robot: &Robot) -> Vec<Vec<Term>> {
     let all = basic::terms(robot).into_iter();
     all.map(|list| {
@@ -37,8 +37,9 @@ fn shapes() -> impl Iterator<Item = Term> {
     soft.into_iter().chain([grows]).chain(builds_up)
 }
 
-/// Rows of deviation one over `total` parameters that hold each shape's torque to the size of the joint's torque.
-/// `offsets`: index of the first parameter of each joint's terms; `rate_hz` that of the rows.
+/// Prior as rows of unit standard deviation over `total` parameters: each shape's torque has the size of the
+/// joint's torque. `offsets`: index of the first parameter of each joint's terms; `rate_hz`: rate of the rows,
+/// Hz.
 pub(super) fn prior(
     systems: &[JointSystem],
     offsets: &[usize],

@@ -1,9 +1,9 @@
-//! Cut-off of the motion's low-pass, chosen by what it does to the torque.
+//! Cut-off of the motion's low-pass, chosen by the error of the torque.
 //!
-//! The noise of a position says little about the cut-off: what counts is whether q̈ at that cut-off still explains
-//! torque. So rigid body, rotor inertia and friction of whatever shape are fitted to the raw recorded torque at a few
-//! cut-offs, and the error on rows left out decides; of those that differ from the best by no more than chance the middle
-//! is taken. Nothing of a held-out recording is looked at.
+//! The noise of a position does not determine the cut-off: q̈ must still explain the torque. So rigid body,
+//! rotor inertia and friction of flexible shape are fitted to the raw recorded torque at a few cut-offs, and
+//! the error on rows left out decides. Of the cut-offs that differ from the best by no more than chance the
+//! middle is taken. No held-out recording is used.
 
 mod error;
 mod friction;
@@ -20,15 +20,15 @@ use serde::{Deserialize, Serialize};
 
 use unseen::{Search, Unseen};
 
-/// Lowest and highest cut-off tried, Hz; the highest is also at most this part of the rate.
+/// Lowest and highest cut-off that is tried, Hz; the highest is also limited to [`HIGHEST_PART`] of the rate.
 const RANGE_HZ: [f64; 2] = [1.5, 100.0];
-/// Ratio of neighbouring cut-offs of the first look.
+/// Ratio of neighbouring cut-offs in the first search.
 const RATIO: f64 = 1.5;
-/// Errors that are larger by fewer standard errors of the difference are as good: the middle of such a stretch is taken.
+/// Errors count as equal up to this many standard errors of their difference; of such a stretch of cut-offs the middle is taken.
 const CHANCE: f64 = 1.0;
-/// Samples looked at, at most: whole trajectories, evenly spread.
+/// Most samples that are used: whole trajectories, evenly spread.
 const SAMPLES: usize = 40_000;
-/// Time that a residual remembers, s: rows closer to a fold are not fitted.
+/// Autocorrelation time of a residual, s: rows closer to a fold are not fitted.
 const MEMORY: f64 = 0.5;
 
 /// One cut-off that was tried.
@@ -40,18 +40,19 @@ pub struct Tried {
     pub error: f64,
 }
 
-/// How the cut-off was chosen.
+/// Choice of the cut-off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CutoffChoice {
-    /// What was tried, lowest first, with recorded velocity fused in where it fits.
+    /// Cut-offs that were tried, lowest first, with recorded velocity fused in where it fits.
     pub tried: Vec<Tried>,
-    /// The same at the cut-off taken from position alone, where a velocity was recorded.
+    /// Error with derivatives from position alone at the chosen cut-off, where a velocity was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_alone: Option<Tried>,
 }
 
-/// The options with the cut-off that explains the torque of `data` best, and how it was chosen; as they are where a
-/// cut-off is given, where the recordings are too slow for a low-pass, and where nothing can be left out.
+/// Options with the cut-off that explains the torque of `data` best, and the choice. The options are unchanged
+/// where a cut-off is given, where the recordings are too slow for a low-pass, and where no rows can be left
+/// out.
 ///
 /// # Errors
 /// Recordings that cannot be prepared, or not fitted.
@@ -119,7 +120,7 @@ pub fn choose(
     ))
 }
 
-/// Whether rigid body and friction explain the torque of `data` better out of fold with one way of preparing than with another.
+/// Whether rigid body and friction explain the torque of `data` better out of fold with the preparation `one` than with `other`.
 ///
 /// # Errors
 /// As [`choose`].
@@ -135,7 +136,7 @@ pub fn explains_better(
     Ok(matches!(both, (Some(one), Some(other)) if one.error() < other.error()))
 }
 
-/// Part of the recordings that is looked at.
+/// Part of the recordings that is used.
 fn sample_of(data: &[Recording]) -> Vec<Recording> {
     let share = SAMPLES / data.len().max(1);
     data.iter().map(|r| part_of(r, share)).collect()
@@ -146,12 +147,12 @@ pub fn gap(options: &PrepareOptions) -> f64 {
     options.cutoff_hz.map_or(MEMORY, |hz| MEMORY.max(1.0 / hz))
 }
 
-/// What is looked at, compared on the same rows at whatever cut-off.
+/// Search on a sample, which compares the same rows at all cut-offs.
 fn search<'a>(robot: &'a Robot, sample: &'a [Recording]) -> Search<'a> {
     Search::new(robot, sample, MEMORY.max(1.0 / RANGE_HZ[0]))
 }
 
-/// Errors at several cut-offs; those at which nothing could be fitted are left out.
+/// Errors at several cut-offs, without those at which no fit was possible.
 fn errors(
     search: &Search,
     cutoffs: &[f64],
@@ -173,7 +174,7 @@ fn least(errors: &[f64]) -> Option<usize> {
     (0..errors.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b]))
 }
 
-/// Middle, in logarithm, of the cut-offs around the best one that are alike to it.
+/// Geometric mean of the ends of the stretch of cut-offs around the best one for which `alike` holds.
 fn middle(cutoffs: &[f64], best: usize, alike: impl Fn(usize) -> bool) -> f64 {
     let alike = |&k: &usize| k == best || alike(k);
     let first = (0..=best).rev().take_while(alike).last();
@@ -181,7 +182,7 @@ fn middle(cutoffs: &[f64], best: usize, alike: impl Fn(usize) -> bool) -> f64 {
     (cutoffs[first.unwrap_or(best)] * cutoffs[last.unwrap_or(best)]).sqrt()
 }
 
-/// Some of a recording's trajectories, evenly spread, with about so many samples; the beginning of a single longer one.
+/// Some of a recording's trajectories, evenly spread, with about `samples` samples; of a single longer one its beginning.
 fn part_of(recording: &Recording, samples: usize) -> Recording {
     let count = recording.trajectories.len();
     let every = recording

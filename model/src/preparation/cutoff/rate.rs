@@ -1,12 +1,12 @@
-//! What cut-off a rate carries.
+//! Highest cut-off for a sampling rate.
 
 use datasets::Recording;
 use datasets::prepare::PrepareOptions;
 
-/// Highest cut-off that a rate carries, as a part of the rate.
+/// Highest cut-off relative to the sampling rate.
 pub const HIGHEST_PART: f64 = 0.4;
 
-/// The options for one recording: a cut-off that its rate cannot carry becomes the highest that it can.
+/// Options for one recording: a cut-off above the highest for its rate is replaced by that.
 pub fn for_recording(options: &PrepareOptions, recording: &Recording) -> PrepareOptions {
     let highest = HIGHEST_PART / recording.median_step();
     PrepareOptions {

@@ -1,4 +1,4 @@
-//! Error of rigid body and friction on rows left out, at one way of preparing.
+//! Out-of-fold error of rigid body and friction for one preparation.
 
 use super::error::CutoffError;
 use super::friction;
@@ -18,34 +18,33 @@ use ndarray::{Array2, Axis};
 use physics::effects::Term;
 use physics::robot::Robot;
 
-/// Rows fitted, at most.
+/// Most rows that are fitted.
 const ROWS: usize = 5000;
-/// Folds of the search.
+/// Number of folds of the search.
 const FOLDS: usize = 6;
 
-/// What is looked at.
+/// Recordings and folds on which preparations are compared.
 pub(super) struct Search<'a> {
     robot: &'a Robot,
     base: BaseParameters,
     recordings: Vec<&'a Recording>,
-    /// The same rows for whatever is compared.
+    /// Folds, the same for all that is compared.
     folds: Folds,
-    /// Variance of the recorded torque of each joint that moves.
+    /// Variance of the recorded torque of each joint, (N·m)²; none for one that does not move.
     variances: Vec<Option<f64>>,
 }
 
-/// Squared error over the torque's variance, of each fold (row) and joint that moves (column); a column sums to the
-/// joint's squared NRMSE.
+/// Squared error over the torque's variance, by fold (row) and moving joint (column). A column sums to the joint's squared NRMSE.
 pub(super) struct Unseen(Array2<f64>);
 
 impl Unseen {
-    /// Mean over joints of the NRMSE.
+    /// Mean NRMSE over joints.
     pub(super) fn error(&self) -> f64 {
         let joints = self.0.sum_axis(Axis(0));
         joints.mapv(f64::sqrt).mean().unwrap_or(f64::NAN)
     }
 
-    /// By how much the error is larger than that of `best`, in standard errors of that difference: the folds' spread.
+    /// Difference of the error to that of `best`, in standard errors of the difference, which come from the folds' spread.
     pub(super) fn above(&self, best: &Self) -> f64 {
         let nrmse = best.0.sum_axis(Axis(0)).mapv(f64::sqrt);
         // To first order the difference of the errors is a sum over folds.
@@ -57,7 +56,7 @@ impl Unseen {
 }
 
 impl<'a> Search<'a> {
-    /// `gap`: time around a fold that is left out with it, s.
+    /// Search on `sample`; `gap`: time around a fold that is left out with it, s.
     pub(super) fn new(robot: &'a Robot, sample: &'a [Recording], gap: f64) -> Self {
         let recordings: Vec<&Recording> = sample.iter().collect();
         Self {
@@ -71,7 +70,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// `None` where nothing can be left out or fitted.
+    /// Out-of-fold error for one preparation; `None` where no rows can be left out or fitted.
     pub(super) fn unseen(&self, options: &PrepareOptions) -> Result<Option<Unseen>, CutoffError> {
         let prepared = |r: &&Recording| {
             prepare(r, &for_recording(options, r)).map_err(|source| CutoffError::Prepare {
@@ -134,7 +133,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Squared error on rows left out, over the rows of the joint: folds × joints, (N·m)²; NaN for a joint without rows.
+/// Squared error on rows left out, over the number of the joint's rows, (N·m)², shape (folds, joints); NaN for
+/// a joint without rows.
 fn squares(
     data: &Data,
     terms: &[Vec<Term>],
@@ -154,7 +154,7 @@ fn squares(
     }))
 }
 
-/// Variance of a joint's torque over recordings; `None` where it does not move or is without torque.
+/// Variance of a joint's torque over the recordings, (N·m)²; `None` for a joint without motion or torque.
 fn variance(recordings: &[&Recording], joint: usize) -> Option<f64> {
     let (mut n, mut mean, mut squares) = (0.0, 0.0, 0.0);
     for tau in recordings.iter().filter_map(|r| r.tau.as_ref()) {
