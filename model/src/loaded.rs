@@ -1,4 +1,4 @@
-//! A stored model put together: the torque that it predicts for a prepared recording.
+//! A stored model put together, and its torque for a prepared recording.
 
 use crate::directory::ModelFile;
 use crate::predict::predict_noted;
@@ -11,7 +11,7 @@ use physics::torque_model::TorqueModel;
 /// A model with its compensator, where it has one.
 #[derive(Clone, Copy)]
 pub struct Loaded<'a> {
-    /// What the directory says.
+    /// Contents of the model directory.
     pub file: &'a ModelFile,
     /// Its physics.
     pub model: &'a TorqueModel,

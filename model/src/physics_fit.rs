@@ -1,4 +1,4 @@
-//! `train --physics-only`: recordings to an identified model with its scores.
+//! `train --physics-only`: from recordings to an identified model with its scores.
 
 use crate::assemble::{Estimated, Parts};
 use crate::baseline::BaselineError;
@@ -29,12 +29,12 @@ pub struct FitOptions {
     pub identify: IdentifyOptions,
     /// Preparation of the recordings.
     pub prepare: PrepareOptions,
-    /// Seed, for provenance.
+    /// Random seed, for provenance.
     pub seed: u64,
 }
 
 impl FitOptions {
-    /// The rigid body with each joint's basic terms alone, as `train --basic`: nothing is chosen from the dictionary.
+    /// Options as for `train --basic`: the rigid body with each joint's basic terms, and none from the dictionary.
     pub fn basic() -> Self {
         let mut options = Self::default();
         options.identify.select = false;
@@ -42,10 +42,10 @@ impl FitOptions {
     }
 }
 
-/// Why a fit failed.
+/// Reason why a fit failed.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
-    /// The cut-off of the motion.
+    /// The cut-off of the motion cannot be chosen.
     #[error(transparent)]
     Cutoff(#[from] CutoffError),
     /// A recording cannot be prepared.
@@ -53,13 +53,13 @@ pub enum FitError {
     Prepare {
         /// The recording.
         file: String,
-        /// Why.
+        /// Cause.
         source: PrepareError,
     },
-    /// Identification.
+    /// Identification failed.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-    /// The linear baseline.
+    /// The linear baseline cannot be fitted.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
     /// Tables of different shapes.
@@ -70,23 +70,23 @@ pub enum FitError {
     Model(#[from] physics::torque_model::TorqueModelError),
 }
 
-/// A fitted model with what its fit was made of.
+/// A fitted model with its intermediate results.
 pub struct Fit {
     /// The model.
     pub file: ModelFile,
     /// Training recordings, then the held-out one where there is one.
     pub session: Session,
-    /// What identification found.
+    /// Result of the identification.
     pub identified: Identified,
     /// Possible links nearest to it, where some were found.
     pub possible: Option<Feasible>,
-    /// Predictions of the physics for every recording of the session.
+    /// Torque of the physics for every recording of the session, N·m (N), shape (samples, joints).
     pub physics: Vec<Array2<f64>>,
-    /// Groups of training trajectories that a fold never splits, per recording.
+    /// Group of each training trajectory, per recording; a fold never splits a group.
     pub fold: Vec<Vec<usize>>,
 }
 
-/// Identifies `robot` from `data`; of `heldout` only the motion is used, by memory.
+/// Identifies `robot` from `data`. Of `heldout` only the motion is used, for memory.
 ///
 /// # Errors
 /// See [`FitError`].
@@ -182,8 +182,7 @@ pub fn fit_physics(
 }
 
 impl Fit {
-    /// Rows of `linear_baseline`, `physics` and, where there is one, `forward_baseline` for one recording of the
-    /// session.
+    /// Scores of `linear_baseline`, `physics` and, where there is one, `forward_baseline` for one recording of the session.
     ///
     /// # Errors
     /// Tables of different shapes.

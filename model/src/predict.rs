@@ -1,4 +1,4 @@
-//! Torque of a model over recordings, as their torque sensors would have recorded it.
+//! Torque of a model over recordings, with the filters of their torque sensors.
 
 use crate::identify::design::rigid_columns;
 use crate::session::{Session, Start};
@@ -9,12 +9,12 @@ use ndarray::{Array2, Axis};
 use physics::effects::{BankState, Term};
 use physics::torque_model::TorqueModel;
 
-/// Torque at the recorded samples of every recording, shape (samples, joints).
+/// Torque at the recorded samples of every recording, N·m (N), shape (samples, joints).
 ///
 /// The model itself runs causally over the fine motion; the recording's own torque filter, where it
 /// has one, is applied to what it predicts.
 ///
-/// `memory` is what the model remembers of the trajectories that the session knows.
+/// `memory` is the model's memory at the end of the trajectories that the session knows.
 pub fn predict(model: &TorqueModel, session: &Session, memory: &[Memory]) -> Vec<Array2<f64>> {
     let n = model.dof();
     let mut predictor = model.predictor();
@@ -49,7 +49,8 @@ pub fn predict(model: &TorqueModel, session: &Session, memory: &[Memory]) -> Vec
         .collect()
 }
 
-/// The same as the recordings' torque channel notes it, where something of it is known.
+/// Torque at the recorded samples of every recording, N·m (N), shape (samples, joints), with the known
+/// properties of their torque channel.
 pub fn predict_noted(
     model: &TorqueModel,
     session: &Session,
@@ -63,11 +64,11 @@ pub fn predict_noted(
     all
 }
 
-/// What the torque of one joint changes by with each fitted parameter.
+/// Sensitivity of one joint's torque to each fitted parameter.
 pub struct Sensitivity {
-    /// Where these parameters stand among all: base parameters, then each joint's fitted terms, as in the covariance.
+    /// Indices of these parameters among all: base parameters, then each joint's fitted terms, as in the covariance.
     pub places: Vec<usize>,
-    /// Torque by unit of each, shape (samples, parameters).
+    /// Torque per unit of each parameter, shape (samples, parameters).
     pub columns: Array2<f64>,
 }
 

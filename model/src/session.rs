@@ -1,4 +1,4 @@
-//! Several recordings of one robot, walked through in the order in which the robot moved.
+//! Session: several recordings of one robot, in the order in which the robot moved.
 
 use datasets::prepare::Prepared;
 use feedforward::clock::{LONGEST_PAUSE, last_before};
@@ -9,37 +9,36 @@ use physics::robot::Robot;
 use signal::Motion;
 use std::ops::Range;
 
-/// Trajectories of one clock: a new one starts where the clock of a recording does not continue
-/// another's.
+/// One trajectory of a session, with the state of memory before it.
 #[derive(Clone, Debug)]
 pub struct Step {
     /// Index of the recording.
     pub part: usize,
     /// Rows of the fine motion.
     pub rows: Range<usize>,
-    /// Where memory stands before this trajectory.
+    /// State of memory before this trajectory.
     pub start: Start,
 }
 
-/// Where memory stands before a sample.
+/// State of memory before a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// It runs on from the sample before.
+    /// That after the sample before.
     RunsOn,
-    /// Nothing is known.
+    /// Neutral: nothing is known.
     Neutral,
-    /// As it stood at the end of the known trajectory of this index.
+    /// That at the end of the known trajectory with this index.
     Known(usize),
 }
 
-/// Prepared recordings with the order in which memory runs through them.
+/// Prepared recordings in the order in which memory passes through them.
 #[derive(Clone, Debug)]
 pub struct Session {
     /// The recordings.
     pub parts: Vec<Prepared>,
     /// Trajectories in the order of the clock.
     pub steps: Vec<Step>,
-    /// Whether each recording is on the clock that warm-up terms know.
+    /// Whether each recording is on the clock of the warm-up terms.
     pub clock_known: Vec<bool>,
     known: Vec<[f64; 2]>,
 }
@@ -70,8 +69,8 @@ impl Session {
             .collect()
     }
 
-    /// Columns of one joint's terms at the recorded samples of every recording, shape
-    /// (samples, terms), as the recorded torque would show them: see [`Prepared::to_samples`].
+    /// Columns of one joint's terms at the recorded samples of every recording, shape (samples, terms), with
+    /// the recorded torque's filter: see [`Prepared::to_samples`].
     ///
     /// `memory` holds the terms' states at the end of each known trajectory (empty: none is stored).
     pub fn columns(
@@ -104,8 +103,8 @@ impl Session {
             .collect()
     }
 
-    /// State of one joint's terms at the end of every trajectory of the first `recordings` recordings
-    /// that is on the known clock, in the order of [`Session::clock`].
+    /// Memory of one joint's terms at the end of every trajectory of the first `recordings` recordings that is
+    /// on the known clock, in the order of [`Session::clock`].
     pub fn end_states(
         &self,
         joint: usize,
@@ -167,7 +166,7 @@ impl Session {
         });
     }
 
-    /// Visits every fine sample in the order of memory: where memory stands, recording, row, sample.
+    /// Visits every fine sample in the order of memory, with state of memory, recording, row and sample.
     ///
     /// Without `load` the samples carry an empty one.
     pub fn walk(
@@ -220,8 +219,8 @@ impl Session {
     }
 }
 
-/// Trajectories of several recordings in the order in which memory runs through them, and which recordings are on the
-/// clock that warm-up terms know. `known` as in [`Session::new`].
+/// Trajectories of several recordings in the order in which memory passes through them, and whether each
+/// recording is on the clock of the warm-up terms. `known` as in [`Session::new`].
 pub fn order(motions: &[&Motion], known: &[[f64; 2]]) -> (Vec<Step>, Vec<bool>) {
     let mut taken: Vec<[f64; 2]> = known.to_vec();
     let mut clock_known = Vec::with_capacity(motions.len());
@@ -283,7 +282,7 @@ pub fn spans(motion: &Motion) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Whether time runs on from trajectory to trajectory of one recording.
+/// Whether time increases from trajectory to trajectory of one recording.
 fn runs_on(spans: &[[f64; 2]]) -> bool {
     spans.windows(2).all(|w| w[1][0] > w[0][1])
 }

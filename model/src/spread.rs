@@ -1,11 +1,11 @@
-//! How far a model is off where nothing was fitted: the deviation that a prediction states.
+//! Standard deviation that a prediction states, from errors on samples that were not fitted.
 
 use crate::directory::ResidualStd;
 use datasets::metrics::MOVING;
 use ndarray::ArrayView2;
 use serde::Serialize;
 
-/// Standard deviations on either side of a normal distribution's middle that hold 90 % of it.
+/// Half width of the central 90 % of a normal distribution, in standard deviations.
 pub const NINETY: f64 = 1.644_854;
 
 /// Errors of one joint on samples left out of what made them, with the joint's speeds (rad/s or m/s).
@@ -15,13 +15,13 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    /// One sample more.
+    /// Adds the error of one sample.
     pub fn push(&mut self, error: f64, speed: f64) {
         self.errors[usize::from(speed.abs() > MOVING)].push(error.abs());
     }
 
-    /// Deviation at standstill and in motion, such that ± [`NINETY`] of it holds 90 % of the errors; that of the other regime
-    /// where one has no sample, and none where neither has.
+    /// Standard deviations at standstill and in motion, such that ± [`NINETY`] of each holds 90 % of the
+    /// errors. That of the other regime where one has no sample, and none where neither has.
     fn deviations(&self) -> Option<[f64; 2]> {
         let of = |errors: &[f64]| {
             let mut sorted = errors.to_vec();
@@ -37,7 +37,7 @@ impl LeftOut {
     }
 }
 
-/// Deviations of all joints by regime; those of a joint without errors stay as in `otherwise`.
+/// Standard deviations of all joints by regime; for a joint without errors those of `otherwise`.
 pub fn by_regime(joints: &[LeftOut], otherwise: &ResidualStd) -> ResidualStd {
     let mut all = otherwise.clone();
     for (joint, left) in joints.iter().enumerate() {
@@ -49,21 +49,21 @@ pub fn by_regime(joints: &[LeftOut], otherwise: &ResidualStd) -> ResidualStd {
     all
 }
 
-/// Share of samples inside the stated 90 % intervals: what the deviations are worth on a recording.
+/// Coverage: share of samples inside the stated 90 % intervals on a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coverage {
-    /// By joint.
+    /// Coverage by joint.
     pub joints: Vec<f64>,
-    /// Of all samples in motion; none where there is none.
+    /// Coverage of all samples in motion; none where there is none.
     pub moving: Option<f64>,
-    /// Of all samples at standstill.
+    /// Coverage of all samples at standstill; none where there is none.
     pub standstill: Option<f64>,
-    /// Of all samples.
+    /// Coverage of all samples.
     pub all: f64,
 }
 
 impl Coverage {
-    /// Counts errors within ± [`NINETY`] deviations; all tables of shape (samples, joints).
+    /// Share of errors within ± [`NINETY`] standard deviations; all tables of shape (samples, joints).
     pub fn of(errors: ArrayView2<f64>, deviation: ArrayView2<f64>, qd: ArrayView2<f64>) -> Self {
         let mut count = vec![[[0usize; 2]; 2]; errors.ncols()];
         for ((row, joint), error) in errors.indexed_iter() {

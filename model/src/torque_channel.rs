@@ -1,5 +1,5 @@
-//! What stands between a joint's torque and what was recorded of it, as far as a diagnosis found it: properties of the
-//! recording, not of the robot. Scores allow for them, a control loop does not have them.
+//! Torque channel from a diagnosis: relation between a joint's torque and its recorded value. It is a property
+//! of the recording, not of the robot: scores compensate for it, a control loop does not have it.
 
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use signal::Motion;
 /// Recorded torque = gain·τ + offset, cut at a limit; true position = recorded position + zero. One value per joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TorqueChannel {
-    /// Recorded torque over torque.
+    /// Gain: recorded torque over torque.
     pub gain: Vec<f64>,
     /// Bias of the recorded torque, N·m (N).
     pub offset: Vec<f64>,
@@ -19,7 +19,7 @@ pub struct TorqueChannel {
 }
 
 impl TorqueChannel {
-    /// A channel that records what there is, of so many joints.
+    /// A channel of `dof` joints without error.
     pub fn faithful(dof: usize) -> Self {
         Self {
             gain: vec![1.0; dof],
@@ -29,7 +29,7 @@ impl TorqueChannel {
         }
     }
 
-    /// Whether all lists have this length.
+    /// Whether all lists have the length `dof`.
     pub fn fits(&self, dof: usize) -> bool {
         let lengths = [
             self.gain.len(),
@@ -40,14 +40,14 @@ impl TorqueChannel {
         lengths.iter().all(|&l| l == dof)
     }
 
-    /// Recorded positions become true ones.
+    /// Turns recorded positions into true ones.
     pub fn turn(&self, motion: &mut Motion) {
         for (mut q, zero) in motion.q.columns_mut().into_iter().zip(&self.zero) {
             q += *zero;
         }
     }
 
-    /// Torque, shape (samples, joints), becomes what is recorded of it.
+    /// Turns torque, shape (samples, joints), into recorded torque.
     pub fn note(&self, torque: &mut Array2<f64>) {
         for (j, mut tau) in torque.columns_mut().into_iter().enumerate() {
             let limit = self.limit[j].unwrap_or(f64::INFINITY);

@@ -4,9 +4,9 @@ use crate::physics_fit::Fit;
 use physics::effects::{Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot, to_urdf};
 
-/// The nominal robot with possible standard parameters whose base parameters are, within their
-/// deviations, nearest to the identified ones, and with viscous and Coulomb friction. Directions that
-/// the data leave open keep the nominal values.
+/// The nominal robot with the identified parameters: possible standard parameters whose base parameters are
+/// nearest to the identified ones, relative to their deviations, and viscous and Coulomb friction. Directions
+/// that the data leave open keep the nominal values.
 ///
 /// None where no such parameters were found.
 pub fn identified(fit: &Fit) -> Option<String> {

@@ -1,4 +1,4 @@
-//! What is written down of a comparison.
+//! Results of a comparison of models.
 
 use super::bootstrap::{Intervals, Stretches};
 use super::entry::Entry;
@@ -22,15 +22,15 @@ pub struct Leaderboard {
     pub samples: usize,
     /// Number of trajectories.
     pub trajectories: usize,
-    /// What intervals mean.
+    /// Method of the intervals.
     pub intervals: Intervals,
     /// Torque from motion: every model, lowest mean NRMSE over all samples first.
     pub rows: Vec<Entry>,
-    /// Positions simulated from torque, in the same order; empty where nobody does.
+    /// Positions simulated from torque, in the same order; empty where no model does that.
     pub forward: Vec<Entry>,
-    /// The models given, with what their figures depend on.
+    /// The models given, with the conditions of their figures.
     pub models: Vec<Given>,
-    /// Figures that another run does not repeat: they are measured when the page is made.
+    /// Names of figures that another run does not repeat, since they are measured when the page is made.
     pub measured_when_made: [&'static str; 1],
     /// Published results among the rows.
     #[serde(skip)]
@@ -42,12 +42,12 @@ pub struct Leaderboard {
 pub struct Given {
     /// Its directory.
     pub directory: String,
-    /// As `eval` says them.
+    /// Conditions of its figures, as text of `eval`.
     pub notes: Vec<String>,
 }
 
 impl Leaderboard {
-    /// A board without rows, for the recording that `scored` is of.
+    /// A board without rows, for the recording of `scored`.
     pub(super) fn empty(file: &ModelFile, scored: &Evaluation) -> Self {
         let parts = [Part::Test, Part::Train];
         Self {

@@ -1,8 +1,8 @@
-//! How sure a figure is: intervals over the motions that might have been recorded instead.
+//! Bootstrap intervals of scores over the motions that might have been recorded instead.
 //!
-//! Percentile bootstrap over whole trajectories (B. Efron and R. J. Tibshirani, "An Introduction to the Bootstrap", 1993, chapter
-//! 13): errors are correlated within a trajectory, so single samples say far less than their number promises. Numerator and
-//! denominator of NRMSE are drawn together.
+//! Percentile bootstrap over whole trajectories (B. Efron and R. J. Tibshirani, "An Introduction to the
+//! Bootstrap", 1993, chapter 13): errors are correlated within a trajectory, so single samples hold far less
+//! information than their number suggests. Numerator and denominator of NRMSE are drawn together.
 
 use datasets::metrics::{MOVING, Scope, Scores, ShapeError, deviations};
 use ndarray::{Array2, Axis};
@@ -11,38 +11,38 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use std::ops::Range;
 
-/// Recordings drawn per interval.
+/// Number of recordings drawn per interval.
 const DRAWS: usize = 1000;
-/// Part of the draws that an interval holds.
+/// Level of an interval: part of the draws that it holds.
 const LEVEL: f64 = 0.95;
-/// The same draws for every model, so that two intervals differ by the models alone.
+/// Seed, the same for every model, so that two intervals differ by the models alone.
 const SEED: u64 = 0;
-/// Fewer trajectories than this are too few to draw from.
+/// Fewest trajectories to draw from; with fewer, blocks are drawn.
 const FEWEST: usize = 5;
-/// Blocks that such a recording is cut into.
+/// Number of blocks into which such a recording is cut.
 const BLOCKS: usize = 20;
 
-/// The stretches of a recording that are drawn as a whole.
+/// Stretches of a recording that are drawn as a whole.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stretches {
     ranges: Vec<Range<usize>>,
     blocks: bool,
 }
 
-/// What the intervals are over, for a reader.
+/// Method of the intervals, for a reader.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Intervals {
-    /// Part of the draws within.
+    /// Level: part of the draws within an interval.
     pub level: f64,
     /// `percentile bootstrap`.
     pub method: &'static str,
-    /// `trajectories` or `blocks`.
+    /// Drawn units: `trajectories` or `blocks`.
     pub over: &'static str,
-    /// Number of these.
+    /// Number of these units.
     pub stretches: usize,
-    /// Recordings drawn.
+    /// Number of recordings drawn.
     pub draws: usize,
-    /// Seed of the draws.
+    /// Random seed of the draws.
     pub seed: u64,
 }
 
@@ -54,11 +54,11 @@ pub struct Judged {
     pub scores: Scores,
     /// Interval of each joint's NRMSE.
     pub nrmse_interval: Vec<Option<[f64; 2]>>,
-    /// Of each joint's R², percent.
+    /// Interval of each joint's R², percent.
     pub r2_interval: Vec<Option<[f64; 2]>>,
-    /// Of the mean NRMSE over joints.
+    /// Interval of the mean NRMSE over joints.
     pub mean_nrmse_interval: Option<[f64; 2]>,
-    /// Of the mean R², percent.
+    /// Interval of the mean R² over joints, percent.
     pub mean_r2_interval: Option<[f64; 2]>,
 }
 
@@ -66,15 +66,15 @@ pub struct Judged {
 #[derive(Clone)]
 struct Sums {
     samples: f64,
-    /// Σ(y − ȳ) and Σ(y − ȳ)² of what was measured, ȳ over the whole recording.
+    /// Σ(y − ȳ) and Σ(y − ȳ)² of the measured values, ȳ over the whole recording.
     measured: Vec<[f64; 2]>,
     /// Number of samples and Σe² within each scope.
     errors: [Vec<[f64; 2]>; 2],
 }
 
 impl Stretches {
-    /// Trajectories; where they are fewer than five, consecutive blocks of about a twentieth of the recording, none of
-    /// which reaches over a break.
+    /// Stretches: trajectories. With fewer than five of these, consecutive blocks of about a twentieth of the
+    /// recording, none of which crosses a break.
     pub fn of(trajectories: &[Range<usize>]) -> Self {
         let whole = || trajectories.iter().filter(|t| !t.is_empty());
         if whole().count() >= FEWEST {
@@ -97,7 +97,7 @@ impl Stretches {
         }
     }
 
-    /// What a reader has to know of them.
+    /// Description of the intervals for a reader.
     pub fn intervals(&self) -> Intervals {
         Intervals {
             level: LEVEL,
@@ -115,7 +115,7 @@ impl Stretches {
 }
 
 impl Judged {
-    /// Figures that come without intervals.
+    /// Scores without intervals.
     pub fn bare(scores: Scores) -> Self {
         let joints = scores.nrmse.len();
         Self {
@@ -248,7 +248,7 @@ impl Sums {
         }
     }
 
-    /// Figures of a drawn recording; `whole` are the deviations of the real one.
+    /// Scores of a drawn recording; `whole` are the standard deviations of the real one.
     fn scores(&self, whole: &[Option<f64>]) -> [Scores; 2] {
         let deviations: Vec<Option<f64>> = std::iter::zip(whole, &self.measured)
             .map(|(whole, [sum, squares])| {
@@ -266,7 +266,7 @@ impl Sums {
     }
 }
 
-/// Ends of the interval; none without a value.
+/// Ends of the interval of some values; none without a value.
 fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Every model on the recording.
+//! Comparison of all models on one recording.
 
 use super::board::{Given, Leaderboard};
 use super::bootstrap::{Judged, Stretches, judge};
@@ -19,20 +19,20 @@ use feedforward::{Feedforward, LoadError};
 use ndarray::{Array2, Axis};
 use std::path::{Path, PathBuf};
 
-/// Who competes, and on what.
+/// Models to compare, and the recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Contest<'a> {
     /// Model directories, of one robot.
     pub directories: &'a [PathBuf],
     /// The recording.
     pub data: &'a Path,
-    /// Its drive file.
+    /// Drive file of the robot.
     pub drive: Option<&'a Path>,
     /// Cut-off of the motion's low-pass instead of each model's own, Hz.
     pub cutoff_hz: Option<f64>,
 }
 
-/// Scores every model as `eval` does, and measures what it costs.
+/// Scores every model as `eval` does, and measures its costs.
 ///
 /// # Errors
 /// Models of different robots, or what `eval` refuses.
@@ -100,7 +100,7 @@ fn one_robot(given: &[(&Path, ModelFile)]) -> Result<(), LeaderboardError> {
 /// Name, torque (samples, joints) and number of weights or leaves.
 type Yardstick = (&'static str, Array2<f64>, usize);
 
-/// A model with what it says of the recording.
+/// A model with its scores on the recording.
 struct Contestant<'a> {
     /// Its directory, as given.
     name: String,
@@ -135,7 +135,7 @@ impl<'a> Contestant<'a> {
         })
     }
 
-    /// Torque from motion: the linear baseline fitted with the model, the physics, the whole.
+    /// Rows for torque from motion: the linear baseline fitted with the model, the physics, the whole model.
     fn rows(&self) -> Result<Vec<Entry>, LeaderboardError> {
         let part = &self.scored.session.parts[0];
         let motion = &part.at_samples;
@@ -183,8 +183,8 @@ impl<'a> Contestant<'a> {
         Ok(rows)
     }
 
-    /// Torque of the physics with a ridge regression, and with boosted trees where some were grown, on the compensator's inputs, where they were trained
-    /// with it.
+    /// Torque of the physics with a ridge regression, and with boosted trees where there are any, on the
+    /// compensator's inputs. Empty where they were not trained with it.
     fn yardsticks(&self) -> Result<Vec<Yardstick>, LeaderboardError> {
         let Some(yardsticks) = Yardsticks::load(self.directory, self.file)? else {
             return Ok(Vec::new());
@@ -197,7 +197,7 @@ impl<'a> Contestant<'a> {
         Ok(all.map(|((name, t), size)| (name, with(t), size)).collect())
     }
 
-    /// Positions simulated from torque, where the model has a baseline for it and the recording its rate.
+    /// Row for positions simulated from torque. None where the model has no baseline for it, or the recording another rate.
     fn forward_baseline(&self) -> Result<Option<Entry>, LeaderboardError> {
         let Some(baseline) = &self.file.forward_baseline else {
             return Ok(None);
@@ -212,7 +212,7 @@ impl<'a> Contestant<'a> {
         Ok(Some(self.entry(FORWARD, judged)))
     }
 
-    /// Positions by solving the model for the motion, where it was taught that.
+    /// Row for positions by solving the model for the motion; none where `train forward` was not run.
     fn physics_forward(&self) -> Result<Option<Entry>, LeaderboardError> {
         let Some(q) = &self.scored.positions else {
             return Ok(None);
@@ -232,14 +232,14 @@ impl<'a> Contestant<'a> {
     }
 }
 
-/// Whether a recording is among those that a model was fitted on. The benchmark's file holds two parts, of different length.
+/// Whether a model was fitted on this recording. The benchmark's file holds two parts of different length.
 fn fitted_on(file: &ModelFile, recording: &Recording) -> bool {
     let own = Source::of(recording);
     let same = |r: &Source| r.sha256 == own.sha256 && r.samples == own.samples;
     !own.sha256.is_empty() && file.provenance.recordings.iter().any(same)
 }
 
-/// Weights of the units that are on, of every member.
+/// Number of weights of the active units, over all members.
 fn weights(compensator: &Compensator) -> usize {
     let on = compensator.units.iter().filter(|u| u.enabled);
     on.flat_map(|u| &u.members).map(Vec::len).sum()

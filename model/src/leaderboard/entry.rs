@@ -1,4 +1,4 @@
-//! One row of the board.
+//! Rows of the board.
 
 use super::bootstrap::Judged;
 use crate::baseline::published::Published;
@@ -6,58 +6,58 @@ use crate::directory::Timing;
 use datasets::metrics::Scores;
 use serde::Serialize;
 
-/// Name of the row of a whole model with a compensator.
+/// Name of the row of a whole model with compensator.
 pub(super) const WHOLE: &str = "physics+compensator";
 
 /// A model, ours or a published one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
-    /// `linear_baseline`, `physics`, `physics+compensator`, `physics+ridge`, `physics+trees`, or what a publication calls its own.
+    /// `linear_baseline`, `physics`, `physics+compensator`, `physics+ridge`, `physics+trees`, or the name in a publication.
     pub model: String,
     /// Model directories that give exactly these figures; empty for a published result.
     pub directories: Vec<String>,
-    /// Where it was published.
+    /// Publication of the row; none for a model of this project.
     pub published: Option<Publication>,
-    /// Whether it was fitted on this very recording, so that its figures say nothing about new motion; false for published rows.
+    /// Whether it was fitted on this very recording, so that its scores do not tell of new motion; false for published rows.
     pub fitted_on_it: bool,
-    /// Figures over all samples.
+    /// Scores over all samples.
     pub all: Judged,
-    /// Figures in motion; none where they were not published.
+    /// Scores in motion; none where they were not published.
     pub moving: Option<Judged>,
-    /// Fitted parameters, those of a network left out.
+    /// Number of fitted parameters, without those of a network.
     pub parameters: Option<usize>,
-    /// Weights of the networks that are on; of yardsticks the ridge's weights or the trees' leaves.
+    /// Number of weights of the active networks; for yardsticks the ridge's weights or the trees' leaves.
     pub network_parameters: Option<usize>,
     /// Time of one sample in a control loop, µs.
     pub inference_us: Option<f64>,
-    /// What its training took.
+    /// Cost of its training.
     pub training: Option<Training>,
 }
 
-/// Where a row is from.
+/// Publication of a row.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Publication {
-    /// `train` or `test`: the part of the benchmark.
+    /// Part of the benchmark: `train` or `test`.
     pub part: &'static str,
     /// Document and table.
     pub source: &'static str,
-    /// What the model was given and where that deviates from the benchmark's protocol.
+    /// Inputs of the model, and deviations from the benchmark's protocol.
     pub protocol: &'static str,
 }
 
 /// Wall time of a training.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Training {
-    /// s.
+    /// Wall time, s.
     pub seconds: f64,
-    /// Threads that it was given.
+    /// Number of threads.
     pub threads: usize,
-    /// Whether it is the whole: an interrupted run that was gone on with is not.
+    /// Whether the time is complete: that of an interrupted and resumed run is not.
     pub whole: bool,
 }
 
 impl Entry {
-    /// A row of ours, with nothing but its figures.
+    /// A row of this project with scores alone.
     pub(super) fn of(model: &str, directory: &str, [all, moving]: [Judged; 2]) -> Self {
         Self {
             model: model.to_owned(),
@@ -104,7 +104,7 @@ impl Entry {
         }
     }
 
-    /// Directories, or that it was published.
+    /// Directories of the row, or its publication.
     pub(super) fn origin(&self) -> String {
         match &self.published {
             Some(p) => format!("published, {}", p.part),
@@ -115,7 +115,7 @@ impl Entry {
 }
 
 impl Training {
-    /// Of a directory's physics, or of the whole with its compensator.
+    /// Cost of a directory's physics, or of the whole model with its compensator.
     pub(super) fn of(timing: &Timing, whole_model: bool) -> Self {
         Self {
             seconds: if whole_model {
@@ -130,7 +130,8 @@ impl Training {
     }
 }
 
-/// Adds a row; one of another directory with the same figures is the same model. Whole models with a compensator stay apart.
+/// Adds a row. A row of another directory with the same scores is merged as the same model, except for whole
+/// models with a compensator.
 pub(super) fn enter(rows: &mut Vec<Entry>, entry: Entry) {
     let twin = rows.iter_mut().find(|r| {
         entry.model != WHOLE
@@ -142,7 +143,7 @@ pub(super) fn enter(rows: &mut Vec<Entry>, entry: Entry) {
     }
 }
 
-/// Lowest mean NRMSE over all samples first, rows without one last.
+/// Sorts rows by mean NRMSE over all samples, lowest first, rows without one last.
 pub(super) fn rank(rows: &mut [Entry]) {
     let key = |r: &Entry| r.all.scores.mean_nrmse.unwrap_or(f64::INFINITY);
     rows.sort_by(|a, b| key(a).total_cmp(&key(b)));

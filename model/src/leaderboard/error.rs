@@ -1,4 +1,4 @@
-//! Why models could not be compared.
+//! Errors of a comparison of models.
 
 use crate::baseline::BaselineError;
 use crate::directory::DirectoryError;
@@ -10,7 +10,7 @@ use datasets::metrics::ShapeError;
 use feedforward::LoadError;
 use std::path::PathBuf;
 
-/// Why models could not be compared.
+/// Reason why models could not be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum LeaderboardError {
     /// No model was given.
@@ -23,35 +23,35 @@ pub enum LeaderboardError {
     Robots {
         /// The first directory.
         first: PathBuf,
-        /// Its robot and joints.
+        /// Robot and joints of its model.
         of_first: String,
         /// The directory that differs.
         other: PathBuf,
-        /// Its robot and joints.
+        /// Robot and joints of its model.
         of_other: String,
     },
     /// The recording has no torque.
     #[error("{0} has no torque to score against")]
     NoTorque(String),
-    /// A model directory.
+    /// A model directory cannot be used.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
-    /// How the recording is to be read.
+    /// The options for reading the recording cannot be made.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The recording.
+    /// The recording cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A model on the recording.
+    /// A model cannot be scored on the recording.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// A model in a control loop.
+    /// A model cannot be loaded into a control loop.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A compensator.
+    /// A compensator cannot be used.
     #[error(transparent)]
     Residual(#[from] ResidualError),
-    /// A linear baseline.
+    /// A linear baseline cannot be applied.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
     /// Tables of different shapes.

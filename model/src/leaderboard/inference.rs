@@ -1,17 +1,17 @@
-//! How long a control loop waits for its torque.
+//! Inference time of a model in a control loop.
 
 use feedforward::Feedforward;
 use signal::Motion;
 use std::time::Instant;
 
-/// Calls before the clock counts.
+/// Number of calls before timing starts.
 const WARM_UP: usize = 200;
-/// Calls that are timed; shorter recordings are gone through again.
+/// Number of timed calls; a shorter recording is repeated.
 const CALLS: usize = 3000;
 
 /// Median time of one call of [`Feedforward::torque`] over a motion, µs. None without a sample.
 ///
-/// The only figure of a leaderboard that depends on machine and moment.
+/// It is the only score of a leaderboard that depends on the machine and its load.
 pub(super) fn microseconds(model: &mut Feedforward, motion: &Motion) -> Option<f64> {
     let rows = motion.len();
     if rows == 0 {

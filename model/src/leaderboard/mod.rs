@@ -1,4 +1,4 @@
-//! Models side by side on one recording, with what has been published on it.
+//! Comparison of models on one recording, with published results on it.
 
 mod board;
 mod bootstrap;

@@ -1,4 +1,4 @@
-//! The board for a reader: one page, and a table for the terminal.
+//! The board as a page and as a table for the terminal.
 
 use super::board::{Given, Leaderboard};
 use super::bootstrap::{Intervals, Judged};
@@ -7,7 +7,7 @@ use crate::tables;
 use report::figure::{Bars, Ink};
 use report::{Best, Cell, Column, KeyFigure, Page, Section, Table};
 
-/// The page: rows with intervals, joint by joint, sources, and what the figures mean.
+/// Page with rows and intervals, joint by joint, sources, and explanations.
 pub fn page(board: &Leaderboard) -> Page {
     let mut page = Page::new(format!("Leaderboard: torque of {}", board.robot)).subtitle(format!(
         "{} · {} samples, {} trajectories",
@@ -38,7 +38,7 @@ pub fn page(board: &Leaderboard) -> Page {
         .footer(format!("residyn {}", env!("CARGO_PKG_VERSION")))
 }
 
-/// The rows about torque, short enough for a terminal.
+/// Table of the torque rows, short enough for a terminal.
 pub fn table(board: &Leaderboard) -> Table {
     let mut table = Table::new([
         Column::text("model"),
@@ -63,7 +63,7 @@ pub fn table(board: &Leaderboard) -> Table {
     table
 }
 
-/// The rows about torque without what is measured on this machine: another run prints the same.
+/// Table of the torque rows without figures measured on this machine, so that another run prints the same.
 pub fn summary(board: &Leaderboard) -> Table {
     let mut table = Table::new([
         Column::text("model"),
@@ -99,7 +99,7 @@ fn torque(board: &Leaderboard) -> Section {
         .details(joints)
 }
 
-/// Means of one scope, of the rows that have it.
+/// Table of mean scores in one scope, of the rows that have it.
 fn scores(rows: &[Entry], of: fn(&Entry) -> Option<&Judged>) -> Table {
     let mut table = Table::new([
         Column::text("model"),
@@ -163,7 +163,7 @@ fn by_joint(joints: &[String], rows: &[Entry], of: fn(&Entry) -> Option<&Judged>
     table
 }
 
-/// Mean NRMSE of every row with its interval, in the table's order.
+/// Figure of every row's mean NRMSE with its interval, in the table's order.
 fn bars(rows: &[Entry]) -> report::Figure {
     let some = |r: &&Entry| r.all.scores.mean_nrmse.is_some();
     let names = rows.iter().filter(some);
@@ -197,7 +197,7 @@ fn notes(board: &Leaderboard) -> Vec<String> {
     first.chain(fixed.map(str::to_owned)).collect()
 }
 
-/// What the intervals are over.
+/// Explanation of the intervals as text.
 fn over(intervals: &Intervals) -> String {
     let (draws, stretches, seed) = (intervals.draws, intervals.stretches, intervals.seed);
     let how = format!(

@@ -1,4 +1,4 @@
-//! Identified parameters and how well they stand.
+//! Section on the identified parameters and their quality.
 
 use crate::directory::ModelFile;
 use crate::tables;

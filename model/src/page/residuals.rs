@@ -1,4 +1,4 @@
-//! Is what the model leaves behind noise? Numbers and four plots per joint.
+//! Section on the whiteness of the residual: tests and four plots per joint.
 
 use super::subject::Subject;
 use crate::directory::ModelFile;
@@ -8,9 +8,9 @@ use ::identify::residuals::{autocorrelation, normal_scores};
 use report::Section;
 use report::figure::{Figure, Ink, Panel, Plot};
 
-/// Longest lag shown, samples.
+/// Longest lag of the autocorrelation plot, samples.
 const LAGS: usize = 50;
-/// Points of the normal plot.
+/// Number of points of the normal quantile plot.
 const QUANTILES: usize = 200;
 
 pub(super) fn section(file: &ModelFile, subject: &Subject) -> Section {

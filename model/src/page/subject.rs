@@ -1,4 +1,4 @@
-//! What a page is about.
+//! Subject of a page.
 
 use crate::baseline::published::Published;
 use datasets::Recording;
@@ -6,17 +6,17 @@ use datasets::metrics::Row;
 use ndarray::Array2;
 use signal::Motion;
 
-/// A recording with what a model says about it.
+/// A recording with a model's predictions and scores.
 pub struct Subject<'a> {
     /// The recording.
     pub recording: &'a Recording,
     /// Its motion at the recorded samples.
     pub motion: &'a Motion,
-    /// Torque of the whole model, shape (samples, joints).
+    /// Torque of the whole model, N·m (N), shape (samples, joints).
     pub torque: &'a Array2<f64>,
     /// Scores.
     pub rows: &'a [Row],
-    /// What the figures depend on, in words.
+    /// Conditions of the figures, as text.
     pub notes: &'a [String],
     /// Published results to stand beside the scores.
     pub published: &'a [&'static Published],

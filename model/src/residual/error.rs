@@ -1,27 +1,27 @@
-//! Why the learned part could not be trained, loaded or evaluated.
+//! Errors of training, loading and evaluating the learned part.
 
 use crate::directory::DirectoryError;
 use feedforward::LoadError;
 
-/// Why the learned part could not be trained, loaded or evaluated.
+/// Reason why the learned part could not be trained, loaded or evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum ResidualError {
-    /// Training or evaluation.
+    /// Training or evaluation failed.
     #[error(transparent)]
     Compensator(#[from] compensator::Error),
-    /// The stored network.
+    /// The stored network cannot be loaded.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// The network's file.
+    /// The network's file cannot be used.
     #[error(transparent)]
     Network(#[from] feedforward::network::Error),
-    /// The physical model.
+    /// The physical model does not fit together.
     #[error(transparent)]
     Model(#[from] physics::torque_model::TorqueModelError),
-    /// The yardsticks' files.
+    /// The yardsticks' files cannot be used.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
-    /// Yardsticks need trajectories to fit, to choose by and to judge by.
+    /// There are fewer than three folds of training trajectories: yardsticks need one to fit, one to choose and one to judge.
     #[error(
         "yardsticks need training trajectories in at least three folds: to fit, to choose by, to judge by"
     )]

@@ -1,4 +1,4 @@
-//! What the units learn from: rows of the training recordings in sequences, with what the physics leaves there.
+//! Training examples of the units: rows of the training recordings in sequences, with the physics' residual.
 
 use super::{Pace, waves};
 use crate::physics_fit::Fit;
@@ -9,25 +9,26 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Quantile of a joint's speeds in motion that stands for a fast one.
+/// Quantile of a joint's speeds in motion that counts as a fast one.
 const FAST: f64 = 0.9;
 
-/// Rows of all training recordings, one behind the other.
+/// Rows of all training recordings, concatenated.
 pub(super) struct Examples {
-    /// Recording and, in the order of its sequences, its rows.
+    /// Index of each recording, and its rows in the order of its sequences.
     pub rows: Vec<(usize, Vec<usize>)>,
-    /// The sequences, which no window crosses.
+    /// Ranges of the sequences; no window crosses their ends.
     pub segments: Vec<Range<usize>>,
     /// Fold of each sequence.
     pub folds: Vec<usize>,
-    /// By joint, what the physics leaves of the torque, N·m.
+    /// Residual torque of the physics by joint, N·m.
     pub targets: Vec<Array1<f32>>,
-    /// By joint, 0 where a sample does not count.
+    /// Weight of each sample by joint: 0 where it is not used.
     pub weights: Vec<Array1<f32>>,
 }
 
 impl Examples {
-    /// Recordings at about `period` (s) or faster, taken apart so that windows keep their length in time.
+    /// Examples of recordings at about `period`, s, or faster. Faster ones are split into several sequences, so
+    /// that windows keep their length in time.
     pub fn new(fit: &Fit, data: &[Recording], period: f64, moving_only: bool) -> Self {
         let joints = fit.file.joints.len();
         let mut made = Self {
@@ -67,7 +68,7 @@ impl Examples {
         made
     }
 
-    /// What `physics`, the torque at the samples of each recording, leaves of a joint's torque, N·m.
+    /// Residual of a joint's torque beside `physics`, the torque at the samples of each recording, N·m.
     pub fn left(&self, data: &[Recording], physics: &[Array2<f64>], joint: usize) -> Array1<f32> {
         let of = |&(part, row): &(usize, usize)| {
             let tau = data[part]
@@ -84,7 +85,7 @@ impl Examples {
         self.segments.last().map_or(0, |s| s.end)
     }
 
-    /// The rows of tables that have one row per sample of each recording.
+    /// Rows of these examples from tables with one row per sample of each recording.
     pub fn of(&self, tables: &[Array2<f32>]) -> Array2<f32> {
         let blocks: Vec<Array2<f32>> = self
             .rows
@@ -95,7 +96,7 @@ impl Examples {
         ndarray::concatenate(Axis(0), &views).unwrap_or_default()
     }
 
-    /// Recording and sample of each row of the tables.
+    /// Recording and sample of each row of the examples.
     pub fn places(&self) -> Vec<(usize, usize)> {
         let of = |(i, order): &(usize, Vec<usize>)| {
             let i = *i;
@@ -104,8 +105,8 @@ impl Examples {
         self.rows.iter().flat_map(of).collect()
     }
 
-    /// Orders of the torque that is periodic in each joint's position, up to the one that the torque's channel lets
-    /// through at nearly all speeds of the joint.
+    /// Orders of the torque that is periodic in each joint's position. The highest is the one that the torque's
+    /// channel passes at nearly all speeds of the joint.
     pub fn waves(&self, fit: &Fit) -> Vec<Vec<f64>> {
         let mut fold_of_row = vec![0; self.len()];
         for (segment, fold) in self.segments.iter().zip(&self.folds) {
@@ -130,7 +131,7 @@ impl Examples {
         (0..self.targets.len()).into_par_iter().map(of).collect()
     }
 
-    /// Highest order that the recorded torque can show, periods per 2π of position.
+    /// Highest order that the recorded torque can show, in periods per 2π of position.
     fn highest(&self, fit: &Fit, joint: usize) -> f64 {
         let band = |(part, _): &(usize, Vec<usize>)| {
             let report = &fit.session.parts[*part].report;

@@ -1,4 +1,4 @@
-//! What the units see.
+//! Inputs of the units.
 
 use crate::session::Session;
 use feedforward::clock::Memory;
@@ -7,24 +7,24 @@ use ndarray::Array2;
 use physics::effects::{BankState, Dahl, Harmonic, LaggedSign, Phase, Sliding, Stop, Term};
 use serde::{Deserialize, Serialize};
 
-/// Which compensator is trained.
+/// Preset of the compensator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
-    /// What the evidence favours: the joint's own motion, load and friction memory.
+    /// Preset with the best evidence: the joint's own motion, load and friction memory.
     #[default]
     Default,
     /// The published unit: q, q̇, q̈ of the joint and those further from the base.
     Ucm,
 }
 
-/// Input columns of all units, and for each joint the indices of those that its unit sees.
+/// Input columns of all units, and for each joint the indices of its unit's inputs.
 ///
-/// The default preset gives each joint its own motion, the size of its load, and friction states:
-/// on KR300, motion of the other joints lets a network recognise the 33 trajectories and memory is
-/// what generalises. `moving_only` takes a finer set of states, and two joints whose gears are `nested` in each
-/// other see each other's velocity. `waves` are the orders of each joint's torque periodic in its position
-/// ([`super::waves::orders`]; empty: none). The warm-up clock is left to the physics: a network extrapolates it without bound.
+/// The default preset gives each joint its own motion, the size of its load, and friction states. On KR300 the
+/// motion of the other joints lets a network recognise the 33 trajectories, while memory generalises.
+/// `moving_only` uses a finer set of states. Two joints whose gears are `nested` in each other get each other's
+/// velocity. `waves` are the orders of each joint's torque periodic in its position ([`super::waves::orders`];
+/// empty: none). The warm-up clock is left to the physics: a network extrapolates it without bound.
 pub fn inputs(
     preset: Preset,
     joints: usize,
@@ -119,8 +119,8 @@ fn states(moving_only: bool) -> Vec<Term> {
 
 /// Input table of every recording at its samples, shape (samples, inputs).
 ///
-/// Terms and load pass the recording's torque filter where it has one, as the torque did. `memory` is
-/// what the terms remember of the trajectories that the session knows.
+/// Terms and load pass the recording's torque filter where it has one, as the torque did. `memory` is the
+/// memory of the terms at the end of the trajectories that the session knows.
 pub fn input_table(
     session: &Session,
     inputs: &[Input],
@@ -179,7 +179,7 @@ pub fn input_table(
     tables
 }
 
-/// Stores what the input terms remember at the end of each training trajectory on the clock.
+/// Stores the memory of the input terms at the end of each training trajectory on the clock.
 pub fn remember(
     memory: &mut [Memory],
     session: &Session,

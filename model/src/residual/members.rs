@@ -1,4 +1,4 @@
-//! Every member of the ensembles alone: how much the choice of seeds matters.
+//! Torque of each member of the ensembles alone: the effect of the seed.
 
 use super::inputs::input_table;
 use super::{Learned, Pace, ResidualError, predict_from};

@@ -62,8 +62,8 @@ pub fn predict(
     }
 }
 
-/// What the compensator of a stored model sees of one recording of the session, and its pace there; none without a compensator,
-/// or where the recording is too slow for it.
+/// Inputs of a stored model's compensator on one recording of the session, and its pace there. None without a
+/// compensator, or where the recording is too slow for it.
 fn paced_table(
     file: &ModelFile,
     model: &TorqueModel,

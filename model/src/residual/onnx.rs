@@ -1,4 +1,4 @@
-//! The compensator of a stored model as one ONNX graph, with a description of what it takes.
+//! The compensator of a stored model as one ONNX graph, with a description of its inputs and outputs.
 
 use super::ResidualError;
 use crate::directory::ModelFile;
@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct Exported {
     /// Bytes of the ONNX file.
     pub graph: Vec<u8>,
-    /// What goes in and what comes out.
+    /// Description of inputs and outputs.
     pub description: Description,
 }
 
@@ -21,29 +21,29 @@ pub struct Exported {
 pub struct Description {
     /// `onnx/1`.
     pub schema: &'static str,
-    /// Version of ONNX's operators.
+    /// Version of ONNX's operator set.
     pub opset: i64,
     /// Name of the graph's input, f32 of shape (batch, samples, columns), oldest sample first; before the start of
     /// a motion its first sample repeats.
     pub input: &'static str,
-    /// Samples of a window.
+    /// Number of samples of a window.
     pub samples: usize,
-    /// Time between them, s.
+    /// Time between the samples, s.
     pub period: f64,
     /// Columns of the input.
     pub columns: Vec<Column>,
-    /// Name of the graph's output, f32 of shape (batch, joints): what the physics lacks at the newest sample.
+    /// Name of the graph's output, f32 of shape (batch, joints): residual torque at the newest sample.
     pub output: &'static str,
     /// Columns of the output.
     pub joints: Vec<Column>,
 }
 
-/// A column, in the unit that the graph takes or gives: scaling and bounds are inside.
+/// A column in the unit of the graph's input or output: scaling and bounds are inside the graph.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Column {
     /// Readable name.
     pub name: String,
-    /// Its unit.
+    /// Unit.
     pub unit: String,
 }
 

@@ -1,12 +1,12 @@
-//! Recordings at another rate than the network's: windows keep their length in time.
+//! Pace of the windows on recordings with another rate than the network's: windows keep their length in time.
 
 use feedforward::clock::stride;
 use std::ops::Range;
 
-/// Every how many samples of a recording one sample of a window is taken.
+/// Step between the samples of a recording that form a window.
 ///
-/// At a pace of two, odd and even samples are two interleaved sequences, each as far apart as in
-/// training; the run-time does the same with one stream per phase.
+/// At a pace of two, odd and even samples are two interleaved sequences, each with the time step of the
+/// training. The run-time uses one stream per phase in the same way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace(usize);
 
@@ -31,7 +31,7 @@ impl Pace {
         (rows, phases)
     }
 
-    /// Number of sequences that each segment becomes (for segments of at least that many rows).
+    /// Number of sequences into which each segment is split (for segments of at least that many rows).
     pub fn phases(self) -> usize {
         self.0
     }

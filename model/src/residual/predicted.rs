@@ -1,4 +1,4 @@
-//! Residual torque of a recording by whatever was trained on its inputs.
+//! Residual torque of a recording by any learner trained on its inputs.
 
 use super::error::ResidualError;
 use super::pace::Pace;
@@ -7,9 +7,9 @@ use feedforward::network::Unit;
 use ndarray::{Array1, Array2, Axis};
 use std::ops::Range;
 
-/// What gives the residual torque of one joint.
+/// Learner of one joint's residual torque.
 pub(super) trait Learner {
-    /// Which joint.
+    /// Index of the joint.
     fn joint(&self) -> usize;
     /// Residual torque of every row of `sequences`, N·m.
     fn residual(

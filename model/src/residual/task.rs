@@ -1,4 +1,4 @@
-//! What is trained: settings, jobs, and where a phase of the training keeps its checkpoints.
+//! Training tasks: settings, jobs, and directories of the checkpoints.
 
 use super::ResidualError;
 use super::examples::Examples;
@@ -9,22 +9,22 @@ use ndarray::{Array1, Array2};
 /// Settings of [`train_residual`](super::train_residual).
 #[derive(Clone, Debug)]
 pub struct ResidualOptions {
-    /// Which compensator.
+    /// Preset of the compensator.
     pub preset: Preset,
-    /// Seed of the networks.
+    /// Random seed of the networks.
     pub seed: u64,
-    /// Networks averaged per unit; None: the preset's number.
+    /// Number of networks averaged per unit; None: the preset's number.
     pub members: Option<usize>,
-    /// Passes over the data; None: the preset's number.
+    /// Number of epochs; None: the preset's number.
     pub epochs: Option<usize>,
-    /// Train on moving samples alone.
+    /// Whether to train on moving samples alone.
     pub moving_only: bool,
-    /// Ridge regression and boosted trees on the same inputs beside the units.
+    /// Whether to train ridge regression and boosted trees on the same inputs for comparison.
     pub yardsticks: bool,
 }
 
 impl ResidualOptions {
-    /// Networks that a training of `joints` units goes through, the trial included.
+    /// Number of networks that are trained for `joints` units, the trial included.
     pub fn networks(&self, joints: usize) -> usize {
         joints * (1 + config(self, 1).members)
     }
@@ -70,16 +70,16 @@ fn config(options: &ResidualOptions, samples: usize) -> UnitConfig {
     config
 }
 
-/// Seed of a joint's first network; the other networks of the joint count on from it. The user's seeds are far apart, so
-/// that no network of one is trained again under the next.
+/// Seed of a joint's first network; the joint's other networks count on from it. Seeds of different user seeds
+/// are far apart, so that no network of one is trained again under the next.
 fn first_seed(seed: u64, joint: usize) -> u64 {
     const APART: u64 = 1 << 32;
     seed.wrapping_mul(APART).wrapping_add(joint as u64)
 }
 
-/// What jobs are made of.
+/// Data of the training jobs.
 pub(super) struct Task<'a> {
-    /// Input columns of all rows.
+    /// Input columns of all rows, shape (rows, inputs).
     pub(super) inputs: &'a Array2<f32>,
     /// The rows.
     pub(super) examples: &'a Examples,
@@ -89,7 +89,7 @@ pub(super) struct Task<'a> {
 }
 
 impl<'a> Task<'a> {
-    /// A job for each joint that has a sample that counts.
+    /// Jobs of all joints that have a sample with non-zero weight.
     pub(super) fn jobs<'b>(
         &self,
         targets: &'b [Array1<f32>],

@@ -1,4 +1,4 @@
-//! Training of the units on what the physics leaves.
+//! Training of the units on the physics' residual.
 
 use super::examples::Examples;
 use super::inputs::{input_table, inputs, remember};
@@ -17,37 +17,38 @@ use feedforward::network::Compensator;
 use ndarray::Array2;
 use physics::robot::Builtin;
 
-/// A trained compensator with what `model.json` says of it.
+/// A trained compensator with its record for `model.json`.
 pub struct Learned {
     /// The units.
     pub compensator: Compensator,
-    /// Its file.
+    /// Bytes of its file.
     pub bytes: Vec<u8>,
     /// Its record.
     pub record: CompensatorRecord,
-    /// The model's memory with that of the units' inputs.
+    /// Memory of the model's terms and of the units' inputs.
     pub memory: Vec<Memory>,
     /// Residual torque of every recording of the session, shape (samples, joints).
     pub torque: Vec<Array2<f64>>,
-    /// Errors of physics and unit of each joint on the folds that neither was fitted on; none without folds.
+    /// Errors of physics and unit of each joint on folds on which neither was fitted; none without folds.
     pub left: Vec<LeftOut>,
-    /// What plain learners make of the same inputs, where that was asked for.
+    /// Yardsticks on the same inputs, where they were asked for.
     pub yardsticks: Option<Compared>,
 }
 
 /// Yardsticks beside the units.
 pub struct Compared {
-    /// They themselves.
+    /// The yardsticks.
     pub yardsticks: Yardsticks,
     /// Their residual torque of every recording of the session, ridge and trees (where there are some), shape (samples, joints).
     pub torque: Vec<Vec<Array2<f64>>>,
 }
 
-/// Trains one unit per joint on what the physics leaves of the first `data.len()` recordings of the session.
+/// Trains one unit per joint on the physics' residual of the first `data.len()` recordings of the session.
 ///
-/// Whether a unit helps is judged by a first training of one network that holds folds back: where it does not lower the error
-/// there, it is switched off. The units that stay on are then trained on everything, for a fixed number of epochs. `apart` is the torque of
-/// [`physics_out_of_fold`](crate::cross_fit::physics_out_of_fold), by which errors on samples left out are told.
+/// Whether a unit helps is judged by a first training of one network with folds held back: it is switched off
+/// where it does not lower the error there. The units that stay on are then trained on all data, for a fixed
+/// number of epochs. `apart` is the torque of [`physics_out_of_fold`](crate::cross_fit::physics_out_of_fold),
+/// for errors on samples left out.
 ///
 /// # Errors
 /// Too little data, values that are not finite, an interruption (checkpoints stay).

@@ -1,4 +1,4 @@
-//! Whether units help: each trained once with folds held back.
+//! Trial whether units help: each is trained once with folds held back.
 
 use super::ResidualError;
 use super::task::{Task, within};
@@ -8,19 +8,19 @@ use compensator::training::{Control, Split, Trained, judge, predict, train, trai
 use datasets::Recording;
 use ndarray::Array2;
 
-/// What became of the units on the folds held back; empty where there is one fold only.
+/// Results of the units on the folds held back; empty where there is one fold only.
 #[derive(Default)]
 pub(super) struct Trial {
-    /// In the order of the jobs, one network and a ridge regression on the same inputs.
+    /// One network and one ridge regression on the same inputs, in the order of the jobs.
     pub units: Vec<(Trained, Trained)>,
-    /// The same networks' errors on those folds at their last epoch, which the folds did not choose, N·m.
+    /// Errors of the same networks on those folds at their last epoch, N·m; that epoch was not chosen on these folds.
     pub last_epoch: Vec<Option<f64>>,
-    /// By joint, errors of physics and network together where neither was fitted.
+    /// Errors of physics and network together where neither was fitted, by joint.
     pub left: Vec<LeftOut>,
 }
 
 impl Trial {
-    /// Trains and judges; `apart` is the torque of the physics where it was not fitted.
+    /// Trains and judges the units. `apart` is the out-of-fold torque of the physics.
     pub fn run(
         task: &Task,
         fit: &Fit,
@@ -64,8 +64,8 @@ impl Trial {
     }
 }
 
-/// The last fold validates, and where there are four or more the one two before it: one visit to the
-/// robot alone decides too little. Of the trajectories `of` alone; none where they are of one fold.
+/// Split of the trajectories `of`. The last fold validates, and with four folds or more also the one two before
+/// it: one visit to the robot alone is too little for a decision. None where they belong to one fold.
 pub(super) fn hold_back(folds: &[usize], of: &[usize]) -> Option<Split> {
     let last = of.iter().map(|&i| folds[i]).max()?;
     let held = |fold: usize| fold == last || (last > 2 && fold + 2 == last);

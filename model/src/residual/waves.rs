@@ -1,7 +1,7 @@
-//! Torque periodic in a joint's position: its orders, found in what the physics leaves.
+//! Orders of torque that is periodic in a joint's position, found in the physics' residual.
 //!
-//! A motor's poles and a gear's teeth make torque that repeats with the position, at orders that no description of the robot
-//! tells. They show as lines in the residual's spectrum over position.
+//! A motor's poles and a gear's teeth make torque that repeats with the position, at orders that no description
+//! of the robot gives. They show as lines in the residual's spectrum over position.
 
 use crate::identify::selection::ForwardOptions;
 use ndarray::{Array2, ArrayView1};
@@ -9,19 +9,19 @@ use rayon::prelude::*;
 use signal::cholesky;
 use std::f64::consts::TAU;
 
-/// Waves of a joint, at most.
+/// Most waves of a joint.
 const MOST: usize = 4;
-/// Periods over the range of a joint's motion from which a wave is told from a slow curve, and up to which it is looked for.
+/// Periods over the range of a joint's motion: fewest, from which a wave is told from a slow curve, and most that are searched.
 const PERIODS: [f64; 2] = [3.0, 200.0];
-/// Bins of position in the shortest period.
+/// Number of bins of position in the shortest period.
 const BINS: f64 = 16.0;
-/// Steps of the search in the width of a line, which is one period over the range.
+/// Number of search steps in the width of a line, which is one period over the range.
 const STEPS: f64 = 8.0;
-/// Times that the waves found are placed again, each without the others.
+/// Number of passes in which each wave is fitted again without the others.
 const PASSES: usize = 3;
-/// Degree of the slow curve over position that is taken away first: its edges would pass for waves.
+/// Degree of the slow curve over position that is removed first, since its edges would pass for waves.
 const SLOW: usize = 3;
-/// When a wave is taken: by folds left out, as terms of friction are, but by more, for hundreds of orders are tried.
+/// Conditions for a wave: on folds left out, as for terms of friction, but stricter, since hundreds of orders are tried.
 const TAKEN: ForwardOptions = ForwardOptions {
     least_gain: 0.01,
     standard_errors: 2.0,
@@ -34,35 +34,36 @@ const TAKEN: ForwardOptions = ForwardOptions {
 pub struct Seen {
     /// Position, rad or m.
     pub position: f64,
-    /// What physics leaves of its torque.
+    /// Residual torque of the physics, N·m (N).
     pub left: f64,
     /// Fold that it belongs to.
     pub fold: usize,
 }
 
-/// Columns of a fit: cosine and sine, then the slow curve, without which a wave over positions that are seen unevenly passes for one.
+/// Number of columns of a fit: cosine and sine, then the slow curve. Without that, over unevenly covered
+/// positions, a slow curve would pass for a wave.
 const COLUMNS: usize = 2 + SLOW + 1;
 
-/// Sums of products of the columns with each other (lower triangle) and with what is left.
+/// Sums of products of the columns with each other (lower triangle), and with the residual.
 type Products = ([f64; COLUMNS * COLUMNS], [f64; COLUMNS]);
 
-/// Sums over position of each fold.
+/// Sums over bins of position, by fold.
 #[derive(Clone)]
 struct Binned {
-    /// Middle of each bin.
+    /// Centre of each bin, rad or m.
     position: Vec<f64>,
-    /// The slow curve's functions there.
+    /// Values of the slow curve's functions there.
     slow: Vec<[f64; SLOW + 1]>,
     /// Number of samples, shape (folds, bins).
     count: Array2<f64>,
-    /// Sum of what is left.
+    /// Sum of the residuals, shape (folds, bins).
     sum: Array2<f64>,
-    /// Sum of squares by fold.
+    /// Sum of squared residuals, by fold.
     squares: Vec<f64>,
 }
 
-/// Orders (periods per 2π of position, or per 2π m) of the waves up to `highest`, strongest first; none where there are fewer
-/// than two folds.
+/// Orders (periods per 2π of position, or per 2π m) of the waves up to `highest`, strongest first; none with
+/// fewer than two folds.
 pub fn orders(seen: &[Seen], highest: f64) -> Vec<f64> {
     let folds = seen.iter().map(|s| s.fold + 1).max().unwrap_or(0);
     let ends = seen
@@ -129,7 +130,7 @@ pub fn orders(seen: &[Seen], highest: f64) -> Vec<f64> {
     found
 }
 
-/// The samples less a slow curve over position.
+/// Samples with a slow curve over position removed.
 fn level(seen: &[Seen], [low, high]: [f64; 2]) -> Vec<Seen> {
     const N: usize = SLOW + 1;
     let basis = |position: f64| chebyshev(position, [low, high]);
@@ -161,7 +162,7 @@ fn level(seen: &[Seen], [low, high]: [f64; 2]) -> Vec<Seen> {
     seen.iter().map(level).collect()
 }
 
-/// Chebyshev polynomials over a range.
+/// Chebyshev polynomials over a range, at a position.
 fn chebyshev(position: f64, [low, high]: [f64; 2]) -> [f64; SLOW + 1] {
     let place = (2.0 * position - low - high) / (high - low);
     let angle = place.clamp(-1.0, 1.0).acos();
@@ -190,7 +191,7 @@ impl Binned {
         made
     }
 
-    /// Columns of a wave in each bin.
+    /// Columns of a wave of one order in each bin.
     fn columns(&self, order: f64) -> impl Iterator<Item = [f64; COLUMNS]> {
         let each = self.position.iter().zip(&self.slow);
         each.map(move |(q, slow)| {
@@ -203,12 +204,12 @@ impl Binned {
         })
     }
 
-    /// By fold.
+    /// Sums of products for one order, by fold.
     fn products(&self, order: f64) -> Vec<Products> {
         self.with_moments(order, &self.normals(order))
     }
 
-    /// Sums of products of the columns with each other, by fold: what is left has no part in them.
+    /// Sums of products of the columns with each other, by fold; they do not depend on the residual.
     fn normals(&self, order: f64) -> Vec<[f64; COLUMNS * COLUMNS]> {
         let columns: Vec<[f64; COLUMNS]> = self.columns(order).collect();
         let of = |count: ArrayView1<f64>| {
@@ -230,7 +231,7 @@ impl Binned {
         self.count.rows().into_iter().map(of).collect()
     }
 
-    /// The same with what is left.
+    /// These sums together with the products with the residual, by fold.
     fn with_moments(&self, order: f64, normals: &[[f64; COLUMNS * COLUMNS]]) -> Vec<Products> {
         let columns: Vec<[f64; COLUMNS]> = self.columns(order).collect();
         let of = |(sum, normal): (ArrayView1<f64>, &[f64; COLUMNS * COLUMNS])| {
@@ -243,7 +244,7 @@ impl Binned {
         self.sum.rows().into_iter().zip(normals).map(of).collect()
     }
 
-    /// Squared error of each fold less the wave that the others show.
+    /// Squared error of each fold after removal of the wave fitted to the other folds.
     fn left(&self, line: &[Products]) -> Vec<f64> {
         let change = |fold: usize| {
             let others = line.iter().enumerate().filter(|(f, _)| *f != fold);
@@ -261,7 +262,7 @@ impl Binned {
         (0..line.len()).map(change).collect()
     }
 
-    /// The order near another at which a wave spares most.
+    /// Order near another one at which a wave removes most error.
     fn refined(&self, mut order: f64, period: f64) -> f64 {
         for finer in [STEPS * 4.0, STEPS * 16.0, STEPS * 64.0] {
             let near = (-4..=4).map(|k| order + period * f64::from(k) / finer);
@@ -274,14 +275,14 @@ impl Binned {
         order
     }
 
-    /// Without some waves.
+    /// Sums with some waves removed.
     fn without(&self, orders: impl Iterator<Item = f64>) -> Self {
         let mut rest = self.clone();
         orders.for_each(|order| rest.remove(order));
         rest
     }
 
-    /// Takes the wave that all folds show away.
+    /// Removes the wave fitted to all folds.
     fn remove(&mut self, order: f64) {
         let line = self.products(order);
         self.squares = self.left(&line);
@@ -307,7 +308,7 @@ fn sum<'a>(of: impl Iterator<Item = &'a Products>) -> Products {
     (normal, moment)
 }
 
-/// Least squares of the columns; nothing where they depend on each other.
+/// Least-squares coefficients of the columns; zeros where the columns are linearly dependent.
 fn solved((mut normal, mut moment): Products) -> [f64; COLUMNS] {
     match cholesky::factor(&mut normal, COLUMNS) {
         Some(()) => cholesky::solve(&normal, &mut moment),
@@ -316,7 +317,7 @@ fn solved((mut normal, mut moment): Products) -> [f64; COLUMNS] {
     moment
 }
 
-/// Squares that a wave fitted to some folds explains of them.
+/// Sum of squares that a wave fitted to some folds explains on them.
 fn explained<'a>(folds: impl Iterator<Item = &'a Products>) -> f64 {
     let all = sum(folds);
     let moment = all.1;

@@ -1,8 +1,9 @@
-//! Yardsticks: what a ridge regression and, in builds with the feature `trees`, boosted trees on the same inputs make of the torque
-//! that the physics leaves.
+//! Yardsticks: ridge regression and, in builds with the feature `trees`, boosted trees trained on the same
+//! inputs for the physics' residual.
 //!
-//! They are no part of the model that a control loop runs. Each is chosen on folds within those that the judged figures were
-//! fitted on, and judged on the folds that judge the units; the ones that are kept are fitted on everything.
+//! They are no part of the model that a control loop runs. Each is chosen on folds within those on which the
+//! judged ones were fitted, and judged on the folds that judge the units. The ones that are kept are fitted on
+//! all data.
 
 use super::predicted::{Learner, summed};
 use super::task::Task;
@@ -27,11 +28,11 @@ const SCHEMA: &str = "yardsticks/1";
 /// Ridge regression and boosted trees of every joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yardsticks {
-    /// How they fared where they were not fitted, beside the units.
+    /// Their errors and the units' on the folds held back.
     pub held_back: Vec<HeldBack>,
     /// The ridge regression, linear units.
     pub ridge: Compensator,
-    /// The trees; none where the build that trained had none.
+    /// The trees; empty where the build that trained had none.
     pub trees: Vec<Trees>,
 }
 
@@ -40,23 +41,23 @@ pub struct Yardsticks {
 pub struct HeldBack {
     /// Joint name.
     pub joint: String,
-    /// The physics alone.
+    /// Error of the physics alone.
     pub physics: Option<f64>,
-    /// With one network at the epoch that was best on these very folds.
+    /// Error with one network at its best epoch on these very folds.
     pub unit: Option<f64>,
-    /// With that network at its last epoch, which these folds did not choose.
+    /// Error with that network at its last epoch, which was not chosen on these folds.
     pub unit_at_last_epoch: Option<f64>,
-    /// With the ridge regression.
+    /// Error with the ridge regression.
     pub ridge: Option<f64>,
-    /// With the trees.
+    /// Error with the trees.
     pub trees: Option<f64>,
-    /// Ridge chosen, relative to the mean diagonal of the normal matrix.
+    /// Chosen ridge, relative to the mean diagonal of the normal matrix.
     pub ridge_parameter: f64,
-    /// Number of trees chosen.
+    /// Chosen number of trees.
     pub tree_count: usize,
 }
 
-/// Which trajectories choose, judge and fit.
+/// Splits of the trajectories for choosing, judging and fitting.
 pub(super) struct Splits {
     choose: Split,
     judge: Split,
@@ -64,7 +65,7 @@ pub(super) struct Splits {
 }
 
 impl Splits {
-    /// Of trajectories by fold.
+    /// Splits of trajectories by fold.
     ///
     /// # Errors
     /// Fewer than three folds: one judges, one chooses, one is fitted.
@@ -93,7 +94,7 @@ struct Joint {
     trees: Option<Trees>,
 }
 
-/// Chooses, judges and fits the yardsticks of every joint; all cores of the pool.
+/// Chooses, judges and fits the yardsticks of every joint, on all cores of the pool.
 pub(super) fn train(
     task: &Task,
     splits: &Splits,
@@ -177,7 +178,7 @@ fn trees([choose, judge, fit]: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>
     Ok(Some((trees, error)))
 }
 
-/// Nothing grows trees in this build.
+/// None: this build has no trees.
 #[cfg(not(feature = "trees"))]
 fn trees(_: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>, ResidualError> {
     Ok(None)
@@ -187,7 +188,7 @@ fn trees(_: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>, ResidualError> {
 #[serde(deny_unknown_fields)]
 struct Stored {
     schema: String,
-    /// SHA-256 of the compensator's file, to which these were compared.
+    /// SHA-256 of the file of the compensator to which these were compared.
     compensator_sha256: String,
     /// SHA-256 of the ridge regression's file.
     ridge_sha256: String,
@@ -196,7 +197,7 @@ struct Stored {
 }
 
 impl Yardsticks {
-    /// Writes both files into the directory of the model whose compensator has the checksum.
+    /// Writes both files into the directory of the model whose compensator has the checksum `compensator_sha256`.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -220,7 +221,8 @@ impl Yardsticks {
         Ok(())
     }
 
-    /// Those of a model directory; none where it was trained without, or by another training than its compensator.
+    /// Stored yardsticks of a model directory; none where it was trained without, or where they belong to
+    /// another training than its compensator.
     ///
     /// # Errors
     /// A damaged file, or one of another version.
@@ -270,7 +272,8 @@ impl Yardsticks {
         }))
     }
 
-    /// Residual torque at the samples of one recording of the session by ridge and, where there are some, by trees, each of shape (samples, joints).
+    /// Residual torque at the samples of one recording of the session, N·m (N), shape (samples, joints) each:
+    /// by ridge, and by trees where there are any.
     ///
     /// # Errors
     /// As [`Yardsticks::torques`], and a model that does not fit together.
@@ -287,7 +290,7 @@ impl Yardsticks {
         }
     }
 
-    /// Residual torque from a table of inputs by ridge and, where there are some, by trees, each of shape (samples, joints).
+    /// Residual torque from a table of inputs, N·m (N), shape (samples, joints) each: by ridge, and by trees where there are any.
     ///
     /// # Errors
     /// Trees or units that contradict themselves.
@@ -305,7 +308,7 @@ impl Yardsticks {
         Ok(torques)
     }
 
-    /// No torque from any of them, as on a recording that is too slow for their windows.
+    /// Zero torques, for a recording that is too slow for their windows.
     pub(super) fn none(&self, shape: (usize, usize)) -> Vec<Array2<f64>> {
         vec![Array2::zeros(shape); 1 + usize::from(!self.trees.is_empty())]
     }

@@ -11,18 +11,18 @@ const SCHEMA: &str = "sums/1";
 #[derive(Serialize, Deserialize)]
 struct Head {
     schema: String,
-    /// Digest of the robot.
+    /// Hex digest of the robot.
     robot: String,
     preparation: Option<Preparation>,
     recordings: usize,
-    /// Positions of each joint; none before the first recording.
+    /// Range of positions of each joint; none before the first recording.
     span: Vec<Option<[f64; 2]>>,
-    /// Places, and the rows behind the factor of each joint.
+    /// Place of each stretch, and the number of rows in the factor of each joint.
     places: Vec<(usize, Vec<usize>)>,
 }
 
 impl Sums {
-    /// Everything but the robot.
+    /// The sums as bytes, without the robot.
     pub fn to_bytes(&self) -> Vec<u8> {
         let known = |s: &[f64; 2]| s[0].is_finite().then_some(*s);
         let rows = |joints: &Vec<Triangle>| joints.iter().map(Triangle::rows).collect();
@@ -43,7 +43,7 @@ impl Sums {
         bytes
     }
 
-    /// The sums that [`Sums::to_bytes`] wrote, of the same robot.
+    /// The sums from bytes of [`Sums::to_bytes`], for the same robot.
     ///
     /// # Errors
     /// Another robot; bytes that are cut or no sums.

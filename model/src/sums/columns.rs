@@ -1,4 +1,4 @@
-//! What the columns of each joint's factors are.
+//! Columns of each joint's factors.
 
 use crate::identify::basic;
 use ::identify::base::BaseParameters;
@@ -14,7 +14,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Of a robot with the basic terms.
+    /// Columns of a robot with the basic terms.
     pub fn of(robot: Robot) -> Self {
         Self {
             base: BaseParameters::of_robot(&robot, &[]),
@@ -23,7 +23,7 @@ impl Columns {
         }
     }
 
-    /// Base parameters that a joint can feel, by index: those of its own link and of the ones behind it.
+    /// Indices of the base parameters that act on a joint: those of its own link and of the links behind it.
     pub fn acting(&self, joint: usize) -> Vec<usize> {
         let links = self.base.independent().iter().enumerate();
         links
@@ -32,7 +32,7 @@ impl Columns {
             .collect()
     }
 
-    /// Columns of a joint's factors.
+    /// Number of columns of a joint's factors.
     pub fn width(&self, joint: usize) -> usize {
         self.acting(joint).len() + self.terms[joint].len()
     }

@@ -1,28 +1,28 @@
-//! Why sums cannot be made or joined.
+//! Errors of making or joining sums.
 
 use super::preparation::Preparation;
 use crate::identify::error::IdentifyError;
 use crate::physics_fit::FitError;
 use ::identify::least_squares::LeastSquaresError;
 
-/// What is wrong.
+/// Reason why sums cannot be made or joined.
 #[derive(Debug, thiserror::Error)]
 pub enum SumsError {
-    /// A recording cannot be used, or all of them tell nothing.
+    /// A recording cannot be used, or all of them determine nothing.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// Sums of two robots.
+    /// The sums belong to two robots.
     #[error("these are sums of another robot: name, frames, inertials or gravity differ")]
     OtherRobot,
-    /// Recordings that were not prepared alike.
+    /// The recordings were prepared differently.
     #[error("one was prepared with {own}, the other with {others}")]
     OtherPreparation {
-        /// Of the one.
+        /// Preparation of these sums.
         own: Preparation,
-        /// Of the other.
+        /// Preparation of the other sums.
         others: Preparation,
     },
-    /// Bytes that are no sums.
+    /// The bytes are no sums.
     #[error("no stored sums: {0}")]
     Broken(String),
 }

@@ -10,24 +10,24 @@ use ::identify::least_squares::{LeastSquaresError, Triangle};
 use datasets::check::STILL;
 use physics::torque_model::WeightedTerm;
 
-/// What sums tell.
+/// Parameters identified from sums.
 #[derive(Clone, Debug)]
 pub struct Summed {
     /// Base parameters of the rigid body.
     pub base: Vec<BaseParameter>,
     /// Offset, friction and rotor inertia of each joint.
     pub terms: Vec<Vec<WeightedTerm>>,
-    /// Deviation of each joint's residual, N·m (N).
+    /// Standard deviation of each joint's residual, N·m (N).
     pub residual_std: Vec<f64>,
-    /// Deviation of each joint's torque about zero, N·m (N).
+    /// Root mean square of each joint's torque, N·m (N).
     pub torque_rms: Vec<f64>,
-    /// Parameters that the recordings tell apart; the others are held near zero.
+    /// Number of parameter combinations that the recordings determine; the others are held near zero.
     pub rank: usize,
 }
 
 impl Sums {
-    /// The parameters: rows weighted by each joint's residual deviation, deviations by leaving stretches of time out, as
-    /// `train --basic` estimates them.
+    /// Identified parameters: rows weighted by each joint's residual deviation, standard deviations by leaving
+    /// stretches of time out, as `train --basic` estimates them.
     ///
     /// # Errors
     /// No joint moves in any recording, or a system that cannot be solved.

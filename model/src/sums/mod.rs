@@ -1,9 +1,9 @@
 //! Identification as a sum over recordings: triangular factors that workers fill apart and that add up exactly.
 //!
-//! What is identified is what `train --basic` identifies: base parameters, offset, viscous and Coulomb friction and rotor
-//! inertia. A recording becomes, for every joint, the triangular factors of a few stretches of its rows; the factors of
-//! two sets of recordings stack into those of both, in whatever order. Weights of joints, parameters and deviations come
-//! from the sums alone ([`Sums::finish`]), so that recordings need never be in one place.
+//! The parameters are those of `train --basic`: base parameters, offset, viscous and Coulomb friction and rotor
+//! inertia. A recording becomes, for every joint, the triangular factors of a few stretches of its rows. The
+//! factors of two sets of recordings stack into those of both, in whatever order. Weights of joints, parameters
+//! and deviations come from the sums alone ([`Sums::finish`]), so that recordings need never be in one place.
 //!
 //! All workers have to prepare alike: the cut-off of the motion is given, or chosen from the first recording and then
 //! kept ([`Preparation`]). Sums of other preparations or robots are refused.
@@ -28,14 +28,14 @@ use physics::torque_model::{TorqueModelRecord, WeightedTerm};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 
-/// Sums of the recordings of one robot. Its size does not depend on how many there are.
+/// Sums of the recordings of one robot. Their size does not depend on the number of recordings.
 #[derive(Clone, Debug)]
 pub struct Sums {
     columns: Columns,
-    /// Digest of all that the robot's torque is computed from.
+    /// Hex digest of all from which the robot's torque is computed.
     which: String,
     preparation: Option<Preparation>,
-    /// Factors of each joint, by the place of the stretch of rows behind them: see [`rows`].
+    /// Factors of each joint, by the place of their stretch of rows: see [`rows`].
     places: BTreeMap<usize, Vec<Triangle>>,
     recordings: usize,
     /// Lowest and highest position of each joint, rad or m.
@@ -43,7 +43,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// No recording of `robot` yet; without a cut-off (Hz) the first one decides.
+    /// Empty sums of `robot`; without a cut-off (Hz) the first recording determines it.
     pub fn new(robot: Robot, cutoff_hz: Option<f64>) -> Self {
         Self {
             which: which(&robot),
@@ -55,14 +55,14 @@ impl Sums {
         }
     }
 
-    /// None of the recordings, but the robot and the preparation: what a worker starts from.
+    /// Empty sums with the robot and the preparation, as the start of a worker.
     pub fn emptied(&self) -> Self {
         let mut empty = Self::new(self.columns.robot.clone(), None);
         empty.preparation = self.preparation;
         empty
     }
 
-    /// How recordings are prepared; none before the first one where it was not given.
+    /// Preparation of the recordings; none before the first one where it was not given.
     pub fn preparation(&self) -> Option<Preparation> {
         self.preparation
     }
@@ -77,7 +77,7 @@ impl Sums {
         self.places.values().map(|joints| joints[0].rows()).sum()
     }
 
-    /// Adds a recording. Where it cannot be used nothing is changed.
+    /// Adds a recording. Where it cannot be used the sums stay unchanged.
     ///
     /// # Errors
     /// See [`SumsError`].
@@ -97,7 +97,7 @@ impl Sums {
         self.stack(places)
     }
 
-    /// Adds the recordings behind `other`.
+    /// Adds the recordings of `other`.
     ///
     /// # Errors
     /// Another robot or another preparation.
@@ -135,7 +135,7 @@ impl Sums {
     }
 }
 
-/// Digest of a robot: joints, frames, inertials, gravity, springs.
+/// Hex digest of a robot: joints, frames, inertials, gravity, springs.
 fn which(robot: &Robot) -> String {
     let mut terms: Vec<Vec<WeightedTerm>> = vec![Vec::new(); robot.dof()];
     for p in robot.passive() {

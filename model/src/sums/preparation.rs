@@ -1,4 +1,4 @@
-//! How every recording of a sum is prepared.
+//! Preparation of every recording of a sum.
 
 use crate::physics_fit::FitError;
 use crate::preparation::cutoff;
@@ -8,17 +8,17 @@ use physics::robot::Robot;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What all workers have in common. The torque counts as undelayed.
+/// Preparation that all workers share. The torque counts as undelayed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Preparation {
     /// Cut-off of the motion's low-pass, Hz; none for recordings too slow for one.
     pub cutoff_hz: Option<f64>,
-    /// Whether recorded velocity is left aside.
+    /// Whether recorded velocity is ignored.
     pub position_alone: bool,
 }
 
 impl Preparation {
-    /// With a cut-off that somebody knows, Hz.
+    /// Preparation with a given cut-off, Hz.
     pub fn given(cutoff_hz: f64) -> Self {
         Self {
             cutoff_hz: Some(cutoff_hz),
@@ -26,7 +26,7 @@ impl Preparation {
         }
     }
 
-    /// As `train` would choose it for this recording alone.
+    /// Preparation that `train` would choose for this recording alone.
     ///
     /// # Errors
     /// A recording that cannot be prepared, or not fitted.
@@ -39,7 +39,7 @@ impl Preparation {
         })
     }
 
-    /// The same for [`datasets::prepare::prepare`].
+    /// Options for [`datasets::prepare::prepare`].
     pub fn options(&self) -> PrepareOptions {
         let mut options = PrepareOptions {
             cutoff_hz: self.cutoff_hz,

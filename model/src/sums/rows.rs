@@ -1,8 +1,8 @@
 //! From a recording to triangular factors.
 //!
-//! Deviations need stretches of rows that follow each other (blocks of a jackknife). Every recording is cut into
-//! [`STRETCHES`] of them, and a digest of what it holds says which of [`GROUPS`] it belongs to: a stretch's place is the
-//! same on every worker and in every order, and there are never more places than both numbers allow. Stretches of two
+//! Standard deviations need stretches of consecutive rows (blocks of a jackknife). Every recording is cut into
+//! [`STRETCHES`] of them, and a digest of its contents assigns it to one of [`GROUPS`]. So a stretch's place is
+//! the same on every worker and in every order, and the number of places is limited. Stretches of two
 //! recordings in one place are left out together.
 
 use super::columns::Columns;
@@ -22,12 +22,12 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 
-/// Stretches of a recording: neighbours are joined two by two as long as 24 blocks are left.
+/// Number of stretches of a recording: neighbours are joined in pairs as long as 24 blocks are left.
 pub(super) const STRETCHES: usize = 32;
-/// Groups of recordings.
+/// Number of groups of recordings.
 pub(super) const GROUPS: usize = 4;
 
-/// The factors of one recording.
+/// Triangular factors of one recording, by place and joint.
 pub(super) fn factors(
     columns: &Columns,
     recording: &Recording,
@@ -80,7 +80,7 @@ pub(super) fn factors(
         .collect())
 }
 
-/// Group of a recording, by what it holds.
+/// Group of a recording, from a digest of its contents.
 fn group(recording: &Recording) -> usize {
     let mut digest = Sha256::new();
     let tables = [Some(&recording.q), recording.tau.as_ref()];

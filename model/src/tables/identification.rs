@@ -1,4 +1,4 @@
-//! Tables about the identification itself.
+//! Tables on the identification.
 
 use crate::directory::ModelFile;
 use crate::identify::diagnostics::{Conditioning, Diagnostics, POOR};
@@ -7,7 +7,7 @@ use crate::preparation::cutoff::Tried;
 use ::identify::residuals::ResidualTests;
 use report::{Cell, Column, Table};
 
-/// Base parameters with deviations and formulae.
+/// Table of base parameters with standard deviations and formulae.
 pub fn base_parameters(file: &ModelFile) -> Table {
     let mut table = Table::new([
         Column::text("parameter"),
@@ -35,7 +35,7 @@ pub fn base_parameters(file: &ModelFile) -> Table {
     table
 }
 
-/// Condition numbers of the regressor and its parts.
+/// Table of condition numbers of the regressor and its parts.
 pub fn conditioning(c: &Conditioning) -> Table {
     let mut table = Table::new([Column::text("columns"), Column::number("condition number")]);
     for (name, value) in [
@@ -51,8 +51,8 @@ pub fn conditioning(c: &Conditioning) -> Table {
     table
 }
 
-/// Cut-offs of the motion's low-pass that were tried, with the basic model's error on rows left out; none where the
-/// cut-off was not chosen so.
+/// Table of the cut-offs of the motion's low-pass that were tried, with the basic model's error on rows left
+/// out. None where the cut-off was given.
 pub fn cutoffs(file: &ModelFile) -> Option<Table> {
     let choice = file.preprocessing.cutoff.as_ref()?;
     let mut table = Table::new(vec![
@@ -78,7 +78,7 @@ pub fn cutoffs(file: &ModelFile) -> Option<Table> {
     Some(table)
 }
 
-/// Tests of the residuals, joint by joint.
+/// Table of residual tests, joint by joint.
 pub fn residual_tests(joints: &[String], tests: &[Option<ResidualTests>]) -> Table {
     let mut table = Table::new([
         Column::text("joint"),
@@ -117,7 +117,7 @@ pub fn residual_tests(joints: &[String], tests: &[Option<ResidualTests>]) -> Tab
     table
 }
 
-/// Eigenvalues of the links of the identified URDF.
+/// Table of the pseudo-inertias' eigenvalues for the links of the identified URDF.
 pub fn links(d: &Diagnostics) -> Table {
     let mut columns = vec![Column::text("link")];
     columns.extend((1..=4).map(|k| Column::number(format!("λ{k} / λ4"))));
@@ -130,7 +130,7 @@ pub fn links(d: &Diagnostics) -> Table {
     table
 }
 
-/// How the parameters were estimated, and what stands out, in sentences.
+/// Sentences on the estimation and on anomalies.
 pub fn estimator(file: &ModelFile, d: &Diagnostics) -> Vec<String> {
     let r = &d.estimator;
     let mut lines = vec![method(r)];

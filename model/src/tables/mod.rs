@@ -1,4 +1,4 @@
-//! Tables that train and eval print and put on their pages.
+//! Tables that train and eval print and show on their pages.
 
 mod identification;
 mod overview;
@@ -14,29 +14,29 @@ use crate::directory::ModelFile;
 use datasets::metrics::{Row, Scope};
 use report::{Cell, Column, Table};
 
-/// Names of rows of physics with a yardstick instead of the compensator.
+/// Name of the row of physics with ridge regression instead of the compensator.
 pub const RIDGE: &str = "physics+ridge";
-/// See [`RIDGE`].
+/// Name of the row of physics with boosted trees instead of the compensator.
 pub const TREES: &str = "physics+trees";
 
-/// Whether a row is of a yardstick, which is no part of the model.
+/// Whether a row belongs to a yardstick, which is no part of the model.
 fn is_yardstick(row: &Row) -> bool {
     row.name == RIDGE || row.name == TREES
 }
 
-/// Whether a row is about positions simulated from torque, not about torque.
+/// Whether a row is about positions simulated from torque.
 fn is_forward(row: &Row) -> bool {
     row.name.starts_with(FORWARD)
 }
 
-/// NRMSE of every row about torque per joint and averaged, with the mean R².
+/// Table of NRMSE of every torque row per joint and averaged, with the mean R².
 pub fn scores(joints: &[String], rows: &[Row], published: &[&Published]) -> Table {
     let rows = rows.iter().filter(|row| !is_forward(row));
     let published = published.iter().filter(|p| p.task == Task::Inverse);
     normalised(joints, rows, published).unwrap_or_default()
 }
 
-/// NRMSE of positions simulated from torque; none where there is no such row.
+/// Table of NRMSE of positions simulated from torque; none where there is no such row.
 pub fn forward(joints: &[String], rows: &[Row], published: &[&Published]) -> Option<Table> {
     let rows = rows.iter().filter(|row| is_forward(row));
     let published = published.iter().filter(|p| p.task == Task::Forward);
@@ -78,7 +78,7 @@ fn normalised<'a>(
     some.then_some(table)
 }
 
-/// Where each published row is from, and what it was given where that deviates.
+/// Lines with the source of each published row, and its inputs where they deviate from the protocol.
 pub fn sources(published: &[&Published]) -> Vec<String> {
     let line = |p: &&Published| {
         let (model, part, source) = (p.model, p.part.name(), p.source);
@@ -90,7 +90,7 @@ pub fn sources(published: &[&Published]) -> Vec<String> {
     published.iter().map(line).collect()
 }
 
-/// RMSE of torque in N·m (N) per joint.
+/// Table of RMSE of torque per joint, N·m (N).
 pub fn errors(joints: &[String], rows: &[Row]) -> Table {
     let mut columns = vec![Column::text("model"), Column::text("scope")];
     columns.extend(joints.iter().map(|j| Column::number(format!("{j} / N·m"))));
@@ -108,7 +108,7 @@ pub fn errors(joints: &[String], rows: &[Row]) -> Table {
     table
 }
 
-/// Friction and memory terms of every joint.
+/// Table of friction and memory terms of every joint.
 pub fn terms(file: &ModelFile) -> Table {
     let mut table = Table::new([
         Column::text("joint"),

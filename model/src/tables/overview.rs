@@ -1,4 +1,4 @@
-//! What a person reads first: each joint's friction, and its errors beside the baseline's.
+//! Overview tables: each joint's friction, and its errors beside the baseline's.
 
 use super::{is_forward, is_yardstick};
 use crate::directory::ModelFile;
@@ -9,21 +9,20 @@ use report::{Cell, Column, Table};
 use signal::Motion;
 use signal::quantile::quantile;
 
-/// Effects named per joint, at most.
+/// Most effects named per joint.
 const NAMED: usize = 2;
-/// Models beside each other, at most.
+/// Most models beside each other.
 const MODELS: usize = 5;
-/// Quantile of a joint's speed that stands for its top speed.
+/// Quantile of a joint's speed that counts as its top speed.
 const TOP: f64 = 0.99;
-/// Seconds of steady motion after which friction memory has settled, those over which its torque is then averaged,
-/// and the step.
+/// Simulation of steady motion: time until friction memory has settled, time over which torque is then averaged, and step, s.
 const STEADY: [f64; 3] = [2.0, 2.0, 0.002];
-/// Effects that every joint is given.
+/// Effects that every joint has.
 const BASIC: [&str; 3] = ["torque_offset", "friction_parameters", "rotor_inertia"];
 
-/// Friction of every joint in N·m (N) at its top speed in rad/s (m/s) and, slow, at a tenth of it (the mean of both
-/// directions, without load), and what was found beside viscous and Coulomb friction. `motions` are those that were
-/// learned from.
+/// Table of every joint's friction, N·m (N), at its top speed, rad/s (m/s), and at a tenth of it: mean of both
+/// directions, without load. Beside it the effects found beyond viscous and Coulomb friction. `motions` are
+/// those of the training.
 pub fn friction(file: &ModelFile, motions: &[&Motion]) -> Table {
     let mut table = Table::new([
         Column::text("joint"),
@@ -51,7 +50,7 @@ pub fn friction(file: &ModelFile, motions: &[&Motion]) -> Table {
     table
 }
 
-/// Names of the effects beside the basic ones, in words.
+/// Names of the effects beyond the basic ones, as text.
 fn names(list: &[WeightedTerm]) -> String {
     let mut names: Vec<String> = Vec::new();
     for w in list.iter().filter(|w| !BASIC.contains(&w.term.effect())) {
@@ -104,8 +103,8 @@ fn steady(list: &[WeightedTerm], joint: usize, joints: usize, speed: f64) -> f64
     0.5 * (torque(1.0) - torque(-1.0))
 }
 
-/// Errors of every joint: NRMSE of each model over all samples, and of the whole model in motion with its RMSE over
-/// all samples. None without a row about torque.
+/// Table of every joint's errors: NRMSE of each model over all samples, and of the whole model in motion, with
+/// its RMSE over all samples. None without a torque row.
 pub fn errors_by_joint(joints: &[String], rows: &[Row]) -> Option<Table> {
     let of = |scope: Scope| {
         rows.iter()
