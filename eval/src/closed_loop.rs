@@ -1,4 +1,4 @@
-//! `eval --closed-loop`.
+//! `eval --closed-loop`: closed-loop check of a model.
 
 use crate::arguments::{Arguments, WIDTH};
 use control::demonstration::{compared, errors, of_directory, page, standard};

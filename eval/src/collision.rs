@@ -1,4 +1,4 @@
-//! `eval --collision`.
+//! `eval --collision`: collision check of a model.
 
 use crate::arguments::{Arguments, WIDTH};
 use control::collision::{of_recording, page, tables};

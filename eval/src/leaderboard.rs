@@ -6,21 +6,21 @@ use model::leaderboard::{Contest, hold, page, summary, table};
 use report::{say, say_text};
 use std::path::PathBuf;
 
-/// Where the page goes; each form is written that has a place.
+/// Output files of the page; each form with a path is written.
 pub struct Places<'a> {
     pub html: Option<&'a PathBuf>,
     pub markdown: Option<&'a PathBuf>,
     pub json: Option<&'a PathBuf>,
 }
 
-/// What is printed.
+/// Output on the terminal.
 #[derive(Clone, Copy)]
 pub enum Printed {
-    /// The rows with what they cost.
+    /// The rows with their costs.
     Rows,
     /// The rows as a Markdown table that another run prints again.
     Table,
-    /// Nothing.
+    /// No output.
     Nothing,
 }
 

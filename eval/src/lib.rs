@@ -27,8 +27,8 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// What the program `eval` does with these arguments, of which the first is what it was called by; its exit status.
-/// `--help` and wrong usage end the process here, as clap has it.
+/// Runs the program `eval` with these arguments, of which the first is its name; returns the exit status.
+/// `--help` and wrong usage end the process here, as clap does.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     match run(&arguments) {

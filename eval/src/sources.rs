@@ -1,17 +1,17 @@
-//! The source documents: every system of theirs, whether it works here, by which command, and the published figure beside ours.
-//! `docs/sources.md` and a page for each document in `docs/sources/` are what it prints.
+//! The source documents: each of their systems, whether it works here, the command, and the published figure
+//! beside ours. `docs/sources.md` and a page for each document in `docs/sources/` are its output.
 
 use serde::Deserialize;
 use std::fmt::Write;
 
-/// The rows: the one place to change when a system does.
+/// The rows, which are edited when a system changes.
 const ROWS: &str = include_str!("sources.toml");
 
 /// Whether a system of a source works here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum State {
-    /// With a command and figures.
+    /// It works, with a command and figures.
     Works,
     /// Some of it.
     Partly,
@@ -35,12 +35,12 @@ impl State {
 struct System {
     name: String,
     state: State,
-    /// What runs it; empty where nothing does.
+    /// Command that runs it; empty where there is none.
     #[serde(default)]
     command: String,
     /// The source's figure; "not in our copy" where the text has lost it.
     published: String,
-    /// Ours.
+    /// Our figure.
     #[serde(default)]
     ours: String,
 }
@@ -53,11 +53,11 @@ struct Document {
     title: String,
     /// Name of its page.
     page: String,
-    /// What the document does.
+    /// Content of the document.
     about: String,
-    /// What is done in another way here, and why.
+    /// Differences here, with the reasons.
     differs: Vec<String>,
-    /// What reproduces its experiments.
+    /// Reproductions of its experiments.
     #[serde(default)]
     experiment: Vec<Experiment>,
     system: Vec<System>,
@@ -79,7 +79,7 @@ struct Sources {
     document: Vec<Document>,
 }
 
-/// Why a page of the sources cannot be printed.
+/// Reason why a page of the sources cannot be printed.
 #[derive(Debug, thiserror::Error)]
 pub enum SourcesError {
     /// The rows built into the program are damaged, which a test excludes.
@@ -88,9 +88,9 @@ pub enum SourcesError {
     /// No such page.
     #[error("no source document is called {name}; there are {pages}")]
     Page {
-        /// Asked for.
+        /// Name of the page asked for.
         name: String,
-        /// Those that exist.
+        /// Names of the existing pages.
         pages: String,
     },
 }
@@ -126,7 +126,7 @@ pub fn markdown() -> Result<String, SourcesError> {
     Ok(out)
 }
 
-/// The page of one document as Markdown: what it does, what reproduces it here, figures side by side, what differs.
+/// Page of one document as Markdown: content, reproductions, figures side by side, differences.
 ///
 /// # Errors
 /// [`SourcesError`].

@@ -1,6 +1,6 @@
-//! The programs `diagnose` and `replay`, and the proof of what they say: sealed simulated cases, diagnosed and scored.
+//! The programs `diagnose` and `replay`, and their proof: sealed simulated cases, diagnosed and scored.
 //!
-//! The diagnoses themselves are the libraries `diagnose` and `replay`, which know nothing of where their proof's cases come from.
+//! The diagnoses themselves are the libraries `diagnose` and `replay`, which do not depend on the origin of their proof's cases.
 #![forbid(unsafe_code)]
 
 mod command_line;

@@ -1,4 +1,4 @@
-//! `diagnose`: where the gap between a simulator and a real robot lies, and what causes it.
+//! `diagnose`: location and causes of the gap between a simulator and a real robot.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;

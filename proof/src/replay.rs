@@ -1,4 +1,4 @@
-//! `replay`: where a simulator's motion departs from the robot's under the same commands, and what causes it.
+//! `replay`: location and causes of the difference between a simulator's motion and the robot's under the same commands.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;

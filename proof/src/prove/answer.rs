@@ -1,4 +1,4 @@
-//! What is true of a sealed case, as the scores ask for it.
+//! Answer of a sealed case in the form that the scores need.
 
 use serde_json::Value;
 
@@ -25,18 +25,18 @@ pub(super) fn texts(v: &Value) -> Vec<&str> {
         .collect()
 }
 
-/// What is true of a case, as the scores ask for it.
+/// Answer of a case in the form that the scores need.
 pub(super) struct Answer<'a> {
     /// Names of the withheld effects; none of one outside the catalogue.
     pub(super) names: Vec<&'a str>,
     /// The withheld effects.
     pub(super) effects: &'a [Value],
-    /// What else a hard case has.
+    /// Further properties of a hard case.
     pub(super) hard: Option<&'a Value>,
 }
 
 impl<'a> Answer<'a> {
-    /// By a truth file's content.
+    /// From the content of a truth file.
     pub(super) fn of(truth: &'a Value) -> Self {
         let effects = list(&truth["effects"]);
         let names = effects.iter().map(|e| text(e, "effect"));
@@ -47,7 +47,7 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// Whether a cause is among what a hard case really has besides the withheld effect: background, bias, the filter's lag.
+    /// Whether a cause is among those that a hard case has besides the withheld effect: background, bias, the filter's lag.
     pub(super) fn is_beside(&self, cause: &Value) -> bool {
         let (Some(hard), name) = (self.hard, text(cause, "effect")) else {
             return false;
@@ -82,7 +82,7 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// The withheld effects' names and those that no recording can tell from them.
+    /// Names of the withheld effects, and of effects that no recording can tell from them.
     pub(super) fn same(&self) -> Vec<&'a str> {
         let alike = self
             .effects

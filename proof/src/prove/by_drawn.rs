@@ -1,4 +1,4 @@
-//! How the scores of hard cases go with what was drawn beside the effect.
+//! Scores of hard cases by the properties that were drawn beside the effect.
 
 use super::rates::{interval, single};
 use super::score::{Score, mean};
@@ -7,7 +7,7 @@ use report::{Cell, Column, Table};
 /// Shares of the joint's torque from which an effect counts as middling and large.
 const SHARES: [f64; 2] = [0.08, 0.15];
 
-/// In which group a case is by each of what was drawn.
+/// Groups of a case, one for each property that was drawn.
 fn groups(score: &Score) -> Vec<String> {
     let Some(drawn) = score.drawn else {
         return Vec::new();
@@ -37,7 +37,7 @@ fn groups(score: &Score) -> Vec<String> {
     groups
 }
 
-/// Scores by what was drawn, those of single effects and false causes of all, with intervals; none without hard cases.
+/// Table of scores by drawn property, with intervals: scores of single effects, and false causes of all. None without hard cases.
 pub fn table(scores: &[Score]) -> Option<Table> {
     let mut names: Vec<String> = scores.iter().flat_map(groups).collect();
     names.sort_unstable();

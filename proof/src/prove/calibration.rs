@@ -1,4 +1,4 @@
-//! Weights of what speaks for a name, by logistic regression over cases whose truth is known.
+//! Weights of the evidence for a name, by logistic regression over cases with known truth.
 
 use super::named::Named;
 use super::score::Score;
@@ -6,16 +6,16 @@ use diagnose::confidence::{TERMS, WEIGHTS, probability};
 use nalgebra::{SMatrix, SVector};
 use report::{Cell, Column, Table};
 
-/// Deviation of a weight before the cases are seen, per unit of its term's spread: what few cases cannot show stays small.
+/// Prior standard deviation of a weight, per unit of its term's spread: a weight that few cases determine stays small.
 const PRIOR: f64 = 1.0;
-/// Least precision of a weight: a term that is the same in all cases says nothing beside the constant.
+/// Least precision of a weight: a term that is equal in all cases adds nothing to the constant.
 const LEAST: f64 = 1e-6;
 /// Steps of Newton's method; it converges in a few.
 const STEPS: usize = 50;
 
 type Terms = SVector<f64, WEIGHTS>;
 
-/// Weights with which the given names are right as often as their confidence says, in the order of [`TERMS`].
+/// Weights, in the order of [`TERMS`], with which names are right as often as their confidence states.
 fn fit<'a>(named: impl Iterator<Item = &'a Named>) -> [f64; WEIGHTS] {
     let named: Vec<(Terms, bool)> = named.map(|n| (n.support.terms().into(), n.right)).collect();
     let count = named.len().max(1) as f64;

@@ -15,7 +15,7 @@ use trials::protocols::payload::LoadedArm;
 /// One pair of days.
 #[derive(Clone, Debug)]
 pub struct Told {
-    /// What was changed.
+    /// Change of the robot between the two days.
     pub change: Change,
     /// Whether both days' motions are the same.
     pub again: bool,

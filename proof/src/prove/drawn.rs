@@ -1,8 +1,8 @@
-//! What was drawn beside a hard case's effect.
+//! Properties of a hard case that were drawn beside its effect.
 
 use serde_json::Value;
 
-/// What was drawn of a hard case.
+/// Drawn properties of a hard case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drawn {
     /// Largest relative error of most described inertials.
@@ -14,7 +14,7 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Of a truth file's content; none where the case is not a hard one.
+    /// From the content of a truth file; none where the case is not a hard one.
     pub fn of(truth: &Value) -> Option<Self> {
         let hard = &truth["hard"];
         Some(Self {

@@ -1,4 +1,4 @@
-//! What a proof cannot be run for.
+//! Errors of a proof.
 
 /// A proof that cannot be run.
 #[derive(Debug, thiserror::Error)]
@@ -9,17 +9,17 @@ pub enum ProveError {
     /// A case cannot be diagnosed.
     #[error("case {case}: {error}")]
     Diagnose {
-        /// Its name.
+        /// Name of the case.
         case: String,
-        /// Why.
+        /// Cause.
         error: Box<diagnose::DiagnoseError>,
     },
     /// No such kind of case.
     #[error("no cases are of the kind {name}; there are {kinds}")]
     Kind {
-        /// Asked for.
+        /// The name asked for.
         name: String,
-        /// Those that exist.
+        /// Names that exist.
         kinds: String,
     },
     /// A report cannot be written.
@@ -28,9 +28,9 @@ pub enum ProveError {
     /// No cases of an earlier run.
     #[error("no cases and reports of an earlier run in {path}: {error}")]
     Kept {
-        /// The folder.
+        /// Path of the folder.
         path: String,
-        /// Why.
+        /// Cause.
         error: std::io::Error,
     },
     /// No cases of whatever simulator.
@@ -38,7 +38,7 @@ pub enum ProveError {
     Given {
         /// The folder or file.
         path: String,
-        /// Why.
+        /// Cause.
         error: std::io::Error,
     },
     /// A report of an earlier run is of another draw.
@@ -46,11 +46,11 @@ pub enum ProveError {
         "{path} has case {case} of another draw, of the kind {kind} by generator {generator}; take another --out, or its --generator"
     )]
     Other {
-        /// The folder.
+        /// Path of the folder.
         path: String,
         /// Name of the case.
         case: String,
-        /// Its kind there.
+        /// Kind of the case there.
         kind: String,
         /// Version of the generator there.
         generator: u64,
@@ -58,23 +58,23 @@ pub enum ProveError {
     /// A file of stored answers cannot be read.
     #[error("{path}: {error}; answers as proof/tests/whole/headline.json has them are needed")]
     Stored {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Why.
+        /// Cause.
         error: std::io::Error,
     },
     /// A folder cannot be made.
     #[error("cannot make {path}: {error}")]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: String,
-        /// Why.
+        /// Cause.
         error: std::io::Error,
     },
 }
 
 impl ProveError {
-    /// Whether what was asked for, or given, is to blame.
+    /// Whether the request or the input is at fault.
     pub fn is_input(&self) -> bool {
         match self {
             Self::Kind { .. }

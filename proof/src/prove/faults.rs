@@ -1,4 +1,4 @@
-//! What a proof's answers lack: where single effects stand that are not named first, and causes that are not there.
+//! Faults of a proof's answers: single effects that are not named first, and false causes.
 
 use super::missed::Missed;
 use super::rates::single;
@@ -17,7 +17,7 @@ fn counted<'a>(names: impl Iterator<Item = &'a str>) -> String {
     parts.collect::<Vec<_>>().join(", ")
 }
 
-/// Where single effects stand that are not named first; none where all are.
+/// Table of single effects that are not named first, by the reason; none where all are named first.
 pub fn missed_table(scores: &[Score]) -> Option<Table> {
     let mut table = Table::new([
         Column::text("not named first"),
@@ -39,7 +39,7 @@ pub fn missed_table(scores: &[Score]) -> Option<Table> {
     lone().next().is_some().then_some(table)
 }
 
-/// Which causes are named that are not there, the most frequent first, and in which cases; none where none is.
+/// Table of false causes, the most frequent first, with their cases; none where there is none.
 pub fn false_table(scores: &[Score]) -> Option<Table> {
     let mut table = Table::new([
         Column::text("false cause"),

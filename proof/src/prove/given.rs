@@ -35,8 +35,9 @@ fn truth(folder: &Path, name: &str) -> PathBuf {
     folder.join("truth").join(format!("{name}.json"))
 }
 
-/// Diagnoses cases of a folder, each `cases/NAME/{robot.urdf or robot.xml, train.parquet, test.parquet}` and perhaps a `drive.toml`, and scores
-/// the reports by `truth/NAME.json`. Reports go into `folder/reports`; one that is there already is scored as it is.
+/// Diagnoses the cases of a folder and scores the reports by `truth/NAME.json`. Each case is
+/// `cases/NAME/{robot.urdf or robot.xml, train.parquet, test.parquet}` and perhaps a `drive.toml`. Reports are
+/// written to `folder/reports`; an existing report is scored unchanged.
 ///
 /// # Errors
 /// The first case that fails.

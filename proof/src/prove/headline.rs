@@ -1,4 +1,4 @@
-//! What a report says first and foremost: the verdict, and each cause with its joints.
+//! Headline of a report: the verdict, and each cause with its joints.
 
 use super::answer::{list, text, texts};
 use super::{ProveError, report_of};
@@ -12,14 +12,14 @@ use trials::cases::{Case, CaseSpec, draw, draw_hard, generate};
 /// Verdict and causes of a report.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Headline {
-    /// The verdict.
+    /// Verdict of the report.
     pub verdict: String,
     /// Effects in the order of the report, each with the joints that it is reported for: `effect: joint, joint`.
     pub causes: Vec<String>,
 }
 
 impl Headline {
-    /// Of a report (schema `diagnosis/1`).
+    /// Headline of a report (schema `diagnosis/1`).
     pub fn of(report: &Value) -> Self {
         let cause =
             |c: &Value| format!("{}: {}", text(c, "effect"), texts(&c["joints"]).join(", "));
@@ -35,27 +35,27 @@ impl Headline {
     }
 }
 
-/// Sealed cases and what was said of them when somebody last looked.
+/// Sealed cases and their reviewed headlines.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stored {
     /// Seed of the draw.
     pub seed: u64,
     /// Version of the generator.
     pub generator: u8,
-    /// The cases.
+    /// The cases with their headlines.
     pub cases: Vec<StoredCase>,
 }
 
 /// One of them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoredCase {
-    /// Its place in the run.
+    /// Index of the case in the run.
     pub index: u64,
     /// Whether it is a hard one.
     pub hard: bool,
-    /// What it withholds, for who reads the file.
+    /// Name of the withheld effect, for readers of the file.
     pub kind: String,
-    /// What is said.
+    /// Headline of the case.
     #[serde(flatten)]
     pub headline: Headline,
 }
@@ -83,7 +83,7 @@ impl Stored {
         self.cases.iter().map(one)
     }
 
-    /// The same cases and what is said of them with some options.
+    /// Headlines of the same cases, diagnosed with `options`.
     ///
     /// # Errors
     /// The first case that cannot be made or diagnosed.

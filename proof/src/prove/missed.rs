@@ -1,9 +1,9 @@
-//! Where an effect stands that is withheld and not named first.
+//! Outcome for a withheld effect that is not named first.
 
 use super::answer::Answer;
 use serde_json::Value;
 
-/// Why a single effect is not the first cause.
+/// Reason why a single effect is not the first cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missed {
     /// The first cause's line gives it as a rival.
@@ -12,7 +12,7 @@ pub enum Missed {
     BehindWhatIsThere,
     /// A cause that is not there comes before it.
     BehindFalse,
-    /// What no recording can tell from it is named.
+    /// An effect that no recording can tell from it is named.
     Alike,
     /// No line names it, and parameters leave less of it than of the joint's background, or next to nothing.
     Absorbed,
@@ -21,7 +21,7 @@ pub enum Missed {
 }
 
 impl Missed {
-    /// All, and what they are called.
+    /// All reasons with their names.
     pub(super) const ALL: [(Self, &str); 6] = [
         (Self::InNoLine, "in no line, though parameters leave it"),
         (Self::BehindWhatIsThere, "behind causes that are there, too"),
@@ -35,7 +35,8 @@ impl Missed {
     ];
 }
 
-/// Why the withheld effect is not the first of a report's causes, those that are set aside left out; none where it is.
+/// Reason why the withheld effect is not the first of a report's causes, without those that the case has
+/// besides. None where it is the first.
 pub(super) fn missed(answer: &Answer, causes: &[&Value]) -> Option<Missed> {
     let hit = answer.hit(causes.first().copied());
     let mut left = causes

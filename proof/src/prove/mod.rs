@@ -51,10 +51,10 @@ const OUTSIDE: f64 = 0.05;
 /// Kinds of case that withhold none, several or an unlisted effect.
 const NO_SINGLE: [&str; 4] = ["none", "outside", "two", "two_same_joint"];
 
-/// Which cases a proof draws.
+/// Choice of the cases that a proof draws.
 #[derive(Debug, Clone, Copy)]
 pub struct Draw<'a> {
-    /// How many.
+    /// Number of cases.
     pub cases: u64,
     /// Seed of the draw.
     pub seed: u64,
@@ -66,12 +66,12 @@ pub struct Draw<'a> {
     pub without: Option<usize>,
     /// Version of the generator.
     pub generator: u8,
-    /// What sensors they have beyond the motors' own.
+    /// Sensors beyond the motors' own.
     pub sensors: Sensors,
 }
 
-/// Draws, simulates, diagnoses and scores cases; with `out`, writes `cases/`, `truth/` and `reports/` into it, and scores a report
-/// that is there already as it is, so that a run that was interrupted goes on.
+/// Draws, simulates, diagnoses and scores cases. With `out` it writes `cases/`, `truth/` and `reports/` into
+/// it. An existing report there is scored unchanged, so that an interrupted run continues.
 ///
 /// # Errors
 /// The first case that fails, or a kind that does not exist.

@@ -1,4 +1,4 @@
-//! The structural causes of reports whose truth is known: what spoke for each, and whether its name is right.
+//! Structural causes of reports with known truth: the evidence for each, and whether its name is right.
 
 use diagnose::schema::Support;
 use serde_json::Value;
@@ -6,13 +6,13 @@ use serde_json::Value;
 /// A structural cause of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Named {
-    /// What speaks for its name.
+    /// Evidence for its name.
     pub support: Support,
     /// Whether effect and joint are right.
     pub right: bool,
 }
 
-/// Those of a report for whose names something speaks. `beside` says of a cause whether the case has it besides the withheld effects.
+/// Causes of a report with evidence for their names. `beside` tells whether the case has a cause besides the withheld effects.
 pub(super) fn named(truth: &Value, report: &Value, beside: impl Fn(&Value) -> bool) -> Vec<Named> {
     let of = |cause: &Value| {
         let support = serde_json::from_value(cause["support"].clone()).ok()?;

@@ -1,4 +1,4 @@
-//! How far a proof's shares are known from its number of cases.
+//! Uncertainty of a proof's shares from the number of its cases.
 
 use super::score::Score;
 use super::{NO_SINGLE, OUTSIDE};

@@ -1,4 +1,4 @@
-//! Whether a confidence is what it says: of the causes that were named with it, so many have to be right.
+//! Reliability of the confidence: share of right names among causes that were named with a given confidence.
 
 use super::score::Score;
 use diagnose::settings::ConfidenceSettings;
@@ -18,8 +18,8 @@ pub fn said(scores: &[Score], settings: &ConfidenceSettings) -> Vec<(f64, bool)>
     said.collect()
 }
 
-/// Reliability in bins of equal count, and the Brier score beside the one of a confidence that is the share of right names whatever the
-/// cause.
+/// Table of reliability in bins of equal count, and the Brier score. Beside it the Brier score of a constant
+/// confidence, the share of right names over all causes.
 pub fn table(said: &[(f64, bool)]) -> Table {
     let mut sorted = said.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));

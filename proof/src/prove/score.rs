@@ -14,7 +14,7 @@ pub struct Score {
     pub kind: String,
     /// First cause, parameter entries set aside, is the truth (half when only ambiguous).
     pub top1: Option<f64>,
-    /// The same, or what no recording can tell apart.
+    /// The same score when an effect that no recording can tell from the truth counts as right.
     pub lenient: Option<f64>,
     /// Truth among the first three.
     pub top3: Option<f64>,
@@ -24,13 +24,13 @@ pub struct Score {
     pub extra: Option<f64>,
     /// Effects of the structural causes that are not there at all.
     pub false_causes: Vec<String>,
-    /// Why a single effect is not the first cause.
+    /// Reason why a single effect is not the first cause.
     pub missed: Option<Missed>,
     /// A gap that parameters do not close was called none.
     pub false_no_gap: Option<f64>,
-    /// Right joints.
+    /// The joints are right.
     pub joint: Option<f64>,
-    /// Gap closed over what the true plant closes.
+    /// Gap closed by the causes over that closed by the true plant.
     pub closure: Option<f64>,
     /// A structural cause where there is none.
     pub false_alarm: Option<f64>,
@@ -44,11 +44,11 @@ pub struct Score {
     pub off: Option<f64>,
     /// The true size lies in the reported one's 90 % interval.
     pub covered: Option<f64>,
-    /// Of a single effect: its share of its joint's torque, and whether it was named.
+    /// Share of a single effect in its joint's torque, and whether it was named.
     pub detection: Option<(f64, bool)>,
-    /// Its structural causes for whose names something speaks.
+    /// Structural causes with evidence for their names.
     pub named: Vec<Named>,
-    /// What else was drawn of a hard case.
+    /// Further drawn properties of a hard case.
     pub drawn: Option<Drawn>,
     /// Whether an earlier run into the same folder had diagnosed it.
     pub stored: bool,

@@ -1,4 +1,4 @@
-//! How far reported sizes are from true ones.
+//! Errors of reported sizes against the true ones.
 
 use serde_json::Value;
 
@@ -22,8 +22,8 @@ const COMMON: [(&str, &str, f64, &str, f64); 11] = [
 /// Deviations on either side that hold 90 % of a normal distribution.
 const TWO_SIDED: f64 = 1.645;
 
-/// An effect as the recording of a case shows it: where the torque passed through filters it is late by their lag beside what was
-/// withheld, and nothing parts the two.
+/// An effect as the recording of a case shows it. Where filters delay the torque, their lag is added to the
+/// withheld delay: nothing separates the two.
 pub fn as_recorded(effect: &Value, truth: &Value) -> Value {
     let mut shown = effect.clone();
     let lags = truth["hard"]["lowpass"]["lag_ms"].as_array();
@@ -59,8 +59,8 @@ pub fn size_error(effect: &Value, cause: &Value) -> Option<f64> {
     (size > 0.0).then(|| (off / size).sqrt())
 }
 
-/// By how many of its deviations the reported size of a true effect is too large; none where mechanism and detector share no one number,
-/// or no deviation is reported.
+/// Error of the reported size of a true effect, in its standard deviations; positive where too large. None
+/// where mechanism and detector share no parameter, or no deviation is reported.
 pub fn deviations(effect: &Value, cause: &Value) -> Option<f64> {
     let name = effect["effect"].as_str()?;
     let mut own = COMMON.iter().filter(|c| c.0 == name);

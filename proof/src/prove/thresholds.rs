@@ -1,4 +1,5 @@
-//! What the numbers that matter most do at half and at double their value, and special rules switched off, on the same cases.
+//! Sensitivity of the results to the most important thresholds, at half and double their value, and to special
+//! rules switched off, on the same cases.
 
 use super::headline::Headline;
 use super::score::{Score, judge};
@@ -11,7 +12,7 @@ use serde_json::Value;
 use std::path::Path;
 use trials::cases::{Case, CaseSpec, draw, draw_hard, generate};
 
-/// Those numbers.
+/// Names of these thresholds.
 const NUMBERS: [&str; 10] = [
     "search.enough",
     "search.cost",
@@ -25,33 +26,33 @@ const NUMBERS: [&str; 10] = [
     "measure.verdict.clear",
 ];
 
-/// What each is multiplied by.
+/// Factors on each threshold.
 const FACTORS: [f64; 2] = [0.5, 2.0];
 
-/// What is other than usual.
+/// Variant of the settings.
 #[derive(Clone, Debug)]
 struct Variant {
     name: String,
-    /// What a number is multiplied by; none of a rule.
+    /// Factor on a threshold; none for a rule.
     factor: Option<f64>,
     options: Options,
 }
 
-/// What is tried beside the usual.
+/// Variants that are tried beside the defaults.
 #[derive(Clone, Debug)]
 pub enum Trial {
     /// The numbers that matter most, at half and at double.
     Numbers,
     /// Special rules, each switched off alone.
     Off(Vec<Rule>),
-    /// The same rules switched off together.
+    /// Several rules switched off together.
     OffTogether(Vec<Rule>),
 }
 
-/// Which cases are diagnosed: every other one is hard.
+/// Choice of the cases: every other one is hard.
 #[derive(Clone, Copy, Debug)]
 pub struct Cases {
-    /// How many.
+    /// Number of cases.
     pub count: u64,
     /// Seed of the draw.
     pub seed: u64,
@@ -87,7 +88,7 @@ impl Cases {
     }
 }
 
-/// Score of a report and what it says.
+/// Score and headline of a report.
 struct Judged {
     score: Score,
     headline: Headline,
@@ -99,12 +100,13 @@ pub struct Tried {
     variants: Vec<(Variant, Vec<Judged>)>,
 }
 
-/// How many diagnoses a run of some cases takes.
+/// Number of diagnoses that a run of `cases` cases takes.
 pub fn diagnoses(cases: u64, trial: &Trial) -> u64 {
     cases * (1 + variants(&Options::default(), trial).len()) as u64
 }
 
-/// Diagnoses cases with every variant. Reports go into `out`, a folder for each variant, and one that is there already is scored as it is.
+/// Diagnoses cases with every variant. Reports are written to `out`, a folder for each variant; an existing
+/// report is scored unchanged.
 ///
 /// # Errors
 /// The first case that fails.
@@ -198,7 +200,7 @@ impl Variant {
 }
 
 impl OneCase<'_> {
-    /// Its score and what is said, from the report in `folder` where there is one.
+    /// Score and headline, from the report in `folder` where there is one.
     fn judged(&self, folder: &str, options: &Options) -> Result<Judged, ProveError> {
         let id = &self.case.id;
         let file = self
@@ -229,8 +231,8 @@ impl Judged {
     }
 }
 
-/// Scores with each variant: in how many cases the first name, leniently, becomes right and wrong, and in how many anything else that is
-/// said of causes or verdict changes.
+/// Table of scores by variant. It counts the cases in which the first name, leniently, becomes right or wrong,
+/// and those in which any other cause or the verdict changes.
 pub fn table(tried: &Tried) -> Table {
     let mut table = Table::new([
         Column::text("other"),

@@ -5,7 +5,7 @@ use diagnose::Effect;
 use report::{Cell, Column, Table};
 use serde_json::Value;
 
-/// What a diagnosis without the right candidate came to.
+/// Result of a diagnosis whose catalogue lacks the right candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instead {
     /// The verdict is `unknown_effect`.
@@ -23,12 +23,12 @@ pub enum Instead {
 /// Lead over other names from which a name counts as said, nats.
 const CLEAR: f64 = 11.0;
 
-/// One case.
+/// Result of one case.
 #[derive(Clone, Copy, Debug)]
 pub struct LeftOut {
     /// The withheld effect.
     pub effect: Effect,
-    /// The answer.
+    /// Result of the diagnosis.
     pub answer: Instead,
 }
 
