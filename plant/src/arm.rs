@@ -19,10 +19,10 @@ pub struct Arm {
     pub reach: Vec<f64>,
     /// Speed below which the plant's sign of velocity is softened, rad/s or m/s.
     pub v_eps: Vec<f64>,
-    /// How it is softened there, on all joints.
+    /// Law by which the sign of friction is softened near rest, on all joints.
     pub rest: RestLaw,
-    /// Inertia of a disc about the axis that is part of the link's inertia, kg·m²: what turns with the motor where
-    /// the joint's gear is made elastic. Zero where the link has none.
+    /// Inertia of a disc about the axis that is part of the link's inertia, kg·m². It turns with the motor
+    /// where the joint's gear is made elastic. Zero where the link has none.
     pub disc: Vec<f64>,
 }
 
@@ -74,8 +74,9 @@ impl Arm {
         self.disc[j] += inertia;
     }
 
-    /// Divides joint `j` into a rotor, which keeps the joint, most of the link's disc and a tenth of the rest, and a
-    /// new joint about the same axis that carries what is left. With the new joint locked the arm moves as before.
+    /// Divides joint `j` into a rotor and a new joint about the same axis. The rotor keeps the joint, most of
+    /// the link's disc and a tenth of the other inertia; the new joint carries the remainder. With the new
+    /// joint locked the arm moves as before.
     pub fn split_joint(&mut self, j: usize) {
         let whole = self.joints[j].link.inertia;
         let disc = disc(&self.joints[j].axis, self.disc[j]);
@@ -158,7 +159,7 @@ fn disc(axis: &Vector3<f64>, inertia: f64) -> Matrix3<f64> {
     (Matrix3::identity() + axis * axis.transpose()) * (0.5 * inertia)
 }
 
-/// The same mass distribution with `factor` times the density.
+/// A body with `factor` times the density of `body`.
 pub fn scaled(body: &Inertia, factor: f64) -> Inertia {
     Inertia {
         mass: body.mass * factor,

@@ -1,4 +1,4 @@
-//! What moves: bodies as their mass matrix and the torque that a state takes without acceleration.
+//! Moving bodies: their mass matrix, and the torque of a state without acceleration.
 
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix};
 use physics::robot::Robot;

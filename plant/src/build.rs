@@ -16,13 +16,13 @@ pub struct Build {
     pub armature: Vec<f64>,
     /// Friction, per joint of `arm`.
     pub friction: Vec<Friction>,
-    /// Mechanisms.
+    /// Mechanisms beyond rigid bodies and friction.
     pub mechanisms: Vec<Box<dyn Mechanism>>,
-    /// From motor torque to what is noted.
+    /// Measurement chain from motor torque to recorded torque.
     pub measurement: Measurement,
 }
 
-/// How torque is noted, per motor.
+/// Measurement chain of the torque, per motor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
     /// Noted torque over real torque.
@@ -31,12 +31,12 @@ pub struct Measurement {
     pub offset: Vec<f64>,
     /// Largest torque that can be noted, N·m.
     pub limit: Vec<f64>,
-    /// How much later torque is noted than motion, s.
+    /// Delay of the recorded torque after the motion, s.
     pub delay: f64,
 }
 
 impl Measurement {
-    /// Faithful.
+    /// Measurement chain without error.
     pub fn faithful(dof: usize) -> Self {
         Self {
             gain: vec![1.0; dof],
@@ -46,7 +46,7 @@ impl Measurement {
         }
     }
 
-    /// What motor `j` notes of a torque, but for the delay.
+    /// Recorded value of a torque of motor `j`, N·m, without the delay.
     pub fn note(&self, j: usize, torque: f64) -> f64 {
         let limit = self.limit[j];
         (self.gain[j] * torque + self.offset[j]).clamp(-limit, limit)

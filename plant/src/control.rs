@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
-/// What the controller's sensors add to the motion.
+/// Errors of the controller's motion sensors.
 #[derive(Debug, Clone)]
 pub struct Sensing {
     /// Encoder count, rad or m per count.

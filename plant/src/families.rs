@@ -1,7 +1,7 @@
-//! The robots of the simulated cases: shapes and sizes of common arms, and random relatives of them.
+//! Robots of the simulated cases: shapes and sizes of common arms, and random variants of them.
 //!
-//! Lengths and masses are rounded from public data sheets and descriptions; inertias are those of cylinders
-//! and boxes of these masses with the motors in the joints. They need not be any maker's robot: a case is
+//! Lengths and masses are rounded from public data sheets and descriptions; inertias are those of cylinders and
+//! boxes of these masses with the motors in the joints. They need not match any maker's robot, since a case is
 //! about the difference between two models.
 
 use crate::arm::Arm;

@@ -8,13 +8,13 @@ use signal::cholesky;
 /// Viscous and Coulomb friction of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
-    /// N·m·s/rad.
+    /// Viscous coefficient, N·m·s/rad.
     pub viscous: f64,
-    /// N·m.
+    /// Coulomb torque, N·m.
     pub coulomb: f64,
     /// Speed below which the sign is softened, rad/s.
     pub v_eps: f64,
-    /// How.
+    /// Law of softening near rest.
     pub rest: RestLaw,
 }
 
@@ -43,7 +43,7 @@ pub struct Plant {
     resisting: Vec<Vec<usize>>,
     /// Positions, rad or m.
     pub q: Vec<f64>,
-    /// Velocities.
+    /// Velocities, rad/s (m/s).
     pub v: Vec<f64>,
     /// Accelerations of the last step.
     pub a: Vec<f64>,
@@ -226,9 +226,9 @@ impl Plant {
         self.a.copy_from_slice(&self.rest);
     }
 
-    /// Motor torques (N·m, into `torque`) that carry the arm with velocities `v` and accelerations `a` through the positions `q`
-    /// at time `t`: the equations of motion solved for the other side. States of the mechanisms go on by `dt`; those of
-    /// [`Plant::step`] are left alone.
+    /// Inverse dynamics: motor torques (N·m, into `torque`) for velocities `v` and accelerations `a` at
+    /// positions `q` and time `t`. States of the mechanisms advance by `dt`; those of [`Plant::step`] are
+    /// unchanged.
     pub fn invert(&mut self, [t, dt]: [f64; 2], [q, v, a]: [&[f64]; 3], torque: &mut [f64]) {
         let n = self.dof();
         self.bodies.mass(q, &mut self.mass);

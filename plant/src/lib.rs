@@ -1,11 +1,11 @@
-//! The "real" robot of proofs and tests: closed-loop forward simulation with what simulators lack as mechanisms.
+//! The "real" robot of proofs and tests: closed-loop forward simulation, with effects that simulators lack as mechanisms.
 //!
-//! - [`arm`], [`families`]: robots, and how they can be altered.
-//! - [`bodies`]: what moves, whatever kind of machine it is.
-//! - [`mechanism`]: what a robot does beyond rigid bodies with viscous and Coulomb friction.
+//! - [`arm`], [`families`]: robots and their modifications.
+//! - [`bodies`]: moving bodies of any kind of machine.
+//! - [`mechanism`]: torques beyond rigid bodies with viscous and Coulomb friction.
 //! - [`build`]: bodies, friction, mechanisms and measurement put together to a [`Plant`], which integrates them.
 //! - [`control`], [`mod@reference`], [`run`]: controller, excitation, the loop.
-//! - [`measure`]: from what happened to a recording.
+//! - [`measure`]: from a perfect trace to a recording.
 //!
 //! Of `physics` only robots and rigid-body dynamics are used: nothing here shares a formula with the effects
 //! that a diagnosis fits.

@@ -1,4 +1,4 @@
-//! The closed loop: reference, controller, plant, and what a perfect observer would note.
+//! The closed loop of reference, controller and plant, and its perfect trace.
 
 use crate::control::Controller;
 use crate::integrate::Plant;
@@ -25,17 +25,17 @@ pub struct Trace {
     pub time: Vec<f64>,
     /// Samples of each trajectory.
     pub lengths: Vec<usize>,
-    /// Motor-side position.
+    /// Motor-side position, rad (m).
     pub q: Vec<f64>,
-    /// Motor-side velocity.
+    /// Motor-side velocity, rad/s (m/s).
     pub qd: Vec<f64>,
-    /// Motor-side acceleration.
+    /// Motor-side acceleration, rad/s² (m/s²).
     pub qdd: Vec<f64>,
-    /// Motor torque.
+    /// Motor torque, N·m (N).
     pub tau: Vec<f64>,
     /// Torque by which each mechanism in turn changed the motor's, N values each.
     pub exerted: Vec<f64>,
-    /// Commanded position.
+    /// Commanded position, rad (m).
     pub q_ref: Vec<f64>,
     /// Position of the link behind each motor's transmission.
     pub link: Vec<f64>,
@@ -76,11 +76,11 @@ impl Trace {
     }
 }
 
-/// Runs the session. `axes` are the plant's joints that have motors and encoders; `delay` (s) is how much later
-/// torque is noted than motion.
+/// Runs the session. `axes` are the plant's joints that have motors and encoders; `delay` is that of the
+/// recorded torque after the motion, s.
 ///
-/// The torque is held over a control period; what is noted is the mean of the periods before and after a sample,
-/// as position, velocity and acceleration are those at the sample.
+/// The torque is held over a control period. The recorded value is the mean of the periods before and after a
+/// sample, since position, velocity and acceleration are those at the sample.
 pub fn run(
     session: &Session,
     controller: &mut Controller,

@@ -1,8 +1,8 @@
-//! What can go wrong.
+//! Errors of a simulation.
 
 use std::path::PathBuf;
 
-/// Why a simulation gave no recording.
+/// Reason why a simulation gave no recording.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulateError {
     /// A simulated arm is not a possible robot.
@@ -11,7 +11,7 @@ pub enum SimulateError {
     /// A built-in robot is missing.
     #[error("no built-in robot `{0}`")]
     NoRobot(&'static str),
-    /// A motor's motion alone does not tell its torque.
+    /// The robot has elastic gears, so that the motion of its motors does not determine their torque.
     #[error(
         "the simulated robot has elastic gears: the motion of its motors does not tell their torque"
     )]
@@ -21,7 +21,7 @@ pub enum SimulateError {
     NoCase {
         /// Kind of the case.
         kind: &'static str,
-        /// Its index.
+        /// Index of the case.
         index: u64,
     },
     /// Torques of a case do not belong together.
@@ -32,7 +32,7 @@ pub enum SimulateError {
     Write {
         /// File or folder.
         path: PathBuf,
-        /// Reason.
+        /// Cause.
         source: std::io::Error,
     },
     /// A recording could not be written.
@@ -41,9 +41,9 @@ pub enum SimulateError {
     /// An answer could not be put into JSON.
     #[error("cannot write {path} as JSON: {source}")]
     Json {
-        /// File.
+        /// Path of the file.
         path: PathBuf,
-        /// Reason.
+        /// Cause.
         source: serde_json::Error,
     },
 }

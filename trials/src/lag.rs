@@ -7,18 +7,18 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lag {
-    /// None.
+    /// No filter.
     None,
     /// First order, corner in Hz.
     First {
-        /// Corner, Hz.
+        /// Corner frequency, Hz.
         corner_hz: f64,
     },
-    /// Second order.
+    /// Second-order low-pass.
     Second {
         /// Undamped frequency, Hz.
         corner_hz: f64,
-        /// Damping ratio.
+        /// Damping ratio of the poles.
         damping: f64,
     },
     /// Mean of the last ten samples of a controller.
@@ -32,7 +32,7 @@ pub enum Lag {
 const SUBSTEPS: usize = 10;
 
 impl Lag {
-    /// How late it makes a slow signal: first moment of its impulse response, s.
+    /// Delay of a slow signal, s: first moment of the impulse response.
     pub fn first_moment(self) -> f64 {
         match self {
             Self::None => 0.0,

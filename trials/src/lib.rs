@@ -1,11 +1,11 @@
-//! Recordings of the simulated robot on which proofs and tests stand.
+//! Recordings of the simulated robot for proofs and tests.
 //!
 //! - [`cases`]: sealed diagnosis cases with one withheld effect and their answers.
 //! - `lag`: filters between a torque and its log.
-//! - `effects`: what a sealed case can withhold, one file per effect.
-//! - [`protocols`]: recordings as the source papers made theirs.
+//! - `effects`: effects that a sealed case can withhold, one file per effect.
+//! - [`protocols`]: recordings by the procedures of the source papers.
 //! - [`channels`]: raw recordings whose torque came through a channel with one fault.
-//! - [`raw`]: recordings as a controller logs them, with what is true of their torque channel.
+//! - [`raw`]: recordings in the form of a controller's log, with the truth about their torque channel.
 #![forbid(unsafe_code)]
 
 pub mod cases;

@@ -6,11 +6,11 @@ use super::{Instant, Mechanism};
 /// `base` on the part before, `angle` between them at q = 0.
 #[derive(Debug, Clone, Copy)]
 pub struct Pins {
-    /// m.
+    /// Distance of the link's pin from the joint, m.
     pub lever: f64,
-    /// m.
+    /// Distance of the other pin, on the part before, from the joint, m.
     pub base: f64,
-    /// rad.
+    /// Angle between both pins at q = 0, rad.
     pub angle: f64,
 }
 
@@ -27,9 +27,9 @@ impl Pins {
 /// metres of stroke there.
 #[derive(Debug, Clone)]
 pub struct GasStrut {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     pub joint: usize,
-    /// Geometry.
+    /// Positions of the strut's pins.
     pub pins: Pins,
     /// Force that pushes the pins apart at the middle length, N.
     pub force: f64,
@@ -49,11 +49,11 @@ impl Mechanism for GasStrut {
 /// Coil spring that pulls the pins together.
 #[derive(Debug, Clone)]
 pub struct CoilSpring {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     pub joint: usize,
-    /// Geometry.
+    /// Positions of the spring's pins.
     pub pins: Pins,
-    /// N/m.
+    /// Stiffness, N/m.
     pub stiffness: f64,
     /// Length without force over the shortest distance of the pins.
     pub free: f64,

@@ -7,7 +7,7 @@ use super::{Instant, Mechanism};
 /// σ₀ z + σ₁ ż with σ₀ = coulomb/z_s. It carries the joint's whole Coulomb friction.
 #[derive(Debug, Clone)]
 pub struct Bristle {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     pub joint: usize,
     /// Friction when sliding, N·m.
     pub coulomb: f64,

@@ -3,7 +3,7 @@
 
 use super::{Instant, Mechanism, soft_sign};
 
-/// How the extra friction of a starting joint falls with speed.
+/// Law by which the extra friction of a starting joint falls with speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StribeckKind {
     /// 1/(1 + (v/v_s)²).
@@ -18,7 +18,7 @@ pub enum StribeckKind {
 /// Boundary friction of a joint that starts to slide.
 #[derive(Debug, Clone)]
 pub struct Stribeck {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     pub joint: usize,
     /// Extra friction at standstill, N·m.
     pub size: f64,
@@ -26,7 +26,7 @@ pub struct Stribeck {
     pub v_s: f64,
     /// Softening of the sign, rad/s.
     pub v_eps: f64,
-    /// Law.
+    /// Law of the fall with speed.
     pub kind: StribeckKind,
     /// Height of the film over that at v_s.
     pub film: f64,
@@ -63,8 +63,7 @@ pub enum DragKind {
     Eyring,
     /// Churning oil: (|v|/v_top)^1.8 sign v.
     Churning,
-    /// What a shear-thinning grease (Carreau) lacks against a Newtonian one:
-    /// ((1 + (v/v₀)²)^−0.35 − 1)·v/v_top.
+    /// Deficit of a shear-thinning grease (Carreau) against a Newtonian one: ((1 + (v/v₀)²)^−0.35 − 1)·v/v_top.
     Carreau,
     /// (|v|/v_top)^α sign v.
     Power(f64),
@@ -73,15 +72,15 @@ pub enum DragKind {
 /// Nonlinear fluid friction of one joint, on top of its viscous friction.
 #[derive(Debug, Clone)]
 pub struct Drag {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     pub joint: usize,
     /// Torque scale, N·m.
     pub size: f64,
-    /// Speed at which the fluid leaves its linear range, rad/s.
+    /// Velocity up to which the fluid is Newtonian, rad/s.
     pub v_0: f64,
     /// Top speed of the joint, rad/s.
     pub v_top: f64,
-    /// Law.
+    /// Law of the drag over speed.
     pub kind: DragKind,
 }
 

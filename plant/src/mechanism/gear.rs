@@ -6,7 +6,7 @@ use super::{Instant, Mechanism, soft_sign};
 /// of it when driven back.
 #[derive(Debug, Clone)]
 pub struct GearMesh {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     pub joint: usize,
     /// Lost share 1 − η.
     pub loss: f64,
@@ -36,11 +36,11 @@ impl Mechanism for GearMesh {
 pub struct GearSpring {
     /// Plant joint of the gear's deflection.
     pub joint: usize,
-    /// N·m/rad.
+    /// Stiffness, N·m/rad.
     pub stiffness: f64,
     /// Deflection at which stiffness has doubled, rad.
     pub hardening: f64,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub damping: f64,
 }
 

@@ -1,10 +1,9 @@
-//! What real transmissions, motors and surroundings do beyond a rigid body with viscous and Coulomb
-//! friction: each mechanism as the machine part that causes it, with its own state.
+//! Mechanisms of real transmissions, motors and surroundings beyond a rigid body with viscous and Coulomb
+//! friction. Each is modelled as the machine part that causes it, with its own state.
 //!
-//! Here stand the trait and the mechanisms that several kinds of recording need; one that only a sealed case withholds
-//! stands with its effect in `trials`.
-//! Nothing here knows how a diagnosis describes an effect; the forms are chosen to differ from such
-//! descriptions.
+//! This module holds the trait, and the mechanisms that several kinds of recording need. A mechanism that only
+//! a sealed case withholds is defined with its effect in `trials`. The mechanisms do not use the terms of a
+//! diagnosis; their forms are chosen to differ from those.
 
 mod balance;
 mod bristle;

@@ -1,4 +1,4 @@
-//! How dry friction comes to rest: the sign of velocity, softened.
+//! Softened sign of velocity for dry friction near rest.
 
 /// Sign of `v`, softened below `eps`: v/√(v² + ε²), which comes to rest more slowly than the hyperbolic tangent of
 /// identification and diagnosis.

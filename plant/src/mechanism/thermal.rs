@@ -7,7 +7,7 @@ use super::{Instant, Mechanism, soft_sign};
 /// `cold`·exp(−`fading` θ) times the warm one.
 #[derive(Debug, Clone)]
 pub struct WarmingGrease {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     pub joint: usize,
     /// Extra friction of the cold gear over the warm one.
     pub cold: f64,

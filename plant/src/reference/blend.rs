@@ -11,7 +11,7 @@ pub struct Blend {
 }
 
 impl Blend {
-    /// From one state to the other in `duration` seconds.
+    /// Blend from one state to another in `duration`, s.
     pub fn new(from: &Command, to: &Command, duration: f64) -> Self {
         let d = duration;
         let coefficients = (0..from.q.len())

@@ -14,9 +14,9 @@ pub use multisine::{Multisine, Pace};
 pub struct Command {
     /// Position, rad or m.
     pub q: Vec<f64>,
-    /// Velocity.
+    /// Velocity, rad/s (m/s).
     pub qd: Vec<f64>,
-    /// Acceleration.
+    /// Acceleration, rad/s² (m/s²).
     pub qdd: Vec<f64>,
 }
 
@@ -56,7 +56,7 @@ impl Segment {
 /// Trajectories on one clock with the robot moving from each end to the next start in between.
 #[derive(Debug, Clone)]
 pub struct Session {
-    /// Start time, s, and what is run from then on.
+    /// Start time of each segment, s, and the segment.
     pieces: Vec<(f64, Segment)>,
     /// Start time of each trajectory, s.
     pub starts: Vec<f64>,

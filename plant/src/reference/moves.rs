@@ -8,13 +8,13 @@ use rand_chacha::ChaCha8Rng;
 /// One synchronous move of all joints that ends at rest.
 #[derive(Debug, Clone)]
 pub struct Move {
-    /// Start, s.
+    /// Start time, s.
     pub start: f64,
     /// Time in motion, s.
     pub duration: f64,
-    /// Where it begins and ends.
+    /// Position at the start, rad (m).
     pub from: Vec<f64>,
-    /// Where it ends.
+    /// Position at the end, rad (m).
     pub to: Vec<f64>,
 }
 
@@ -34,17 +34,17 @@ pub(super) fn smooth_step(u: f64) -> (f64, f64, f64) {
 
 /// Peak speed of the smooth step of unit length and time.
 pub const STEP_SPEED: f64 = 1.875;
-/// Its peak acceleration.
+/// Peak acceleration of the unit step.
 pub const STEP_ACCELERATION: f64 = 5.774;
 
 impl Moves {
-    /// From moves in order of time.
+    /// Motion from moves in order of time.
     pub fn new(moves: Vec<Move>) -> Self {
         Self { moves }
     }
 
-    /// Random targets in the arm's region for `length` seconds, at up to `haste` of the joints' speed. Every
-    /// move leaves about a quarter of the joints where they are.
+    /// Random targets in the arm's region for `length` seconds, at up to the part `haste` of the joints' speed.
+    /// In every move about a quarter of the joints rest.
     pub fn draw(arm: &Arm, length: f64, haste: f64, rng: &mut ChaCha8Rng) -> Self {
         let n = arm.dof();
         let mut here: Vec<f64> = (0..n)
@@ -81,7 +81,7 @@ impl Moves {
         Self { moves }
     }
 
-    /// The same moves with a further rest after each, s.
+    /// The moves with a further rest after each, s.
     pub fn with_rests(mut self, mut rest: impl FnMut() -> f64) -> Self {
         let mut later = 0.0;
         for m in &mut self.moves {

@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
-/// How fast the series is run through: ds/dt = rate·exp(depth·sin(2πt/period + φ)).
+/// Modulation of the series' pace: ds/dt = rate·exp(depth·sin(2πt/period + φ)).
 #[derive(Debug, Clone, Copy)]
 pub struct Pace {
     /// Geometric middle of the pace, periods of the series per second.
@@ -112,7 +112,7 @@ impl Multisine {
         series
     }
 
-    /// Scales every joint to its region and speed; where speed is what limits, moves its centre at random.
+    /// Scales every joint to its region and speed; where the speed limits its amplitude, shifts its centre at random.
     fn fit_into(&mut self, arm: &Arm, length: f64, rng: &mut ChaCha8Rng) {
         let n = arm.dof();
         let mut c = Command::new(n);
@@ -153,7 +153,7 @@ impl Multisine {
         (rate, rate * self.pace.depth * w * c)
     }
 
-    /// s(t) by Simpson's rule; its error is far below what a double of s shows in q.
+    /// Tabulates s(t) by Simpson's rule; its error in q is far below double precision of s.
     fn tabulate(&mut self, length: f64) {
         let steps = (length / GRID).ceil() as usize + 1;
         let mut s = 0.0;

@@ -8,12 +8,12 @@ use rand_chacha::ChaCha8Rng;
 /// the first.
 pub const GENERATOR: u8 = 2;
 
-/// Random stream of the choice: no attempt at a case has it, so that all else stays as it is drawn.
+/// Random stream of this choice, which no attempt at a case uses, so that all other draws stay the same.
 const STREAM: u64 = u64::MAX;
 /// Part of the cases that repeat motions.
 const PART: f64 = 1.0 / 3.0;
 
-/// In which order motions are executed twice.
+/// Order in which motions are executed twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Again {
     /// A B C A B C

@@ -1,4 +1,4 @@
-//! A case as it is handed on.
+//! A sealed case with its answer.
 
 use super::truth::Truth;
 use datasets::Recording;
@@ -6,14 +6,14 @@ use datasets::Recording;
 /// A finished case.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// Name: ten hexadecimal digits that say nothing about it.
+    /// Name: ten hexadecimal digits without meaning.
     pub id: String,
     /// The simulator's model.
     pub urdf: String,
-    /// Recording to fit on: 8 trajectories of 15 s at 250 Hz, of a hard case as its answer says.
+    /// Training recording: 8 trajectories of 15 s at 250 Hz; for a hard case as given in its answer.
     pub train: Recording,
-    /// Recording to be judged on: 4 trajectories in between, of a hard case as its answer says.
+    /// Test recording: 4 trajectories recorded between those of training; for a hard case as given in its answer.
     pub test: Recording,
-    /// The answer.
+    /// Answer.
     pub truth: Truth,
 }

@@ -1,4 +1,4 @@
-//! Running the robot of a case, and telling the effect's torque from the rest.
+//! Simulation of a case's robot, and separation of the effect's torque from the whole.
 
 use super::oracle::frictions;
 use crate::effects::{Place, Withheld};
@@ -19,11 +19,11 @@ const CONTROL: f64 = 1e-3;
 
 /// An effect with its size and the joint on which it was set.
 pub struct Chosen {
-    /// Its name in the answers.
+    /// Name of the effect in the answers.
     pub name: &'static str,
-    /// Its shape.
+    /// Shape of the effect.
     pub effect: Box<dyn Withheld>,
-    /// Its size.
+    /// Size of the effect.
     pub size: f64,
     /// Joint on which the size was set.
     pub at: usize,
@@ -33,7 +33,7 @@ pub struct Chosen {
 
 /// A run and its torque as noted.
 pub struct Run {
-    /// The trace.
+    /// Trace of the run.
     pub trace: Trace,
     /// Torque as noted, without noise.
     pub noted: Vec<f64>,
@@ -42,13 +42,13 @@ pub struct Run {
 /// One robot under one controller on one session.
 #[derive(Clone, Copy)]
 pub struct Experiment<'a> {
-    /// What the controller knows.
+    /// Model of the controller.
     pub nominal: &'a Arm,
     /// The plant without effects.
     pub plain: &'a Arm,
     /// Effects that a case withholds.
     pub withheld: &'a [Chosen],
-    /// Small effects that the plant has besides, which are no part of what is asked for; each is one mechanism.
+    /// Small additional effects of the plant that are not part of the answer; each is one mechanism.
     pub background: &'a [Chosen],
     /// Commanded motion.
     pub session: &'a Session,
@@ -124,7 +124,7 @@ impl Experiment<'_> {
         Ok(build)
     }
 
-    /// Torque of each background effect in every row: that of its mechanism, less the dry friction that it stands for.
+    /// Torque of each background effect in every row, N·m: that of its mechanism minus the dry friction that it replaces.
     ///
     /// # Errors
     /// The bodies make no possible robot.
@@ -191,7 +191,7 @@ pub fn together(found: &[Vec<f64>]) -> Vec<f64> {
     all
 }
 
-/// What a torque has beyond rigid bodies, viscous and Coulomb friction of an arm on the true motion, row after row.
+/// Torque beyond rigid bodies, viscous and Coulomb friction of an arm on the true motion, N·m, row after row.
 ///
 /// # Errors
 /// The bodies make no possible robot.

@@ -63,7 +63,7 @@ pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
     generate_with(spec, seed, Sensors::default())
 }
 
-/// The same case with what further sensors record; all else of it is the same.
+/// A case with recordings of further sensors; all else of it is unchanged.
 ///
 /// # Errors
 /// As [`generate`].

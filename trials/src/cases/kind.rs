@@ -1,4 +1,4 @@
-//! Which effect a case withholds.
+//! Kinds of cases: the withheld effect.
 
 use crate::effects::EFFECTS;
 use rand::SeedableRng;
@@ -6,10 +6,10 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-/// What separates a case's recording from its model, beside small errors of the parameters.
+/// Difference between a case's recording and its model, besides small errors of the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Kind {
-    /// Nothing.
+    /// No difference.
     None,
     /// One effect of the catalogue: an index into [`EFFECTS`].
     Single(usize),
@@ -40,20 +40,20 @@ impl Kind {
 /// A case to be generated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct CaseSpec {
-    /// Its place in the run.
+    /// Index of the case in the run.
     pub index: u64,
-    /// Its kind.
+    /// Kind of the case.
     pub kind: Kind,
     /// Whether it is drawn nearer to real recordings.
     pub hard: bool,
     /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
     pub without: Option<usize>,
-    /// Version of the generator, see [`GENERATOR`](super::GENERATOR); what is drawn here is the first's.
+    /// Version of the generator, see [`GENERATOR`](super::GENERATOR). Cases drawn here have the first version.
     pub generator: u8,
 }
 
 impl CaseSpec {
-    /// The same case by another version of the generator.
+    /// The case with another version of the generator.
     pub fn by(self, generator: u8) -> Self {
         Self { generator, ..self }
     }
@@ -73,7 +73,7 @@ pub fn draw(index: u64, seed: u64) -> CaseSpec {
     draw_without(index, seed, None)
 }
 
-/// The same from a catalogue that lacks an effect, an index into [`EFFECTS`]: what a run of this seed was before the effect entered.
+/// A case drawn from a catalogue that lacks an effect, an index into [`EFFECTS`]: that of this seed before the effect was added.
 pub fn draw_without(index: u64, seed: u64, without: Option<usize>) -> CaseSpec {
     let mut kinds = vec![Kind::None; 30];
     kinds.extend([Kind::Outside; 30]);

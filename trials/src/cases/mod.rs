@@ -1,9 +1,9 @@
 //! Sealed diagnosis cases: a simulator's model, recordings of a slightly different robot with one withheld effect,
 //! and the answer.
 //!
-//! [`draw`] or, nearer to real recordings, [`draw_hard`] says which kind a case is, [`generate`] makes it, [`write()`] puts it into the files that a diagnosis
-//! reads (`cases/ID/`) and the one that it must not (`truth/ID.json`). The same index and seed give the same
-//! case on any number of threads.
+//! [`draw`] or, nearer to real recordings, [`draw_hard`] chooses the kind of a case. [`generate`] makes it.
+//! [`write()`] writes the files that a diagnosis reads (`cases/ID/`) and the one that it must not read
+//! (`truth/ID.json`). Equal index and seed give equal cases on any number of threads.
 
 mod again;
 mod case;

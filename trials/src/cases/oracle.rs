@@ -1,4 +1,4 @@
-//! How well a model can possibly do on a case's held-out recording, and how much of an effect parameters absorb.
+//! Least possible error of a model on a case's held-out recording, and the part of an effect that parameters absorb.
 
 use crate::SimulateError;
 use datasets::Recording;
@@ -214,9 +214,9 @@ const STRIDE: usize = 7;
 /// Eigenvalues of the scaled Gram matrix below this share of the largest belong to no base parameter.
 const RANK: f64 = 1e-11;
 
-/// Root mean square per joint of what is left of each effect (torque in the rows of the motion) when rigid-body
-/// parameters, Coulomb and viscous friction of all joints are fitted to it, all joints together with weights
-/// 1/`noise`.
+/// Root mean square residual per joint of each effect, N·m, beside rigid-body parameters, Coulomb and viscous
+/// friction of all joints. The effects are torques in the rows of the motion. All joints are fitted together
+/// with the weights 1/`noise`.
 ///
 /// # Errors
 /// The arm is no possible robot.
@@ -283,8 +283,8 @@ pub fn unabsorbed(
     Ok(left.collect())
 }
 
-/// Root mean square per joint of what rigid-body parameters, Coulomb and viscous friction leave of a recording's torque on
-/// its motion low-passed at `cutoff` Hz.
+/// Root mean square residual per joint of a recording's torque beside rigid-body parameters, Coulomb and
+/// viscous friction. The motion is low-passed at `cutoff` Hz.
 ///
 /// # Errors
 /// The arm is no possible robot.

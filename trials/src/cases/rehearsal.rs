@@ -21,9 +21,9 @@ pub struct Rehearsal {
     rows: Vec<Command>,
     /// Rows inside a trajectory.
     inside: Vec<bool>,
-    /// Rigid-body torque.
+    /// Rigid-body torque, N·m, by row and joint.
     rigid: Vec<Vec<f64>>,
-    /// What it asks of each joint.
+    /// Torque and motion that the session demands of each joint.
     pub demand: Demand,
 }
 

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 /// Time constant of gears whose temperature no mechanism follows, s.
 const WARMING: f64 = 110.0;
 
-/// Which further sensors a case has.
+/// Choice of a case's further sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sensors {
     /// Encoders on the links.
@@ -24,8 +24,8 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Has the case's recordings hold what these sensors say of the true link positions and temperatures in them. They draw
-    /// from a stream of their own, so that nothing else of the case changes.
+    /// Adds readings of these sensors of the true link positions and temperatures to the case's recordings.
+    /// They are drawn from a stream of their own, so that nothing else of the case changes.
     pub(super) fn record(self, case: &mut Case, key: [u8; 32]) {
         let mut rng = ChaCha8Rng::from_seed(key);
         rng.set_stream(u64::MAX);
@@ -56,7 +56,7 @@ struct LinkEncoder {
     count: f64,
     /// Deviation of its noise, steps.
     noise: f64,
-    /// Where its zero is, rad (m).
+    /// Offset of its zero, rad (m).
     zero: f64,
     /// Error once a turn by its disc's eccentricity, rad, and its phase.
     eccentric: [f64; 2],
@@ -90,7 +90,7 @@ struct Thermometer {
     rise: f64,
     /// Time by which it is late, s.
     lag: f64,
-    /// Resolution, K.
+    /// Resolution of the reading, K.
     step: f64,
     /// Deviation of its noise, K.
     noise: f64,
@@ -107,7 +107,7 @@ impl Thermometer {
         }
     }
 
-    /// Replaces relative temperatures by what is read, °C.
+    /// Replaces relative temperatures by readings, °C.
     fn read(&self, time: &[f64], mut warmth: ArrayViewMut1<f64>, rng: &mut ChaCha8Rng) {
         let (mut shown, mut before) = (warmth[0], time[0]);
         for (warmth, &now) in warmth.iter_mut().zip(time) {

@@ -11,14 +11,14 @@ const SHARES: Range<f64> = 0.03..0.6;
 /// Times that a case is simulated to set the sizes of its effects.
 pub const ROUNDS: usize = 3;
 
-/// What became of the sizes.
+/// Result of setting the sizes of a case's effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sized {
-    /// They are as meant, or near enough.
+    /// The sizes are near enough to the intended ones.
     Well,
-    /// They were corrected.
+    /// The sizes were corrected, and the case is to be simulated again.
     Again,
-    /// They cannot be had here.
+    /// The intended sizes cannot be reached with this case.
     Unsuited,
 }
 
@@ -29,7 +29,7 @@ pub fn column_rms(table: &[f64], n: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The effects' torques, of those that vibrate what counts.
+/// Torques of the effects, low-passed for those that vibrate.
 pub fn without_vibration(
     mut found: Vec<Vec<f64>>,
     withheld: &[Chosen],

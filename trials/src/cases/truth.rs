@@ -30,13 +30,13 @@ pub struct Truth {
     pub repeats: bool,
     /// Number of joints.
     pub joints: usize,
-    /// Withheld effects.
+    /// Withheld effects with their parameters.
     pub effects: Vec<TruthEffect>,
     /// Root mean square of the torque without noise per joint, over all samples, N·m.
     pub torque_rms: Vec<f64>,
-    /// The same of all effects together.
+    /// Root mean square torque of all effects together, by joint, N·m.
     pub effect_rms: Vec<f64>,
-    /// What base parameters, Coulomb and viscous friction leave of them.
+    /// Root mean square of their torque beside base parameters, Coulomb and viscous friction, by joint, N·m.
     pub unabsorbed_rms: Vec<f64>,
     /// Root mean square of the torque noise.
     pub noise_rms: Vec<f64>,
@@ -48,14 +48,14 @@ pub struct Truth {
     pub plant: PlantTruth,
     /// Time that the case took to make, s.
     pub seconds: f64,
-    /// What else was drawn, of a hard case.
+    /// Further drawn properties of a hard case.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hard: Option<HardTruth>,
 }
 
 impl Truth {
-    /// The answer of a case. `found` are the torques of its effects in `run`, `noise` that of the torque as recorded, row after
-    /// row. Seed and time are left at zero.
+    /// Answer of a case. `found` are the torques of its effects in `run`, `noise` that of the recorded torque,
+    /// row after row. Seed and time are left at zero.
     ///
     /// # Errors
     /// The bodies make no possible robot.
@@ -152,20 +152,21 @@ pub struct TruthEffect {
     pub reference_joint: String,
     /// Size, in the unit of the mechanism.
     pub level: f64,
-    /// Its parameters.
+    /// Parameters of the mechanism.
     pub parameters: Value,
     /// Root mean square of its torque over that of the joint's.
     pub share: f64,
-    /// The same after base parameters, Coulomb and viscous friction have taken what they can.
+    /// Share after base parameters, Coulomb and viscous friction have absorbed what they can.
     pub share_after_reidentification: f64,
-    /// That part over the torque noise.
+    /// Root mean square of that part over the torque noise.
     pub snr_after_reidentification: f64,
-    /// Effects that no recording can tell from it.
+    /// Names of effects that no recording can tell from it.
     pub indistinguishable: Vec<String>,
 }
 
 impl TruthEffect {
-    /// The answer on an effect: `strength` is the root mean square of its torque per joint, `left` what parameters leave of it.
+    /// Answer on an effect. `strength` is the root mean square of its torque per joint, `left` that of its
+    /// residual beside parameters.
     fn of(effect: &Chosen, strength: &[f64], left: &[f64], torque: &[f64], noise: &[f64]) -> Self {
         let (n, at) = (torque.len(), effect.at);
         let description = effect.effect.describe(effect.size, n);

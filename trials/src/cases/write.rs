@@ -20,7 +20,7 @@ pub fn write(case: &Case, folder: &Path) -> Result<(), SimulateError> {
     write_sealed(folder, &case.id, &case.urdf, &recordings, &case.truth)
 }
 
-/// Writes what is open of a case into `cases/ID/` and its truth into `truth/ID.json` of `folder`.
+/// Writes the open part of a case into `cases/ID/` and its truth into `truth/ID.json` of `folder`.
 ///
 /// # Errors
 /// As [`write()`].
@@ -51,8 +51,8 @@ pub(crate) fn write_sealed(
     write_whole(&path, &text)
 }
 
-/// Generates cases of a run with some further sensors and writes them, on the threads of the current pool. `done` is told the
-/// name and kind of each as it is written.
+/// Generates cases of a run with some further sensors and writes them, on the threads of the current pool.
+/// `done` is called with the name and kind of each case that is written.
 ///
 /// # Errors
 /// The first case that could not be made or written.

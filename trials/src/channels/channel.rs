@@ -1,4 +1,4 @@
-//! What becomes of a torque on the way to the log.
+//! Stages of a torque channel on the way to the log.
 
 use super::fault::Fault;
 use super::sheet::DataSheet;

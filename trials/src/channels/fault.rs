@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-/// What is wrong with a recorded torque.
+/// Fault of a recorded torque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
-    /// Nothing: torque of the motors, seen from the link.
+    /// No fault: motor torque, seen from the link.
     None,
-    /// Without its sign.
+    /// Torque without its sign.
     Absolute,
     /// The sign of some joints is turned.
     Sign,
@@ -18,13 +18,13 @@ pub enum Fault {
     Percent,
     /// Torque at the motor, before the gear.
     Motor,
-    /// Less what gravity takes, by the maker's model.
+    /// Torque minus that of gravity by the maker's model.
     GravityRemoved,
-    /// By sensors behind the gears.
+    /// Torque of sensors behind the gears.
     JointSensor,
-    /// What the controller asks for, not what a sensor sees.
+    /// Torque command of the controller, not a sensor's value.
     Commanded,
-    /// In coarse steps.
+    /// Torque in coarse steps.
     Quantised,
     /// Low-passed forwards and backwards before it was stored.
     Filtered,

@@ -1,8 +1,8 @@
 //! Raw recordings whose torque came through a channel with one fault, and healthy ones.
 //!
-//! Robot, motion, stamps and encoders are those of [`crate::raw`]; here the torque is made otherwise: what the channel
-//! is fed with (`source`) and what becomes of it on the way to the log (`channel`). Nothing here knows how a fault is
-//! recognised; [`generate`] says what is true.
+//! Robot, motion, stamps and encoders are those of [`crate::raw`]. Here the torque is made differently: its
+//! source (`source`) and the stages on the way to the log (`channel`). Nothing here depends on the recognition
+//! of faults; [`generate`] gives the truth.
 
 mod channel;
 mod fault;
@@ -24,14 +24,14 @@ use rand_chacha::ChaCha8Rng;
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 
-/// A recording with what is true of its torque channel.
+/// A recording with the truth about its torque channel.
 #[derive(Debug, Clone)]
 pub struct ChannelCase {
     /// The robot as described: inertials nearly right; friction, gear ratios and torque constants in some descriptions.
     pub robot: Robot,
     /// The recording.
     pub recording: Recording,
-    /// What is wrong with its torque.
+    /// Fault of its torque.
     pub fault: Fault,
     /// The joints that it concerns, from 0.
     pub joints: Vec<usize>,

@@ -1,6 +1,6 @@
-//! What is printed of a drive.
+//! Data sheet of a drive.
 
-/// What a data sheet says of a joint.
+/// Data sheet values of a joint's drive.
 #[derive(Debug, Clone, Copy)]
 pub struct DataSheet {
     /// Motor turns per joint turn (motor rad per m of a sliding joint).

@@ -1,4 +1,4 @@
-//! What a torque channel is fed with.
+//! Source of a torque channel.
 
 use super::fault::Fault;
 use crate::raw::TRACE_HZ;
@@ -13,9 +13,9 @@ use rand_chacha::ChaCha8Rng;
 
 /// Torque on the clock of a trace, row after row.
 pub struct Fed {
-    /// N·m (N).
+    /// Torque, N·m (N).
     pub torque: Vec<f64>,
-    /// Whether no sensor stands behind it, so that nothing is added on the way.
+    /// Whether it is no sensor's value, so that the channel adds no error.
     pub exact: bool,
     /// Whether gravity's torque varies on some joint as much as a fifth of that joint's.
     pub gravity_varies: bool,

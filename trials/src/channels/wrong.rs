@@ -8,7 +8,7 @@ use plant::random::log_uniform;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// What does not belong to the recording.
+/// Wrong input beside a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrong {
     /// Masses, each link's by a factor of its own.
@@ -45,7 +45,7 @@ impl Wrong {
     }
 }
 
-/// Range of the factor between described and true masses that people meet, either way.
+/// Range of the factor between described and true masses in practice, in either direction.
 const FACTORS: [f64; 2] = [1.3, 2.0];
 /// A placeholder: kg, and kg·m².
 const PLACEHOLDERS: [(f64, f64); 3] = [(0.01, 1e-3), (1.0, 1e-3), (1.0, 1.0)];

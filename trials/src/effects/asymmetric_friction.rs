@@ -1,4 +1,4 @@
-//! Friction that is higher one way than the other.
+//! Friction that is higher in one direction than in the other.
 
 use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld};
@@ -13,7 +13,7 @@ use serde_json::json;
 /// thrust bearing: the mean over both directions is unchanged.
 #[derive(Debug, Clone)]
 struct ThrustBearing {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     joint: usize,
     /// Half the difference of Coulomb friction, N·m; negative: higher backwards.
     coulomb: f64,
@@ -36,7 +36,7 @@ impl Mechanism for ThrustBearing {
 /// Size: N·m at top speed.
 #[derive(Debug)]
 pub struct Asymmetry {
-    /// Joint.
+    /// Index of the joint on which it acts.
     pub joint: usize,
     /// Coulomb part over the size.
     pub coulomb: f64,

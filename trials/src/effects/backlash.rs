@@ -50,11 +50,11 @@ impl Mechanism for GearPlay {
 #[derive(Debug)]
 struct Play {
     joint: usize,
-    /// Of a flank, N·m/rad.
+    /// Stiffness of a flank, N·m/rad.
     stiffness: f64,
 }
 
-/// On a joint whose rotor is told from its link.
+/// Draws it on a joint whose rotor is separate from its link.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.geared?;
     let stiffness = scene.inertia[joint] * (TAU * rng.random_range(25.0..40.0)).powi(2);
@@ -103,7 +103,7 @@ impl Yielding for Play {
         self.stiffness
     }
 
-    /// From flank to flank, softened where the torque is small.
+    /// Deflection from flank to flank, rad, softened where the torque is small.
     fn deflection(&self, size: f64, torque: f64, usual: f64) -> f64 {
         let scale = 0.03 * usual;
         -size * (torque / scale).tanh()

@@ -25,7 +25,7 @@ enum Spring {
     Coil { free: f64 },
 }
 
-/// On a turning joint that gravity loads.
+/// Draws it on a turning joint that gravity loads.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.heavy.filter(|&j| scene.turns(j))?;
     let base = rng.random_range(0.3..0.7);

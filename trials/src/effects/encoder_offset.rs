@@ -7,7 +7,7 @@ use plant::build::Build;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: rad.
+/// Joint zero; its size is the offset, rad.
 #[derive(Debug)]
 struct Zero {
     joint: usize,

@@ -1,4 +1,4 @@
-//! Somebody or something touching the tool.
+//! A person or an object touching the tool.
 
 use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld};
@@ -17,13 +17,13 @@ use serde_json::json;
 /// slip at `limit`.
 #[derive(Debug, Clone, Copy)]
 struct Grab {
-    /// s.
+    /// Start time, s.
     start: f64,
-    /// s.
+    /// End time, s.
     end: f64,
-    /// N/m.
+    /// Stiffness, N/m.
     stiffness: f64,
-    /// N·s/m.
+    /// Damping, N·s/m.
     damping: f64,
     /// Greatest force, N.
     limit: f64,
@@ -109,7 +109,7 @@ pub(super) fn draw(scene: &Scene, _pick: &Pick, rng: &mut ChaCha8Rng) -> Option<
     Some(Shape::anywhere(effect, 0.1..0.35, rng))
 }
 
-/// Touches in about half of the trajectories, in train and test alike.
+/// Contacts in about half of the trajectories, of training and test alike.
 fn grabs(session: &Session, rng: &mut ChaCha8Rng) -> Vec<Grab> {
     let mut grabs = Vec::new();
     for (i, (start, length)) in session.starts.iter().zip(&session.lengths).enumerate() {

@@ -14,7 +14,7 @@ struct FrictionError {
     joints: Vec<(usize, f64, f64)>,
 }
 
-/// Least that is left of either friction.
+/// Least remaining part of either friction.
 const LEAST: f64 = 0.05;
 
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {

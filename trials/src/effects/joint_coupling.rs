@@ -10,7 +10,7 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// What the shared part is.
+/// Shared part of the two joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Part {
     /// A shaft of the driver turning in the driven joint's oil.

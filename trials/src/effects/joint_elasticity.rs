@@ -9,7 +9,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: rad/N·m.
+/// Elastic gear; its size is the compliance, rad/(N·m).
 #[derive(Debug)]
 struct Elasticity {
     joint: usize,
@@ -19,7 +19,7 @@ struct Elasticity {
     ratio: f64,
 }
 
-/// On a joint whose rotor is told from its link.
+/// Draws it on a joint whose rotor is separate from its link.
 pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.geared?;
     let effect = Elasticity {

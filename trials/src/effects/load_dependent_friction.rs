@@ -11,11 +11,11 @@ use serde_json::json;
 /// Size: lost share of the transmitted torque.
 #[derive(Debug)]
 pub struct LoadFriction {
-    /// Joint.
+    /// Index of the joint on which it acts.
     pub joint: usize,
 }
 
-/// On a joint that gravity loads, if there is one.
+/// Draws it on a joint that gravity loads, if there is one.
 pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.heavy.unwrap_or(pick.any);
     Some(Shape::on(joint, LoadFriction { joint }, 0.05..0.2, rng))

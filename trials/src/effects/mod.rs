@@ -1,7 +1,7 @@
-//! What a sealed case can withhold: one file per effect, with how its shape is drawn, what it adds to a plant, how it is
-//! described and, where nothing else needs it, the mechanism itself.
+//! Effects that a sealed case can withhold, one file per effect: the draw of its shape, its change of a plant,
+//! its description and, where nothing else needs it, the mechanism itself.
 //!
-//! Nothing here knows how a diagnosis describes an effect; the mechanisms are chosen to differ from such descriptions.
+//! Nothing here uses the terms of a diagnosis; the mechanisms are chosen to differ from those.
 
 mod asymmetric_friction;
 mod backlash;
@@ -48,7 +48,7 @@ use scene::Pick;
 /// Draws a shape, or none if this arm has no joint for the effect.
 type Draw = fn(&Scene, &Pick, &mut ChaCha8Rng) -> Option<Shape>;
 
-/// The effects of the catalogue, with their names as the contract has them. Their order is part of what a seed means.
+/// The effects of the catalogue with their names in reports. Their order determines which cases a seed gives.
 const CATALOGUE: &[(&str, Draw)] = &[
     ("link_parameters", link_parameters::draw),
     ("friction_parameters", friction_parameters::draw),

@@ -13,13 +13,13 @@ use serde_json::json;
 /// Size: N·m at top speed.
 #[derive(Debug)]
 pub struct FluidFriction {
-    /// Joint.
+    /// Index of the joint on which it acts.
     pub joint: usize,
-    /// Speed at which the fluid leaves its linear range, rad/s.
+    /// Velocity up to which the fluid is Newtonian, rad/s.
     pub v_0: f64,
     /// Top speed, rad/s.
     pub v_top: f64,
-    /// Law.
+    /// Law of the drag over speed.
     pub law: DragKind,
 }
 

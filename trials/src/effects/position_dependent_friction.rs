@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use std::f64::consts::TAU;
 
-/// What makes the contact pressure of a rubbing pair change over a turn.
+/// Cause of the change of a rubbing pair's contact pressure over a turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cause {
     /// A bent shaft: its weight e (relative to the preload) turns with it, N = √(1 + e² + 2 e cos φ).
@@ -22,7 +22,7 @@ enum Cause {
 /// Friction of a pair whose pressure changes over a turn, besides that of its mean.
 #[derive(Debug, Clone)]
 struct RunoutFriction {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     joint: usize,
     /// Friction at the tightest place over that of the mean pressure, N·m.
     size: f64,
@@ -30,7 +30,7 @@ struct RunoutFriction {
     viscous: f64,
     /// Turns of the part per turn of the joint.
     order: f64,
-    /// Where it is tightest, rad.
+    /// Position of the highest pressure, rad.
     phase: f64,
     /// Softening of the sign, rad/s.
     v_eps: f64,

@@ -13,13 +13,13 @@ use std::f64::consts::TAU;
 /// Size: deflection when sliding, rad.
 #[derive(Debug)]
 pub struct Presliding {
-    /// Joint.
+    /// Index of the joint on which it acts.
     pub joint: usize,
     /// Part of the deflection that is purely elastic, 0 to 1.
     pub elastic: f64,
-    /// By how much Coulomb friction is more than without, as a part of it.
+    /// Relative increase of Coulomb friction by it.
     pub more: f64,
-    /// Micro-damping, N·m·s/rad.
+    /// Micro-damping of the bristles, N·m·s/rad.
     pub damping: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Somebody who leans on the arm while it stands.
+//! Pushes of a person who leans on the arm while it stands.
 
 use super::scene::{Scene, Shape};
 use super::withheld::{Description, Withheld};

@@ -1,4 +1,4 @@
-//! What an effect is drawn for, and what was drawn.
+//! Basis of an effect's draw, and the drawn effect.
 
 use super::withheld::Withheld;
 use plant::arm::Arm;
@@ -9,13 +9,13 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
-/// What a shape is drawn for.
+/// Robot and motion for which a shape is drawn.
 pub struct Scene<'a> {
     /// The plain plant.
     pub arm: &'a Arm,
-    /// Its motion.
+    /// Session with its motion.
     pub session: &'a Session,
-    /// What its motion as commanded asks of each joint.
+    /// Demand of its commanded motion on each joint.
     pub demand: &'a Demand,
     /// Diagonal of its mass matrix in mid-region, kg·m².
     pub inertia: &'a [f64],
@@ -33,11 +33,11 @@ impl Scene<'_> {
     }
 }
 
-/// What a motion asks of each joint of the plain plant.
+/// Demand of a motion on each joint of the plain plant.
 pub struct Demand {
     /// Root mean square of the whole torque, N·m.
     pub torque: Vec<f64>,
-    /// The same of gravity's torque.
+    /// Root mean square of gravity's torque, N·m.
     pub gravity: Vec<f64>,
     /// Greatest torque, N·m.
     pub greatest: Vec<f64>,
@@ -47,10 +47,10 @@ pub struct Demand {
     pub power: Vec<f64>,
 }
 
-/// What is drawn for every effect alike, before its own shape, whether it uses it or not: so no effect's draws depend on
-/// another's.
+/// Draws that are common to all effects and precede their own. They are made whether an effect uses them or
+/// not, so that no effect's draws depend on another's.
 pub struct Pick {
-    /// Any joint.
+    /// Index of a joint of any kind.
     pub any: usize,
     /// One of those that gravity loads.
     pub heavy: Option<usize>,
@@ -83,7 +83,7 @@ impl Pick {
 
 /// A shape and where and how large it is to be.
 pub struct Shape {
-    /// The effect.
+    /// The drawn effect.
     pub effect: Box<dyn Withheld>,
     /// Joint on which its size is set; none: where it is largest.
     pub joint: Option<usize>,

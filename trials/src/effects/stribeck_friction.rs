@@ -12,11 +12,11 @@ use serde_json::json;
 /// Size: N·m at standstill.
 #[derive(Debug)]
 pub struct StartingFriction {
-    /// Joint.
+    /// Index of the joint on which it acts.
     pub joint: usize,
     /// Speed at which it has mostly gone, rad/s.
     pub v_s: f64,
-    /// Law.
+    /// Law of the fall with speed.
     pub law: StribeckKind,
 }
 

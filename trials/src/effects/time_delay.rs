@@ -8,13 +8,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: s.
+/// Time shift; its size is the delay, s.
 #[derive(Debug)]
 struct Delay {
     sign: f64,
 }
 
-/// Mostly later.
+/// Draws a shift, in three of four cases a late torque.
 pub(super) fn draw(_scene: &Scene, _pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let sign = if rng.random_bool(0.75) { 1.0 } else { -1.0 };
     Some(Shape::anywhere(Delay { sign }, 0.04..0.15, rng))

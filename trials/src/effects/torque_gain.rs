@@ -7,7 +7,7 @@ use plant::build::Build;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: how far the gain is from 1.
+/// Wrong gain; its size is the deviation from 1.
 #[derive(Debug)]
 struct Gain {
     joint: usize,

@@ -7,7 +7,7 @@ use plant::build::Build;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: N·m.
+/// Torque bias; its size is the offset, N·m.
 #[derive(Debug)]
 struct Offset {
     joint: usize,

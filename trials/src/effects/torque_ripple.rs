@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 /// Size: N·m of the first wave.
 #[derive(Debug)]
 pub struct CoggingWaves {
-    /// Joint.
+    /// Index of the joint on which it acts.
     pub joint: usize,
     /// Order (rad⁻¹), amplitude over the size and phase (rad) of each wave.
     pub waves: Vec<[f64; 3]>,

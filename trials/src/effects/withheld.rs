@@ -1,4 +1,4 @@
-//! What every withheld effect can say and do.
+//! Interface of every withheld effect.
 
 use physics::robot::RobotError;
 use plant::build::Build;
@@ -27,12 +27,12 @@ pub trait Withheld: Debug + Send + Sync {
         0.1
     }
 
-    /// Whether its torque is that of one mechanism alone, which the simulation notes by itself.
+    /// Whether its torque is that of one mechanism alone, which the simulation records separately.
     fn is_self_contained(&self) -> bool {
         false
     }
 
-    /// The part that gives way, if it lets one.
+    /// The yielding part, if it has one.
     fn yielding(&self) -> Option<&dyn Yielding> {
         None
     }
@@ -44,19 +44,19 @@ pub trait Withheld: Debug + Send + Sync {
     }
 }
 
-/// A part of the robot that gives way under torque.
+/// A part of the robot that yields under torque.
 pub trait Yielding {
-    /// Which one.
+    /// Place of the yielding part.
     fn place(&self) -> Place;
 
-    /// Its stiffness where it is stiffest, N·m/rad.
+    /// Greatest stiffness, N·m/rad.
     fn stiffness(&self, size: f64) -> f64;
 
-    /// How far it gives way (rad) under a torque (N·m) that has the root mean square `usual`, were it at rest.
+    /// Static deflection, rad, under a torque, N·m, of which `usual` is the root mean square.
     fn deflection(&self, size: f64, torque: f64, usual: f64) -> f64;
 }
 
-/// Where a robot gives way.
+/// Place at which a robot yields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// Between this joint's rotor and its link.
@@ -65,20 +65,20 @@ pub enum Place {
     Mount,
 }
 
-/// What is said of an effect beside its figures.
+/// Description of an effect beside its figures.
 pub struct Description {
-    /// Mechanism.
+    /// Name of the mechanism.
     pub mechanism: &'static str,
     /// Joints that the effect belongs to; none: the whole arm.
     pub joints: Option<Vec<usize>>,
-    /// Parameters.
+    /// Parameters of the mechanism.
     pub parameters: Value,
-    /// Effects that no recording can tell from it.
+    /// Names of effects that no recording can tell from it.
     pub indistinguishable: Vec<&'static str>,
 }
 
 impl Description {
-    /// Of an effect that belongs to these joints.
+    /// Description of an effect that belongs to these joints.
     pub fn of_joints(joints: &[usize], mechanism: &'static str, parameters: Value) -> Self {
         Self {
             joints: Some(joints.to_vec()),
@@ -86,7 +86,7 @@ impl Description {
         }
     }
 
-    /// Of an effect that belongs to the whole arm.
+    /// Description of an effect that belongs to the whole arm.
     pub fn of_arm(mechanism: &'static str, parameters: Value) -> Self {
         Self {
             mechanism,
@@ -96,7 +96,7 @@ impl Description {
         }
     }
 
-    /// Notes that no recording can tell the effect from `other`, if that `holds`.
+    /// Adds `other` to the effects that no recording can tell from it, if `holds`.
     pub fn same_as(mut self, other: &'static str, holds: bool) -> Self {
         self.indistinguishable.extend(holds.then_some(other));
         self

@@ -72,12 +72,12 @@ impl WornGear {
     }
 }
 
-/// What sets a worn gear's size.
+/// Quantity that sets a worn gear's size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sized {
-    /// Its wind-up; size: rad/N·m.
+    /// Wind-up; its size is the compliance, rad/(N·m).
     WindUp,
-    /// Its play; size: half of it, rad.
+    /// Play; its size is half of it, rad.
     Play,
 }
 

@@ -16,11 +16,11 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What was changed.
+/// Change of the robot between the two days.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
-    /// Nothing.
+    /// No change.
     None,
     /// A body of 1 to 4 kg on the last link.
     Payload,
@@ -45,7 +45,7 @@ impl Change {
         Self::EncoderOffset,
     ];
 
-    /// Its name: that of the effect in a diagnosis.
+    /// Name of the effect in a diagnosis.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -58,10 +58,10 @@ impl Change {
     }
 }
 
-/// What was changed, by how much.
+/// A change and its size.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Changed {
-    /// Which.
+    /// Kind of the change.
     pub change: Change,
     /// Name of its joint, where it has one.
     pub joint: Option<String>,
@@ -80,11 +80,11 @@ pub struct Days {
     pub before: Recording,
     /// Four excitations afterwards.
     pub after: Recording,
-    /// What was changed.
+    /// The true change.
     pub truth: Changed,
 }
 
-/// How much longer the arm was warm when the second day's first trajectory began, s.
+/// Additional time for which the arm was warm when the second day's first trajectory began, s.
 const WARMER: f64 = 30.0;
 
 /// Simulates both days; `again`: both days' motions are the same; `plain`: the arm has nothing that a rigid model with viscous
@@ -136,7 +136,7 @@ pub fn changed(
     })
 }
 
-/// The arm as a description has it that nobody measured.
+/// The arm in a description without measured parameters.
 fn described(arm: &Arm, rng: &mut ChaCha8Rng) -> Arm {
     let mut arm = arm.clone();
     for joint in &mut arm.joints {
@@ -150,7 +150,7 @@ fn described(arm: &Arm, rng: &mut ChaCha8Rng) -> Arm {
     arm
 }
 
-/// The arm afterwards, the factors on its recorded torques, and what was changed.
+/// The arm after the change, the factors on its recorded torques, and the change.
 fn altered_by(
     change: Change,
     machine: &Machine,

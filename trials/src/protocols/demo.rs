@@ -20,9 +20,9 @@ const MASS: f64 = 1.2;
 const CENTRE: [f64; 3] = [0.02, 0.0, 0.09];
 /// Radius of gyration of the body, m.
 const GYRATION: f64 = 0.05;
-/// Joints, counted from zero, and what their Coulomb friction is multiplied by.
+/// Indices of the joints with increased Coulomb friction, and the factors on it.
 const RUBS: [(usize, f64); 2] = [(1, 1.8), (2, 1.6)];
-/// What the second day's noise and motion differ by.
+/// Change of the seed for the second day's noise and motion.
 const OTHER_DAY: u64 = 0x9e37_79b9;
 
 /// An arm's description, and its recordings.

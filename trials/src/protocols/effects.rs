@@ -1,8 +1,8 @@
-//! What a joint of a protocol's robot does beyond viscous and Coulomb friction.
+//! Effects of a protocol robot's joint beyond viscous and Coulomb friction.
 
 use serde::Serialize;
 
-/// What a joint does beyond viscous and Coulomb friction. Zero switches an effect off.
+/// Effects of a joint beyond viscous and Coulomb friction. Zero switches an effect off.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct JointEffects {
     /// Ripple: amplitude of the first wave, N·m; a second has 40 % of it at 2.7 times the order.
@@ -52,7 +52,7 @@ impl Effect {
         Self::Temperature,
     ];
 
-    /// In words, for tables.
+    /// Name of the effect in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ripple => "ripple",
@@ -66,7 +66,7 @@ impl Effect {
 }
 
 impl JointEffects {
-    /// The same joint without one of them.
+    /// The joint's effects without one of them.
     pub fn without(self, effect: Effect) -> Self {
         let mut left = self;
         match effect {

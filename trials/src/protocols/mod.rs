@@ -47,7 +47,7 @@ impl Protocol {
         self.simulate_machine(&self.machine()?, seed, progress)
     }
 
-    /// As [`Protocol::simulate`] with another robot of the same arm: [`Machine::plain`].
+    /// Simulates the protocol with another robot of the same arm, see [`Protocol::simulate`] and [`Machine::plain`].
     ///
     /// # Errors
     /// The simulated robot is not a possible one.
@@ -65,7 +65,7 @@ impl Protocol {
     }
 }
 
-/// Changes with every change of what a seed gives, so that no cache goes stale.
+/// Edition of the simulation, raised with every change of its results, so that no cache goes stale.
 const EDITION: u32 = 2;
 
 /// The protocol's recordings from `cache`, or simulated and left there. A cache that cannot be read is made anew.

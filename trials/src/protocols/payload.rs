@@ -1,4 +1,4 @@
-//! An arm recorded twice: as it is, and with a body on its last link.
+//! An arm recorded twice: without and with a body on its last link.
 
 use super::effects::JointEffects;
 use super::excitation::{RUNS, excitation};
@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Which arm.
+/// Choice of the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadedArm {
     /// The UR5 of the uncertainty-compensation paper's protocol.
@@ -55,7 +55,7 @@ pub struct Loaded {
     pub with: Recording,
     /// The body, in the last joint's frame.
     pub body: Inertia,
-    /// What the recorded torque of each joint is to be multiplied by: ones, but for [`Loaded::with_wrong_drives`].
+    /// True factors on the recorded torque of each joint: ones, except for [`Loaded::with_wrong_drives`].
     pub gains: Vec<f64>,
 }
 
@@ -130,7 +130,8 @@ fn seven() -> Machine {
 }
 
 impl Loaded {
-    /// The same with torque constants that are wrong by a factor between 0.8 and 1.25 in each joint's drive, noise and all.
+    /// The recordings with torque constants that are wrong by a factor between 0.8 and 1.25 in each joint's
+    /// drive, noise included.
     pub fn with_wrong_drives(mut self, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x6a09_e667);
         for (j, gain) in self.gains.iter_mut().enumerate() {

@@ -51,7 +51,7 @@ pub struct Simulated {
     /// Name and recording of each part: for the UR5 `identification`, `moves` and `verification`; for the KR300 `train` and
     /// `test`; for the Foxbot `identification` and `validation`.
     pub parts: Vec<(String, Recording)>,
-    /// The true parameters: standard inertial parameters, rotor inertias, friction, and what each mechanism is.
+    /// True parameters: standard inertial parameters, rotor inertias, friction, and those of each mechanism.
     pub truth: Value,
 }
 

@@ -24,9 +24,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// One run: trajectories without a break of the clock.
 pub struct Plan {
-    /// What is run.
+    /// Session that is run.
     pub session: Session,
-    /// Its time on the clock of the part, s.
+    /// Start of the session on the clock of the part, s.
     pub offset: f64,
     /// Labels of its trajectories.
     pub labels: Vec<String>,
@@ -41,14 +41,14 @@ pub struct Plan {
 pub struct Gear {
     /// N·m/rad; it doubles at a deflection of 0.1 rad.
     pub stiffness: f64,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub damping: f64,
 }
 
 /// Simulated robot of a protocol.
 #[derive(Clone)]
 pub struct Machine {
-    /// The robot, friction included, as its controller knows it and as it is.
+    /// The robot, friction included, both of its controller's model and of the plant.
     pub arm: Arm,
     /// Effects per joint.
     pub effects: Vec<JointEffects>,
@@ -89,8 +89,8 @@ pub fn arm(
 }
 
 impl Machine {
-    /// The same robot with viscous and Coulomb friction and stiff gears; its further mechanisms stay (the KR300's
-    /// counterbalance, the Foxbot's law of friction).
+    /// The robot with viscous and Coulomb friction and stiff gears. Its further mechanisms are kept (the
+    /// KR300's counterbalance, the Foxbot's law of friction).
     pub fn plain(mut self) -> Self {
         self.effects.fill(JointEffects::default());
         self.gears.clear();
@@ -129,7 +129,7 @@ impl Machine {
         Ok(build.plant(q)?)
     }
 
-    /// What joint `j` does beyond viscous and Coulomb friction.
+    /// Adds the effects of joint `j` beyond viscous and Coulomb friction.
     fn add_effects(&self, build: &mut Build, j: usize, e: &JointEffects, time: f64) {
         let joint = build.axes[j];
         let own = build.friction[joint];

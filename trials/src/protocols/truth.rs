@@ -1,4 +1,4 @@
-//! What a simulated robot's own equations say of a motion that was recorded of it.
+//! True torque of a recorded motion by a simulated robot's own equations.
 
 use super::effects::Effect;
 use super::kr300;
@@ -9,7 +9,7 @@ use ndarray::Array2;
 use signal::Motion;
 
 impl Protocol {
-    /// What the recording makes of slow motion: recorded positions, velocities and accelerations over the true ones.
+    /// Gain of the recording for slow motion: recorded positions, velocities and accelerations over the true ones.
     pub fn motion_gain(self) -> f64 {
         match self {
             Self::Ur5 | Self::FoxbotA05 => 1.0,
@@ -19,7 +19,7 @@ impl Protocol {
 }
 
 impl Machine {
-    /// The same robot without one effect.
+    /// The robot without one effect.
     #[must_use]
     pub fn without(mut self, effect: Effect) -> Self {
         for own in &mut self.effects {
@@ -28,7 +28,7 @@ impl Machine {
         self
     }
 
-    /// The same robot whose recorded torque has no noise; everything else is drawn as before.
+    /// The robot without noise on the recorded torque; all other draws are unchanged.
     #[must_use]
     pub fn noiseless(mut self) -> Self {
         self.errors.torque.fill(0.0);

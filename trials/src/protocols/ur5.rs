@@ -15,8 +15,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
-/// Table 6: RMSE of the paper's identified rigid + viscous + Coulomb model on the moves, N·m. The effects below are
-/// sized so that the same model leaves about as much.
+/// Table 6: RMSE of the paper's identified rigid + viscous + Coulomb model on the moves, N·m. The effects below
+/// are sized so that the same model has about the same error.
 pub const TABLE_6: [f64; 6] = [3.112, 2.958, 2.633, 0.417, 0.457, 0.444];
 
 /// Moves: runs, moves in each, samples of each move at 60 Hz (20 · 50 · 154.44 = 154,440).
@@ -151,8 +151,8 @@ fn at_100_hz() -> Clock {
     }
 }
 
-/// Moves at a regular beat of `beat` seconds: all joints at once, peak speed 2–3 rad/s and peak acceleration 2.2–3 rad/s²
-/// where the way is long enough.
+/// Moves every `beat` seconds: all joints at once, peak speed 2–3 rad/s and peak acceleration 2.2–3 rad/s²
+/// where the distance is long enough.
 fn moves(arm: &Arm, beat: f64, rng: &mut ChaCha8Rng) -> Moves {
     let mut here = arm.centre.clone();
     let moves = (0..MOVES).map(|i| {

@@ -1,4 +1,4 @@
-//! The torque channel: what stands between the torque that the motor gives and the number that is logged.
+//! Torque channel between the motor's torque and the logged number.
 
 use crate::lag::Lag;
 use plant::random::log_uniform;
@@ -10,7 +10,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// A torque channel, joint by joint.
 #[derive(Debug, Clone)]
 pub struct Channel {
-    /// Filter.
+    /// Filter of the current, by joint.
     pub lag: Vec<Lag>,
     /// Shift beside the filter, s; positive: torque is logged later than motion.
     pub shift: f64,
@@ -28,7 +28,7 @@ pub struct Channel {
 pub struct Noted {
     /// Real torque through shift and filter alone.
     pub filtered: Vec<f64>,
-    /// As it is logged.
+    /// Torque in the log, N·m.
     pub recorded: Vec<f64>,
 }
 

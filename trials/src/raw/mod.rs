@@ -1,10 +1,11 @@
-//! Raw recordings as a controller's log has them, with what is true of their torque channel.
+//! Raw recordings in the form of a controller's log, with the truth about their torque channel.
 //!
 //! A recording is a motion of a random robot (`robot`) seen through sensors (`sensors`) and a torque channel
-//! (`channel`): a pure shift, a causal filter, gain, offset, noise and quantisation; jittered stamps, lost packets,
-//! encoder counts, a velocity that may be late. The robot has a little of everything that a rigid body with viscous and
-//! Coulomb friction lacks, and its URDF is nearly right, so that no model is exact. [`generate`] makes a recording of one
-//! motion or several, divides it into a part to fit and a part to test, and says what an estimator should find.
+//! (`channel`): a pure shift, a causal filter, gain, offset, noise and quantisation; jittered stamps, lost
+//! packets, encoder counts, a velocity that may be late. The robot has a little of all effects that a rigid
+//! body with viscous and Coulomb friction lacks. Its URDF is nearly right, so that no model is exact.
+//! [`generate`] makes a recording of one motion or several, divides it into a training and a test part, and
+//! gives the values that an estimator should find.
 
 mod channel;
 mod clock;
@@ -38,7 +39,7 @@ pub(crate) const ATTEMPTS: u64 = 50;
 /// A raw recording with its answer.
 #[derive(Debug, Clone)]
 pub struct RawCase {
-    /// Name: ten hexadecimal digits that say nothing about it.
+    /// Name: ten hexadecimal digits without meaning.
     pub id: String,
     /// The robot's description, inertials nearly right.
     pub urdf: String,
@@ -46,7 +47,7 @@ pub struct RawCase {
     pub train: Recording,
     /// Recording to test on.
     pub test: Recording,
-    /// What is true of it.
+    /// Truth about the recording.
     pub truth: RawTruth,
 }
 
@@ -116,8 +117,8 @@ fn attempt_case(
     }))
 }
 
-/// Rows of the trace to fit on and to test on: of a single motion the first part and the rest, of several every motion
-/// whole.
+/// Training and test rows of the trace. Of a single motion they are its first part and the remainder; of
+/// several, each motion belongs to one of them as a whole.
 fn recorded_parts(trace: &Trace, session: &Session) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
     let bounds = trace.bounds();
     let settled = (RUN_IN * TRACE_HZ) as usize;

@@ -23,15 +23,15 @@ const CONTROL: f64 = 1e-3;
 /// Time between trajectories, s.
 const GAP: f64 = 2.0;
 
-/// A robot as its description has it, and as it is.
+/// A robot in its description, and the true one.
 pub struct Drawn {
-    /// As described; its friction is what the controller knows.
+    /// The described robot; its friction is that of the controller's model.
     pub nominal: Arm,
-    /// As it is, but for the mechanisms.
+    /// The true robot without the mechanisms.
     pub plain: Arm,
     /// Largest relative error of a described mass or inertia.
     pub inertial_error: f64,
-    /// What it has beyond viscous and Coulomb friction, with sizes.
+    /// Mechanisms beyond viscous and Coulomb friction, with sizes.
     mechanisms: Vec<(Box<dyn Withheld>, f64)>,
 }
 
@@ -69,7 +69,7 @@ pub fn draw(at_the_joint: f64, rng: &mut ChaCha8Rng) -> Drawn {
     }
 }
 
-/// What its gears do beside viscous and Coulomb friction, joint by joint.
+/// Mechanisms of its gears beyond viscous and Coulomb friction, joint by joint.
 fn mechanisms(arm: &Arm, rng: &mut ChaCha8Rng) -> Vec<(Box<dyn Withheld>, f64)> {
     let mut all: Vec<(Box<dyn Withheld>, f64)> = Vec::new();
     for (joint, j) in arm.joints.iter().enumerate() {

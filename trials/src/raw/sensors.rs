@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Everything but the torque.
+/// Sensors other than the torque's.
 #[derive(Debug, Clone)]
 pub struct Sensors {
     /// Rate of the log, Hz.
@@ -20,7 +20,7 @@ pub struct Sensors {
     pub jitter: f64,
     /// Part of the samples that is lost.
     pub lost: f64,
-    /// How much later velocity is logged than position, s; none where it is not logged.
+    /// Delay of the logged velocity after the position, s; none where it is not logged.
     pub velocity_late: Option<f64>,
     count: Vec<f64>,
     position_noise: Vec<f64>,

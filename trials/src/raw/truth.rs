@@ -1,4 +1,4 @@
-//! What is true of a raw recording.
+//! Truth about a raw recording.
 
 use super::channel::Channel;
 use crate::lag::Lag;
@@ -9,10 +9,10 @@ use std::ops::Range;
 /// Shifts looked at, s.
 const SHIFTS: [f64; 2] = [-0.05, 0.25];
 
-/// What an estimator should find in the part to fit on. Joints base first.
+/// Values that an estimator should find in the training part. Joints base first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RawTruth {
-    /// How the recording was made.
+    /// Conditions of the recording.
     #[serde(flatten)]
     pub setting: Setting,
     /// Filter of each joint's torque.
@@ -22,7 +22,7 @@ pub struct RawTruth {
     /// Delay of all joints: the shift that best maps the torque before the channel onto the torque behind filter and
     /// shift, squared errors in units of each joint's variance, s.
     pub delay: f64,
-    /// The same of each joint, s.
+    /// Delay of each joint, s.
     pub joint_delay: Vec<f64>,
     /// Logged over real torque.
     pub gain: Vec<f64>,
@@ -30,10 +30,10 @@ pub struct RawTruth {
     pub offset: Vec<f64>,
 }
 
-/// How a recording was made.
+/// Conditions of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setting {
-    /// Its name.
+    /// Name of the recording.
     pub id: String,
     /// Seed of the run.
     pub seed: u64,
@@ -47,7 +47,7 @@ pub struct Setting {
     pub jitter: f64,
     /// Part of the samples that is lost.
     pub lost: f64,
-    /// How much later velocity is logged than position, s; none where it is not logged.
+    /// Delay of the logged velocity after the position, s; none where it is not logged.
     pub velocity_late: Option<f64>,
     /// Largest relative error of the description's masses and inertias.
     pub inertial_error: f64,

@@ -1,4 +1,4 @@
-//! Small effects that every real joint has, besides the one that is asked for.
+//! Background: small effects that every real joint has, besides the withheld effect.
 
 use crate::cases::experiment::Chosen;
 use crate::cases::rehearsal::Rehearsal;
@@ -60,7 +60,7 @@ pub fn draw(
     Ok(all)
 }
 
-/// What became of the background's sizes.
+/// Result of setting the background's sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Settled {
     /// All are small effects.

@@ -36,7 +36,7 @@ const OF_A_GEAR: [&str; 8] = [
 const MEETINGS: usize = 80;
 /// Further rounds for the background.
 const MORE: usize = 2;
-/// Shortest rest in which somebody pushes, s.
+/// Shortest rest in which a push occurs, s.
 const REST: f64 = 0.8;
 
 /// A case, or none where this draw does not suit its kind.
@@ -183,7 +183,7 @@ fn effects(
     Ok(Some(chosen))
 }
 
-/// Two different effects on one joint; the last is one whose torque the simulation notes by itself.
+/// Two different effects on one joint; the last is one whose torque the simulation records separately.
 fn two_of_one_joint(scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Vec<(&'static str, Shape)>> {
     let any = |rng: &mut ChaCha8Rng| {
         let name = OF_A_GEAR.choose(rng)?;

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// What stands between torque and log, joint by joint.
+/// Torque channel between torque and log, by joint.
 pub struct Channel {
     /// Filter of the current.
     pub lag: Vec<Lag>,
@@ -19,19 +19,19 @@ pub struct Channel {
     pub colour: f64,
     /// Step of the logged number, N·m.
     pub quantum: Vec<f64>,
-    /// Joint with a bias, and how much, N·m.
+    /// Index of the joint with a bias, and the bias, N·m.
     pub bias: (usize, f64),
     /// Outliers in a minute, over all joints.
     pub outliers: f64,
-    /// Their size, N·m.
+    /// Size of the outliers, N·m.
     spike: Vec<f64>,
 }
 
-/// A torque on its way through a channel, row after row.
+/// Torque at the stages of a channel, row after row, N·m.
 pub struct Logged {
     /// Through the filter, and with the bias.
     pub clean: Vec<f64>,
-    /// As logged.
+    /// Torque in the log.
     pub recorded: Vec<f64>,
 }
 

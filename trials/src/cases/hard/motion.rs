@@ -1,4 +1,4 @@
-//! Which motion is recorded, and what it is for.
+//! Recorded motions and their roles.
 
 use crate::cases::again::Again;
 use plant::arm::Arm;
@@ -7,18 +7,18 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
-/// What a trajectory is for.
+/// Role of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// To fit on.
+    /// Training.
     Train,
-    /// To be judged on.
+    /// Test.
     Test,
 }
 
 /// A session with the roles of its trajectories.
 pub struct Day {
-    /// The motion.
+    /// Session with the motion.
     pub session: Session,
     /// Role of each trajectory.
     pub roles: Vec<Role>,

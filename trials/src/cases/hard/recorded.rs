@@ -1,4 +1,4 @@
-//! What is recorded of a hard case, and its answer.
+//! Recordings of a hard case, and its answer.
 
 use super::motion::{Day, Role};
 use super::robot::Drawn;
@@ -22,11 +22,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
-/// A robot that has been recorded, on its way into files.
+/// A simulated robot on its way into files.
 pub struct Recorded<'a> {
     /// Kind of the case.
     pub kind: Kind,
-    /// Its name.
+    /// Name of the case.
     pub id: &'a str,
     /// The described robot and the real one.
     pub drawn: &'a Drawn,
@@ -34,7 +34,7 @@ pub struct Recorded<'a> {
     pub days: &'a [Day],
     /// The first day.
     pub experiment: Experiment<'a>,
-    /// File in which somebody pushes while the arm stands.
+    /// File that holds the pushes while the arm stands.
     pub pushed: Role,
 }
 
@@ -172,7 +172,7 @@ impl Recorded<'_> {
         )
     }
 
-    /// What was drawn beside robot and effect.
+    /// Drawn properties besides robot and effect.
     fn besides(
         &self,
         channel: &channel::Channel,

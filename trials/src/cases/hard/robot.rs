@@ -8,9 +8,9 @@ use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
-/// A robot as a simulator has it, and as it is.
+/// A robot in the simulator's model, and the true one.
 pub struct Drawn {
-    /// What the simulator is given: joints may lack friction.
+    /// Model for the simulator; joints may lack friction.
     pub given: Arm,
     /// The plant without any effect.
     pub plain: Arm,
@@ -55,7 +55,7 @@ pub fn draw(nominal: &Arm, rng: &mut ChaCha8Rng) -> Drawn {
     }
 }
 
-/// The same robot on another day: friction up to 10 % different.
+/// The robot on another day: friction up to 10 % different.
 pub fn another_day(plain: &Arm, rng: &mut ChaCha8Rng) -> Arm {
     let mut arm = plain.clone();
     for joint in &mut arm.joints {

@@ -10,14 +10,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::ops::Range;
 
-/// What is uneven about the time of samples.
+/// Irregularity of the sampling times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Jitter {
-    /// Nothing.
+    /// No irregularity.
     None,
     /// Samples are even, their stamps are not.
     Stamps,
-    /// Samples are not even, and their stamps say so.
+    /// Sampling is irregular, and the stamps are right.
     Sampling,
 }
 
@@ -32,11 +32,11 @@ impl Jitter {
     }
 }
 
-/// How motion and torque are sampled.
+/// Sampling of motion and torque in the log.
 pub struct Log {
     /// Samples a second.
     pub rate: f64,
-    /// Evenness.
+    /// Irregularity of the sampling times.
     pub jitter: Jitter,
     /// Deviation of a time over the time between samples.
     pub uneven: f64,

@@ -1,13 +1,13 @@
-//! What a hard case has besides the withheld effect.
+//! Answer of a hard case besides the withheld effect.
 
 use serde::Serialize;
 
 /// An effect on a joint, and the part of its torque that it makes.
 #[derive(Debug, Clone, Serialize)]
 pub struct NamedShare {
-    /// Effect.
+    /// Name of the effect.
     pub effect: &'static str,
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Root mean square over that of the joint's torque.
     pub share: f64,
@@ -16,7 +16,7 @@ pub struct NamedShare {
 /// A bias of the torque.
 #[derive(Debug, Clone, Serialize)]
 pub struct Bias {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Over the root mean square of the joint's torque.
     pub share: f64,
@@ -31,7 +31,7 @@ pub struct LowPass {
     pub lag_ms: Vec<f64>,
 }
 
-/// Everything that was drawn beside robot and effect.
+/// All properties that were drawn besides robot and effect.
 #[derive(Debug, Clone, Serialize)]
 pub struct HardTruth {
     /// Largest relative error of most described inertials.
@@ -46,11 +46,11 @@ pub struct HardTruth {
     pub train: usize,
     /// Trajectories to be judged on.
     pub test: usize,
-    /// Their length, s.
+    /// Length of the trajectories, s.
     pub duration: f64,
     /// Samples a second.
     pub rate: f64,
-    /// What is uneven about their times.
+    /// Irregularity of the sampling times.
     pub jitter: &'static str,
     /// Whether velocity is recorded.
     pub velocity: bool,

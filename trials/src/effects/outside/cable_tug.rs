@@ -10,10 +10,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// A cable over two joints that is slack in part of the region and pulls on both in the rest.
+/// A cable over two joints that is slack in part of the region and pulls on both in the other part.
 #[derive(Debug, Clone)]
 struct CableTug {
-    /// Plant joints.
+    /// Indices of the plant's joints on which it acts.
     joints: [usize; 2],
     /// Positions at which the cable is straight.
     centre: [f64; 2],

@@ -12,7 +12,7 @@ use serde_json::json;
 /// Each joint is braked in proportion to its own speed times the other's.
 #[derive(Debug, Clone)]
 struct CrossDrag {
-    /// Plant joints.
+    /// Indices of the plant's joints on which it acts.
     joints: [usize; 2],
     /// Torque on each at 1 rad/s of both, N·m.
     size: [f64; 2],

@@ -13,7 +13,7 @@ use serde_json::json;
 /// The losses of one joint's drive.
 #[derive(Debug, Clone)]
 struct Dropouts {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     joint: usize,
     /// Lost share of the torque.
     depth: f64,

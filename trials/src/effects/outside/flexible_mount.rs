@@ -1,4 +1,4 @@
-//! An arm whose mount gives way.
+//! An arm on a flexible mount.
 
 use super::place::SHARES;
 use crate::effects::scene::{Scene, Shape};
@@ -15,11 +15,11 @@ use std::f64::consts::PI;
 /// Spring and damper of one joint towards zero.
 #[derive(Debug, Clone)]
 struct SpringDamper {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     joint: usize,
-    /// N·m/rad.
+    /// Stiffness, N·m/rad.
     stiffness: f64,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     damping: f64,
 }
 
@@ -42,11 +42,11 @@ impl Mechanism for SpringDamper {
 struct Mount {
     /// Direction of the hinge.
     axis: Vector3<f64>,
-    /// How far it lies below the base, m.
+    /// Distance of the hinge below the base, m.
     below: f64,
-    /// Of the part between hinge and base, kg.
+    /// Mass of the part between hinge and base, kg.
     mass: f64,
-    /// Damping ratio.
+    /// Damping ratio of the mount.
     ratio: f64,
 }
 

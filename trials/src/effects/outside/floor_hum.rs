@@ -14,11 +14,11 @@ use std::f64::consts::TAU;
 /// Vibration of fixed frequency that comes and goes.
 #[derive(Debug, Clone)]
 struct FloorHum {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     joint: usize,
-    /// N·m.
+    /// Amplitude, N·m.
     size: f64,
-    /// Hz.
+    /// Frequency, Hz.
     frequency: f64,
     /// Period of its coming and going, s.
     swell: f64,
@@ -31,7 +31,7 @@ impl Mechanism for FloorHum {
     }
 }
 
-/// Size: N·m.
+/// Hum; its size is the amplitude, N·m.
 #[derive(Debug)]
 struct Hum {
     joint: usize,

@@ -1,4 +1,4 @@
-//! Mechanisms that the catalogue does not list: a diagnosis has to say that it does not know them.
+//! Mechanisms outside the catalogue, for which a diagnosis has to answer `unknown_effect`.
 
 mod cable_tug;
 mod cross_drag;

@@ -1,4 +1,4 @@
-//! Where a mechanism outside the catalogue acts, and how much.
+//! Place and share of a mechanism outside the catalogue.
 
 use crate::effects::scene::Scene;
 use rand::RngExt;

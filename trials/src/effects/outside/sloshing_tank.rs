@@ -14,17 +14,17 @@ use std::f64::consts::TAU;
 /// The liquid as a mass on a weak spring, shaken by the joint's acceleration.
 #[derive(Debug, Clone)]
 struct SloshingTank {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     joint: usize,
     /// Inertia of the liquid about the joint, kg·m².
     inertia: f64,
-    /// Hz.
+    /// Natural frequency, Hz.
     frequency: f64,
-    /// Damping ratio.
+    /// Damping ratio of the liquid.
     damping: f64,
     /// Angle of the liquid against the tank, rad.
     angle: f64,
-    /// Its rate, rad/s.
+    /// Rate of that angle, rad/s.
     rate: f64,
 }
 
@@ -47,7 +47,7 @@ impl Mechanism for SloshingTank {
     }
 }
 
-/// Size: kg·m².
+/// Tank; its size is the inertia of the liquid, kg·m².
 #[derive(Debug)]
 struct Tank {
     joint: usize,

@@ -15,9 +15,9 @@ use std::f64::consts::PI;
 /// Half cosines between random knots.
 #[derive(Debug, Clone)]
 struct WanderingOffset {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     joint: usize,
-    /// N·m.
+    /// Root mean square of the knots, N·m.
     size: f64,
     /// First knot, s.
     start: f64,
@@ -38,7 +38,7 @@ impl Mechanism for WanderingOffset {
     }
 }
 
-/// Size: N·m.
+/// Wandering torque; its size is the root mean square of the knots, N·m.
 #[derive(Debug)]
 struct Wander {
     joint: usize,

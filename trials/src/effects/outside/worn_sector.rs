@@ -13,9 +13,9 @@ use serde_json::json;
 /// Friction within part of a joint's range.
 #[derive(Debug, Clone)]
 struct WornSector {
-    /// Plant joint.
+    /// Index of the plant's joint on which it acts.
     joint: usize,
-    /// N·m.
+    /// Friction torque, N·m.
     size: f64,
     /// Middle of the sector, rad.
     centre: f64,
@@ -36,7 +36,7 @@ impl Mechanism for WornSector {
     }
 }
 
-/// Size: N·m.
+/// Worn sector; its size is the friction torque, N·m.
 #[derive(Debug)]
 struct Worn {
     joint: usize,
