@@ -5,20 +5,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 
-/// What one residual costs, in units of the normalised target.
+/// Loss of one residual, in units of the normalised target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind", deny_unknown_fields)]
 pub enum Loss {
-    /// ½ r².
+    /// Squared error ½ r².
     Mse,
     /// ½ r² up to |r| = delta, then delta·(|r| − delta/2).
     Huber {
-        /// Where the cost turns linear.
+        /// Residual from which the loss is linear.
         delta: f32,
     },
 }
 
-/// How the learning rate falls.
+/// Schedule of the learning rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind", deny_unknown_fields)]
 pub enum Schedule {
@@ -52,7 +52,7 @@ pub struct Training {
     pub share: f32,
     /// AdamW's highest rate, at most 1 (0.002).
     pub learning_rate: f32,
-    /// How it falls (cosine to 0.01).
+    /// Schedule of the learning rate (cosine to 0.01).
     pub schedule: Schedule,
     /// Decoupled weight decay per step, times the rate (1e-4).
     pub weight_decay: f32,
@@ -111,14 +111,14 @@ impl Training {
     }
 }
 
-/// Everything that decides how a unit is trained, but its data and seeds.
+/// All settings of a unit's training, except data and seeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UnitConfig {
-    /// What it computes (LSTM 32, attention 32, LSTM 32 on windows of 3).
+    /// Architecture of the network (LSTM 32, attention 32, LSTM 32 on windows of 3).
     pub architecture: Architecture,
     /// Scaling of inputs and target (z-score).
     pub normalisation: Normalisation,
-    /// Where its output fades outside the training inputs.
+    /// Fade of its output outside the training inputs.
     pub fade: Fade,
     /// Networks trained from different seeds whose outputs are averaged (1).
     pub members: usize,
@@ -126,7 +126,7 @@ pub struct UnitConfig {
     pub least_gain: f32,
     /// ... and by this many standard errors over the validation trajectories (2): a gain by chance does harm where the torque is used.
     pub sure: f32,
-    /// The loop.
+    /// Settings of the training loop.
     pub training: Training,
 }
 

@@ -1,8 +1,8 @@
-//! What can go wrong in training.
+//! Errors of training.
 
 use std::path::PathBuf;
 
-/// Why a unit could not be trained.
+/// Reason why a unit could not be trained.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -29,7 +29,7 @@ pub enum Error {
     Config {
         /// Name of the field.
         setting: &'static str,
-        /// What is wrong with it.
+        /// Problem.
         problem: String,
     },
     /// A quantity of the training left the finite numbers; no step was taken on it.
@@ -48,7 +48,7 @@ pub enum Error {
     /// A checkpoint of other data, settings or seed.
     #[error("{path}: the checkpoint belongs to other {what}; start afresh without it")]
     OtherCheckpoint {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// `settings`, or `data or another seed`.
         what: &'static str,
@@ -58,7 +58,7 @@ pub enum Error {
         "{path}: checkpoint of format {found}, this program reads {supported}; start afresh without it, or go on with the program that wrote it"
     )]
     CheckpointVersion {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Format of the file.
         found: u32,
@@ -68,17 +68,17 @@ pub enum Error {
     /// A checkpoint that cannot be read.
     #[error("{path}: unusable checkpoint ({problem}); start afresh without it")]
     BadCheckpoint {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Problem.
         problem: String,
     },
     /// The file could not be read or written.
     #[error("{path}: {source}")]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Cause.
         source: std::io::Error,
     },
     /// The trained unit was refused by the run-time.

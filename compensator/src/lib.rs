@@ -1,9 +1,9 @@
-//! Training of error-learning units: LSTM encoder, additive attention, LSTM re-encoder, dense output, one
-//! unit per joint, on the torque that the physical model lacks.
+//! Training of error-learning units: LSTM encoder, additive attention, LSTM re-encoder, dense output, one unit
+//! per joint, on the residual torque of the physical model.
 //!
-//! Data are borrowed [`training::Samples`]; what a unit sees is a list of their columns
-//! ([`inputs::InputSet`]); [`training::train`] turns [`training::Job`]s into
-//! [`feedforward::network::Unit`]s, one network per core, the same bytes whatever the number of threads.
+//! Data are borrowed [`training::Samples`]; a unit's inputs are a list of their columns ([`inputs::InputSet`]).
+//! [`training::train`] turns [`training::Job`]s into [`feedforward::network::Unit`]s, one network per core,
+//! with the same bytes for any number of threads.
 //!
 //! Modules, optimiser, schedule and records are burn's (`learning`); forward and backward pass of a unit
 //! are kernels of this crate (`engine`) behind one operation of a backend extension.

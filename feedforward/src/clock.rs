@@ -1,4 +1,4 @@
-//! The session clock of the training recordings, and what the model remembers on it.
+//! Session clock of the training recordings, and the model's memory on it.
 
 use physics::effects::BankState;
 
@@ -10,17 +10,17 @@ pub const LONGEST_PAUSE: f64 = 600.0;
 /// Memory at the end of one training trajectory, one state per joint.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Memory {
-    /// Of the physical terms.
+    /// Memory of the physical terms.
     pub physics: Vec<BankState>,
-    /// Of the terms that the compensator sees; empty without one.
+    /// Memory of the compensator's input terms; empty without one.
     pub inputs: Vec<BankState>,
 }
 
 /// Longest sampling period that a network stands, in periods of its training: its windows last that much longer then.
 pub const LONGEST_PERIOD: f64 = 1.5;
 
-/// Every how many samples one goes into a network's window, from the samples per period of its training; None where samples
-/// are too far apart for it.
+/// Step between the samples of a network's window, from the samples per period of its training. None where
+/// samples are too far apart for it.
 pub fn stride(samples_per_period: f64) -> Option<usize> {
     let stride = samples_per_period.round().max(1.0);
     (samples_per_period * LONGEST_PERIOD >= stride).then_some(stride as usize)

@@ -1,4 +1,4 @@
-//! The rigid body of a model, for what a control loop needs beside its torque.
+//! Rigid-body dynamics of a model for control loops, beside its torque.
 
 use physics::dynamics::{Workspace, forward_dynamics, inverse_dynamics, mass_matrix};
 use physics::effects::Term;
@@ -73,8 +73,8 @@ impl Dynamics {
         }
     }
 
-    /// Acceleration under the torque `tau`, from which friction and the rest were taken off:
-    /// q̈ = (M(q) + rotors)⁻¹ (τ − C(q, q̇) q̇ − g(q)).
+    /// Acceleration under the torque `tau`, from which friction and all other terms were subtracted: q̈ = (M(q)
+    /// + rotors)⁻¹ (τ − C(q, q̇) q̇ − g(q)).
     ///
     /// # Panics
     /// As [`Self::inverse`].

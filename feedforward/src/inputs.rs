@@ -1,4 +1,4 @@
-//! What the units of a compensator see.
+//! Inputs of a compensator's units.
 
 use physics::effects::Term;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Input {
     /// Joint to which it belongs, base first.
     pub joint: usize,
-    /// What of the joint.
+    /// Signal of the joint.
     pub signal: Signal,
 }
 
@@ -42,7 +42,7 @@ impl Input {
     }
 }
 
-/// What `model.json` says of the compensator beside it.
+/// Record of the compensator in `model.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CompensatorRecord {
     /// Input columns, in the order in which the units index them.
@@ -51,14 +51,14 @@ pub struct CompensatorRecord {
     pub period: f64,
     /// SHA-256 of `compensator.safetensors`.
     pub sha256: String,
-    /// How each unit fared on the trajectories held back for validation, N·m.
+    /// Validation errors of each unit on the trajectories held back, N·m.
     pub validation: Vec<UnitValidation>,
 }
 
 /// Validation of one unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UnitValidation {
-    /// Joint name.
+    /// Name of the joint.
     pub joint: String,
     /// Whether the unit is on.
     pub enabled: bool,

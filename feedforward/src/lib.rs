@@ -1,9 +1,9 @@
-//! Run-time of a trained model: what a control loop needs and nothing else.
+//! Run-time of a trained model for control loops.
 //!
-//! [`Feedforward`] loads a model directory and predicts torque once per control period; [`Guard`] stands between it and the drives.
-//! [`network`] holds the learned part: error-learning units with their normalisation, their bounds,
-//! their file format and allocation-free streaming inference. No training framework is in the
-//! dependency tree.
+//! [`Feedforward`] loads a model directory and predicts torque once per control period; [`Guard`] limits the
+//! torque that is sent to the drives. [`network`] holds the learned part: error-learning units with their
+//! normalisation, their bounds, their file format and allocation-free streaming inference. No training
+//! framework is in the dependency tree.
 #![forbid(unsafe_code)]
 
 pub mod clock;

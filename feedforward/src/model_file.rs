@@ -1,4 +1,4 @@
-//! How `model.json` is read, by the loop and by the programs that need more of it.
+//! Reading of `model.json`, by the loop and by programs that need more of its content.
 
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
@@ -10,7 +10,7 @@ pub const NETWORK: &str = "compensator.safetensors";
 /// Version of `model.json` that this library reads.
 pub const SCHEMA: &str = "model/1";
 
-/// Why a text is no `model.json` of this version.
+/// Reason why a text is no `model.json` of this version.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelFileError {
     /// The model was written by another version.

@@ -1,4 +1,4 @@
-//! What an interrupted run leaves behind, and whether a run may go on from it.
+//! Checkpoints of an interrupted run, and the check whether a run may continue from them.
 
 use crate::arguments::Arguments;
 use crate::input::Input;
@@ -11,7 +11,7 @@ pub fn folder(arguments: &Arguments) -> PathBuf {
     arguments.out.join("checkpoint")
 }
 
-/// Everything that decides the result, as one text.
+/// Text with all inputs that determine the result.
 fn description(arguments: &Arguments, input: &Input) -> String {
     let recordings: Vec<String> = input
         .data

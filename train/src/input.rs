@@ -1,4 +1,4 @@
-//! What is trained on: given recordings, or the simulated UR5.
+//! Input of a training: given recordings, or the simulated UR5.
 
 use crate::arguments::Arguments;
 use crate::periods;
@@ -10,7 +10,7 @@ use trials::protocols::{Protocol, cached};
 
 /// Robot and recordings.
 pub struct Input {
-    /// The robot.
+    /// The robot and the options for reading its recordings.
     pub setup: Setup,
     /// Training recordings.
     pub data: Vec<Recording>,
@@ -18,7 +18,7 @@ pub struct Input {
     pub heldout: Option<Recording>,
 }
 
-/// Reads what the arguments name; without `--data`, the built-in robot is simulated.
+/// Reads the recordings that the arguments name; without `--data`, the built-in robot is simulated.
 pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
     let mut setup = Setup::for_recordings(
         arguments.robot.as_deref().unwrap_or("ur5"),
@@ -70,7 +70,7 @@ pub fn read(arguments: &Arguments) -> Result<Input, Failure> {
     })
 }
 
-/// Training recordings and the one held out (the protocol's last part), simulated once and cached.
+/// Training recordings and the held-out one (the protocol's last part), simulated once and cached.
 fn simulated(
     protocol: Protocol,
     arguments: &Arguments,

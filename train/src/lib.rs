@@ -1,4 +1,4 @@
-//! From recordings to a model directory: the steps of the program `train`, for whoever calls them from elsewhere.
+//! From recordings to a model directory: the steps of the program `train`, as a library.
 #![forbid(unsafe_code)]
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]

@@ -1,4 +1,4 @@
-//! What `train` writes.
+//! Files that `train` writes.
 
 use crate::arguments::Arguments;
 use crate::input::Input;
@@ -28,7 +28,7 @@ pub fn rows(
     Ok(rows)
 }
 
-/// Those of the whole model, where it has a compensator.
+/// Scores of the whole model, where it has a compensator.
 fn whole(
     fit: &Fit,
     learned: Option<&Learned>,

@@ -37,7 +37,7 @@ pub fn applied(data: Vec<Recording>, arguments: &Arguments) -> Result<Vec<Record
     data.into_iter().map(one).collect()
 }
 
-/// How many runs there were, and how far one differs from the average.
+/// Prints the number of runs, and the deviation of one run from the average.
 fn told(source: &str, runs: &[usize], deviations: [&Option<Vec<f64>>; 2]) {
     let most = runs.iter().max().copied().unwrap_or(0);
     let least = runs.iter().min().copied().unwrap_or(0);

@@ -31,17 +31,17 @@ pub fn run(
     run_with(arguments, cancel, watch, no_gpu)
 }
 
-/// Where `--gpu` has burn train: only a program that is built with support for one has it (`gpu/`).
+/// Device for the training with `--gpu`, which only a program built with GPU support has (`gpu/`).
 pub type Gpu = fn() -> Result<Tensors, compensator::Error>;
 
-/// None.
+/// No device: the error of a program without GPU support.
 pub(crate) fn no_gpu() -> Result<Tensors, compensator::Error> {
     Err(compensator::Error::Gpu(
         "this program was built without support for a GPU".into(),
     ))
 }
 
-/// As [`run`], with a GPU for `--gpu`.
+/// Runs a training like [`run`], with a GPU for `--gpu`.
 ///
 /// # Errors
 /// Input that cannot be used, no GPU where one is asked for, or the interruption.

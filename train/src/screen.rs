@@ -1,4 +1,4 @@
-//! What `train` prints: a first screen for a person, and with `--verbose` everything.
+//! Output of `train`: a short first screen, and with `--verbose` all details.
 
 use crate::arguments::Arguments;
 use crate::output::{PAGE, published};
@@ -15,13 +15,13 @@ use std::path::Path;
 
 /// Width of the first screen.
 const WIDTH: usize = 100;
-/// Lines about what to look at, at most.
+/// Most lines on points to check.
 const LOOK_AT: usize = 5;
 /// Mean NRMSE from which a joint is pointed out.
 const POOR: f64 = 0.3;
 
-/// Prints the check of recordings before the fit: all of it with `--check-only` or `--verbose`, otherwise a line per
-/// recording and what makes results useless. What the robot's description holds beyond the robot comes first.
+/// Prints the check of recordings before the fit: all of it with `--check-only` or `--verbose`, otherwise a
+/// line per recording and the severe findings. Parts of the description beyond the robot come first.
 pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
     if arguments.check_only && arguments.json {
         say_text!(json(&reports));
@@ -71,7 +71,7 @@ pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
     }
 }
 
-/// Prints a complaint about the torque channel: what was seen, what it means, what mends it.
+/// Prints a complaint about the torque channel: observation, meaning, remedy.
 fn doctor(complaint: &Complaint) {
     let text = format!(
         "{:?}: {}: {}. That is {}.",
@@ -92,7 +92,7 @@ fn doctor(complaint: &Complaint) {
     ));
 }
 
-/// Prints the first screen: what was learned, how good it is, what to look at, where everything else is.
+/// Prints the first screen: what the model learned, its scores, points to check, and paths of the files.
 pub fn first(
     fit: &Fit,
     metrics: &Metrics,
@@ -144,7 +144,7 @@ pub fn first(
     places(&arguments.out);
 }
 
-/// Where the results are.
+/// Prints the paths of the results.
 fn places(out: &Path) {
     say!(
         "\nmodel: {}\nreport: {}",
@@ -153,7 +153,7 @@ fn places(out: &Path) {
     );
 }
 
-/// What a person should know before relying on the model, most serious first.
+/// Points to check before relying on the model, most serious first.
 fn look_at(fit: &Fit, metrics: &Metrics, checks: &[CheckReport]) -> Vec<String> {
     let file = &fit.file;
     let mut lines = findings(checks, Severity::Severe);

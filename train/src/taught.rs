@@ -1,4 +1,4 @@
-//! What of a held-out motion lies outside the motion that is fitted.
+//! Part of a held-out motion outside the fitted motion.
 
 use datasets::prepare::Prepared;
 use ndarray::Array2;
@@ -8,12 +8,12 @@ use signal::quantile::quantile;
 
 /// Part of the samples that lie beyond the taught range as a matter of course: its ends are taken at as many.
 const ENDS: f64 = 0.005;
-/// How far a shape of friction is taken beyond its range as a matter of course.
+/// Factor on the fitted range up to which shapes of friction may be extrapolated.
 const FARTHER: f64 = 1.25;
 /// Part of the held-out samples farther than that from which the motion is another.
 const BEYOND: f64 = 0.05;
 
-/// A joint whose held-out motion lies outside what was taught.
+/// A joint whose held-out motion lies outside the fitted motion.
 pub struct Outside {
     /// Index of the joint.
     pub joint: usize,
@@ -26,7 +26,7 @@ pub struct Outside {
 }
 
 impl Outside {
-    /// As a line for people.
+    /// Text for the user, one line.
     pub fn line(&self) -> String {
         format!(
             "{}: {:.0} % of the held-out motion lie outside what was taught (top speed {:.1} times, acceleration {:.1} times): figures there are \

@@ -1,4 +1,4 @@
-//! What `train --list` prints: topics of a bag, features of a data set.
+//! Output of `train --list`: topics of a bag, features of a data set.
 
 use datasets::read::{DatasetSummary, TopicSummary, dataset, topics};
 use model::failure::Failure;

@@ -1,4 +1,4 @@
-//! What `--yardsticks` prints and scores.
+//! Output and scores of `--yardsticks`.
 
 use datasets::Recording;
 use datasets::metrics::{Row, Scope};

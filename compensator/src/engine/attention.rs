@@ -13,13 +13,13 @@ pub(crate) struct Weights<V> {
     pub(crate) query: V,
     /// W_h, (encoder × width).
     pub(crate) key: V,
-    /// b_a.
+    /// Bias b_a.
     pub(crate) bias: V,
-    /// w_a.
+    /// Score weights w_a.
     pub(crate) score: V,
 }
 
-/// What the forward pass leaves for the backward pass.
+/// Intermediate results of the forward pass for the backward pass.
 #[derive(Debug)]
 pub(crate) struct Attention<T> {
     width: usize,
@@ -164,7 +164,7 @@ impl<T: Real> Attention<T> {
         });
     }
 
-    /// Adds what W_s s_{t−1} received to ∂L/∂s_{t−1} (batch × re-encoder) and ∂L/∂W_s.
+    /// Adds the gradient of W_s s_{t−1} to ∂L/∂s_{t−1} (batch × re-encoder) and ∂L/∂W_s.
     pub(crate) fn ask_back(
         &self,
         state: View<T>,
@@ -187,7 +187,7 @@ impl<T: Real> Attention<T> {
         );
     }
 
-    /// Adds what the keys received to ∂L/∂h_u of all states, ∂L/∂W_h and ∂L/∂b_a.
+    /// Adds the gradient of the keys to ∂L/∂h_u of all states, ∂L/∂W_h and ∂L/∂b_a.
     pub(crate) fn end_back(
         &self,
         states: (&[T], &mut [T]),

@@ -15,7 +15,7 @@ pub(crate) struct Widths {
     pub(crate) hidden: usize,
 }
 
-/// What the forward pass leaves for the backward pass.
+/// Intermediate results of the forward pass for the backward pass.
 #[derive(Debug)]
 pub(crate) struct Lstm<T> {
     pub(crate) widths: Widths,

@@ -30,14 +30,14 @@ pub(crate) struct Perceptron<T> {
     batch: usize,
     /// Input of each layer (batch × its inputs), after activation and dropout.
     layers: Vec<Vec<T>>,
-    /// Activations of the last hidden layer before dropout, which hides what tanh's slope needs.
+    /// Activations of the last hidden layer before dropout, from which the slope of tanh follows.
     kept: Vec<T>,
     gradient: Vec<T>,
     next: Vec<T>,
 }
 
 impl<T: Real> Perceptron<T> {
-    /// `inputs` columns per sample; the first layer's rows say how many samples a window has.
+    /// Network with `inputs` columns per sample. The number of samples in a window follows from the first layer's rows.
     pub(crate) fn new(inputs: usize, tensors: Vec<Tensor>) -> Self {
         let layers = vec![Vec::new(); tensors.len() / 2];
         Self {

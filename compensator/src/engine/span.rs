@@ -21,7 +21,7 @@ impl Span {
     }
 }
 
-/// Inverted dropout: factors 0 or 1/(1 − p) on the encoder's states and on what the dense output sees.
+/// Inverted dropout: factors 0 or 1/(1 − p) on the encoder's states and on the inputs of the dense output.
 #[derive(Debug, Default)]
 pub(crate) struct Dropout<T> {
     pub(crate) encoder: Vec<T>,

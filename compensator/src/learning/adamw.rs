@@ -27,7 +27,7 @@ pub(super) fn optimizer(training: &Training) -> ModuleOptimizer {
     })
 }
 
-/// The same in burn's operations, for any device.
+/// AdamW in burn's operations, for any device.
 pub(super) fn composed_optimizer(training: &Training) -> ModuleOptimizer {
     AdamWConfig::new()
         .with_beta_1(BETA_1)
@@ -42,7 +42,7 @@ struct AdamW {
     weight_decay: f32,
 }
 
-/// What one step multiplies with.
+/// Factors of one step.
 #[derive(Debug, Clone, Copy)]
 struct Factors {
     /// Learning rate.

@@ -1,4 +1,4 @@
-//! What one step is computed on, and the kernels' way from parameters to cost and gradient.
+//! Batch of one step, and the kernels' computation of cost and gradient from the parameters.
 
 use crate::config::Loss;
 use crate::engine::{Dropout, Network, Span, dot};
@@ -6,7 +6,7 @@ use crate::engine::{Dropout, Network, Span, dot};
 /// One batch: inputs in the network's buffers, targets beside them.
 #[derive(Debug)]
 pub(crate) struct Batch {
-    /// Holds the inputs, and what forward leaves for backward.
+    /// Network with its inputs and the forward pass's intermediate results.
     pub(crate) network: Network<f32>,
     /// Factors of dropout, drawn for this batch; none without.
     pub(crate) dropout: Option<Dropout<f32>>,
@@ -17,7 +17,7 @@ pub(crate) struct Batch {
     outputs: Vec<f32>,
 }
 
-/// What a batch came to.
+/// Cost of a batch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cost {
     /// Weighted sum of the costs.
@@ -63,7 +63,7 @@ impl Batch {
         self.targets.iter().map(|&(_, w)| f64::from(w)).sum()
     }
 
-    /// Outputs without dropout, and what they should be.
+    /// Outputs without dropout, and targets.
     pub(crate) fn outputs(&mut self, parameters: &[f32]) -> (&[f32], &[(f32, f32)]) {
         self.network.forward(parameters, None, &mut self.outputs);
         (&self.outputs, &self.targets)

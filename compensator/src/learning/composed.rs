@@ -1,5 +1,5 @@
-//! A unit composed of burn's plain tensor operations: the way to every backend that burn has, and what the fused operation
-//! has to equal. Shares nothing with the kernels but the layout of the parameters.
+//! A unit composed of burn's plain tensor operations: for all backends of burn, and as reference of the fused
+//! operation. It shares nothing with the kernels but the layout of the parameters.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -16,17 +16,17 @@ use super::weights::Weights;
 use crate::config::Loss;
 use crate::engine::{Dropout, Span};
 
-/// What a learner computes its cost by in place of the kernels.
+/// Composed operations by which a learner computes its cost in place of the kernels.
 #[derive(Debug, Clone)]
 pub(crate) struct Means {
     pub(crate) tensors: Tensors,
     pub(crate) architecture: Architecture,
-    /// Input columns.
+    /// Number of input columns.
     pub(crate) inputs: usize,
 }
 
 impl Means {
-    /// Gradient of the batch's mean cost, with what it came to.
+    /// Gradient of the batch's mean cost, and the cost.
     ///
     /// # Errors
     /// Cost or gradient left the finite numbers.
@@ -62,7 +62,7 @@ impl Means {
 /// A unit on burn's tensors.
 pub(super) struct Composed<'a> {
     architecture: &'a Architecture,
-    /// Input columns.
+    /// Number of input columns.
     inputs: usize,
     parameters: BTreeMap<String, Tensor<2>>,
     on: &'a Tensors,
@@ -214,7 +214,7 @@ impl<'a> Composed<'a> {
     }
 }
 
-/// The one number of a tensor.
+/// Value of a tensor with one element.
 fn number(tensor: Tensor<1>) -> f64 {
     let data = tensor.into_data();
     data.iter::<f64>().next().unwrap_or(f64::NAN)

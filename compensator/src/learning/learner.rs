@@ -15,10 +15,10 @@ use super::schedule::rates;
 use super::weights::Weights;
 use crate::config::Training;
 
-/// What changes from step to step.
+/// State that changes from step to step.
 pub(crate) struct Learner {
     weights: Weights,
-    /// Largest norm of a gradient, and burn's way of shortening longer ones.
+    /// Largest norm of a gradient, and burn's clipping of longer ones.
     clip: f32,
     clipping: GradientClipping,
     optimizer: ModuleOptimizer,
@@ -35,7 +35,7 @@ pub(crate) struct Records {
 }
 
 impl Learner {
-    /// For `steps` steps from the given weights on, by the kernels or by other means.
+    /// Learner for `steps` steps from the given weights, by the kernels or by composed operations.
     ///
     /// # Errors
     /// A rate out of range, or a device that burn cannot use.
@@ -106,7 +106,7 @@ impl Learner {
         self.rates.step();
     }
 
-    /// Everything that the steps to come depend on.
+    /// State on which all further steps depend.
     ///
     /// # Errors
     /// burn could not write a record.

@@ -1,9 +1,10 @@
-//! What learns: burn's module, optimiser, schedule and records around the engine's kernels.
+//! Learning: burn's module, optimiser, schedule and records around the engine's kernels.
 //!
 //! Cost and gradient of a unit are one operation of a backend extension ([`operation`]): burn sees a flat
-//! parameter and its gradient, the kernels see slices, nothing is copied. AdamW in one pass ([`adamw`]) is
-//! a second one. All runs on burn's `flex` backend without its thread pool; networks are trained beside each
-//! other, one per core. Where the kernels cannot run, on a GPU, the unit is composed of burn's own operations ([`composed`]).
+//! parameter and its gradient, the kernels see slices, nothing is copied. AdamW in one pass ([`adamw`]) is a
+//! second one. All of it runs on burn's `flex` backend without its thread pool; networks are trained in
+//! parallel, one per core. Where the kernels cannot run, on a GPU, the unit is composed of burn's own
+//! operations ([`composed`]).
 
 mod adamw;
 mod batch;

@@ -1,7 +1,7 @@
 //! Cost of a batch as one differentiable operation of burn.
 //!
-//! The gradient is computed along with the cost and kept as the operation's state: what flows back is that
-//! state times the slope of whatever the cost goes into, 1 where it is the root.
+//! The gradient is computed along with the cost and kept as the operation's state. The backward pass returns
+//! that state times the slope of the function of the cost, 1 where the cost is the root.
 
 use burn::backend::autodiff::checkpoint::base::Checkpointer;
 use burn::backend::autodiff::checkpoint::strategy::CheckpointStrategy;
@@ -20,7 +20,7 @@ use super::batch::{Batch, Cost};
 pub(crate) enum NotFinite {
     /// The cost of the batch.
     Loss,
-    /// Its gradient, or the gradient's norm.
+    /// Gradient of the cost, or the gradient's norm.
     Gradient,
 }
 
@@ -38,7 +38,7 @@ pub(super) trait UnitKernels: Backend {
     }
 }
 
-/// What burn routes: with the graph or without it.
+/// Operation in burn with the graph or without it.
 #[backend_extension(Flex, Autodiff)]
 pub(super) trait UnitCost: Backend {
     /// Mean cost (1) of a batch, and the sums behind it.

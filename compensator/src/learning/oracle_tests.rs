@@ -1,4 +1,4 @@
-//! The same units composed of plain tensor operations of burn, in double precision, beside the fused operation.
+//! Units composed of burn's plain tensor operations, in double precision, as reference of the fused operation.
 
 use burn::optim::GradientsParams;
 use burn::tensor::{DType, Device};

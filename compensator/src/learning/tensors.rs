@@ -1,23 +1,23 @@
-//! Where burn's own operations train, in place of the kernels.
+//! Device of burn's own operations in place of the kernels.
 
 use burn::tensor::{DType, Device, Tensor, TensorData};
 
-/// Where burn's tensor operations run in place of the kernels of this crate.
+/// Device on which burn's tensor operations run in place of the kernels of this crate.
 #[derive(Debug, Clone)]
 pub struct Tensors {
-    /// With its graph.
+    /// Device with its graph.
     pub(super) device: Device,
     dtype: DType,
     pub(super) is_gpu: bool,
 }
 
 impl Tensors {
-    /// On the CPU: slower than the kernels, and the same to rounding.
+    /// The CPU: slower than the kernels, with equal results up to rounding.
     pub fn cpu() -> Self {
         Self::on(Device::flex(), DType::F32, false)
     }
 
-    /// On a device of burn's that is a GPU. `BURN_DEVICE` must not be set.
+    /// A GPU device of burn. `BURN_DEVICE` must not be set.
     pub fn gpu(device: Device) -> Self {
         Self::on(device, DType::F32, true)
     }

@@ -71,7 +71,7 @@ impl Weights {
         Self::new(values)
     }
 
-    /// The same parameters where the tensors are.
+    /// The parameters on the device of the tensors.
     pub(crate) fn moved(&self, tensors: &Tensors) -> Self {
         Self::on(&tensors.device, self.values())
     }

@@ -1,8 +1,8 @@
 //! ONNX export of a trained unit, or of the units of all joints.
 //!
 //! The graph takes `window` (batch × T × columns, SI units, oldest sample first) and gives `torque` (batch, or
-//! batch × joints, N·m): scaling, network, averaging over members, limit and fade are all inside, so its output is
-//! what the run-time predicts for samples that are finite.
+//! batch × joints, N·m). Scaling, network, averaging over members, limit and fade are all inside, so its output
+//! equals the run-time's prediction for finite samples.
 
 mod graph;
 mod network;

@@ -140,7 +140,7 @@ fn lstm(
     (g.op("Mul", &[&o, &bent]), c)
 }
 
-/// Σ softmax(scores)·states.
+/// Weighted sum Σ softmax(scores)·states.
 fn weighted(g: &mut Graph, scores: &[String], states: &[String]) -> String {
     let parts: Vec<&str> = scores.iter().map(String::as_str).collect();
     let all = g.concatenate(&parts);

@@ -1,4 +1,4 @@
-//! What a batch consists of: windows, or chunks of carried state.
+//! Items of a batch: windows, or chunks of carried state.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub(super) struct Item {
     end: u32,
 }
 
-/// How rows become sequences.
+/// Layout of rows as sequences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {
     /// Windows of this many samples, one output each.

@@ -21,12 +21,12 @@ const KEY: &str = "residyn-checkpoint";
 /// 1 held bare vectors.
 const VERSION: u32 = 2;
 
-/// What a checkpoint has to belong to.
+/// Origin to which a checkpoint must belong.
 #[derive(Debug)]
 pub(super) struct Origin<'a> {
     /// Digest of data, settings and seed: resuming under others would not give the same weights.
     pub(super) fingerprint: String,
-    /// The settings, to say what differs.
+    /// Settings, to report differences.
     pub(super) config: &'a UnitConfig,
 }
 

@@ -1,4 +1,4 @@
-//! From jobs to trained units: one network per seed, all cores.
+//! Training of ensembles: from jobs to units, one network per seed, on all cores.
 
 use std::path::PathBuf;
 use std::sync::OnceLock;

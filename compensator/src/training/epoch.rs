@@ -1,8 +1,8 @@
-//! How far the training of a network is.
+//! Progress of a network's training.
 
 use serde::{Deserialize, Serialize};
 
-/// Where the loop stands.
+/// Position of the training loop.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Position {
@@ -17,7 +17,7 @@ pub(super) struct Position {
     pub(super) finished: bool,
 }
 
-/// What one epoch came to.
+/// Result of one epoch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Epoch {
     /// Mean cost of the training samples, in units of the normalised target, with dropout.

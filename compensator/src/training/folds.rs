@@ -7,12 +7,12 @@ use rand_chacha::ChaCha8Rng;
 use super::samples::Split;
 use crate::Error;
 
-/// One fold: what is trained on, and what is left out of everything.
+/// One fold: indices of the trajectories for training, validation and test.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fold {
     /// Fitted and validated trajectories.
     pub split: Split,
-    /// Held-out trajectories.
+    /// Trajectories held out for the test.
     pub test: Vec<usize>,
 }
 

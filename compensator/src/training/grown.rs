@@ -12,9 +12,9 @@ use crate::Error;
 
 // What scikit-learn's HistGradientBoostingRegressor takes where it is told nothing (version 1.7); only the number of trees is
 // chosen, by data left out.
-/// Part of what a leaf would correct that it does correct.
+/// Learning rate of the trees: applied part of a leaf's correction.
 const RATE: f32 = 0.1;
-/// Leaves of a tree, at most.
+/// Most leaves of a tree.
 const LEAVES: usize = 31;
 /// Samples of a leaf, at least.
 const LEAST: f32 = 20.0;
@@ -25,7 +25,7 @@ const MOST: usize = 1000;
 /// Trees without a better one after which no more are tried.
 const PATIENCE: usize = 20;
 
-/// How many trees err least on the validation trajectories of the job.
+/// Number of trees with the least error on the validation trajectories of the job.
 ///
 /// # Errors
 /// [`Error::Samples`] and [`Error::TooLittleData`] as [`super::train`], [`Error::Trees`].
@@ -111,7 +111,7 @@ impl Table {
     }
 }
 
-/// At most `count` trees; fewer where `judge` does not get better.
+/// Fit of at most `count` trees; fewer where the error on `judge` does not fall.
 fn fit(job: &Job, count: usize, judge: Option<&Table>) -> Result<GradientBooster, Error> {
     let table = Table::new(job, &job.split.train);
     let mut booster = GradientBooster::default()

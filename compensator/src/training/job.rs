@@ -1,4 +1,4 @@
-//! One unit to train: its data, settings and scaling, and whether what was trained helps.
+//! Training job of one unit: data, settings and scaling, and the judgement whether the unit helps.
 
 use std::sync::atomic::AtomicBool;
 
@@ -23,17 +23,17 @@ pub struct Job<'a> {
     pub joint: usize,
     /// Input columns the unit sees: its input control module.
     pub columns: Vec<usize>,
-    /// Data.
+    /// Samples for training and validation.
     pub samples: Samples<'a>,
-    /// Which trajectories are fitted and which validate.
+    /// Split into trajectories for fitting and for validation.
     pub split: Split,
-    /// Settings.
+    /// Settings of the unit.
     pub config: UnitConfig,
     /// Seed of the first member; the others follow.
     pub seed: u64,
 }
 
-/// How a training is run.
+/// Control of a training run.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
     /// Threads; networks are trained independently, one per thread.
@@ -45,7 +45,7 @@ pub struct Control<'a> {
     pub cancel: Option<&'a AtomicBool>,
     /// Called after every epoch of every network, from any thread.
     pub progress: Option<&'a (dyn Fn(&Progress) + Sync)>,
-    /// burn's operations in place of the kernels; the one thing here that changes the result, by rounding.
+    /// Device of burn's operations in place of the kernels; the only control that changes the result, by rounding.
     #[cfg(feature = "networks")]
     pub tensors: Option<&'a Tensors>,
 }
@@ -63,7 +63,7 @@ impl Default for Control<'_> {
     }
 }
 
-/// How the training of a unit went.
+/// Report of a unit's training.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// Every epoch of every network.
@@ -85,7 +85,7 @@ pub struct Trained {
     pub report: Report,
 }
 
-/// A job with what all its networks share.
+/// A job with the data that all its networks share.
 pub(super) struct Prepared<'a, 'd> {
     pub(super) job: &'a Job<'d>,
     pub(super) input: Normaliser,

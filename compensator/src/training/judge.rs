@@ -1,4 +1,4 @@
-//! Whether what was learned is used.
+//! Judgement whether a trained unit is used.
 
 use super::samples::Samples;
 use crate::config::UnitConfig;
@@ -12,7 +12,7 @@ pub(super) struct Judged {
     pub helps: bool,
 }
 
-/// Judges on the `validation` trajectories what was `predicted` for every row of the samples.
+/// Judges a prediction `predicted` for every row of the samples, on the `validation` trajectories.
 pub(super) fn judge_prediction(
     samples: &Samples,
     validation: &[usize],
@@ -43,7 +43,8 @@ pub(super) fn judge_prediction(
     }
 }
 
-/// Whether the mean of what trajectories gain lies `sure` standard errors above zero; one trajectory tells nothing of chance.
+/// Whether the mean gain over trajectories is `sure` standard errors above zero. Always true for one
+/// trajectory, which gives no standard error.
 fn beyond_chance(gains: &[f64], sure: f64) -> bool {
     let n = gains.len() as f64;
     if gains.len() < 2 {

@@ -49,7 +49,7 @@ pub fn trainable() -> Result<(), crate::Error> {
     }
 }
 
-/// As with the feature `networks`, without which nothing is trained.
+/// Error: without the feature `networks` nothing is trained.
 ///
 /// # Errors
 /// [`crate::Error::Networks`], always.

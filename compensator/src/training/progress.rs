@@ -1,4 +1,4 @@
-//! How far a training is.
+//! Progress of a training.
 
 use super::epoch::{Epoch, Position};
 use std::sync::Mutex;
@@ -11,7 +11,7 @@ pub struct Progress {
     pub job: usize,
     /// Joint of the job.
     pub joint: usize,
-    /// Which of the job's networks, from 0.
+    /// Index of the job's network, from 0.
     pub member: usize,
     /// Finished epochs of this network.
     pub epoch: usize,
@@ -45,7 +45,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// From the cost of an epoch of each network and the most epochs that it may take.
+    /// Progress from each network's cost of an epoch and its most epochs.
     pub fn new(networks: impl Iterator<Item = (f64, usize)>) -> Self {
         let networks = networks.map(|(cost, epochs)| Network {
             cost,

@@ -32,7 +32,7 @@ pub fn choose_ridge(job: &Job) -> Result<f64, Error> {
     best(job).map(|(ridge, _)| ridge)
 }
 
-/// As [`train_ridge`] with a ridge that was chosen elsewhere.
+/// Fits like [`train_ridge`], with a given ridge.
 ///
 /// # Errors
 /// As [`train_ridge`].

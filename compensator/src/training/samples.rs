@@ -135,7 +135,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// Fingerprint of everything a unit on `columns` sees, to tell a checkpoint of other data.
+    /// Fingerprint of all inputs of a unit on `columns`, to recognise a checkpoint of other data.
     pub(crate) fn digest(&self, columns: &[usize], hash: &mut Sha256) {
         let mut row = vec![0.0; columns.len()];
         for i in 0..self.rows() {
@@ -151,10 +151,10 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// Which trajectories are fitted and which stop the training, as indices into [`Samples::trajectories`].
+/// Split into trajectories that are fitted and that stop the training, as indices into [`Samples::trajectories`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Split {
-    /// Fitted.
+    /// Fitted trajectories.
     pub train: Vec<usize>,
     /// Decide when to stop and whether the unit stays on. Empty: all epochs are run and the unit stays on.
     pub validation: Vec<usize>,

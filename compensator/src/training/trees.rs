@@ -1,4 +1,4 @@
-//! Boosted regression trees on the windows a unit would see, as they were grown and stored: what a strong learner without a network makes of them.
+//! Boosted regression trees on a unit's windows, as grown and stored: a strong learner without a network for comparison.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ pub struct Trees {
     pub joint: usize,
     /// Whether they helped on the validation trajectories; true where there were none.
     pub enabled: bool,
-    /// Input columns.
+    /// Indices of the input columns.
     pub(super) columns: Vec<usize>,
     /// Samples of a window.
     pub(super) timestep: usize,
@@ -68,7 +68,7 @@ impl Trees {
         Ok(torque)
     }
 
-    /// Refuses what a damaged file could hold: columns that are not there, children that lead nowhere or back.
+    /// Refuses contents that a damaged file could have: columns that do not exist, children that lead nowhere or back.
     fn check(&self, columns: usize) -> Result<(), Error> {
         let size = self.timestep * self.columns.len();
         let sound = |tree: &Vec<Node>| {

@@ -1,7 +1,8 @@
-//! Between a model and the drives: what a loop may send, whatever comes in.
+//! Guard between a model and the drives: it limits the torque that a loop may send, whatever its input.
 //!
-//! A [`Guard`] asks its model once per tick and gives a torque that keeps the limits, changes no faster than it may, starts and
-//! stops without a jump, and stays the last one where the input is no motion. [`Status`] says what happened.
+//! A [`Guard`] asks its model once per tick and gives a torque within the limits and the rate limits. It starts
+//! and stops without a jump, and holds the last torque where the input is no valid motion. [`Status`] tells
+//! what happened.
 
 mod pace;
 mod settings;
@@ -16,16 +17,16 @@ pub use status::Status;
 use crate::Feedforward;
 use pace::{Clock, Tick};
 
-/// A model with what stands between it and the drives. [`Guard::tick`] does not allocate.
+/// A model with a guard for its torque. [`Guard::tick`] does not allocate.
 #[derive(Debug, Clone)]
 pub struct Guard {
     model: Feedforward,
     settings: Settings,
     clock: Clock,
     phase: Phase,
-    /// What was sent last, N·m or N.
+    /// Torque of the last tick, N·m or N.
     sent: Vec<f64>,
-    /// What was sent when the ramp began.
+    /// Torque at the beginning of the ramp, N·m or N.
     from: Vec<f64>,
     asked: Vec<f64>,
     ahead: Ahead,
@@ -34,7 +35,7 @@ pub struct Guard {
     held: usize,
 }
 
-/// Where a guard is between start and stop; ramps know how much of them has passed, s.
+/// Phase of a guard; a ramp holds its elapsed time, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
     Stopped,
@@ -88,14 +89,14 @@ impl Guard {
         Ok(())
     }
 
-    /// Lets the torque grow from what was sent last to the model's; the caller's time starts anew.
+    /// Starts a ramp from the last torque to the model's; the caller's time starts anew.
     pub fn start(&mut self) {
         self.clock = Clock::default();
         self.held = 0;
         self.ramp(Phase::Starting(0.0));
     }
 
-    /// Lets the torque go from what was sent last to zero.
+    /// Starts a ramp from the last torque to zero.
     pub fn stop(&mut self) {
         if !matches!(self.phase, Phase::Stopped | Phase::Stopping(_)) {
             self.ramp(Phase::Stopping(0.0));
@@ -107,7 +108,7 @@ impl Guard {
         self.phase = phase;
     }
 
-    /// How the caller has kept its period since the last start.
+    /// Timing of the caller's ticks since the last start.
     pub fn pace(&self) -> Pace {
         self.clock.pace
     }
@@ -143,7 +144,7 @@ impl Guard {
         status
     }
 
-    /// Asks the model; what it says stands in `asked`.
+    /// Asks the model and stores its torque in `asked`.
     fn ask(&mut self, time: f64, q: &[f64], qd: &[f64], qdd: &[f64]) -> Status {
         let finite = |x: &[f64]| x.iter().all(|v| v.is_finite());
         if !(time.is_finite() && finite(q) && finite(qd) && finite(qdd)) {
@@ -183,7 +184,7 @@ impl Guard {
         status | self.remarks(q)
     }
 
-    /// What is to be said of the last sample, at positions `q`: limits of position, compensators faded or off.
+    /// Remarks on the last sample at positions `q`: position limits, compensators faded or off.
     pub fn remarks(&mut self, q: &[f64]) -> Status {
         let mut status = Status::default();
         for (joint, q) in q.iter().enumerate() {
@@ -202,7 +203,7 @@ impl Guard {
         status
     }
 
-    /// From what was asked to what is sent; where the input was of no use the last torque is held, but a stop goes on.
+    /// Torque to send from the torque asked. Where the input was not usable the last torque is held, except during a stop.
     fn send(&mut self, usable: bool, status: &mut Status) {
         let period = self.model.period();
         let ramp = self.settings.ramp;

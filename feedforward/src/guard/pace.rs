@@ -1,6 +1,6 @@
-//! How well the caller keeps its period.
+//! Timing of the caller's ticks.
 
-/// What of the caller's time was seen since the last start.
+/// Timing of the caller's ticks since the last start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pace {
     /// Ticks whose time could be used.
@@ -15,7 +15,7 @@ pub struct Pace {
     pub longest: f64,
 }
 
-/// What a tick's time means.
+/// Meaning of a tick's time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Tick {
     /// The next period, after so many that passed without a tick.

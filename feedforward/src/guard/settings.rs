@@ -1,4 +1,4 @@
-//! What a guard is told.
+//! Settings of a guard.
 
 /// Limits and times of a [`Guard`](super::Guard).
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Settings {
 impl Settings {
     /// Half a second: slow for a drive's torque loop, short for a person. A choice, not a measurement.
     pub const RAMP: f64 = 0.5;
-    /// As long as libfranka's robot goes on without a command: 20 lost packets of 1 ms.
+    /// Time for which libfranka's robot continues without a command: 20 lost packets of 1 ms.
     pub const HOLD: f64 = 0.02;
 
     /// `torque` as limits, no limit of the rate, the times above.
@@ -73,9 +73,9 @@ pub enum SettingsError {
     /// Another number of values than joints.
     #[error("{found} limits of {what} for {joints} joints")]
     Length {
-        /// Which limits.
+        /// Name of the limits.
         what: &'static str,
-        /// How many.
+        /// Number of values given.
         found: usize,
         /// Joints of the robot.
         joints: usize,
@@ -83,19 +83,19 @@ pub enum SettingsError {
     /// A negative limit, or NaN.
     #[error("the limit of {what} of joint {joint} is {value}")]
     Limit {
-        /// Which limit.
+        /// Name of the limit.
         what: &'static str,
-        /// Its joint, from 1.
+        /// Number of its joint, from 1.
         joint: usize,
-        /// What was given.
+        /// Value given.
         value: f64,
     },
     /// A time that is negative or not finite.
     #[error("the time `{what}` is {time} s")]
     Time {
-        /// Which time.
+        /// Name of the time.
         what: &'static str,
-        /// What was given.
+        /// Value given, s.
         time: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! What a tick has to say, in one word.
+//! Status of a tick, as a bit set.
 
 use std::ops::{BitOr, BitOrAssign};
 
@@ -36,7 +36,7 @@ impl Status {
     /// The torque is zero: before the first start, or after a stop.
     pub const STOPPED: Self = Self(1 << 13);
 
-    /// As a number.
+    /// The status as a number.
     pub const fn bits(self) -> u32 {
         self.0
     }

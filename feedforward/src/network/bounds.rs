@@ -1,10 +1,10 @@
-//! Where the training inputs lay, and how the output fades outside.
+//! Bounds of the training inputs, and the fade of the output outside them.
 
 use serde::{Deserialize, Serialize};
 use signal::cholesky;
 
-/// Where the fade starts and ends, as a fraction: of a column's span beyond its range, and of the
-/// largest Mahalanobis distance seen in training beyond it.
+/// Start and end of the fade, as an excess over the training data: of a column's range, relative to its span,
+/// and of the largest Mahalanobis distance of training, relative to that.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fade {
@@ -14,18 +14,19 @@ pub struct Fade {
     pub end: f32,
 }
 
-/// Where a sample lies among those of training.
+/// Position of a sample relative to the training samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inside {
     /// Factor on the compensator's output: 1 inside, 0 from where the fade ends.
     pub weight: f32,
-    /// How far outside: the largest part of a column's span, or of the largest distance of training, that the sample lies beyond
-    /// it. Negative inside, minus infinity where nothing was learned.
+    /// Excess: the larger of the distance beyond a column's range over its span, and of the Mahalanobis
+    /// distance beyond the largest of training over that. Negative inside, minus infinity for a joint without a
+    /// unit.
     pub excess: f32,
 }
 
 impl Inside {
-    /// Of a joint without a unit.
+    /// Value for a joint without a unit.
     pub const NOTHING_LEARNED: Self = Self {
         weight: 1.0,
         excess: f32::NEG_INFINITY,
@@ -84,7 +85,7 @@ pub struct Bounds {
 const KNEE: f32 = 0.9;
 
 impl Bounds {
-    /// From stored parts; `None` where lengths disagree, a value is not finite or L is singular.
+    /// Bounds from stored parts; `None` where lengths disagree, a value is not finite or L is singular.
     pub fn new(
         low: Vec<f32>,
         high: Vec<f32>,
@@ -214,7 +215,7 @@ impl Bounds {
         self.limit
     }
 
-    /// Where the fade starts and ends.
+    /// Start and end of the fade.
     pub fn fade(&self) -> Fade {
         self.fade
     }
@@ -240,7 +241,7 @@ impl Bounds {
         self.inside(x, scratch).weight
     }
 
-    /// Where a normalised sample lies among those of training.
+    /// Position of a normalised sample relative to the training samples.
     pub fn inside(&self, x: &[f32], scratch: &mut [f32]) -> Inside {
         if !x.iter().all(|v| v.is_finite()) {
             return Inside {

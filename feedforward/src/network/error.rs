@@ -1,17 +1,17 @@
-//! What can be wrong with a stored compensator.
+//! Errors of a stored compensator.
 
 use std::path::PathBuf;
 
-/// Why a compensator could not be stored, loaded or used.
+/// Reason why a compensator could not be stored, loaded or used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The file could not be read or written.
     #[error("{path}: {source}")]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Cause.
         source: std::io::Error,
     },
     /// Not a complete safetensors file: cut short, or not one at all.
@@ -32,14 +32,14 @@ pub enum Error {
         /// Version that this build reads and writes.
         supported: u32,
     },
-    /// The content is not what was written.
+    /// The checksum differs from the stored one: the content was changed.
     #[error(
         "checksum of the weights is {found}, the file says {expected}; the file was altered or damaged"
     )]
     Checksum {
-        /// As stored, hexadecimal SHA-256.
+        /// Stored SHA-256, hexadecimal.
         expected: String,
-        /// As computed.
+        /// Computed SHA-256, hexadecimal.
         found: String,
     },
     /// The header contradicts itself or the tensors.
@@ -47,7 +47,7 @@ pub enum Error {
     Unit {
         /// Position of the unit in the file.
         unit: usize,
-        /// What is wrong.
+        /// Problem.
         problem: String,
     },
     /// Trained for another robot.

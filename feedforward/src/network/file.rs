@@ -48,7 +48,7 @@ struct UnitHeader {
     fade: Fade,
 }
 
-/// A tensor on its way to the file.
+/// A tensor in the form of the file.
 struct Stored {
     name: String,
     shape: Vec<usize>,
@@ -179,7 +179,7 @@ impl Compensator {
         )?)
     }
 
-    /// Reads what [`Self::to_bytes`] wrote.
+    /// The compensator from bytes of [`Self::to_bytes`].
     ///
     /// # Errors
     /// [`Error::Container`] where the file is cut short, [`Error::NotACompensator`], [`Error::Version`],

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Which scaling is fitted.
+/// Kind of scaling that is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Normalisation {
@@ -24,7 +24,7 @@ pub struct Normaliser {
 }
 
 impl Normaliser {
-    /// From offsets and spans of equal length; `None` where they are not finite or a span is negative.
+    /// Scaling by offsets and spans of equal length; `None` where they are not finite or a span is negative.
     pub fn new(offset: Vec<f32>, span: Vec<f32>) -> Option<Self> {
         let usable = offset.len() == span.len()
             && offset.iter().all(|v| v.is_finite())
@@ -104,7 +104,7 @@ impl Normaliser {
         (x - self.offset[j]) * self.inverse[j]
     }
 
-    /// Undoes [`Self::apply`].
+    /// Physical value of a normalised one: the inverse of [`Self::apply`].
     #[inline]
     pub fn invert(&self, j: usize, x: f32) -> f32 {
         x * self.span[j] + self.offset[j]

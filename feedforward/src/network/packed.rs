@@ -48,8 +48,8 @@ impl Packed {
         self.inputs
     }
 
-    /// Writes xᵀ·W + b to `out` (of [`Self::padded`] elements). Inputs beyond the end of `x` count as zero
-    /// and cost nothing: the first step of a recurrence leaves its zero state away.
+    /// Writes xᵀ·W + b to `out` (of [`Self::padded`] elements). Inputs beyond the end of `x` count as zero and
+    /// cost nothing: the first step of a recurrence omits its zero state.
     pub(super) fn apply(&self, arch: Arch, x: &[f32], out: &mut [f32]) {
         match arch {
             Arch::Scalar => product::<false>(self, x, out),

@@ -45,7 +45,7 @@ impl Lstm {
         self.cell.fill(0.0);
     }
 
-    /// One step (equations 14–18). `first` says that the state is zero, so its products are left away.
+    /// One step (equations 14–18). `first`: whether the state is zero, so that its products are omitted.
     fn step(&mut self, arch: Arch, first: bool) {
         let used = if first { self.input } else { self.joined.len() };
         self.weights
@@ -98,7 +98,7 @@ struct Attention {
     score: Vec<f32>,
     /// W_h h_u + b_a of each slot, padded to whole tiles.
     keys: Vec<f32>,
-    /// W_s s.
+    /// Product W_s s of the attention's query.
     asked: Vec<f32>,
     /// e_u, then α_u.
     weights: Vec<f32>,

@@ -76,7 +76,7 @@ impl UnitStream {
         self.joint
     }
 
-    /// Where the last sample lay among those of training.
+    /// Position of the last sample relative to the training samples.
     pub fn inside(&self) -> Inside {
         self.inside
     }
@@ -179,7 +179,7 @@ impl Stream {
         self.units.iter_mut().for_each(UnitStream::reset);
     }
 
-    /// Where the last sample lay among those of training: the worst of the units of `joint`.
+    /// Position of the last sample relative to the training samples: the worst of the units of `joint`.
     pub fn inside(&self, joint: usize) -> Inside {
         let units = self.units.iter().filter(|unit| unit.joint == joint);
         units.fold(Inside::NOTHING_LEARNED, |all, unit| all.worse(unit.inside))

@@ -9,7 +9,7 @@ pub struct Unit {
     pub joint: usize,
     /// Off when it did not lower the validation error: its output is then exactly zero.
     pub enabled: bool,
-    /// What it computes.
+    /// Architecture of the network.
     pub architecture: Architecture,
     /// Input columns it sees, as indices into [`Compensator::inputs`]: the input control module.
     pub columns: Vec<usize>,
@@ -17,14 +17,14 @@ pub struct Unit {
     pub input: Normaliser,
     /// Scaling of the output, one column, N·m.
     pub target: Normaliser,
-    /// Where it may be trusted.
+    /// Bounds of the training inputs, outside which the output fades.
     pub bounds: Bounds,
     /// Flat parameter vectors (see [`Architecture::tensors`]) whose outputs are averaged: one per seed.
     pub members: Vec<Vec<f32>>,
 }
 
 impl Unit {
-    /// Says what contradicts itself, if anything does.
+    /// Checks the unit for contradictions.
     ///
     /// # Errors
     /// A sentence naming the part.

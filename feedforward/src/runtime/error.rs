@@ -10,23 +10,23 @@ pub enum LoadError {
     /// A file cannot be read.
     #[error("{path}: {source}")]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
     /// `model.json` is not one of this version.
     #[error("{path}: {reason}")]
     Format {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         reason: String,
     },
     /// The physical model does not fit together.
     #[error(transparent)]
     Physics(#[from] TorqueModelError),
-    /// The compensator.
+    /// The compensator cannot be used.
     #[error(transparent)]
     Network(#[from] NetworkError),
     /// The control period.

@@ -1,4 +1,4 @@
-//! From the files of a model directory to a model in a loop.
+//! Loading of a model directory into a control loop.
 
 use super::error::LoadError;
 use super::model::Feedforward;
@@ -107,7 +107,7 @@ impl Feedforward {
     }
 }
 
-/// Loads `compensator.safetensors` and checks that it is the one `model.json` was written with.
+/// Loads `compensator.safetensors` and checks its checksum against `model.json`.
 ///
 /// # Errors
 /// A missing, damaged or altered file, or one of another robot.

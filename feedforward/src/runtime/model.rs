@@ -27,7 +27,7 @@ pub struct Feedforward {
     pub(super) clock: Option<f64>,
     /// Time from the sample before to the next one, s; zero where nothing is known.
     pub(super) elapsed: f64,
-    /// Training trajectories on the clock, and what was remembered at the end of each.
+    /// Time spans of the training trajectories on the clock, s, and the memory at the end of each.
     pub(super) known: Vec<[f64; 2]>,
     pub(super) memory: Vec<Memory>,
     /// Joint names, base first.
@@ -35,7 +35,7 @@ pub struct Feedforward {
 }
 
 impl Feedforward {
-    /// The same physics alone.
+    /// The model without its compensator.
     #[must_use]
     pub fn without_compensator(mut self) -> Self {
         self.residual = None;
@@ -57,22 +57,22 @@ impl Feedforward {
         self.residual.is_some()
     }
 
-    /// The rigid body of the model, for what a loop needs beside its torque.
+    /// Rigid-body dynamics of the model for control loops, beside its torque.
     pub fn dynamics(&mut self) -> &mut Dynamics {
         &mut self.dynamics
     }
 
-    /// What of the last torque was friction, N·m or N.
+    /// Friction in the last torque, N·m or N, by joint.
     pub fn friction(&self) -> &[f64] {
         self.predictor.friction()
     }
 
-    /// What of the last torque was the compensator's, N·m or N; None without one.
+    /// Compensator's part of the last torque, N·m or N, by joint; None without one.
     pub fn compensation(&self) -> Option<&[f64]> {
         self.residual.as_ref().map(Residual::share)
     }
 
-    /// Where the last sample lay among those that the compensator was trained on.
+    /// Position of the last sample relative to the compensator's training samples.
     ///
     /// # Panics
     /// When there is no such joint.
@@ -105,7 +105,7 @@ impl Feedforward {
         self.begin(clock, None);
     }
 
-    /// Goes on from `known`: the time since it was remembered, s, and what.
+    /// Starts from the memory `known`: time since it was stored, s, and its index.
     fn begin(&mut self, clock: Option<f64>, known: Option<(f64, usize)>) {
         let memory = known.and_then(|(_, index)| self.memory.get(index));
         self.clock = clock;
@@ -132,8 +132,8 @@ impl Feedforward {
     /// Torque of every joint (N·m or N) for the motion of this control period; all slices have one
     /// entry per joint, in URDF order.
     ///
-    /// Where a value of the motion is not finite every torque is NaN, and what the model remembers stays as it was: the next finite
-    /// sample goes on from there.
+    /// Where a value of the motion is not finite every torque is NaN, and the model's memory is unchanged: the
+    /// next finite sample continues from there.
     ///
     /// # Panics
     /// When a slice has another length.

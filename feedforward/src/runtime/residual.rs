@@ -11,7 +11,7 @@ const MOST_STREAMS: usize = 2000;
 
 #[derive(Debug, Clone)]
 pub(super) struct Residual {
-    /// Where each input column comes from.
+    /// Source of each input column.
     sources: Vec<Source>,
     /// Terms among the inputs, one bank per joint.
     banks: Vec<TermBank>,
@@ -21,9 +21,9 @@ pub(super) struct Residual {
     /// as far apart as in training, and the torque is smooth at the control rate.
     streams: Vec<Stream>,
     turn: usize,
-    /// What it gave at the last sample, N·m.
+    /// Residual torque at the last sample, N·m, by joint.
     share: Vec<f64>,
-    /// Where that sample lay, by joint.
+    /// Position of that sample relative to the training samples, by joint.
     inside: Vec<Inside>,
 }
 
@@ -133,12 +133,12 @@ impl Residual {
         }
     }
 
-    /// What it gave at the last sample, N·m.
+    /// Residual torque at the last sample, N·m, by joint.
     pub(super) fn share(&self) -> &[f64] {
         &self.share
     }
 
-    /// Where the last sample lay among those of training.
+    /// Position of the last sample relative to the training samples.
     pub(super) fn inside(&self, joint: usize) -> Inside {
         self.inside[joint]
     }

@@ -1,4 +1,4 @@
-//! What the doctor says of one simulated recording, and of all of a kind.
+//! Outcome of the doctor on one simulated recording, and on all of a kind.
 
 use datasets::check::{Ailment, Complaint, Severity};
 use datasets::prepare::{PrepareOptions, prepare};
@@ -14,7 +14,7 @@ use trials::channels::{ChannelCase, Fault, Wrong, against, generate};
 /// Contents of `train doctor --json`.
 #[derive(Serialize)]
 pub struct Figures {
-    /// `doctor/1`.
+    /// Schema of the file: `doctor/1`.
     pub schema: &'static str,
     /// Seed of the run.
     pub seed: u64,
@@ -22,10 +22,10 @@ pub struct Figures {
     pub kinds: Vec<Counted>,
 }
 
-/// What is true of recordings.
+/// True fault of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Of the channel.
+    /// Fault of the torque channel.
     Channel(Fault),
     /// The channel is healthy, the description or the columns are not.
     Description(Wrong),
@@ -50,7 +50,7 @@ impl Kind {
 /// All recordings of a kind.
 #[derive(Serialize)]
 pub struct Counted {
-    /// What is true of them, by name.
+    /// Name of the true fault.
     #[serde(rename = "fault", serialize_with = "name")]
     pub kind: Kind,
     /// Recordings that were recognised; of healthy ones, those about which nothing was said; of wrong descriptions, those of which no
@@ -62,14 +62,14 @@ pub struct Counted {
     pub more: usize,
     /// Recordings whose remedy was tried, and those that are healthy behind it.
     pub mended: [usize; 2],
-    /// Each recording.
+    /// Outcome of each recording.
     pub outcomes: Vec<Outcome>,
 }
 
-/// One recording.
+/// Outcome of one recording.
 #[derive(Serialize)]
 pub struct Outcome {
-    /// Its place in the run.
+    /// Index of the recording in the run.
     pub index: u64,
     /// Joints that the fault is of, from 0.
     pub joints: Vec<usize>,
@@ -77,9 +77,9 @@ pub struct Outcome {
     pub right: bool,
     /// Whether it is healthy behind its remedy; null where no line can mend it.
     pub mended: Option<bool>,
-    /// What was said.
+    /// Complaints of the doctor.
     pub complaints: Vec<Complaint>,
-    /// What is said behind the remedy, notes left out.
+    /// Complaints after the remedy is applied, without notes.
     pub left: Vec<Complaint>,
 }
 
@@ -88,7 +88,7 @@ fn name<S: serde::Serializer>(kind: &Kind, to: S) -> Result<S::Ok, S::Error> {
 }
 
 impl Counted {
-    /// Counts outcomes.
+    /// Figures of a kind from the outcomes of its recordings.
     pub fn new(kind: Kind, outcomes: Vec<Outcome>) -> Self {
         let count = |f: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|o| f(o)).count();
         let right = count(&|o| o.right);
@@ -137,7 +137,7 @@ impl Outcome {
 }
 
 impl Outcome {
-    /// The same of a healthy recording against a wrong description: wrong where a fault of the channel is said alone.
+    /// Outcome of a healthy recording against a wrong description. It is wrong where a fault of the channel alone is reported.
     fn of_description(wrong: Wrong, seed: u64, index: u64) -> Result<Self, Failure> {
         let case = against(wrong, seed, index).map_err(|e| Failure::other(e.to_string()))?;
         let complaints = examined(&case.robot, &case.recording)?;
@@ -159,7 +159,7 @@ impl Outcome {
     }
 }
 
-/// Whether an ailment is what a fault is called.
+/// Whether an ailment is the name of a fault.
 fn names(ailment: Ailment, fault: Fault) -> bool {
     ailment.name() == fault.name()
 }
@@ -171,8 +171,9 @@ fn examined(robot: &Robot, recording: &Recording) -> Result<Vec<Complaint>, Fail
     Ok(doctor::examine(robot, recording, &prepared, &channel))
 }
 
-/// What is said of the recording when the complaint's remedy is taken: the lines of the drive file, or gravity as the
-/// command line takes it; none where there is no remedy. Notes do not count: a sensor behind the gear is no fault.
+/// Complaints on the recording after the complaint's remedy is applied: the lines of the drive file, or gravity
+/// as on the command line. None where there is no remedy. Notes do not count: a sensor behind the gear is no
+/// fault.
 fn left(case: &ChannelCase, complaint: &Complaint) -> Result<Option<Vec<Complaint>>, Failure> {
     let mut robot = case.robot.clone();
     let mut recording = case.recording.clone();

@@ -1,10 +1,10 @@
-//! What `train doctor` prints.
+//! Output of `train doctor`.
 
 use super::outcome::{Counted, Figures, Kind};
 use report::{Cell, Column, Table, say, say_text};
 use trials::channels::Fault;
 
-/// Prints the table, and with `every` what was not right.
+/// Prints the table, and with `every` the recordings that were not recognised rightly.
 pub fn print(figures: &Figures, every: bool) {
     let mut table = Table::new([
         Column::text("torque"),

@@ -1,4 +1,4 @@
-//! At which cut-off of the motion the true equations do best.
+//! Cut-off of the motion with the least error of the true equations.
 
 use model::failure::Failure;
 
@@ -7,8 +7,8 @@ const CUTOFFS: [f64; 4] = [10.0, 15.0, 25.0, 40.0];
 /// Highest of them, relative to the recording's rate.
 const HIGHEST: f64 = 0.4;
 
-/// What `attempt` makes where its score is least, with the cut-off, Hz (None: the motion's own preparation). An attempt gets a
-/// cut-off and returns its score and what it made.
+/// Result of `attempt` at the cut-off with its least score, and that cut-off, Hz (None: the motion's own
+/// preparation). An attempt gets a cut-off and returns its score and result.
 ///
 /// # Errors
 /// The first attempt that fails.

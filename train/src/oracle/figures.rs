@@ -1,4 +1,4 @@
-//! Scores on the scale from what physics leaves to what can be known.
+//! Scores of a model on the scale between the physics' error and the least attainable error.
 
 use super::mechanisms::Left;
 use super::plant::Plant;
@@ -12,7 +12,7 @@ use serde::Serialize;
 /// Contents of `train oracle --json`.
 #[derive(Serialize)]
 pub struct Figures {
-    /// `oracle/1`.
+    /// Schema of the file: `oracle/1`.
     pub schema: &'static str,
     /// Joint names.
     pub joints: Vec<String>,
@@ -20,14 +20,14 @@ pub struct Figures {
     pub cutoff_hz: Option<f64>,
     /// Scores over all samples, and over those in motion.
     pub scopes: Vec<Scale>,
-    /// What is left by mechanism.
+    /// Residual of each mechanism.
     pub mechanisms: Vec<Left>,
 }
 
 /// Scores of one scope.
 #[derive(Serialize)]
 pub struct Scale {
-    /// Which samples.
+    /// Scope of the samples.
     pub scope: Scope,
     /// The torque that the plant exerted against the recorded one: the sensor's noise.
     pub floor: Scores,
@@ -42,7 +42,7 @@ pub struct Scale {
 }
 
 impl Figures {
-    /// From the tables of all torques.
+    /// Figures from the tables of all torques.
     pub fn new(
         file: &ModelFile,
         plant: &Plant,

@@ -1,4 +1,4 @@
-//! What a model's columns can carry of each mechanism.
+//! Part of each mechanism that a model's columns can represent.
 
 use super::plant::Plant;
 use identify::least_squares::{Gram, LeastSquaresError, Triangle};
@@ -15,13 +15,13 @@ use trials::protocols::Effect;
 /// One effect on the held-out motion; per joint, N·m RMS.
 #[derive(Serialize)]
 pub struct Left {
-    /// Which.
+    /// The effect.
     pub effect: Effect,
-    /// What it adds to viscous and Coulomb friction.
+    /// Root mean square that it adds to viscous and Coulomb friction, by joint.
     pub size: Vec<f64>,
-    /// What is left of it when all columns of the joint's physics are fitted to it.
+    /// Residual of it beside all columns of the joint's physics, by joint.
     pub by_physics: Vec<f64>,
-    /// What is left when the inputs of the joint's unit, at the same sample, are fitted too; none without a unit.
+    /// Residual beside these columns and the inputs of the joint's unit at the same sample, by joint; none without a unit.
     pub by_inputs: Vec<Option<f64>>,
 }
 
@@ -87,7 +87,7 @@ pub fn left(
     Ok(all)
 }
 
-/// RMS of what `columns` and a constant leave of `target`.
+/// Root mean square residual of `target` beside `columns` and a constant.
 fn unexplained(columns: &Array2<f64>, target: &Array1<f64>) -> Result<f64, LeastSquaresError> {
     let constant = Array2::ones((columns.nrows(), 1));
     let columns = concatenate![Axis(1), *columns, constant];

@@ -1,4 +1,4 @@
-//! `train oracle`: how far a model of a simulated robot is from what can be known of its torque.
+//! `train oracle`: error of a simulated robot's model against the least attainable one.
 
 mod arguments;
 mod cutoffs;

@@ -15,7 +15,7 @@ pub struct Plant {
     machine: Machine,
     /// The held-out recording.
     pub recording: Recording,
-    /// Its torque without the sensor's noise, N·m: what the plant exerted, its own states known.
+    /// Torque of the plant without the sensor's noise, N·m, with its own states known, shape (samples, joints).
     pub exerted: Array2<f64>,
     /// Recorded motion over the true one.
     gain: f64,
@@ -114,7 +114,7 @@ impl Plant {
         })
     }
 
-    /// What one effect adds to the torque on the prepared motion, N·m, shape (samples, joints).
+    /// Torque of one effect on the prepared motion, N·m, shape (samples, joints).
     pub fn share_of(&self, effect: Effect, prepared: &Prepared) -> Result<Array2<f64>, Failure> {
         let without = self.machine.clone().without(effect);
         Ok(true_torque(&self.machine, prepared, self.gain)?
@@ -122,8 +122,8 @@ impl Plant {
     }
 }
 
-/// Torque at the samples by the true equations on the motion that a recording of such a gain (recorded motion over the true
-/// one) stands for, N·m, shape (samples, joints).
+/// Torque at the samples by the true equations, N·m, shape (samples, joints). The true motion is the recorded
+/// one divided by `gain`.
 pub fn true_torque(
     machine: &Machine,
     prepared: &Prepared,

@@ -1,4 +1,4 @@
-//! What `train oracle` prints.
+//! Output of `train oracle`.
 
 use super::figures::{Figures, Scale};
 use datasets::metrics::Scores;

@@ -1,4 +1,4 @@
-//! What could be known of the moves' torque.
+//! Least attainable error of the moves' torque.
 
 use super::arguments::Study;
 use super::data::{Data, part};

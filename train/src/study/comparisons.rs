@@ -1,4 +1,4 @@
-//! What the study varies.
+//! Comparisons of the study.
 
 use super::data::{Data, Run};
 use super::results::{Nodes, Variant};
@@ -16,7 +16,7 @@ const TIMESTEPS: [usize; 4] = [2, 3, 5, 10];
 /// Samples in the published window.
 const PUBLISHED: usize = 3;
 
-/// Trials of the study and what they share.
+/// The study's trials and their common data.
 pub struct Comparisons<'a> {
     pub data: &'a Data,
     pub settings: &'a Settings,
@@ -35,7 +35,7 @@ fn recurrent(hidden: usize, attention: bool, timestep: usize) -> Architecture {
 }
 
 impl Comparisons<'_> {
-    /// How many networks the whole study trains.
+    /// Number of networks that the whole study trains.
     pub fn networks(settings: &Settings, data: &Data) -> usize {
         let (joints, repeats) = (data.joints.len(), settings.repeats as usize);
         let table_6 = 2 * settings.folds.len();
@@ -44,7 +44,7 @@ impl Comparisons<'_> {
         joints * (table_6 + published + compared + 3) + 2 * settings.nodes.len()
     }
 
-    /// Units on the moves as they are, the first fold or all; `name` tells them from all others.
+    /// Trial of units on the moves, on the first fold or all; `name` is unique to it.
     fn trial(
         &self,
         name: &str,
@@ -101,7 +101,7 @@ impl Comparisons<'_> {
         self.trial("published", self.headline(), on, 0)
     }
 
-    /// The same without attention; mean RMSE over the folds, N·m.
+    /// Mean RMSE over the folds, N·m, by joint, of the headline's unit without attention.
     pub fn without_attention(&self) -> Result<Vec<f64>, Failure> {
         let all = self.joints();
         let unit = recurrent(self.settings.hidden, false, PUBLISHED);
@@ -133,7 +133,7 @@ impl Comparisons<'_> {
         (from..self.settings.repeats).map(of).collect()
     }
 
-    /// What the unit sees.
+    /// Comparison of the unit's inputs.
     pub fn inputs(&self, published: &[Vec<f64>]) -> Result<Vec<Variant<&'static str>>, Failure> {
         let (_, unit) = self.headline();
         let own = self.on_first("own", &(InputSet::Own, unit.clone()), 0)?;
@@ -145,7 +145,7 @@ impl Comparisons<'_> {
         ])
     }
 
-    /// How many samples it sees.
+    /// Comparison of the number of samples in a window.
     pub fn timesteps(&self, published: &[Vec<f64>]) -> Result<Vec<Variant<usize>>, Failure> {
         let of = |timestep: usize| {
             if timestep == PUBLISHED {
@@ -180,8 +180,8 @@ impl Comparisons<'_> {
         self.settings.nodes.iter().map(|&n| of(n)).collect()
     }
 
-    /// The published unit on torque smoothed by RLOESS (`smooth`), and on a split that deals out samples one by one: windows share
-    /// samples with those held out, so that what is scored has leaked.
+    /// The published unit on torque smoothed by RLOESS (`smooth`), and on a split that deals out single
+    /// samples. There windows share samples with those held out, so that the score has leaked.
     pub fn papers_way(
         &self,
         smooth: &Data,

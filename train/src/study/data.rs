@@ -1,4 +1,4 @@
-//! The simulated recordings and what the published physics leaves of their torque.
+//! Simulated recordings, and the residual of the published physics on their torque.
 
 use super::arguments::Study;
 use compensator::training::{Fold, Samples};
@@ -25,8 +25,8 @@ pub struct Run {
     pub inputs: Array2<f32>,
     /// Measured minus physics, N·m; shape (joints, samples), so that a joint is one piece.
     pub residual: Array2<f32>,
-    /// 1 where the joint moves, else 0; shape (joints, samples). At standstill friction takes any value
-    /// within its limits, which says nothing about the models compared here.
+    /// Weight of each sample: 1 where the joint moves, else 0; shape (joints, samples). At standstill friction
+    /// takes any value within its limits, which does not depend on the models compared here.
     moving: Array2<f32>,
     /// Measured torque, N·m, shape (samples, joints).
     pub tau: Array2<f64>,
@@ -49,7 +49,7 @@ impl Run {
         .map_err(|e| ResidualError::from(e).into())
     }
 
-    /// The same with those samples alone that count.
+    /// The run with zero weight for samples that do not count.
     pub fn counting(&self, counts: impl Fn(usize) -> bool) -> Self {
         let mut run = self.clone();
         for ((_, row), weight) in run.moving.indexed_iter_mut() {
@@ -58,7 +58,7 @@ impl Run {
         run
     }
 
-    /// RMS of what `learned` leaves of a joint's residual where it moves in the given trajectories, N·m.
+    /// Root mean squared error of `learned` on a joint's residual where it moves in the given trajectories, N·m.
     pub fn rmse(
         &self,
         joint: usize,
@@ -155,7 +155,7 @@ impl Data {
         Ok(data)
     }
 
-    /// RMSE of the physics alone on what the folds hold out, mean over folds, N·m.
+    /// RMSE of the physics alone on the held-out parts, mean over folds, by joint, N·m.
     pub fn physics_rmse(&self, folds: &[Fold]) -> Vec<f64> {
         let of = |joint| {
             let sum: f64 = folds

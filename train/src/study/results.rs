@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// RMSE of every joint for one value of what a comparison varies, N·m.
+/// RMSE of every joint, N·m, for one value of the quantity that a comparison varies.
 #[derive(Serialize)]
 pub struct Variant<T> {
     pub value: T,
@@ -59,7 +59,7 @@ pub struct Verification {
     pub compensated: Vec<f64>,
     /// ‖τ_m − τ_p‖/‖τ_m‖ in percent (equation 27), physics on the identification recording.
     pub relative_error_identification: f64,
-    /// The same on the verification recording.
+    /// Relative error of the physics on the verification recording, percent.
     pub relative_error: f64,
     pub relative_error_compensated: f64,
 }

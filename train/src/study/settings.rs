@@ -1,4 +1,4 @@
-//! How long and how large.
+//! Size and duration of the study.
 
 use super::data::Data;
 use compensator::training::{Fold, Training, UnitConfig, folds};
@@ -8,13 +8,13 @@ use model::residual::ResidualError;
 /// Samples that RLOESS smooths over: a quarter of a second of the moves. The paper does not state its span.
 pub const SPAN: usize = 15;
 
-/// Of so many samples one is held out where they are dealt out one by one: the paper's 80 to 20 %.
+/// Number of samples of which one is held out where they are dealt out singly: the paper's 80 to 20 %.
 pub const DEALT: usize = 5;
 
-/// What to do after an interruption.
+/// Advice after an interruption.
 pub const GO_ON: &str = "Run the same command again: what is trained is kept.";
 
-/// What all trials share.
+/// Settings that all trials share.
 pub struct Settings {
     /// Folds that are run; the comparisons beside Table 6 run the first.
     pub folds: Vec<Fold>,
@@ -24,7 +24,7 @@ pub struct Settings {
     pub nodes: Vec<usize>,
     /// Windows that an epoch visits.
     pub windows: usize,
-    /// The loop.
+    /// Settings of the training loop.
     pub training: Training,
     /// Seed of the networks.
     pub seed: u64,

@@ -1,4 +1,4 @@
-//! What the study prints, with the paper's figures beside it.
+//! Output of the study, beside the paper's figures.
 
 use super::results::{Report, Variant};
 use report::{Best, Cell, Column, Table};
@@ -22,7 +22,7 @@ const PAPER_8: [(&str, [f64; 6]); 2] = [
     ("paper: compensated", [3.85, 2.47, 3.58, 5.86, 5.78, 5.24]),
 ];
 
-/// What the tables are of.
+/// Prints the heading of the tables.
 pub fn heading(report: &Report) {
     report::say!(
         "Simulated UR5, seed {}: {} of 5 folds by whole trajectories, units of {h} + {h}, at most {} epochs of {} windows; each joint trained and scored where it moves",
@@ -34,7 +34,7 @@ pub fn heading(report: &Report) {
     );
 }
 
-/// The headline.
+/// Prints table 6, the main result.
 pub fn table_6(report: &Report) {
     report::say!(
         "\nTable 6: RMSE on held-out trajectories, N·m (attainable: the plant's own equations on the recorded motion)"
@@ -46,7 +46,7 @@ pub fn table_6(report: &Report) {
     report::say_text!(table.to_text());
 }
 
-/// Input sets.
+/// Prints the comparison of input sets.
 pub fn inputs(report: &Report) {
     report::say!("\nInputs of the unit ({}), N·m", on_first(report));
     let name = |v: &&str| match *v {

@@ -1,4 +1,4 @@
-//! Units of one kind, trained on folds and scored on what they never saw.
+//! Trial: units of one kind, trained on folds and scored on held-out samples.
 
 use super::data::Run;
 use super::settings::{GO_ON, Settings};
@@ -14,12 +14,12 @@ use std::path::Path;
 pub struct Trial<'a> {
     /// Names it among the checkpoints.
     pub name: String,
-    /// What is trained on, and what is scored: the same but where samples are dealt out one by one.
+    /// Run for training, and run for scoring; they differ only where samples are dealt out singly.
     pub runs: [&'a Run; 2],
     pub settings: &'a Settings,
     pub inputs: InputSet,
     pub architecture: Architecture,
-    /// Which of the seeds, from 0.
+    /// Index of the seed, from 0.
     pub repeat: u64,
 }
 
