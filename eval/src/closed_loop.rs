@@ -1,4 +1,4 @@
-//! `eval --closed-loop`: closed-loop check of a model.
+//! `eval --closed-loop`: tracking of a simulated closed loop with the model as feed-forward.
 
 use crate::arguments::{Arguments, WIDTH};
 use control::demonstration::{compared, errors, of_directory, page, standard};

@@ -1,4 +1,4 @@
-//! `eval --collision`: collision check of a model.
+//! `eval --collision`: thresholds of a collision detector on the model's residual, and its alarms.
 
 use crate::arguments::{Arguments, WIDTH};
 use control::collision::{of_recording, page, tables};

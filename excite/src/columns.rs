@@ -41,7 +41,7 @@ pub fn values(robot: &Robot, base: &BaseParameters, extras: &[Extra]) -> Vec<f64
     base.base_from(&all)
 }
 
-/// Triangle of a motion's rows, each divided by its joint's `noise`, and how many samples each row stands for.
+/// Triangular factor of a motion's rows, each divided by its joint's `noise`, and the number of samples per row.
 ///
 /// # Errors
 /// Numbers that are not finite.

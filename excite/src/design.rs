@@ -30,17 +30,17 @@ const PER_DRAW: usize = 20;
 
 /// Trajectories and how they were found.
 pub struct Designed {
-    /// In the order of choice.
+    /// Trajectories in the order of choice.
     pub trajectories: Vec<Series>,
-    /// Cost of all up to each, and of what its search began with; none where no criterion chose.
+    /// Cost of all trajectories up to each, and the cost at the start of its search; empty where no criterion was used.
     pub costs: Vec<[f64; 2]>,
-    /// Motions judged.
+    /// Number of motions that were evaluated.
     pub evaluations: usize,
-    /// What a reader should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// Designs what the command line asks for.
+/// Designs the motion that the command line asks for.
 pub fn design(
     robot: &Robot,
     given: &Given,
@@ -195,7 +195,7 @@ fn rows(highest_hz: f64, seconds: f64) -> usize {
     ((ROWS_PER_PERIOD * highest_hz * seconds).round() as usize).clamp(ROWS.0, ROWS.1)
 }
 
-/// Refuses what contradicts itself.
+/// Refuses contradictory arguments.
 fn check(arguments: &Arguments) -> Result<(), Failure> {
     let counts = [
         ("--trajectories", arguments.trajectories.unwrap_or(1)),

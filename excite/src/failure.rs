@@ -1,9 +1,9 @@
-//! What is said where no motion can be designed.
+//! Failure message where no motion can be designed.
 
 use identify::excitation::ExcitationError;
 use model::failure::Failure;
 
-/// One line with the joint's name, and what to do.
+/// Failure with the joint's name in one line, and advice.
 pub fn of(error: &ExcitationError, names: &[String]) -> Failure {
     let hint = match error {
         ExcitationError::NoRoom { .. } => {

@@ -1,4 +1,4 @@
-//! What a motion comes to: coverage of the limits, condition numbers, torque.
+//! Properties of a motion: coverage of the limits, condition numbers, torque.
 
 use identify::excitation::{BaseRows, MotionLimits, State, torque};
 use identify::least_squares::{LeastSquaresError, SubRegressors};
@@ -10,14 +10,14 @@ use signal::Motion;
 
 use crate::columns::triangle;
 
-/// How far a joint goes, against how far it may. Units rad or m, per sⁿ; N·m or N.
+/// Range of a joint's motion beside its limits. Units rad or m, per sⁿ; N·m or N.
 #[derive(Clone, Debug, Serialize)]
 pub struct Coverage {
-    /// Name.
+    /// Name of the joint.
     pub joint: String,
     /// Lowest and highest position.
     pub position: [f64; 2],
-    /// Its limits.
+    /// Limits of the position.
     pub position_limits: [f64; 2],
     /// Largest speed, and its limit.
     pub velocity: [f64; 2],
@@ -27,7 +27,7 @@ pub struct Coverage {
     pub jerk: [f64; 2],
     /// Largest torque of the described robot.
     pub torque: f64,
-    /// Its limit, where the description has one.
+    /// Limit of the torque, where the description has one.
     pub torque_limit: Option<f64>,
 }
 
@@ -47,11 +47,11 @@ impl Coverage {
 /// Condition numbers of the regressor of the base parameters, Y, and of rows divided by their joint's noise, Y*.
 #[derive(Clone, Debug, Serialize)]
 pub struct Conditions {
-    /// Base parameters.
+    /// Number of base parameters.
     pub parameters: usize,
-    /// Of Y and its inertial, gravity and friction columns.
+    /// Condition numbers of the regressor Y and its inertial, gravity and friction columns.
     pub plain: SubRegressors,
-    /// Of Y*.
+    /// Condition numbers of the weighted regressor Y*.
     pub weighted: SubRegressors,
 }
 

@@ -1,4 +1,4 @@
-//! `excite`: motions from which a robot's parameters can be told, and what a motion would show.
+//! `excite`: motions from which a robot's parameters can be identified, and the effects that a motion would show.
 #![forbid(unsafe_code)]
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
@@ -21,8 +21,8 @@ use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// What the program `excite` does with these arguments, of which the first is what it was called by; its exit status.
-/// `--help` and wrong usage end the process here, as clap has it.
+/// Runs the program `excite` with these arguments, of which the first is its name; returns the exit status.
+/// `--help` and wrong usage end the process here, as clap does.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     match run::run(&arguments) {

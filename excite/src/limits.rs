@@ -8,11 +8,11 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Time in which full speed is reached, and full acceleration, where nothing says better, s.
+/// Default time to reach full speed, and full acceleration, s.
 const TO_SPEED: f64 = 0.5;
 const TO_ACCELERATION: f64 = 0.1;
 
-/// Limits of the joints and what they stand on.
+/// Limits of the joints, and their origin.
 pub struct Given {
     /// Limits, one per joint.
     pub limits: Vec<MotionLimits>,
@@ -20,7 +20,7 @@ pub struct Given {
     pub assumed: [bool; 2],
     /// The tool's point in the frame of the last joint, m.
     pub tool: [f64; 3],
-    /// Where it stays.
+    /// Regions that the tool's point must not leave.
     pub regions: Vec<Region>,
     /// Start and end.
     pub home: Option<Vec<f64>>,

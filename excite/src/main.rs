@@ -1,4 +1,4 @@
-//! `excite`: motions from which a robot's parameters can be told, and what a motion would show.
+//! `excite`: motions from which a robot's parameters can be identified, and the effects that a motion would show.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! What a motion would show, and from which size on.
+//! Plan: parameters and effects that a motion would show, and their least sizes.
 
 use crate::columns::{triangle, values};
 use diagnose::{Effect, Settings, Shape, Unit, Visible, visible};
@@ -12,7 +12,7 @@ use signal::Motion;
 /// Deviations that a value has to exceed to be told from zero with 95 % confidence.
 const TOLD: f64 = 1.96;
 
-/// What a motion would show.
+/// Parameters and effects that a motion would show.
 #[derive(Clone, Debug, Serialize)]
 pub struct Plan {
     /// Base parameters by least squares.
@@ -26,15 +26,15 @@ pub struct Plan {
 /// A base parameter.
 #[derive(Clone, Debug, Serialize)]
 pub struct Parameter {
-    /// Name of the parameter that stands for it.
+    /// Name of the standard parameter that represents it.
     pub name: String,
     /// The parameters that form it.
     pub formula: String,
-    /// In the robot's description.
+    /// Value by the robot's description.
     pub value: f64,
     /// Standard deviation that the motion's information allows; null where it has none.
     pub std: Option<f64>,
-    /// The same over the value, percent (UR5 paper, eq. 10); null where the value is zero.
+    /// Relative standard deviation, percent (UR5 paper, eq. 10); null where the value is zero.
     pub relative_percent: Option<f64>,
     /// Size from which it is told from zero.
     pub shows_from: Option<f64>,
@@ -45,9 +45,9 @@ pub struct Parameter {
 /// An effect at one place.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shown {
-    /// The effect.
+    /// Name of the effect.
     pub effect: &'static str,
-    /// Joints.
+    /// Names of the joints.
     pub joints: Vec<String>,
     /// Numbers of these, from zero.
     #[serde(skip)]
@@ -55,9 +55,9 @@ pub struct Shown {
     /// Driving joint of a coupling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<String>,
-    /// What the size is.
+    /// Name of the quantity whose size is stated.
     pub quantity: &'static str,
-    /// Its unit.
+    /// Unit of the size.
     pub unit: Unit,
     /// Least size that would be accepted; null where no plausible one would.
     pub from: Option<f64>,
@@ -70,13 +70,13 @@ pub struct Shown {
 /// An effect that is found otherwise.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotJudged {
-    /// The effect.
+    /// Name of the effect.
     pub effect: &'static str,
-    /// Why.
+    /// Reason.
     pub reason: &'static str,
 }
 
-/// What a motion of a robot would show under torque noise of the given deviations, N·m per sample.
+/// Plan of a robot's motion under torque noise of the given standard deviations, N·m per sample.
 ///
 /// # Errors
 /// Numbers that are not finite.

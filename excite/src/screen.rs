@@ -1,4 +1,4 @@
-//! What a person reads.
+//! Output for the user.
 
 use crate::judged::Coverage;
 use crate::plan::{Plan, Shown};
@@ -11,7 +11,7 @@ use std::path::Path;
 /// Width of a line for a person.
 const WIDTH: usize = 100;
 
-/// What nobody has looked at.
+/// Warning that collisions are not checked.
 pub const COLLISIONS: &str = "Collisions are not checked, neither with the robot itself nor with anything around it: look at the motion, and run it slowly, before it is run.";
 
 /// Prints a summary; `out` is where the motion was written.
@@ -76,7 +76,7 @@ fn noise(summary: &Summary) -> String {
     each.join(", ")
 }
 
-/// How far each joint goes.
+/// Table of each joint's coverage of its limits.
 pub fn coverage(joints: &[Coverage]) -> Table {
     let percent = |[used, limit]: [f64; 2]| Cell::number(100.0 * used / limit, 0);
     let mut table = Table::new([
@@ -104,7 +104,7 @@ pub fn coverage(joints: &[Coverage]) -> Table {
     table
 }
 
-/// Condition numbers.
+/// Table of the condition numbers.
 pub fn conditions(summary: &Summary) -> Table {
     let mut table = Table::new([
         Column::text(format!("{} base parameters", summary.conditions.parameters)),
@@ -130,7 +130,7 @@ pub fn conditions(summary: &Summary) -> Table {
     table
 }
 
-/// How the criterion fell.
+/// Lines on the fall of the criterion.
 fn costs(summary: &Summary) -> Vec<String> {
     let Some(first) = summary.trajectories.first() else {
         return Vec::new();

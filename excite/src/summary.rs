@@ -1,52 +1,52 @@
-//! Everything that is said of a motion.
+//! Summary of a designed motion.
 
 use crate::judged::{Conditions, Coverage};
 use crate::plan::Plan;
 use serde::Serialize;
 
-/// Everything that is said of a motion, as the JSON file has it.
+/// Summary of a designed motion, the content of the JSON file.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// `excitation/1`
     pub schema: &'static str,
     /// The robot's name.
     pub robot: String,
-    /// How the motion was made; null for one from a file.
+    /// Method by which the motion was made; null for one from a file.
     pub method: Option<&'static str>,
-    /// What chose it; null where nothing did.
+    /// Criterion of the choice; null where there was none.
     pub criterion: Option<&'static str>,
     /// Seed; null for a motion from a file.
     pub seed: Option<u64>,
-    /// Each trajectory.
+    /// Properties of each trajectory.
     pub trajectories: Vec<Trajectory>,
-    /// Motions judged.
+    /// Number of motions that were evaluated.
     pub evaluations: usize,
     /// Coverage of the limits.
     pub joints: Vec<Coverage>,
-    /// Condition numbers.
+    /// Condition numbers of the regressor.
     pub conditions: Conditions,
     /// Standard deviation of a torque sample, N·m, by joint.
     pub noise: Vec<f64>,
-    /// Nobody looks for collisions: always false.
+    /// Whether collisions were checked: always false.
     pub collisions_checked: bool,
-    /// What a reader should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
-    /// What the motion would show, with --plan.
+    /// Parameters and effects that the motion would show, with --plan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<Plan>,
 }
 
-/// One trajectory.
+/// Properties of one trajectory.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trajectory {
     /// Label in the file.
     pub label: String,
     /// Length, s.
     pub seconds: f64,
-    /// Where it starts, rad or m.
+    /// Position at the start, rad or m, by joint.
     pub start: Vec<f64>,
     /// Criterion of all trajectories up to this one; null where none was used.
     pub cost: Option<f64>,
-    /// The same of what the search began with.
+    /// Criterion at the start of its search.
     pub start_cost: Option<f64>,
 }

@@ -12,8 +12,8 @@ use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// What the program `payload` does with these arguments, of which the first is what it was called by; its exit status.
-/// `--help` and wrong usage end the process here, as clap has it.
+/// Runs the program `payload` with these arguments, of which the first is its name; returns the exit status.
+/// `--help` and wrong usage end the process here, as clap does.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     match run::run(&arguments) {

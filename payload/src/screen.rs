@@ -1,4 +1,4 @@
-//! What a person reads.
+//! Output for the user.
 
 use model::payload::gains::DriveGains;
 use model::payload::{Figure, Payload};
@@ -7,7 +7,7 @@ use report::{Cell, Column, Table, say, say_text};
 /// Width of a line for a person.
 const WIDTH: usize = 100;
 
-/// Prints the body and what it leaves.
+/// Prints the body and the residual beside it.
 pub fn print(found: &Payload, source: &str) {
     say!(
         "{source}: {} samples, body on {}\n",

@@ -1,10 +1,10 @@
-//! Intervals for what is measured on autocorrelated series.
+//! Bootstrap intervals of quantities from autocorrelated series.
 
 use crate::quantile::quantile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Resamples drawn.
+/// Number of resamples.
 const DRAWS: u64 = 200;
 
 /// Σ part / Σ whole over blocks (part, whole) of a series, with its 90 % interval by the block bootstrap (Künsch 1989):

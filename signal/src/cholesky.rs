@@ -14,8 +14,8 @@ pub fn factor(a: &mut [f64], n: usize) -> Option<()> {
     by_rows(a, n, |pivot| (pivot > 0.0).then_some(pivot))
 }
 
-/// As [`factor`], but a pivot below `least` becomes `least`, which pins an unknown that rounding has made a copy of
-/// those before it. `least` is in the units of the diagonal, above zero.
+/// Factorises like [`factor`], but raises a pivot below `least` to `least`. That pins an unknown that is, up to
+/// rounding, a copy of earlier ones. `least` is in the units of the diagonal, above zero.
 ///
 /// # Panics
 /// Where `a` has fewer than n² entries.

@@ -1,4 +1,4 @@
-//! How long a signal remembers itself.
+//! Integrated autocorrelation time of signals.
 
 /// Longest integrated correlation time of some signals, in samples: 1 + 2 Σ ρ_k up to the first ρ below 0.05.
 pub fn correlation_time(signals: &[&[f64]]) -> f64 {

@@ -7,13 +7,13 @@ use std::f64::consts::TAU;
 /// Robotics and Automation 13(5), 1997; COMAU paper, section 3.3) it gives derivatives without any difference of noise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Harmonics {
-    /// ω, rad/s.
+    /// Fundamental angular frequency ω, rad/s.
     pulsation: f64,
     /// c, then a₁, b₁, a₂, b₂ …
     coefficients: Vec<f64>,
 }
 
-/// Samples that do not tell a series.
+/// Reason why samples do not determine a series.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum HarmonicsError {
     /// A period that is not positive, or no harmonic.
@@ -21,7 +21,7 @@ pub enum HarmonicsError {
     Series {
         /// Asked for, s.
         period: f64,
-        /// Asked for.
+        /// Number of harmonics asked for.
         harmonics: usize,
     },
     /// Too few samples or too short a stretch of the period.
@@ -29,7 +29,7 @@ pub enum HarmonicsError {
     Samples {
         /// Number of samples.
         samples: usize,
-        /// Asked for.
+        /// Number of harmonics asked for.
         harmonics: usize,
     },
 }

@@ -22,7 +22,7 @@ pub enum LoessError {
     /// Too few samples in a span, or more than there are.
     #[error("a span of {span} samples is not between {least} and the {samples} that there are")]
     Span {
-        /// Asked for.
+        /// Span asked for, in samples.
         span: usize,
         /// Degree and two.
         least: usize,
@@ -60,8 +60,8 @@ impl Loess {
         Ok(smooth)
     }
 
-    /// The smooth, samples weighed by what was `left` of them. Around an outlier far beyond all others' residuals nobody is trusted:
-    /// there the window's own median says who is.
+    /// Smoothed values, with samples weighted by their residuals `left`. Around an outlier far beyond all
+    /// others' residuals every weight would vanish; there the window's own median of residuals sets the scale.
     fn pass(&self, x: &[f64], y: &[f64], left: &[f64]) -> Vec<f64> {
         let scale = |left: &[f64]| 6.0 * crate::quantile::median(left.to_vec()).unwrap_or(0.0);
         let all = scale(left);
@@ -106,7 +106,7 @@ impl Loess {
     }
 }
 
-/// Bisquare weight of a sample by what was left of it.
+/// Bisquare weight of a sample by its residual.
 fn trust(left: f64, scale: f64) -> f64 {
     if scale > 0.0 {
         (1.0 - (left / scale).min(1.0).powi(2)).powi(2)

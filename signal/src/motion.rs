@@ -15,11 +15,11 @@ pub struct Motion {
     pub time: Vec<f64>,
     /// Row ranges of the trajectories, in order, without gaps: they cover `0..time.len()`.
     pub segments: Vec<Range<usize>>,
-    /// Joint position.
+    /// Joint positions, rad (m), shape (samples, joints).
     pub q: Array2<f64>,
-    /// Joint velocity.
+    /// Joint velocities, rad/s (m/s), shape (samples, joints).
     pub qd: Array2<f64>,
-    /// Joint acceleration.
+    /// Joint accelerations, rad/s² (m/s²), shape (samples, joints).
     pub qdd: Array2<f64>,
 }
 

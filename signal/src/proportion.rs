@@ -1,4 +1,4 @@
-//! How far a proportion is known from counts.
+//! Confidence interval of a proportion from counts.
 
 use statrs::distribution::{Beta, ContinuousCDF};
 

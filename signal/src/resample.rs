@@ -17,10 +17,10 @@ pub fn uniform_grid(start: f64, end: f64, step: f64) -> Vec<f64> {
 /// Steps forward that are tried before a search.
 const NEAR: usize = 8;
 
-/// Where stamps lie between the samples of one time axis: for many signals on the same two axes.
+/// Positions of time stamps between the samples of one time axis, for many signals on the same two axes.
 #[derive(Clone, Debug)]
 pub struct Between {
-    /// Sample at or before each stamp, the one after it, and how far the stamp is from the first to the second, 0 to 1.
+    /// For each stamp the index of the sample at or before it, that of the one after, and its fraction of the way, 0 to 1.
     places: Vec<(usize, usize, f64)>,
 }
 

@@ -24,7 +24,7 @@ pub enum DesignError {
     Cutoff {
         /// Cut-off asked for.
         cutoff_hz: f64,
-        /// Sampling rate.
+        /// Sampling rate, Hz.
         rate_hz: f64,
     },
     /// Ripple or quality that is not positive.

@@ -62,8 +62,8 @@ pub fn welch(x: &[f64], rate_hz: f64, segment: usize) -> Spectrum {
     averaged(x, rate_hz, segment, |angle| (0.5 * angle).sin().powi(2))
 }
 
-/// As [`welch`], with the four-term Blackman–Harris window: what lies 92 dB below a strong line is still seen
-/// from four bins beside it on.
+/// Spectrum like [`welch`], with the four-term Blackman–Harris window: a component 92 dB below a strong line is
+/// visible from four bins beside it on.
 pub fn deep(x: &[f64], rate_hz: f64, segment: usize) -> Spectrum {
     averaged(x, rate_hz, segment, |angle| {
         0.35875 - 0.48829 * angle.cos() + 0.14128 * (2.0 * angle).cos()

@@ -17,9 +17,9 @@ pub enum SplineError {
     /// Fewer samples than the degree needs.
     #[error("{samples} samples, a spline of this degree needs {needed}")]
     TooFew {
-        /// Samples given.
+        /// Number of samples given.
         samples: usize,
-        /// Samples needed.
+        /// Number of samples needed.
         needed: usize,
     },
     /// Times that do not increase.
@@ -285,7 +285,7 @@ impl Banded {
         row * (2 * self.band + 1) + column + self.band - row
     }
 
-    /// Sets a cell; one outside the band holds a zero of the basis and is left out.
+    /// Sets a cell; one outside the band is a zero of the basis and is skipped.
     fn set(&mut self, row: usize, column: usize, value: f64) {
         if row.abs_diff(column) <= self.band {
             let index = self.index(row, column);

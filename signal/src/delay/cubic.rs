@@ -11,7 +11,7 @@ pub(super) fn weights(t: f64) -> [f64; 4] {
     ]
 }
 
-/// Their derivatives by `t`.
+/// Derivatives of the weights by `t`.
 pub(super) fn slopes(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
     [

@@ -15,7 +15,7 @@ pub(super) fn add_row(sums: &mut [f64], row: &[f64], y: f64) {
     sums[p * (p + 1) + p] += y * y;
 }
 
-/// The same of all rows of `p` columns each, and of the target.
+/// Sums of products of all rows of `p` columns each, and of the target.
 pub(super) fn sums(rows: &[f64], p: usize, target: &[f64]) -> Vec<f64> {
     let x = ArrayView2::from_shape((target.len(), p), rows).expect("p values of each row");
     let y = ArrayView1::from(target);
@@ -28,7 +28,7 @@ pub(super) fn sums(rows: &[f64], p: usize, target: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Ridge of columns of unit norm: holds what the rows do not show.
+/// Ridge of columns of unit norm: determines coefficients that the rows do not.
 const RIDGE: f64 = 1e-9;
 
 /// Cholesky factor (lower, by rows) of the scaled normal equations of the first `p` columns, with the scales.

@@ -1,4 +1,4 @@
-//! Columns that can be shifted by any delay, and what a delay leaves.
+//! Columns that can be shifted by any delay, and the residual at a delay.
 
 use super::cubic::{b_spline, slopes, weights};
 use super::products::{add_row, dot, fitted, own_part, sums};

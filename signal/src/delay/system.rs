@@ -1,4 +1,4 @@
-//! What a delay is looked for in, where, and what is found.
+//! Data, range and result of the search for a delay.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::ops::Range;
@@ -16,7 +16,7 @@ pub struct System {
     pub steps: Vec<f64>,
 }
 
-/// Where to look.
+/// Range and resolution of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
     /// Smallest and largest delay, s. A minimum at either end is none.
@@ -51,7 +51,7 @@ impl Default for Search {
 pub struct Delay {
     /// Target behind columns, s.
     pub delay: f64,
-    /// Its standard deviation, s.
+    /// Standard deviation of the delay, s.
     pub std: f64,
     /// Number of blocks behind `std`.
     pub blocks: usize,
@@ -72,7 +72,7 @@ pub fn student_975(dof: usize) -> f64 {
     student(0.025, dof)
 }
 
-/// The same of another chance.
+/// One-sided quantile of Student's t that is exceeded with probability `chance`.
 pub fn student(chance: f64, dof: usize) -> f64 {
     StudentsT::new(0.0, 1.0, dof as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - chance))
 }
