@@ -1,4 +1,4 @@
-//! From the columns of a file to a [`Recording`]: units, breaks, and every check of the values.
+//! Conversion of a file's columns into a [`Recording`]: units, breaks, and every check of the values.
 
 use crate::columns::{Affine, Group, Layout, Role};
 use crate::recording::MIN_SAMPLES;
@@ -50,11 +50,12 @@ pub(crate) struct Columns {
     pub labels: Option<LabelRuns>,
     /// Line of the first data row and lines per row of a text file; `None` for binary ones.
     pub lines: Option<Vec<u64>>,
-    /// Filter that the file itself names; `Some(None)`: it says that there is none.
+    /// Torque filter that the file itself names; `Some(None)`: the file states that there is none.
     pub torque_filter: Option<Option<crate::TorqueFilter>>,
 }
 
-/// No counter of 64 bits and no sensor gives a larger number: it is what lay in memory before.
+/// Largest number that is taken for a value: no counter of 64 bits and no sensor gives a larger one. Beyond it
+/// the cell holds what lay in memory before.
 const LARGEST: f64 = 18_446_744_073_709_551_615.0;
 
 /// Whether a number may be a measurement.

@@ -1,18 +1,18 @@
-//! What is known of the channel that a recorded torque came through.
+//! Estimates of the channel that a recorded torque came through: delay, and factors joint by joint.
 
 use serde::{Deserialize, Serialize};
 
 /// A value with its interval of 95 %; both null where the recording does not determine it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate95 {
-    /// Best value.
+    /// Best estimate.
     pub value: Option<f64>,
     /// Lower and upper end.
     pub interval: Option<[f64; 2]>,
 }
 
 impl Estimate95 {
-    /// Not determined.
+    /// An estimate that is not determined.
     pub const NONE: Self = Self {
         value: None,
         interval: None,
@@ -50,7 +50,7 @@ pub struct JointChannel {
 }
 
 impl JointChannel {
-    /// Nothing is determined.
+    /// A joint of whose channel nothing is determined.
     pub const UNKNOWN: Self = Self {
         delay: Estimate95::NONE,
         scale: Estimate95::NONE,
@@ -68,11 +68,12 @@ pub struct ChannelEstimate {
     pub joints: Vec<JointChannel>,
 }
 
-/// A delay that lies wholly within this, s, changes no torque by what anybody measures: it is written, not said.
+/// Negligible delay, s: an interval that lies wholly within these limits changes no torque measurably. Such a
+/// delay is written to the file but not mentioned to the user.
 pub const SHORT_DELAY: [f64; 2] = [-2e-3, 2e-3];
 
 impl ChannelEstimate {
-    /// Nothing is determined of `joints` joints.
+    /// Estimates for `joints` joints of which nothing is determined.
     pub fn unknown(joints: usize) -> Self {
         Self {
             delay: Estimate95::NONE,

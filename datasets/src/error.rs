@@ -1,4 +1,4 @@
-//! Why a file is refused.
+//! Reasons why a file is refused.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -7,7 +7,7 @@ use std::path::Path;
 /// A recording that cannot be used: the file, the place in it, what is wrong and what to do.
 #[derive(Debug, thiserror::Error)]
 pub struct ReadError {
-    /// The file.
+    /// Path of the file.
     pub file: Box<Path>,
     /// Data row, counted from 1 (the header is not a row).
     pub row: Option<usize>,
@@ -15,7 +15,7 @@ pub struct ReadError {
     pub line: Option<u64>,
     /// Name of the column, as the file has it.
     pub column: Option<Box<str>>,
-    /// What is wrong.
+    /// The problem with the file.
     pub problem: Problem,
 }
 
@@ -35,7 +35,7 @@ impl fmt::Display for ReadError {
     }
 }
 
-/// What is wrong with a file.
+/// Problem with a file.
 #[derive(Debug, thiserror::Error)]
 pub enum Problem {
     /// The file cannot be opened or read.
@@ -49,16 +49,16 @@ pub enum Problem {
     Damaged {
         /// Name of the format.
         format: &'static str,
-        /// What the decoder said.
+        /// Message of the decoder.
         detail: String,
     },
     /// A file that ends before it is complete.
     #[error("ends at byte {at}, in the middle of a record")]
     CutOff {
-        /// Its length.
+        /// Length of the file, bytes.
         at: u64,
     },
-    /// A chunk that is packed in a way that is not known.
+    /// A chunk of unknown compression.
     #[error("has chunks of the compression `{0}`, which is not known")]
     Compression(String),
     /// A folder without recording.
@@ -90,11 +90,11 @@ pub enum Problem {
     /// Messages that cannot be read for their type.
     #[error("topic `{topic}` of the type {kind} cannot be read: {reason}")]
     MessageType {
-        /// The topic.
+        /// Name of the topic.
         topic: Box<str>,
         /// Type of its messages.
         kind: Box<str>,
-        /// Why.
+        /// Reason why the type cannot be read.
         reason: Box<str>,
     },
     /// A field that is needed is not in the messages.
@@ -111,9 +111,9 @@ pub enum Problem {
     /// A field without names that has another number of elements than the robot has joints.
     #[error("field `{field}` has {found} elements, in which the {dof} joints have no place")]
     Elements {
-        /// The field.
+        /// Name of the field.
         field: String,
-        /// Its elements.
+        /// Number of elements of the field.
         found: usize,
         /// Joints of the robot.
         dof: usize,
@@ -129,15 +129,15 @@ pub enum Problem {
     /// A message that is damaged.
     #[error("a message of `{topic}` {detail}")]
     Message {
-        /// The topic.
+        /// Name of the topic.
         topic: String,
-        /// What is wrong with it.
+        /// Defect of the message, as the second half of a sentence.
         detail: String,
     },
     /// The clock of a topic that goes back.
     #[error("the time of `{topic}` goes from {from} s to {to} s after its first message")]
     Backwards {
-        /// The topic.
+        /// Name of the topic.
         topic: String,
         /// Time of the message before, from the first.
         from: f64,
@@ -149,10 +149,10 @@ pub enum Problem {
     NoOverlap {
         /// The topic of the positions.
         base: String,
-        /// The other.
+        /// The topic whose messages lie at other times.
         other: String,
     },
-    /// No rows.
+    /// A table without rows.
     #[error("has no samples")]
     Empty,
     /// No header at all, or a header of numbers.
@@ -168,7 +168,7 @@ pub enum Problem {
         missing: Box<str>,
         /// The columns there are.
         present: Box<str>,
-        /// What would say where it is: lines of a drive file, filled in.
+        /// Lines of a drive file, filled in, that declare the column.
         declare: Option<Box<str>>,
     },
     /// No column is a torque.
@@ -234,17 +234,17 @@ pub enum Problem {
         from: f64,
         /// Time of this row.
         to: f64,
-        /// Label.
+        /// Label of the trajectory.
         trajectory: String,
     },
     /// Fewer samples than the filter needs.
     #[error("trajectory `{trajectory}` has {samples} samples, at least {needed} are needed")]
     TooShort {
-        /// Label.
+        /// Label of the trajectory.
         trajectory: String,
         /// Samples it has.
         samples: usize,
-        /// Samples needed.
+        /// Least number of samples.
         needed: usize,
     },
     /// The benchmark's .mat files without the benchmark's robot.
@@ -259,7 +259,7 @@ pub enum Problem {
         seconds: f64,
         /// Joint, counted from 1.
         joint: usize,
-        /// Speed found.
+        /// Speed at the start, deg/s.
         speed_deg_s: f64,
     },
 }
@@ -273,7 +273,7 @@ fn two_sources(zeros: bool) -> &'static str {
 }
 
 impl Problem {
-    /// What to do about it, as a sentence.
+    /// Remedy, as a sentence.
     pub fn advice(&self) -> Cow<'static, str> {
         if let Self::MissingColumn {
             declare: Some(text),
@@ -394,7 +394,7 @@ impl Problem {
 }
 
 impl ReadError {
-    /// The same error at a data row, counted from 0.
+    /// This error at a data row, counted from 0.
     pub(crate) fn at_row(mut self, row: usize) -> Self {
         self.row = Some(row + 1);
         self

@@ -1,4 +1,4 @@
-//! Folds for cross-validation: what is left out together, and what must not be fitted beside it.
+//! Folds for cross-validation: rows left out together, and rows near them that must not be fitted.
 //!
 //! Whole groups of trajectories where there are enough of them. With fewer than [`FEWEST`] groups trajectories are cut
 //! into contiguous blocks of time, and rows closer to a block than the gap are fitted by nobody who is tested on it:
@@ -36,7 +36,7 @@ pub struct Cell {
 pub struct Folds {
     /// Number of folds.
     pub count: usize,
-    /// What rows are told apart by.
+    /// Cells: the units that are dealt to the folds.
     pub cells: Vec<Cell>,
     /// For each recording its rows in order, without holes: stretches with the index of their cell.
     pub rows: Vec<Vec<(Range<usize>, usize)>>,
@@ -68,8 +68,9 @@ impl Folds {
         folds
     }
 
-    /// Deals motions: executions of one motion together, wherever in the recordings they stand, and whole where there are
-    /// enough motions. [`Self::new`] also keeps together what was recorded in one visit to the robot, and so cuts sooner.
+    /// Deals motions to folds: executions of one motion together, wherever in the recordings they stand, and
+    /// whole where there are enough motions. [`Self::new`] also keeps together the trajectories of one visit to
+    /// the robot, and so cuts sooner.
     pub fn of_motions(recordings: &[&Recording], most: usize, gap: f64) -> Self {
         let motions = Motions::new(recordings);
         let mut folds = Self {
@@ -95,7 +96,7 @@ impl Folds {
         folds
     }
 
-    /// Deals whole visits however few they are: for what cannot be cut, such as the windows of a network.
+    /// Deals whole visits however few they are: for data that cannot be cut, such as the windows of a network.
     pub fn of_visits(recordings: &[&Recording], most: usize) -> Self {
         let pairs: Vec<Vec<(usize, usize)>> = recordings.iter().map(|r| repeats::find(r)).collect();
         Self::whole(recordings, visits(recordings, &pairs), most)
@@ -231,7 +232,7 @@ impl Folds {
 pub struct Motions {
     /// Number of different motions.
     pub count: usize,
-    /// For each recording the motion of each trajectory, numbered as they first appear.
+    /// Index of the motion of each trajectory, by recording; motions are numbered in the order of their first execution.
     pub of: Vec<Vec<usize>>,
 }
 
@@ -242,7 +243,7 @@ impl Motions {
         Self::of_pairs(recordings, &pairs)
     }
 
-    /// From pairs of trajectories, each with the next one like it.
+    /// Motions from pairs of trajectories, each with the next one like it.
     fn of_pairs(recordings: &[&Recording], pairs: &[Vec<(usize, usize)>]) -> Self {
         let mut count = 0;
         let mut of = Vec::with_capacity(recordings.len());
@@ -267,7 +268,7 @@ impl Motions {
 /// One trajectory that is cut.
 struct Execution<'a> {
     part: usize,
-    /// Its first row.
+    /// First row of the trajectory.
     start: usize,
     time: &'a [f64],
     /// Length of its motion in s: less than that of the trajectory where it is periodic.

@@ -5,15 +5,15 @@ use crate::recording::MIN_SAMPLES;
 use ndarray::Array2;
 use signal::quantile::median;
 
-/// Part of the changes that come a whole number of rows after the one before, within the slack …
+/// Least fraction of the changes that come a whole number of rows after the change before, within [`SLACK`].
 const REGULAR: f64 = 0.9;
-/// … which two clocks that run beside each other make.
+/// Slack in rows: the deviation from a whole number that two clocks running beside each other make.
 const SLACK: f64 = 0.25;
 /// Part of the changes in which a column that is held with others takes part, at least.
 const TOGETHER: f64 = 0.5;
 
-/// Leaves out the rows in which no value is new, where values change all together every few rows alone: a log at 1 kHz of what comes at
-/// 100 Hz. A derivative of it as it stands would be steps and rests.
+/// Leaves out the rows without a new value, where all values change together only every few rows: a log at 1
+/// kHz of values that come at 100 Hz. Differentiated as it stands, such a log would give spikes and zeros.
 pub(crate) fn released(recording: Recording) -> Recording {
     let Some((every, fresh)) = held(&recording) else {
         return recording;
@@ -43,7 +43,7 @@ pub(crate) fn released(recording: Recording) -> Recording {
     released
 }
 
-/// How many rows apart changes are, and in which rows values are new; none where they change in any row.
+/// Rows between changes, and for each row whether its values are new; none where values change in every row.
 fn held(recording: &Recording) -> Option<(usize, Vec<bool>)> {
     let tables: Vec<&Array2<f64>> = [
         Some(&recording.q),

@@ -1,6 +1,5 @@
-//! Recordings of robot motion and torque: readers and writers of the file formats, preprocessing
-//! into a [`signal::Motion`], and the check that says what is wrong with a recording before
-//! anything is fitted to it.
+//! Recordings of robot motion and torque: readers and writers of the file formats, preprocessing into a
+//! [`signal::Motion`], and the check that finds faults of a recording before anything is fitted to it.
 //!
 //! ```no_run
 //! use datasets::{ReadOptions, read};

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 /// A sample of a joint is in motion where its speed is above this, in rad/s or m/s.
 pub const MOVING: f64 = 0.01;
 
-/// A joint never moves where its speed stays below this throughout, in rad/s or m/s: well below
-/// [`MOVING`], so that slow motion still counts, and above what encoder noise derives to.
+/// Speed below which a joint counts as never moving, if it stays below it throughout; rad/s or m/s. It is well
+/// below [`MOVING`], so that slow motion still counts, and above the derivative of encoder noise.
 pub const REST: f64 = 1e-3;
 
-/// Which samples are scored.
+/// Set of samples that is scored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scope {
@@ -57,7 +57,7 @@ pub struct Scores {
 pub struct Row {
     /// `linear_baseline`, `physics`, `physics+compensator`, …
     pub name: String,
-    /// Which samples were scored.
+    /// Set of samples that was scored.
     pub scope: Scope,
     /// The figures, in the same JSON object.
     #[serde(flatten)]
@@ -70,15 +70,15 @@ pub struct Row {
 pub struct ShapeError {
     /// The table with the wrong shape.
     pub what: &'static str,
-    /// Its shape (samples, joints).
+    /// Shape of the table found (samples, joints).
     pub found: (usize, usize),
     /// Shape of the measured table.
     pub expected: (usize, usize),
 }
 
 impl Scores {
-    /// Scores `predicted` against `measured` where `qd` says that the scope holds; all three of
-    /// shape (samples, joints), `qd` in rad/s or m/s.
+    /// Scores `predicted` against `measured` over the samples of the scope, which follows from the speeds `qd`.
+    /// All three have shape (samples, joints), `qd` in rad/s or m/s.
     ///
     /// # Errors
     /// Tables of different shapes.
@@ -106,8 +106,8 @@ impl Scores {
         )
     }
 
-    /// Scores errors (measured − predicted) of shape (samples, joints) over the samples that `counted`
-    /// keeps and where `qd` says that the scope holds. `deviations`, one per joint, are those of the
+    /// Scores errors (measured − predicted) of shape (samples, joints) over the samples that `counted` keeps
+    /// and that lie in the scope, which follows from `qd`. `deviations`, one per joint, are those of the
     /// measured quantity over all samples, counted or not, as [`deviations`] gives them.
     ///
     /// # Errors
@@ -143,7 +143,7 @@ impl Scores {
         Ok(Self::relative(rmse.collect(), deviations))
     }
 
-    /// The figures that follow from each joint's RMSE and the deviation of what was measured.
+    /// Relative figures from each joint's RMSE and the standard deviation of its measured quantity.
     pub fn relative(rmse: Vec<Option<f64>>, deviations: &[Option<f64>]) -> Self {
         let nrmse: Vec<Option<f64>> = std::iter::zip(&rmse, deviations)
             .map(|(error, deviation)| finite((*error)? / (*deviation)?))
@@ -162,17 +162,17 @@ impl Scores {
     }
 }
 
-/// What each joint's errors are divided by: the standard deviation of the measured quantity over all
-/// samples. None for a joint that never moves ([`REST`]) and for a quantity that never varies. Both
-/// tables of shape (samples, joints), `qd` in rad/s or m/s.
+/// Divisors of each joint's errors: the standard deviation of the measured quantity over all samples. None for
+/// a joint that never moves ([`REST`]) and for a quantity that never varies. Both tables have shape (samples,
+/// joints), `qd` in rad/s or m/s.
 pub fn deviations(measured: ArrayView2<f64>, qd: ArrayView2<f64>) -> Vec<Option<f64>> {
     std::iter::zip(measured.columns(), qd.columns())
         .map(|(y, speed)| deviation(y).filter(|_| speed.iter().any(|v| v.abs() > REST)))
         .collect()
 }
 
-/// Standard deviation of what varies. A constant's computed deviation is rounding: it is compared with
-/// the constant's size, not with zero.
+/// Standard deviation of a quantity; none for a constant. A constant's computed deviation is rounding: it is
+/// compared with the constant's size, not with zero.
 fn deviation(y: ArrayView1<f64>) -> Option<f64> {
     let largest = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     finite(y.std(0.0)).filter(|deviation| *deviation > 1e-12 * largest)
@@ -204,7 +204,7 @@ fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|v| v.is_finite())
 }
 
-/// Mean of what exists; none where nothing does.
+/// Mean of the values that exist; none where none exists.
 pub fn mean(values: &[Option<f64>]) -> Option<f64> {
     let present: Vec<f64> = values.iter().flatten().copied().collect();
     finite(present.iter().sum::<f64>() / present.len() as f64)

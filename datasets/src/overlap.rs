@@ -5,7 +5,7 @@ use crate::recording::MIN_SAMPLES;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// How many rows of `other` stand, to the bit and as part of a stretch in motion, in one of `fitted` as well.
+/// Number of rows of `other` that stand, to the bit and as part of a stretch in motion, in one of `fitted` as well.
 ///
 /// Stretches are as long as the shortest trajectory: single rows of a robot at rest may well be the same.
 pub fn overlap(fitted: &[Recording], other: &Recording) -> usize {
@@ -21,7 +21,7 @@ pub fn overlap(fitted: &[Recording], other: &Recording) -> usize {
     shared.into_iter().filter(|s| *s).count()
 }
 
-/// Each stretch in which a joint moves: its first row and what it holds.
+/// Stretches in which a joint moves: first row, and hash of the rows' values.
 fn stretches(recording: &Recording) -> impl Iterator<Item = (usize, u64)> + '_ {
     let rows: Vec<u64> = (0..recording.len())
         .map(|row| of_row(recording, row))

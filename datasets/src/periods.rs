@@ -6,7 +6,7 @@ use signal::harmonics::{Harmonics, HarmonicsError};
 use signal::loess::{Loess, LoessError};
 use std::ops::Range;
 
-/// Why periods cannot be taken.
+/// Reasons why periods cannot be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PeriodError {
     /// A period that is no whole number of samples.
@@ -14,7 +14,7 @@ pub enum PeriodError {
         "{file}: a period of {period} s is {samples:.2} samples; runs are averaged sample by sample, so it has to be a whole number"
     )]
     Samples {
-        /// The recording.
+        /// Name of the recording.
         file: String,
         /// Period, s.
         period: f64,
@@ -24,11 +24,11 @@ pub enum PeriodError {
     /// A trajectory of less than one period.
     #[error("{file}, trajectory {label:?}: {seconds:.2} s are less than a period of {period} s")]
     Short {
-        /// The recording.
+        /// Name of the recording.
         file: String,
         /// Label of the trajectory.
         label: String,
-        /// Its length, s.
+        /// Length of the recording, s.
         seconds: f64,
         /// Period, s.
         period: f64,
@@ -44,13 +44,13 @@ pub enum PeriodError {
 /// A recording of one run for each motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Averaged {
-    /// The averages.
+    /// Recording of the averages.
     pub recording: Recording,
     /// Runs of each motion.
     pub runs: Vec<usize>,
     /// Deviation of one run's position from the average of all, per joint, rad or m; none where no motion has two runs.
     pub position: Option<Vec<f64>>,
-    /// The same of torque, N·m or N.
+    /// Deviation of one run's torque from the average of all, per joint, N·m or N; none where no motion has two runs.
     pub torque: Option<Vec<f64>>,
 }
 
@@ -118,14 +118,15 @@ pub fn average(recording: &Recording, period: Option<f64>) -> Result<Averaged, P
 /// The runs of one motion.
 struct Motion {
     label: String,
-    /// How many there are.
+    /// Number of runs.
     runs: usize,
-    /// For each sample of the first run its row, and after it the rows of the other runs at the same time since their start.
+    /// For each sample of the first run its row, followed by the rows of the other runs at the same time since their start.
     samples: Vec<Vec<usize>>,
 }
 
 impl Motion {
-    /// Another run, of these rows, which begins at `start`; rows further than `apart` from every sample of the first are left out.
+    /// Adds a run of these rows, which begins at `start`; rows further than `apart` from every sample of the
+    /// first run are left out.
     fn take(&mut self, time: &[f64], rows: Range<usize>, start: f64, apart: f64) {
         self.runs += 1;
         let origin = time[self.samples[0][0]];

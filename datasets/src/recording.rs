@@ -25,7 +25,7 @@ pub struct Trajectory {
 /// [`Recording::validate`] checks recordings made in code.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// Where it came from, for messages: a path or the name of a simulation.
+    /// Source of the recording, for messages: a path or the name of a simulation.
     pub source: String,
     /// Time stamps in s.
     pub time: Vec<f64>,
@@ -41,19 +41,19 @@ pub struct Recording {
     pub qdd: Option<Array2<f64>>,
     /// Measured joint torque in link-side units, N·m or N.
     pub tau: Option<Array2<f64>>,
-    /// Commanded position.
+    /// Commanded position, rad (m), samples × joints.
     pub q_ref: Option<Array2<f64>>,
-    /// Commanded velocity.
+    /// Commanded velocity, rad/s (m/s), samples × joints.
     pub qd_ref: Option<Array2<f64>>,
     /// Joint temperature in °C.
     pub temp: Option<Array2<f64>>,
     /// Low-pass that `tau` went through before it was stored.
     pub torque_filter: Option<TorqueFilter>,
-    /// What the reader had to choose and the user should know.
+    /// Choices of the reader that the user should know.
     pub notes: Vec<String>,
 }
 
-/// Why a recording made in code is not one.
+/// Reasons why a recording made in code is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Invalid {
     /// A table has another shape than `q`.
@@ -244,8 +244,8 @@ impl Recording {
         }
     }
 
-    /// One recording of all trajectories of several of one robot, in the order given. Optional tables that one of them lacks are left
-    /// out; none of no recording.
+    /// Joins several recordings of one robot into one with all trajectories, in the order given. Optional
+    /// tables that one of them lacks are left out; none for no recording.
     ///
     /// # Panics
     /// If their numbers of joints differ.

@@ -24,7 +24,7 @@ pub struct Repeatability {
     pub pairs: Vec<(usize, usize)>,
     /// RMS(τ_a − τ_b)/√2 over all samples of all pairs.
     pub all: Vec<f64>,
-    /// The same over the samples with |q̇_j| > 0.01; `None` for a joint that has none.
+    /// RMS(τ_a − τ_b)/√2 over the samples with |q̇_j| > 0.01 alone; `None` for a joint that has none.
     pub moving: Vec<Option<f64>>,
 }
 
@@ -108,8 +108,9 @@ pub fn find(recording: &Recording) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// How far the torque of one motion differs from execution to execution, RMS/√2 of each joint: of trajectories that repeat each other, of
-/// periods within them, whichever is more; none where no motion is repeated, or without torque.
+/// Spread of the torque between executions of one motion, RMS(τ_a − τ_b)/√2 of each joint: between trajectories
+/// that repeat each other or between periods within them, whichever is larger. None where no motion is
+/// repeated, or without torque.
 pub fn spread(recording: &Recording) -> Option<Vec<f64>> {
     let pairs = find(recording);
     let still = Array2::zeros(recording.q.dim());

@@ -4,14 +4,15 @@ use ndarray::Array2;
 use signal::quantile::median;
 use std::ops::Range;
 
-/// What every second row is off by, over what rows of one kind differ by: white noise alone makes 0.9.
+/// Least ratio of the offset of every second row to the difference of neighbouring rows of one source: white
+/// noise alone makes 0.9.
 const ALTERNATING: f64 = 3.0;
-/// The same over the torque's own size, below which it is a ripple.
+/// Least ratio of that offset to the torque's RMS; below it the alternation counts as a ripple.
 const LARGE: f64 = 0.1;
-/// Part of the rows at which zeros begin, from which on they are a source of their own.
+/// Fraction of the rows at which zeros begin, from which on they are a source of their own.
 const ZEROS: f64 = 0.1;
 
-/// How a second source shows in a torque.
+/// Form in which a second source shows in a torque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Second {
     /// All torques are zero in its rows.

@@ -2,7 +2,7 @@
 
 /// A clock of a table.
 pub(crate) struct Clock {
-    /// Its column.
+    /// Name of its column.
     pub name: String,
     /// Stamps as they are.
     pub stamps: Vec<f64>,
@@ -10,7 +10,7 @@ pub(crate) struct Clock {
     pub unit: Option<f64>,
 }
 
-/// The clock that is taken, in s, and what is to be said of the choice.
+/// Clock that is taken, in s, with messages for the user on the choice.
 pub(crate) struct Chosen {
     pub name: String,
     pub seconds: Vec<f64>,
@@ -24,7 +24,7 @@ const NO_SECONDS: f64 = 1.0;
 
 /// Takes the steadiest of the clocks; those that stand still or go back inside a trajectory come last.
 ///
-/// `breaks` says where a trajectory begins: at a change of label, whatever the clock does there.
+/// `breaks` are the rows at which a trajectory begins: at a change of label, whatever the clock does there.
 pub(crate) fn choose(clocks: Vec<Clock>, breaks: &[usize]) -> Option<Chosen> {
     let count = clocks.len();
     let names: Vec<String> = clocks.iter().map(|c| format!("`{}`", c.name)).collect();

@@ -18,10 +18,9 @@ const STRETCH: (f64, usize) = (8.0, 256);
 const BINS_PER_OCTAVE: f64 = 12.0;
 /// Upper part of the band that has to be empty: its level, dB below the spectrum's top.
 const EMPTY: (f64, f64) = (0.8, -70.0);
-/// What lies deeper below the spectrum's top is leakage of the window, dB.
+/// Level below the spectrum's top, dB, under which the spectrum is leakage of the window.
 const DEEPEST: f64 = -90.0;
-/// Attenuation over which the spectrum has to follow the filter, dB, and by how much it may stray from it
-/// (root mean square).
+/// Attenuation over which the spectrum has to follow the filter, dB, and largest deviation from it, dB (root mean square).
 const FOLLOWED: (f64, f64) = (30.0, 3.0);
 /// Candidates stray from the spectrum at most this many times as far as the best.
 const NEXT_BEST: f64 = 1.5;
@@ -71,7 +70,7 @@ pub fn candidates(recordings: &[Recording]) -> Vec<TorqueFilter> {
         .collect()
 }
 
-/// The cut-off with which a kind of filter draws the spectrum best, and by how much it strays from it, dB.
+/// Cut-off with which a kind of filter fits the spectrum best, and the deviation from it, dB (root mean square).
 fn best(
     points: &[Point],
     order: usize,
@@ -93,9 +92,9 @@ fn best(
         .min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Root mean square in dB of what a power law through `filter` leaves of the spectrum from two octaves below
-/// the filter's half-power frequency on. None where that does not reach far enough into the stop band or the
-/// power law is none of a torque.
+/// Deviation of the spectrum from a power law through `filter`, dB (root mean square), from two octaves below
+/// the filter's half-power frequency on. None where the spectrum does not reach far enough into the stop band,
+/// or the power law is none of a torque.
 fn strays(points: &[Point], filter: &TorqueFilter) -> Option<f64> {
     let from = 0.25 * filter.half_power_hz();
     let rows: Vec<(f64, f64, f64)> = points

@@ -28,7 +28,7 @@ pub struct TorqueFilter {
 /// A filter that recordings up to a rate are declared to have been through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeclaredFilter {
-    /// The filter.
+    /// Low-pass that a torque is passed through.
     pub filter: TorqueFilter,
     /// Faster recordings are taken as raw, Hz.
     pub up_to_hz: f64,

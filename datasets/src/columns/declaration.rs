@@ -1,4 +1,4 @@
-//! The lines of a drive file that would say what a header does not.
+//! Lines of a drive file that declare the columns which the header does not tell.
 
 use super::ReadOptions;
 use super::names::style;
@@ -7,7 +7,7 @@ use super::{Group, map::ColumnMap};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// What is to be declared, or done instead, where columns of a group are not found.
+/// Declaration, or other remedy, where columns of a group are not found.
 pub(super) fn of_group(
     header: &Header<'_>,
     group: Group,
@@ -81,7 +81,7 @@ fn declared(key: &str, found: &[&str], dof: usize, unit: &str) -> String {
     text
 }
 
-/// What is to be done where no column is a time.
+/// Declaration where no column is a time.
 pub(super) fn of_time(header: &Header<'_>, map: &ColumnMap) -> String {
     let counter = header.names.iter().find(|name| {
         matches!(
@@ -101,7 +101,8 @@ pub(super) fn of_time(header: &Header<'_>, map: &ColumnMap) -> String {
     }
 }
 
-/// Lines of a drive file for a table whose columns are called `own` and say `said`: those of positions and torque that are found.
+/// Lines of a drive file for a table whose columns are called `own`, recognised as `said`: the columns of
+/// positions and torque that are found.
 pub(crate) fn lines(said: &[String], own: &[String], options: &ReadOptions) -> String {
     let header = Header::new(said, options);
     let mut text = String::from("\n    [columns]");

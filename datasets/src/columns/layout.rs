@@ -5,12 +5,12 @@ use super::{Affine, Group, declaration};
 use crate::{Problem, ReadError, ReadOptions};
 use std::path::Path;
 
-/// What a column of the file is used for.
+/// Use of a column of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
     /// One of the clocks: where there are several, the steadiest is taken.
     Time,
-    /// What a stamp has below the second, in ns: belongs to the clock before it.
+    /// Part of a stamp below the second, in ns: belongs to the clock before it.
     Nanoseconds,
     Label,
     Joint(Group, usize),
@@ -24,7 +24,7 @@ pub(crate) struct Used {
     /// The file's name for it.
     pub name: String,
     pub role: Role,
-    /// To SI units on the link side; of a clock, to seconds where that is known.
+    /// Conversion to SI units on the link side; of a clock, to seconds where its unit is known.
     pub unit: Option<Affine>,
 }
 
@@ -33,13 +33,13 @@ pub(crate) struct Used {
 pub(crate) struct Layout {
     pub used: Vec<Used>,
     pub dof: usize,
-    /// What was read by what the names say.
+    /// Messages for the user on columns that were recognised by their names.
     pub notes: Vec<String>,
 }
 
 impl Layout {
-    /// Finds the columns: as a drive file names them, by the names of docs/formats.md, or by what their names say; and checks that the
-    /// set is complete.
+    /// Finds the columns: as a drive file names them, by the names of docs/formats.md, or by the meaning of
+    /// their names. Checks that the set is complete.
     ///
     /// # Errors
     /// A name that stands twice, a missing column, another number of joints than the robot has.
@@ -161,7 +161,7 @@ impl Search<'_> {
             .map_or(0, |j| j + 1)
     }
 
-    /// Takes the positions; says how many joints there are.
+    /// Takes the columns of the positions and returns the number of joints.
     fn positions(&mut self) -> Result<usize, ReadError> {
         let named = self.numbered(Group::Q);
         let declared = self.options.columns.declares(Group::Q, named);

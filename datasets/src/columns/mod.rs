@@ -1,4 +1,4 @@
-//! Which column of a file holds what.
+//! Assignment of a file's columns to quantities and joints.
 
 mod declaration;
 mod layout;
@@ -71,7 +71,7 @@ pub struct Affine {
 }
 
 impl Affine {
-    /// Leaves a value as it is.
+    /// The identity: a value stays as it is.
     pub const IDENTITY: Self = Self {
         scale: 1.0,
         offset: 0.0,

@@ -1,8 +1,8 @@
-//! What the name of a column says, in whatever style it is written.
+//! Meaning of a column's name, in whatever style it is written.
 
 use super::Group;
 
-/// What a column holds, by its name.
+/// Quantity of a column, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Quantity {
     Time,
@@ -20,15 +20,15 @@ pub(super) enum Unit {
     /// None, or SI.
     Usual,
     Degrees,
-    /// Motor current.
+    /// A torque column that is a motor current.
     Current,
-    /// Part of what is rated.
+    /// A torque column that is a fraction of a rated value.
     Load,
     /// Seconds per unit of a time, as a power of ten.
     Seconds(i32),
 }
 
-/// What one name says.
+/// Meaning of one name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Said {
     pub quantity: Quantity,
@@ -88,7 +88,7 @@ fn words(name: &str) -> Vec<Word> {
 /// The joints of a chain, as their names may stand in a column's.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
-    /// Words of each joint, and the range of them that tells it from the others.
+    /// For each joint the words of its name, and the range of words that tells it from the other joints.
     joints: Vec<(Vec<String>, usize, usize)>,
 }
 
@@ -153,7 +153,7 @@ impl Chain {
     }
 }
 
-/// What a word means.
+/// Meaning of one word of a name.
 enum Meaning {
     Quantity(Quantity),
     Unit(Unit),
@@ -166,7 +166,7 @@ enum Meaning {
     Sec,
     Nano,
     Filler,
-    /// Says that the column is something else.
+    /// A word of another quantity, such as an error, a limit, a raw count or a coordinate of the tool.
     Other,
     Unknown,
 }
@@ -216,7 +216,7 @@ fn meaning(word: &str) -> Meaning {
     }
 }
 
-/// Reads a name; none where it says nothing that is known, or two things.
+/// Meaning of a name; none where no word of it is known, or where it names two quantities.
 pub(super) fn said(name: &str, chain: &Chain) -> Option<Said> {
     let all = words(name);
     let number = all.iter().rev().find_map(Word::number);

@@ -1,22 +1,22 @@
-//! How a recording is read.
+//! Options of reading a recording.
 
 use super::{ColumnMap, Group};
 use crate::{DeclaredFilter, TorqueFilter};
 
-/// Which part of a file that holds both (the benchmark's .mat files).
+/// Part of a file that holds both training and test data (the benchmark's .mat files).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Part {
-    /// Training part: what `--data` takes.
+    /// Training part, for `--data`.
     #[default]
     Train,
-    /// Test part: what `--heldout` and `eval` take.
+    /// Test part, for `--heldout` and `eval`.
     Test,
 }
 
-/// How to read a recording.
+/// Options of reading a recording.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Joints of the robot; `None` takes what the file has.
+    /// Number of joints of the robot; `None` takes the number that the file has.
     pub dof: Option<usize>,
     /// Names of the robot's joints, base first: by them columns and the messages of bags are known. Empty where they are not known.
     pub joints: Vec<String>,
@@ -37,7 +37,7 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// For a robot with `dof` joints whose torque is needed.
+    /// Options for a robot with `dof` joints whose torque is needed.
     pub fn for_robot(dof: usize) -> Self {
         Self {
             dof: Some(dof),
@@ -46,8 +46,8 @@ impl ReadOptions {
         }
     }
 
-    /// For a motion that is to be run and was not recorded yet, as [`crate::write_reference`] writes it: its `q_ref1` … are read as
-    /// positions, `qd_ref1` …, `qdd_ref1` … as velocities and accelerations.
+    /// Options for a planned motion that was not recorded yet, as [`crate::write_reference`] writes it. Its
+    /// `q_ref1` … are read as positions, `qd_ref1` …, `qdd_ref1` … as velocities and accelerations.
     pub fn for_reference(dof: usize) -> Self {
         let names = [
             (Group::Q, "q_ref{}"),
@@ -66,7 +66,7 @@ impl ReadOptions {
         options
     }
 
-    /// For `--robot kr300`: six joints, the benchmark's files and its torque filter.
+    /// Options for `--robot kr300`: six joints, the benchmark's files and its torque filter.
     pub fn kr300(part: Part) -> Self {
         Self {
             part,

@@ -1,11 +1,12 @@
-//! Columns that no drive file names and that are not called as docs/formats.md has them: by what their names say.
+//! Recognition of columns by the meaning of their names, where no drive file names them and they are not called
+//! as in docs/formats.md.
 
 use super::ReadOptions;
 use super::names::{Chain, Quantity, Said, Unit, said};
 use super::{Affine, Group};
 use std::collections::BTreeMap;
 
-/// The header with what each name says.
+/// The header, with the meaning of each name.
 pub(super) struct Header<'a> {
     pub names: &'a [String],
     said: Vec<Option<Said>>,
@@ -15,10 +16,10 @@ pub(super) struct Header<'a> {
     converted: bool,
 }
 
-/// Why a group is not read.
+/// Reason why a group of columns is not read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Trouble {
-    /// Nothing in the header says that it is this group.
+    /// No column of the header has this meaning.
     None,
     /// Several columns could be meant.
     Several(Vec<usize>),
@@ -28,7 +29,7 @@ pub(super) enum Trouble {
     Names(Vec<usize>),
     /// A torque in another unit than N·m.
     Unit(Vec<usize>, &'static str),
-    /// Commands alone.
+    /// Commanded values alone.
     Command(Vec<usize>),
 }
 
@@ -37,7 +38,7 @@ pub(super) enum Trouble {
 pub(super) struct Found {
     pub columns: Vec<usize>,
     pub unit: Affine,
-    /// What else is to be said of the choice.
+    /// Message for the user on the choice.
     pub aside: Option<String>,
 }
 
@@ -135,7 +136,7 @@ impl<'a> Header<'a> {
         Ok(found)
     }
 
-    /// By the joints that the names hold; none where they hold none.
+    /// Columns by the joints' names in them; none where they hold no name of a joint.
     fn by_name(
         &self,
         all: &[(usize, &Said)],
@@ -164,7 +165,7 @@ impl<'a> Header<'a> {
         }))
     }
 
-    /// By their numbers, from 0 or from 1, in the order of the chain.
+    /// Columns by their numbers, from 0 or from 1, in the order of the chain.
     fn by_number(&self, all: &[(usize, &Said)], dof: Option<usize>) -> Result<Found, Trouble> {
         type Members = Vec<(Option<usize>, usize)>;
         let mut styles: BTreeMap<&str, (usize, Members)> = BTreeMap::new();

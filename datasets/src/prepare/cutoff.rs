@@ -20,14 +20,14 @@ use signal::spectrum::{Spectrum, welch};
 /// The floor is read in this part of the band up to half the rate: above all motion.
 const FLOOR_BAND: [f64; 2] = [0.4, 0.8];
 
-/// The same for jittered stamps, where the interpolation to a uniform grid attenuates noise at
-/// higher frequencies.
+/// Band in which the noise floor is read for jittered stamps, as fractions of half the sampling rate: the
+/// interpolation to a uniform grid attenuates noise at higher frequencies.
 const FLOOR_BAND_JITTERED: [f64; 2] = [0.15, 0.35];
 
 /// Stamps count as jittered when their deviation exceeds this part of the step.
 const JITTERED: f64 = 0.02;
 
-/// Where the noise floor of a recording is read, from the relative jitter of its stamps.
+/// Band in which the noise floor of a recording is read, from the relative jitter of its stamps.
 pub(crate) fn floor_band(jitter: f64) -> [f64; 2] {
     if jitter > JITTERED {
         FLOOR_BAND_JITTERED
@@ -165,7 +165,7 @@ fn least(cost: &[f64], rate_hz: f64) -> Option<f64> {
     pairs.min_by(|a, b| a.1.total_cmp(b.1)).map(|(hz, _)| hz)
 }
 
-/// Noise floor of a joint's position on the uniform grids, and what each cut-off costs.
+/// Noise floor of a joint's position on the uniform grids, and the cost J of each candidate cut-off.
 pub(crate) fn position_floor(
     trajectories: &[Vec<f64>],
     step: f64,
@@ -184,8 +184,8 @@ pub(crate) fn position_floor(
     (noise, cost)
 }
 
-/// The cut-off that all joints share. With no motion in any joint, of which the check of the
-/// recording tells, it is the lowest.
+/// Cut-off that all joints share, Hz. Without motion in any joint, which the check of the recording reports, it
+/// is the lowest candidate.
 pub(crate) fn common(joints: &[&Cost], rate_hz: f64) -> f64 {
     let mut total = vec![0.0; CANDIDATES];
     for cost in joints {

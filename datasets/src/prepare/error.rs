@@ -1,4 +1,4 @@
-//! Why a recording cannot be prepared.
+//! Reasons why a recording cannot be prepared.
 
 use signal::sos;
 use signal::spline::SplineError;
@@ -18,11 +18,11 @@ pub enum PrepareError {
          the recording"
     )]
     Clock {
-        /// Label.
+        /// Label of the trajectory.
         label: String,
         /// Samples of the trajectory.
         samples: usize,
-        /// From its first to its last stamp, s.
+        /// Time from the first to the last stamp, s.
         span: f64,
         /// Median step of the recording, s.
         step: f64,
@@ -34,9 +34,9 @@ pub enum PrepareError {
     /// No spline through a trajectory.
     #[error("trajectory `{label}`: {source}")]
     Spline {
-        /// Label.
+        /// Label of the trajectory.
         label: String,
-        /// Why.
+        /// Error of the spline.
         source: SplineError,
     },
     /// The fine rate is not a positive number.
@@ -45,7 +45,7 @@ pub enum PrepareError {
 }
 
 impl PrepareError {
-    /// What to do about it.
+    /// Remedy.
     pub fn advice(&self) -> &'static str {
         match self {
             Self::Cutoff(_) => "Give another --cutoff-hz.",

@@ -1,4 +1,4 @@
-//! What a recorded velocity is good for.
+//! Fusion of a recorded velocity with the position.
 //!
 //! Position noise of density N_q is (2πf)² N_q in velocity; a recorded velocity has its own noise
 //! of density N_v. Below f_x = √(N_v/N_q)/2π the derivative of position is the better one, above it

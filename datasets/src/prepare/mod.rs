@@ -1,9 +1,9 @@
 //! Preprocessing: from a recording to smooth motion with derivatives.
 //!
-//! Per trajectory and joint: resample the recorded stamps to a uniform grid, low-pass with zero
-//! phase ([`signal::smoother`]), put a quintic spline through the result and take its derivatives. Nothing crosses a
-//! break. See `docs` of [`cutoff`] for how the cut-off is chosen and [`fuse`] for what a recorded
-//! velocity is used for.
+//! Per trajectory and joint: resample the recorded stamps to a uniform grid, low-pass with zero phase
+//! ([`signal::smoother`]), put a quintic spline through the result and take its derivatives. Nothing crosses a
+//! break. The docs of [`cutoff`] explain the choice of the cut-off, those of [`fuse`] the use of a recorded
+//! velocity.
 
 pub mod cutoff;
 mod error;
@@ -35,11 +35,11 @@ pub struct Prepared {
     pub fine: Motion,
     /// Motion at the recorded stamps: row i belongs to row i of the recording.
     pub at_samples: Motion,
-    /// What was done.
+    /// Report of the preparation.
     pub report: PrepareReport,
     torque_sections: Vec<Vec<sos::Section>>,
     torque_delay: f64,
-    /// By trajectory, where the stamps less the torque's delay lie on the fine grid.
+    /// Places of the stamps, less the torque's delay, on the fine grid, by trajectory.
     between: Vec<resample::Between>,
 }
 
@@ -173,8 +173,8 @@ pub fn prepare(recording: &Recording, options: &PrepareOptions) -> Result<Prepar
 }
 
 impl Prepared {
-    /// Passes a column on the fine grid through the low-pass of the recorded torque, trajectory
-    /// by trajectory; without such a filter the column comes back as it is.
+    /// Passes a column on the fine grid through the low-pass of the recorded torque, trajectory by trajectory;
+    /// without such a filter the column comes back as it is.
     ///
     /// # Panics
     /// If the column has not one entry per row of `fine`.
@@ -355,8 +355,7 @@ fn uniform_joint(
     })
 }
 
-/// Overwrites derivatives at the samples by recorded ones where asked for; says where all come
-/// from.
+/// Overwrites derivatives at the samples by recorded ones where asked for; returns the source of each.
 fn take_recorded(
     recording: &Recording,
     options: &PrepareOptions,

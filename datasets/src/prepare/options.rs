@@ -1,10 +1,10 @@
-//! How a recording is prepared.
+//! Options of the preparation.
 
-/// Below this rate in Hz a recording is interpolated as it is: it was low-passed before it was
+/// Sampling rate, Hz, below which a recording is interpolated without low-pass: it was low-passed before it was
 /// decimated, or nobody could derive accelerations from it anyway.
 pub(super) const SLOW_HZ: f64 = 40.0;
 
-/// Which derivatives to take.
+/// Choice of derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Derivatives {
     /// Derive from position; a recorded velocity that is consistent and less noisy is fused in.
@@ -16,17 +16,17 @@ pub enum Derivatives {
     Recorded,
 }
 
-/// How to prepare a recording.
+/// Options of the preparation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrepareOptions {
     /// Cut-off of the low-pass in Hz (−6 dB after both passes); `None` chooses it from the data.
     pub cutoff_hz: Option<f64>,
     /// The fine grid has at least about this rate in Hz; default 100.
     pub fine_hz: f64,
-    /// Which derivatives to take.
+    /// Choice of derivatives.
     pub derivatives: Derivatives,
-    /// How much later the recorded torque is than the motion, s: a property of the recording's channel. Predictions meet the
-    /// recorded torque that much later; a control loop has no such delay.
+    /// Delay of the recorded torque against the motion, s: a property of the recording's channel. Predictions
+    /// meet the recorded torque that much later; a control loop has no such delay.
     pub torque_delay: f64,
 }
 

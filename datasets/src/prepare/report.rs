@@ -1,14 +1,14 @@
-//! What was done to a recording.
+//! Report of the preparation of a recording.
 
 use super::cutoff::NoiseFloor;
 use crate::TorqueFilter;
 use serde::Serialize;
 
-/// Where a derivative comes from.
+/// Source of a derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
-    /// The recorded column as it is.
+    /// The recorded column, unchanged.
     Recorded,
     /// Derivative of the smoothed position; nothing was recorded.
     Derived,
@@ -18,7 +18,7 @@ pub enum Source {
     Fused,
 }
 
-/// What was done, for reports and `model.json`.
+/// Report of the preparation, for reports and `model.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PrepareReport {
     /// Median sampling rate in Hz.
@@ -31,9 +31,9 @@ pub struct PrepareReport {
     pub cutoff_hz: Option<f64>,
     /// Whether the cut-off was given rather than chosen.
     pub cutoff_given: bool,
-    /// Where velocity at the samples comes from, per joint.
+    /// Source of the velocity at the samples, per joint.
     pub velocity: Vec<Source>,
-    /// Where acceleration at the samples comes from.
+    /// Source of the acceleration at the samples.
     pub acceleration: Source,
     /// Noise floors found, per joint; empty for an interpolated recording.
     pub noise: Vec<NoiseFloor>,

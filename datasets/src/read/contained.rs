@@ -10,7 +10,7 @@ thread_local! {
     static QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs a decoder; a panic in it is damage of the file.
+/// Runs a decoder and turns a panic in it into damage of the file.
 ///
 /// Decoders assert in places what a damaged file does not keep (in Parquet a dictionary page before the pages that
 /// use it, in MATLAB files a length that can be rounded up).
@@ -25,7 +25,7 @@ pub(super) fn contained<T>(
     })
 }
 
-/// Runs `work` without the message that a panic of this thread would print; other threads and the hook that the
+/// Runs `work` without printing the message of a panic of this thread. Other threads and the hook that the
 /// program has set are left alone.
 fn quietly<T>(work: impl FnOnce() -> T) -> T {
     static HOOK: Once = Once::new();

@@ -19,8 +19,9 @@ pub(super) fn plausible(file: &[u8]) -> bool {
     }
 }
 
-/// The same of the headers of a column's pages, which follow each other, each before its page. The format has no list in them,
-/// so that there is to be none, and fields that a decoder knows are of the kind that it takes them for.
+/// Whether the headers of a column's pages are plausible. They follow each other, each before its page. The
+/// format has no list in them, so that there is to be none, and fields that a decoder knows have the kind that
+/// it takes them for.
 pub(super) fn plausible_pages(column: &[u8]) -> bool {
     let mut walk = Walk(column);
     while !walk.0.is_empty() {
@@ -39,8 +40,8 @@ pub(super) fn plausible_pages(column: &[u8]) -> bool {
     true
 }
 
-/// A structure of the format: kinds of its fields from 1 on (1 is a flag, 5 and 6 are integers, 8 is a text, 12 a structure), and
-/// what the structures in it are.
+/// A structure of the format: the kinds of its fields from 1 on (1 is a flag, 5 and 6 are integers, 8 is a
+/// text, 12 a structure), and the shapes of the structures in it.
 struct Shape(&'static [u8], &'static [(i16, &'static Shape)]);
 
 const STATISTICS: Shape = Shape(&[8, 8, 6, 6, 8, 8, 1, 1], &[]);
@@ -48,19 +49,19 @@ const DATA: Shape = Shape(&[5, 5, 5, 5, 12], &[(5, &STATISTICS)]);
 const DICTIONARY: Shape = Shape(&[5, 5, 1], &[]);
 const DATA_2: Shape = Shape(&[5, 5, 5, 5, 5, 5, 1, 12], &[(8, &STATISTICS)]);
 const UNKNOWN: Shape = Shape(&[], &[]);
-/// Of a page; field 3 is its size.
+/// Header of a page; field 3 is the page's size.
 const HEADER: Shape = Shape(
     &[5, 5, 5, 5, 12, 12, 12, 12],
     &[(5, &DATA), (7, &DICTIONARY), (8, &DATA_2)],
 );
 const SIZE: i16 = 3;
 
-/// A signed number as it is stored.
+/// Decodes a signed number from its zigzag form.
 fn zigzag(stored: u64) -> i64 {
     (stored >> 1) as i64 ^ -((stored & 1) as i64)
 }
 
-/// What is left of the footer or of a column.
+/// Unread bytes of the footer or of a column.
 struct Walk<'a>(&'a [u8]);
 
 impl Walk<'_> {
@@ -87,7 +88,8 @@ impl Walk<'_> {
         None
     }
 
-    /// Skips a structure without lists; its third field where that is an integer, else −1. Numbers are cut to what a decoder keeps.
+    /// Skips a structure without lists. Returns its third field where that is an integer, else −1; numbers are
+    /// cut to the width that a decoder keeps.
     fn shaped(&mut self, shape: &Shape, depth: usize) -> Option<i32> {
         if depth > DEEPEST {
             return None;

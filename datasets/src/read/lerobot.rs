@@ -11,10 +11,10 @@ use crate::{Problem, ReadError, ReadOptions, Recording};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What makes a folder a data set.
+/// File that marks a folder as a data set.
 const INFO: &str = "meta/info.json";
 
-/// What a data set holds, by its own `meta/info.json`.
+/// Summary of a data set, from its own `meta/info.json`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DatasetSummary {
     /// Frames per second; `None` where it is not said.
@@ -23,14 +23,14 @@ pub struct DatasetSummary {
     pub episodes: Option<u64>,
     /// Frames of all episodes; `None` where it is not said.
     pub frames: Option<u64>,
-    /// Its features, by name.
+    /// Features, by name.
     pub features: Vec<FeatureSummary>,
 }
 
 /// A feature of a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureSummary {
-    /// Its name.
+    /// Name of the feature.
     pub name: String,
     /// Type of its elements (`float32`; `video` and `image` are no numbers).
     pub kind: String,
@@ -38,7 +38,7 @@ pub struct FeatureSummary {
     pub columns: Vec<String>,
 }
 
-/// What a folder holds, where it is a data set.
+/// Summary of a folder, where it is a data set.
 ///
 /// # Errors
 /// A `meta/info.json` that cannot be read.
@@ -127,8 +127,8 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     Ok(found)
 }
 
-/// The refusal of a data set of which no drive file says what is what: its units stand nowhere in it. The lines name what looks like
-/// the robot's joints, in the order of the chain.
+/// Refusal of a data set without a drive file: its units stand nowhere in it. The lines to declare name the
+/// columns that look like the robot's joints, in the order of the chain.
 fn undeclared(info: &Value, options: &ReadOptions) -> Problem {
     let mut columns: Vec<(String, String)> = Vec::new();
     for (feature, of) in info["features"].as_object().into_iter().flatten() {

@@ -54,9 +54,9 @@ pub fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
 pub enum Format {
     /// Text in columns.
     Csv,
-    /// Apache Parquet.
+    /// Apache Parquet file.
     Parquet,
-    /// NumPy archive.
+    /// NumPy archive (.npz).
     Npz,
     /// The KR300 benchmark's MATLAB files.
     Mat,
@@ -65,7 +65,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that the ending of a name stands for.
+    /// Format by the ending of the file's name.
     ///
     /// # Errors
     /// An ending that is none of them.
@@ -90,7 +90,7 @@ impl Format {
     }
 }
 
-/// Reads a recording from memory; `name` stands for the file in messages.
+/// Reads a recording from memory; `name` stands in messages in place of a path.
 ///
 /// # Errors
 /// As [`read`].

@@ -1,4 +1,4 @@
-//! Which joints a file names, before it is known how it is to be read.
+//! Joints that a file names, found before the layout of the file is known.
 
 use super::{Format, bag, csv, lerobot, npz, parquet};
 use std::path::Path;
@@ -43,8 +43,8 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Those of `joints` that a recording names, in the order of `joints`: each in at least two of its columns, as a position and a
-/// torque, or in a bag. Empty where it numbers its columns.
+/// Those of `joints` that a recording names, in the order of `joints`. A name must stand in at least two of the
+/// columns, as a position and a torque, or in a bag. Empty where the columns are numbered.
 pub fn named_joints(path: &Path, joints: &[String]) -> Vec<String> {
     let Some(columns) = names(path) else {
         return Vec::new();

@@ -16,7 +16,7 @@ pub(crate) struct Array {
     fortran_order: bool,
 }
 
-/// Why an array cannot be read.
+/// Reasons why an array cannot be read.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(crate) enum NpyError {
     #[error("not a NumPy array")]

@@ -1,7 +1,7 @@
 //! NumPy archives: one array per column group.
 //!
-//! `time` (samples), `q`, `tau`, … (samples × joints), `trajectory` (samples; integers, text or
-//! numbers). Arrays of single columns (`q1`, `tau3`, …) are understood as well, and other names that say what they hold
+//! `time` (samples), `q`, `tau`, … (samples × joints), `trajectory` (samples; integers, text or numbers).
+//! Arrays of single columns (`q1`, `tau3`, …) are understood as well, and other names with a clear meaning
 //! (`positions`, `torques`, `times`).
 
 use super::npy::{Array, Values};

@@ -137,7 +137,7 @@ fn decode(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Recording,
     assemble(&layout, columns, options, file)
 }
 
-/// What a file holds of a range given by start and length.
+/// Bytes of the file in a range given by start and length, as far as the file goes.
 fn within(bytes: &[u8], (start, length): (u64, u64)) -> &[u8] {
     let at = |n: u64| usize::try_from(n).map_or(bytes.len(), |n| n.min(bytes.len()));
     let (start, end) = (at(start), at(start.saturating_add(length)));
@@ -147,7 +147,7 @@ fn within(bytes: &[u8], (start, length): (u64, u64)) -> &[u8] {
 /// A column of the header: one of the file, or an element of its lists.
 struct Part {
     name: String,
-    /// Of the file.
+    /// Index of the column in the file.
     column: usize,
     of: Option<Element>,
 }
@@ -217,16 +217,16 @@ fn stored_filter(text: &str) -> Result<Option<TorqueFilter>, Problem> {
     }))
 }
 
-/// Where the values of a column go.
+/// Destination of a column's values.
 enum Sink {
     Numbers(Vec<f64>),
     Labels(LabelRuns),
 }
 
-/// Why a column cannot be read.
+/// Reasons why a column cannot be read.
 enum Stop {
     Decoder(ParquetError),
-    /// At the current row.
+    /// A problem with the value at the current row.
     Value(Problem),
     Column(Problem),
 }

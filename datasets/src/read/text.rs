@@ -1,8 +1,8 @@
-//! How a table in text is written.
+//! Notation of a table in text: separators and decimal signs.
 
 use std::borrow::Cow;
 
-/// What stands between cells, and in numbers.
+/// Separator between cells, and with it the decimal sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Style {
     separator: Separator,
@@ -16,8 +16,8 @@ enum Separator {
 }
 
 impl Style {
-    /// By the first line that is no comment: semicolons before tabs, tabs before commas, which may be decimal ones; blanks where there
-    /// is none of them.
+    /// Notation by the first line that is no comment: semicolons before tabs, tabs before commas (which may be
+    /// decimal ones); blanks where there is none of them.
     pub fn of(text: &[u8]) -> Self {
         let line = lines(text)
             .map(|(_, line)| uncommented(line))
@@ -53,8 +53,8 @@ impl Style {
         text.replace(',', ".").parse().ok()
     }
 
-    /// The text from its header on, which may stand in a comment as NumPy writes it, with one separator between cells; and how many
-    /// lines were before it.
+    /// Text from its header on, with one separator between cells, and the number of lines before it. The header
+    /// may stand in a comment, as NumPy writes it.
     pub fn body<'a>(&self, text: &'a [u8]) -> (Cow<'a, [u8]>, u64) {
         let mut begin = 0;
         let mut skipped = 0;
@@ -108,7 +108,7 @@ impl Style {
     }
 }
 
-/// In order: where the first occurs, the others are decimal commas or text.
+/// Separators in order of precedence: where the first occurs, the others are decimal commas or text.
 const SEPARATORS: [u8; 3] = [b';', b'\t', b','];
 
 fn lines(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {

@@ -1,4 +1,4 @@
-//! What is written, in which order.
+//! Columns of a written file and their order.
 
 use crate::{Group, Recording, TorqueFilter, Trajectory};
 use ndarray::Array2;

@@ -1,5 +1,5 @@
-//! Writers of CSV and Parquet. A file is written under a temporary name beside its place and then
-//! renamed, so that nothing half-written is left behind.
+//! Writers of CSV and Parquet. A file is written under a temporary name beside its place and then renamed, so
+//! that no incomplete file stays.
 
 mod columns;
 mod csv;
@@ -19,9 +19,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", file.display())]
 pub struct WriteError {
-    /// The file.
+    /// Path of the file.
     pub file: PathBuf,
-    /// What went wrong.
+    /// Problem of writing.
     pub problem: WriteProblem,
 }
 

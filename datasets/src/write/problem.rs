@@ -1,15 +1,15 @@
-//! What can go wrong while writing.
+//! Problems of writing a file.
 
-/// What went wrong while writing.
+/// Problem of writing a file.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteProblem {
     /// The ending is not that of a format that can be written.
     #[error("cannot be written as `{0}`; use .csv or .parquet")]
     UnknownFormat(String),
-    /// The disk.
+    /// Error of the disk.
     #[error("cannot be written ({0})")]
     Io(#[from] std::io::Error),
-    /// The encoder.
+    /// Error of the encoder.
     #[error("cannot be encoded ({0})")]
     Encoder(String),
 }

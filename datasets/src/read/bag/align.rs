@@ -9,13 +9,14 @@ const HOLE_STEPS: i64 = 10;
 #[derive(Debug)]
 pub(super) struct Series {
     pub name: String,
-    /// ns, increasing.
+    /// Times of the messages, ns, increasing.
     pub times: Vec<i64>,
     pub columns: Vec<Vec<f64>>,
 }
 
-/// Brings the columns of `others` to the times of `base`, linearly between the messages on either side. What `base` has outside
-/// of their time, or within a hole of theirs, is left out. Returns how many messages that were.
+/// Interpolates the columns of `others` at the times of `base`, linearly between the messages on either side.
+/// Messages of `base` outside their time, or within a hole of theirs, are left out. Returns the number of
+/// messages left out.
 ///
 /// # Errors
 /// The topics share no time.
@@ -53,7 +54,7 @@ pub(super) fn onto(base: &mut Series, others: &mut [Series]) -> Result<usize, Pr
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     before: usize,
-    /// Part of the way to the next.
+    /// Fraction of the way from this message to the next, 0 to 1.
     share: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Numbers and texts of a record, little endian.
 
-/// What is left of a record.
+/// Unread bytes of a record.
 pub(super) struct Bytes<'a>(pub &'a [u8]);
 
 impl<'a> Bytes<'a> {

@@ -1,4 +1,4 @@
-//! Which time the messages are given, and where it starts anew.
+//! Clock of the messages, and the messages at which it starts anew.
 
 use super::topic::Topic;
 use crate::Problem;
@@ -13,13 +13,13 @@ pub(super) struct Times {
     pub times: Vec<Vec<i64>>,
     /// Messages of the first topic at which the clock starts anew.
     pub resets: Vec<usize>,
-    /// Why it is not that of the headers.
+    /// Reason why the clock is not that of the headers.
     pub note: Option<String>,
 }
 
 /// A clock seen over all messages.
 enum Course {
-    /// With the messages at which it starts anew.
+    /// Increasing, but for the messages at which it starts anew.
     Runs(Vec<usize>),
     /// Not increasing at this message.
     Stands(usize),
@@ -58,7 +58,7 @@ pub(super) fn times(topics: &mut [Topic]) -> Result<Times, (Problem, usize)> {
     })
 }
 
-/// What speaks against the stamps of a topic.
+/// Objection to the header stamps of a topic; none where they are usable.
 fn stamped(topic: &Topic) -> Option<String> {
     if topic.stamps.contains(&0) {
         return Some("has messages without header stamp".to_owned());

@@ -1,4 +1,4 @@
-//! Keeps what a recording needs of the messages of a bag, and chooses the topic of the positions.
+//! Collects the values of a bag's messages that a recording needs, and chooses the topic of the positions.
 
 use super::definition::{JOINT_STATE_TYPE, fields};
 use super::plan::Plan;
@@ -22,27 +22,27 @@ pub(super) struct Collector {
     channels: HashMap<u64, Reading>,
 }
 
-/// How a channel of the present file is read.
+/// Topic and decoding plan of a channel of the present file.
 #[derive(Debug)]
 struct Reading {
     topic: usize,
     plan: Plan,
 }
 
-/// What a recording is made of.
+/// Content of a recording from a bag.
 #[derive(Debug)]
 pub(super) struct Collected {
     /// The topic of the positions first.
     pub topics: Vec<Topic>,
-    /// What the user should know.
+    /// Messages for the user.
     pub notes: Vec<String>,
 }
 
-/// A refusal with the number of a message, from 0, where it is about one.
+/// A refusal, with the number of the message (from 0) where it concerns one.
 pub(super) type Refusal = (Problem, Option<usize>);
 
 impl Collector {
-    /// For what is wanted.
+    /// Starts with nothing collected.
     pub fn new(wanted: Wanted) -> Self {
         Self {
             joints: wanted.joints.clone(),
@@ -53,7 +53,7 @@ impl Collector {
         }
     }
 
-    /// What is wanted of a topic.
+    /// Columns wanted of a topic.
     fn wants(&self, topic: &str, kind: &str) -> Vec<Want> {
         let base = match self.wanted.base() {
             Some(base) => base == topic,
@@ -75,7 +75,7 @@ impl Collector {
         })
     }
 
-    /// What was collected.
+    /// Returns the collected columns.
     ///
     /// # Errors
     /// A topic is missing, or its messages cannot be used.

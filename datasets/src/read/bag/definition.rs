@@ -10,7 +10,7 @@ const MOST: usize = 20_000;
 /// Elements of a fixed array, at most.
 const LONGEST: usize = 1 << 24;
 
-/// What a bag of an earlier ROS leaves out.
+/// Definition of the joint-state message, which a bag of an earlier ROS leaves out.
 const JOINT_STATE: &str = "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n\
     ================================================================================\nMSG: std_msgs/Header\n\
     builtin_interfaces/Time stamp\nstring frame_id\n\
@@ -19,7 +19,7 @@ const JOINT_STATE: &str = "std_msgs/Header header\nstring[] name\nfloat64[] posi
 /// The type whose definition is known.
 pub(super) const JOINT_STATE_TYPE: &str = "sensor_msgs/JointState";
 
-/// A number as it is stored.
+/// Storage type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Number {
     U8,
@@ -35,7 +35,7 @@ pub(super) enum Number {
 }
 
 impl Number {
-    /// Bytes.
+    /// Size, bytes.
     pub fn size(self) -> usize {
         match self {
             Self::U8 | Self::I8 => 1,
@@ -62,7 +62,7 @@ impl Number {
     }
 }
 
-/// How often a field stands.
+/// Number of values of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Arity {
     One,
@@ -70,7 +70,7 @@ pub(super) enum Arity {
     Sequence,
 }
 
-/// What a field holds.
+/// Content of a field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     Number(Number),
@@ -86,7 +86,7 @@ pub(super) struct Field {
     pub name: String,
     pub arity: Arity,
     pub content: Content,
-    /// Where its values go, if they are wanted.
+    /// Slot that its values go to, if they are wanted.
     pub slot: Option<usize>,
 }
 

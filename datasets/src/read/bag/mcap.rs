@@ -99,12 +99,12 @@ fn damaged(detail: impl Into<String>) -> Problem {
 struct File<R> {
     input: R,
     at: u64,
-    /// Of everything up to the end of the data.
+    /// Checksum over everything up to the end of the data.
     checksum: Option<Hasher>,
 }
 
 impl<R: Read> File<R> {
-    /// The next `length` bytes. Room is made for what there is, not for what is claimed.
+    /// Reads the next `length` bytes. The buffer grows with the bytes that are there, not with the length that is claimed.
     fn exactly(&mut self, length: u64, into: &mut Vec<u8>) -> Result<(), Problem> {
         into.clear();
         let mut piece: Take<&mut R> = (&mut self.input).take(length);
@@ -206,7 +206,7 @@ struct Schema {
     definition: Definition,
 }
 
-/// What the records say, handed to a sink.
+/// Content of the records, handed to a sink.
 struct Content<'a> {
     schemas: HashMap<u16, Schema>,
     sink: &'a mut dyn Sink,

@@ -2,7 +2,7 @@
 
 use super::definition::{Arity, Content, Field, Number};
 
-/// Why a message cannot be read.
+/// Reasons why a message cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Unreadable {
     /// It is shorter than its type needs.
@@ -34,7 +34,7 @@ pub(super) struct Texts {
 }
 
 impl Texts {
-    /// The texts.
+    /// Iterates over the texts.
     pub fn iter(&self) -> impl Iterator<Item = std::borrow::Cow<'_, str>> {
         (0..self.ends.len()).map(|i| {
             let start = if i == 0 { 0 } else { self.ends[i - 1] };

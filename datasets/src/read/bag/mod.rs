@@ -34,7 +34,7 @@ use wanted::{Want, Wanted};
 
 pub use topics::TopicSummary;
 
-/// Where a bag is read from.
+/// Source of a bag: a path, or bytes in memory.
 #[derive(Clone, Copy)]
 pub(super) enum Input<'a> {
     /// A file or folder.
@@ -107,7 +107,7 @@ pub(super) fn read(
     })
 }
 
-/// What a bag holds.
+/// Topics of a bag.
 pub(super) fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
     contained("bag", path, || {
         let mut listing = Listing::default();
@@ -116,7 +116,7 @@ pub(super) fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
     })
 }
 
-/// What is wanted; of a robot that is not known, all joints of the bag.
+/// Columns wanted; of a robot that is not known, those of all joints of the bag.
 fn wanted(input: Input<'_>, name: &Path, options: &ReadOptions) -> Result<Wanted, ReadError> {
     if let Some(dof) = options.dof {
         return Ok(Wanted::new(options, dof, None));
@@ -127,7 +127,7 @@ fn wanted(input: Input<'_>, name: &Path, options: &ReadOptions) -> Result<Wanted
     Ok(Wanted::new(options, joints.len(), Some(&joints)))
 }
 
-/// From columns on clocks of their own to a recording.
+/// Recording from columns on clocks of their own.
 fn recording(
     collected: Collected,
     dof: usize,

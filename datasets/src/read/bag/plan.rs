@@ -1,4 +1,4 @@
-//! What is taken out of each message of a channel.
+//! Decoding plan of a channel: the values taken out of each message.
 
 use super::definition::{Arity, Content, Field};
 use super::message::Values;
@@ -7,7 +7,7 @@ use super::wanted::{Want, Wanted};
 use crate::Problem;
 use crate::columns::Group;
 
-/// Which slots hold the stamp.
+/// Slots that hold the header stamp.
 #[derive(Clone, Copy, Debug)]
 enum Stamp {
     /// Seconds and nanoseconds.
@@ -29,7 +29,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// For `columns` of a topic with these fields.
+    /// Plan for `columns` of a topic with these fields.
     ///
     /// # Errors
     /// A field that is needed and missing, or holds no numbers.
@@ -167,7 +167,7 @@ fn given(field: &mut Field, next: &mut usize) -> usize {
     })
 }
 
-/// The field at a path; brackets of arrays on the way may be left out.
+/// Field at a path; brackets of arrays on the way may be left out.
 fn find<'a>(fields: &'a mut [Field], path: &str) -> Option<&'a mut Field> {
     let (name, rest) = match path.split_once('.') {
         Some((name, rest)) => (name, Some(rest)),

@@ -1,4 +1,4 @@
-//! What every container of messages tells, whatever its format.
+//! Events that every container of messages gives, whatever its format.
 
 use crate::Problem;
 
@@ -7,13 +7,13 @@ use crate::Problem;
 pub(super) struct Channel {
     /// Number by which messages refer to it, within one file.
     pub id: u64,
-    /// Topic.
+    /// Name of the topic.
     pub topic: String,
     /// Type as `package/Name`.
     pub kind: String,
-    /// How messages are encoded; `cdr` is what ROS 2 writes.
+    /// Encoding of the messages; ROS 2 writes `cdr`.
     pub encoding: String,
-    /// What the container says of the type.
+    /// Definition of the type, as the container has it.
     pub definition: Definition,
 }
 
@@ -22,13 +22,13 @@ pub(super) struct Channel {
 pub(super) enum Definition {
     /// Text in the format of .msg files, nested types behind it.
     Ros2(String),
-    /// In another language, by its name.
+    /// A definition in another language, by the language's name.
     Other(String),
-    /// None.
+    /// No definition.
     Missing,
 }
 
-/// Takes what a container holds, in the order of the file.
+/// Receiver of a container's content, in the order of the file.
 pub(super) trait Sink {
     /// Another file begins: numbers of channels start anew.
     fn file(&mut self);

@@ -21,7 +21,7 @@ pub(super) enum Value<'a> {
 }
 
 impl Value<'_> {
-    /// As a text.
+    /// The value as a text.
     pub fn text(self) -> Option<String> {
         match self {
             Self::Bytes(bytes) => Some(String::from_utf8_lossy(bytes).into_owned()),
@@ -29,7 +29,7 @@ impl Value<'_> {
         }
     }
 
-    /// As a number.
+    /// The value as an integer.
     pub fn integer(self) -> Option<i64> {
         match self {
             Self::Integer(value) => Some(value),
@@ -227,7 +227,7 @@ impl<R: Read + Seek> Database<R> {
         Ok(Some(row as i64))
     }
 
-    /// How many bytes of a row's content stand in its leaf.
+    /// Number of bytes of a row's content that stand in its leaf page.
     fn local(&self, length: usize) -> usize {
         let most = self.usable - 35;
         if length <= most {

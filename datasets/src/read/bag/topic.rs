@@ -6,13 +6,13 @@ use super::source::list;
 use super::wanted::Want;
 use crate::Problem;
 
-/// What was taken of a topic so far.
+/// Values taken of a topic so far.
 #[derive(Debug)]
 pub(super) struct Topic {
     pub name: String,
     pub kind: String,
     pub wants: Vec<Want>,
-    /// One for each want; NaN where a message leaves out what is not needed.
+    /// Columns, one for each want; NaN where a message leaves out an optional value.
     pub columns: Vec<Vec<f64>>,
     /// Header stamps, ns; zero where there is none.
     pub stamps: Vec<i64>,
@@ -20,15 +20,15 @@ pub(super) struct Topic {
     pub logged: Vec<i64>,
     /// Messages, those of other joints included.
     pub messages: usize,
-    /// What is wrong, with the number of the message, from 0, where it is about one.
+    /// Problem, with the number of the message (from 0) where it concerns one.
     pub refused: Option<(Problem, Option<usize>)>,
     order: Order,
 }
 
-/// Where the joints stand in messages.
+/// Positions of the joints in the messages.
 #[derive(Debug, Default)]
 struct Order {
-    /// As the last message had them.
+    /// Joint names of the last message.
     names: Texts,
     /// Element of each joint.
     places: Vec<Option<usize>>,
@@ -37,7 +37,7 @@ struct Order {
 }
 
 impl Topic {
-    /// Nothing yet.
+    /// A topic without values.
     pub fn new(name: String, kind: String, wants: Vec<Want>) -> Self {
         Self {
             columns: vec![Vec::new(); wants.len()],

@@ -1,4 +1,4 @@
-//! What a bag holds, topic by topic.
+//! Summary of a bag, topic by topic.
 
 use super::definition::{JOINT_STATE_TYPE, fields};
 use super::message::Texts;
@@ -11,11 +11,11 @@ use std::collections::HashMap;
 /// A topic of a bag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TopicSummary {
-    /// Its name.
+    /// Name of the topic.
     pub topic: String,
     /// Type of its messages, as `package/Name`.
     pub kind: String,
-    /// Messages.
+    /// Number of messages.
     pub messages: usize,
     /// Messages per second between the first and the last by the clock of the log; `None` of fewer than two.
     pub rate_hz: Option<f64>,
@@ -23,11 +23,11 @@ pub struct TopicSummary {
     pub joints: Vec<String>,
     /// Fields that hold numbers or texts, arrays with brackets; empty where the messages cannot be read.
     pub fields: Vec<String>,
-    /// Why the messages cannot be read.
+    /// Reason why the messages cannot be read.
     pub unreadable: Option<String>,
 }
 
-/// Lists topics.
+/// Collects the summaries of the topics.
 #[derive(Default)]
 pub(super) struct Listing {
     topics: Vec<Seen>,
@@ -55,7 +55,7 @@ impl Listing {
         self.topics.into_iter().map(summary).collect()
     }
 
-    /// The joints of the one topic that states joints, of the usual one among several; `None` without such.
+    /// Joint names of the only topic of joint states, or of the usual one among several; `None` without such a topic.
     pub fn joints(self) -> Option<Vec<String>> {
         let states = |s: &Seen| s.summary.kind == JOINT_STATE_TYPE && s.summary.messages > 0;
         let mut found: Vec<TopicSummary> = self

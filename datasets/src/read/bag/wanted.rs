@@ -1,9 +1,9 @@
-//! Which field of which topic each column comes from.
+//! Source of each column: topic and field.
 
 use crate::columns::Group;
 use crate::{ColumnMap, ReadOptions};
 
-/// Where a column of the recording comes from.
+/// Source of a column of the recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Want {
     pub group: Group,
@@ -11,29 +11,30 @@ pub(super) struct Want {
     /// `None`: that of the joint states.
     pub topic: Option<String>,
     pub field: String,
-    /// Element of the field, from 0, where a drive file says it.
+    /// Element of the field, from 0, where a drive file gives it.
     pub index: Option<usize>,
     /// Whether the recording is refused without it.
     pub needed: bool,
 }
 
-/// Everything that is wanted of a bag.
+/// All columns wanted of a bag.
 #[derive(Clone, Debug)]
 pub(super) struct Wanted {
     pub columns: Vec<Want>,
     pub dof: usize,
     /// Names of the joints in the messages, base first, where they are known beforehand.
     pub joints: Option<Vec<String>>,
-    /// Field with the joints' names, where a drive file says it.
+    /// Field with the joints' names, where a drive file gives it.
     pub names: Option<String>,
-    /// Field with the time, where a drive file says it.
+    /// Field with the time, where a drive file gives it.
     pub time: Option<String>,
     /// Seconds per unit of that field.
     pub time_scale: f64,
 }
 
 impl Wanted {
-    /// What the options ask for, of a robot with `dof` joints; `found` are joints of the bag for a robot that is not known.
+    /// Columns that the options ask for, of a robot with `dof` joints; `found` are the bag's joints, for a
+    /// robot that is not known.
     pub fn new(options: &ReadOptions, dof: usize, found: Option<&[String]>) -> Self {
         let map = &options.columns;
         let mut columns: Vec<Want> = Group::ALL
@@ -62,7 +63,7 @@ impl Wanted {
         }
     }
 
-    /// The topic that the positions come from, where a drive file says it.
+    /// Topic of the positions, where a drive file gives it.
     pub fn base(&self) -> Option<&str> {
         self.columns
             .iter()
