@@ -1,4 +1,4 @@
-//! What the articulated-body algorithm keeps of one link.
+//! Articulated-body quantities of one link.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -12,7 +12,7 @@ pub(super) struct Articulated {
     /// Velocity-dependent acceleration (angular, linear).
     pub(super) bias_angular: Vector3<f64>,
     pub(super) bias_linear: Vector3<f64>,
-    /// Bias wrench.
+    /// Bias wrench: moment and force.
     pub(super) moment: Vector3<f64>,
     pub(super) force: Vector3<f64>,
     /// U = inertia · axis, as a wrench.

@@ -63,8 +63,9 @@ impl Derivatives {
 /// ∂τ/∂q, ∂τ/∂q̇ and M of [`super::inverse_dynamics`] at (q, q̇, q̈), analytically and without allocating, in O(N²)
 /// (Carpentier and Mansard, 2018, "Analytical derivatives of rigid body dynamics algorithms").
 ///
-/// Everything stands in the base frame at its origin. Moving joint j carries its subtree along rigidly, which changes no
-/// torque inside it; what is left is a change of velocity v_λ × S_j and of acceleration.
+/// All quantities are expressed in the base frame at its origin. Moving joint j carries its subtree along
+/// rigidly, which changes no torque inside it; there remains a change of velocity v_λ × S_j and of
+/// acceleration.
 ///
 /// # Panics
 /// When a slice or the buffers have another size than the robot.

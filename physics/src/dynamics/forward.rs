@@ -8,8 +8,8 @@ use nalgebra::{Matrix3, Vector3};
 /// Acceleration q̈ = (M(q) + diag(armature))⁻¹ (τ − C q̇ − g) by articulated bodies (Featherstone, 2008, table
 /// 7.1), in O(N).
 ///
-/// `armature` is the rotor inertia seen from each joint (kg·m², or kg), N values, or empty for none. `tau`
-/// is what acts on the rigid body: take friction off before.
+/// `armature` is the rotor inertia seen from each joint (kg·m², or kg), N values, or empty for none. `tau` is
+/// the torque that acts on the rigid body: subtract friction before.
 ///
 /// # Panics
 /// When a slice or the workspace has another size than the robot.

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Placement {
     /// Orientation: x_base = R x_link.
     pub rotation: Matrix3<f64>,
-    /// Origin, m.
+    /// Position of the origin, m.
     pub translation: Vector3<f64>,
 }
 

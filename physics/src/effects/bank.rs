@@ -4,7 +4,7 @@ use super::Term;
 use ndarray::Array2;
 use signal::Motion;
 
-/// What a joint's terms may see of one instant; slices have one entry per joint, base first.
+/// Quantities of one instant that a joint's terms depend on; slices have one entry per joint, base first.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a> {
     /// Session clock in s; None where the recording continues no known clock.
@@ -62,7 +62,7 @@ impl TermBank {
         self.last_q = None;
     }
 
-    /// What the terms remember; None before the first sample.
+    /// Memory of the terms; None before the first sample.
     pub fn state(&self) -> Option<BankState> {
         let q = self.last_q?;
         Some(BankState {
@@ -132,8 +132,8 @@ fn value(term: &Term, z: &mut f64, joint: usize, dq: f64, s: &Sample) -> f64 {
 
 /// Columns of one joint's terms over a whole motion, shape (samples, terms).
 ///
-/// `load` has shape (samples, joints). Memory starts neutral at the first sample and runs on over
-/// the breaks between segments. `clock_known` says whether `motion.time` is the session clock.
+/// `load` has shape (samples, joints). Memory starts neutral at the first sample and runs on over the breaks
+/// between segments. `clock_known`: whether `motion.time` is the session clock.
 pub fn columns(
     joint: usize,
     terms: &[Term],

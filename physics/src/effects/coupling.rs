@@ -3,7 +3,7 @@
 use super::Sliding;
 use serde::{Deserialize, Serialize};
 
-/// What of the driving joint acts on the driven one.
+/// Quantity of the driving joint that acts on the driven one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Coupling {
@@ -19,20 +19,20 @@ pub enum Coupling {
         /// Index of the driving joint, base first.
         driver: usize,
     },
-    /// Spring: how far the driver stands from a position.
+    /// Spring: displacement of the driver from a position.
     Spring {
         /// Index of the driving joint, base first.
         driver: usize,
-        /// That position, rad (m for prismatic joints).
+        /// Position of the driver at which the spring is relaxed, rad (m for prismatic joints).
         middle: f64,
     },
-    /// tanh((q̇ + ratio·q̇_driver)/velocity): Coulomb friction of what both motions turn together.
+    /// tanh((q̇ + ratio·q̇_driver)/velocity): Coulomb friction of a part that both motions turn together.
     Relative {
         /// Index of the driving joint, base first.
         driver: usize,
         /// Turns of that part for one of the driver.
         ratio: f64,
-        /// Velocity over which the sign turns round.
+        /// Velocity over which the sign changes, rad/s (m/s).
         velocity: f64,
     },
 }

@@ -12,11 +12,11 @@ const BEYOND: f64 = 1.0;
 /// that does not continue a known clock uses `neutral`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drift {
-    /// What changes.
+    /// Term that changes.
     pub term: Box<Term>,
     /// Start of the session on the recordings' clock, s.
     pub start: f64,
-    /// Its length, s.
+    /// Length of the session, s.
     pub span: f64,
     /// Factor where the clock is unknown.
     pub neutral: f64,

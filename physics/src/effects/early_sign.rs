@@ -1,4 +1,4 @@
-//! Friction that turns round before the motion does.
+//! Friction whose sign changes before that of the velocity.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// end of a step, the lead is the step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EarlySign {
-    /// Velocity over which it turns round, rad/s (m/s).
+    /// Velocity over which the sign changes, rad/s (m/s).
     pub velocity: f64,
     /// Time by which it is early, s.
     pub lead: f64,

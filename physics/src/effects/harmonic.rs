@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Harmonic {
     /// Periods per joint revolution; not necessarily whole.
     pub order: f64,
-    /// Which of the two.
+    /// Phase: sine or cosine.
     pub phase: Phase,
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Bittencourt and Gunnarsson (2012), equation 6: Coulomb friction linear in |load|.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoadFriction {
-    /// What |load| multiplies.
+    /// Friction shape that is multiplied by |load|^exponent.
     pub friction: FrictionShape,
     /// One is linear.
     #[serde(default = "linear", skip_serializing_if = "is_linear")]
@@ -32,7 +32,7 @@ impl LoadFriction {
         }
     }
 
-    /// What a load in N·m multiplies the friction by.
+    /// Factor on the friction at a load in N·m.
     pub fn factor(&self, load: f64) -> f64 {
         if self.exponent == 1.0 {
             load.abs()

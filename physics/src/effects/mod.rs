@@ -1,4 +1,4 @@
-//! Torque that a rigid body does not explain: friction, memory, heat, transmissions.
+//! Torque beyond rigid-body dynamics: friction, memory, heat, transmissions.
 //!
 //! A [`Term`] is one column of a linear model: the torque on one joint, in N·m (N for prismatic
 //! joints), for a parameter of one. Its shape parameters (a velocity, a width, a time) are fixed
@@ -48,13 +48,13 @@ pub enum Term {
     RotorInertia,
     /// Friction that depends on the present velocity alone.
     Sliding(Sliding),
-    /// Coulomb friction that turns round before the motion does.
+    /// Coulomb friction whose sign changes before that of the velocity.
     EarlySign(EarlySign),
     /// Maxwell-slip element: a spring that slides at a given displacement.
     Stop(Stop),
     /// Dahl's friction state.
     Dahl(Dahl),
-    /// Its rate: damping of the bristles in presliding. Parameter in N·m·s.
+    /// Rate of Dahl's friction state: damping of the bristles in presliding. Parameter in N·m·s.
     DahlRate(Dahl),
     /// Direction of motion through a first-order lag.
     LaggedSign(LaggedSign),
@@ -108,8 +108,7 @@ impl Term {
         }
     }
 
-    /// The torque that the robot's description gives, where the term is one: it is known and has no place among what is
-    /// fitted.
+    /// Passive torque that the robot's description gives, where the term is one. It is known and is not fitted.
     pub fn passive(&self) -> Option<Passive> {
         match self {
             Term::Counterbalance(c) => Some(Passive::Counterbalance(*c)),

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How far beyond the range that it was fitted on a polynomial may grow, in half ranges from the middle.
+/// Largest distance from the middle of the fitted range up to which a polynomial may change, in half ranges.
 const BEYOND: f64 = 1.2;
 
-/// Legendre polynomial of the joint's position over the range that was seen; held at 1.2 half ranges from its middle, as a
-/// polynomial says nothing of where it was not fitted.
+/// Legendre polynomial of the joint's position over the range that was seen. Beyond 1.2 half ranges from the
+/// middle it is held constant, as a polynomial is not valid where it was not fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Polynomial {
-    /// Degree.
+    /// Degree of the polynomial.
     pub degree: usize,
     /// Middle of the range, rad (m for prismatic joints).
     pub middle: f64,

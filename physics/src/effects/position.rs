@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 /// sin(order·q) or cos(order·q) times a friction shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PositionFriction {
-    /// How friction changes over position.
+    /// Factor of the friction over position.
     pub harmonic: Harmonic,
-    /// What changes.
+    /// Friction shape that is modulated.
     pub friction: FrictionShape,
 }

@@ -4,8 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// z follows sign(q̇) with a time constant and keeps its value while the joint stands still.
 ///
-/// Stands for friction lag and for slow creep after a reversal, which displacement alone
-/// does not describe.
+/// Describes friction lag and slow creep after a reversal, which a function of displacement alone does not describe.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaggedSign {
     /// Time constant, s.

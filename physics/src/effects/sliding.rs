@@ -12,7 +12,7 @@ pub enum Sliding {
     Coulomb,
     /// tanh(q̇/velocity): Coulomb friction as a low-passed velocity or a drive at rest shows it.
     SoftCoulomb {
-        /// Velocity over which the sign turns round.
+        /// Velocity over which the sign changes.
         velocity: f64,
     },
     /// |q̇|: the difference of viscous friction between the two directions.
@@ -29,12 +29,12 @@ pub enum Sliding {
         velocity: f64,
         /// One is Tustin's form, two is Gauss's.
         exponent: f64,
-        /// Velocity over which the sign turns round.
+        /// Velocity over which the sign changes.
         softness: f64,
     },
     /// tanh²(q̇/velocity): the difference of Coulomb friction between the two directions.
     AsymmetricCoulomb {
-        /// Velocity over which the sign turns round.
+        /// Velocity over which the sign changes.
         velocity: f64,
     },
     /// tanh(q̇/velocity): viscous friction that saturates.
@@ -44,7 +44,7 @@ pub enum Sliding {
     },
     /// sign(q̇)·|q̇|^exponent (Han et al., equation 5).
     Power {
-        /// Exponent α.
+        /// Exponent α of the speed.
         exponent: f64,
     },
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// continue a known clock uses `neutral`, the factor's mean over the training samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WarmUp {
-    /// What changes.
+    /// Term that decays.
     pub term: Box<Term>,
     /// Time constant, s.
     pub time_constant: f64,

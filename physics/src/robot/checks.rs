@@ -1,4 +1,4 @@
-//! What of a joint and its link is refused.
+//! Checks that refuse impossible values of a joint and its link.
 
 use super::{Doubt, Finding, Joint, RobotError};
 

@@ -8,7 +8,7 @@ use super::JointKind;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// Which of the two conventions a table follows.
+/// Convention that a table follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Convention {
     /// Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α) (Denavit and Hartenberg; Spong).
@@ -28,7 +28,7 @@ pub struct Row {
     pub d: f64,
     /// Angle θ at q = 0, rad.
     pub theta: f64,
-    /// What moves.
+    /// Kind of the joint: it turns or slides.
     pub kind: JointKind,
 }
 
@@ -78,8 +78,8 @@ pub fn placements(convention: Convention, base: Pose, rows: &[Row]) -> Vec<Pose>
 }
 
 impl Convention {
-    /// Pose, in the joint frame of this crate, of the frame that the table attaches to the link: what is
-    /// given in the table's frame, such as a centre of mass, is taken to the joint frame by it.
+    /// Pose, in the joint frame of this crate, of the frame that the table attaches to the link. It takes a
+    /// quantity given in the table's frame, such as a centre of mass, to the joint frame.
     pub fn link_frame(self, row: &Row) -> Pose {
         match self {
             Self::Standard => {

@@ -1,8 +1,8 @@
-//! What can be wrong with a description of a robot.
+//! Errors of a robot's description.
 
 use std::path::PathBuf;
 
-/// Why a robot cannot be used. Every message names the link or joint and ends with what to do.
+/// Reason why a robot cannot be used. Every message names the link or joint and ends with the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum RobotError {
     /// The file cannot be read.
@@ -13,12 +13,12 @@ pub enum RobotError {
         /// Reason given by the operating system.
         source: std::io::Error,
     },
-    /// What a file holds cannot be used.
+    /// The content of a file cannot be used.
     #[error("{}: {source}", path.display())]
     InFile {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Error in its content.
         source: Box<RobotError>,
     },
     /// Neither a built-in robot nor a file.
@@ -37,14 +37,14 @@ pub enum RobotError {
         /// Name asked for.
         name: String,
     },
-    /// Not XML.
+    /// A file that is not well-formed XML.
     #[error("line {line}: it cannot be parsed: {reason}; {remedy}")]
     Syntax {
         /// Line, from 1.
         line: u32,
         /// Message of the parser.
         reason: String,
-        /// What to do.
+        /// Remedy.
         remedy: String,
     },
     /// An element that cannot be used.
@@ -54,9 +54,9 @@ pub enum RobotError {
         line: u32,
         /// The element, with its name where it has one.
         element: String,
-        /// What is wrong with it.
+        /// Problem of the element.
         problem: String,
-        /// What to do.
+        /// Remedy.
         remedy: String,
     },
     /// A macro file.
@@ -68,13 +68,13 @@ pub enum RobotError {
     /// An MJCF that cannot be used.
     #[error("MJCF: {reason}")]
     Mjcf {
-        /// What is wrong, and what to do.
+        /// Problem and remedy.
         reason: String,
     },
     /// Joints that make no robot.
     #[error("{reason}")]
     Joints {
-        /// Why, and what to do.
+        /// Reason and remedy.
         reason: String,
     },
     /// Several chains, of which none is meant more than another.
@@ -83,7 +83,7 @@ pub enum RobotError {
          tool's frame by --joints a,b,c; a tree of moving arms is not supported"
     )]
     SeveralChains {
-        /// Where they begin.
+        /// Joints at which the chains begin.
         starts: String,
     },
     /// A joint of the chain follows another, so that their torques are one.
@@ -105,7 +105,7 @@ pub enum RobotError {
     Duplicate {
         /// `link` or `joint`.
         what: &'static str,
-        /// The name.
+        /// The name that is used twice.
         name: String,
         /// Lines of both, from 1.
         lines: [u32; 2],
@@ -119,7 +119,7 @@ pub enum RobotError {
         line: u32,
         /// Joint with the reference.
         joint: String,
-        /// Missing link.
+        /// Name of the missing link.
         link: String,
     },
     /// A link has two parent joints.
@@ -141,7 +141,7 @@ pub enum RobotError {
     Roots {
         /// Number of roots found.
         count: usize,
-        /// Their names.
+        /// Names of the roots.
         names: String,
     },
     /// No joint moves.
@@ -159,7 +159,7 @@ pub enum RobotError {
     UnsupportedJoint {
         /// Name of the joint.
         joint: String,
-        /// Its kind.
+        /// Kind of the joint.
         kind: String,
     },
     /// The axis has no direction.
@@ -177,11 +177,11 @@ pub enum RobotError {
     BadNumber {
         /// Link or joint it belongs to.
         owner: String,
-        /// Which number.
+        /// Name of the quantity.
         what: String,
-        /// Its value.
+        /// Value of the quantity.
         value: f64,
-        /// What is allowed.
+        /// Allowed range, in words.
         hint: String,
     },
     /// A moving joint carries no mass.
@@ -201,21 +201,21 @@ pub enum RobotError {
          the inertia belongs to the centre of mass, in kg·m²"
     )]
     ImpossibleInertia {
-        /// Link concerned.
+        /// Link with the impossible inertia.
         link: String,
         /// Joint that moves it.
         joint: String,
-        /// What is impossible about it.
+        /// Property that no body has.
         reason: String,
     },
     /// A list has the wrong length.
     #[error("{what}: {found} values for a robot that needs {expected}")]
     WrongLength {
-        /// Which list.
+        /// Name of the list.
         what: &'static str,
-        /// Length needed.
+        /// Number of values needed.
         expected: usize,
-        /// Length found.
+        /// Number of values found.
         found: usize,
     },
     /// The description to be changed does not belong to the robot.
@@ -225,13 +225,13 @@ pub enum RobotError {
     Mismatch {
         /// `link` or `joint`.
         what: &'static str,
-        /// Missing name.
+        /// The missing name.
         name: String,
     },
     /// The drive file is not usable.
     #[error("drive file: {reason}")]
     Drive {
-        /// What is wrong, and what to do.
+        /// Problem and remedy.
         reason: String,
     },
 }

@@ -23,7 +23,7 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// From mass (kg), centre of mass (m) and inertia about the centre of mass (kg·m²), the last two in
+    /// Inertia from mass (kg), centre of mass (m) and inertia about the centre of mass (kg·m²), the last two in
     /// the directions of the frame: I = I_c + m (cᵀc·1 − c cᵀ) (parallel axes).
     pub fn from_com(mass: f64, com: Vector3<f64>, about_com: Matrix3<f64>) -> Self {
         Self {
@@ -33,7 +33,7 @@ impl Inertia {
         }
     }
 
-    /// From the standard parameters `[m, m·cx, m·cy, m·cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz]`.
+    /// Inertia from the standard parameters `[m, m·cx, m·cy, m·cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz]`.
     pub fn from_parameters(p: &[f64; PARAMETERS_PER_LINK]) -> Self {
         let [m, hx, hy, hz, xx, xy, yy, xz, yz, zz] = *p;
         Self {
@@ -81,8 +81,7 @@ impl Inertia {
         moments
     }
 
-    /// The same body expressed in a frame in which this one has orientation `rotation` and origin
-    /// `translation` (x' = R x + t).
+    /// Inertia of the same body in a frame in which this one has orientation `rotation` and origin `translation` (x' = R x + t).
     pub fn transformed(&self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
         let h = rotation * self.first_moment;
         let i = rotation * self.about_origin * rotation.transpose();

@@ -3,7 +3,7 @@
 use super::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-/// How a joint moves.
+/// Kind of a joint's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
     /// Rotation about the axis, with limits; q in rad.
@@ -35,7 +35,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// No limits.
+    /// Limits of a joint that has none.
     pub const NONE: Self = Self {
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -61,9 +61,9 @@ pub struct Link {
 /// translation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Name.
+    /// Name of the joint.
     pub name: String,
-    /// How it moves.
+    /// Kind of its motion.
     pub kind: JointKind,
     /// Unit vector of the axis in the joint frame.
     pub axis: Vector3<f64>,

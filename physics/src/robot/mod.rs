@@ -81,8 +81,8 @@ impl Robot {
         })
     }
 
-    /// A robot as a description has it: judged with its `bodies` as they are written and what its reader found. Where no link
-    /// has a mass, bodies of 1 kg stand in.
+    /// A robot from a description: judged with its `bodies` as they are written and with the `findings` of its
+    /// reader. Where no link has a mass, bodies of 1 kg are substituted.
     pub(in crate::robot) fn described(
         name: impl Into<String>,
         mut joints: Vec<Joint>,
@@ -127,12 +127,12 @@ impl Robot {
         Builtin::named(name).map(Builtin::robot)
     }
 
-    /// Which built-in robot this is; none for a description from elsewhere, whatever it is called.
+    /// Built-in robot that this is; none for a description from elsewhere, whatever it is called.
     pub fn which_builtin(&self) -> Option<Builtin> {
         self.builtin
     }
 
-    /// The same robot known as a built-in one, or as none: for a stored robot that is read back.
+    /// This robot known as a built-in one, or as none: for a stored robot that is read back.
     pub fn known_as(mut self, builtin: Option<Builtin>) -> Self {
         self.builtin = builtin;
         self
@@ -174,12 +174,12 @@ impl Robot {
         &self.gravity_compensation
     }
 
-    /// What is doubtful about the description although it can be used.
+    /// Doubts about a description that can nevertheless be used.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
     }
 
-    /// What the description says of masses.
+    /// State of the masses in the description.
     pub fn masses(&self) -> Masses {
         self.masses
     }
@@ -202,7 +202,7 @@ impl Robot {
         self.joints.iter().map(of).collect()
     }
 
-    /// What of the description the robot does not hold, or holds otherwise: joints taken as fixed, effects left out.
+    /// Parts of the description that the robot does not hold, or holds otherwise: joints taken as fixed, effects left out.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -228,8 +228,8 @@ impl Robot {
             .collect()
     }
 
-    /// The same robot with other inertial parameters (10 N values). They are taken as they are: an
-    /// estimate need not be physically consistent.
+    /// This robot with other inertial parameters (10 N values). They are taken as they are: an estimate need
+    /// not be physically consistent.
     ///
     /// # Errors
     /// Wrong number of values.
@@ -250,13 +250,13 @@ impl Robot {
         Ok(robot)
     }
 
-    /// The same robot under another gravity (base frame, m/s²).
+    /// This robot under another gravity (base frame, m/s²).
     pub fn with_gravity(mut self, gravity: Vector3<f64>) -> Self {
         self.gravity = gravity;
         self
     }
 
-    /// The same robot with other damping and Coulomb friction (N values each).
+    /// This robot with other damping and Coulomb friction (N values each).
     ///
     /// # Errors
     /// Wrong number of values.
@@ -266,7 +266,7 @@ impl Robot {
         Ok(self)
     }
 
-    /// The same robot with rotor inertias seen from the links, kg·m² (N values).
+    /// This robot with rotor inertias seen from the links, kg·m² (N values).
     ///
     /// # Errors
     /// Wrong number of values.
@@ -275,7 +275,7 @@ impl Robot {
         Ok(self)
     }
 
-    /// The same robot with one more known torque of position.
+    /// This robot with one more known torque of position.
     ///
     /// # Errors
     /// Its joint does not exist.
@@ -291,8 +291,7 @@ impl Robot {
         Ok(self)
     }
 
-    /// The same robot with a part of each link's weight held from outside: see [`Robot::gravity_compensation`]. N values,
-    /// or none.
+    /// This robot with a part of each link's weight held from outside: see [`Robot::gravity_compensation`]. N values, or none.
     ///
     /// # Errors
     /// Wrong number of values, or one that is not finite.

@@ -15,8 +15,8 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// Torque at joint position `q`, N·m or N, as a part of what the drive has to deliver (it is added to inverse
-    /// dynamics): `stiffness`·(q − `rest`).
+    /// Torque at joint position `q`, N·m or N, as a part of the torque that the drive has to deliver (it is
+    /// added to inverse dynamics): `stiffness`·(q − `rest`).
     pub fn torque(&self, q: f64) -> f64 {
         self.stiffness * (q - self.rest)
     }

@@ -11,9 +11,9 @@ use crate::robot::{Robot, RobotError};
 /// A term of one joint with its identified parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct WeightedTerm {
-    /// The column.
+    /// Term: a column of the model.
     pub term: Term,
-    /// Its parameter, in the term's unit.
+    /// Parameter of the term, in the term's unit.
     pub value: f64,
     /// Standard deviation of the parameter.
     pub std: f64,
@@ -27,7 +27,7 @@ pub struct TorqueModel {
     terms: Vec<Vec<WeightedTerm>>,
 }
 
-/// What may be wrong with the parts of a [`TorqueModel`].
+/// Errors of the parts of a [`TorqueModel`].
 #[derive(Debug, thiserror::Error)]
 pub enum TorqueModelError {
     /// Parameters do not fit the robot.
@@ -145,7 +145,7 @@ impl TorqueModel {
 pub struct Predictor {
     workspace: Workspace,
     values: Vec<Vec<f64>>,
-    /// Which terms are friction.
+    /// Whether each term is friction, by joint.
     frictional: Vec<Vec<bool>>,
     friction: Vec<f64>,
     rigid: Robot,
@@ -211,7 +211,7 @@ impl Predictor {
         }
     }
 
-    /// What of the last sample's torque was friction, N·m: see [`Term::is_friction`].
+    /// Friction part of the last sample's torque, N·m: see [`Term::is_friction`].
     pub fn friction(&self) -> &[f64] {
         &self.friction
     }

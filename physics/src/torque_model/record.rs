@@ -1,4 +1,4 @@
-//! How a torque model is stored.
+//! Stored form of a torque model.
 
 use super::{TorqueModel, TorqueModelError, WeightedTerm};
 use crate::robot::{Builtin, Robot, to_urdf};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct TorqueModelRecord {
     /// Name of the robot.
     pub robot: String,
-    /// Which built-in robot it is; absent for any other.
+    /// Built-in robot that it is; absent for any other.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub builtin: Option<Builtin>,
     /// Joint names, base first.

@@ -1,15 +1,15 @@
-//! From a table to a robot.
+//! Construction of a robot from a table.
 
 use crate::robot::dh::{Convention, Pose, Row, placements};
 use crate::robot::{Inertia, Joint, Limits, Link, Robot};
 use nalgebra::{Matrix3, Vector3};
 
-/// What is known about one joint and its link.
+/// Description of one joint and its link.
 pub(super) struct Axis {
     pub(super) joint: &'static str,
     pub(super) link: &'static str,
     pub(super) row: Row,
-    /// In the joint frame.
+    /// Inertia of the link in the joint frame.
     pub(super) inertia: Inertia,
     pub(super) limits: Limits,
     pub(super) rotor_inertia: f64,

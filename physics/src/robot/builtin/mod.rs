@@ -9,8 +9,8 @@ mod ur5;
 use super::Robot;
 use serde::{Deserialize, Serialize};
 
-/// Which built-in robot. What is known of one beyond its description (its benchmark's files, gears that
-/// run inside each other) follows from this and never from the name that a description carries.
+/// Built-in robot. Knowledge beyond its description (its benchmark's files, gears that run inside each other)
+/// follows from this and never from the name that a description carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Builtin {
@@ -39,12 +39,12 @@ impl Builtin {
         }
     }
 
-    /// The one of that name.
+    /// Built-in robot of that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|b| b.name() == name)
     }
 
-    /// The robot.
+    /// Description of the robot.
     pub fn robot(self) -> Robot {
         let robot = match self {
             Self::Ur5 => ur5::robot(),

@@ -1,4 +1,4 @@
-//! From a recording's numbers to SI on the link side.
+//! Conversion of a recording's numbers to SI units on the link side.
 
 use super::units::{AngleUnit, TimeUnit, TorqueUnit};
 use super::{Drive, Driven};
@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 /// Recorded value to SI on the link side: value · `scale` + `offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conversion {
-    /// Factor.
+    /// Factor on the recorded value.
     pub scale: f64,
     /// Added afterwards, SI.
     pub offset: f64,

@@ -1,4 +1,4 @@
-//! What a drive file needs to know of what is driven.
+//! Properties of driven axes that a drive file refers to.
 
 use crate::robot::Robot;
 

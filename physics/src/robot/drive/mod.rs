@@ -1,4 +1,4 @@
-//! Drive file: what a URDF cannot say about drives and recordings (`--drive FILE.toml`).
+//! Drive file: properties of drives and recordings that a URDF cannot hold (`--drive FILE.toml`).
 //!
 //! ```toml
 //! # One value per joint, base first; every key is optional.
@@ -68,7 +68,7 @@ pub struct Drive {
     pub rotor_inertia: Option<Vec<f64>>,
     /// Sign (1 or −1) of recorded motion and torque against the URDF's.
     pub direction: Option<Vec<f64>>,
-    /// What recorded torque is multiplied by, beside its unit; negative where its sign is not the motion's.
+    /// Factor on the recorded torque, beside its unit; negative where its sign is not the motion's.
     pub torque_scale: Option<Vec<f64>>,
     /// Joint zeros, rad or m: q = direction·recorded + zero.
     pub zero: Option<Vec<f64>>,
@@ -77,7 +77,7 @@ pub struct Drive {
     /// Largest additive torque that the controller sends, N·m or N.
     pub torque_threshold: Option<Vec<f64>>,
     /// The recording's own name of a column (`tau3`) or of a group of columns (`tau`), of `time` and of
-    /// `trajectory`; `{}` stands for the joint's number, from 1.
+    /// `trajectory`; `{}` is replaced by the joint's number, from 1.
     #[serde(default)]
     pub columns: BTreeMap<String, String>,
     /// Units of the recording.
@@ -85,7 +85,7 @@ pub struct Drive {
     pub units: Units,
     /// Low-pass that the recorded torque has been through.
     pub torque_filter: Option<TorqueFilter>,
-    /// What turns commanded motion into torque.
+    /// Controller, which turns commanded motion into torque.
     pub controller: Option<Controller>,
 }
 

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Units {
-    /// Of `time`.
+    /// Unit of `time`.
     pub time: TimeUnit,
-    /// Of positions, velocities and accelerations of rotating joints.
+    /// Unit of positions, velocities and accelerations of rotating joints.
     pub angle: AngleUnit,
-    /// What the torque columns hold.
+    /// Unit of the torque columns.
     pub torque: TorqueUnit,
 }
 
@@ -18,7 +18,7 @@ pub struct Units {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TimeUnit {
-    /// Seconds.
+    /// Seconds, the default.
     #[default]
     S,
     /// Milliseconds.
@@ -33,14 +33,14 @@ pub enum TimeUnit {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AngleUnit {
-    /// Radians.
+    /// Radians, the default.
     #[default]
     Rad,
     /// Degrees.
     Deg,
 }
 
-/// What a torque column holds.
+/// Quantity and unit of a torque column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TorqueUnit {
@@ -53,7 +53,7 @@ pub enum TorqueUnit {
     Current,
     /// Current of the motor, per mille of its rated current (CiA 402, object 6078h).
     Rated,
-    /// The same in per cent.
+    /// Current of the motor, per cent of its rated current.
     Percent,
 }
 
@@ -67,7 +67,7 @@ impl TorqueUnit {
         }
     }
 
-    /// As the file names it.
+    /// Name in the drive file.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Link => "link",

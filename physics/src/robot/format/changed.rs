@@ -1,4 +1,4 @@
-//! What a description is to hold instead of its own numbers.
+//! New numbers for a description.
 
 use crate::robot::{Inertia, Robot};
 use nalgebra::Vector3;
@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 pub struct Load {
     /// Index of the joint whose link carries it.
     pub link: usize,
-    /// In that link's frame.
+    /// Inertia in that link's frame.
     pub inertia: Inertia,
 }
 
@@ -17,11 +17,11 @@ pub struct Load {
 pub struct Changed<'a> {
     /// The robot without its load.
     pub robot: &'a Robot,
-    /// What each joint's zero moves by, rad or m: q_true = q + zero. Empty for none.
+    /// Correction of each joint's zero, rad or m: q_true = q + zero. Empty for none.
     pub zeros: &'a [f64],
     /// Rotation vector by which the base is tilted, rad. An MJCF has it in its gravity instead.
     pub tilt: Vector3<f64>,
-    /// Load.
+    /// Load at the robot; none without one.
     pub load: Option<Load>,
 }
 
@@ -36,7 +36,7 @@ impl<'a> Changed<'a> {
         }
     }
 
-    /// What joint `j`'s zero moves by.
+    /// Correction of joint `j`'s zero, rad or m.
     pub(super) fn zero(&self, j: usize) -> f64 {
         self.zeros.get(j).copied().unwrap_or(0.0)
     }

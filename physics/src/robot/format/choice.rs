@@ -1,5 +1,5 @@
-//! Which joints of a description make the robot, whatever its format: those that are asked for, those that carry a frame, or
-//! the one chain.
+//! Choice of the joints that make the robot, whatever the format: those that are asked for, those that carry a
+//! frame, or the only chain.
 
 use crate::robot::RobotError;
 
@@ -10,7 +10,7 @@ pub(super) struct Candidate<'a> {
     pub above: Option<usize>,
     /// Whether it turns about or slides along one axis.
     pub scalar: bool,
-    /// Whether a drive may move it: an actuator names it, or nothing says that it follows another.
+    /// Whether a drive may move it: an actuator names it, or nothing makes it follow another.
     pub driven: bool,
     /// Whether something ties it to another joint, be it that it leads.
     pub coupled: bool,
@@ -23,7 +23,7 @@ pub(super) struct Tree<'a> {
     pub frames: Vec<(&'a str, Option<usize>)>,
 }
 
-/// What is asked for: names of joints, base first, or of one frame, and joints that stand elsewhere than at their reference.
+/// Choice of the user: names of joints, base first, or of one frame, and joints held at another position than their reference.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Wanted {
     pub names: Vec<String>,
@@ -53,7 +53,7 @@ impl Wanted {
     }
 }
 
-/// Why joints make no robot, and what to do.
+/// Refusal of a choice of joints, with the remedy.
 pub(super) fn refused(reason: impl Into<String>) -> RobotError {
     RobotError::Joints {
         reason: reason.into(),
@@ -61,7 +61,7 @@ pub(super) fn refused(reason: impl Into<String>) -> RobotError {
 }
 
 impl Tree<'_> {
-    /// The chosen joints, base first, on one way from the base outwards.
+    /// Indices of the chosen joints, base first, on one way from the base outwards.
     pub fn choose(&self, wanted: &Wanted) -> Result<Vec<usize>, RobotError> {
         let chosen = match &wanted.names[..] {
             [] => self.one_chain()?,

@@ -1,7 +1,7 @@
-//! Robot formats: what a description is read from and written to.
+//! Robot formats: readers and writers of descriptions.
 //!
-//! A format is one folder with reading, writing and new numbers in an existing text; what is read is always a [`Robot`]. Which
-//! format a file has follows from its outermost element.
+//! A format is one folder with reading, writing and new numbers in an existing text; the result of reading is
+//! always a [`Robot`]. The format of a file follows from its outermost element.
 
 mod changed;
 mod choice;
@@ -21,10 +21,10 @@ use std::path::Path;
 /// the command that takes it.
 pub const MACHINES: [&str; 5] = ["rotary_axis", "linear_axis", "scara4", "delta3", "delta4"];
 
-/// A robot's description as the user has it: what new numbers can be written into.
+/// Description of a robot as the user has it, into which new numbers can be written.
 #[derive(Clone, Debug)]
 pub enum Description {
-    /// A URDF.
+    /// A URDF description.
     Urdf(Urdf),
     /// Files of an MJCF.
     Mjcf(Mjcf),
@@ -71,8 +71,9 @@ impl Chains {
 }
 
 impl Description {
-    /// Reads a file. `joints` names the joints of the robot, base first, or a frame at the end of its chain, where the
-    /// description holds more; empty for its one chain. `NAME=POSITION` (rad or m) says where another joint stands.
+    /// Reads a file. `joints` names the joints of the robot, base first, or a frame at the end of its chain,
+    /// where the description holds more; empty for its only chain. `NAME=POSITION` (rad or m) holds another
+    /// joint at that position.
     ///
     /// # Errors
     /// The file cannot be read or is refused.
@@ -123,7 +124,7 @@ fn in_file(path: &Path, error: RobotError) -> RobotError {
     }
 }
 
-/// Whether a text is meant as an MJCF: by its outermost element, or by what it holds where it cannot be parsed.
+/// Whether a text is meant as an MJCF: by its outermost element, or by its content where it cannot be parsed.
 fn is_mjcf(text: &str) -> bool {
     match xml::parse(&xml::readable(text)) {
         Ok(document) => document
@@ -185,7 +186,7 @@ impl Robot {
         Self::from_urdf_str(&text).map_err(|error| in_file(path, error))
     }
 
-    /// Reads a URDF with the one chain that it holds: see [`Urdf::robot`].
+    /// Reads a URDF with a single chain: see [`Urdf::robot`].
     ///
     /// # Errors
     /// Not a URDF, not one serial chain, or an inertia that no mechanism can have.

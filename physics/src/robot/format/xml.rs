@@ -78,7 +78,7 @@ pub(super) fn label(node: Node<'_, '_>) -> String {
     }
 }
 
-/// What is wrong with an element, and what to do.
+/// Error of an element: problem and remedy.
 pub(super) fn wrong(node: Node<'_, '_>, problem: String, remedy: &str) -> RobotError {
     RobotError::Element {
         line: line(node),

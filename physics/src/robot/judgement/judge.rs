@@ -4,11 +4,12 @@ use super::{AIR, Body, Doubt, Finding, HEAVIEST};
 use crate::robot::{Inertia, Joint, JointKind, Limits};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// A link this much lighter than the one that carries it is doubtful. Motor, bearings and housing of neighbours are of like
-/// size; of the built-in arms the lightest is a twelfth of its neighbour.
+/// Ratio of a link's mass to that of the link that carries it, below which the mass is doubtful. Motor,
+/// bearings and housing of neighbours are of like size; of the built-in arms the lightest is a twelfth of its
+/// neighbour.
 const LIGHT: f64 = 0.01;
 
-/// Numbers that differ by less, relative, are written alike.
+/// Relative difference below which two numbers count as written alike.
 const ALIKE: f64 = 1e-9;
 
 /// A slow joint's speed where a description limits none, rad/s or m/s.
@@ -17,7 +18,7 @@ const SLOW: f64 = 1.0;
 /// Poses at which a description's weight is compared with its drives.
 const POSES: usize = 128;
 
-/// What is doubtful about a chain's numbers. `bodies` are its bodies as they are written, `gravity` is in m/s².
+/// Doubts about a chain's numbers. `bodies` are its bodies as they are written, `gravity` is in m/s².
 pub(crate) fn judge(joints: &[Joint], bodies: &[Body], gravity: &Vector3<f64>) -> Vec<Finding> {
     let mut findings = Vec::new();
     let heavy: Vec<&Body> = bodies.iter().filter(|b| b.inertia.mass > 0.0).collect();

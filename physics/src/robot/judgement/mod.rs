@@ -1,7 +1,8 @@
-//! What is doubtful about a description: found once, when it is read, and said wherever it is used.
+//! Doubts about a description: found once, when it is read, and reported wherever it is used.
 //!
-//! Nothing here compares a description with a recording. Each doubt follows from the description alone: from what no body can
-//! have, from what no material weighs, or from what its own drives could not move.
+//! Nothing here compares a description with a recording. Each doubt follows from the description alone: from
+//! numbers that no body can have, from densities that no material has, or from weights that its own drives
+//! could not move.
 
 mod judge;
 
@@ -17,32 +18,32 @@ const HEAVIEST: f64 = 19_300.0;
 /// Density of air, kg/m³.
 const AIR: f64 = 1.2;
 
-/// A body of a description as it is written, before what is fixed to each other is merged.
+/// A body of a description as it is written, before bodies fixed to each other are merged.
 pub(super) struct Body {
     /// Name of the link or body.
     pub name: String,
     /// Name of the joint that carries it.
     pub joint: String,
-    /// In a frame of its own.
+    /// Inertia in a frame of its own.
     pub inertia: Inertia,
 }
 
-/// What a description says of masses.
+/// State of the masses in a description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Masses {
     /// Masses of bodies.
     #[default]
     Described,
-    /// Numbers that hold the place of masses: a comparison with them says nothing.
+    /// Placeholder numbers in place of masses: a comparison with them means nothing.
     Placeholders,
     /// None: bodies of 1 kg stand in, which serve as a scale and nothing else.
     Missing,
 }
 
-/// Something doubtful, and what it concerns.
+/// A doubt about a description, and the elements that it concerns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// What.
+    /// The doubt.
     pub doubt: Doubt,
     /// Names of joints, or of links and bodies where these are meant.
     pub names: Vec<String>,
@@ -51,7 +52,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Of a joint.
+    /// A doubt about a joint.
     pub(super) fn of_joint(doubt: Doubt, joint: &str) -> Self {
         Self {
             doubt,
@@ -60,7 +61,7 @@ impl Finding {
         }
     }
 
-    /// Of the link that a joint moves.
+    /// A doubt about the link that a joint moves.
     pub(super) fn of_link(doubt: Doubt, joint: &Joint) -> Self {
         Self {
             doubt,
@@ -80,7 +81,7 @@ impl Finding {
     }
 }
 
-/// What can be doubtful about a description.
+/// Doubt about a description.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Doubt {
     /// No link has a mass.
@@ -97,7 +98,7 @@ pub enum Doubt {
     FarAway(f64, f64),
     /// Torque or force that the described weight asks for at the worst pose, and the drive's limit.
     BeyondDrive(f64, f64),
-    /// Which friction is below zero, and its value; taken as zero.
+    /// Kind and value of a friction below zero; taken as zero.
     NegativeFriction(&'static str, f64),
     /// An effort limit of zero; taken as unknown.
     NoEffort,
@@ -110,7 +111,7 @@ pub enum Doubt {
 }
 
 impl Doubt {
-    /// Whether it says that inertial numbers of its links cannot be relied on.
+    /// Whether the doubt is that inertial numbers of its links cannot be relied on.
     pub fn is_of_masses(&self) -> bool {
         matches!(
             self,
@@ -124,7 +125,7 @@ impl Doubt {
         )
     }
 
-    /// Whether it says that friction of its joints cannot be relied on.
+    /// Whether the doubt is that friction of its joints cannot be relied on.
     pub fn is_of_friction(&self) -> bool {
         matches!(
             self,

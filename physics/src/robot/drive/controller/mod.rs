@@ -26,37 +26,37 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
-    /// Which law it follows.
+    /// Control law.
     pub kind: ControllerKind,
-    /// See [`Key::Kp`].
+    /// Gain on the position error: see [`Key::Kp`].
     pub kp: Option<PerJoint>,
-    /// See [`Key::Kd`].
+    /// Gain on the velocity error: see [`Key::Kd`].
     pub kd: Option<PerJoint>,
-    /// See [`Key::Ki`].
+    /// Gain on the integral of the position error: see [`Key::Ki`].
     pub ki: Option<PerJoint>,
-    /// See [`Key::KpVelocity`].
+    /// Gain of a cascade on the velocity error: see [`Key::KpVelocity`].
     pub kp_velocity: Option<PerJoint>,
-    /// See [`Key::KiVelocity`].
+    /// Gain of a cascade on the integral of the velocity error: see [`Key::KiVelocity`].
     pub ki_velocity: Option<PerJoint>,
-    /// See [`Key::TorquePerError`].
+    /// Torque of a hobby servo at standstill per error: see [`Key::TorquePerError`].
     pub torque_per_error: Option<PerJoint>,
-    /// See [`Key::BackEmf`].
+    /// Torque lost per velocity: see [`Key::BackEmf`].
     pub back_emf: Option<PerJoint>,
-    /// See [`Key::Voltage`].
+    /// Torque at standstill under the full supply voltage: see [`Key::Voltage`].
     pub voltage: Option<PerJoint>,
-    /// See [`Key::Limit`].
+    /// Largest torque: see [`Key::Limit`].
     pub limit: Option<PerJoint>,
-    /// See [`Key::Delay`].
+    /// Delay of the commands: see [`Key::Delay`].
     pub delay: Option<PerJoint>,
     /// Relative tolerance (one standard deviation) of the given values.
     #[serde(default)]
     pub tolerance: Tolerance,
-    /// Keys whose value is not known: what is given for them is a start at most.
+    /// Keys whose value is not known: a value given for them is at most a start of the fit.
     #[serde(default)]
     pub free: Vec<Key>,
-    /// Time between commands, s; none where the recording says it.
+    /// Time between commands, s; none: taken from the recording.
     pub period: Option<f64>,
-    /// What the drive does between two commands.
+    /// Set point of the drive between two commands.
     #[serde(default)]
     pub interpolation: Interpolation,
     /// Whether the drive adds the torque against gravity.
@@ -70,7 +70,7 @@ pub struct Controller {
 pub enum ControllerKind {
     /// Torque = kp·e + kd·(q̇_ref − q̇).
     Pd,
-    /// The same and ki times the integral of e.
+    /// Torque = kp·e + kd·(q̇_ref − q̇) + ki·∫e dt.
     Pid,
     /// Velocity set point = kp·e (+ q̇_ref); torque = kp_velocity times its error and ki_velocity times that error's integral.
     Cascade,
@@ -79,7 +79,7 @@ pub enum ControllerKind {
 }
 
 impl ControllerKind {
-    /// As the file names it.
+    /// Name in the drive file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pd => "pd",
@@ -89,7 +89,7 @@ impl ControllerKind {
         }
     }
 
-    /// Keys of its law, those that it cannot do without first, and how many these are.
+    /// Keys of the law, the required ones first, and the number of required keys.
     fn keys(self) -> (&'static [Key], usize) {
         match self {
             Self::Pd => (&[Key::Kp, Key::Kd], 1),

@@ -36,9 +36,9 @@ pub enum Key {
     expecting = "a number, or a list with one number per joint, is needed"
 )]
 pub enum PerJoint {
-    /// The same for all.
+    /// One number for all joints.
     All(f64),
-    /// By joint, base first.
+    /// One number per joint, base first.
     Each(Vec<f64>),
 }
 
@@ -49,9 +49,9 @@ pub enum PerJoint {
     expecting = "a number, or a table of numbers by key ({ kp = 0.1, kd = 0.3 }), is needed"
 )]
 pub enum Tolerance {
-    /// Of every value.
+    /// Tolerance of every value.
     All(f64),
-    /// By key; none of the others.
+    /// Tolerance by key; the other values are exact.
     ByKey(BTreeMap<Key, f64>),
 }
 
@@ -61,35 +61,35 @@ impl Default for Tolerance {
     }
 }
 
-/// How a drive fills the time between two commands.
+/// Set point of a drive between two commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {
     /// The last command holds.
     #[default]
     Hold,
-    /// Straight lines.
+    /// Straight lines from command to command.
     Linear,
 }
 
-/// Whether a drive compensates gravity by itself.
+/// State of the drive's own gravity compensation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(
     untagged,
     expecting = "gravity_compensation is true, false or \"unknown\""
 )]
 pub enum GravityCompensation {
-    /// Whether it does.
+    /// On or off.
     Known(bool),
-    /// Nobody knows.
+    /// Not known.
     Unknown(Unknown),
 }
 
-/// The word for what nobody knows.
+/// The word `unknown` of a drive file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unknown {
-    /// `"unknown"`.
+    /// The word itself: `"unknown"`.
     Unknown,
 }
 
@@ -100,7 +100,7 @@ impl Default for GravityCompensation {
 }
 
 impl GravityCompensation {
-    /// Whether it does; none where nobody knows.
+    /// Whether the drive compensates gravity; none where it is not known.
     pub fn known(self) -> Option<bool> {
         match self {
             Self::Known(on) => Some(on),
@@ -124,7 +124,7 @@ impl Key {
         Self::Delay,
     ];
 
-    /// As the file names it.
+    /// Name in the drive file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Kp => "kp",

@@ -13,11 +13,11 @@ use crate::robot::{Robot, RobotError};
 /// the joint gains are multiplied by the square of the gear, forces by the gear.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
-    /// Its name; that of its joint where it has none.
+    /// Name of the actuator; that of its joint where it has none.
     pub name: String,
-    /// Its law.
+    /// Law of the actuator.
     pub kind: ActuatorKind,
-    /// Joint force per force of the actuator; a control stands for `gear` times the joint's position.
+    /// Joint force per force of the actuator. A control is compared with `gear` times the joint's position.
     pub gear: f64,
     /// Range of its force, N·m (N); none where it is not limited.
     pub force: Option<[f64; 2]>,

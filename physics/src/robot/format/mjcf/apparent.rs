@@ -1,4 +1,4 @@
-//! Inertia that an actuator meets at its joint: what a damping ratio refers to.
+//! Inertia that an actuator meets at its joint: a damping ratio refers to it.
 
 use super::chain::Chain;
 use super::scene::{Kind, Scene};

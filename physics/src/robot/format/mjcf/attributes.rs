@@ -1,4 +1,4 @@
-//! An element's attributes, with what its default class gives where it says nothing itself.
+//! Attributes of an element, completed from its default class.
 
 use super::refusal::refused;
 use super::source::Element;
@@ -34,14 +34,15 @@ const ACTUATOR_TAG: &str = "actuator tag";
 /// Attributes that a class gives to one kind of element.
 pub(super) type Given = HashMap<String, String>;
 
-/// Default classes, those nested in another with what they inherit.
+/// Default classes with their attributes; nested classes include what they inherit.
 #[derive(Default)]
 pub(super) struct Classes {
     classes: HashMap<String, HashMap<&'static str, Given>>,
 }
 
 impl Classes {
-    /// Reads all `<default>` sections. A class inherits what its parent has when it is defined, as in MuJoCo.
+    /// Reads all `<default>` sections. A class inherits the attributes that its parent has when the class is
+    /// defined, as in MuJoCo.
     pub fn read(root: Element<'_, '_>) -> Result<Self, RobotError> {
         let mut found = Self::default();
         found.classes.insert("main".to_owned(), HashMap::new());
@@ -95,7 +96,7 @@ impl Classes {
         self.of_kind(kind(element.tag()), element, childclass)
     }
 
-    /// The same with the defaults of another kind of element.
+    /// Attributes of an element with the defaults of another kind of element.
     pub fn of_kind<'c, 'd, 't>(
         &'c self,
         kind: &str,
@@ -162,13 +163,13 @@ fn over(below: &str, above: &str) -> String {
 /// Attributes of one element.
 #[derive(Clone, Copy)]
 pub(super) struct Attributes<'c, 'd, 't> {
-    /// The element.
+    /// The element itself.
     pub element: Element<'d, 't>,
     given: Option<&'c Given>,
 }
 
 impl<'d, 't> Attributes<'_, 'd, 't> {
-    /// Of an element that no default class concerns.
+    /// Attributes of an element without default class.
     pub fn alone(element: Element<'d, 't>) -> Self {
         Self {
             element,
@@ -226,7 +227,7 @@ impl<'d, 't> Attributes<'_, 'd, 't> {
             .map_err(|_| self.wrong(name, &text, &format!("it needs {N} numbers")))
     }
 
-    /// One number.
+    /// An attribute as one number.
     ///
     /// # Errors
     /// Not one number.

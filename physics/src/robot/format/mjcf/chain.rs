@@ -1,4 +1,4 @@
-//! From a scene to the robot of the chosen joints.
+//! Construction of the robot of the chosen joints from a scene.
 
 use super::choice::{self, carries};
 use super::couplings::{self, Couplings};
@@ -16,11 +16,11 @@ const LARGEST: f64 = 1e9;
 /// Compensated weights that differ by less are the same.
 const SAME: f64 = 1e-12;
 
-/// The chosen joints and what each of them carries.
+/// The chosen joints and the bodies that each of them carries.
 pub(super) struct Chain {
     /// Chosen joints, base first.
     pub joints: Vec<usize>,
-    /// For each body the number of chosen joints that carry it.
+    /// Number of chosen joints that carry each body.
     pub links: Vec<usize>,
     /// Pose of each body in the frame of its link (of the base: in the world), all other joints at their reference.
     pub poses: Vec<Pose>,
@@ -74,7 +74,7 @@ impl Chain {
         links.filter(move |(_, l)| **l == link + 1).map(|(b, _)| b)
     }
 
-    /// The robot.
+    /// The robot of the chain.
     pub fn robot(&self, scene: &Scene<'_, '_, '_>) -> Result<Robot, RobotError> {
         self.supported(scene)?;
         let mut joints = Vec::new();
@@ -232,7 +232,7 @@ impl Chain {
         Ok(parts)
     }
 
-    /// What is said of the joints that were not chosen.
+    /// Notes for the user on the joints that were not chosen.
     fn fixed(&self, scene: &Scene<'_, '_, '_>) -> Vec<String> {
         let (mut fixed, mut apart) = (Vec::new(), Vec::new());
         let last = scene.joints[*self.joints.last().expect("at least one")].body;

@@ -1,4 +1,4 @@
-//! What ties joints to each other or drives them: actuators, tendons, equality constraints.
+//! Elements that tie joints to each other or drive them: actuators, tendons, equality constraints.
 
 use super::attributes::{ACTUATORS, Attributes};
 use super::models::Instance;
@@ -9,7 +9,7 @@ use crate::robot::RobotError;
 
 /// A tendon or equality constraint.
 struct Coupling {
-    /// As a message has it.
+    /// Name in messages.
     label: String,
     /// Joints that it acts on.
     joints: Vec<usize>,
@@ -17,7 +17,7 @@ struct Coupling {
     bodies: Vec<usize>,
 }
 
-/// What acts on the joints of a scene from outside the chain.
+/// Elements that act on the joints of a scene from outside the chain.
 pub(super) struct Couplings {
     /// Joints that an actuator drives directly.
     pub actuated: Vec<usize>,
@@ -53,8 +53,8 @@ impl Couplings {
         self.couplings.iter().any(|c| c.joints.contains(&joint))
     }
 
-    /// Refuses what acts on a chosen joint, or ties links that chosen joints move apart. `links` has for each body the
-    /// number of chosen joints that carry it.
+    /// Refuses elements that act on a chosen joint, or that tie links which chosen joints move apart. `links`
+    /// has for each body the number of chosen joints that carry it.
     pub fn check(
         &self,
         scene: &Scene<'_, '_, '_>,

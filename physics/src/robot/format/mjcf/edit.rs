@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 /// Changes of a model's files.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changes {
-    /// File, place in its text, and what comes there.
+    /// Edits: index of the file, range in its text, and replacement.
     edits: Vec<(usize, Range<usize>, String)>,
-    /// What has no place in the files.
+    /// Changes that have no place in the files.
     pub left_out: Vec<String>,
 }
 
@@ -85,7 +85,7 @@ impl Changes {
     }
 }
 
-/// Where a further attribute goes.
+/// Position in the text at which a further attribute is inserted.
 fn after_attributes(element: Element<'_, '_>) -> usize {
     let last = element.node.attributes().next_back();
     last.map_or_else(
@@ -117,14 +117,14 @@ impl Edited {
         Ok(sources)
     }
 
-    /// What was to be written and has no place in the files; one line each.
+    /// Changes that have no place in the files; one line each.
     pub fn left_out(&self) -> &[String] {
         &self.changes.left_out
     }
 
-    /// The files to write when the main one is to be `out`, that one first: an included file that changes goes beside it, its
-    /// name behind the main one's. What does not change is included from where it is, so that `out` should lie in the
-    /// folder of the model.
+    /// Files to write when the main one is to be `out`, that one first. A changed included file goes beside it,
+    /// its name behind the main one's. An unchanged file is included from where it is, so that `out` should lie
+    /// in the folder of the model.
     ///
     /// # Errors
     /// Files that no longer parse.

@@ -1,4 +1,4 @@
-//! Laws of actuators: what turns a control into force.
+//! Laws of actuators: force as a function of the control.
 
 use super::attributes::Attributes;
 use crate::robot::RobotError;
@@ -8,24 +8,24 @@ use crate::robot::RobotError;
 pub enum ActuatorKind {
     /// `<position>`: kp·(u − l) − kv·l̇.
     Position {
-        /// N·m/rad (N/m).
+        /// Stiffness, N·m/rad (N/m).
         kp: f64,
-        /// N·m·s/rad (N·s/m).
+        /// Damping, N·m·s/rad (N·s/m).
         kv: f64,
     },
     /// `<general>` with the same law.
     Pd {
-        /// N·m/rad (N/m).
+        /// Stiffness, N·m/rad (N/m).
         kp: f64,
-        /// N·m·s/rad (N·s/m).
+        /// Damping, N·m·s/rad (N·s/m).
         kv: f64,
     },
     /// kv·(u − l̇).
     Velocity {
-        /// N·m·s/rad (N·s/m).
+        /// Gain on the velocity error, N·m·s/rad (N·s/m).
         kv: f64,
     },
-    /// u.
+    /// Force = u.
     Motor,
     /// Any other law, in words.
     Other(String),

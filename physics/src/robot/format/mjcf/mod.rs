@@ -46,8 +46,8 @@ pub struct Mjcf {
 }
 
 impl Mjcf {
-    /// Reads a file with all that it includes. `joints` names the joints of the robot, base first; empty for the one
-    /// actuated chain.
+    /// Reads a file with all that it includes. `joints` names the joints of the robot, base first; empty for
+    /// the only actuated chain.
     ///
     /// # Errors
     /// A file that cannot be read or parsed, or an `<include>` that cannot be followed.
@@ -58,7 +58,7 @@ impl Mjcf {
         })
     }
 
-    /// The same of a text, which cannot include anything.
+    /// Reads a text, which cannot include anything; `joints` as in [`Self::from_file`].
     ///
     /// # Errors
     /// As [`Mjcf::from_file`].
@@ -69,9 +69,10 @@ impl Mjcf {
         })
     }
 
-    /// The robot: a chain of hinge and slide joints from the world outwards, in the world's frame, with gravity, springs and
-    /// gravity compensation. Everything that no chosen joint moves against each other is merged, other joints are fixed
-    /// at their reference; [`Robot::notes`] says which, and what else the robot does not hold.
+    /// The robot: a chain of hinge and slide joints from the world outwards, in the world's frame, with
+    /// gravity, springs and gravity compensation. Bodies that no chosen joint moves against each other are
+    /// merged, other joints are fixed at their reference. [`Robot::notes`] lists these joints, and all else
+    /// that the robot does not hold.
     ///
     /// # Errors
     /// No MJCF, no one chain, elements that are not supported on what the chosen joints carry, or an inertia that no
@@ -80,11 +81,11 @@ impl Mjcf {
         self.with_chain(|scene, chain| chain.robot(scene))
     }
 
-    /// The model's files with the numbers of a changed robot: inertias, damping, dry friction, armature and gravity where they
-    /// differ, everything else untouched to the byte.
+    /// Files of the model with the numbers of a changed robot: inertias, damping, dry friction, armature and
+    /// gravity where they differ, everything else untouched to the byte.
     ///
-    /// A link's inertia is written to the body that its joint moves, less what the bodies fixed to it have; where that is no
-    /// possible body, they become lighter. A payload becomes a body of its own.
+    /// A link's inertia is written to the body that its joint moves, less the inertias of the bodies fixed to
+    /// it. Where the difference is no possible body, those become lighter. A payload becomes a body of its own.
     ///
     /// # Errors
     /// As [`Mjcf::robot`], or a robot with other joints.
@@ -93,8 +94,9 @@ impl Mjcf {
         Ok(Edited::new(self.sources.clone(), changes))
     }
 
-    /// The same with other drives, one per joint: gains and force ranges are set at the actuators themselves, their default classes
-    /// stay as they are. A damping ratio becomes the kv that it stands for, and dry friction holds a joint without creep
+    /// Files of the model with the numbers of a changed robot and with other drives, one per joint. Gains and
+    /// force ranges are set at the actuators themselves, their default classes stay as they are. A damping
+    /// ratio becomes the kv that follows from it, and dry friction holds a joint without creep
     /// (`solreffriction`, `solimpfriction`).
     ///
     /// # Errors

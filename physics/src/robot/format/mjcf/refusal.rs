@@ -1,8 +1,8 @@
-//! How this format says that it cannot be used.
+//! Error of an MJCF that cannot be used.
 
 use crate::robot::RobotError;
 
-/// An MJCF that cannot be used, and what to do.
+/// Error of an MJCF that cannot be used, with the remedy.
 pub(super) fn refused(reason: impl Into<String>) -> RobotError {
     RobotError::Mjcf {
         reason: reason.into(),

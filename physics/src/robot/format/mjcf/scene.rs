@@ -41,7 +41,7 @@ pub(super) struct Body<'c, 'd, 't> {
     pub unsupported: Vec<&'t str>,
 }
 
-/// Gives what has no name one by its place, which nothing else has.
+/// Gives unnamed elements a unique name, by their place.
 fn name_others(what: &str, mut names: Vec<&mut String>) {
     let mut known: HashSet<String> = names.iter().map(|n| (**n).clone()).collect();
     for (i, name) in names.iter_mut().enumerate() {
@@ -55,7 +55,7 @@ fn name_others(what: &str, mut names: Vec<&mut String>) {
     }
 }
 
-/// How a joint moves.
+/// Kind of a joint's motion.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Hinge,
@@ -64,10 +64,10 @@ pub(super) enum Kind {
     Other,
 }
 
-/// A joint.
+/// A joint of the scene.
 pub(super) struct Joint<'c, 'd, 't> {
     pub name: String,
-    /// What it moves.
+    /// Index of the body that it moves.
     pub body: usize,
     /// Radians per unit of angle, and whether a range alone makes a limit, where it stands.
     pub angle: f64,
@@ -80,7 +80,7 @@ pub(super) struct Joint<'c, 'd, 't> {
     pub attributes: Attributes<'c, 'd, 't>,
 }
 
-/// Everything of a model that torque depends on.
+/// Content of a model that torque depends on.
 pub(super) struct Scene<'c, 'd, 't> {
     pub name: String,
     pub root: Element<'d, 't>,
@@ -91,7 +91,7 @@ pub(super) struct Scene<'c, 'd, 't> {
     instances: Vec<Instance>,
     /// Parents before children.
     pub bodies: Vec<Body<'c, 'd, 't>>,
-    /// Within a body in the order in which they act.
+    /// Joints; those of one body in the order in which they act.
     pub joints: Vec<Joint<'c, 'd, 't>>,
     /// Body of each site.
     pub sites: HashMap<String, usize>,
@@ -148,7 +148,7 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
         Ok(scene)
     }
 
-    /// Reads what stands in a body, or in a frame of it whose pose in the body is `frame`.
+    /// Reads the content of a body, or of a frame of it whose pose in the body is `frame`.
     fn inside(
         &mut self,
         element: Element<'d, 't>,
@@ -208,8 +208,8 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
         Ok(())
     }
 
-    /// Copies of what stands inside, each displaced and turned against the one before. Copies with joints have no text of their
-    /// own for new numbers, and are not supported.
+    /// Reads copies of an element's content, each displaced and turned against the one before. Copies with
+    /// joints are not supported: they have no text of their own for new numbers.
     fn replicate(
         &mut self,
         element: Element<'d, 't>,
@@ -432,7 +432,7 @@ impl<'c, 'd, 't> Scene<'c, 'd, 't> {
     }
 }
 
-/// Where an element stands: its model, what its names get in front and behind, the class that holds, how deep.
+/// Context of an element: its model, prefix and suffix of its names, default class in force, depth.
 #[derive(Clone)]
 struct Place<'d> {
     model: usize,
@@ -452,7 +452,7 @@ impl Place<'_> {
     }
 }
 
-/// Pose of a body or frame in what it stands in.
+/// Pose of a body or frame in its parent.
 fn place_of(settings: &Settings, element: Element<'_, '_>) -> Result<Pose, RobotError> {
     let a = Attributes::alone(element);
     Ok((settings.orientation(&a)?, settings.position(&a)?))

@@ -1,4 +1,4 @@
-//! `<compiler>` and `<option>`: how the rest of the model is to be read.
+//! `<compiler>` and `<option>`: settings for reading the rest of the model.
 
 use super::attributes::{Attributes, ORIENTATIONS};
 use super::refusal::refused;
@@ -12,14 +12,14 @@ const STRONGEST: f64 = 1e6;
 /// Shortest vector that still has a direction.
 const SHORTEST: f64 = 1e-14;
 
-/// When a body's inertia follows from its geoms.
+/// Cases in which a body's inertia follows from its geoms.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum FromGeoms {
-    /// Never.
+    /// In no case.
     Never,
     /// Always, whatever its `<inertial>`.
     Always,
-    /// Where it has no `<inertial>`.
+    /// If the body has no `<inertial>`.
     Missing,
 }
 
@@ -49,9 +49,9 @@ pub(super) struct Settings {
     pub medium: [f64; 2],
     /// Whether springs, dampers and dry friction act.
     pub springs: bool,
-    /// Dampers.
+    /// Whether dampers act.
     pub dampers: bool,
-    /// Dry friction.
+    /// Whether dry friction acts.
     pub friction: bool,
 }
 

@@ -63,7 +63,7 @@ pub(super) fn counts(geom: &Geom<'_, '_, '_>, settings: &Settings) -> Result<boo
     Ok(group >= low && group <= high)
 }
 
-/// `<inertial>`.
+/// Mass of an `<inertial>` element.
 fn given(a: &Attributes<'_, '_, '_>, settings: &Settings) -> Result<Mass, RobotError> {
     let need = |name: &str| refused(format!("an <inertial> has no {name}; add {name}=\"…\""));
     let com = a.numbers::<3>("pos")?.ok_or_else(|| need("pos"))?;
@@ -113,7 +113,7 @@ fn from_geoms(
     }))
 }
 
-/// Mass of one geom in the frame of its body; none of what never has any.
+/// Mass of one geom in the frame of its body; none of a geom that never has any.
 fn geom_mass(
     body: &str,
     geom: &Geom<'_, '_, '_>,

@@ -1,4 +1,4 @@
-//! The files of an MJCF, seen as one tree: an `<include>` stands for what it includes.
+//! Files of an MJCF, seen as one tree: an `<include>` is replaced by the file's content.
 
 use super::refusal::refused;
 use crate::robot::RobotError;
@@ -10,16 +10,16 @@ use std::path::{Path, PathBuf};
 /// Files that one model may consist of.
 const MOST_FILES: usize = 1000;
 
-/// One file.
+/// One file of the model.
 #[derive(Clone, Debug)]
 pub(super) struct File {
-    /// Where it was found; empty for a text without a file.
+    /// Path of the file; empty for a text without a file.
     pub path: PathBuf,
     /// The file that includes it; none for the main one.
     pub parent: Option<usize>,
-    /// What it holds.
+    /// Text of the file.
     pub text: String,
-    /// The same as a parser of XML takes it, every byte in its place.
+    /// The text as a parser of XML accepts it, every byte in its place.
     readable: String,
 }
 
@@ -33,7 +33,7 @@ impl File {
         }
     }
 
-    /// The same with another text.
+    /// This file with another text.
     pub fn with_text(&self, text: String) -> Self {
         Self::new(&self.path, self.parent, text)
     }
@@ -46,8 +46,8 @@ pub(super) struct Sources {
 }
 
 impl Sources {
-    /// Reads a file and what it includes. As in MuJoCo, the path of an included file is relative to the main file or, where
-    /// there is none, to the file that includes it, and no file may be included twice.
+    /// Reads a file and the files that it includes. As in MuJoCo, the path of an included file is relative to
+    /// the main file or, where there is none, to the file that includes it. No file may be included twice.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
         let mut files = vec![File::new(path, None, text_of(path)?)];
         let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
@@ -123,7 +123,7 @@ fn parse(file: &File) -> Result<Document<'_>, RobotError> {
     })
 }
 
-/// Whether an element stands for another file: an `<include>`, or a model to be attached.
+/// Whether an element refers to another file: an `<include>`, or a model to be attached.
 fn refers(node: &Node<'_, '_>) -> bool {
     node.has_tag_name("include") || attaches(node)
 }
@@ -133,7 +133,7 @@ fn attaches(node: &Node<'_, '_>) -> bool {
     asset && node.has_tag_name("model") && node.has_attribute("file")
 }
 
-/// What a file refers to, in order, and whether it is a model to be attached, which may be named more than once.
+/// Files that a file refers to, in order, and whether each is a model to be attached, which may be named more than once.
 fn included(file: &File) -> Result<Vec<(String, bool)>, RobotError> {
     let document = parse(file)?;
     let elements = document.descendants().filter(refers);
@@ -148,7 +148,7 @@ fn included(file: &File) -> Result<Vec<(String, bool)>, RobotError> {
 /// Parsed files.
 pub(super) struct Documents<'t> {
     documents: Vec<Document<'t>>,
-    /// What the element that begins there in a file stands for.
+    /// Index of the file that an element refers to, by the element's file and its position in the text.
     includes: HashMap<(usize, usize), usize>,
 }
 
@@ -162,7 +162,7 @@ impl<'t> Documents<'t> {
         }
     }
 
-    /// The elements of a file that stand for others, with these.
+    /// Elements of a file that refer to others, with the indices of those.
     pub fn includes(&self, file: usize) -> Vec<(Element<'_, 't>, usize)> {
         let nodes = self.documents[file].descendants();
         nodes
@@ -190,7 +190,7 @@ pub(super) struct Element<'d, 't> {
 }
 
 impl<'d, 't> Element<'d, 't> {
-    /// Tag.
+    /// Tag of the element.
     pub fn tag(&self) -> &'t str {
         self.node.tag_name().name()
     }
@@ -221,7 +221,7 @@ impl<'d, 't> Element<'d, 't> {
         found
     }
 
-    /// Root of the file that the element stands for.
+    /// Root of the file that the element refers to.
     pub fn file_root(&self) -> Option<Self> {
         let place = (self.file, self.node.range().start);
         let &file = self.documents.includes.get(&place)?;

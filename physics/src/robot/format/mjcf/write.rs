@@ -1,4 +1,4 @@
-//! What changes in an MJCF when its robot does.
+//! Changes in an MJCF when its robot changes.
 
 use super::attributes::ORIENTATIONS;
 use super::chain::Chain;

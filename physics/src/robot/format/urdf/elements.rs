@@ -12,21 +12,20 @@ const SHORTEST_AXIS: f64 = 1e-6;
 /// Departure of an axis's length from one that is rounding: axes are written with at least six digits.
 const AXIS_ROUNDING: f64 = 1e-5;
 
-/// A limit of this size or beyond, rad, m, rad/s, m/s, N·m or N, is none: what is written where the format demands a
-/// number.
+/// Size from which a limit counts as none (rad, m, rad/s, m/s, N·m or N); it is written where the format demands a number.
 pub(super) const UNLIMITED: f64 = 1e9;
 
 /// Orientation and origin.
 pub(super) type Pose = (Matrix3<f64>, Vector3<f64>);
 
-/// A link.
+/// A link of the description.
 pub(super) struct LinkElement<'a> {
     pub name: &'a str,
-    /// In the link's frame; none without an `<inertial>`.
+    /// Inertia in the link's frame; none without an `<inertial>`.
     pub inertia: Option<Inertia>,
 }
 
-/// How a joint moves.
+/// Kind of a joint's motion.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Motion {
     Fixed,
@@ -36,14 +35,14 @@ pub(super) enum Motion {
     Other,
 }
 
-/// What a joint's position follows: `multiplier`·q + `offset` of another joint.
+/// Mimicked joint: position = `multiplier`·q + `offset`, with q the position of joint `of`.
 pub(super) struct Mimic<'a> {
     pub of: &'a str,
     pub multiplier: f64,
     pub offset: f64,
 }
 
-/// A joint.
+/// A joint of the description.
 pub(super) struct JointElement<'a> {
     pub name: &'a str,
     /// `type` as written.
@@ -52,13 +51,13 @@ pub(super) struct JointElement<'a> {
     pub parent: &'a str,
     pub child: &'a str,
     pub origin: Pose,
-    /// Of length one where the joint has an axis.
+    /// Axis, of length one where the joint has one.
     pub axis: Vector3<f64>,
     pub limits: Limits,
     pub damping: f64,
     pub friction: f64,
     pub mimic: Option<Mimic<'a>>,
-    /// What is doubtful about it.
+    /// Doubts about the joint.
     pub findings: Vec<Finding>,
 }
 
@@ -70,7 +69,7 @@ pub(super) fn tagged<'a, 'd>(
     node.children().filter(move |n| n.has_tag_name(tag))
 }
 
-/// The one element with a tag, or none.
+/// The only element with a tag, or none.
 fn one<'a, 'd>(node: Node<'a, 'd>, tag: &'static str) -> Result<Option<Node<'a, 'd>>, RobotError> {
     let mut found = tagged(node, tag);
     match (found.next(), found.next()) {
@@ -82,7 +81,7 @@ fn one<'a, 'd>(node: Node<'a, 'd>, tag: &'static str) -> Result<Option<Node<'a, 
     }
 }
 
-/// The one element with a tag that must be there.
+/// The only element with a tag, which must be there.
 fn needed<'a, 'd>(
     node: Node<'a, 'd>,
     tag: &'static str,
@@ -155,8 +154,9 @@ fn origin(node: Node<'_, '_>) -> Result<Pose, RobotError> {
     Ok((rotation, place.into()))
 }
 
-/// An angle as it is meant: a number that is what an eighth of a turn, or a multiple of it, rounds to at its own digits stands
-/// for that. Axes that are parallel but for a rounded angle would tell apart parameters that no motion tells apart.
+/// An angle as it is meant: a number that equals an eighth of a turn, or a multiple of it, rounded to the
+/// digits written, is taken as that exactly. Axes that are parallel but for a rounded angle would make
+/// parameters look identifiable that no motion tells apart.
 fn angle(word: &str) -> f64 {
     const EIGHTH: f64 = std::f64::consts::FRAC_PI_4;
     let written: f64 = word.parse().unwrap_or(0.0);
@@ -273,7 +273,7 @@ impl<'a> JointElement<'a> {
         Ok(joint)
     }
 
-    /// What a joint with an axis has beside its place.
+    /// Reads the elements of a joint with an axis beside its origin.
     fn moving(&mut self, node: Node<'a, '_>, kind: JointKind) -> Result<(), RobotError> {
         if let Some(axis) = one(node, "axis")? {
             let given: [f64; 3] = numbers(axis, "xyz")?.unwrap_or([1.0, 0.0, 0.0]);

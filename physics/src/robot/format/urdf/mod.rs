@@ -24,8 +24,9 @@ pub struct Urdf {
 }
 
 impl Urdf {
-    /// Takes a text. `joints` names the joints of the robot, base first, or a frame at the end of its chain; empty for the
-    /// one chain. `NAME=POSITION` (rad or m) says where a joint stands that is not the robot's.
+    /// Takes a text. `joints` names the joints of the robot, base first, or a frame at the end of its chain;
+    /// empty for the only chain. `NAME=POSITION` (rad or m) holds a joint that is not the robot's at that
+    /// position.
     ///
     /// # Errors
     /// A position that is no number.
@@ -36,13 +37,13 @@ impl Urdf {
         })
     }
 
-    /// The text.
+    /// Text of the description.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The robot. Fixed joints are merged with the inertia that they carry, and so are the joints that were not chosen, at
-    /// their reference; [`Robot::notes`] says which.
+    /// The robot. Fixed joints are merged with the inertia that they carry, and so are the joints that were not
+    /// chosen, at their reference; [`Robot::notes`] lists them.
     ///
     /// # Errors
     /// Not a URDF, not one serial chain, or an inertia that no mechanism can have.
@@ -52,10 +53,10 @@ impl Urdf {
         Model::read(&document, &self.wanted)?.robot()
     }
 
-    /// The text with the numbers of a changed robot, everything else untouched to the byte.
+    /// Text with the numbers of a changed robot, everything else untouched to the byte.
     ///
-    /// A link's inertia is written to the link that its joint moves, less what the links fixed to it have; where that is no
-    /// possible body, they become lighter. A payload becomes a link of its own.
+    /// A link's inertia is written to the link that its joint moves, less the inertias of the links fixed to
+    /// it. Where the difference is no possible body, those become lighter. A payload becomes a link of its own.
     ///
     /// # Errors
     /// As [`Urdf::robot`], or a robot with other joints.

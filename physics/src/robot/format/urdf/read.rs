@@ -1,4 +1,4 @@
-//! From the links and joints of a URDF to the robot of the chosen joints.
+//! Construction of the robot of the chosen joints from the links and joints of a URDF.
 
 use super::elements::{JointElement, LinkElement, Motion, Pose, tagged};
 use super::tree::{one_root, outwards, unexpanded};
@@ -17,7 +17,7 @@ pub(super) struct Model<'a> {
     links: HashMap<&'a str, LinkElement<'a>>,
     /// Every one after the joints that carry it.
     joints: Vec<JointElement<'a>>,
-    /// For each joint the one that carries its parent link.
+    /// Index of the joint that carries the parent link, for each joint.
     above: Vec<Option<usize>>,
     root: &'a str,
     wanted: Wanted,
@@ -25,13 +25,13 @@ pub(super) struct Model<'a> {
     pub chosen: Vec<usize>,
 }
 
-/// Where a link stands in the chain, all joints but the chosen ones at rest.
+/// Pose of a link in the chain, with all joints but the chosen ones at rest.
 #[derive(Clone, Copy)]
 pub(super) struct Placed<'a> {
     pub name: &'a str,
     /// Number of chosen joints that carry it.
     pub carriers: usize,
-    /// Its pose in the frame of the last of them; of the base where there is none.
+    /// Pose in the frame of the last chosen joint that carries it; in the base frame where none does.
     pub pose: Pose,
 }
 
@@ -113,7 +113,7 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// The joints with what the choice depends on; fixed ones are never chosen.
+    /// Joints with the properties that the choice depends on; fixed ones are never chosen.
     pub fn candidates(&self) -> Tree<'a> {
         let leads = |name: &str| {
             let mut followers = self.joints.iter().filter_map(|o| o.mimic.as_ref());
@@ -166,7 +166,7 @@ impl<'a> Model<'a> {
         self.links.get(link).and_then(|l| l.inertia)
     }
 
-    /// Pose of a joint that stands still: at the position that is asked for, at what it follows, or at zero.
+    /// Pose of a joint that stands still: at the position asked for, at that which follows from the joint it mimics, or at zero.
     fn at_rest(&self, joint: usize) -> Pose {
         let own = &self.joints[joint];
         let Motion::Axis(kind) = own.motion else {
@@ -247,9 +247,10 @@ impl<'a> Model<'a> {
         Ok(robot.with_notes(self.notes()))
     }
 
-    /// Where a chosen joint's frame goes when its zero moves and, for the first, the base is tilted; none where it stays.
+    /// New origin of a chosen joint's frame when its zero moves and, for the first joint, the base is tilted;
+    /// none where it stays.
     ///
-    /// The base frame stays the world's: a base that is tilted by R stands as the first joint's origin turned by R.
+    /// The base frame stays the world's: a base that is tilted by R is represented by the first joint's origin turned by R.
     pub fn moved_origin(&self, chosen: usize, changed: &Changed<'_>) -> Option<Pose> {
         let zero = changed.zero(chosen);
         let turns = chosen == 0 && changed.tilt != Vector3::zeros();
@@ -321,7 +322,7 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
-    /// What is said of the joints that were not chosen.
+    /// Notes for the user on the joints that were not chosen.
     fn notes(&self) -> Vec<String> {
         let placed = self.placed();
         let last = self.chosen.last().copied();

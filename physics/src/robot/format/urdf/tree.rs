@@ -1,4 +1,4 @@
-//! What makes links and joints one tree.
+//! Checks that links and joints make one tree.
 
 use super::elements::{JointElement, tagged};
 use crate::robot::RobotError;
@@ -28,7 +28,7 @@ pub(super) fn unexpanded(root: Node<'_, '_>) -> Result<(), RobotError> {
     }
 }
 
-/// The one link that no joint carries.
+/// The only link that no joint carries.
 pub(super) fn one_root<'a>(
     root: Node<'a, '_>,
     joints: &[JointElement<'a>],
@@ -59,7 +59,7 @@ pub(super) fn one_root<'a>(
     }
 }
 
-/// Joints in the order from the root outwards, each with the one that carries its parent link.
+/// Joints in the order from the root outwards, and for each the index of the joint that carries its parent link.
 pub(super) fn outwards<'a>(
     root: &'a str,
     joints: Vec<JointElement<'a>>,

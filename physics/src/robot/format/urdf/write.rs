@@ -10,8 +10,8 @@ use roxmltree::{Document, Node};
 use std::fmt::Write;
 use std::ops::Range;
 
-/// The robot as a URDF of its own, one link per joint. Read back it is the same robot, but for what a URDF cannot
-/// hold (rotor inertia, gear ratio, torque constant, counterbalance, gravity).
+/// The robot as a URDF of its own, one link per joint. Read back it is the same robot, except for properties
+/// that a URDF cannot hold (rotor inertia, gear ratio, torque constant, counterbalance, gravity).
 pub fn to_urdf(robot: &Robot) -> String {
     let mut base = "base_link".to_owned();
     while robot.joints().iter().any(|j| j.link.name == base) {
@@ -271,7 +271,7 @@ fn roll_pitch_yaw(r: &Matrix3<f64>) -> (f64, f64, f64) {
     (roll, pitch, yaw)
 }
 
-/// Attribute text.
+/// Text of an attribute, with reserved characters escaped.
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
