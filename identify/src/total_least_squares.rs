@@ -12,7 +12,7 @@ use crate::least_squares::{Gram, LeastSquaresError, check_size};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-/// Ridge relative to the norm of each exact column: what no row tells stays at zero.
+/// Ridge relative to the norm of each exact column: a direction that no row determines stays at zero.
 const RIDGE: f64 = 1e-6;
 
 /// An estimate by total least squares.
@@ -84,7 +84,8 @@ pub fn total(gram: &Gram, noise: &[f64]) -> Result<Total, LeastSquaresError> {
     })
 }
 
-/// The sums whose ordinary least squares is the total one: those of the noisy columns less what noise adds to them.
+/// Sums of products whose ordinary least-squares solution is the total one: those of the noisy columns less the
+/// contribution of the noise.
 ///
 /// A quadratic that is nowhere negative, so that it can be minimised under conditions.
 pub fn without_noise(gram: &Gram, noise: &[f64], total: &Total) -> Gram {

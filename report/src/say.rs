@@ -15,10 +15,10 @@ pub(crate) fn keep_standard_output() {
     KEPT.store(true, Ordering::Relaxed);
 }
 
-/// Writes to standard output what `say!` and `say_text!` give.
+/// Writes the text of `say!` and `say_text!` to standard output.
 ///
-/// A closed pipe (`… | head`) is the end of the output and no failure: what comes later is dropped, and the
-/// program goes on to write its files. Any other failure (a full disk) is said once on standard error.
+/// A closed pipe (`… | head`) is the end of the output and no failure: later text is dropped, and the program
+/// goes on to write its files. Any other failure (a full disk) is reported once on standard error.
 pub fn out(text: Arguments) {
     if KEPT.load(Ordering::Relaxed) {
         return err(text);
@@ -46,7 +46,7 @@ fn written(write: impl FnOnce(&mut std::io::StdoutLock) -> std::io::Result<()>) 
     }
 }
 
-/// Writes to standard error; where nobody listens there is nobody to tell.
+/// Writes to standard error; a failure to do so is ignored.
 pub fn err(text: Arguments) {
     let _ = std::io::stderr().lock().write_fmt(text);
 }

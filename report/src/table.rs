@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Which end of a group of numbers is the best.
+/// End of a group of numbers that counts as the best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Best {
     /// The smallest, as for an error.
@@ -20,7 +20,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// Left-aligned.
+    /// A left-aligned column of text.
     pub fn text(header: impl Into<String>) -> Self {
         Self {
             header: header.into(),
@@ -44,7 +44,7 @@ impl Column {
     }
 }
 
-/// A cell.
+/// A cell: its text, and its value where it is a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
     pub(crate) text: String,
@@ -52,7 +52,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Words.
+    /// A cell of words.
     pub fn text(text: impl Into<String>) -> Self {
         Self {
             text: text.into(),
@@ -172,14 +172,13 @@ impl Table {
         self
     }
 
-    /// What the table shows.
+    /// Sets the caption of the table.
     pub fn caption(mut self, caption: impl Into<String>) -> Self {
         self.caption = Some(caption.into());
         self
     }
 
-    /// For each cell, whether it is the best of its column. Ties are all marked; a lone number
-    /// is not.
+    /// Whether each cell is the best of its column, rows × columns. Ties are all marked; a lone number is not.
     pub(crate) fn marks(&self) -> Vec<Vec<bool>> {
         let mut marks = vec![vec![false; self.columns.len()]; self.rows.len()];
         for (c, column) in self.columns.iter().enumerate() {

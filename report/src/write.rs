@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 /// Name of a file that stands for standard output.
 const STANDARD: &str = "-";
 
-/// A file that could not be written; nothing is left behind.
+/// Error of a file that could not be written; no partial file is left.
 #[derive(Debug, thiserror::Error)]
 #[error("{} cannot be written: {source}", path.display())]
 pub struct WriteError {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What the system said.
+    /// Error of the operating system.
     pub source: std::io::Error,
 }
 

@@ -54,7 +54,7 @@ const VELOCITY: f64 = 3.0;
 const ACCELERATION: f64 = 10.0;
 
 /// Regressor rows of random states (rows × columns) and the columns' names. The states ignore the joints'
-/// limits: what is identifiable at all is asked, not what one motion excites.
+/// limits: the question is structural identifiability, not the excitation by one motion.
 pub(super) fn random_samples(robot: &Robot, extras: &[Extra]) -> (Mat<f64>, Vec<String>) {
     let n = robot.dof();
     let rigid = PARAMETERS_PER_LINK * n;

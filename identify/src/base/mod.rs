@@ -78,7 +78,7 @@ impl BaseParameters {
         &self.names
     }
 
-    /// Indices, ascending, of the columns that stand for the base parameters (b values).
+    /// Indices, ascending, of the independent columns, one per base parameter (b values).
     pub fn independent(&self) -> &[usize] {
         &self.independent
     }
@@ -121,7 +121,7 @@ impl BaseParameters {
         parameters
     }
 
-    /// Names of the base parameters: those of the columns that stand for them.
+    /// Names of the base parameters: those of the independent columns.
     pub fn base_names(&self) -> Vec<String> {
         self.independent
             .iter()

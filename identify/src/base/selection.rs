@@ -1,4 +1,4 @@
-//! Which columns are independent, and how the others follow from them.
+//! Choice of independent columns, and the dependence of the others on them.
 
 use faer::linalg::solvers::SolveLstsqCore;
 use faer::prelude::*;
@@ -21,8 +21,8 @@ pub(super) struct Selection {
 
 /// Selects independent columns of `samples`, first those named first in `order`.
 ///
-/// A column-pivoted QR gives the rank; Gram–Schmidt in the given order, on the small triangular factor,
-/// gives the columns, and as many as the rank says.
+/// A column-pivoted QR gives the rank. Gram–Schmidt in the given order, on the small triangular factor, then
+/// takes that number of columns.
 pub(super) fn select(samples: MatRef<'_, f64>, order: &[usize]) -> Selection {
     let p = samples.ncols();
     let lengths: Vec<f64> = (0..p).map(|j| samples.col(j).norm_l2()).collect();

@@ -1,4 +1,4 @@
-//! How good a trajectory is.
+//! Criteria of exciting trajectories.
 
 use super::error::ExcitationError;
 use super::rows::BaseRows;
@@ -7,16 +7,16 @@ use crate::least_squares::{Accumulator, SubRegressors, Triangle, condition_numbe
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::Robot;
 
-/// What makes a trajectory good.
+/// Optimality criterion of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
     /// Smallest cond(Y) (Han et al., Table II, criterion 1; COMAU paper, eq. 20; UR5 paper, section II-C).
     Condition,
-    /// The same of Y*, whose rows are divided by the noise of their joint.
+    /// Smallest cond(Y*), with Y* the regressor Y whose rows are divided by the noise of their joint.
     ConditionNoise,
     /// Smallest 10 cond(Y) + 5 cond(Y_i) + cond(Y_g) + cond(Y_f) (Han et al., Table II, criterion 2).
     SubRegressors,
-    /// The same of Y* (criterion 3).
+    /// Smallest 10 cond(Y*) + 5 cond(Y*_i) + cond(Y*_g) + cond(Y*_f) (criterion 3).
     SubRegressorsNoise,
     /// Largest determinant of the information matrix Y*ᵀY*.
     DOptimal,
@@ -49,7 +49,7 @@ impl Criterion {
     }
 }
 
-/// What trajectories are judged by, those chosen before counted in.
+/// Cost function of trajectories, which takes the trajectories chosen before into account.
 pub trait Goal: Sync {
     /// Cost of the trajectories taken and one more: smaller is better.
     ///
@@ -64,7 +64,7 @@ pub trait Goal: Sync {
     fn take(&mut self, trajectory: &Series) -> Result<(), ExcitationError>;
 }
 
-/// The task of finding trajectories that tell a robot's base parameters well.
+/// Task of finding trajectories with which a robot's base parameters are identified well.
 #[derive(Debug, Clone)]
 pub struct Excitation<'a> {
     rows: BaseRows<'a>,
@@ -159,7 +159,7 @@ pub struct Separation<'a> {
 }
 
 impl<'a> Separation<'a> {
-    /// As [`Excitation::new`].
+    /// Task for two models; `noise` and `samples` as in [`Excitation::new`].
     ///
     /// # Errors
     /// A noise deviation that is missing or not positive, robots of different numbers of joints among them.
@@ -182,7 +182,7 @@ impl<'a> Separation<'a> {
         })
     }
 
-    /// What the models differ by on a trajectory, nats.
+    /// Evidence of a trajectory between the two models, nats.
     ///
     /// # Errors
     /// None beyond those of the samples.

@@ -1,8 +1,8 @@
-//! Why no motion can be designed.
+//! Errors of the design of motions.
 
 use crate::least_squares::LeastSquaresError;
 
-/// Why no exciting trajectory could be made.
+/// Reason why no exciting trajectory could be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ExcitationError {
     /// Limits that leave no motion, or are not finite.
@@ -31,9 +31,9 @@ pub enum ExcitationError {
         period: f64,
         /// Farthest that the joint gets in it, rad or m.
         stroke: f64,
-        /// What it should move by at least, rad or m.
+        /// Least stroke, rad or m.
         needed: f64,
-        /// Period from which it does, s.
+        /// Period from which the joint reaches that stroke, s.
         enough: f64,
     },
     /// A sine over a joint's range that its limits stretch too far for the time given.
@@ -65,31 +65,31 @@ pub enum ExcitationError {
     HomeOutside {
         /// The joint, from zero.
         joint: usize,
-        /// Where it is to start and end.
+        /// Home position, rad or m.
         home: f64,
-        /// Lowest position.
+        /// Lowest position, rad or m.
         lower: f64,
-        /// Highest position.
+        /// Highest position, rad or m.
         upper: f64,
     },
     /// The tool is outside its region at home.
     #[error("the tool is {outside:.3} m outside its region at home")]
     ToolOutsideAtHome {
-        /// How far, m.
+        /// Distance from the region, m.
         outside: f64,
     },
     /// No pose within the joints' limits has the tool in its region.
     #[error("no pose within the joints' limits was found that has the tool in its region")]
     ToolNowhere,
-    /// The tool's region leaves no motion.
+    /// No motion was found that stays within the tool's region.
     #[error("no motion was found that keeps the tool in its region and tells every parameter")]
     NothingFound,
     /// Fewer harmonics than rest at the ends takes.
     #[error("{harmonics} harmonics cannot start and end at rest; at least {needed} are needed")]
     FewHarmonics {
-        /// Harmonics given.
+        /// Number of harmonics given.
         harmonics: usize,
-        /// Harmonics needed.
+        /// Least number of harmonics.
         needed: usize,
     },
     /// No joints, no harmonics, no time or no samples.

@@ -1,4 +1,4 @@
-//! How well a motion tells parameters, before anything is recorded.
+//! Information of a motion on the parameters, before anything is recorded.
 
 use crate::least_squares::Triangle;
 

@@ -1,4 +1,4 @@
-//! What a joint may do, and what cannot be done within it.
+//! Limits of a joint's motion, and checks of motions that cannot be done within them.
 
 use super::error::ExcitationError;
 use physics::robot::Robot;
@@ -7,12 +7,12 @@ use std::f64::consts::PI;
 /// Part of its range that a joint has to be able to cover in a period: less shows nothing of its torque.
 const LEAST_STROKE: f64 = 0.05;
 
-/// What a joint may do.
+/// Limits of a joint's motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionLimits {
     /// Smallest position, rad or m.
     pub lower: f64,
-    /// Largest position.
+    /// Largest position, rad or m.
     pub upper: f64,
     /// Largest speed, rad/s or m/s.
     pub velocity: f64,
@@ -22,7 +22,7 @@ pub struct MotionLimits {
     pub jerk: f64,
 }
 
-/// How completely a motion rests where it starts and ends.
+/// Highest derivative that is zero where a motion starts and ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rest {
     /// Zero velocity (Han et al., eq. 34, first constraint).
@@ -61,7 +61,7 @@ impl MotionLimits {
         robot.joints().iter().map(of).collect()
     }
 
-    /// The same limits used to a share: the range about its middle, and everything else.
+    /// These limits used to a share: the range about its middle, and everything else.
     pub fn share(self, share: f64) -> Self {
         let (middle, half) = (self.middle(), share * self.half());
         Self {

@@ -1,19 +1,19 @@
-//! Exciting trajectories: motions within the robot's limits from which parameters can be told well.
+//! Exciting trajectories: motions within the robot's limits from which parameters can be identified well.
 //!
 //! The one owner of designed motion: the command `excite` and the next motion of a diagnosis call it.
 //!
-//! | file | what stands there |
+//! | file | content |
 //! |---|---|
-//! | `limits` | what joints may do, and what cannot be done within it |
+//! | `limits` | limits of the joints' motion, and checks of motions that cannot be done within them |
 //! | `series` | sums of sines |
-//! | `tool` | where the tool may be |
-//! | `room` | all of these as the room of periodic motions |
+//! | `tool` | region of the tool |
+//! | `room` | limits, series and region together as the room of periodic motions |
 //! | `search` | periodic motions of least cost (Swevers et al., IEEE Trans. Robotics and Automation 13(5), 1997; Han et al., IEEE T-RO 36(5), 2020) |
 //! | `sines` | one sine per joint (softMC manual) |
 //! | `model_free` | random motions (KR300 benchmark) |
-//! | `criterion` | what makes a motion good |
+//! | `criterion` | optimality criteria of motions |
 //! | `stack` | motions that complement each other |
-//! | `information` | how well a motion tells parameters |
+//! | `information` | information of a motion on the parameters |
 //!
 //! Deterministic: the same seed gives the same motion.
 

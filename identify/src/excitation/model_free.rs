@@ -1,10 +1,11 @@
-//! Motions that no model chooses: the KR300 benchmark's experiments.
+//! Motions designed without a model: the KR300 benchmark's experiments.
 //!
-//! Its eqs 1 and 2: a sum of sines and cosines of random coefficients over ten frequencies between the base frequency 1/60 Hz and
-//! 1 Hz, position (home), velocity, acceleration and jerk given at both ends, limits up to jerk kept, no criterion. The
-//! paper leaves the constraints to a solver whose random start makes each trajectory another; here the coefficients are
-//! drawn, projected onto the constraints and shrunk into the limits, which does the same in one step. Its 60.6 s are
-//! taken as the base period, so that the end is the start.
+//! Its eqs 1 and 2: a sum of sines and cosines of random coefficients over ten frequencies between the base
+//! frequency 1/60 Hz and 1 Hz. Position (home), velocity, acceleration and jerk are given at both ends, limits
+//! up to jerk are kept, and there is no criterion. The paper leaves the constraints to a solver whose random
+//! start makes each trajectory another. Here the coefficients are drawn, projected onto the constraints and
+//! shrunk into the limits, which does the same in one step. The paper's 60.6 s are taken as the base period, so
+//! that the end is the start.
 
 use super::room::Room;
 use super::search::filling;
@@ -16,8 +17,8 @@ use rand_chacha::ChaCha8Rng;
 pub const DURATION: f64 = 60.6;
 /// Number of trajectories there.
 pub const TRAJECTORIES: usize = 36;
-/// Least part of the first limit that a joint meets which it fills. Random, so that slow motions are among them: the
-/// paper found that what is hard to model shows there.
+/// Least share of the limits: a motion fills a random share, from this to 1, of the first limit that a joint
+/// meets. Slow motions are thus among them: the paper found that effects which are hard to model show there.
 const LEAST_SHARE: f64 = 0.4;
 
 /// Ten multiples of the base frequency up to the `highest`, in even ratios: which ten of the grid up to 1 Hz the benchmark

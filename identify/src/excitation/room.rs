@@ -7,16 +7,16 @@ use super::tool::ToolRoom;
 use ndarray::Array2;
 use std::f64::consts::{PI, TAU};
 
-/// What is asked of a motion beside its limits.
+/// Bounds of a motion: limits, and conditions beside them.
 #[derive(Debug, Clone)]
 pub struct Bounds<'a> {
     /// Limits, one per joint.
     pub limits: Vec<MotionLimits>,
-    /// How completely it rests at its ends.
+    /// Highest derivative that is zero at both ends.
     pub rest: Rest,
     /// Pose at which it starts and ends; none: wherever.
     pub home: Option<Vec<f64>>,
-    /// Where the tool stays.
+    /// Region of the tool; none: anywhere.
     pub tool: Option<ToolRoom<'a>>,
 }
 
@@ -31,7 +31,7 @@ impl<'a> Bounds<'a> {
         }
     }
 
-    /// The pose that a motion is shrunk towards where the tool leaves its region: home, or one with the tool well inside.
+    /// Pose towards which a motion is shrunk where the tool leaves its region: home, or a pose with the tool well inside.
     ///
     /// # Errors
     /// No limits; limits or a home that cannot hold; a tool that is outside wherever the joints are.
@@ -74,11 +74,11 @@ const DENSITY: usize = 24;
 #[derive(Debug, Clone)]
 pub struct Room<'a> {
     pub(super) bounds: Bounds<'a>,
-    /// s.
+    /// Period of the motions, s.
     pub(super) period: f64,
     /// Multiples of the base frequency.
     pub(super) harmonics: Vec<usize>,
-    /// What a motion is shrunk towards.
+    /// Pose towards which a motion is shrunk, rad or m.
     pub(super) anchor: Vec<f64>,
     /// sin and cos of each harmonic over the grid, shape (points, harmonics).
     table: [Array2<f64>; 2],
@@ -96,7 +96,7 @@ struct Swing {
 }
 
 impl<'a> Room<'a> {
-    /// For motions of `period` seconds with the given multiples of its frequency.
+    /// Room for motions of `period` seconds with the given multiples of its frequency.
     ///
     /// # Errors
     /// Limits, home or region that leave no motion; fewer harmonics than rest takes.
@@ -266,7 +266,7 @@ impl<'a> Room<'a> {
     }
 }
 
-/// An orthonormal basis of what some vectors span.
+/// Orthonormal basis of the span of some vectors.
 fn orthonormal(vectors: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for mut v in vectors {

@@ -9,7 +9,7 @@ use physics::robot::{PARAMETERS_PER_LINK, Robot};
 pub struct BaseRows<'a> {
     robot: &'a Robot,
     extras: &'a [Extra],
-    /// For each base parameter its column among 10 N standard ones and the extras.
+    /// Column of each base parameter among the 10 N standard ones and the extras.
     columns: Vec<usize>,
     workspace: Workspace,
     rigid: Vec<f64>,

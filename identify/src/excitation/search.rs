@@ -28,28 +28,29 @@ impl Default for SearchOptions {
     }
 }
 
-/// What a design came to.
+/// Result of a design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// The best trajectory; it keeps all limits at all times.
     pub trajectory: Series,
-    /// Its cost.
+    /// Cost of the trajectory.
     pub cost: f64,
-    /// Cost of what the search began with: the best random start, or the first draw.
+    /// Cost at the beginning of the search: of the best random start, or of the first draw.
     pub start_cost: f64,
-    /// Trajectories judged.
+    /// Number of trajectories judged.
     pub evaluations: usize,
 }
 
 /// First step of every coefficient, in half ranges of its joint.
 const STEP: f64 = 0.25;
-/// Step below which a coefficient is left alone, and by what a step grows and shrinks.
+/// Step below which a coefficient is left alone, and the factors by which a step grows and shrinks.
 const LEAST_STEP: f64 = 1e-4;
 const GROWTH: f64 = 1.6;
 const DECAY: f64 = 0.5;
 
-/// The trajectory of least `cost` found in a room: the best of the random starts, improved one coefficient at a time, both
-/// directions judged at once, and after each round along the way that the round took (Hooke and Jeeves, J. ACM 8(2), 1961).
+/// Finds the trajectory of least `cost` in a room. The best of the random starts is improved one coefficient at
+/// a time, both directions judged at once, and after each round along the change of the whole round (Hooke and
+/// Jeeves, J. ACM 8(2), 1961).
 ///
 /// The same seed gives the same trajectory, whatever the number of threads.
 ///
@@ -139,8 +140,9 @@ fn coefficient(series: &mut Series, joint: usize, place: usize, harmonics: usize
     }
 }
 
-/// Random coefficients whose motion fills at least a share of the first limit that each joint meets. As functions of
-/// the velocity they are alike, so that amplitudes fall with the frequency (KR300 benchmark, eq. 1; COMAU paper, eq. 17).
+/// Random coefficients whose motion fills at least a share of the first limit that each joint meets. As
+/// coefficients of the velocity they have one distribution, so that amplitudes fall with the frequency (KR300
+/// benchmark, eq. 1; COMAU paper, eq. 17).
 pub(super) fn filling(room: &Room, rng: &mut ChaCha8Rng, share: f64) -> Series {
     /// Beyond any room, so that every joint meets a limit.
     const TOO_MUCH: f64 = 100.0;

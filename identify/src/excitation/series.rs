@@ -1,4 +1,4 @@
-//! Trajectories: sums of sines, periodic or not, that may gather way and lose it along their path.
+//! Trajectories: sums of sines, periodic or not, with optional smooth start and stop along their path.
 
 use ndarray::Array2;
 use signal::Motion;
@@ -9,7 +9,7 @@ use signal::Motion;
 pub struct Series {
     /// Length of one run, s.
     pub duration: f64,
-    /// Time over which the path gathers way at the start and loses it at the end, s; 0: not at all.
+    /// Duration of the smooth start and of the smooth stop, s; 0: none.
     pub ramp: f64,
     /// δ, length N.
     pub offset: Vec<f64>,
@@ -26,11 +26,11 @@ pub struct Series {
 pub struct State {
     /// Position, rad or m.
     pub q: Vec<f64>,
-    /// Velocity.
+    /// Velocity, rad/s or m/s.
     pub qd: Vec<f64>,
-    /// Acceleration.
+    /// Acceleration, rad/s² or m/s².
     pub qdd: Vec<f64>,
-    /// Jerk.
+    /// Jerk, rad/s³ or m/s³.
     pub qddd: Vec<f64>,
 }
 
@@ -47,8 +47,8 @@ impl State {
     }
 }
 
-/// Path and its first three derivatives by time while it gathers way over `ramp` seconds: the integral of
-/// 10u³ − 15u⁴ + 6u⁵, which rests at both ends up to the acceleration of the path.
+/// Path and its first three derivatives by time during the smooth start of `ramp` seconds. The path is the
+/// integral of 10u³ − 15u⁴ + 6u⁵; at both ends of the start its acceleration is zero.
 pub(super) fn gathering(t: f64, ramp: f64) -> [f64; 4] {
     let u = t / ramp;
     let u2 = u * u;
@@ -108,7 +108,7 @@ impl Series {
         }
     }
 
-    /// Where the motion starts, N values.
+    /// Position at the start, N values.
     pub fn start(&self) -> Vec<f64> {
         let mut state = State::new(self.dof());
         self.at(0.0, &mut state);

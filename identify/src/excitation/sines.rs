@@ -1,9 +1,9 @@
 //! One sine per joint, of frequencies without whole ratios: the softMC manual's identification motion.
 //!
-//! Its rules: every joint completes at least three periods; its amplitude is close to its range of positions and its speed
-//! close to its limit; no joint's frequency is equal to another's or a whole multiple of it, and the motion of all does
-//! not repeat while it is recorded. Its program starts the sines at full acceleration; here the path gathers way and
-//! loses it again, so that the motion starts and ends at rest.
+//! Its rules: every joint completes at least three periods. Its amplitude is close to its range of positions
+//! and its speed close to its limit. No joint's frequency is equal to another's or a whole multiple of it, and
+//! the motion of all does not repeat while it is recorded. Its program starts the sines at full acceleration;
+//! here the path has a smooth start and a smooth stop, so that the motion starts and ends at rest.
 
 use super::error::ExcitationError;
 use super::room::Bounds;
@@ -22,7 +22,7 @@ pub struct SineOptions {
     pub duration: Option<f64>,
     /// Periods of every joint, at least. Default 3.
     pub cycles: f64,
-    /// Highest frequency, Hz; none: what the limits allow.
+    /// Highest frequency, Hz; none: the highest within the limits.
     pub highest_hz: Option<f64>,
     /// Random phases and orders that are judged. Default 200.
     pub draws: usize,
@@ -42,15 +42,15 @@ impl Default for SineOptions {
     }
 }
 
-/// Time over which the path gathers way, in radians of the slowest sine.
+/// Duration of the smooth start, in radians of the slowest sine.
 const RAMP: f64 = 2.0;
-/// Steps over the ramp on which its accelerations are bounded, and what is kept for what lies between.
+/// Steps over the start on which its accelerations are bounded, and the factor that covers the time between the steps.
 const STEPS: usize = 400;
 const BETWEEN: f64 = 1.002;
-/// By what a frequency is lowered where it does not fit, and how often.
+/// Factor by which a frequency that does not fit is lowered, and the largest number of such steps.
 const LOWER: f64 = 0.99;
 const TRIES: usize = 200;
-/// Lowest frequency of any joint over the lowest that the limits allow: room for ratios where joints are alike.
+/// Lowest frequency of any joint over the lowest that the limits allow: room for ratios where joints have like limits.
 const SLOWEST: f64 = 0.5;
 /// Distance of the ratio of two frequencies from a whole number.
 const APART: f64 = 0.08;
@@ -188,10 +188,10 @@ fn draw(
     Ok(series)
 }
 
-/// Largest acceleration and jerk over the amplitude of a sine whose path gathers way over `ramp` seconds.
+/// Largest acceleration and jerk over the amplitude, 1/s² and 1/s³, of a sine with a smooth start of `ramp` seconds.
 ///
-/// With q = sin(ωs): q̈ = −ω²ṡ² sin + ωs̈ cos and jerk = −(ω³ṡ³ − ωs⃛) cos − 3ω²ṡs̈ sin, each a sine of the phase, whose
-/// amplitude bounds it for every phase.
+/// With q = sin(ωs): q̈ = −ω²ṡ² sin + ωs̈ cos and jerk = −(ω³ṡ³ − ωs⃛) cos − 3ω²ṡs̈ sin, each a sine of the
+/// phase, whose amplitude bounds it for every phase.
 fn ramp_bounds(w: f64, ramp: f64) -> [f64; 2] {
     let mut most = [w * w, w * w * w];
     for k in 0..=STEPS {
@@ -204,7 +204,7 @@ fn ramp_bounds(w: f64, ramp: f64) -> [f64; 2] {
     most
 }
 
-/// Whether two frequencies differ, and neither is about a whole multiple of the other.
+/// Whether two frequencies differ and neither is close to a whole multiple of the other.
 fn apart(a: f64, b: f64) -> bool {
     let ratio = a.max(b) / a.min(b);
     (ratio - ratio.round()).abs() >= APART

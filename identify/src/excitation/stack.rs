@@ -8,17 +8,18 @@ use super::series::Series;
 /// Attempts at a trajectory that lowers the cost before no further one is added (Han et al., section IV-B: ten).
 const ATTEMPTS: u64 = 10;
 
-/// Chosen trajectories.
+/// Set of chosen trajectories.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stack {
-    /// In the order of choice; the cost of each is that of all up to it.
+    /// Trajectories in the order of choice; the cost of each is that of all up to it.
     pub chosen: Vec<Found>,
     /// Trajectories judged, rejected ones included.
     pub evaluations: usize,
 }
 
-/// Adds up to `count` trajectories one by one. `design` makes one for a goal and a seed; one that does not lower the cost of
-/// what is there is dropped and designed anew, ten times, after which the stack stays as it is.
+/// Adds up to `count` trajectories one by one. `design` makes one for a goal and a seed. A trajectory that does
+/// not lower the cost of those already chosen is dropped and designed anew, up to ten times; then the stack
+/// stays as it is.
 ///
 /// # Errors
 /// Those of `design`, of the first trajectory at once.
@@ -54,7 +55,7 @@ pub fn stack(
 }
 
 impl Stack {
-    /// The trajectories.
+    /// The chosen trajectories without their costs.
     pub fn trajectories(&self) -> Vec<Series> {
         self.chosen.iter().map(|f| f.trajectory.clone()).collect()
     }

@@ -1,4 +1,4 @@
-//! Where the tool may be.
+//! Region of the tool.
 
 use super::error::ExcitationError;
 use super::limits::MotionLimits;
@@ -14,16 +14,16 @@ use rand_chacha::ChaCha8Rng;
 pub enum Region {
     /// Between two corners, m.
     Box {
-        /// Smallest coordinates.
+        /// Smallest coordinates, m.
         lower: [f64; 3],
-        /// Largest coordinates.
+        /// Largest coordinates, m.
         upper: [f64; 3],
     },
     /// Within a distance of a point, m.
     Sphere {
-        /// The point.
+        /// Centre, m.
         centre: [f64; 3],
-        /// The distance.
+        /// Radius, m.
         radius: f64,
     },
 }
@@ -99,8 +99,8 @@ impl<'a> ToolRoom<'a> {
         each.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the tool stays inside during a whole run. From a point at distance d from the boundary the motion goes on
-    /// for d over the tool's largest speed without a look, so that no grid can miss a way out.
+    /// Whether the tool stays inside during a whole run. From a point at distance d from the boundary the next
+    /// point checked lies d over the tool's largest speed later, so that the check cannot miss a way out.
     pub fn holds(&self, series: &Series) -> bool {
         let speeds = series.speed_bounds();
         let speed: f64 = self.reach.iter().zip(speeds).map(|(r, v)| r * v).sum();

@@ -28,7 +28,7 @@ impl Default for BarrierOptions {
     }
 }
 
-/// How a barrier iteration ended.
+/// End of a barrier iteration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
     /// The duality gap is as small as asked.
@@ -45,7 +45,7 @@ pub(super) struct Quadratic {
     pub right: Vec<f64>,
 }
 
-/// Where the iteration ended.
+/// Result of the iteration.
 pub(super) struct Minimum {
     pub x: Vec<f64>,
     pub objective: f64,
@@ -167,7 +167,7 @@ fn barrier_slope(constraints: &Constraints, x: &[f64], unit: &[f64]) -> Vec<f64>
 }
 
 struct Newton {
-    /// In the units of x.
+    /// Newton direction, in the units of x.
     direction: Vec<f64>,
     /// λ², the squared Newton decrement.
     decrement2: f64,
@@ -176,7 +176,7 @@ struct Newton {
     curvature: f64,
 }
 
-/// `None` where rounding leaves the Hessian indefinite.
+/// Newton step; `None` where rounding leaves the Hessian indefinite.
 fn newton_step(
     quadratic: &Quadratic,
     scaled_hessian: &Mat<f64>,

@@ -25,7 +25,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, Side};
 use physics::robot::PARAMETERS_PER_LINK;
 
-/// Everything about a robot that a feasible fit needs besides the data.
+/// Data of a robot that a feasible fit needs besides the recorded rows.
 #[derive(Debug, Clone)]
 pub struct Feasibility {
     grouping: Mat<f64>,
@@ -44,12 +44,12 @@ pub struct Feasible {
     pub base: Vec<f64>,
     /// Smallest eigenvalue of the links' pseudo-inertias, each relative to the link's largest: positive.
     pub smallest_eigenvalue: f64,
-    /// What was minimised, less a constant: data term plus distance from the nominal model. Of [`Feasibility::standard_from`]
-    /// before its last step.
+    /// Minimum of the objective, less a constant: data term plus distance from the nominal model. Of
+    /// [`Feasibility::standard_from`] before its last step.
     pub objective: f64,
-    /// Bound on how far `objective` is above the minimum.
+    /// Bound on the difference of `objective` from the minimum.
     pub gap: f64,
-    /// How the iteration ended.
+    /// End of the iteration.
     pub status: Status,
     /// Newton steps taken.
     pub steps: usize,
@@ -63,7 +63,7 @@ impl Feasible {
 }
 
 impl Feasibility {
-    /// For base parameters β = `grouping` (b × s) · x.
+    /// Problem for base parameters β = `grouping` (b × s) · x.
     ///
     /// # Errors
     /// Constraints on parameters that do not exist; a nominal model of another size or without positive
@@ -83,7 +83,7 @@ impl Feasibility {
         })
     }
 
-    /// The constraints.
+    /// Constraints on the standard parameters.
     pub fn constraints(&self) -> &Constraints {
         &self.constraints
     }
@@ -105,8 +105,7 @@ impl Feasibility {
         self.minimise(&(r.transpose() * r), &(r.transpose() * z), sigma2, None)
     }
 
-    /// As [`Feasibility::fit`], from normal equations, starting where an earlier solution (standard
-    /// parameters) ended.
+    /// Fit as by [`Feasibility::fit`], from normal equations, starting from an earlier solution (standard parameters).
     ///
     /// # Errors
     /// As [`Feasibility::fit`].
@@ -141,8 +140,8 @@ impl Feasibility {
         self.minimise(&information.to_owned(), &(information * base), 1.0, None)
     }
 
-    /// The standard parameters nearest the nominal ones (in its deviations) that reproduce the base parameters β
-    /// and are possible; what an identified URDF is written from.
+    /// Standard parameters nearest the nominal ones (in its deviations) that reproduce the base parameters β
+    /// and are possible; an identified URDF is written from them.
     ///
     /// Reproduction is exact (to rounding) where β is possible with room to spare. On the border or outside,
     /// `base` of the result differs from β by as little as the cone allows.

@@ -1,10 +1,10 @@
-//! What must hold, and what was believed before the data.
+//! Constraints and nominal model of a feasible fit.
 
 use super::cone;
 use crate::least_squares::{LeastSquaresError, check_size};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
-/// Why a feasibility problem could not be set up or solved.
+/// Reason why a feasibility problem could not be set up or solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FeasibilityError {
     /// Sizes that do not agree, or values that are not finite.
@@ -13,7 +13,7 @@ pub enum FeasibilityError {
     /// A constraint on a parameter that does not exist.
     #[error("a constraint names parameter {index}, but there are {parameters}")]
     NoSuchParameter {
-        /// The index.
+        /// Index of the parameter.
         index: usize,
         /// Number of parameters.
         parameters: usize,
@@ -21,7 +21,7 @@ pub enum FeasibilityError {
     /// The nominal deviations must be positive and finite: they bound what the data leave open.
     #[error("the deviation of nominal parameter {index} is not positive and finite")]
     BadDeviation {
-        /// The parameter.
+        /// Index of the parameter.
         index: usize,
     },
     /// The quadratic is not positive definite to working precision.
@@ -29,7 +29,7 @@ pub enum FeasibilityError {
     Singular,
 }
 
-/// Which standard parameters must satisfy what.
+/// Constraints on standard parameters.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Constraints {
     /// First index of the ten parameters of each link that must be a possible body, J ≻ 0 (eq. 15).
@@ -77,7 +77,7 @@ impl Constraints {
 pub struct Nominal {
     /// Standard parameters and extras.
     pub parameters: Vec<f64>,
-    /// How far each may be off, in its unit; positive and finite.
+    /// Standard deviation of each parameter, in its unit; positive and finite.
     pub std: Vec<f64>,
 }
 

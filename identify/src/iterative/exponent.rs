@@ -9,7 +9,7 @@ use ndarray::Array2;
 /// Coulomb friction and offset must be in the regressor too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PowerLaw {
-    /// For each joint the column of |q̇|^α·sign(q̇), or `None` where friction is linear.
+    /// Column of |q̇|^α·sign(q̇) of each joint, or `None` where friction is linear.
     pub columns: Vec<Option<usize>>,
     /// Joint velocities, samples × N, rad/s (m/s).
     pub velocity: Array2<f64>,
@@ -20,7 +20,7 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
-    /// With the paper's start and exponents from 0.05 to 3.
+    /// Power law with the paper's start and exponents from 0.05 to 3.
     pub fn new(columns: Vec<Option<usize>>, velocity: Array2<f64>) -> Self {
         Self {
             columns,
@@ -50,8 +50,8 @@ impl PowerLaw {
         self.columns.iter().map(start).collect()
     }
 
-    /// One round of L3: how far each exponent is from the one that fits best the torque left to friction (eqs 29,
-    /// 31), weights kept.
+    /// One round of L3: the step of each exponent to the one that best fits the torque left to friction (eqs
+    /// 29, 31), weights kept.
     pub(super) fn steps(
         &self,
         problem: &Problem,

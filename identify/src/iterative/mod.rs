@@ -38,7 +38,7 @@ use ndarray::Array2;
 /// Blocks of samples that deviations are taken from, at most.
 const BLOCKS: usize = 256;
 
-/// Why an identification could not be made.
+/// Reason why an identification could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IterativeError {
     /// Sizes that do not agree, values that are not finite, columns that do not exist.
@@ -47,21 +47,21 @@ pub enum IterativeError {
     /// The feasibility problem could not be solved.
     #[error(transparent)]
     Feasibility(#[from] FeasibilityError),
-    /// Columns that are dependent beyond what the ridge can hold.
+    /// Linear dependence of columns that the ridge cannot regularise.
     #[error(
         "the weighted system is numerically singular: too few samples are left, or their noise is zero"
     )]
     Singular,
 }
 
-/// When every link must be a possible body.
+/// Steps in which every link must be a possible body.
 #[derive(Debug, Clone, Copy)]
 pub enum Physical<'a> {
     /// Never: the estimate is the least-squares one.
     Free,
-    /// In the last step, on the weights and exponents found without.
+    /// The last step, on the weights and exponents found without the condition.
     LastStep(&'a Feasibility),
-    /// In every step.
+    /// Every step.
     EveryStep(&'a Feasibility),
 }
 
@@ -104,7 +104,7 @@ impl Default for IterativeOptions<'_> {
     }
 }
 
-/// What [`identify`] found.
+/// Result of [`identify`].
 #[derive(Debug, Clone)]
 pub struct Identification {
     /// Least-squares estimate on the final weights, in whitened rows (σ² near one); free of the condition of
@@ -114,7 +114,7 @@ pub struct Identification {
     pub feasible: Option<Feasible>,
     /// Triangle of the whitened, weighted rows.
     pub triangle: Triangle,
-    /// The same rows as normal equations of up to 256 blocks of samples that follow each other, for
+    /// Normal equations of the whitened, weighted rows in up to 256 blocks of consecutive samples, for
     /// [`block_covariance`](crate::least_squares::block_covariance).
     pub blocks: Vec<Gram>,
     /// Ω, N × N, squared torque units.
@@ -207,7 +207,7 @@ pub fn identify(
     finish(problem, options, state, exponents)
 }
 
-/// What the loops carry from step to step.
+/// State that the loops pass from step to step.
 struct State {
     parameters: Vec<f64>,
     /// Standard parameters of the last feasible step, to start the next from.

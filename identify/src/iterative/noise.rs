@@ -15,11 +15,12 @@ pub enum Noise {
     Full,
 }
 
-/// Ω from the weighted residual, samples × N (eqs 17, 27).
+/// Noise covariance Ω from the weighted residual, samples × N (eqs 17, 27).
 ///
-/// Rows count by their weight, parameters are shared out over the joints, and the part of a normal distribution that the
-/// weight function cuts off is put back, of which the variance `kept` is left; without that, outliers would shrink Ω and
-/// Ω would make outliers. A joint without a row left has no noise to speak of: its variance is one, which weighs nothing.
+/// Rows count by their weight, and parameters are shared out over the joints. The variance that the weight
+/// function cuts off from a normal distribution, of which `kept` is left, is put back: without that, outliers
+/// would shrink Ω and Ω would make outliers. A joint without a row left has no noise estimate: its variance is
+/// set to one, which has no effect.
 pub(super) fn covariance(
     residual: &Array2<f64>,
     weights: &Array2<f64>,

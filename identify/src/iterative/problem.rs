@@ -14,15 +14,15 @@ const BLOCK: usize = 1024;
 /// Stored joint by joint, so that whitening across joints (eq. 18) is a sum of whole blocks.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// For each joint samples × (p + 1), column-major, the torque last.
+    /// Regressor and torque of each joint, samples × (p + 1), column-major, the torque last.
     joints: Vec<Mat<f64>>,
     /// Zero for rows left out, one for the others, samples × N.
     kept: Array2<f64>,
 }
 
 impl Problem {
-    /// From the stacked regressor (samples·N × p, the N rows of a sample together, joints in order: eq. 7) and
-    /// the torques in the same order (eq. 8).
+    /// Problem from the stacked regressor (samples·N × p, the N rows of a sample together, joints in order: eq.
+    /// 7) and the torques in the same order (eq. 8).
     ///
     /// # Errors
     /// Sizes that do not agree (rows must be a multiple of `dof`), no rows, values that are not finite.
@@ -53,7 +53,7 @@ impl Problem {
         Self::of_joints(joints)
     }
 
-    /// From the rows of each joint: samples × (p + 1), the torque last.
+    /// Problem from the rows of each joint: samples × (p + 1), the torque last.
     ///
     /// # Errors
     /// Tables of different sizes, no rows, values that are not finite.
@@ -73,7 +73,7 @@ impl Problem {
         Ok(Self { joints, kept })
     }
 
-    /// Leaves the row of one joint at one sample out of every fit.
+    /// Excludes the row of one joint at one sample from every fit.
     ///
     /// # Panics
     /// A sample or joint that does not exist.
@@ -160,8 +160,8 @@ impl Problem {
         self.gram_of(0..self.samples(), root, weights)
     }
 
-    /// As [`Problem::gram`], for each of up to `most` blocks of samples that follow each other, of at least
-    /// eight samples.
+    /// Normal equations as by [`Problem::gram`], for each of up to `most` blocks of consecutive samples, of at
+    /// least eight samples.
     pub(super) fn block_grams(
         &self,
         root: &Mat<f64>,

@@ -7,17 +7,17 @@ pub enum Weight {
     Equal,
     /// 1 up to `threshold`, 0 beyond: the paper's "T class hard redescender", threshold 3.
     Hard {
-        /// In standard deviations.
+        /// Threshold, in standard deviations.
         threshold: f64,
     },
     /// 1 up to `threshold`, threshold/|r| beyond (Huber, 1964); 1.345 is 95 % efficient on normal noise.
     Huber {
-        /// In standard deviations.
+        /// Threshold, in standard deviations.
         threshold: f64,
     },
     /// (1 − (r/threshold)²)² up to `threshold`, 0 beyond (Beaton and Tukey, 1974); 4.685 is 95 % efficient.
     Tukey {
-        /// In standard deviations.
+        /// Threshold, in standard deviations.
         threshold: f64,
     },
 }
@@ -46,7 +46,7 @@ impl Weight {
         }
     }
 
-    /// E[w r²]/E[w] of standard normal r: what the weighted variance of clean noise falls to.
+    /// E[w r²]/E[w] of standard normal r: the factor by which weighting lowers the variance of clean noise.
     pub(super) fn variance_of_normal(self) -> f64 {
         // Midpoint rule on ±10 standard deviations; the jump of `Hard` costs 1e-6.
         const CELLS: usize = 20_000;

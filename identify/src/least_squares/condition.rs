@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// not mix inside a part. A part without columns is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SubRegressors {
-    /// All columns.
+    /// Condition number of all columns.
     pub whole: f64,
     /// Columns of second moments and rotor inertias.
     pub inertial: Option<f64>,
@@ -22,8 +22,8 @@ pub struct SubRegressors {
 }
 
 impl SubRegressors {
-    /// From a triangle (of weighted rows, for the starred quantities of the paper) and the columns of
-    /// each part.
+    /// Condition numbers from a triangle (of weighted rows, for the starred quantities of the paper) and the
+    /// columns of each part.
     ///
     /// # Errors
     /// A column that does not exist; a decomposition that fails.
@@ -56,7 +56,7 @@ impl SubRegressors {
             + self.friction.unwrap_or(0.0)
     }
 
-    /// Condition number of all columns scaled to unit norm: what remains when units are taken out.
+    /// Condition number of all columns scaled to unit norm, which does not depend on units.
     ///
     /// # Errors
     /// A decomposition that fails.

@@ -54,14 +54,14 @@ impl Gram {
         Ok(mean.sqrt())
     }
 
-    /// From the sums themselves: (p + 1) × (p + 1), symmetric, the target last.
+    /// Normal equations from the sums of products: (p + 1) × (p + 1), symmetric, the target last.
     pub(crate) fn from_products(products: Mat<f64>, rows: usize) -> Self {
         Self { products, rows }
     }
 
     /// Standard deviations of all parameters, for rows in units of their independent noise: the roots of the diagonal of N⁻¹.
     ///
-    /// A column that no row tells has one of 10⁵ over its own norm.
+    /// A column that no row determines has a deviation of 10⁵ over its own norm.
     ///
     /// # Errors
     /// Sums that are no sums of squares.

@@ -8,8 +8,8 @@ use ndarray::Array2;
 /// Fewest blocks from which a deviation is taken: with 24, 3σ intervals hold 99.4 % of normal noise.
 const FEWEST: usize = 24;
 
-/// Covariance of an estimate whose noise is correlated in time, from the normal equations of blocks of rows that
-/// follow each other (each of all joints, weighted as in the fit); together they are the rows of the fit.
+/// Covariance of an estimate whose noise is correlated in time, from the normal equations of blocks of
+/// consecutive rows (each of all joints, weighted as in the fit); together the blocks are the rows of the fit.
 ///
 /// With s_g = h_g − N_g x the score of block g and P the ridge (relative to the columns, as in
 /// [`SolveOptions`](super::SolveOptions)), the estimate without that block differs by exactly −(N + P − N_g)⁻¹ s_g;
@@ -21,7 +21,7 @@ const FEWEST: usize = 24;
 ///
 /// `held` are rows that stay in every fit: those of a prior.
 ///
-/// Fewer than 24 blocks say too little: the estimate's own covariance is returned.
+/// Fewer than 24 blocks are too few: the estimate's own covariance is returned.
 ///
 /// # Errors
 /// Blocks of another number of columns; a system that is singular without one of its blocks.
@@ -66,7 +66,8 @@ pub fn block_covariance(
     }))
 }
 
-/// Deviations of any estimate from the sums of blocks of rows that follow each other: it is made again without each of them.
+/// Standard deviations of any estimate by the block jackknife, from the sums of blocks of consecutive rows: it
+/// is made again without each block.
 ///
 /// Blocks are joined two by two as long as 24 are left, an odd last one counting as a block, and each value keeps its largest deviation,
 /// as in [`block_covariance`]; none where there are fewer than 24 blocks.

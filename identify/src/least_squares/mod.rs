@@ -21,15 +21,15 @@ pub use jackknife::{block_covariance, refitted_deviations};
 pub use solve::{Estimate, Prior, SolveOptions, solve};
 pub use triangle::{Accumulator, Triangle};
 
-/// Why a least-squares problem could not be set up or solved.
+/// Reason why a least-squares problem could not be set up or solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LeastSquaresError {
     /// A row, a vector or another triangle has the wrong number of columns.
     #[error("{what} has {found} entries where the problem has {expected}")]
     Size {
-        /// What has the wrong size.
+        /// Name of the quantity with the wrong size.
         what: &'static str,
-        /// Its size.
+        /// Size found.
         found: usize,
         /// The size that the problem asks for.
         expected: usize,
@@ -43,7 +43,7 @@ pub enum LeastSquaresError {
     /// A column index beyond the last column.
     #[error("column {column} does not exist: the problem has {columns} columns")]
     NoSuchColumn {
-        /// The index.
+        /// Index of the column.
         column: usize,
         /// The number of columns.
         columns: usize,
@@ -51,7 +51,7 @@ pub enum LeastSquaresError {
     /// A prior with a standard deviation that is not positive.
     #[error("the prior standard deviation of column {column} is not positive")]
     BadPrior {
-        /// The column.
+        /// Index of the column.
         column: usize,
     },
     /// A noise whose standard deviation is not positive.

@@ -6,7 +6,7 @@ use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par};
 use ndarray::Array2;
 
-/// What is known of the parameters before the data: independent normal distributions.
+/// Prior distribution of the parameters: independent normal distributions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
     /// Mean, length p.
@@ -20,8 +20,8 @@ pub struct Prior {
 pub struct SolveOptions {
     /// Columns to use; the parameters of the others are zero. `None`: all.
     pub columns: Option<Vec<usize>>,
-    /// Ridge relative to the norm of each column: holds what the data cannot see (singular values
-    /// below this, of the system with columns of unit norm) at the prior mean or zero. Default 1e-9.
+    /// Ridge relative to the norm of each column: holds directions that the data do not determine (singular
+    /// values below this, of the system with columns of unit norm) at the prior mean or zero. Default 1e-9.
     pub ridge: f64,
     /// Pull towards a nominal or older model, for short data. Default none.
     pub prior: Option<Prior>,
@@ -63,7 +63,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The same estimate with another covariance (p × p).
+    /// This estimate with another covariance (p × p).
     ///
     /// # Errors
     /// A covariance of another size.

@@ -75,7 +75,7 @@ impl Triangle {
         Ok(())
     }
 
-    /// The same rows multiplied by `scale` (a change of weight of the whole group).
+    /// Triangle of these rows multiplied by `scale` (a change of weight of the whole group).
     pub fn scaled(&self, scale: f64) -> Self {
         Self {
             factor: faer::Scale(scale) * &self.factor,
@@ -105,7 +105,7 @@ impl Triangle {
         (0..p).map(|i| self.factor[(i, p)]).collect()
     }
 
-    /// ρ²: what no parameter vector can explain.
+    /// Residual sum of squares ρ² of the least-squares solution, which no parameter vector can lower.
     pub fn unexplained(&self) -> f64 {
         let p = self.columns();
         self.factor[(p, p)].powi(2)
@@ -229,14 +229,14 @@ impl Triangle {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Accumulator {
-    /// Column-major; its first p + 1 rows hold the factor so far, the rest pending rows.
+    /// Buffer, column-major; its first p + 1 rows hold the factor so far, the others pending rows.
     buffer: Mat<f64>,
     pending: usize,
     rows: usize,
 }
 
 impl Accumulator {
-    /// For systems with `columns` unknowns.
+    /// Accumulator for systems with `columns` unknowns.
     pub fn new(columns: usize) -> Self {
         let n = columns + 1;
         Self {
@@ -251,8 +251,8 @@ impl Accumulator {
         self.buffer.ncols() - 1
     }
 
-    /// Adds one row a·x ≈ b; row and target are multiplied by `scale` (the square root of a weight, 1/σ). A
-    /// row of scale zero is left out altogether.
+    /// Adds one row a·x ≈ b; row and target are multiplied by `scale` (the square root of a weight, 1/σ). A row
+    /// of scale zero is left out altogether.
     ///
     /// # Errors
     /// A row of the wrong length.

@@ -1,4 +1,4 @@
-//! Residual tests as numbers: is what the model leaves behind noise?
+//! Residual tests as numbers: is the residual noise?
 //!
 //! Normality, independence in time, and no remainder against fitted torque or velocity: the assumptions of least
 //! squares (Han et al., IEEE T-RO 36(5), 2020, section III-D, shown there as plots).
@@ -20,15 +20,15 @@ const CELLS: usize = 20;
 /// Deviation below which a residual is constant, relative to its mean.
 const ROUNDING: f64 = 1e-12;
 
-/// Why residuals could not be tested.
+/// Reason why residuals could not be tested.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ResidualError {
     /// Fitted torque or velocity of another length than the residual.
     #[error("{found} values of {what} for {expected} residuals")]
     Size {
-        /// What has the wrong length.
+        /// Name of the quantity with the wrong length.
         what: &'static str,
-        /// Its length.
+        /// Length found.
         found: usize,
         /// Number of residuals.
         expected: usize,
@@ -66,9 +66,9 @@ pub struct Normality {
     pub skewness: f64,
     /// Excess kurtosis K; zero where normal, positive for heavy tails.
     pub excess_kurtosis: f64,
-    /// The statistic.
+    /// Statistic n/6 (S² + K²/4).
     pub jarque_bera: f64,
-    /// Its p-value.
+    /// P-value of the statistic (chi-squared, two degrees of freedom).
     pub p_value: f64,
 }
 
@@ -79,20 +79,20 @@ pub struct Serial {
     pub lag_one: f64,
     /// Ljung and Box, 1978, over 20 lags.
     pub ljung_box: f64,
-    /// Its p-value (chi-squared, 20 degrees of freedom).
+    /// P-value of the statistic (chi-squared, 20 degrees of freedom).
     pub p_value: f64,
     /// n/(1 + 2 Σ ρ_k), the sum cut where pairs of neighbouring terms cease to be positive (Geyer, 1992): as many
     /// independent samples know the mean equally well.
     pub effective_samples: f64,
 }
 
-/// What is left of the residual's mean in cells of equal count of another quantity.
+/// Dependence of the residual's mean on another quantity, in cells of equal count.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Remainder {
     /// Linear correlation: near zero by construction where the model is least squares with that column.
     pub correlation: f64,
-    /// Share of the residual's variance that the means of 20 cells explain, beyond what independent noise
-    /// would (adjusted η²); about zero in a horizontal band.
+    /// Share of the residual's variance that the means of 20 cells explain, beyond that expected of independent
+    /// noise (adjusted η²); about zero in a horizontal band.
     pub explained: f64,
     /// Wald and Wolfowitz, 1940: normal deviate of the number of runs of equal sign, the samples sorted by the other
     /// quantity; strongly negative where the residual bends.

@@ -1,4 +1,4 @@
-//! What residual plots show: autocorrelation and normal plot.
+//! Data of residual plots: autocorrelation and normal plot.
 
 use super::{ROUNDING, products, trajectories};
 

@@ -91,7 +91,7 @@ impl Bars {
         self
     }
 
-    /// Draws it.
+    /// Draws the bars as a figure.
     pub fn draw(&self, caption: impl Into<String>) -> Figure {
         const WIDTH: f64 = 960.0;
         const BAR: f64 = 14.0;

@@ -14,7 +14,7 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// Below this, a mean says little.
+    /// Least number of samples in a bin: a mean of fewer is too uncertain to be drawn.
     const FEWEST_SAMPLES: usize = 5;
 
     /// Equal bins over the range of x; pairs that are not finite are left out.

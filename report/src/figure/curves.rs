@@ -10,7 +10,7 @@ pub(super) struct Curves<'a> {
     pub(super) panels: Vec<Axes<'a>>,
 }
 
-/// A panel.
+/// A panel: label of the vertical axis, height and curves.
 #[derive(Serialize)]
 pub(super) struct Axes<'a> {
     pub(super) label: &'a str,
@@ -34,14 +34,14 @@ impl<'a> Curve<'a> {
 }
 
 impl Curves<'_> {
-    /// As JSON without `<`, so that it may stand in a page's script.
+    /// The curves as JSON without `<`, so that it may stand in a page's script.
     pub(super) fn json(&self) -> String {
         let text = serde_json::to_string(self).expect("finite numbers and text are JSON");
         text.replace('<', "\\u003c")
     }
 }
 
-/// Five digits of each coordinate: what no screen shows is not stored.
+/// Coordinates rounded to five digits: more are not visible on any screen.
 fn coordinates(pieces: &[Vec<(f64, f64)>]) -> Vec<[Vec<f64>; 2]> {
     let of = |piece: &Vec<(f64, f64)>| {
         let (x, y): (Vec<f64>, Vec<f64>) = piece.iter().copied().unzip();

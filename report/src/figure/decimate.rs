@@ -30,8 +30,7 @@ pub(super) fn extremes(y: &[f64], max_points: usize) -> Vec<usize> {
     kept
 }
 
-/// Of the points that fall into one cell of `cell` pixels, the first: a cloud that looks as dense as
-/// the whole one.
+/// Thins points to the first in each cell of `cell` pixels: a cloud that looks as dense as the whole one.
 pub(super) fn thin(points: &[(f64, f64)], cell: f64) -> Vec<(f64, f64)> {
     let mut taken = std::collections::HashSet::new();
     points

@@ -21,7 +21,7 @@ pub(super) struct Legend<'a> {
 }
 
 impl<'a> Legend<'a> {
-    /// A single name needs no legend: the title says what is shown. Names that repeat count once.
+    /// Legend of the given names; names that repeat count once. A single name needs none: the title names it.
     pub(super) fn new(names: impl Iterator<Item = (&'a str, Ink)>, width: f64) -> Self {
         let mut unique: Vec<(&str, Ink)> = Vec::new();
         for entry in names.filter(|(name, _)| !name.is_empty()) {

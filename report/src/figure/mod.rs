@@ -29,7 +29,7 @@ pub use waterfall::Waterfall;
 pub struct Figure {
     /// One `<svg>` element.
     pub svg: String,
-    /// What the figure shows and how to read it; plain text.
+    /// Explanation of the figure and how to read it; plain text.
     pub caption: String,
     /// The curves as JSON, where a reader can zoom them.
     pub(crate) curves: Option<String>,
@@ -38,9 +38,9 @@ pub struct Figure {
 /// Colour of a curve or bar, by meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// What was measured.
+    /// Measured values.
     Measured,
-    /// What a model says.
+    /// Predictions of a model.
     Predicted,
     /// Measured minus predicted.
     Residual,

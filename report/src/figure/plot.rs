@@ -173,7 +173,7 @@ impl Panel {
         })
     }
 
-    /// Its curves as data.
+    /// Curves of the panel as data.
     fn axes(&self) -> Axes<'_> {
         Axes {
             label: &self.y_label,
@@ -206,8 +206,8 @@ impl Plot {
         }
     }
 
-    /// Curves that a reader can zoom where the browser runs scripts; plots with the same horizontal axis share what they show. Panels
-    /// may have curves alone, on linear axes.
+    /// Makes the curves zoomable where the browser runs scripts; plots with the same horizontal axis share the
+    /// range shown. Panels may have curves alone, on linear axes.
     pub fn zoomable(mut self) -> Self {
         self.zoom = true;
         self
@@ -231,7 +231,7 @@ impl Plot {
         self
     }
 
-    /// Its curves as data.
+    /// Curves of the plot as data.
     fn curves(&self) -> Curves<'_> {
         Curves {
             title: &self.title,
@@ -240,7 +240,7 @@ impl Plot {
         }
     }
 
-    /// Draws it.
+    /// Draws the plot as a figure.
     pub fn draw(&self, caption: impl Into<String>) -> Figure {
         let names = self.panels.iter().flat_map(|p| &p.layers);
         let legend = Legend::new(names.map(|l| (l.name.as_str(), l.ink)), self.width - 60.0);
@@ -296,7 +296,7 @@ impl Plot {
 }
 
 impl Layer {
-    /// Its curves as data; none of points and bands.
+    /// Curve of the layer as data; none for points and bands.
     fn curve(&self) -> Option<Curve<'_>> {
         match &self.shape {
             Shape::Curves(pieces) => Some(Curve::new(&self.name, self.ink.class(), pieces)),

@@ -11,7 +11,7 @@ pub(super) struct Svg {
     label: String,
 }
 
-/// Where a text is anchored horizontally.
+/// Horizontal anchor of a text.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -139,7 +139,7 @@ impl Svg {
     }
 }
 
-/// Two decimals, without trailing zeros; what is not finite becomes 0 so that a drawing never breaks.
+/// A number with two decimals, without trailing zeros; a value that is not finite becomes 0, so that a drawing never breaks.
 struct Number(f64);
 
 impl std::fmt::Display for Number {

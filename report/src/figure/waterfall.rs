@@ -5,7 +5,7 @@ use super::draw::{TITLE, fit, horizontal_axis, widest};
 use super::scale::{Scale, range};
 use super::svg::{Anchor, Svg};
 
-/// The ladder of a diagnosis: what is left after each step, and what each step removed. Steps stand
+/// Ladder of a diagnosis: the error left after each step, and the part that each step removed. Steps stand
 /// below each other, the first at the top.
 #[derive(Clone, Debug)]
 pub struct Waterfall {
@@ -34,7 +34,7 @@ impl Waterfall {
         self
     }
 
-    /// What is left after a step; one that is not finite is left out.
+    /// Adds a step with the value left after it; a value that is not finite is left out.
     pub fn step(mut self, name: impl Into<String>, left: f64) -> Self {
         if left.is_finite() {
             self.steps.push((name.into(), left));
@@ -48,7 +48,7 @@ impl Waterfall {
         self
     }
 
-    /// Draws it.
+    /// Draws the ladder as a figure.
     pub fn draw(&self, caption: impl Into<String>) -> Figure {
         const WIDTH: f64 = 960.0;
         const ROW: f64 = 30.0;

@@ -6,8 +6,8 @@ use crate::table::HtmlTable;
 use std::fmt::Write;
 
 impl Page {
-    /// The page as Markdown (CommonMark with tables): the same bytes for the same content. Figures are left out, what a
-    /// reader of the page would open stands open.
+    /// The page as Markdown (CommonMark with tables): the same bytes for the same content. Figures are left
+    /// out; blocks that a reader of the page would open are shown open.
     pub fn to_markdown(&self) -> String {
         let mut out = format!("# {}\n", plain(&self.title));
         if !self.subtitle.is_empty() {
@@ -40,7 +40,7 @@ impl Table {
     }
 }
 
-/// A heading with what belongs to it.
+/// A heading with the blocks below it.
 fn blocks(out: &mut String, heading: &str, level: usize, blocks_below: &[Block]) {
     paragraph(out, &format!("{} {}", "#".repeat(level), plain(heading)));
     for block in blocks_below {

@@ -8,16 +8,16 @@ use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 
-/// How something is to be taken.
+/// Judgement of a value, shown by its colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
     /// Neither good nor bad.
     #[default]
     Neutral,
-    /// As it should be.
+    /// A value as it should be.
     Good,
-    /// To be kept in mind.
+    /// A value to be kept in mind.
     Warning,
     /// Wrong, or missing.
     Bad,
@@ -49,7 +49,7 @@ impl KeyFigure {
         self
     }
 
-    /// How the value is to be taken.
+    /// Sets the judgement of the value.
     pub fn tone(mut self, tone: Tone) -> Self {
         self.tone = tone;
         self
@@ -203,7 +203,7 @@ impl Section {
         }
     }
 
-    /// A paragraph.
+    /// Adds a paragraph.
     pub fn paragraph(self, text: impl Into<String>) -> Self {
         self.with(Block::Paragraph { text: text.into() })
     }
@@ -244,7 +244,7 @@ impl Section {
         self.with(Block::Code { text: text.into() })
     }
 
-    /// A table.
+    /// Adds a table.
     pub fn table(self, table: Table) -> Self {
         self.with(Block::Table {
             table: table.html(),
@@ -262,7 +262,7 @@ impl Section {
         self.with(Block::Figures { figures })
     }
 
-    /// Blocks that the reader opens; `content`'s own heading is what stands there while they are closed.
+    /// Adds blocks that the reader opens; while they are closed, `content`'s own heading is shown.
     pub fn details(self, content: Section) -> Self {
         self.with(Block::Details {
             summary: content.heading,
