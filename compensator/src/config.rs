@@ -22,7 +22,7 @@ pub enum Loss {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind", deny_unknown_fields)]
 pub enum Schedule {
-    /// It does not.
+    /// A constant learning rate.
     Constant,
     /// Half a cosine over all epochs, from the rate to `end` times the rate.
     Cosine {

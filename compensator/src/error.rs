@@ -93,7 +93,7 @@ pub enum Error {
     /// A build without the feature `networks`.
     #[error("this program was built without the training of networks")]
     Networks,
-    /// No GPU, or no support for one in this build.
+    /// Missing GPU, or a build without GPU support.
     #[error("{0}")]
     Gpu(String),
 }

@@ -43,7 +43,7 @@ impl LabelRuns {
 
 /// Columns of a file as read, before any conversion.
 pub(crate) struct Columns {
-    /// One per [`Layout::used`] that is not a label, in the same order; NaN where a value is missing.
+    /// Columns of numbers, one per [`Layout::used`] that is not a label, in the same order; NaN where a value is missing.
     pub numbers: Vec<Vec<f64>>,
     /// Cells of `numbers` (column, row) that held nothing at all.
     pub empty: BTreeSet<(usize, usize)>,
@@ -63,8 +63,8 @@ fn is_value(value: f64) -> bool {
     value.abs() <= LARGEST && !value.is_subnormal()
 }
 
-/// Rows at which the log stood still: values are missing in at least as many rows on end as a trajectory needs. Fewer are damage,
-/// which is refused.
+/// Rows of holes of the log, in which values are missing in at least as many consecutive rows as a trajectory
+/// needs. Shorter gaps are damage, which is refused.
 struct Holes {
     rows: Vec<bool>,
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
 
-/// A recording that cannot be used: the file, the place in it, what is wrong and what to do.
+/// Refusal of a recording: the file, the place in it, the problem and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub struct ReadError {
     /// Path of the file.
@@ -191,7 +191,7 @@ pub enum Problem {
         /// The torque of the second is zero throughout.
         zeros: bool,
     },
-    /// More or fewer joints than the robot has.
+    /// A number of joints other than the robot's.
     #[error("has columns for {found} joints, the robot has {expected}")]
     WrongDof {
         /// Joints of the robot.

@@ -1,10 +1,10 @@
 //! Folds for cross-validation: rows left out together, and rows near them that must not be fitted.
 //!
-//! Whole groups of trajectories where there are enough of them. With fewer than [`FEWEST`] groups trajectories are cut
-//! into contiguous blocks of time, and rows closer to a block than the gap are fitted by nobody who is tested on it:
-//! the low-pass and the residual's memory reach over a cut. Executions of one motion, be they trajectories or the
-//! periods of one trajectory, are cut at the same places and left out together, so that no fold is tested on a copy
-//! of what was fitted.
+//! Folds are whole groups of trajectories where there are enough of them. With fewer than [`FEWEST`] groups
+//! trajectories are cut into contiguous blocks of time. Rows closer to a block than the gap are not used in the
+//! fit that is tested on it: the low-pass and the residual's memory reach over a cut. Executions of one motion,
+//! be they trajectories or the periods of one trajectory, are cut at the same places and left out together, so
+//! that no fold is tested on a copy of fitted rows.
 
 use crate::{Recording, repeats};
 use std::ops::Range;
@@ -22,7 +22,7 @@ const SAME_MOTION: f64 = 0.02;
 /// A joint that stays within this (standard deviation, rad or m) does not take part.
 const STILL: f64 = 1e-3;
 
-/// Rows with one fold and the same neighbours.
+/// Rows that belong to one fold and lie near the same other folds.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Cell {
     /// The fold that is tested on these rows.

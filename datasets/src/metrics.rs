@@ -59,7 +59,7 @@ pub struct Row {
     pub name: String,
     /// Set of samples that was scored.
     pub scope: Scope,
-    /// The figures, in the same JSON object.
+    /// Scores of the model, in the same JSON object.
     #[serde(flatten)]
     pub scores: Scores,
 }

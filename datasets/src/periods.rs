@@ -18,7 +18,7 @@ pub enum PeriodError {
         file: String,
         /// Period, s.
         period: f64,
-        /// It in samples.
+        /// Period in samples, no whole number.
         samples: f64,
     },
     /// A trajectory of less than one period.
@@ -33,10 +33,10 @@ pub enum PeriodError {
         /// Period, s.
         period: f64,
     },
-    /// No series fits.
+    /// Error of the harmonic series.
     #[error(transparent)]
     Harmonics(#[from] HarmonicsError),
-    /// No smoother fits.
+    /// Error of the smoother.
     #[error(transparent)]
     Loess(#[from] LoessError),
 }
@@ -54,11 +54,12 @@ pub struct Averaged {
     pub torque: Option<Vec<f64>>,
 }
 
-/// Averages the runs of each motion, sample by sample: x̄(k) = Σ x_s(k)/S (UR5 paper, eq. 13, there with eight runs; COMAU
-/// paper, section 3.4, with 25), and the variance Σ (x_s(k) − x̄(k))²/(S − 1) over all k, which is that of the noise where the
-/// motion repeats. Runs are the whole periods of `period` seconds within each trajectory, where one is given, and trajectories that
-/// repeat a motion ([`repeats::find`]). Samples of one time since the start of their runs belong together: a run that lost
-/// one has no part in that average, and the others stay where they are. What is left of a last period is not used.
+/// Averages the runs of each motion, sample by sample: x̄(k) = Σ x_s(k)/S (UR5 paper, eq. 13, there with eight
+/// runs; COMAU paper, section 3.4, with 25). The variance Σ (x_s(k) − x̄(k))²/(S − 1) over all k is that of the
+/// noise where the motion repeats. Runs are the whole periods of `period` seconds within each trajectory, where
+/// one is given, and trajectories that repeat a motion ([`repeats::find`]). Samples at the same time since the
+/// start of their runs are averaged; a run that lost such a sample does not count in that average, and the
+/// others stay where they are. An incomplete last period is not used.
 ///
 /// # Errors
 /// A period that is no whole number of samples, or a trajectory of less than one.

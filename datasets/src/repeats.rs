@@ -57,7 +57,7 @@ fn deviation(x: &[f64]) -> f64 {
     (x.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n).sqrt()
 }
 
-/// Whether two trajectories follow the same path at the same times. Labels are not looked at.
+/// Whether two trajectories follow the same path at the same times. Labels are ignored.
 fn same_motion(r: &Recording, a: usize, b: usize) -> bool {
     let (ra, rb) = (&r.trajectories[a].range, &r.trajectories[b].range);
     let span = |t: &std::ops::Range<usize>| r.time[t.end - 1] - r.time[t.start];

@@ -19,7 +19,7 @@ pub(crate) struct Chosen {
 
 /// Rates that robots are logged at, Hz. They span a factor of a thousand, so that of s, ms, µs and ns one alone fits.
 const RATES: [f64; 2] = [5.0, 5000.0];
-/// A step, in s, with which nothing of a robot's motion can be told: stamps with one are no seconds.
+/// Step, s, at which a robot's motion is no longer resolved: stamps with such a step are no seconds.
 const NO_SECONDS: f64 = 1.0;
 
 /// Takes the steadiest of the clocks; those that stand still or go back inside a trajectory come last.

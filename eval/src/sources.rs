@@ -13,9 +13,9 @@ const ROWS: &str = include_str!("sources.toml");
 enum State {
     /// It works, with a command and figures.
     Works,
-    /// Some of it.
+    /// Partly reproduced.
     Partly,
-    /// Not at all.
+    /// Not reproduced.
     Missing,
 }
 
@@ -68,7 +68,7 @@ struct Document {
 #[serde(deny_unknown_fields)]
 struct Experiment {
     what: String,
-    /// One a line.
+    /// Commands, one a line.
     commands: String,
 }
 
@@ -85,7 +85,7 @@ pub enum SourcesError {
     /// The rows built into the program are damaged, which a test excludes.
     #[error("the table of sources is damaged: {0}")]
     Rows(#[from] toml::de::Error),
-    /// No such page.
+    /// A page that does not exist.
     #[error("no source document is called {name}; there are {pages}")]
     Page {
         /// Name of the page asked for.

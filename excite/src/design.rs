@@ -1,4 +1,4 @@
-//! From the command line to trajectories.
+//! Design of trajectories from the options of the command line.
 
 use crate::arguments::{Arguments, Method, Wanted};
 use crate::columns::extras;

@@ -152,7 +152,7 @@ pub fn given(robot: &Robot, arguments: &Arguments) -> Result<Given, Failure> {
     })
 }
 
-/// One value for each joint from one for all or one for each; none where none is given.
+/// Values of all joints, from one value for all or one for each; none where none is given.
 pub fn each<T: Copy>(flag: &str, values: &[T], joints: usize) -> Result<Option<Vec<T>>, Failure> {
     match values {
         [] => Ok(None),

@@ -1,4 +1,4 @@
-//! The page.
+//! HTML page of a design.
 
 use crate::judged::torques;
 use crate::motion::Labelled;

@@ -9,7 +9,7 @@ use physics::robot::Robot;
 use serde::Serialize;
 use signal::Motion;
 
-/// Deviations that a value has to exceed to be told from zero with 95 % confidence.
+/// Number of standard deviations that a value has to exceed to differ from zero with 95 % confidence.
 const TOLD: f64 = 1.96;
 
 /// Parameters and effects that a motion would show.
@@ -36,9 +36,9 @@ pub struct Parameter {
     pub std: Option<f64>,
     /// Relative standard deviation, percent (UR5 paper, eq. 10); null where the value is zero.
     pub relative_percent: Option<f64>,
-    /// Size from which it is told from zero.
+    /// Size from which the parameter differs from zero with 95 % confidence.
     pub shows_from: Option<f64>,
-    /// Whether the value in the description is.
+    /// Whether the value in the description is as large as that.
     pub shows: bool,
 }
 

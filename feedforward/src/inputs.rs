@@ -66,6 +66,6 @@ pub struct UnitValidation {
     pub physics: Option<f64>,
     /// RMS error with the unit, N·m.
     pub with_unit: Option<f64>,
-    /// RMS error with a ridge regression on the same inputs instead, N·m.
+    /// RMS error with a ridge regression on the same inputs in place of the unit, N·m.
     pub with_ridge: Option<f64>,
 }

@@ -16,7 +16,7 @@ pub enum ModelFileError {
     /// The model was written by another version.
     #[error("schema {0:?}, this program reads {SCHEMA:?}; train the model again")]
     Schema(String),
-    /// It is no model at all, or a damaged one.
+    /// A file that is no model at all, or a damaged one.
     #[error("not a model of this program: {0}")]
     Format(String),
 }
@@ -35,7 +35,7 @@ pub fn parse<T: DeserializeOwned>(text: &[u8]) -> Result<T, ModelFileError> {
     serde_json::from_value(value).map_err(format)
 }
 
-/// SHA-256 in lower-case hexadecimal, by which the files of a model directory know each other.
+/// SHA-256 in lower-case hexadecimal, by which the files of a model directory refer to each other.
 pub fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }

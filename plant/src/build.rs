@@ -25,11 +25,11 @@ pub struct Build {
 /// Measurement chain of the torque, per motor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// Noted torque over real torque.
+    /// Factor of the recorded torque on the real torque, without unit.
     pub gain: Vec<f64>,
-    /// Added to it, N·m.
+    /// Offset of the recorded torque, N·m.
     pub offset: Vec<f64>,
-    /// Largest torque that can be noted, N·m.
+    /// Largest torque that can be recorded, N·m.
     pub limit: Vec<f64>,
     /// Delay of the recorded torque after the motion, s.
     pub delay: f64,

@@ -39,7 +39,7 @@ pub struct Controller {
 const FEEDFORWARD_EPS: f64 = 0.003;
 
 impl Controller {
-    /// A controller that knows `nominal`, with the given position bandwidth (Hz) and control period (s).
+    /// A controller for the nominal robot `nominal`, with the given position bandwidth (Hz) and control period (s).
     ///
     /// # Errors
     /// The nominal arm is not a robot.

@@ -1,4 +1,4 @@
-//! From a perfect trace to a recording: counts and noise.
+//! Sensor model, which turns a perfect trace into a recording: counts and noise.
 
 use crate::run::Trace;
 use datasets::{Recording, Trajectory};

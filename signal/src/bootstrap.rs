@@ -7,9 +7,9 @@ use rand_chacha::ChaCha8Rng;
 /// Number of resamples.
 const DRAWS: u64 = 200;
 
-/// Σ part / Σ whole over blocks (part, whole) of a series, with its 90 % interval by the block bootstrap (Künsch 1989):
-/// blocks, long enough that they do not know of each other, drawn with replacement. The interval holds the value; both
-/// are zero where the wholes are none. The same blocks give the same interval on every machine.
+/// Σ part / Σ whole over blocks (part, whole) of a series, with its 90 % interval by the block bootstrap
+/// (Künsch 1989): blocks, long enough to be independent, are drawn with replacement. The interval includes the
+/// value; both are zero where the wholes are zero. The same blocks give the same interval on every machine.
 pub fn ratio(blocks: &[(f64, f64)]) -> (f64, [f64; 2]) {
     let of = |sum: (f64, f64)| if sum.1 > 0.0 { sum.0 / sum.1 } else { 0.0 };
     let add = |sum: (f64, f64), b: &(f64, f64)| (sum.0 + b.0, sum.1 + b.1);

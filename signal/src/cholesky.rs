@@ -1,8 +1,9 @@
 //! Cholesky factor of a small symmetric positive definite matrix, in place and without allocation.
 //!
-//! For up to some tens of unknowns in a flat slice, row-major, n × n: A = L·Lᵀ by rows (Golub and Van Loan, Matrix
-//! Computations, 4th ed., section 4.2.5). Of A the lower triangle is read, into which L is written; what stands above
-//! the diagonal is left alone. Larger systems are for `faer`, fixed 3 × 3 and 4 × 4 ones for `nalgebra`.
+//! For up to some tens of unknowns in a flat slice, row-major, n × n: A = L·Lᵀ by rows (Golub and Van Loan,
+//! Matrix Computations, 4th ed., section 4.2.5). The lower triangle of A is read, and L is written into it; the
+//! elements above the diagonal are not touched. Larger systems are for `faer`, fixed 3 × 3 and 4 × 4 ones for
+//! `nalgebra`.
 
 /// Replaces the lower triangle of `a` (n × n) by L. `None` where a pivot is not positive: A is not positive definite,
 /// or not finite; `a` is then half done.

@@ -119,8 +119,8 @@ fn both_ways<const N: usize>(sections: &[Section], x: [&[f64]; N]) -> [Vec<f64>;
     std::array::from_fn(|k| y.iter().rev().skip(pad).take(n).map(|y| y[k]).collect())
 }
 
-/// One causal pass in place. All sections take a sample before the next one comes: each works beside the others, where a
-/// pass of its own would wait for itself.
+/// One causal pass in place. All sections take a sample before the next one comes: so they run in parallel,
+/// where separate passes would each wait for their own previous sample.
 fn run<const N: usize>(sections: &[Section], y: &mut [[f64; N]]) {
     let Some(&first) = y.first() else { return };
     let steady = first.map(|level| steady_state(sections, level));

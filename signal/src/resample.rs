@@ -82,8 +82,7 @@ pub fn cubic(time: &[f64], values: &[f64], at: &[f64]) -> Result<Vec<f64>, Splin
         .collect())
 }
 
-/// The signal later by `delay` seconds: y(t) = x(t − delay) at the same stamps, by a cubic spline;
-/// the ends are held.
+/// Signal delayed by `delay` seconds: y(t) = x(t − delay) at the same stamps, by a cubic spline; the ends are held.
 ///
 /// # Errors
 /// Fewer than four samples, or times that do not increase.

@@ -17,7 +17,7 @@ const BEYOND: f64 = 0.05;
 pub struct Outside {
     /// Index of the joint.
     pub joint: usize,
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
     /// Part of the held-out samples that are beyond the fitted speeds or accelerations.
     pub part: f64,

@@ -16,7 +16,7 @@ pub enum SimulateError {
         "the simulated robot has elastic gears: the motion of its motors does not tell their torque"
     )]
     Elastic,
-    /// No random robot suited the case.
+    /// Random robots were drawn, and none suited the case.
     #[error("case {index} ({kind}): no random robot suits it")]
     NoCase {
         /// Kind of the case.

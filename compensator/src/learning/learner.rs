@@ -118,7 +118,7 @@ impl Learner {
         })
     }
 
-    /// This learner where the records were taken.
+    /// This learner in the state of the records.
     ///
     /// # Errors
     /// Records of another learner. burn drops state that does not fit without a word, so what was read is

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::tensors::Tensors;
 
-/// Records are equal byte for byte only where the parameter has the same name; burn draws one by default.
+/// Name of the parameter: records are equal byte for byte only where it is the same; burn draws one by default.
 const NAME: u64 = 1;
 
 /// One flat vector, laid out by [`Architecture::tensors`].
@@ -81,7 +81,7 @@ impl Weights {
         self.flat.val()
     }
 
-    /// Name under which gradients and optimiser know the parameter.
+    /// Name of the parameter in the gradients and in the optimiser.
     pub(super) fn name(&self) -> ParamId {
         self.flat.id
     }

@@ -57,7 +57,7 @@ impl Layout {
         }
     }
 
-    /// Items that cover every sample with weight in the given trajectories exactly once.
+    /// Items (rows of a batch) that cover every sample with weight in the given trajectories exactly once.
     pub(super) fn items(self, samples: &Samples, trajectories: &[usize]) -> Vec<Item> {
         let mut items = Vec::new();
         for &t in trajectories {
@@ -85,7 +85,7 @@ impl Layout {
         items
     }
 
-    /// One window per sample of the given trajectories, those without weight included.
+    /// Items with one window per sample of the given trajectories, those without weight included.
     pub(super) fn every_row(self, samples: &Samples, trajectories: &[usize]) -> Vec<Item> {
         let rows = |&t: &usize| {
             let Range { start, end } = samples.trajectories()[t].clone();

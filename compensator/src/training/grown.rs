@@ -18,7 +18,7 @@ const RATE: f32 = 0.1;
 const LEAVES: usize = 31;
 /// Samples of a leaf, at least.
 const LEAST: f32 = 20.0;
-/// Values of a column that splits are told apart by.
+/// Number of distinct values of a column between which splits can lie.
 const BINS: u16 = 255;
 /// Trees tried, at most.
 const MOST: usize = 1000;
@@ -36,8 +36,8 @@ pub fn choose_trees(job: &Job) -> Result<usize, Error> {
     Ok(booster.best_iteration.map_or(MOST, |best| best + 1))
 }
 
-/// Trees on the training trajectories of the job, judged on its validation trajectories: with their weighted RMS error there,
-/// N·m (none without such trajectories).
+/// Trees grown on the training trajectories of the job, and their weighted RMS error on its validation
+/// trajectories, N·m (none without such trajectories).
 ///
 /// # Errors
 /// As [`choose_trees`].

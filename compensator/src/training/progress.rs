@@ -59,8 +59,8 @@ impl Clock {
         }
     }
 
-    /// Notes where a network stands after an epoch or, `kept`, as its checkpoint had it; time left for all of them, zero
-    /// before anything was trained here.
+    /// Records the position of a network after an epoch or, with `kept`, as its checkpoint had it. Returns the
+    /// time left for all networks, zero before anything was trained in this run.
     pub fn note(&self, index: usize, position: &Position, kept: bool) -> Duration {
         let mut networks = self
             .networks

@@ -63,7 +63,7 @@ fn best(job: &Job) -> Result<(f64, Trained), Error> {
     best.ok_or(Error::Singular)
 }
 
-/// The job with a linear unit on windows of the same length.
+/// Job with a linear unit on windows of the same length, in place of the job's own.
 fn linear<'a>(job: &Job<'a>) -> Job<'a> {
     let mut job = job.clone();
     job.config.architecture = Architecture::Perceptron {

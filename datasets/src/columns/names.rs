@@ -17,7 +17,7 @@ pub(super) enum Quantity {
 /// Unit that a name states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unit {
-    /// None, or SI.
+    /// No unit, or an SI unit.
     Usual,
     Degrees,
     /// A torque column that is a motor current.

@@ -254,7 +254,7 @@ impl<'a> Header<'a> {
         numbers.len() == self.joints.len() && !numbers.is_sorted()
     }
 
-    /// Columns that nothing is said of.
+    /// Columns whose names have no known meaning.
     pub fn unread(&self) -> impl Iterator<Item = &'a str> {
         let all = self.names.iter().zip(&self.said);
         all.filter(|(name, said)| said.is_none() && !name.is_empty())

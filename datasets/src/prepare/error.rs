@@ -31,7 +31,7 @@ pub enum PrepareError {
         /// Row after it, from one.
         row: usize,
     },
-    /// No spline through a trajectory.
+    /// A spline that cannot be put through a trajectory.
     #[error("trajectory `{label}`: {source}")]
     Spline {
         /// Label of the trajectory.

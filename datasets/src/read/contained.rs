@@ -12,7 +12,7 @@ thread_local! {
 
 /// Runs a decoder and turns a panic in it into damage of the file.
 ///
-/// Decoders assert in places what a damaged file does not keep (in Parquet a dictionary page before the pages that
+/// Decoders assert properties that a damaged file may lack (in Parquet a dictionary page before the pages that
 /// use it, in MATLAB files a length that can be rounded up).
 pub(super) fn contained<T>(
     format: &'static str,

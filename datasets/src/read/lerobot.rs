@@ -17,11 +17,11 @@ const INFO: &str = "meta/info.json";
 /// Summary of a data set, from its own `meta/info.json`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DatasetSummary {
-    /// Frames per second; `None` where it is not said.
+    /// Frames per second; `None` where the data set does not state it.
     pub rate_hz: Option<f64>,
-    /// Episodes; `None` where it is not said.
+    /// Number of episodes; `None` where the data set does not state it.
     pub episodes: Option<u64>,
-    /// Frames of all episodes; `None` where it is not said.
+    /// Number of frames of all episodes; `None` where the data set does not state it.
     pub frames: Option<u64>,
     /// Features, by name.
     pub features: Vec<FeatureSummary>,
@@ -154,7 +154,8 @@ fn undeclared(info: &Value, options: &ReadOptions) -> Problem {
     }
 }
 
-/// The map with the data set's own names of elements as numbers, and its time and episodes where nothing else is said.
+/// The column map with the data set's own names of elements replaced by numbers, and its time and episodes
+/// where the map names no others.
 fn by_number(map: &ColumnMap, info: &Value) -> ColumnMap {
     let mut map = map.clone();
     for (key, own) in [("time", "timestamp"), ("trajectory", "episode_index")] {

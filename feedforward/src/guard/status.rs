@@ -13,7 +13,7 @@ impl Status {
     pub const BAD_TORQUE: Self = Self(1 << 1);
     /// The time lies before that of the last tick; the last torque is held and time starts anew.
     pub const BACKWARD: Self = Self(1 << 2);
-    /// Less than half a period after the last sample; the last torque is held.
+    /// A tick less than half a period after the last sample; the last torque is held.
     pub const STALE: Self = Self(1 << 3);
     /// A period or more passed without a tick.
     pub const LATE: Self = Self(1 << 4);

@@ -14,7 +14,7 @@ pub enum Error {
         /// Cause.
         source: std::io::Error,
     },
-    /// Not a complete safetensors file: cut short, or not one at all.
+    /// A file that is not a complete safetensors file: cut short, or of another format.
     #[error(
         "not a complete safetensors file ({0}); the file is cut short or damaged, train or copy it again"
     )]

@@ -94,7 +94,7 @@ fn checksum<'a>(
 }
 
 impl Compensator {
-    /// The file's content. The same compensator gives the same bytes.
+    /// Content of the file. The same compensator gives the same bytes.
     ///
     /// # Errors
     /// [`Error::Unit`] where a unit contradicts itself.

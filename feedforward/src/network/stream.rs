@@ -93,9 +93,9 @@ impl UnitStream {
 
     /// Residual torque, N·m, after the sample `inputs` (all columns of the compensator, in their units).
     ///
-    /// Within the bounds this is the mean over the members; away from them it fades to zero, and its
-    /// magnitude never exceeds the largest of training. A sample that is not finite gives 0 and leaves the
-    /// state as it was. A unit that is off gives 0.
+    /// Within the bounds this is the mean over the members; away from them it fades to zero, and its magnitude
+    /// never exceeds the largest of training. A sample that is not finite gives 0 and does not change the
+    /// state. A unit that is off gives 0.
     ///
     /// # Panics
     /// Where `inputs` is shorter than the columns the unit was checked against.

@@ -17,8 +17,8 @@ pub(super) struct Residual {
     banks: Vec<TermBank>,
     columns: Vec<Vec<f64>>,
     inputs: Vec<f32>,
-    /// One stream per control period within the network's own period, taking turns: each sees samples
-    /// as far apart as in training, and the torque is smooth at the control rate.
+    /// Streams, one per control period within the network's own period, taking turns. Each is fed samples as
+    /// far apart as in training, and the torque is smooth at the control rate.
     streams: Vec<Stream>,
     turn: usize,
     /// Residual torque at the last sample, N·m, by joint.

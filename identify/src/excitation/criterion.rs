@@ -23,7 +23,7 @@ pub enum Criterion {
 }
 
 impl Criterion {
-    /// All of them.
+    /// All criteria.
     pub const ALL: [Self; 5] = [
         Self::Condition,
         Self::ConditionNoise,

@@ -5,9 +5,10 @@ use crate::least_squares::Triangle;
 /// Standard deviations of the parameters that least squares would have, by the information RᵀR of rows that are divided by
 /// their noise; `times`: how often each row is recorded. Infinite for a parameter without information.
 pub fn deviations(triangle: &Triangle, times: f64) -> Vec<f64> {
-    /// Rest of a column over its norm below which it is rounding.
+    /// Ratio of a column's norm after orthogonalisation to its norm before, below which the column counts as
+    /// dependent (rounding).
     const LOST: f64 = 1e-12;
-    /// Share of such a column in another below which it is rounding.
+    /// Share of such a dependent column in another column, below which it counts as rounding.
     const MIXED: f64 = 1e-9;
     let r = triangle.r();
     let p = r.ncols();

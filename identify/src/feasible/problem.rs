@@ -18,7 +18,7 @@ pub enum FeasibilityError {
         /// Number of parameters.
         parameters: usize,
     },
-    /// The nominal deviations must be positive and finite: they bound what the data leave open.
+    /// A nominal deviation that is not positive and finite: the deviations bound the directions that the data leave open.
     #[error("the deviation of nominal parameter {index} is not positive and finite")]
     BadDeviation {
         /// Index of the parameter.

@@ -88,7 +88,7 @@ impl Gram {
         self.products.as_ref()
     }
 
-    /// The sums of the same rows multiplied by `scale` (a change of weight of the whole group).
+    /// Normal equations of the same rows multiplied by `scale` (a change of weight of the whole group).
     pub fn scaled(&self, scale: f64) -> Gram {
         Gram {
             products: faer::Scale(scale * scale) * &self.products,
@@ -96,7 +96,7 @@ impl Gram {
         }
     }
 
-    /// The sums of the same rows among `total` unknowns: column j becomes column `columns[j]`.
+    /// Normal equations of the same rows among `total` unknowns: column j becomes column `columns[j]`.
     ///
     /// # Errors
     /// Another number of places than columns; a place that does not exist.
@@ -121,7 +121,7 @@ impl Gram {
         })
     }
 
-    /// The sums of the same rows with the target less A·`mean`: a fit of them is the distance from `mean`.
+    /// Normal equations of the same rows with the target less A·`mean`: a fit of them is the distance from `mean`.
     ///
     /// # Errors
     /// `mean` of another length.

@@ -137,7 +137,7 @@ impl Triangle {
             .collect()
     }
 
-    /// The triangle of the same rows with some columns only, in the order given.
+    /// Triangle of the same rows with some columns only, in the order given.
     ///
     /// # Errors
     /// A column that does not exist.
@@ -156,8 +156,7 @@ impl Triangle {
         })
     }
 
-    /// The triangle of the same rows among `total` unknowns: column j becomes column `columns[j]`, the
-    /// other columns are zero.
+    /// Triangle of the same rows among `total` unknowns: column j becomes column `columns[j]`, the other columns are zero.
     ///
     /// # Errors
     /// Another number of places than columns; a place that does not exist.

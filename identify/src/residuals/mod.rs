@@ -81,8 +81,9 @@ pub struct Serial {
     pub ljung_box: f64,
     /// P-value of the statistic (chi-squared, 20 degrees of freedom).
     pub p_value: f64,
-    /// n/(1 + 2 Σ ρ_k), the sum cut where pairs of neighbouring terms cease to be positive (Geyer, 1992): as many
-    /// independent samples know the mean equally well.
+    /// Effective number of independent samples: n/(1 + 2 Σ ρ_k), the sum cut where pairs of neighbouring terms
+    /// cease to be positive (Geyer, 1992). That many independent samples would give the mean with the same
+    /// precision.
     pub effective_samples: f64,
 }
 

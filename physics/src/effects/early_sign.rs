@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 /// tanh((q̇ + lead·q̈)/velocity): the sign that the velocity will have after `lead` seconds, softened.
 ///
-/// No contact does this, but simulators do: where friction is a constraint on the acceleration (MuJoCo's `frictionloss`,
-/// Todorov 2014) it is the sign of q̈ + b·q̇ with the constraint's damping b, and 1/b is the lead; where it is solved for the
-/// end of a step, the lead is the step.
+/// No physical contact behaves so, but simulators do. Where friction is a constraint on the acceleration
+/// (MuJoCo's `frictionloss`, Todorov 2014) it is the sign of q̈ + b·q̇ with the constraint's damping b, and 1/b
+/// is the lead. Where it is solved for the end of a step, the lead is the step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EarlySign {
     /// Velocity over which the sign changes, rad/s (m/s).

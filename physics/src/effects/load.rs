@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct LoadFriction {
     /// Friction shape that is multiplied by |load|^exponent.
     pub friction: FrictionShape,
-    /// One is linear.
+    /// Exponent of |load|; one is linear.
     #[serde(default = "linear", skip_serializing_if = "is_linear")]
     pub exponent: f64,
 }

@@ -27,7 +27,7 @@ pub enum Sliding {
     SoftStribeck {
         /// Velocity at which the extra friction has fallen to 1/e.
         velocity: f64,
-        /// One is Tustin's form, two is Gauss's.
+        /// Exponent of the decay: one is Tustin's form, two is Gauss's.
         exponent: f64,
         /// Velocity over which the sign changes.
         softness: f64,

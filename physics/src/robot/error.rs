@@ -129,7 +129,7 @@ pub enum RobotError {
     TwoParents {
         /// Link with two parents.
         link: String,
-        /// One of the joints.
+        /// Name of one of the joints.
         first: String,
         /// The other joint.
         second: String,

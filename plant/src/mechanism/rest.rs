@@ -22,7 +22,7 @@ pub enum RestLaw {
 }
 
 impl RestLaw {
-    /// All of them.
+    /// All laws.
     pub const ALL: [Self; 4] = [Self::Root, Self::Arctangent, Self::Exponential, Self::Ramp];
 
     /// Softened sign of `v`.

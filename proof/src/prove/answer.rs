@@ -59,7 +59,8 @@ impl<'a> Answer<'a> {
             || (name == "torque_offset" && on(text(&hard["bias"], "joint")))
     }
 
-    /// Whether a cause is a withheld effect; where the background has the same name on other joints, on one of its own.
+    /// Whether a cause is a withheld effect; where the background has the same name on other joints, only if it
+    /// is on a joint of the effect.
     pub(super) fn is_true(&self, cause: &Value) -> bool {
         let name = text(cause, "effect");
         let joints = texts(&cause["joints"]);
@@ -97,7 +98,7 @@ impl<'a> Answer<'a> {
         !PARAMETERS.contains(&name) && !self.same().contains(&name) && !self.is_beside(cause)
     }
 
-    /// 1 for a true cause, half where the truth is only said to be possible instead of it.
+    /// Score of a cause: 1 if it is true, half if the truth is only stated as a rival of it, otherwise 0.
     pub(super) fn hit(&self, cause: Option<&Value>) -> f64 {
         let Some(cause) = cause else { return 0.0 };
         let rivals = texts(&cause["ambiguous_with"]);

@@ -14,7 +14,7 @@ pub enum ProveError {
         /// Cause.
         error: Box<diagnose::DiagnoseError>,
     },
-    /// No such kind of case.
+    /// An unknown kind of case.
     #[error("no cases are of the kind {name}; there are {kinds}")]
     Kind {
         /// The name asked for.
@@ -25,7 +25,7 @@ pub enum ProveError {
     /// A report cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
-    /// No cases of an earlier run.
+    /// A folder without cases of an earlier run.
     #[error("no cases and reports of an earlier run in {path}: {error}")]
     Kept {
         /// Path of the folder.
@@ -33,7 +33,7 @@ pub enum ProveError {
         /// Cause.
         error: std::io::Error,
     },
-    /// No cases of whatever simulator.
+    /// A folder without cases of any simulator.
     #[error("no cases in {path}: {error}; cases/NAME and truth/NAME.json are needed")]
     Given {
         /// The folder or file.

@@ -46,7 +46,7 @@ pub struct Stored {
     pub cases: Vec<StoredCase>,
 }
 
-/// One of them.
+/// Headline of one case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoredCase {
     /// Index of the case in the run.

@@ -14,9 +14,10 @@ pub enum Missed {
     BehindFalse,
     /// An effect that no recording can tell from it is named.
     Alike,
-    /// No line names it, and parameters leave less of it than of the joint's background, or next to nothing.
+    /// No cause's line names the effect. Parameters absorb it: the remaining part is smaller than the joint's
+    /// background, or next to nothing.
     Absorbed,
-    /// No line names it, though parameters leave it.
+    /// No cause's line names the effect, although parameters do not absorb it.
     InNoLine,
 }
 

@@ -50,7 +50,7 @@ pub struct Score {
     pub named: Vec<Named>,
     /// Further drawn properties of a hard case.
     pub drawn: Option<Drawn>,
-    /// Whether an earlier run into the same folder had diagnosed it.
+    /// Whether the case was already diagnosed by an earlier run into the same folder.
     pub stored: bool,
 }
 

@@ -12,7 +12,7 @@ pub enum Instead {
     Unknown,
     /// The first structural cause is a stated confounder.
     Confounder,
-    /// No structural cause: parameters took it over, or it is too small.
+    /// No structural cause is reported: parameters absorbed the effect, or it is too small.
     Parameters,
     /// Another name, ahead of all others by at least `CLEAR` and without a rival that is a confounder.
     Wrong,
@@ -20,7 +20,7 @@ pub enum Instead {
     Doubtful,
 }
 
-/// Lead over other names from which a name counts as said, nats.
+/// Lead in evidence over other names from which a name counts as stated, nats.
 const CLEAR: f64 = 11.0;
 
 /// Result of one case.

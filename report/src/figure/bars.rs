@@ -37,7 +37,7 @@ impl Bar {
 }
 
 impl Bars {
-    /// No series yet; name the unit in the label.
+    /// A chart without series; name the unit in the label.
     pub fn new(
         title: impl Into<String>,
         value_label: impl Into<String>,

@@ -1,4 +1,4 @@
-//! Fewer points that look the same.
+//! Reduction of points that keeps the look of a curve.
 
 /// Points of one curve that are drawn at most.
 pub const MAX_POINTS: usize = 2000;

@@ -16,7 +16,7 @@ pub struct HeatMap {
 }
 
 impl HeatMap {
-    /// No rows yet.
+    /// A chart without rows.
     pub fn new(
         title: impl Into<String>,
         columns: impl IntoIterator<Item = impl Into<String>>,

@@ -27,7 +27,7 @@ pub use waterfall::Waterfall;
 /// A drawn figure with its caption.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
-    /// One `<svg>` element.
+    /// The drawing, one `<svg>` element.
     pub svg: String,
     /// Explanation of the figure and how to read it; plain text.
     pub caption: String,

@@ -72,7 +72,7 @@ impl Panel {
         self
     }
 
-    /// A logarithmic vertical axis; values that are not positive are left out.
+    /// Makes the vertical axis logarithmic; values that are not positive are left out.
     pub fn log(mut self) -> Self {
         self.log_y = true;
         self
@@ -139,8 +139,9 @@ impl Panel {
         self
     }
 
-    /// The mean of `y` in `bins` equal bins of `x` as a curve, with a band of one standard deviation;
-    /// bins of fewer than five samples are left out, and where two or more follow each other the curve is interrupted.
+    /// Adds the mean of `y` in `bins` equal bins of `x` as a curve, with a band of one standard deviation. Bins
+    /// of fewer than five samples are left out, and where two or more of them follow each other the curve is
+    /// interrupted.
     pub fn binned(self, name: &str, ink: Ink, x: &[f64], y: &[f64], bins: usize) -> Self {
         let b = Bins::of(x, y, bins);
         let edge = |sign: f64| -> Vec<f64> {

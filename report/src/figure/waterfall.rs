@@ -17,7 +17,7 @@ pub struct Waterfall {
 }
 
 impl Waterfall {
-    /// No steps yet; name the unit in the label.
+    /// A ladder without steps; name the unit in the label.
     pub fn new(title: impl Into<String>, value_label: impl Into<String>) -> Self {
         Self {
             title: title.into(),

@@ -18,7 +18,7 @@ pub struct Figures {
     pub schema: &'static str,
     /// Seed of the run.
     pub seed: u64,
-    /// One for each kind.
+    /// Outcomes by kind of fault.
     pub kinds: Vec<Counted>,
 }
 
@@ -53,12 +53,12 @@ pub struct Counted {
     /// Name of the true fault.
     #[serde(rename = "fault", serialize_with = "name")]
     pub kind: Kind,
-    /// Recordings that were recognised; of healthy ones, those about which nothing was said; of wrong descriptions, those of which no
-    /// fault of the channel was said alone.
+    /// Number of recordings that were recognised; of healthy ones, those without a complaint; of wrong
+    /// descriptions, those without a complaint of a fault of the channel alone.
     pub right: usize,
-    /// Exact interval of 95 % of that share.
+    /// Exact 95 % interval of the share of recognised recordings.
     pub interval: [f64; 2],
-    /// Recordings of which something else was said as well.
+    /// Number of recordings with a further complaint.
     pub more: usize,
     /// Recordings whose remedy was tried, and those that are healthy behind it.
     pub mended: [usize; 2],
@@ -73,7 +73,8 @@ pub struct Outcome {
     pub index: u64,
     /// Joints that the fault is of, from 0.
     pub joints: Vec<usize>,
-    /// Whether it was recognised, on one of its joints at least and on no other; a healthy one, whether nothing was said.
+    /// Whether the fault was recognised, on one of its joints at least and on no other; of a healthy recording,
+    /// whether there was no complaint.
     pub right: bool,
     /// Whether it is healthy behind its remedy; null where no line can mend it.
     pub mended: Option<bool>,

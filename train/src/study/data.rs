@@ -38,7 +38,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// One joint's samples.
+    /// Samples of one joint.
     pub fn samples(&self, joint: usize) -> Result<Samples<'_>, Failure> {
         Samples::new(
             self.inputs.view(),

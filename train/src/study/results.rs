@@ -13,7 +13,7 @@ pub struct Variant<T> {
 }
 
 impl<T> Variant<T> {
-    /// One figure for each joint.
+    /// Result of a variant with one RMS error for each joint.
     pub fn once(value: T, rmse: Vec<f64>) -> Self {
         Self {
             value,
@@ -43,7 +43,7 @@ impl<T> Variant<T> {
     }
 }
 
-/// Fully connected and LSTM units with the same number of hidden nodes, joint 1, N·m.
+/// RMS errors of fully connected and LSTM units with the same number of hidden nodes, joint 1, N·m.
 #[derive(Serialize)]
 pub struct Nodes {
     pub nodes: usize,

@@ -39,7 +39,7 @@ pub struct ChannelCase {
     pub sheet: Vec<DataSheet>,
 }
 
-/// The recording at `index` of the run with this seed and fault; the same on every machine and thread.
+/// Simulates the recording at `index` of the run with this seed and fault; it is the same on every machine and thread.
 ///
 /// # Errors
 /// No random robot followed its reference, or one is no possible robot.

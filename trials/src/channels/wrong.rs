@@ -24,7 +24,7 @@ pub enum Wrong {
 }
 
 impl Wrong {
-    /// All of them.
+    /// All wrong descriptions.
     pub const ALL: [Self; 5] = [
         Self::Masses,
         Self::MassesAlike,

@@ -1,4 +1,4 @@
-//! One joint's motion dragging at another's transmission.
+//! Friction of one joint's transmission caused by another joint's motion.
 
 use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld, joint_name};

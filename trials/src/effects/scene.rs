@@ -52,9 +52,9 @@ pub struct Demand {
 pub struct Pick {
     /// Index of a joint of any kind.
     pub any: usize,
-    /// One of those that gravity loads.
+    /// Index of a joint that gravity loads; none without one.
     pub heavy: Option<usize>,
-    /// One of those whose rotor is told from its link.
+    /// Index of a joint whose rotor inertia can be told from its link's; none without one.
     pub geared: Option<usize>,
     /// 1 or −1.
     pub sign: f64,

@@ -35,7 +35,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// All of them.
+    /// All changes.
     pub const ALL: [Self; 6] = [
         Self::None,
         Self::Payload,
@@ -87,8 +87,8 @@ pub struct Days {
 /// Additional time for which the arm was warm when the second day's first trajectory began, s.
 const WARMER: f64 = 30.0;
 
-/// Simulates both days; `again`: both days' motions are the same; `plain`: the arm has nothing that a rigid model with viscous
-/// and Coulomb friction lacks.
+/// Simulates both days. `again`: both days' motions are the same. `plain`: the arm has no effects beyond a
+/// rigid model with viscous and Coulomb friction.
 ///
 /// # Errors
 /// The simulated robot is not a possible one.

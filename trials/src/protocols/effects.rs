@@ -42,7 +42,7 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// All of them.
+    /// All effects.
     pub const ALL: [Self; 6] = [
         Self::Ripple,
         Self::Stribeck,

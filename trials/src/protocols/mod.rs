@@ -34,8 +34,8 @@ impl Protocol {
         }
     }
 
-    /// Simulates all recordings, on the threads of the current pool. `progress` is told the finished part, 0 to 1. The same
-    /// seed gives the same recordings on any number of threads.
+    /// Simulates all recordings, on the threads of the current pool. `progress` is called with the finished
+    /// part, 0 to 1. The same seed gives the same recordings on any number of threads.
     ///
     /// # Errors
     /// The simulated robot is not a possible one.

@@ -51,7 +51,7 @@ pub struct Loaded {
     pub robot: Robot,
     /// Four excitations without the body.
     pub without: Recording,
-    /// One excitation of 25 s with it.
+    /// One excitation of 25 s with the body.
     pub with: Recording,
     /// The body, in the last joint's frame.
     pub body: Inertia,

@@ -46,7 +46,7 @@ impl Protocol {
 /// Recordings of a simulated robot.
 #[derive(Debug, Clone)]
 pub struct Simulated {
-    /// The protocol.
+    /// Protocol of the recordings.
     pub protocol: Protocol,
     /// Name and recording of each part: for the UR5 `identification`, `moves` and `verification`; for the KR300 `train` and
     /// `test`; for the Foxbot `identification` and `validation`.

@@ -51,7 +51,7 @@ pub struct RawCase {
     pub truth: RawTruth,
 }
 
-/// The recording at `index` of the run with this seed; the same on every machine and thread.
+/// Simulates the recording at `index` of the run with this seed; it is the same on every machine and thread.
 ///
 /// # Errors
 /// No random robot followed its reference, or one is no possible robot.

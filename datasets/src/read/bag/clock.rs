@@ -21,7 +21,7 @@ pub(super) struct Times {
 enum Course {
     /// Increasing, but for the messages at which it starts anew.
     Runs(Vec<usize>),
-    /// Not increasing at this message.
+    /// Not increasing: index of the first message that is not later than the one before.
     Stands(usize),
 }
 

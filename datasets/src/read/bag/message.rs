@@ -5,7 +5,7 @@ use super::definition::{Arity, Content, Field, Number};
 /// Reasons why a message cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Unreadable {
-    /// It is shorter than its type needs.
+    /// The message is shorter than its type needs.
     Short,
     /// Encapsulation other than plain CDR, by its identifier.
     Encapsulation(u16),

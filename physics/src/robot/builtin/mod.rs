@@ -26,7 +26,7 @@ pub enum Builtin {
 }
 
 impl Builtin {
-    /// All of them.
+    /// All built-in robots.
     pub const ALL: [Self; 4] = [Self::Ur5, Self::Kr300, Self::FoxbotA05, Self::Puma560];
 
     /// Name on the command line.

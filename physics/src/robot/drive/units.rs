@@ -58,7 +58,7 @@ pub enum TorqueUnit {
 }
 
 impl TorqueUnit {
-    /// One step of it as a part of the rated current; 1 where it is no such part.
+    /// Fraction of the rated current per unit of the column; 1 where the column is no such fraction.
     pub(super) fn part_of_rated(self) -> f64 {
         match self {
             Self::Rated => 1e-3,

@@ -207,7 +207,7 @@ fn position(limits: &Limits, kind: JointKind, pose: usize, joint: usize) -> f64 
     low + part * (high - low)
 }
 
-/// Damping and friction of every joint where they are the same for all: at least three joints, or two with one digit.
+/// Damping and friction that all joints share: of at least three joints, or of two if the numbers have one digit; otherwise none.
 fn equal_friction(joints: &[Joint]) -> Option<(f64, f64)> {
     let first = joints.first().filter(|_| joints.len() > 1)?;
     let (damping, friction) = (first.damping, first.friction);

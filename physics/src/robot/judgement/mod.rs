@@ -36,7 +36,7 @@ pub enum Masses {
     Described,
     /// Placeholder numbers in place of masses: a comparison with them means nothing.
     Placeholders,
-    /// None: bodies of 1 kg stand in, which serve as a scale and nothing else.
+    /// No masses: bodies of 1 kg are substituted, which serve as a scale and nothing else.
     Missing,
 }
 

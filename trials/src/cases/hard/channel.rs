@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 pub struct Channel {
     /// Filter of the current.
     pub lag: Vec<Lag>,
-    /// Whether it is the same on all joints.
+    /// Whether the filter is the same on all joints.
     pub same: bool,
     /// Deviation of the noise, N·m.
     pub noise: Vec<f64>,

@@ -18,14 +18,14 @@ pub struct NamedShare {
 pub struct Bias {
     /// Name of the joint.
     pub joint: String,
-    /// Over the root mean square of the joint's torque.
+    /// Bias over the root mean square of the joint's torque, without unit.
     pub share: f64,
 }
 
 /// Filters of the current.
 #[derive(Debug, Clone, Serialize)]
 pub struct LowPass {
-    /// Whether all joints have the same.
+    /// Whether all joints have the same filter.
     pub same: bool,
     /// First moment of each, ms.
     pub lag_ms: Vec<f64>,

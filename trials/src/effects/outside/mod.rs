@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 /// Draws a shape on the first of two joints, or on both.
 type Draw = fn(&Scene, [usize; 2], &mut ChaCha8Rng) -> Shape;
 
-/// All of them, equally likely.
+/// All mechanisms, equally likely.
 const MECHANISMS: [Draw; 8] = [
     cross_drag::draw,
     cable_tug::draw,

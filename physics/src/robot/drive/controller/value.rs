@@ -110,7 +110,7 @@ impl GravityCompensation {
 }
 
 impl Key {
-    /// All of them.
+    /// All keys.
     pub const ALL: [Self; 10] = [
         Self::Kp,
         Self::Kd,

@@ -248,7 +248,7 @@ impl<'d, 't> Attributes<'_, 'd, 't> {
         }
     }
 
-    /// A range that limits something: where the flag `limited` is on or, where nothing is said, `auto`.
+    /// A range in force: where the flag `limited` is on or, without the flag, as `auto` decides.
     ///
     /// # Errors
     /// Not two numbers, or not a flag.

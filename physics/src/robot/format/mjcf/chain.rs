@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Rotation3, Unit};
 /// Stiffness (N·m/rad) and parts of a weight beyond this belong to no robot.
 const LARGEST: f64 = 1e9;
 
-/// Compensated weights that differ by less are the same.
+/// Difference below which two fractions of compensated weight count as equal.
 const SAME: f64 = 1e-12;
 
 /// The chosen joints and the bodies that each of them carries.

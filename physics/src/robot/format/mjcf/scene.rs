@@ -23,7 +23,7 @@ const MOST: usize = 100_000;
 /// A body; the first one is the world.
 pub(super) struct Body<'c, 'd, 't> {
     pub name: String,
-    /// None for the world.
+    /// Element of the body; none for the world.
     pub element: Option<Element<'d, 't>>,
     /// Index of the body that carries it; the world's own is 0.
     pub parent: usize,

@@ -28,8 +28,8 @@ struct Mass {
     about_com: Matrix3<f64>,
 }
 
-/// Inertia of a body in its own frame. `name` is said where it cannot be computed; `unplaced` is where MuJoCo puts a body
-/// that has a least mass alone.
+/// Inertia of a body in its own frame. `name` stands in the error where it cannot be computed; `unplaced` is
+/// where MuJoCo puts a body that has a least mass alone.
 pub(super) fn inertia(
     name: &str,
     inertial: Option<&Attributes<'_, '_, '_>>,

@@ -1,4 +1,4 @@
-//! URDF.
+//! Reader and writer of URDF.
 //!
 //! Links and joints (`elements`) make a tree (`tree`), of which the chosen joints make the robot (`read`); new numbers go into the same
 //! text (`write`).
