@@ -76,7 +76,7 @@ pub struct NotJudged {
     pub reason: &'static str,
 }
 
-/// Plan of a robot's motion under torque noise of the given standard deviations, N·m per sample.
+/// What a motion of a robot would show under torque noise of the given deviations, N·m per sample.
 ///
 /// # Errors
 /// Numbers that are not finite.

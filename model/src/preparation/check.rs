@@ -56,7 +56,7 @@ pub enum CheckError {
     },
 }
 
-/// Checks a recording of `robot`: all of [`datasets::check`], and the checks that need a model.
+/// Checks a recording of `robot`: everything of [`datasets::check`], and what needs a model.
 ///
 /// # Errors
 /// See [`CheckError`].
@@ -99,7 +99,7 @@ pub fn check_recording(
     Ok(report)
 }
 
-/// Findings on a recording's torque channel; those on scales only where the doctor confirms them.
+/// What of a recording's channel is worth a sentence, scales as far as the doctor finds them too.
 pub fn channel_findings(
     robot: &Robot,
     recording: &Recording,

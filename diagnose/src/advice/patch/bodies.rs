@@ -22,9 +22,9 @@ const REACHED: f64 = 1e-16;
 /// Least second moment of a described body over its largest: a rod or plate gets a little thickness.
 const THINNEST: f64 = 1e-4;
 
-/// Bodies that minimise ½ (x − t)ᵀ H (x − t) + Σ divergence(body ‖ its description). For each of `described`,
-/// `sums` is the index of the ten parameters of x to which it adds. So a link and its load are two bodies of
-/// which only the sum is seen. `target` and `information` (10 N, 10 N × 10 N) are t and H of these sums.
+/// The bodies that minimise ½ (x − t)ᵀ H (x − t) + Σ divergence(body ‖ its description). Each of `described` has a place in
+/// `sums`: the index of the ten parameters of x that it is a part of, so that a link and its load are two bodies whose sum is
+/// seen. `target` and `information` (10 N, 10 N × 10 N) are t and H of these sums.
 pub(super) fn nearest(
     described: &[Inertia],
     sums: &[usize],

@@ -52,7 +52,7 @@ pub(super) struct Judge<'a> {
     /// Indices of the fine samples that are rows.
     picked: Vec<usize>,
     folds: Vec<Fold>,
-    /// Columns of the base on the rows of each joint, shape (rows, columns), and their numbers.
+    /// Columns of the base on the rows of each joint, and their numbers.
     base: Vec<Array2<f64>>,
     /// Weight of each row, shape (rows, joints).
     weight: Array2<f64>,
@@ -135,7 +135,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// A planned motion as an empty recording, to be dealt into folds.
+/// A planned motion as a recording of it would be dealt into folds.
 fn planned(motion: &Motion) -> Recording {
     let label = |(k, range): (usize, &Range<usize>)| Trajectory {
         label: k.to_string(),

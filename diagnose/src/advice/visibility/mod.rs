@@ -31,9 +31,8 @@ const RIPPLE_ORDER: f64 = 100.0;
 
 /// Least accepted size of each effect of the catalogue on a motion of a robot, in the order of the catalogue.
 ///
-/// `motion` is evenly sampled within its segments; `noise` is the standard deviation of one torque sample at
-/// that rate, N·m, by joint. Effects that are found in a residual directly (pushes, a saturated signal) are not
-/// included.
+/// `motion` is evenly sampled within its segments; `noise` is the standard deviation of one torque sample at that rate,
+/// N·m, by joint. Effects that are found in a residual itself (pushes, a saturated signal) are not among them.
 pub fn visible(robot: &Robot, motion: &Motion, noise: &[f64], settings: &Settings) -> Vec<Visible> {
     let rate = rate(motion);
     let (motion, share) = on_one_clock(motion, rate);

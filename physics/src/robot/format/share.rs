@@ -2,16 +2,15 @@
 
 use crate::robot::Inertia;
 
-/// Largest number of halvings by which bodies are made lighter.
+/// How often bodies are made lighter.
 const HALVES: i32 = 30;
 
 /// A body whose second moments are this far below zero, relative, is still a possible one.
 const POSSIBLE: f64 = 1e-9;
 
-/// Distributes the inertia `whole` of a link (all inertias in the link's frame). Returns the inertia of the
-/// body that the joint moves, and the fraction of `others` that the fixed bodies keep. The moved body has what
-/// the others leave. Where that is no possible body the others are halved until it is, as simulators want mass
-/// in whatever moves.
+/// Inertias, all in the link's frame, that together make `whole`: what the first of `bodies` has, and the part of theirs that
+/// the others keep. The first has what the others leave; where that is no possible body the others are made lighter, by
+/// halves, until it is, as simulators want mass in whatever moves.
 pub(super) fn share(whole: &Inertia, others: &[Inertia]) -> (Inertia, f64) {
     let rest = |part: f64| {
         let parts = others.iter().map(|b| scaled(b, -part));
