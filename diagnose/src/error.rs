@@ -34,12 +34,12 @@ pub enum DiagnoseError {
     /// A recording cannot be prepared.
     #[error("{source_name}: {error}")]
     Prepare {
-        /// The recording.
+        /// Name of the recording.
         source_name: String,
         /// Reason.
         error: PrepareError,
     },
-    /// No cut-off can be chosen from a recording.
+    /// Recording for which no cut-off can be chosen.
     #[error(transparent)]
     Cutoff(Box<CutoffError>),
     /// A recording without torque.
@@ -60,20 +60,20 @@ pub enum DiagnoseError {
         "{source_name}: {seconds:.1} s of motion are too little; record at least {needed:.0} s that move every joint"
     )]
     TooShort {
-        /// The recording.
+        /// Name of the recording.
         source_name: String,
         /// Duration of motion that it holds, s.
         seconds: f64,
         /// Duration of motion that is needed, s.
         needed: f64,
     },
-    /// Nothing can be identified from the earlier recordings.
+    /// Earlier recordings from which nothing can be identified.
     #[error(transparent)]
     Before(Box<FitError>),
     /// The learned step failed.
     #[error("the compensator cannot be trained on what is left: {0}")]
     Learn(#[from] ResidualError),
-    /// No motion could be designed.
+    /// Failed design of a motion.
     #[error("no experiment can be designed: {0}")]
     Experiment(#[from] identify::excitation::ExcitationError),
     /// The linear baseline of a model directory.
@@ -82,7 +82,7 @@ pub enum DiagnoseError {
     /// Tables of different shapes.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// A patched description that does not hold what was found.
+    /// A patched description that does not reproduce the causes found.
     #[error("{0}; nothing was written: report the description to the authors")]
     Patch(String),
     /// A result cannot be written.

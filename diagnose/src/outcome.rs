@@ -9,7 +9,7 @@ use crate::traces::unknown::Misfit;
 
 /// Result of a diagnosis: the report and the intermediate results that it is made of.
 pub struct Outcome {
-    /// The report.
+    /// Report of the diagnosis.
     pub diagnosis: Diagnosis,
     /// The search behind it.
     pub findings: Findings,
@@ -17,7 +17,7 @@ pub struct Outcome {
     pub frames: Frames,
     /// The measured explanation.
     pub explanation: Explanation,
-    /// The compensator on what the causes leave, where one was asked for.
+    /// Compensator trained on the residual after the causes, where one was asked for.
     pub learned: Option<Learned>,
     /// Structure in the residual of each joint on the fitted recording; none where it was not judged.
     pub left: Vec<Option<Misfit>>,

@@ -13,9 +13,9 @@ use physics::torque_model::TorqueModel;
 pub struct Loaded<'a> {
     /// Contents of the model directory.
     pub file: &'a ModelFile,
-    /// Its physics.
+    /// Physics of the model.
     pub model: &'a TorqueModel,
-    /// Its compensator.
+    /// Compensator of the model; none without one.
     pub compensator: Option<&'a Compensator>,
 }
 

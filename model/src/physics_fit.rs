@@ -25,7 +25,7 @@ use physics::torque_model::{TorqueModelRecord, WeightedTerm};
 /// Settings of [`fit_physics`].
 #[derive(Clone, Debug, Default)]
 pub struct FitOptions {
-    /// Identification.
+    /// Settings of the identification.
     pub identify: IdentifyOptions,
     /// Preparation of the recordings.
     pub prepare: PrepareOptions,
@@ -51,7 +51,7 @@ pub enum FitError {
     /// A recording cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
-        /// The recording.
+        /// Name of the recording.
         file: String,
         /// Cause.
         source: PrepareError,
@@ -72,7 +72,7 @@ pub enum FitError {
 
 /// A fitted model with its intermediate results.
 pub struct Fit {
-    /// The model.
+    /// Fitted model.
     pub file: ModelFile,
     /// Training recordings, then the held-out one where there is one.
     pub session: Session,

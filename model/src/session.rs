@@ -34,7 +34,7 @@ pub enum Start {
 /// Prepared recordings in the order in which memory passes through them.
 #[derive(Clone, Debug)]
 pub struct Session {
-    /// The recordings.
+    /// Prepared recordings.
     pub parts: Vec<Prepared>,
     /// Trajectories in the order of the clock.
     pub steps: Vec<Step>,
@@ -46,10 +46,10 @@ pub struct Session {
 impl Session {
     /// Puts recordings on a common clock.
     ///
-    /// Recordings share the clock of the first one unless their trajectories overlap in time with
-    /// one already on it: then they restarted their own clock, and memory and warm-up start neutral.
-    /// `known` holds the spans of time of trajectories recorded earlier on the clock that the model
-    /// knows (empty: the first recording defines it).
+    /// Recordings share the clock of the first one unless their trajectories overlap in time with one already
+    /// on it: then they restarted their own clock, and memory and warm-up start neutral. `known` holds the time
+    /// spans of trajectories recorded earlier on the clock that the model was trained on (empty: the first
+    /// recording defines it).
     pub fn new(parts: Vec<Prepared>, known: &[[f64; 2]]) -> Self {
         let motions: Vec<&Motion> = parts.iter().map(|p| &p.fine).collect();
         let (steps, clock_known) = order(&motions, known);
@@ -168,7 +168,7 @@ impl Session {
 
     /// Visits every fine sample in the order of memory, with state of memory, recording, row and sample.
     ///
-    /// Without `load` the samples carry an empty one.
+    /// Without `load` the samples have an empty one.
     pub fn walk(
         &self,
         load: Option<&[Array2<f64>]>,

@@ -95,7 +95,7 @@ fn outer(x: &Array2<f64>) -> Array2<f64> {
 /// Joints that each column touches.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// For each joint the columns with entries in its rows, ascending.
+    /// Columns with entries in a joint's rows, ascending, by joint.
     pub active: Vec<Vec<usize>>,
     position: Vec<Vec<Option<usize>>>,
 }

@@ -40,7 +40,7 @@ pub enum ColumnTorque {
 pub enum Bound {
     /// Unbounded.
     Free,
-    /// Above zero.
+    /// Positive values alone.
     Positive,
     /// Between two values, for a shape on a grid whose size the coefficient only corrects.
     Between(f64, f64),
@@ -51,7 +51,7 @@ pub enum Bound {
 pub struct Quantity {
     /// Name, that of docs/formats.md where it has one.
     pub name: &'static str,
-    /// Unit.
+    /// Unit of the reported value.
     pub unit: Unit,
     /// Joint that it belongs to.
     pub joint: Option<usize>,
@@ -90,11 +90,11 @@ impl Quantity {
 pub struct Size {
     /// Name, that of docs/formats.md.
     pub name: &'static str,
-    /// Value.
+    /// Measured value.
     pub value: f64,
     /// Standard deviation.
     pub std: f64,
-    /// Unit.
+    /// Unit of the value.
     pub unit: Unit,
 }
 
@@ -103,9 +103,9 @@ pub struct Size {
 pub struct Shape {
     /// Name, that of docs/formats.md.
     pub name: &'static str,
-    /// Value.
+    /// Value of the shape parameter.
     pub value: f64,
-    /// Unit.
+    /// Unit of the value.
     pub unit: Unit,
 }
 
@@ -119,13 +119,13 @@ impl Shape {
 /// A hypothesis: an effect at one place with fixed shape parameters.
 #[derive(Clone)]
 pub struct Candidate {
-    /// The effect.
+    /// Effect of the catalogue.
     pub effect: Effect,
     /// Joints that the report names.
     pub joints: Vec<usize>,
     /// Driving joint of a coupling.
     pub driver: Option<usize>,
-    /// Its columns.
+    /// Columns of the candidate.
     pub columns: Vec<Column>,
     /// Bound of each coefficient.
     pub bounds: Vec<Bound>,

@@ -13,11 +13,11 @@ pub enum Experiment {
     ColdAndWarm,
     /// The whole range, slowly.
     WholeRange,
-    /// The same speeds under other loads.
+    /// Repetition of the same speeds under other loads.
     Loads,
     /// All speeds.
     Speeds,
-    /// Reversals.
+    /// Many reversals of the velocity.
     Reversals,
 }
 

@@ -11,11 +11,11 @@ pub struct Parameter {
     /// Joint, where it belongs to one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
-    /// Value.
+    /// Value of the parameter.
     pub value: f64,
     /// Standard deviation; null where none was estimated.
     pub std: Option<f64>,
-    /// Unit.
+    /// Unit of the value.
     pub unit: Unit,
 }
 

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// A simulator's model with the options for reading its robot's recordings.
 pub struct Given {
-    /// The model.
+    /// Nominal model, as given.
     pub model: NominalModel,
     /// Its description, as the user's file has it where there is one.
     pub description: Description,

@@ -19,7 +19,7 @@ use ndarray::Array2;
 
 /// Causes that are listed, from the fitted recording alone.
 pub struct Listing {
-    /// For each accepted cause of kind `structure`: its index among the accepted, and its joints.
+    /// Index among the accepted causes, and joints, of each accepted cause of kind `structure`.
     pub structure: Vec<(usize, Vec<usize>)>,
     /// Changes of parameters that are listed, and their joints.
     pub parameters: Vec<(Effect, Vec<usize>)>,

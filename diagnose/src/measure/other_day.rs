@@ -18,7 +18,7 @@ use signal::delay::student;
 /// A joint whose friction differs in the held-out recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Changed {
-    /// Joint.
+    /// Index of the joint.
     pub joint: usize,
     /// Relative change of friction from the fitted to the held-out recording.
     pub change: f64,

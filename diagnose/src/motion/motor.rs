@@ -38,7 +38,7 @@ pub enum Band {
 
 /// Motion and torques that drive the transmission of one joint.
 pub struct Motor<'s> {
-    /// The joint.
+    /// Index of the joint.
     pub joint: usize,
     /// Acceleration, rad/s² (m/s²).
     pub qdd: ArrayView1<'s, f64>,

@@ -77,7 +77,7 @@ impl<'a> History<'a> {
         self.sensed
     }
 
-    /// The motion.
+    /// Motion of the recording.
     pub fn motion(&self) -> &'a Motion {
         self.motions[self.part]
     }

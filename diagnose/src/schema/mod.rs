@@ -8,7 +8,7 @@ use datasets::check::CheckReport;
 use datasets::metrics::Scores;
 use serde::{Deserialize, Serialize};
 
-/// A diagnosis.
+/// Report of a diagnosis.
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
     /// `diagnosis/1`
@@ -47,7 +47,7 @@ pub struct Diagnosis {
     /// Simulated motion against the recorded one, with the model as given and with the causes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<Simulation>,
-    /// The motion that would tell ambiguous causes apart, where one was designed.
+    /// Motion designed to tell ambiguous causes apart, where one was designed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub next_experiment: Option<NextExperiment>,
     /// Effects that this recording cannot show.
@@ -60,7 +60,7 @@ pub struct Diagnosis {
     pub notes: Vec<String>,
 }
 
-/// Verdict.
+/// Verdict of a diagnosis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -120,7 +120,7 @@ pub struct Step {
 /// A region where the gap lies.
 #[derive(Clone, Debug, Serialize)]
 pub struct Place {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Coordinate, by its name in docs/formats.md.
     pub coordinate: &'static str,
@@ -170,7 +170,7 @@ pub struct Support {
 /// An accepted cause.
 #[derive(Clone, Debug, Serialize)]
 pub struct Cause {
-    /// Effect.
+    /// Effect of the catalogue.
     pub effect: Effect,
     /// `parameter` or `structure`.
     pub kind: &'static str,
@@ -220,9 +220,9 @@ pub const STRUCK: &str = "seen by the blows that follow changes of the load's si
 /// A candidate that was tried.
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
-    /// Effect.
+    /// Effect of the catalogue.
     pub effect: Effect,
-    /// Joints.
+    /// Names of the joints.
     pub joints: Vec<String>,
     /// Part of the joints' squared gap that it closes on trajectories left out, in the place of an accepted
     /// cause or beside all of them.
@@ -236,7 +236,7 @@ pub struct Tested {
 pub struct NotIdentifiable {
     /// The effect; none where nothing at all can be said of the joints.
     pub effect: Option<Effect>,
-    /// Joints.
+    /// Names of the joints.
     pub joints: Vec<String>,
     /// Reason.
     pub reason: String,
@@ -245,7 +245,7 @@ pub struct NotIdentifiable {
 /// Residual of a joint out of fold, on the fitted recording; null where it was not judged.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unexplained {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Root mean squared error with structure away from reversals, relative to the joint's torque.
     pub nrmse: Option<f64>,
@@ -324,7 +324,7 @@ pub struct Moved {
     pub value: f64,
     /// Standard deviation of the fitted value.
     pub std: f64,
-    /// Unit.
+    /// Unit of both values.
     pub unit: &'static str,
     /// Change over its standard deviation.
     pub deviations: f64,
@@ -342,7 +342,7 @@ pub struct Bounds {
 /// Friction of one joint over its speed.
 #[derive(Clone, Debug, Serialize)]
 pub struct Friction {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Speeds, rad/s (m/s).
     pub speed: Vec<f64>,
@@ -355,7 +355,7 @@ pub struct Friction {
     pub unit: &'static str,
 }
 
-/// A resonance.
+/// Resonance of a joint.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Resonance {
     /// Frequency, Hz.

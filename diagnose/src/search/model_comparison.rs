@@ -50,7 +50,7 @@ pub struct Comparison {
 pub struct Simplest<'a> {
     /// The criterion J.
     pub objective: &'a Objective<'a>,
-    /// The catalogue.
+    /// Candidates of the catalogue.
     pub candidates: &'a [Candidate],
     /// Column numbers of each candidate.
     pub members: &'a [Vec<usize>],

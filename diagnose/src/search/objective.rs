@@ -23,7 +23,7 @@ pub struct Freedom {
 }
 
 impl From<f64> for Freedom {
-    /// The same factor on both.
+    /// Freedom with the same factor on links and on friction.
     fn from(both: f64) -> Self {
         Self {
             links: both,
@@ -36,7 +36,7 @@ impl From<f64> for Freedom {
 pub struct Objective<'a> {
     /// Sums of products of the dictionary's columns.
     pub grams: &'a Grams,
-    /// Settings.
+    /// Settings of the search.
     pub settings: &'a SearchSettings,
     torque: Vec<f64>,
     /// Rows per independent sample of each joint.

@@ -44,7 +44,7 @@ pub struct Selection<'a> {
 pub struct Search<'a> {
     /// The criterion J.
     pub objective: &'a Objective<'a>,
-    /// The catalogue.
+    /// Candidates of the catalogue.
     pub candidates: &'a [Candidate],
     /// Column numbers of each candidate.
     pub members: &'a [Vec<usize>],

@@ -10,7 +10,7 @@ settings! {
         /// Speed below which rows weigh less, because the sign of a filtered velocity is a guess, rad/s (m/s). Narrow,
         /// because friction with memory shows next to it.
         crossing_speed: f64 = 0.004, tuned;
-        /// Weight of such rows.
+        /// Weight of rows below `crossing_speed`.
         crossing_weight: f64 = 0.15, tuned;
         /// Weight of rows at standstill in a recording that is too slow for a low-pass.
         standstill_weight: f64 = 0.1, tuned;

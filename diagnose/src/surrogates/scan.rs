@@ -17,7 +17,7 @@ use std::ops::Range;
 pub(super) struct Scan {
     /// Effect of such a line.
     pub effect: Effect,
-    /// The joint.
+    /// Index of the joint.
     pub joint: usize,
     /// Σ w s², Σ w s c, Σ w c² of each order, with s and c its sine and cosine.
     squares: Vec<[f64; 3]>,

@@ -30,7 +30,7 @@ const BEFORE: f64 = 0.15;
 const OWN: (f64, f64) = (0.04, 0.08);
 /// Window around another joint's reversal that is left out, s before and after.
 const OTHER: (f64, f64) = (0.024, 0.048);
-/// Ends of trajectories that are left out, s.
+/// Time left out at each end of a trajectory, s.
 const EDGE: f64 = 0.1;
 /// Number of circular shifts of the sign changes for the chance level, and their seed.
 const MOVED: u64 = 199;
@@ -39,7 +39,7 @@ const SEED: u64 = 0xB10;
 /// Vibration of one joint after sign changes of its torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impacts {
-    /// The joint.
+    /// Index of the joint.
     pub joint: usize,
     /// Power of the vibration over that before the changes or elsewhere, whichever is greater.
     pub ratio: f64,

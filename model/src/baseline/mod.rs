@@ -21,7 +21,7 @@ pub enum BaselineError {
     Shape {
         /// Name of the table.
         what: &'static str,
-        /// Its shape.
+        /// Shape found (samples, joints).
         found: (usize, usize),
         /// The shape needed.
         needed: (usize, usize),

@@ -25,7 +25,7 @@ pub enum Part {
 /// A published row; figures are over all samples of the official files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Published {
-    /// Task.
+    /// Task of the published result.
     pub task: Task,
     /// The model, in a few words.
     pub model: &'static str,

@@ -1,5 +1,5 @@
-//! `covariance.json`: covariance of the parameters. Only the standard deviation of a prediction needs it and no
-//! control loop reads it. It has a file of its own since it is most of the model's data.
+//! `covariance.json`: data that only the standard deviation of a prediction needs and no control loop reads.
+//! They are in a file of their own, because they are most of what is written.
 
 use super::error::DirectoryError;
 use feedforward::model_file::sha256;

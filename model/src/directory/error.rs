@@ -10,7 +10,7 @@ pub enum DirectoryError {
     /// A file cannot be read.
     #[error("{path}: {source}")]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Cause.
         source: std::io::Error,
@@ -18,7 +18,7 @@ pub enum DirectoryError {
     /// A file is no model.
     #[error("{path}: not a model of this program: {reason}")]
     Format {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Reason.
         reason: String,
@@ -34,7 +34,7 @@ pub enum DirectoryError {
     /// A file beside the model was written by another version.
     #[error("{path}: schema {found:?}, this program reads {read:?}; train the model again")]
     Schema {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Schema of the file.
         found: String,
@@ -44,13 +44,13 @@ pub enum DirectoryError {
     /// A file was made with another model than the one beside it.
     #[error("{path}: made with another model than the model.json beside it (checksum differs)")]
     Other {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
     /// `model.json` is not of this version.
     #[error("{path}: {source}")]
     Model {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Cause.
         source: ModelFileError,
@@ -58,7 +58,7 @@ pub enum DirectoryError {
     /// The parts of the model do not fit together.
     #[error("{path}: {source}")]
     Physics {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Cause.
         source: TorqueModelError,
@@ -66,7 +66,7 @@ pub enum DirectoryError {
     /// The directory cannot be created, or an old file in it cannot be removed.
     #[error("{path}: {source}")]
     Folder {
-        /// The directory.
+        /// Path of the directory.
         path: PathBuf,
         /// Cause.
         source: std::io::Error,

@@ -18,7 +18,7 @@ pub enum EvaluateError {
     /// The recording cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
-        /// The recording.
+        /// Name of the recording.
         file: String,
         /// Cause.
         source: PrepareError,
@@ -46,7 +46,7 @@ pub enum EvaluateError {
         "{file} has {found} joints, the model {expected}; give a recording of the model's robot ({robot})"
     )]
     Joints {
-        /// The recording.
+        /// Name of the recording.
         file: String,
         /// Number of joints of the recording.
         found: usize,

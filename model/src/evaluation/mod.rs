@@ -45,7 +45,7 @@ pub struct EvalReport {
     pub joints: Vec<String>,
     /// Number of samples.
     pub samples: usize,
-    /// Scores.
+    /// Scores of each model and scope.
     pub rows: Vec<Row>,
     /// Repeatability: spread of repeated motions, where the recording has some. It is the noise floor in motion.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -64,9 +64,9 @@ pub struct EvalReport {
 pub struct Evaluation {
     /// Scores and notes.
     pub report: EvalReport,
-    /// The recording.
+    /// Recording that was evaluated.
     pub recording: Recording,
-    /// Its motion at the recorded samples.
+    /// Motion of the recording at the recorded samples.
     pub session: Session,
     /// Torque of the whole model, N·m (N), shape (samples, joints).
     pub torque: Array2<f64>,

@@ -59,13 +59,13 @@ pub fn inertial_columns(
 
 /// Data for the rows of all joints.
 pub struct Data<'a> {
-    /// The robot.
+    /// Robot of the recordings.
     pub robot: &'a Robot,
-    /// Its base parameters.
+    /// Base parameters of the robot.
     pub base: &'a BaseParameters,
     /// Columns of the base parameters.
     pub rigid: &'a RigidColumns,
-    /// The recordings.
+    /// Prepared recordings.
     pub session: &'a Session,
     /// Torque to be explained.
     pub target: &'a Target<'a>,

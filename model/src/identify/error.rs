@@ -18,7 +18,7 @@ pub enum IdentifyError {
         /// Number of joints of the robot.
         expected: usize,
     },
-    /// No sample is left to fit.
+    /// Recordings in which no joint moves, so that no sample is left to fit.
     #[error("no joint moves in these recordings: nothing can be identified")]
     NothingMoves,
     /// The least-squares problem could not be solved.
@@ -33,7 +33,7 @@ pub enum IdentifyError {
     /// The iterative estimator failed.
     #[error(transparent)]
     Iterative(#[from] IterativeError),
-    /// No possible links could be found.
+    /// Failed search for physically possible links.
     #[error(transparent)]
     Feasibility(#[from] FeasibilityError),
     /// The prior belongs to another robot.

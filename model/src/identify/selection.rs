@@ -57,7 +57,7 @@ pub struct FoldGrams {
 }
 
 impl FoldGrams {
-    /// From the normal equations of each cell of `folds`; folds without rows are left out.
+    /// Sums of each fold from the normal equations of each cell of `folds`; folds without rows are left out.
     ///
     /// # Errors
     /// Cells with different numbers of columns, or none.

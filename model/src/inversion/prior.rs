@@ -36,7 +36,7 @@ pub struct MotionPrior {
 
 /// Shapes and their derivatives: tables of shape (samples, shapes).
 pub(super) struct Shapes {
-    /// Values.
+    /// Values, without unit.
     pub q: Array2<f64>,
     /// First derivatives by time, 1/s.
     pub qd: Array2<f64>,

@@ -12,9 +12,9 @@ use serde::Serialize;
 pub struct Leaderboard {
     /// `leaderboard/1`.
     pub schema: &'static str,
-    /// The recording.
+    /// Name of the recording.
     pub recording: String,
-    /// The robot.
+    /// Name of the robot.
     pub robot: String,
     /// Joint names.
     pub joints: Vec<String>,
@@ -40,7 +40,7 @@ pub struct Leaderboard {
 /// A model that was given.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Given {
-    /// Its directory.
+    /// Path of the model's directory.
     pub directory: String,
     /// Conditions of its figures, as text of `eval`.
     pub notes: Vec<String>,

@@ -49,7 +49,7 @@ pub struct Intervals {
 /// Scores with their intervals; an interval that does not exist is `None` (null in JSON).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judged {
-    /// The figures.
+    /// Scores of a model.
     #[serde(flatten)]
     pub scores: Scores,
     /// Interval of each joint's NRMSE.

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 pub struct Contest<'a> {
     /// Model directories, of one robot.
     pub directories: &'a [PathBuf],
-    /// The recording.
+    /// Path of the recording.
     pub data: &'a Path,
     /// Drive file of the robot.
     pub drive: Option<&'a Path>,

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Reason why models could not be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum LeaderboardError {
-    /// No model was given.
+    /// A call without a model.
     #[error("a leaderboard needs at least one model directory")]
     Nothing,
     /// Models of different robots.

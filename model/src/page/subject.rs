@@ -8,13 +8,13 @@ use signal::Motion;
 
 /// A recording with a model's predictions and scores.
 pub struct Subject<'a> {
-    /// The recording.
+    /// Recording on the page.
     pub recording: &'a Recording,
-    /// Its motion at the recorded samples.
+    /// Motion of the recording at the recorded samples.
     pub motion: &'a Motion,
     /// Torque of the whole model, N·m (N), shape (samples, joints).
     pub torque: &'a Array2<f64>,
-    /// Scores.
+    /// Scores of each model and scope.
     pub rows: &'a [Row],
     /// Conditions of the figures, as text.
     pub notes: &'a [String],

@@ -12,7 +12,7 @@ use serde::Serialize;
 /// A value with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figure {
-    /// Value.
+    /// Estimated value.
     pub value: f64,
     /// Standard deviation.
     pub std: f64,

@@ -65,7 +65,7 @@ pub struct Payload {
     pub frame: String,
     /// Number of samples.
     pub samples: usize,
-    /// The body.
+    /// Body of the payload.
     #[serde(flatten)]
     pub body: Body,
     /// Root mean square residual of the model without the body, by joint, N·m (N).

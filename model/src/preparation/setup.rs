@@ -53,7 +53,7 @@ pub enum SetupError {
          recording of its own as --heldout, or leave it out"
     )]
     NotHeldOut {
-        /// The recording.
+        /// Name of the held-out recording.
         heldout: String,
         /// Number of rows that are in both.
         rows: usize,

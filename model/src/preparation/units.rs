@@ -15,11 +15,11 @@ const LINE: &str = "units.angle = \"deg\"";
     .index + 1, means(*.percent)
 )]
 pub struct Degrees {
-    /// The recording.
+    /// Name of the recording.
     pub file: String,
     /// Index of the joint with the longest motion.
     pub index: usize,
-    /// Its name.
+    /// Name of that joint.
     pub joint: String,
     /// Range of its positions, in the recorded unit.
     pub span: f64,

@@ -81,7 +81,7 @@ fn first_seed(seed: u64, joint: usize) -> u64 {
 pub(super) struct Task<'a> {
     /// Input columns of all rows, shape (rows, inputs).
     pub(super) inputs: &'a Array2<f32>,
-    /// The rows.
+    /// Rows that the units are trained and judged on.
     pub(super) examples: &'a Examples,
     /// Input columns of each joint's unit.
     pub(super) seen: &'a [Vec<usize>],

@@ -19,11 +19,11 @@ use physics::robot::Builtin;
 
 /// A trained compensator with its record for `model.json`.
 pub struct Learned {
-    /// The units.
+    /// Compensator of all units.
     pub compensator: Compensator,
     /// Bytes of its file.
     pub bytes: Vec<u8>,
-    /// Its record.
+    /// Record of the training.
     pub record: CompensatorRecord,
     /// Memory of the model's terms and of the units' inputs.
     pub memory: Vec<Memory>,
@@ -39,7 +39,8 @@ pub struct Learned {
 pub struct Compared {
     /// The yardsticks.
     pub yardsticks: Yardsticks,
-    /// Their residual torque of every recording of the session, ridge and trees (where there are some), shape (samples, joints).
+    /// Residual torque that the yardsticks predict for every recording of the session, by ridge and trees
+    /// (where there are some), shape (samples, joints).
     pub torque: Vec<Vec<Array2<f64>>>,
 }
 

@@ -1,5 +1,5 @@
-//! Yardsticks: ridge regression and, in builds with the feature `trees`, boosted trees trained on the same
-//! inputs for the physics' residual.
+//! Yardsticks: predictions of the residual torque of the physics by a ridge regression and, in builds with the
+//! feature `trees`, by boosted trees on the same inputs.
 //!
 //! They are no part of the model that a control loop runs. Each is chosen on folds within those on which the
 //! judged ones were fitted, and judged on the folds that judge the units. The ones that are kept are fitted on

@@ -1,4 +1,4 @@
-//! From sums to parameters.
+//! Estimation of the parameters from the sums.
 
 use super::{Sums, SumsError};
 use crate::assemble::{Estimated, base_parameters};

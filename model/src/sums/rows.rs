@@ -1,4 +1,4 @@
-//! From a recording to triangular factors.
+//! Triangular factors of a recording's rows.
 //!
 //! Standard deviations need stretches of consecutive rows (blocks of a jackknife). Every recording is cut into
 //! [`STRETCHES`] of them, and a digest of its contents assigns it to one of [`GROUPS`]. So a stretch's place is

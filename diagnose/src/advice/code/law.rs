@@ -15,7 +15,7 @@ pub(super) struct Piece {
     pub(super) effect: &'static str,
     /// Coefficient: torque is `size` times the term's column.
     pub(super) size: f64,
-    /// The term.
+    /// Term with its shape parameters.
     pub(super) term: Term,
 }
 

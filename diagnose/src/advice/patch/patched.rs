@@ -20,7 +20,7 @@ pub(super) struct Patched<'a> {
     pub(super) robot: Robot,
     /// Robot without the load.
     pub(super) unloaded: Robot,
-    /// The load.
+    /// Load found at the robot; none without one.
     pub(super) load: Option<Load>,
     /// Rotation vector by which the base is tilted, rad.
     pub(super) tilt: Vector3<f64>,
@@ -33,7 +33,7 @@ pub struct Parts {
     pub whole: Robot,
     /// Robot without its load.
     pub unloaded: Robot,
-    /// The load.
+    /// Load, none without one.
     pub load: Option<Load>,
 }
 

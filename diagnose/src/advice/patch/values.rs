@@ -11,15 +11,15 @@ const DRIVE: &str = "# Seen from the link, kg·m² (kg for a prismatic joint). M
 /// One number to be set, with its name in three simulators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Quantity.
+    /// Name of the quantity.
     pub what: &'static str,
     /// Value in the model as given.
     pub given: f64,
     /// Value to be set.
     pub value: f64,
-    /// Unit.
+    /// Unit of both values.
     pub unit: &'static str,
     /// Attribute of MuJoCo's `<joint>`.
     pub mujoco: &'static str,

@@ -6,7 +6,7 @@ use crate::catalogue::{Shape, Unit};
 /// Least size from which an effect at one place would be accepted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visible {
-    /// The effect.
+    /// Effect of the catalogue.
     pub effect: Effect,
     /// Joints that it is named on.
     pub joints: Vec<usize>,
@@ -14,7 +14,7 @@ pub struct Visible {
     pub driver: Option<usize>,
     /// Name of the quantity whose size is stated.
     pub quantity: &'static str,
-    /// Its unit.
+    /// Unit of the size.
     pub unit: Unit,
     /// Least size; none where no plausible size is accepted.
     pub from: Option<f64>,

@@ -1,10 +1,10 @@
 //! The forward baseline: a linear state space from torque to position in simulation mode (listing 2).
 //!
-//! The paper calls MATLAB's `n4sid` with focus on simulation, 12 states for six joints, no feedthrough
-//! and normalised data, and simulates from an initial state of zero. Here: A and C from a subspace
-//! projection (`subspace`), then B (and D) by least squares of the simulated outputs (`input`), which is
-//! what a focus on simulation asks for. Nothing reaches over a break between trajectories: each begins
-//! again at state zero, that is at the mean position.
+//! The paper calls MATLAB's `n4sid` with focus on simulation, 12 states for six joints, no feedthrough and
+//! normalised data, and simulates from an initial state of zero. Here A and C come from a subspace projection
+//! (`subspace`), then B (and D) from least squares of the simulated outputs (`input`), as a focus on simulation
+//! requires. Nothing reaches over a break between trajectories: each begins again at state zero, that is at the
+//! mean position.
 
 mod input;
 mod recorded;

@@ -24,7 +24,7 @@ const SAME_RATE: f64 = 0.05;
 pub struct ForwardBaseline {
     /// Sampling rate of the model, Hz, about 10.
     pub rate_hz: f64,
-    /// The model.
+    /// Fitted model.
     pub model: LinearForward,
 }
 

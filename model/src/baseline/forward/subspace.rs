@@ -27,8 +27,8 @@ pub(super) struct Dynamics {
     pub(super) c: Mat<f64>,
 }
 
-/// From normalised inputs and outputs (samples, channels). Fewer states than asked for come out where
-/// the data show fewer.
+/// Identifies A and C from normalised inputs and outputs (samples, channels). The number of states is lower
+/// than asked for where the data show fewer.
 pub(super) fn identify(
     u: &Array2<f64>,
     y: &Array2<f64>,

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Report of an estimation, for `model.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EstimatorReport {
-    /// The estimator.
+    /// Estimator that was used.
     pub estimator: Estimator,
     /// Condition on possible links.
     pub lmi: Lmi,

@@ -31,7 +31,7 @@ pub enum KnownBodyError {
 }
 
 impl KnownBody {
-    /// From mass (kg), centre of mass (m) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about it (kg·m²), in the last joint's frame.
+    /// Body from mass (kg), centre of mass (m) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about it (kg·m²), in the last joint's frame.
     ///
     /// # Errors
     /// A mass that is not above zero; an inertia that no body has.

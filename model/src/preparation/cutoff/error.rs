@@ -9,7 +9,7 @@ pub enum CutoffError {
     /// A recording cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
-        /// The recording.
+        /// Name of the recording.
         file: String,
         /// Cause.
         source: PrepareError,

@@ -29,7 +29,7 @@ pub struct Rows {
     /// Measured torque, N·m, and whether each row is counted; rows without weight are not.
     pub torque: Vec<f64>,
     pub counts: Vec<bool>,
-    /// Trajectories.
+    /// Rows of each trajectory.
     pub trajectories: Vec<Range<usize>>,
     /// Rate of the rows, Hz.
     pub rate_hz: f64,
