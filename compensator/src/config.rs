@@ -26,7 +26,7 @@ pub enum Schedule {
     Constant,
     /// Half a cosine over all epochs, from the rate to `end` times the rate.
     Cosine {
-        /// Last rate over first rate.
+        /// Last learning rate over the first.
         end: f32,
     },
     /// Up and down along cosines (Smith and Topin, 2019): from `start` to 1 times the rate over the
@@ -34,9 +34,9 @@ pub enum Schedule {
     OneCycle {
         /// Part of the steps, in (0, 1).
         warm_up: f32,
-        /// First rate over highest rate.
+        /// First learning rate over the highest.
         start: f32,
-        /// Last rate over highest rate.
+        /// Last learning rate over the highest.
         end: f32,
     },
 }
@@ -46,7 +46,7 @@ pub enum Schedule {
 pub struct Training {
     /// Passes over the training samples, at most (60).
     pub epochs: usize,
-    /// Samples, or chunks of carried state, per step (256).
+    /// Number of samples, or of chunks of carried state, per step (256).
     pub batch: usize,
     /// Part of the training samples, drawn anew, that each epoch visits (1).
     pub share: f32,
@@ -62,7 +62,7 @@ pub struct Training {
     pub clip: f32,
     /// Cost of a residual (Huber at one deviation).
     pub loss: Loss,
-    /// Epochs without a better validation error before training stops (12).
+    /// Number of epochs without a better validation error before training stops (12).
     pub patience: usize,
     /// Carried state: samples per chunk through which gradients flow (64).
     pub chunk: usize,
@@ -120,7 +120,7 @@ pub struct UnitConfig {
     pub normalisation: Normalisation,
     /// Fade of its output outside the training inputs.
     pub fade: Fade,
-    /// Networks trained from different seeds whose outputs are averaged (1).
+    /// Number of networks trained from different seeds whose outputs are averaged (1).
     pub members: usize,
     /// Validation error must fall at least by this share, or the unit is switched off (0.01).
     pub least_gain: f32,

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::Path;
 
-/// A jump of the clock by more than this many median steps is a break.
+/// Number of median steps from which a jump of the clock is a break.
 const BREAK_STEPS: f64 = 10.0;
 
 /// Labels as runs: a recording has millions of rows and few labels.

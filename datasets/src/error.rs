@@ -115,7 +115,7 @@ pub enum Problem {
         field: String,
         /// Number of elements of the field.
         found: usize,
-        /// Joints of the robot.
+        /// Number of joints of the robot.
         dof: usize,
     },
     /// A joint of the robot that the messages do not name.
@@ -139,9 +139,9 @@ pub enum Problem {
     Backwards {
         /// Name of the topic.
         topic: String,
-        /// Time of the message before, from the first.
+        /// Time of the message before, s after the first one.
         from: f64,
-        /// Time of this message.
+        /// Time of this message, s after the first one.
         to: f64,
     },
     /// Topics that are to be joined and were recorded at different times.
@@ -194,17 +194,17 @@ pub enum Problem {
     /// A number of joints other than the robot's.
     #[error("has columns for {found} joints, the robot has {expected}")]
     WrongDof {
-        /// Joints of the robot.
+        /// Number of joints of the robot.
         expected: usize,
-        /// Joints in the file.
+        /// Number of joints in the file.
         found: usize,
     },
     /// A row with another number of cells than the header.
     #[error("has {found} cells, the header has {expected}")]
     RowLength {
-        /// Cells of the header.
+        /// Number of cells of the header.
         expected: u64,
-        /// Cells of the row.
+        /// Number of cells of the row.
         found: u64,
     },
     /// A cell that is not a number.
@@ -230,9 +230,9 @@ pub enum Problem {
     /// Time that stands still or goes back inside a trajectory.
     #[error("time goes from {from} s to {to} s inside trajectory `{trajectory}`")]
     TimeNotIncreasing {
-        /// Time of the row before.
+        /// Time of the row before, s.
         from: f64,
-        /// Time of this row.
+        /// Time of this row, s.
         to: f64,
         /// Label of the trajectory.
         trajectory: String,
@@ -242,7 +242,7 @@ pub enum Problem {
     TooShort {
         /// Label of the trajectory.
         trajectory: String,
-        /// Samples it has.
+        /// Number of samples of the trajectory.
         samples: usize,
         /// Least number of samples.
         needed: usize,

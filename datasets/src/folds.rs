@@ -9,13 +9,13 @@
 use crate::{Recording, repeats};
 use std::ops::Range;
 
-/// Fewest groups of trajectories that are dealt whole.
+/// Least number of groups of trajectories that are dealt whole.
 pub const FEWEST: usize = 4;
 /// Part of a block that its gap may take on either side.
 const WIDEST: f64 = 0.25;
 /// Shortest period that counts as a repeated motion, s.
 const SHORTEST_PERIOD: f64 = 1.0;
-/// Positions looked at for a period, at most.
+/// Largest number of positions in which a period is looked for.
 const PERIOD_SAMPLES: usize = 1500;
 /// Two periods count as one motion when no joint's positions differ by more than this part of their deviation.
 const SAME_MOTION: f64 = 0.02;

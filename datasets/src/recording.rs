@@ -4,7 +4,7 @@ use crate::TorqueFilter;
 use ndarray::{Array2, Axis, concatenate};
 use std::ops::Range;
 
-/// Fewest samples of a trajectory: the padding of the zero-phase filters needs 16 (order 4), the
+/// Least number of samples of a trajectory: the padding of the zero-phase filters needs 16 (order 4), the
 /// quintic spline 6, and a cut-off cannot be judged on less.
 pub const MIN_SAMPLES: usize = 20;
 

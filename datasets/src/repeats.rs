@@ -119,7 +119,7 @@ pub fn spread(recording: &Recording) -> Option<Vec<f64>> {
     between.into_iter().chain(within(recording)).reduce(larger)
 }
 
-/// Samples of a trajectory that a period is looked for on, at most.
+/// Largest number of samples of a trajectory in which a period is looked for.
 const LOOKED_AT: usize = 2000;
 /// Shortest period, s, and least part of a trajectory that is repeated.
 const SHORTEST_S: f64 = 1.0;

@@ -10,7 +10,7 @@ use signal::quantile::median;
 use signal::{resample, spectrum};
 use std::ops::Range;
 
-/// Samples of a trajectory that are needed for a spectrum.
+/// Least number of samples of a trajectory for a spectrum.
 const SHORTEST: usize = 128;
 /// Length of a stretch whose spectrum is taken, s, and the samples that it has at least.
 const STRETCH: (f64, usize) = (8.0, 256);

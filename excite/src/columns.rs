@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use signal::Motion;
 
-/// Rows of a motion that are judged at most, per joint.
+/// Largest number of rows of a motion that are judged, per joint.
 const MOST_ROWS: usize = 20_000;
 
 /// The columns asked for, in the order of the regressor; all where none are.

@@ -16,7 +16,7 @@ use physics::robot::Robot;
 
 /// Length of a Fourier series, s: 0.08 Hz, with five harmonics 0.4 Hz, the highest frequency of Han et al.
 const PERIOD: f64 = 12.5;
-/// Trajectories where a criterion chooses them.
+/// Number of trajectories where a criterion chooses them.
 const CHOSEN: usize = 3;
 /// Highest frequency of random motions, Hz (KR300 benchmark, section 2.1).
 const RANDOM_HZ: f64 = 1.0;

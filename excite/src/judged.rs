@@ -25,7 +25,7 @@ pub struct Coverage {
     pub acceleration: [f64; 2],
     /// Largest jerk, and its limit.
     pub jerk: [f64; 2],
-    /// Largest torque of the described robot.
+    /// Largest torque of the described robot, N·m (N).
     pub torque: f64,
     /// Limit of the torque, where the description has one.
     pub torque_limit: Option<f64>,

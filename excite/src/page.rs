@@ -9,7 +9,7 @@ use physics::robot::Robot;
 use report::figure::{Ink, Panel, Plot};
 use report::{Figure, KeyFigure, Page, Section, Tone};
 
-/// Trajectories that are drawn.
+/// Number of trajectories that are drawn.
 const DRAWN: usize = 6;
 
 /// The page of a motion.

@@ -6,7 +6,7 @@ use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows that one task works on.
+/// Number of rows that one task works on.
 const BLOCK: usize = 512;
 
 /// Rigid-body torque over tables of shape (samples, joints), N·m (N).

@@ -62,7 +62,7 @@ pub struct Plant {
     rest: Vec<f64>,
 }
 
-/// Most solves of a step; two are usual, reversals take up to ten.
+/// Largest number of solves of a step; two are usual, reversals take up to ten.
 const MOST_SOLVES: usize = 25;
 
 impl Plant {

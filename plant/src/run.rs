@@ -9,9 +9,9 @@ use crate::reference::{Command, Session};
 pub struct Clock {
     /// Integration step, s.
     pub step: f64,
-    /// Steps per control period.
+    /// Number of integration steps per control period.
     pub control: usize,
-    /// Steps per sample.
+    /// Number of integration steps per sample.
     pub sample: usize,
 }
 
@@ -19,7 +19,7 @@ pub struct Clock {
 /// N values each.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
-    /// Joints in a row.
+    /// Number of joints, the length of a row.
     pub dof: usize,
     /// Session time of each sample, s.
     pub time: Vec<f64>,

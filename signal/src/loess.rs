@@ -5,7 +5,7 @@
 /// latter is what MATLAB's `smooth` calls `rloess`, by which the UR5 paper smooths motor currents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Loess {
-    /// Samples that each local polynomial is fitted to.
+    /// Number of samples that each local polynomial is fitted to.
     pub span: usize,
     /// 1 or 2.
     pub degree: usize,

@@ -14,7 +14,7 @@ pub fn uniform_grid(start: f64, end: f64, step: f64) -> Vec<f64> {
     (0..=last).map(|k| start + k as f64 * step).collect()
 }
 
-/// Steps forward that are tried before a search.
+/// Number of steps forward that are tried before a search.
 const NEAR: usize = 8;
 
 /// Positions of time stamps between the samples of one time axis, for many signals on the same two axes.

@@ -22,7 +22,7 @@ pub enum DesignError {
     /// The cut-off is not inside the band.
     #[error("cut-off {cutoff_hz} Hz is not between 0 and half the rate of {rate_hz} Hz")]
     Cutoff {
-        /// Cut-off asked for.
+        /// Cut-off asked for, Hz.
         cutoff_hz: f64,
         /// Sampling rate, Hz.
         rate_hz: f64,

@@ -17,7 +17,7 @@ use std::path::Path;
 const WIDTH: usize = 100;
 /// Most lines on points to check.
 const LOOK_AT: usize = 5;
-/// Mean NRMSE from which a joint is pointed out.
+/// Mean NRMSE from which the user is told of a joint.
 const POOR: f64 = 0.3;
 
 /// Prints the check of recordings before the fit: all of it with `--check-only` or `--verbose`, otherwise a

@@ -13,7 +13,7 @@ use crate::engine::{Network, Real, Span};
 pub(super) struct Item {
     /// Window: its newest sample. Chunk: its first.
     row: u32,
-    /// Rows of its trajectory.
+    /// First row of its trajectory, and the row after the last.
     start: u32,
     end: u32,
 }

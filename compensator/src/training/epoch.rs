@@ -12,7 +12,7 @@ pub(super) struct Position {
     pub(super) weight: f64,
     pub(super) history: Vec<Epoch>,
     pub(super) best_epoch: usize,
-    /// Epochs since the best one.
+    /// Number of epochs since the best one.
     pub(super) stale: usize,
     pub(super) finished: bool,
 }

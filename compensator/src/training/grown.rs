@@ -20,9 +20,9 @@ const LEAVES: usize = 31;
 const LEAST: f32 = 20.0;
 /// Number of distinct values of a column between which splits can lie.
 const BINS: u16 = 255;
-/// Trees tried, at most.
+/// Largest number of trees.
 const MOST: usize = 1000;
-/// Trees without a better one after which no more are tried.
+/// Number of trees without a better validation error after which no more are tried.
 const PATIENCE: usize = 20;
 
 /// Number of trees with the least error on the validation trajectories of the job.

@@ -36,7 +36,7 @@ pub struct Job<'a> {
 /// Control of a training run.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
-    /// Threads; networks are trained independently, one per thread.
+    /// Number of threads; networks are trained independently, one per thread.
     pub threads: usize,
     /// Directory for checkpoints, one file per network, written after every epoch. Found there, they are
     /// resumed. The caller removes it once the result is safe.

@@ -15,7 +15,7 @@ pub struct Progress {
     pub member: usize,
     /// Finished epochs of this network.
     pub epoch: usize,
-    /// Most epochs it may take.
+    /// Largest number of epochs.
     pub epochs: usize,
     /// The epoch's figures.
     pub last: Epoch,
@@ -29,12 +29,12 @@ pub struct Progress {
 
 /// One network of a training.
 struct Network {
-    /// Cost of an epoch.
+    /// Relative cost of an epoch.
     cost: f64,
-    /// Most epochs it may take.
+    /// Largest number of epochs.
     epochs: usize,
     left: usize,
-    /// Epochs trained here, not taken from a checkpoint.
+    /// Number of epochs trained in this run, not taken from a checkpoint.
     done: usize,
 }
 

@@ -10,7 +10,7 @@ use crate::Error;
 /// Ridge parameters tried, relative to the mean diagonal of the normal matrix.
 const GRID: [f64; 7] = [1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
-/// Rows per block of the products.
+/// Number of rows per block of the products.
 const ROWS: usize = 1024;
 
 /// Fits y = wᵀx + b on flattened windows of the job's architecture's length, the ridge chosen on the

@@ -17,7 +17,7 @@ pub struct Trees {
     pub enabled: bool,
     /// Indices of the input columns.
     pub(super) columns: Vec<usize>,
-    /// Samples of a window.
+    /// Number of samples of a window.
     pub(super) timestep: usize,
     /// Torque before the first tree, N·m.
     pub(super) base: f64,

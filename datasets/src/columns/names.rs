@@ -39,7 +39,7 @@ pub(super) struct Said {
     /// The name with `{}` for that number.
     pub style: String,
     pub unit: Unit,
-    /// Words that nothing is known of: of two readings the plainer one is meant.
+    /// Number of unknown words in the name: of two readings the one with fewer is meant.
     pub unknown: usize,
 }
 

@@ -22,7 +22,7 @@ pub struct ReadOptions {
     pub joints: Vec<String>,
     /// Names of all moving joints of the description, in its order, where the robot is one chain of them.
     pub described: Vec<String>,
-    /// Rows per second of a table without time.
+    /// Sampling rate of a table without time, Hz.
     pub rate_hz: Option<f64>,
     /// Part of a .mat file.
     pub part: Part,

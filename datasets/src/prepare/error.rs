@@ -20,7 +20,7 @@ pub enum PrepareError {
     Clock {
         /// Label of the trajectory.
         label: String,
-        /// Samples of the trajectory.
+        /// Number of samples of the trajectory.
         samples: usize,
         /// Time from the first to the last stamp, s.
         span: f64,

@@ -21,7 +21,7 @@ pub enum Derivatives {
 pub struct PrepareOptions {
     /// Cut-off of the low-pass in Hz (−6 dB after both passes); `None` chooses it from the data.
     pub cutoff_hz: Option<f64>,
-    /// The fine grid has at least about this rate in Hz; default 100.
+    /// Least rate of the fine grid, about, Hz; default 100.
     pub fine_hz: f64,
     /// Choice of derivatives.
     pub derivatives: Derivatives,

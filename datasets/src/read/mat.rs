@@ -30,7 +30,7 @@ pub const GEAR_RATIOS: [f64; 6] = [
 /// Length of an execution in s.
 const EXECUTION_S: f64 = 60.588;
 
-/// A step longer than this many median steps is a seam.
+/// Number of median steps from which a longer step is a seam between executions.
 const SEAM_STEPS: f64 = 1.5;
 
 /// Fastest speed that counts as rest, in deg/s; executions move at up to 100 deg/s.

@@ -18,10 +18,10 @@ use std::path::Path;
 /// Key of the file's metadata under which the writer of this crate notes the torque filter.
 pub(crate) const TORQUE_FILTER_KEY: &str = "residyn.torque_filter";
 
-/// Most elements of a list that are columns: pictures are none.
+/// Largest number of elements of a list that are read as columns: pictures have more.
 pub(super) const LONGEST: usize = 1024;
 
-/// Rows decoded at a time.
+/// Number of rows decoded at a time.
 const BATCH: usize = 8192;
 
 /// Reads a Parquet file held in memory.

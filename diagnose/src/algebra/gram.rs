@@ -18,7 +18,7 @@ pub struct JointGram {
     pub xx: Array2<f64>,
     /// Xᵀy
     pub xy: Array1<f64>,
-    /// yᵀy
+    /// Sum of squares of the target, yᵀy.
     pub yy: f64,
     /// Sum of the row weights; the number of samples where all weigh one.
     pub samples: f64,

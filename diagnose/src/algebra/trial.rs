@@ -16,7 +16,7 @@ use std::collections::HashMap;
 pub struct Trial {
     /// Squared error, by joint, (N·m)².
     pub error: Vec<f64>,
-    /// Σ λ (β − m)² of the fit on all folds.
+    /// Penalty Σ λ (β − m)² of the fit on all folds.
     pub penalty: f64,
     /// Coefficients of the added columns.
     pub gamma: Vec<f64>,

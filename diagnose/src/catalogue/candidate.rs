@@ -57,7 +57,7 @@ pub struct Quantity {
     pub joint: Option<usize>,
     /// Reported value = `offset` + `factor`·coefficient.
     pub offset: f64,
-    /// See `offset`.
+    /// Factor of the coefficient in the reported value: see `offset`.
     pub factor: f64,
 }
 

@@ -30,7 +30,7 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Most lines of one joint that are tried.
+/// Largest number of lines of one joint that are tried.
 pub const LINES: usize = 2;
 
 /// Whole orders that are tried, periods per turn.

@@ -11,7 +11,7 @@ const NEAR: [f64; 4] = [0.02, 0.06, 0.12, 0.25];
 const FEWEST: usize = 40;
 /// Least part of a joint's rows that must be away from reversals.
 const AWAY: f64 = 0.25;
-/// Least weight.
+/// Least weight of a row.
 const LEAST: f64 = 0.1;
 
 /// Largest weight of each row, shape (rows, joints): mean squared residual away from the joint's reversals over

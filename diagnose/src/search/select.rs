@@ -26,7 +26,7 @@ pub struct CandidateScore {
     pub gain: f64,
     /// Leave-one-fold-out squared error by joint.
     pub error: Vec<f64>,
-    /// Σ λ (β − m)² of the whole fit.
+    /// Penalty Σ λ (β − m)² of the whole fit.
     pub penalty: f64,
     /// Coefficients of the candidate.
     pub gamma: Vec<f64>,

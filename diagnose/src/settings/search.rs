@@ -39,7 +39,7 @@ settings! {
         /// Rows per independent sample, in autocorrelation times of the residual. The residual holds mechanisms
         /// that nobody described, which are no noise.
         memories: f64 = 4.0, tuned;
-        /// Fewest rows per independent sample.
+        /// Least number of rows per independent sample.
         fewest_rows: f64 = 8.0, tuned;
         /// Penalty of a coefficient, nats.
         cost: f64 = 4.0, tuned;

@@ -89,7 +89,7 @@ settings! {
 settings! {
     /// Thresholds of the test of a joint's residual for structure.
     StructureSettings {
-        /// Fewest rows away from reversals.
+        /// Least number of rows away from reversals.
         fewest_rows: usize = 50, tuned;
     }
 }

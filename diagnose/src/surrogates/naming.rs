@@ -23,9 +23,9 @@ const SEED: u64 = 0xCAFE;
 const SURROGATES: u64 = 40;
 /// Fewest stretches of time, whose random signs distinguish the surrogates: half a minute of them.
 const STRETCHES: usize = 20;
-/// Most rivals of a cause.
+/// Largest number of rivals of a cause.
 const RIVALS: usize = 6;
-/// Most shapes of one name that are tried.
+/// Largest number of shapes of one name that are tried.
 const SHAPES: usize = 6;
 /// Gain of a name whose coefficients are out of bounds, nats.
 const NOTHING: f64 = -20.0;

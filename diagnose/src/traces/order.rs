@@ -4,9 +4,9 @@ use crate::algebra::cholesky::Cholesky;
 use ndarray::{Array1, Array2, ArrayView1};
 use std::f64::consts::{PI, TAU};
 
-/// Fewest cycles over the recorded range.
+/// Least number of cycles over the recorded range.
 const FEWEST_CYCLES: f64 = 2.5;
-/// Most cycles over the recorded range.
+/// Largest number of cycles over the recorded range.
 const MOST_CYCLES: f64 = 320.0;
 /// Largest frequency of a line at the joint's usual speed, relative to the sampling rate.
 const RATE_SHARE: f64 = 0.33;

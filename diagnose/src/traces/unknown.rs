@@ -20,13 +20,13 @@ const RIDGE: f64 = 3e-3;
 /// Structure in the residual of a joint, relative to the deviation of its torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misfit {
-    /// Root mean squared error away from reversals.
+    /// Root mean squared error away from reversals, N·m (N).
     pub error: f64,
     /// Part of its square that is correlated over 80 ms or longer.
     pub lasting: f64,
     /// Part of its square that the learner predicts on folds left out.
     pub learnable: f64,
-    /// Rows away from reversals.
+    /// Number of rows away from reversals.
     pub rows: usize,
 }
 

@@ -3,11 +3,11 @@
 /// Timing of the caller's ticks since the last start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pace {
-    /// Ticks whose time could be used.
+    /// Number of ticks whose time could be used.
     pub ticks: u64,
-    /// Ticks that came a period late or more.
+    /// Number of ticks that came a period late or more.
     pub late: u64,
-    /// Periods that passed without a tick.
+    /// Number of periods that passed without a tick.
     pub missed: u64,
     /// Mean time from tick to tick, s.
     pub mean: f64,

@@ -77,7 +77,7 @@ pub enum SettingsError {
         what: &'static str,
         /// Number of values given.
         found: usize,
-        /// Joints of the robot.
+        /// Number of joints of the robot.
         joints: usize,
     },
     /// A negative limit, or NaN.

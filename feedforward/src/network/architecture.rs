@@ -11,7 +11,7 @@ pub enum Memory {
     /// Every output is computed from the last `timestep` samples alone, from zero states. A window that
     /// would reach before the start of the trajectory repeats its first sample.
     Window {
-        /// Samples per window, T in the paper (2, 3, 5 or 10 there).
+        /// Number of samples per window, T in the paper (2, 3, 5 or 10 there).
         timestep: usize,
     },
     /// States run on from sample to sample until they are reset; attention sees the last `attended`
@@ -60,7 +60,7 @@ pub enum Architecture {
     Perceptron {
         /// Nodes of each hidden layer.
         hidden: Vec<usize>,
-        /// Samples per window.
+        /// Number of samples per window.
         timestep: usize,
     },
 }

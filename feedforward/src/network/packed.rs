@@ -3,7 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 
-/// Outputs computed together; their accumulators stay in vector registers over all inputs.
+/// Number of outputs computed together; their accumulators stay in vector registers over all inputs.
 const TILE: usize = 32;
 
 /// y = xᵀ·W + b with W cut into tiles of 32 outputs, each stored input by input, so one pass streams the

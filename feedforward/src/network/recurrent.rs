@@ -221,7 +221,7 @@ pub(super) struct RecurrentNet {
     memory: Memory,
     /// Encoder states that attention chooses from, one per slot.
     states: Vec<f32>,
-    /// Steps since the reset of the carried state.
+    /// Number of steps since the reset of the carried state.
     steps: usize,
 }
 

@@ -6,7 +6,7 @@ use crate::inputs::{CompensatorRecord, Signal};
 use crate::network::{Compensator, Inside, Stream};
 use physics::effects::{BankState, Sample, Term, TermBank};
 
-/// Most control periods within the period of a network; each has windows and states of its own.
+/// Largest number of control periods within the period of a network; each has windows and states of its own.
 const MOST_STREAMS: usize = 2000;
 
 #[derive(Debug, Clone)]

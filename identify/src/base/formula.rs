@@ -1,6 +1,6 @@
 //! Groupings as text.
 
-/// Digits that a coefficient is shown with.
+/// Number of digits that a coefficient is shown with.
 const DIGITS: usize = 6;
 
 /// The sum of `coefficients`·`names`, the column `first` in front.

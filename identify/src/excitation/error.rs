@@ -47,7 +47,7 @@ pub enum ExcitationError {
         joint: usize,
         /// Time of one period, s.
         cycle: f64,
-        /// Periods that are wanted.
+        /// Number of periods that are wanted.
         cycles: f64,
         /// Time that this takes, s.
         needed: f64,

@@ -67,7 +67,7 @@ impl<'a> Bounds<'a> {
     }
 }
 
-/// Points of the grid over one period, per period of the highest harmonic.
+/// Number of points of the grid over one period, per period of the highest harmonic.
 const DENSITY: usize = 24;
 
 /// The room of periodic motions of one period with given harmonics.

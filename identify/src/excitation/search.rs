@@ -12,7 +12,7 @@ use rayon::prelude::*;
 pub struct SearchOptions {
     /// Random starts, of which the best is improved. Default 40.
     pub starts: usize,
-    /// Trajectories judged, the starts among them. Default 4000.
+    /// Largest number of trajectories judged, the starts among them. Default 4000.
     pub evaluations: usize,
     /// Seed of starts and order.
     pub seed: u64,

@@ -5,7 +5,7 @@ use super::error::ExcitationError;
 use super::search::Found;
 use super::series::Series;
 
-/// Attempts at a trajectory that lowers the cost before no further one is added (Han et al., section IV-B: ten).
+/// Number of attempts at a trajectory that lowers the cost before no further one is added (Han et al., section IV-B: ten).
 const ATTEMPTS: u64 = 10;
 
 /// Set of chosen trajectories.
@@ -13,7 +13,7 @@ const ATTEMPTS: u64 = 10;
 pub struct Stack {
     /// Trajectories in the order of choice; the cost of each is that of all up to it.
     pub chosen: Vec<Found>,
-    /// Trajectories judged, rejected ones included.
+    /// Number of trajectories judged, rejected ones included.
     pub evaluations: usize,
 }
 

@@ -40,12 +40,12 @@ impl Region {
     }
 }
 
-/// Poses tried for one that has the tool well inside.
+/// Number of poses tried for one that has the tool well inside.
 const POSES: usize = 4000;
 /// Least step of the walk along a motion, in lengths of it: closer to the boundary than the tool moves in one counts as
 /// outside.
 const FINEST: f64 = 1.0 / 8192.0;
-/// Halvings of the factor that a motion is shrunk by.
+/// Number of halvings in the search for the factor that a motion is shrunk by.
 const HALVINGS: usize = 12;
 
 /// The tool's point with the regions that it stays in, all of them at once.

@@ -35,7 +35,7 @@ use crate::least_squares::{
 use faer::Mat;
 use ndarray::Array2;
 
-/// Blocks of samples that deviations are taken from, at most.
+/// Largest number of blocks of samples from which deviations are computed.
 const BLOCKS: usize = 256;
 
 /// Reason why an identification could not be made.

@@ -6,7 +6,7 @@ use faer::{Accum, Mat, MatRef, Par};
 use ndarray::{Array2, ArrayView1, ArrayView2};
 use std::ops::Range;
 
-/// Samples handled at once: a block of 60 columns is 0.5 MB, within the second-level cache.
+/// Number of samples handled at once: a block of 60 columns is 0.5 MB, within the second-level cache.
 const BLOCK: usize = 1024;
 
 /// Torque of all joints as a linear function of the parameters, for every sample.

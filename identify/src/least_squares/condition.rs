@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 pub struct SubRegressors {
     /// Condition number of all columns.
     pub whole: f64,
-    /// Columns of second moments and rotor inertias.
+    /// Condition number of the columns of second moments and rotor inertias.
     pub inertial: Option<f64>,
-    /// Columns of first moments (and masses).
+    /// Condition number of the columns of first moments (and masses).
     pub gravity: Option<f64>,
-    /// Columns of friction and offset.
+    /// Condition number of the columns of friction and offset.
     pub friction: Option<f64>,
 }
 

@@ -5,7 +5,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use ndarray::Array2;
 
-/// Fewest blocks from which a deviation is taken: with 24, 3σ intervals hold 99.4 % of normal noise.
+/// Least number of blocks from which a deviation is computed: with 24, 3σ intervals cover 99.4 % of normal noise.
 const FEWEST: usize = 24;
 
 /// Covariance of an estimate whose noise is correlated in time, from the normal equations of blocks of

@@ -12,9 +12,9 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// Lags of the Ljung–Box statistic; even, so that its tail has a closed form.
+/// Number of lags of the Ljung–Box statistic; even, so that its tail has a closed form.
 const LAGS: usize = 20;
-/// Cells of fitted torque and velocity.
+/// Number of cells of fitted torque and velocity.
 const CELLS: usize = 20;
 
 /// Deviation below which a residual is constant, relative to its mean.
@@ -75,7 +75,7 @@ pub struct Normality {
 /// Autocorrelation within trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Serial {
-    /// Correlation of neighbouring samples.
+    /// Autocorrelation at lag one: correlation of neighbouring samples.
     pub lag_one: f64,
     /// Ljung and Box, 1978, over 20 lags.
     pub ljung_box: f64,

@@ -35,7 +35,7 @@ pub struct IdentifyOptions {
     pub select: bool,
     /// Indices of joints with basic terms only, because they are used outside the motion on which they are fitted.
     pub plain: Vec<usize>,
-    /// Most folds of the cross-validation.
+    /// Largest number of folds of the cross-validation.
     pub folds: usize,
     /// Settings of the selection.
     pub forward: ForwardOptions,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// sin(order·q) or cos(order·q).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Harmonic {
-    /// Periods per joint revolution; not necessarily whole.
+    /// Order: periods per joint revolution; not necessarily whole.
     pub order: f64,
     /// Phase: sine or cosine.
     pub phase: Phase,

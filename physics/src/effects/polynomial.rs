@@ -13,7 +13,7 @@ pub struct Polynomial {
     pub degree: usize,
     /// Middle of the range, rad (m for prismatic joints).
     pub middle: f64,
-    /// Half of it.
+    /// Half the range, rad (m for prismatic joints).
     pub half: f64,
 }
 

@@ -36,9 +36,9 @@ pub enum TorqueModelError {
     /// Lists of terms do not fit the robot.
     #[error("the robot has {joints} joints, the model has terms for {lists}")]
     Joints {
-        /// Joints of the robot.
+        /// Number of joints of the robot.
         joints: usize,
-        /// Lists of terms given.
+        /// Number of lists of terms given.
         lists: usize,
     },
     /// A term refers to a joint that does not exist.

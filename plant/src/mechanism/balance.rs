@@ -53,9 +53,9 @@ pub struct CoilSpring {
     pub joint: usize,
     /// Positions of the spring's pins.
     pub pins: Pins,
-    /// Stiffness, N/m.
+    /// Stiffness of the spring, N/m.
     pub stiffness: f64,
-    /// Length without force over the shortest distance of the pins.
+    /// Free length of the spring over the shortest distance of the pins.
     pub free: f64,
 }
 

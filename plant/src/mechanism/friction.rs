@@ -28,7 +28,7 @@ pub struct Stribeck {
     pub v_eps: f64,
     /// Law of the fall with speed.
     pub kind: StribeckKind,
-    /// Height of the film over that at v_s.
+    /// Thickness of the lubricant film relative to that at v_s.
     pub film: f64,
 }
 

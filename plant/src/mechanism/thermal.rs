@@ -9,7 +9,7 @@ use super::{Instant, Mechanism, soft_sign};
 pub struct WarmingGrease {
     /// Index of the plant's joint on which it acts.
     pub joint: usize,
-    /// Extra friction of the cold gear over the warm one.
+    /// Ratio of the cold gear's extra friction to the warm gear's friction.
     pub cold: f64,
     /// Exponent of viscosity at θ = 1.
     pub fading: f64,
@@ -23,7 +23,7 @@ pub struct WarmingGrease {
     pub coulomb: f64,
     /// Softening of the sign, rad/s.
     pub v_eps: f64,
-    /// Relative temperature θ.
+    /// Relative temperature θ, 1 at the steady state.
     pub warmth: f64,
 }
 

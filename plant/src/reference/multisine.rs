@@ -17,7 +17,7 @@ pub struct Pace {
     pub depth: f64,
     /// Period of the variation, s.
     pub period: f64,
-    /// Harmonics of the series.
+    /// Number of harmonics of the series.
     pub harmonics: usize,
     /// Share of the joints' speed limit that may be used.
     pub haste: f64,

@@ -10,7 +10,7 @@ use report::{Cell, Column, Table};
 const PRIOR: f64 = 1.0;
 /// Least precision of a weight: a term that is equal in all cases adds nothing to the constant.
 const LEAST: f64 = 1e-6;
-/// Steps of Newton's method; it converges in a few.
+/// Number of steps of Newton's method; it converges in a few.
 const STEPS: usize = 50;
 
 type Terms = SVector<f64, WEIGHTS>;

@@ -5,7 +5,7 @@ use diagnose::settings::ConfidenceSettings;
 use report::{Cell, Column, Table};
 use signal::proportion;
 
-/// Bins of equal count.
+/// Number of bins of equal count.
 const BINS: usize = 5;
 /// Chance that a bin's interval does not hold its share.
 const OUTSIDE: f64 = 0.01;

@@ -12,37 +12,37 @@ use serde_json::Value;
 pub struct Score {
     /// Kind of the case.
     pub kind: String,
-    /// First cause, parameter entries set aside, is the truth (half when only ambiguous).
+    /// Score of the first cause, parameter entries set aside: 1 if it is the truth, half if only a rival of it is, otherwise 0.
     pub top1: Option<f64>,
-    /// The same score when an effect that no recording can tell from the truth counts as right.
+    /// Score of the first cause if an effect that no recording can tell from the truth counts as right.
     pub lenient: Option<f64>,
-    /// Truth among the first three.
+    /// Whether the truth is among the first three causes, 0 or 1.
     pub top3: Option<f64>,
     /// Part of the withheld effects that is named anywhere.
     pub found: Option<f64>,
-    /// Some structural cause is named that is not there at all.
+    /// Whether a structural cause is named that is not there at all, 0 or 1.
     pub extra: Option<f64>,
     /// Effects of the structural causes that are not there at all.
     pub false_causes: Vec<String>,
     /// Reason why a single effect is not the first cause.
     pub missed: Option<Missed>,
-    /// A gap that parameters do not close was called none.
+    /// Whether the verdict was `no_gap` although parameters do not close the gap, 0 or 1.
     pub false_no_gap: Option<f64>,
     /// The joints are right.
     pub joint: Option<f64>,
     /// Gap closed by the causes over that closed by the true plant.
     pub closure: Option<f64>,
-    /// A structural cause where there is none.
+    /// Whether a structural cause is reported where there is none, 0 or 1.
     pub false_alarm: Option<f64>,
-    /// An effect outside the catalogue was called unknown.
+    /// Whether an effect outside the catalogue was called unknown, 0 or 1.
     pub unknown_found: Option<f64>,
-    /// A known effect was called unknown.
+    /// Whether a known effect was called unknown, 0 or 1.
     pub false_unknown: Option<f64>,
     /// Relative error of the reported size, where mechanism and detector share a parameter.
     pub size: Option<f64>,
-    /// Deviations by which the reported size is off.
+    /// Error of the reported size in its standard deviations.
     pub off: Option<f64>,
-    /// The true size lies in the reported one's 90 % interval.
+    /// Whether the true size lies in the reported size's 90 % interval, 0 or 1.
     pub covered: Option<f64>,
     /// Share of a single effect in its joint's torque, and whether it was named.
     pub detection: Option<(f64, bool)>,

@@ -19,7 +19,7 @@ const COMMON: [(&str, &str, f64, &str, f64); 11] = [
     ("encoder_offset", "zero", -1.0, "zero", 0.0),
 ];
 
-/// Deviations on either side that hold 90 % of a normal distribution.
+/// Half width of the interval that contains 90 % of a normal distribution, in standard deviations.
 const TWO_SIDED: f64 = 1.645;
 
 /// An effect as the recording of a case shows it. Where filters delay the torque, their lag is added to the

@@ -58,7 +58,7 @@ pub struct Cases {
     pub seed: u64,
     /// Version of the generator.
     pub generator: u8,
-    /// Most joints of an arm: smaller ones are diagnosed sooner.
+    /// Largest number of joints of an arm: smaller arms are diagnosed sooner.
     pub joints: usize,
 }
 

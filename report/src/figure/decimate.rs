@@ -1,9 +1,9 @@
 //! Reduction of points that keeps the look of a curve.
 
-/// Points of one curve that are drawn at most.
+/// Largest number of points of one curve that are drawn.
 pub const MAX_POINTS: usize = 2000;
 
-/// Points of one curve that are kept at most for a reader who zooms.
+/// Largest number of points of one curve that are kept for a reader who zooms.
 pub(super) const ZOOMED_POINTS: usize = 2 * MAX_POINTS;
 
 /// Rows of `y` that keep the curve's look: the lowest and the highest row of each of

@@ -4,19 +4,19 @@ use super::Ink;
 use super::scale::Scale;
 use super::svg::{Anchor, Svg, text_width};
 
-/// Height of the title line.
+/// Height of the title line, px.
 pub(super) const TITLE: f64 = 24.0;
 
-/// Height of a line of the legend.
+/// Height of a line of the legend, px.
 const LEGEND_LINE: f64 = 18.0;
 
-/// Sample of the legend and the gap behind it.
+/// Width of a legend's colour sample and the gap behind it, px.
 const SWATCH: f64 = 22.0;
 
 /// Names with their inks, flowed into lines of `width`; returns the entries' corners and the height.
 pub(super) struct Legend<'a> {
     entries: Vec<(f64, f64, &'a str, Ink)>,
-    /// Height of all lines.
+    /// Height of all lines, px.
     pub(super) height: f64,
 }
 

@@ -17,7 +17,7 @@ pub struct Plant {
     pub recording: Recording,
     /// Torque of the plant without the sensor's noise, N·m, with its own states known, shape (samples, joints).
     pub exerted: Array2<f64>,
-    /// Recorded motion over the true one.
+    /// Ratio of the recorded motion to the true one.
     gain: f64,
 }
 

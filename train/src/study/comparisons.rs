@@ -13,7 +13,7 @@ use std::path::Path;
 /// Windows whose length is compared, samples; the published one is trained for Table 6.
 const TIMESTEPS: [usize; 4] = [2, 3, 5, 10];
 
-/// Samples in the published window.
+/// Number of samples in the published window.
 const PUBLISHED: usize = 3;
 
 /// The study's trials and their common data.

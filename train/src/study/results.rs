@@ -72,7 +72,7 @@ pub struct Report {
     pub quick: bool,
     pub joints: Vec<String>,
     pub folds: usize,
-    /// Networks that the comparisons on the first fold average.
+    /// Number of networks that the comparisons on the first fold average.
     pub repeats: u64,
     pub hidden: usize,
     pub epochs: usize,

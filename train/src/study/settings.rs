@@ -5,7 +5,7 @@ use compensator::training::{Fold, Training, UnitConfig, folds};
 use model::failure::Failure;
 use model::residual::ResidualError;
 
-/// Samples that RLOESS smooths over: a quarter of a second of the moves. The paper does not state its span.
+/// Number of samples that RLOESS smooths over: a quarter of a second of the moves. The paper does not state its span.
 pub const SPAN: usize = 15;
 
 /// Number of samples of which one is held out where they are dealt out singly: the paper's 80 to 20 %.
@@ -22,13 +22,13 @@ pub struct Settings {
     pub hidden: usize,
     /// Hidden nodes of the comparison of fully connected with LSTM.
     pub nodes: Vec<usize>,
-    /// Windows that an epoch visits.
+    /// Number of windows that an epoch visits.
     pub windows: usize,
     /// Settings of the training loop.
     pub training: Training,
     /// Seed of the networks.
     pub seed: u64,
-    /// Networks of different seeds that the comparisons on the first fold average.
+    /// Number of networks of different seeds that the comparisons on the first fold average.
     pub repeats: u64,
 }
 

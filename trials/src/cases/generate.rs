@@ -33,7 +33,7 @@ const LENGTH: f64 = 15.0;
 const GAP: f64 = 2.0;
 /// Every third trajectory is held out.
 const HELD_OUT: [usize; 4] = [2, 5, 8, 11];
-/// Attempts at a case before giving up; one in some ten draws does not suit its effect.
+/// Largest number of attempts at a case; about one in ten draws does not suit its effect.
 const ATTEMPTS: u64 = 200;
 
 /// Random key of a case.

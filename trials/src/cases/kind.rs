@@ -64,8 +64,8 @@ pub fn effect_index(name: &str) -> Option<usize> {
     EFFECTS.iter().position(|e| *e == name)
 }
 
-/// Cases after which kinds are balanced: 30 without effect, 30 outside the catalogue, 16 with two, 164 with one (every
-/// effect seven or eight times).
+/// Number of cases after which kinds are balanced: 30 without effect, 30 outside the catalogue, 16 with two,
+/// 164 with one (every effect seven or eight times).
 pub const ROUND: u64 = 240;
 
 /// The case at `index` of the run with this seed.

@@ -209,7 +209,7 @@ pub fn frictions(arm: &Arm) -> Vec<Friction> {
         .collect()
 }
 
-/// Rows between those used for the projection.
+/// Step in rows between those used for the projection.
 const STRIDE: usize = 7;
 /// Eigenvalues of the scaled Gram matrix below this share of the largest belong to no base parameter.
 const RANK: f64 = 1e-11;

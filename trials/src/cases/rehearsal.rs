@@ -11,7 +11,7 @@ use plant::reference::{Command, Session};
 
 /// Step of the rehearsal, s.
 const STEP: f64 = 0.004;
-/// Rows between evaluations of effects that have no memory.
+/// Step in rows between evaluations of effects that have no memory.
 const STRIDE: usize = 8;
 
 /// Commanded motion of a session and the plain plant's torque on it.

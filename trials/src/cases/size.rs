@@ -8,7 +8,7 @@ use std::ops::Range;
 const VIBRATION: f64 = 20.0;
 /// Smallest part of a joint's torque, and largest, that an effect may make.
 const SHARES: Range<f64> = 0.03..0.6;
-/// Times that a case is simulated to set the sizes of its effects.
+/// Number of simulations of a case in which the sizes of its effects are set.
 pub const ROUNDS: usize = 3;
 
 /// Result of setting the sizes of a case's effects.

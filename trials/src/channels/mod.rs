@@ -67,7 +67,7 @@ pub fn generate(fault: Fault, seed: u64, index: u64) -> Result<ChannelCase, Simu
 /// encoder, before the gear.
 const FINE: f64 = 0.02;
 
-/// A unit of so many N·m is one.
+/// Largest factor between a unit and 1 N·m at which the unit counts as N·m.
 const SAME: f64 = 1.3;
 
 fn attempt_case(fault: Fault, rng: &mut ChaCha8Rng) -> Result<Option<ChannelCase>, SimulateError> {

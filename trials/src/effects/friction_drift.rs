@@ -13,7 +13,7 @@ use serde_json::json;
 #[derive(Debug)]
 struct WarmUp {
     joint: usize,
-    /// Exponent of viscosity at the steady state.
+    /// Exponent of the viscosity at the steady state.
     fading: f64,
     /// Time constant, s.
     time: f64,

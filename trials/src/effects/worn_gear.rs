@@ -88,15 +88,15 @@ struct Worn {
     mechanism: &'static str,
     /// Torque that the joint usually transmits, N·m.
     usual: f64,
-    /// Half of the play over the wind-up under the usual torque.
+    /// Ratio of half the play to the wind-up under the usual torque.
     play: f64,
     /// Stiffness where the play sets the size, N·m/rad.
     stiffness: f64,
-    /// Friction between the teeth over the usual torque.
+    /// Ratio of the friction between the teeth to the usual torque.
     friction: f64,
     /// Damping ratio of the rotor on its gear.
     ratio: f64,
-    /// Torque at which damping has doubled over the usual one.
+    /// Ratio of the torque at which damping has doubled to the usual torque.
     doubling: f64,
 }
 

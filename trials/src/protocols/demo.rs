@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use std::fs;
 use std::path::Path;
 
-/// Excitations on each of the days.
+/// Number of excitations on each of the days.
 const RUNS: usize = 2;
 /// Mass, kg, and centre of mass in the last joint's frame, m, of the body.
 const MASS: f64 = 1.2;

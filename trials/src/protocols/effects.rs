@@ -19,7 +19,7 @@ pub struct JointEffects {
     pub loss: f64,
     /// Deflection of the bristles that carry the Coulomb friction, rad.
     pub deflection: f64,
-    /// Extra friction of the cold gear over the warm one.
+    /// Ratio of the cold gear's extra friction to the warm gear's friction.
     pub cold: f64,
 }
 

@@ -6,7 +6,7 @@ use plant::reference::{Multisine, Pace, Segment, Session};
 use plant::run::Clock;
 use rand_chacha::ChaCha8Rng;
 
-/// Excitations of a day.
+/// Number of excitations of a day.
 pub(super) const RUNS: usize = 4;
 /// Length of each and time between two of them, s.
 const LENGTH: f64 = 25.0;

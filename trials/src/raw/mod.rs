@@ -33,7 +33,7 @@ use std::ops::Range;
 pub(crate) const RUN_IN: f64 = 0.5;
 /// Part of a single motion, or of several, that is for fitting.
 const TRAIN: f64 = 0.6;
-/// Robots tried until one follows its reference.
+/// Largest number of robots tried until one follows its reference.
 pub(crate) const ATTEMPTS: u64 = 50;
 
 /// A raw recording with its answer.

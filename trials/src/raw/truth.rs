@@ -43,7 +43,7 @@ pub struct Setting {
     pub robot: String,
     /// Rate of the log, Hz.
     pub rate_hz: f64,
-    /// Deviation of the time step over its mean.
+    /// Standard deviation of the time step over its mean.
     pub jitter: f64,
     /// Part of the samples that is lost.
     pub lost: f64,

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 
 /// Depth to which types nest, at most.
 const DEEPEST: usize = 32;
-/// Fields of a type with all that it nests, at most.
+/// Largest number of fields of a type with all that it nests.
 const MOST: usize = 20_000;
-/// Elements of a fixed array, at most.
+/// Largest number of elements of a fixed array.
 const LONGEST: usize = 1 << 24;
 
 /// Definition of the joint-state message, which a bag of an earlier ROS leaves out.

@@ -15,7 +15,7 @@ const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 const HEAD: usize = 9;
 /// Largest chunk once unpacked, bytes: guards against one that claims to be huge.
 const LARGEST: u64 = 1 << 30;
-/// Bytes skipped at a time.
+/// Number of bytes skipped at a time.
 const PIECE: u64 = 1 << 20;
 
 /// Opcodes of the records that are looked into.

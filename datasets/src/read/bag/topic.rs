@@ -18,7 +18,7 @@ pub(super) struct Topic {
     pub stamps: Vec<i64>,
     /// Times of the log, ns.
     pub logged: Vec<i64>,
-    /// Messages, those of other joints included.
+    /// Number of messages, those of other joints included.
     pub messages: usize,
     /// Problem, with the number of the message (from 0) where it concerns one.
     pub refused: Option<(Problem, Option<usize>)>,

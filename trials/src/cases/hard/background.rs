@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// Part of its joint's torque that each makes.
 const SHARES: Range<f64> = 0.01..0.04;
-/// Chance of each on each joint.
+/// Probability of each background effect on each joint.
 const CHANCE: f64 = 0.5;
 
 /// Stribeck friction, presliding and ripple on about half of the joints each; none on a joint from which the very same effect

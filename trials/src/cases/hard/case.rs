@@ -32,7 +32,7 @@ const OF_A_GEAR: [&str; 8] = [
     "friction_drift",
     "torque_ripple",
 ];
-/// Draws until two effects meet on one joint.
+/// Largest number of draws until two effects meet on one joint.
 const MEETINGS: usize = 80;
 /// Further rounds for the background.
 const MORE: usize = 2;

@@ -34,11 +34,11 @@ impl Jitter {
 
 /// Sampling of motion and torque in the log.
 pub struct Log {
-    /// Samples a second.
+    /// Sampling rate, Hz.
     pub rate: f64,
     /// Irregularity of the sampling times.
     pub jitter: Jitter,
-    /// Deviation of a time over the time between samples.
+    /// Standard deviation of a time stamp over the time between samples.
     pub uneven: f64,
     /// Whether velocity is logged.
     pub velocity: bool,

@@ -9,7 +9,7 @@ pub struct NamedShare {
     pub effect: &'static str,
     /// Name of the joint.
     pub joint: String,
-    /// Root mean square over that of the joint's torque.
+    /// Root mean square of the effect's torque over that of the joint's torque.
     pub share: f64,
 }
 
@@ -42,13 +42,13 @@ pub struct HardTruth {
     pub no_friction: Vec<String>,
     /// Law by which friction comes to rest.
     pub rest: String,
-    /// Trajectories to fit on.
+    /// Number of trajectories to fit on.
     pub train: usize,
-    /// Trajectories to be judged on.
+    /// Number of trajectories to be judged on.
     pub test: usize,
     /// Length of the trajectories, s.
     pub duration: f64,
-    /// Samples a second.
+    /// Sampling rate, Hz.
     pub rate: f64,
     /// Irregularity of the sampling times.
     pub jitter: &'static str,
@@ -62,7 +62,7 @@ pub struct HardTruth {
     pub lowpass: LowPass,
     /// Bias of the torque.
     pub bias: Bias,
-    /// Outliers in a minute.
+    /// Outliers per minute.
     pub outliers: f64,
     /// Small effects on the joints.
     pub background: Vec<NamedShare>,

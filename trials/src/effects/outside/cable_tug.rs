@@ -17,11 +17,11 @@ struct CableTug {
     joints: [usize; 2],
     /// Positions at which the cable is straight.
     centre: [f64; 2],
-    /// Lever of the second joint over the first's.
+    /// Ratio of the second joint's lever arm to the first's.
     ratio: f64,
-    /// Relative length from which it pulls.
+    /// Relative length from which the cable pulls.
     slack: f64,
-    /// N·m per squared relative length.
+    /// Torque per squared relative length, N·m.
     size: f64,
 }
 

@@ -30,7 +30,7 @@ impl Mechanism for CrossDrag {
 #[derive(Debug)]
 struct Drag {
     joints: [usize; 2],
-    /// Torque on the first joint over that on the second.
+    /// Ratio of the torque on the first joint to that on the second.
     ratio: f64,
 }
 

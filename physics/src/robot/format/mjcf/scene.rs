@@ -17,7 +17,7 @@ const DEEPEST: usize = 256;
 /// Elements in a body that bring bodies, joints or forces of their own.
 const UNSUPPORTED: [&str; 3] = ["composite", "flexcomp", "plugin"];
 
-/// Most copies that a `<replicate>` makes, and bodies that a scene holds.
+/// Largest number of copies that a `<replicate>` makes, and of bodies that a scene has.
 const MOST: usize = 100_000;
 
 /// A body; the first one is the world.

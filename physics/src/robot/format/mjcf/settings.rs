@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
 /// Gravity beyond this, m/s², is none of a robot's.
 const STRONGEST: f64 = 1e6;
 
-/// Shortest vector that still has a direction.
+/// Length below which a vector has no direction.
 const SHORTEST: f64 = 1e-14;
 
 /// Cases in which a body's inertia follows from its geoms.

@@ -7,7 +7,7 @@ use roxmltree::{Attribute, Document, Node};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Files that one model may consist of.
+/// Largest number of files of one model.
 const MOST_FILES: usize = 1000;
 
 /// One file of the model.

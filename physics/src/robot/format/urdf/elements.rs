@@ -6,7 +6,7 @@ use crate::robot::{Inertia, JointKind, Limits, RobotError};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use roxmltree::Node;
 
-/// Shortest axis that still has a direction.
+/// Length below which an axis has no direction.
 const SHORTEST_AXIS: f64 = 1e-6;
 
 /// Departure of an axis's length from one that is rounding: axes are written with at least six digits.
