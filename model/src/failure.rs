@@ -16,7 +16,7 @@ use physics::robot::RobotError;
 /// One line for the user, a hint, and the exit status.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// What is wrong, in one line.
+    /// Message, in one line.
     pub message: String,
     /// Advice; empty where there is none.
     pub hint: String,

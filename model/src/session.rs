@@ -23,11 +23,11 @@ pub struct Step {
 /// State of memory before a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// That after the sample before.
+    /// Memory after the sample before.
     RunsOn,
     /// Neutral: nothing is known.
     Neutral,
-    /// That at the end of the known trajectory with this index.
+    /// Memory at the end of the known trajectory with this index.
     Known(usize),
 }
 

@@ -1,6 +1,6 @@
 //! Robot models, rigid-body dynamics and effects beyond the rigid body.
 //!
-//! How their parameters are found stands in the crate `identify`.
+//! The crate `identify` estimates the parameters.
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "batch")]

@@ -8,7 +8,7 @@ pub(super) struct Judged {
     /// Weighted RMS error with it, and of the target alone, N·m.
     pub with: f64,
     pub without: f64,
-    /// Whether it lowers the error by enough, and by more than chance, to be used.
+    /// Whether the prediction lowers the error by enough, and by more than chance, to be used.
     pub helps: bool,
 }
 

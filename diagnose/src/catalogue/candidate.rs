@@ -16,7 +16,7 @@ pub struct Column {
     pub joints: Vec<usize>,
     /// Computation of its torque at the fine rate, one vector per joint of `joints`.
     pub torque: ColumnTorque,
-    /// Whether it is torque as recorded, to which no delay is added.
+    /// Whether the column is torque as recorded, to which no delay is added.
     pub recorded: bool,
 }
 
@@ -178,7 +178,7 @@ impl Candidate {
         all.find(|s| s.name == name).map(|s| s.value)
     }
 
-    /// Whether it changes the torque of a joint for which another candidate is named.
+    /// Whether the candidate changes the torque of a joint for which another candidate is named.
     pub fn touches(&self, other: &Self) -> bool {
         let mut touched = self.columns.iter().flat_map(|c| &c.joints);
         touched.any(|j| other.joints.contains(j))

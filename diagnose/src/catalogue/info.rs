@@ -56,31 +56,31 @@ pub struct Info {
     pub confounders: &'static [Effect],
     /// Properties that a recording must have.
     pub needs: &'static [Need],
-    /// File of a patch into which it is written; none: only the table of values.
+    /// File of a patch into which the effect is written; none: only the table of values.
     pub place: Option<&'static str>,
     /// Whether generated code for simulators holds it: its columns are terms of the torque model and belong to the robot.
     pub coded: bool,
-    /// Whether it is a change of parameters that the model already has.
+    /// Whether the effect is a change of parameters that the model already has.
     pub parameter: bool,
-    /// Whether it is friction of its own joint.
+    /// Whether the effect is friction of its own joint.
     pub friction: bool,
-    /// Whether it makes the whole prediction late or oscillate, which other effects do in part as well.
+    /// Whether the effect makes the whole prediction late or oscillate, which other effects do in part as well.
     pub dynamic: bool,
-    /// Whether it shows at frequencies beyond those of the motion.
+    /// Whether the effect shows at frequencies beyond those of the motion.
     pub vibrates: bool,
     /// Whether free inertial and friction parameters can absorb most of it. Then its share is counted from the model as given.
     pub absorbable: bool,
-    /// Whether it is a temporary force from outside: it is found by its trace and never fitted.
+    /// Whether the effect is a temporary force from outside: it is found by its trace and never fitted.
     pub outside: bool,
-    /// Whether it shifts the recorded torque in time.
+    /// Whether the effect shifts the recorded torque in time.
     pub late: bool,
-    /// Whether it is friction with memory.
+    /// Whether the effect is friction with memory.
     pub memory: bool,
-    /// Whether it is compliance or play between motor and link.
+    /// Whether the effect is compliance or play between motor and link.
     pub gear: bool,
-    /// Whether its sizes are inertial parameters of bodies.
+    /// Whether the effect's sizes are inertial parameters of bodies.
     pub body: bool,
-    /// Place of one of its candidates in a model directory.
+    /// Place of one of the effect's candidates in a model directory.
     pub carried: fn(&Candidate) -> Carried,
     /// Converts linear coefficients into the quantities that users expect.
     pub reported: fn(&mut Vec<Parameter>),

@@ -366,8 +366,8 @@ pub struct Resonance {
     pub joints: Vec<String>,
     /// Root mean square torque of the resonance on each of these joints, N·m (N).
     pub rms: Vec<f64>,
-    /// Whether it is seen while the arm moves.
+    /// Whether the resonance is seen while the arm moves.
     pub in_motion: bool,
-    /// Whether it is seen while the arm stands.
+    /// Whether the resonance is seen while the arm stands.
     pub at_rest: bool,
 }

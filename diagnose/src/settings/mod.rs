@@ -9,8 +9,8 @@
 //! | tuned | found on simulated cases; a seed that it was found on proves nothing any more |
 //! | physics | what robots, friction or statistics say, whatever the cases |
 //!
-//! What shapes a measurement (bands, windows, lags, grids of shapes, tolerances of an algorithm) stands where it is used, and
-//! what one effect alone asks for in its file of the catalogue.
+//! Settings of a measurement (bands, windows, lags, grids of shapes, tolerances of an algorithm) stand where
+//! they are used, and those of one effect alone in its file of the catalogue.
 
 #[macro_use]
 mod fields;

@@ -64,7 +64,7 @@ pub struct ModelFile {
     /// samples left out of every fit, such that ± 1.645 of it holds 90 %. Without folds to leave out it is that
     /// of the physics' residual on the fitted samples.
     pub residual_std: ResidualStd,
-    /// How the recordings were prepared.
+    /// Preparation of the recordings before the fit.
     pub preprocessing: Preprocessing,
     /// The benchmark paper's linear baseline, fitted on the same samples.
     pub linear_baseline: LinearInverse,

@@ -65,7 +65,7 @@ pub enum SetupError {
 /// Refuses a held-out recording that shares rows with the fitted ones.
 ///
 /// # Errors
-/// How much.
+/// The number of common rows, where there are any.
 pub fn refuse_overlap(fitted: &[Recording], heldout: &Recording) -> Result<(), SetupError> {
     match overlap(fitted, heldout) {
         0 => Ok(()),

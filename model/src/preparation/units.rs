@@ -23,7 +23,7 @@ pub struct Degrees {
     pub joint: String,
     /// Range of its positions, in the recorded unit.
     pub span: f64,
-    /// That range in turns, if it were rad.
+    /// Range of its positions in turns, if the numbers were rad.
     pub turns: f64,
     /// Range between the joint's limits, rad.
     pub room: f64,

@@ -51,7 +51,7 @@ pub struct Stored {
 pub struct StoredCase {
     /// Index of the case in the run.
     pub index: u64,
-    /// Whether it is a hard one.
+    /// Whether the case is a hard one.
     pub hard: bool,
     /// Name of the withheld effect, for readers of the file.
     pub kind: String,

@@ -44,7 +44,7 @@ pub struct CaseSpec {
     pub index: u64,
     /// Kind of the case.
     pub kind: Kind,
-    /// Whether it is drawn nearer to real recordings.
+    /// Whether the case is drawn nearer to real recordings.
     pub hard: bool,
     /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
     pub without: Option<usize>,

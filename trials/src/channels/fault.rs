@@ -71,7 +71,7 @@ impl Fault {
         }
     }
 
-    /// Whether it can be that of some joints alone.
+    /// Whether the fault can be that of some joints alone.
     pub fn by_joint(self) -> bool {
         matches!(self, Self::Sign | Self::Dead | Self::Saturated)
     }

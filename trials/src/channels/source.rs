@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 pub struct Fed {
     /// Torque, N·m (N).
     pub torque: Vec<f64>,
-    /// Whether it is no sensor's value, so that the channel adds no error.
+    /// Whether the torque is no sensor's value, so that the channel adds no error.
     pub exact: bool,
     /// Whether gravity's torque varies on some joint as much as a fifth of that joint's.
     pub gravity_varies: bool,

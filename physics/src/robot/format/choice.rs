@@ -8,11 +8,11 @@ pub(super) struct Candidate<'a> {
     pub name: &'a str,
     /// Index of the nearest joint, of any kind, that carries it.
     pub above: Option<usize>,
-    /// Whether it turns about or slides along one axis.
+    /// Whether the joint turns about or slides along one axis.
     pub scalar: bool,
-    /// Whether a drive may move it: an actuator names it, or nothing makes it follow another.
+    /// Whether a drive may move the joint: an actuator names it, or nothing makes it follow another.
     pub driven: bool,
-    /// Whether something ties it to another joint, be it that it leads.
+    /// Whether another joint is tied to this one, as leader or follower.
     pub coupled: bool,
 }
 
