@@ -24,8 +24,8 @@ pub use guard::{
     Pace, RESIDYN_BACKWARD, RESIDYN_BAD_INPUT, RESIDYN_BAD_TORQUE, RESIDYN_FADED, RESIDYN_LATE,
     RESIDYN_OVERRUN, RESIDYN_POSITION_OUTSIDE, RESIDYN_RATE_LIMITED, RESIDYN_STALE,
     RESIDYN_STARTING, RESIDYN_STOPPED, RESIDYN_STOPPING, RESIDYN_TORQUE_LIMITED,
-    RESIDYN_UNCOMPENSATED, residyn_pace_of, residyn_set_drive, residyn_set_limits, residyn_set_times, residyn_start,
-    residyn_stop, residyn_tick,
+    RESIDYN_UNCOMPENSATED, residyn_pace_of, residyn_set_drive, residyn_set_limits,
+    residyn_set_times, residyn_start, residyn_stop, residyn_tick,
 };
 pub use handle::{
     Model, residyn_clone, residyn_free, residyn_is_compensated, residyn_joint_name, residyn_joints,

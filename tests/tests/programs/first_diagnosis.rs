@@ -46,7 +46,9 @@ fn the_pages_show_what_the_demo_says() {
 
     // The report alone on standard output, stages on standard error; a page that has no folder is refused before work begins.
     let mut diagnose = program("diagnose");
-    diagnose.current_dir(&written).args(["--robot", "robot.urdf"]);
+    diagnose
+        .current_dir(&written)
+        .args(["--robot", "robot.urdf"]);
     diagnose.args(["--data", "monday.parquet", "--heldout", "friday.parquet"]);
     diagnose.args(["--fast", "--json", "-"]);
     let ended = run(&mut diagnose);

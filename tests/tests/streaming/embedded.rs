@@ -138,7 +138,10 @@ fn eigen() -> Option<String> {
     let asked = "import importlib.metadata as m; f = m.distribution('cmeel-eigen'); print(f.locate_file('cmeel.prefix/include/eigen3'))";
     let output = Command::new(python).args(["-c", asked]).output().ok()?;
     let path = String::from_utf8(output.stdout).ok()?.trim().to_owned();
-    Path::new(&path).join("Eigen/Core").is_file().then_some(path)
+    Path::new(&path)
+        .join("Eigen/Core")
+        .is_file()
+        .then_some(path)
 }
 
 /// An example, compiled with what pkg-config says, where there is one.
