@@ -322,7 +322,9 @@ enum residyn_code residyn_set_times(struct residyn_model *model, double ramp, do
  Sets what the drive does by itself: by how much it is late (s, 0 before), for which the model is asked for the motion so much later;
  and whether it adds gravity's torque (0, as before, or 1), which is then left out. Not for the loop: it allocates.
  */
-enum residyn_code residyn_set_drive(struct residyn_model *model, double delay, int32_t adds_gravity);
+enum residyn_code residyn_set_drive(struct residyn_model *model,
+                                    double delay,
+                                    int32_t adds_gravity);
 
 /*
  Lets the torque of residyn_tick grow from what was sent last (0 at first) to the model's.

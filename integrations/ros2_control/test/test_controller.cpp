@@ -60,15 +60,16 @@ struct Loaded {
 
 }  // namespace
 
-void* operator new(std::size_t size) {
+// Kept apart, so that the compiler does not see malloc behind new.
+[[gnu::noinline]] void* operator new(std::size_t size) {
     ++allocations;
     if (void* place = std::malloc(size)) {
         return place;
     }
     throw std::bad_alloc();
 }
-void operator delete(void* place) noexcept { std::free(place); }
-void operator delete(void* place, std::size_t) noexcept { std::free(place); }
+[[gnu::noinline]] void operator delete(void* place) noexcept { std::free(place); }
+[[gnu::noinline]] void operator delete(void* place, std::size_t) noexcept { std::free(place); }
 
 int main(int count, char** given) {
     if (count != 2) {
