@@ -76,7 +76,8 @@ pub struct NotJudged {
     pub reason: &'static str,
 }
 
-/// What a motion of a robot would show under torque noise of the given deviations, N·m per sample.
+/// What a motion of a robot would show under torque noise of the given deviations, N·m per sample. `progress` is told how many
+/// effects of how many have been looked at.
 ///
 /// # Errors
 /// Numbers that are not finite.
@@ -86,6 +87,7 @@ pub fn plan(
     extras: &[Extra],
     motion: &Motion,
     noise: &[f64],
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Plan, LeastSquaresError> {
     let rows = BaseRows::new(robot, base, extras);
     let (triangle, times) = triangle(&rows, motion, noise)?;
@@ -109,7 +111,7 @@ pub fn plan(
             }
         })
         .collect();
-    let found = visible(robot, motion, noise, &Settings::default());
+    let found = visible(robot, motion, noise, &Settings::default(), progress);
     let judged: Vec<Effect> = found.iter().map(|v| v.effect).collect();
     let names = robot.joint_names();
     Ok(Plan {

@@ -57,7 +57,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let unjudged = |e: LeastSquaresError| Failure::other(e.to_string());
     let planned = if arguments.plan {
         spinner.set_message("looking what it would show");
-        Some(plan(robot, &base, &extras, motion, &noise).map_err(unjudged)?)
+        let looked = |done: usize, of: usize| {
+            spinner.set_message(format!(
+                "looking what it would show: {done} of {of} effects"
+            ));
+        };
+        Some(plan(robot, &base, &extras, motion, &noise, &looked).map_err(unjudged)?)
     } else {
         None
     };

@@ -46,3 +46,18 @@ def case(program, tmp_path_factory):
     out = tmp_path_factory.mktemp("cases")
     program("simulate", "cases", "--out", out, "--cases", 1, "--seed", 5, "--quiet")
     return next(p.parent for p in out.rglob("robot.urdf"))
+
+
+@pytest.fixture(scope="session")
+def diagnosed(program, tmp_path_factory):
+    """Diagnoses a case of `arms` once, however many tests look at it."""
+    from arms import Diagnosed
+
+    known = {}
+
+    def of(*case):
+        if case not in known:
+            known[case] = Diagnosed(program, tmp_path_factory.mktemp("case"), *case)
+        return known[case]
+
+    return of

@@ -47,9 +47,19 @@ pub(super) struct Channel<'a> {
     pub velocity: Option<VelocityChannel>,
     pub joint: usize,
     pub name: String,
+    pub slides: bool,
 }
 
 impl Channel<'_> {
+    /// Units of way and torque.
+    fn units(&self) -> [&'static str; 2] {
+        if self.slides {
+            ["m", "N"]
+        } else {
+            ["rad", "N·m"]
+        }
+    }
+
     fn q(&self) -> impl Iterator<Item = f64> + '_ {
         self.recording.q.column(self.joint).into_iter().copied()
     }
@@ -135,6 +145,7 @@ impl Channel<'_> {
 
     fn motion_findings(&self, figures: &JointFigures, options: &CheckOptions) -> Vec<Finding> {
         let mut found = Vec::new();
+        let [way, _] = self.units();
         let [low, high] = figures.range;
         let span = high - low;
         if span < STILL {
@@ -148,7 +159,7 @@ impl Channel<'_> {
         }
         if figures.top_speed < SLOW {
             let text = format!(
-                "moves at {:.3} rad/s at most; viscous and Coulomb friction look alike below {SLOW}",
+                "moves at {:.3} {way}/s at most; viscous and Coulomb friction look alike below {SLOW}",
                 figures.top_speed
             );
             found.push(self.finding(Kind::TooSlow, Severity::Warning, figures.top_speed, text));
@@ -163,18 +174,22 @@ impl Channel<'_> {
             .filter(|w| w.is_finite() && *w > 0.0);
         let needed = between.map_or(SMALL_RANGE, |w| SMALL_RANGE.min(SMALL_PART * w));
         if span < needed {
-            let text = format!("covers {span:.3} rad; gravity and position effects need more");
+            let text = format!("covers {span:.3} {way}; gravity and position effects need more");
             found.push(self.finding(Kind::RegionTooSmall, Severity::Warning, span, text));
         }
         if let (Some([a, b]), Some(width)) = (limits, between) {
             let outside = (a - low).max(high - b).max(0.0);
             if outside > 0.1 * width {
-                let hint = if low.to_radians() >= a && high.to_radians() <= b {
-                    "it looks like degrees"
+                let (part, other) = match self.slides {
+                    true => (1e-3, "it looks like mm"),
+                    false => (1_f64.to_radians(), "it looks like degrees"),
+                };
+                let hint = if part * low >= a && part * high <= b {
+                    other
                 } else {
                     "check unit and joint zero"
                 };
-                let text = format!("is {outside:.2} rad outside its limits; {hint}");
+                let text = format!("is {outside:.2} {way} outside its limits; {hint}");
                 found.push(self.finding(Kind::PositionScale, Severity::Severe, outside, text));
             }
         }
@@ -225,13 +240,14 @@ impl Channel<'_> {
         let at = sizes.len() * 99 / 100;
         let usual = *sizes.select_nth_unstable_by(at, f64::total_cmp).1;
         let size = off(row);
+        let [way, _] = self.units();
         (size > 30.0 * usual && size > 0.01).then(|| Finding {
             row: Some(row + 1),
             ..self.finding(
                 Kind::CorruptRow,
                 Severity::Severe,
                 size,
-                format!("the position jumps by {size:.3} rad for one sample; remove the row"),
+                format!("the position jumps by {size:.3} {way} for one sample; remove the row"),
             )
         })
     }
@@ -248,8 +264,9 @@ impl Channel<'_> {
         }
         found.extend(self.frozen(tau));
         if let Some((level, share)) = plateau(tau) {
+            let [_, unit] = self.units();
             let text = format!(
-                "the torque is cut at ±{level:.1} N·m in {:.1} % of the samples; move it less fast",
+                "the torque is cut at ±{level:.1} {unit} in {:.1} % of the samples; move it less fast",
                 100.0 * share
             );
             found.push(self.finding(Kind::TorquePlateau, Severity::Warning, level, text));

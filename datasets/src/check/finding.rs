@@ -10,6 +10,8 @@ pub struct CheckOptions {
     pub joints: Vec<String>,
     /// Lower and upper joint limits in rad (m), base first; infinite where there are none.
     pub position_limits: Vec<[f64; 2]>,
+    /// Joints that slide, base first: their way is in m, their torque a force in N. Joints beyond its end turn.
+    pub slides: Vec<bool>,
 }
 
 /// How bad a finding is.

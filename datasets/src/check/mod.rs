@@ -108,6 +108,7 @@ pub fn check(
             velocity: velocity::compare(recording, prepared, joint),
             joint,
             name: name.unwrap_or_else(|| format!("joint {}", joint + 1)),
+            slides: options.slides.get(joint).copied().unwrap_or(false),
         };
         let figures = view.figures();
         findings.extend(view.findings(&figures, options));

@@ -66,6 +66,18 @@ fn each_fault_is_found_and_nothing_else() {
     );
     assert!(found.iter().all(|(_, j)| *j == Some(1)), "{found:?}");
 
+    // The way of a joint that slides is in m.
+    let sliding = CheckOptions {
+        slides: vec![false, true],
+        ..CheckOptions::default()
+    };
+    let words = |options: &CheckOptions| {
+        let found = report(&r, options).findings;
+        found.into_iter().map(|f| f.message).collect::<String>()
+    };
+    assert!(words(&CheckOptions::default()).contains(" rad"));
+    assert!(!words(&sliding).contains("rad"), "{}", words(&sliding));
+
     let mut r = good();
     r.tau.as_mut().unwrap().column_mut(0).fill(0.0);
     assert_eq!(kinds(&r), [(Kind::DeadChannel, Some(0))]);

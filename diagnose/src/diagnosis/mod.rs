@@ -32,7 +32,7 @@ use crate::measure::resonance::{resonances, standing_out};
 use crate::measure::tracking;
 use crate::measure::verdict::{Evidence, remainder, verdict};
 use crate::motion::floor::floor;
-use crate::schema::{Cause, Diagnosis, Place, Simulation, Tested, Verdict};
+use crate::schema::{Cause, Diagnosis, Place, Simulation, Step, Tested, Verdict};
 use crate::search::find::Findings;
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
@@ -113,6 +113,7 @@ pub fn diagnose(
         causes: !explanation.causes.is_empty(),
         pushed: explanation.causes.iter().any(pushed),
         cut: explanation.cut,
+        denied: denied(&explanation.ladder, &explanation.causes),
     };
     let (verdict, reason) = if unchanged {
         (Verdict::NoGap, None)
@@ -239,6 +240,14 @@ fn first(
 }
 
 /// The first search of a diagnosis: recordings, findings and the rows' weights.
+/// Errors on the held-out recording, as given and with all causes, where it confirms no cause and they make it no smaller.
+fn denied(ladder: &[Step], causes: &[Cause]) -> Option<[f64; 2]> {
+    let of = |step: Option<&Step>| step.and_then(|s| s.all.mean_nrmse);
+    let both = [of(ladder.first())?, of(ladder.last())?];
+    let open = causes.iter().all(|c| !c.confirmed);
+    (open && both[1] >= both[0]).then_some(both)
+}
+
 #[cfg(test)]
 pub(crate) fn first_search(
     model: &NominalModel,

@@ -9,10 +9,9 @@ use crate::schema::{NotIdentifiable, SHORT};
 use crate::settings::{InputSettings, LadderSettings};
 use crate::simulator::NominalModel;
 use datasets::Recording;
-use datasets::check::{CheckOptions, CheckReport, check};
+use datasets::check::{CheckReport, check};
 use datasets::prepare::{PrepareReport, Source};
-use model::preparation::channel;
-use model::preparation::check::channel_findings;
+use model::preparation::check::{add_channel, options};
 use physics::robot::Robot;
 
 /// Checks of both recordings, the fitted one, then the held-out one: those of `train`, without the requirements of its own fit.
@@ -27,21 +26,11 @@ pub fn checked(
 }
 
 fn one(model: &NominalModel, frame: &Frame, recording: &Recording) -> Option<CheckReport> {
-    let joints = model.robot.joints();
-    let options = CheckOptions {
-        joints: model.robot.joint_names(),
-        position_limits: joints
-            .iter()
-            .map(|j| [j.limits.lower, j.limits.upper])
-            .collect(),
-    };
+    let options = options(&model.robot);
     let mut report = check(recording, frame.prepared(), &options).ok()?;
     // Against the robot's own earlier recordings the channel is a cause among others: no description says how large torque is.
     if model.replay().is_none() {
-        let channel = channel::estimate(&model.robot, recording, frame.prepared());
-        let found = channel_findings(&model.robot, recording, frame.prepared(), &channel);
-        report.add(found);
-        report.channel = Some(channel);
+        add_channel(&mut report, &model.robot, recording, frame.prepared());
     }
     Some(report)
 }

@@ -29,6 +29,8 @@ pub(crate) struct Evidence<'a> {
     pub pushed: bool,
     /// Part of the held-out samples that pushes cut out.
     pub cut: f64,
+    /// Mean NRMSE on the held-out recording, as given and with all causes, where it confirms none of them and is not better by them.
+    pub denied: Option<[f64; 2]>,
 }
 
 /// Whether each joint's torque channel is unusable: nearly all samples have one value.
@@ -131,6 +133,12 @@ pub(crate) fn verdict(e: &Evidence, settings: &VerdictSettings) -> (Verdict, Opt
         .filter_map(|r| Some((r, over(r)?)))
         .max_by(|a, b| a.1.total_cmp(&b.1));
     let floor = worst.is_some_and(|w| w.1 <= settings.at_floor);
+    if let (true, true, Some([given, explained])) = (e.causes, floor, e.denied) {
+        return tell(&format!(
+            "what explains the fitted recording explains nothing of the held-out one ({given:.3} as given, {explained:.3} with it); the \
+             two do not show the same torque or the same robot"
+        ));
+    }
     match (e.causes, floor) {
         (false, true) => (Verdict::NoGap, None),
         (true, true) if e.cut <= settings.most_cut => (Verdict::Explained, None),
@@ -190,6 +198,7 @@ mod tests {
             causes,
             pushed: false,
             cut,
+            denied: None,
         };
         verdict(&evidence, settings)
     }
@@ -243,6 +252,7 @@ mod tests {
                 causes: true,
                 pushed,
                 cut: 0.0,
+                denied: None,
             };
             verdict(&evidence, &VerdictSettings::default())
         };

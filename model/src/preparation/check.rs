@@ -5,7 +5,6 @@ use ::identify::base::{BaseParameters, Extra};
 use ::identify::least_squares::{
     Accumulator, LeastSquaresError, SolveOptions, SubRegressors, Triangle, solve,
 };
-use datasets::channel::ChannelEstimate;
 use datasets::check::{
     Ailment, CheckOptions, CheckReport, Complaint, Finding, Kind, Severity, check, moves,
 };
@@ -56,6 +55,19 @@ pub enum CheckError {
     },
 }
 
+/// What a check is told of a robot.
+pub fn options(robot: &Robot) -> CheckOptions {
+    let joints = robot.joints().iter();
+    CheckOptions {
+        joints: robot.joint_names(),
+        position_limits: joints
+            .clone()
+            .map(|j| [j.limits.lower, j.limits.upper])
+            .collect(),
+        slides: joints.map(|j| !j.kind.is_rotation()).collect(),
+    }
+}
+
 /// Checks a recording of `robot`: everything of [`datasets::check`], and what needs a model.
 ///
 /// # Errors
@@ -70,14 +82,7 @@ pub fn check_recording(
         file: file(),
         source,
     })?;
-    let settings = CheckOptions {
-        joints: robot.joint_names(),
-        position_limits: robot
-            .joints()
-            .iter()
-            .map(|j| [j.limits.lower, j.limits.upper])
-            .collect(),
-    };
+    let settings = self::options(robot);
     let mut report =
         check(recording, &prepared, &settings).map_err(|problem| CheckError::Check {
             file: file(),
@@ -91,32 +96,52 @@ pub fn check_recording(
             })?;
         let channel = channel::estimate(robot, recording, &prepared);
         let complaints = doctor::examine(robot, recording, &prepared, &channel);
-        let found = confirmed(channel.findings(&settings.joints), &complaints);
-        report.add(found.into_iter().chain(poor));
+        report.add(poor);
+        judge(&mut report, channel.findings(&settings.joints), &complaints);
         report.channel = Some(channel);
         report.doctor = complaints;
     }
     Ok(report)
 }
 
-/// What of a recording's channel is worth a sentence, scales as far as the doctor finds them too.
-pub fn channel_findings(
+/// Adds the channel of a report's recording and what of it is worth a sentence; what the doctor knows better is said as he finds it.
+pub fn add_channel(
+    report: &mut CheckReport,
     robot: &Robot,
     recording: &Recording,
     prepared: &Prepared,
-    channel: &ChannelEstimate,
-) -> Vec<Finding> {
+) {
+    let channel = channel::estimate(robot, recording, prepared);
     let found = channel.findings(&robot.joint_names());
-    if found.iter().all(|f| f.kind != Kind::TorqueScale) {
-        return found;
-    }
-    let complaints = doctor::examine(robot, recording, prepared, channel);
-    confirmed(found, &complaints)
+    let open = |f: &Finding| matches!(f.kind, Kind::TorqueScale | Kind::TorquePlateau);
+    let complaints = if found.iter().chain(&report.findings).any(open) {
+        doctor::examine(robot, recording, prepared, &channel)
+    } else {
+        Vec::new()
+    };
+    judge(report, found, &complaints);
+    report.channel = Some(channel);
 }
 
-fn confirmed(mut found: Vec<Finding>, complaints: &[Complaint]) -> Vec<Finding> {
-    found.retain(|f| f.kind != Kind::TorqueScale || is_confirmed(complaints, f.joint));
-    found
+/// Adds findings and takes those away that the doctor does not confirm.
+fn judge(report: &mut CheckReport, found: Vec<Finding>, complaints: &[Complaint]) {
+    report.add(found);
+    report.findings.retain(|f| match f.kind {
+        Kind::TorqueScale => is_confirmed(complaints, f.joint),
+        Kind::TorquePlateau => is_cut(complaints, f.joint),
+        _ => true,
+    });
+}
+
+/// Whether a flat top of a torque may be a limit's: the doctor knows whether the motion itself makes it, but where it does not know
+/// which torque it looks at.
+fn is_cut(complaints: &[Complaint], joint: Option<usize>) -> bool {
+    let mut all = complaints.iter();
+    all.any(|c| match c.ailment {
+        Ailment::Saturated => joint.is_none_or(|j| c.joints.contains(&j)),
+        Ailment::Absolute | Ailment::Columns | Ailment::Turned => true,
+        _ => false,
+    })
 }
 
 /// Whether the doctor, whose model includes friction, finds a wrong scale or sign. A torque without gravity or sign has no scale.

@@ -40,7 +40,13 @@ fn an_effect_is_found_above_its_size_and_not_below() {
     let robot = Robot::from_urdf_str(URDF).unwrap();
     // The recording's noise is even over ±0.002 N·m.
     let noise = [0.004 / 12f64.sqrt()];
-    let all = visible(&robot, &motion(6, 1500), &noise, &Settings::default());
+    let all = visible(
+        &robot,
+        &motion(6, 1500),
+        &noise,
+        &Settings::default(),
+        &|_, _| (),
+    );
     let stribeck = all
         .iter()
         .find(|v| v.effect == Effect::StribeckFriction)
@@ -69,7 +75,7 @@ fn noise_and_standstill_hide_effects() {
     let robot = Robot::from_urdf_str(URDF).unwrap();
     let settings = Settings::default();
     let from = |motion: &Motion, noise: f64, effect: Effect| {
-        let all = visible(&robot, motion, &[noise], &settings);
+        let all = visible(&robot, motion, &[noise], &settings, &|_, _| ());
         all.iter().find(|v| v.effect == effect).and_then(|v| v.from)
     };
     let quick = motion(4, 1000);

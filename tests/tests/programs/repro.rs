@@ -153,7 +153,7 @@ fn sizes_and_columns() {
             field,
             "placeholder.urdf",
             "data-1.csv",
-            "3000 samples",
+            "all weigh 1 kg: a guess, not a measurement",
             UNIT,
         ),
         (
@@ -190,6 +190,13 @@ fn sizes_and_columns() {
             "swingup-1.csv",
             "4000 samples",
             "gravity removed|--gravity",
+        ),
+        (
+            "field/explained-but-most-is-left",
+            "pend.urdf",
+            "command.csv",
+            "torque, commanded|a command that holds the weight of an arm",
+            "sensor",
         ),
         (
             "field/late-by-nothing",
@@ -271,6 +278,13 @@ fn tables_clocks_and_logs() {
             "error",
         ),
         (everyday, "arm.urdf", "ten-hertz.csv", "10.0 Hz", "0.1 Hz"),
+        (
+            everyday,
+            "arm.urdf",
+            "gravity-has-a-top.csv",
+            "3000 samples",
+            "cut at|stays at",
+        ),
         (
             "field/rubbish-efforts",
             "arm.urdf",

@@ -24,10 +24,12 @@ const THINNEST: f64 = 1e-4;
 
 /// The bodies that minimise ½ (x − t)ᵀ H (x − t) + Σ divergence(body ‖ its description). Each of `described` has a place in
 /// `sums`: the index of the ten parameters of x that it is a part of, so that a link and its load are two bodies whose sum is
-/// seen. `target` and `information` (10 N, 10 N × 10 N) are t and H of these sums.
+/// seen. `target` and `information` (10 N, 10 N × 10 N) are t and H of these sums. Of a `known` body mass and first moment stay as
+/// described, and its inertia alone is sought.
 pub(super) fn nearest(
     described: &[Inertia],
     sums: &[usize],
+    known: Option<usize>,
     target: &[f64],
     information: &DMatrix<f64>,
 ) -> Vec<Inertia> {
@@ -70,6 +72,12 @@ pub(super) fn nearest(
                 let size = (PARAMETERS_PER_LINK, PARAMETERS_PER_LINK);
                 let mut own = hessian.view_mut((at, at), size);
                 own += &h;
+            }
+            for fixed in known.into_iter().flat_map(first_moments) {
+                gradient[fixed] = 0.0;
+                hessian.row_mut(fixed).fill(0.0);
+                hessian.column_mut(fixed).fill(0.0);
+                hessian[(fixed, fixed)] = 1.0;
             }
             Some((gradient, hessian))
         };
@@ -125,6 +133,12 @@ fn minimum(
         }
     }
     y
+}
+
+/// Places of a body's mass and first moment.
+fn first_moments(body: usize) -> std::ops::Range<usize> {
+    let at = PARAMETERS_PER_LINK * body;
+    at..at + 4
 }
 
 fn block(y: &DVector<f64>, body: usize) -> [f64; PARAMETERS_PER_LINK] {
@@ -233,13 +247,13 @@ mod tests {
         target[0] = 0.18;
         let mut information = DMatrix::zeros(10, 10);
         information[(3, 3)] = (1e-7_f64).powi(-2);
-        let found = nearest(&[jaw()], &[0], &target, &information)[0];
+        let found = nearest(&[jaw()], &[0], None, &target, &information)[0];
         assert!(
             (found.first_moment.z / target[3] - 1.0).abs() < 1e-3,
             "{found:?}"
         );
         assert!(found.is_consistent(0.0) && (0.3..3.0).contains(&(found.mass / 0.012)));
-        let nothing = nearest(&[jaw()], &[0], &target, &DMatrix::zeros(10, 10))[0];
+        let nothing = nearest(&[jaw()], &[0], None, &target, &DMatrix::zeros(10, 10))[0];
         assert!((nothing.mass / 0.012 - 1.0).abs() < 1e-6, "{nothing:?}");
     }
 
@@ -254,7 +268,7 @@ mod tests {
             information[(seen, seen)] = 1e10;
         }
         let target = heavy.parameters();
-        let found = nearest(&[light], &[0], &target, &information)[0].parameters();
+        let found = nearest(&[light], &[0], None, &target, &information)[0].parameters();
         for seen in [1, 6] {
             assert!((found[seen] / target[seen] - 1.0).abs() < 0.01, "{found:?}");
         }
@@ -280,11 +294,21 @@ mod tests {
             Vector3::new(0.0, 0.02, 0.2),
             Matrix3::identity() * 1e-4,
         );
-        let found = nearest(&[link, guess], &[0, 0], &target, &information);
+        let found = nearest(&[link, guess], &[0, 0], None, &target, &information);
         let sum = found[0].plus(&found[1]).parameters();
         for (a, b) in sum.iter().zip(target) {
             assert!((a - b).abs() < 1e-4, "{a} {b}");
         }
         assert!((found[1].mass - 0.5).abs() < 0.05 && (found[0].mass - 1.1).abs() < 0.05);
+        // What is known of the load stays, whatever the link would gain by another.
+        let other = Inertia {
+            mass: 0.53,
+            ..guess
+        };
+        let found = nearest(&[link, other], &[0, 0], Some(1), &target, &information);
+        assert!((found[1].mass - 0.53).abs() < 1e-12);
+        assert!((found[1].first_moment - guess.first_moment).amax() < 1e-12);
+        let sum = found[0].plus(&found[1]).parameters();
+        assert!((sum[0] - target[0]).abs() < 1e-4 && found[1].is_consistent(0.0));
     }
 }

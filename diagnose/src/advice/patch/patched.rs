@@ -42,12 +42,19 @@ impl Parts {
     pub fn told(&self, causes: &mut [Cause]) {
         let labels = self.unloaded.parameter_names();
         let values = self.unloaded.parameters();
+        let load = self.load.as_ref().map(|l| l.inertia.parameters());
         for cause in causes {
-            for p in &mut cause.parameters {
-                let place = labels.iter().position(|label| *label == p.name);
-                if let (Effect::LinkParameters, Some(at)) = (cause.effect, place) {
-                    p.value = values[at];
-                }
+            for (k, p) in cause.parameters.iter_mut().enumerate() {
+                let written = match cause.effect {
+                    Effect::LinkParameters => {
+                        let place = labels.iter().position(|label| *label == p.name);
+                        place.map(|at| values[at])
+                    }
+                    // Mass and centre are the fitted ones.
+                    Effect::Payload if p.name.starts_with("inertia_") => load.map(|l| l[k]),
+                    _ => None,
+                };
+                p.value = written.unwrap_or(p.value);
             }
         }
     }
@@ -83,7 +90,9 @@ pub fn parts(
         sums.push(n - 1);
     }
     let information = information(found, scale, PARAMETERS_PER_LINK * n);
-    let mut bodies = nearest(&described, &sums, &moved.parameters(), &information);
+    // A load is written with the mass and the centre that are said of it.
+    let known = load.map(|_| n);
+    let mut bodies = nearest(&described, &sums, known, &moved.parameters(), &information);
     let load = load.and_then(|_| bodies.pop()).map(|inertia| Load {
         link: n - 1,
         inertia,

@@ -1,7 +1,7 @@
 //! Search on the expected recording of one effect of one size.
 
 use super::choice::{Choice, Visible};
-use crate::algebra::folds::{Fold, folds};
+use crate::algebra::folds::folds;
 use crate::algebra::gram::{Grams, JointGram, Layout};
 use crate::catalogue::{Bound, Candidate};
 use crate::motion::scene::Scene;
@@ -12,7 +12,7 @@ use crate::settings::Settings;
 use crate::simulator::NominalModel;
 use datasets::{PrepareOptions, Recording, Trajectory};
 use model::preparation::cutoff;
-use ndarray::{Array1, Array2, Axis, concatenate};
+use ndarray::{Array1, Array2, Axis};
 use signal::Motion;
 use std::collections::HashSet;
 use std::ops::Range;
@@ -51,11 +51,9 @@ pub(super) struct Judge<'a> {
     model: NominalModel,
     /// Indices of the fine samples that are rows.
     picked: Vec<usize>,
-    folds: Vec<Fold>,
-    /// Columns of the base on the rows of each joint, and their numbers.
-    base: Vec<Array2<f64>>,
-    /// Weight of each row, shape (rows, joints).
-    weight: Array2<f64>,
+    /// What is scored of each fold, and what lies near it; the latter empty where nothing does.
+    scored: Vec<Part>,
+    near: Vec<Part>,
     /// Variance of the noise on a row, (N·m)², by joint.
     variance: Vec<f64>,
 }
@@ -87,20 +85,26 @@ impl<'a> Judge<'a> {
         });
         // Thinning comes after a low-pass, which takes white noise away.
         let passed = (2.0 * CUTOFF * ROWS / rate).min(1.0);
+        let folds = folds(
+            &planned(scene.motion),
+            &rows,
+            stride,
+            cutoff::gap(&PrepareOptions::default()),
+        );
+        let base: Vec<Array2<f64>> = base.iter().map(|c| table(c, picked.len())).collect();
+        let part = |rows: &[Range<usize>]| Part::new(rows, &base, &weight);
+        let has_near = folds.iter().any(|fold| !fold.near.is_empty());
         Self {
             scene,
             candidates,
             settings,
             model: NominalModel::new(scene.robot.clone()),
-            folds: folds(
-                &planned(scene.motion),
-                &rows,
-                stride,
-                cutoff::gap(&PrepareOptions::default()),
-            ),
-            base: base.iter().map(|c| table(c, picked.len())).collect(),
+            scored: folds.iter().map(|fold| part(&fold.scored)).collect(),
+            near: match has_near {
+                true => folds.iter().map(|fold| part(&fold.near)).collect(),
+                false => Vec::new(),
+            },
             picked,
-            weight,
             variance: noise.iter().map(|s| s * s * passed).collect(),
         }
     }
@@ -133,6 +137,78 @@ impl<'a> Judge<'a> {
         }
         best
     }
+}
+
+/// Some rows with the base's columns, which every candidate has beside its own.
+struct Part {
+    rows: Vec<usize>,
+    /// Roots of the rows' weights, by joint.
+    root: Vec<Array1<f64>>,
+    /// Columns times these roots, and their products.
+    base: Vec<Array2<f64>>,
+    products: Vec<JointGram>,
+}
+
+impl Part {
+    fn new(rows: &[Range<usize>], base: &[Array2<f64>], weight: &Array2<f64>) -> Self {
+        let rows: Vec<usize> = rows.iter().cloned().flatten().collect();
+        let none = Array1::zeros(rows.len());
+        let each = base.iter().zip(weight.columns());
+        let products = each.clone().map(|(base, weight)| {
+            let own = base.select(Axis(0), &rows);
+            JointGram::new(
+                own.view(),
+                none.view(),
+                weight.select(Axis(0), &rows).view(),
+            )
+        });
+        let products = products.collect();
+        let root: Vec<Array1<f64>> = each
+            .clone()
+            .map(|(_, weight)| weight.select(Axis(0), &rows).map(|w| w.sqrt()))
+            .collect();
+        let base = base.iter().zip(&root);
+        let base = base
+            .map(|(base, root)| weighted(base, &rows, root))
+            .collect();
+        Self {
+            rows,
+            root,
+            base,
+            products,
+        }
+    }
+
+    /// Products of the base and of further columns of each joint.
+    fn with(&self, more: &[Array2<f64>]) -> Vec<JointGram> {
+        let of = |(j, more): (usize, &Array2<f64>)| {
+            let (base, products) = (&self.base[j], &self.products[j]);
+            let own = weighted(more, &self.rows, &self.root[j]);
+            let (k, all) = (base.ncols(), base.ncols() + own.ncols());
+            let (cross, inner) = (base.t().dot(&own), own.t().dot(&own));
+            let xx = Array2::from_shape_fn((all, all), |(a, b)| match (a < k, b < k) {
+                (true, true) => products.xx[[a, b]],
+                (true, false) => cross[[a, b - k]],
+                (false, true) => cross[[b, a - k]],
+                (false, false) => inner[[a - k, b - k]],
+            });
+            JointGram {
+                xx,
+                xy: Array1::zeros(all),
+                ..products.clone()
+            }
+        };
+        more.iter().enumerate().map(of).collect()
+    }
+}
+
+/// Some rows of columns, each times its weight's root.
+fn weighted(columns: &Array2<f64>, rows: &[usize], root: &Array1<f64>) -> Array2<f64> {
+    let mut out = columns.select(Axis(0), rows);
+    for (mut row, root) in out.rows_mut().into_iter().zip(root) {
+        row *= *root;
+    }
+    out
 }
 
 /// A planned motion as a recording of it would be dealt into folds.
@@ -184,28 +260,11 @@ impl<'a> Expected<'a> {
         for (_, j, values) in columns {
             more[j].push(values.select(Axis(0), &judge.picked));
         }
-        let of_rows = |rows: &[Range<usize>]| -> Vec<JointGram> {
-            let rows: Vec<usize> = rows.iter().cloned().flatten().collect();
-            let of = |j: usize| {
-                let more = table(&more[j], judge.picked.len());
-                let all = concatenate(Axis(1), &[judge.base[j].view(), more.view()])
-                    .expect("tables of the same rows");
-                let weight = judge.weight.column(j).select(Axis(0), &rows);
-                let none = Array1::zeros(rows.len());
-                JointGram::new(
-                    all.select(Axis(0), &rows).view(),
-                    none.view(),
-                    weight.view(),
-                )
-            };
-            (0..dof).map(of).collect()
-        };
-        let layout = Layout::new(dof, &joints);
-        let scored = judge.folds.iter().map(|fold| of_rows(&fold.scored));
-        let mut grams = Grams::new(layout, scored.collect());
-        if judge.folds.iter().any(|fold| !fold.near.is_empty()) {
-            let near = judge.folds.iter().map(|fold| of_rows(&fold.near));
-            grams = grams.with_near(near.collect());
+        let more: Vec<Array2<f64>> = more.iter().map(|c| table(c, judge.picked.len())).collect();
+        let with = |parts: &[Part]| parts.iter().map(|p| p.with(&more)).collect();
+        let mut grams = Grams::new(Layout::new(dof, &joints), with(&judge.scored));
+        if !judge.near.is_empty() {
+            grams = grams.with_near(with(&judge.near));
         }
         Self {
             judge,

@@ -22,6 +22,7 @@ use physics::robot::Robot;
 use rayon::prelude::*;
 use signal::Motion;
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Longest motion on which columns are evaluated, s; the remainder of a longer one is counted as more of the same.
 const MOST_SECONDS: f64 = 150.0;
@@ -32,8 +33,15 @@ const RIPPLE_ORDER: f64 = 100.0;
 /// Least accepted size of each effect of the catalogue on a motion of a robot, in the order of the catalogue.
 ///
 /// `motion` is evenly sampled within its segments; `noise` is the standard deviation of one torque sample at that rate,
-/// N·m, by joint. Effects that are found in a residual itself (pushes, a saturated signal) are not among them.
-pub fn visible(robot: &Robot, motion: &Motion, noise: &[f64], settings: &Settings) -> Vec<Visible> {
+/// N·m, by joint. Effects that are found in a residual itself (pushes, a saturated signal) are not among them. `progress` is told how
+/// many effects of how many are done.
+pub fn visible(
+    robot: &Robot,
+    motion: &Motion,
+    noise: &[f64],
+    settings: &Settings,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Vec<Visible> {
     let rate = rate(motion);
     let (motion, share) = on_one_clock(motion, rate);
     let scale = scale(robot, &motion, rate);
@@ -61,7 +69,15 @@ pub fn visible(robot: &Robot, motion: &Motion, noise: &[f64], settings: &Setting
             }
         }
     }
-    groups.par_iter().map(|g| judge.first(g)).collect()
+    let done = AtomicUsize::new(0);
+    groups
+        .par_iter()
+        .map(|g| {
+            let found = judge.first(g);
+            progress(1 + done.fetch_add(1, Ordering::Relaxed), groups.len());
+            found
+        })
+        .collect()
 }
 
 /// Most coefficients of a candidate for which each is tried; with more, the first alone.

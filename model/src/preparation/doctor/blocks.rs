@@ -90,9 +90,20 @@ impl Blocks {
 
     /// Squared errors that some columns leave.
     pub fn left(&self, columns: &[usize]) -> f64 {
-        let p = self.width + 1;
         let sum = self.sum(None);
-        let x = self.solved(&sum, columns);
+        self.error(&sum, columns, &self.solved(&sum, columns))
+    }
+
+    /// The same of each block with coefficients of the others, all together: columns that fit by chance leave more, not less.
+    pub fn left_out(&self, columns: &[usize]) -> f64 {
+        let blocks = self.products.iter().enumerate();
+        blocks
+            .map(|(b, own)| self.error(own, columns, &self.solved(&self.sum(Some(b)), columns)))
+            .sum()
+    }
+
+    fn error(&self, sum: &[f64], columns: &[usize], x: &[f64]) -> f64 {
+        let p = self.width + 1;
         let of = |i: usize, j: usize| sum[i.max(j) * p + i.min(j)];
         let mut left = of(self.width, self.width);
         for (i, &c) in columns.iter().enumerate() {
@@ -117,5 +128,27 @@ impl Blocks {
             value,
             std: (square * (count - 1.0) / count).sqrt(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A column that has nothing to do with the target explains some of it, and nothing of what is left out.
+    #[test]
+    fn chance_explains_nothing_that_is_left_out() {
+        let noise =
+            |seed: usize| move |k: usize| ((k * k * seed + 31 * k) % 1009) as f64 / 1009.0 - 0.5;
+        let (a, b) = (noise(7), noise(13));
+        let count = 64;
+        let rows: Vec<f64> = (0..count).flat_map(|k| [1.0, a(k)]).collect();
+        let of_chance: Vec<f64> = (0..count).map(b).collect();
+        let blocks = Blocks::new(&rows, &of_chance, 2);
+        assert!(blocks.left(&[0, 1]) < blocks.left(&[0]));
+        assert!(blocks.left_out(&[0, 1]) > blocks.left(&[0, 1]));
+        let of_cause: Vec<f64> = (0..count).map(|k| 0.3 + 2.0 * a(k)).collect();
+        let blocks = Blocks::new(&rows, &of_cause, 2);
+        assert!(blocks.left_out(&[0, 1]) < 1e-6 && blocks.left_out(&[0]) > 1.0);
     }
 }

@@ -18,15 +18,17 @@ use signal::delay::{Search, System, rows_at};
 use signal::quantile::median;
 
 /// Described torques are right to about a tenth of their deviation: squared error below this part of the variance tells nothing.
-const LEAST: f64 = 0.01;
+pub(super) const LEAST: f64 = 0.01;
 /// Factor by which described friction is off as a matter of course.
 const FRICTION: f64 = 1.5;
 /// Factor by which described masses are off, where they are.
-const MASSES: f64 = 1.6;
+pub(super) const MASSES: f64 = 1.6;
+/// Deviations above zero at which a factor is known to a half.
+const KNOWN: f64 = 2.0;
 /// Log-odds that decide: one in twenty is left.
-const DECIDES: f64 = 3.0;
+pub(super) const DECIDES: f64 = 3.0;
 /// What each kind of evidence counts at most: none of them is beyond doubt, for the model behind it is wrong.
-const MOST: f64 = 6.0;
+pub(super) const MOST: f64 = 6.0;
 /// Share of a described shape's misfit, in ln of squared error over what is told at least, from which the shape is another robot's.
 const ANOTHER: f64 = 1.1;
 
@@ -100,8 +102,10 @@ struct Odds {
     usual: f64,
     /// The described torque fits in shape, whatever its size.
     fits: bool,
-    /// Factor of each link's mass that explains the torque.
-    masses: Vec<f64>,
+    /// Factor of all masses that explains the torque, where links of their own do no better.
+    factor: Option<f64>,
+    /// Factor of each link's mass that explains the torque; none where the torque hardly depends on it.
+    masses: Vec<Option<f64>>,
     /// A load at the last link explains it as well.
     load: bool,
 }
@@ -113,28 +117,13 @@ impl Odds {
         channel: &ChannelEstimate,
         joints: &[usize],
     ) -> Option<Self> {
-        let systems = Systems::new(patient.robot, patient.recording, prepared)?;
-        let delay = channel.delay.value.unwrap_or(0.0);
-        let parameters = patient.robot.parameters();
-        let tables: Vec<Table> = systems
-            .joints
-            .iter()
-            .enumerate()
-            .filter_map(|(j, joint)| {
-                Table::new(
-                    patient.robot,
-                    &systems,
-                    joint.as_ref()?,
-                    j,
-                    delay,
-                    &parameters,
-                )
-            })
-            .collect();
+        let tables = tables(patient, prepared, channel)?;
         let scales: Vec<f64> = tables.iter().map(Table::scale).collect();
         let unit = mean(tables.iter().map(|t| t.misfit(t.left_by_scale(joints))));
         let masses = of_all(&tables, positive, |t| (&t.whole, t.links()));
         let by_masses = mean(tables.iter().zip(&masses.left).map(|(t, l)| t.misfit(*l)));
+        let one = of_all(&tables, positive, |t| (&t.whole, vec![t.rigid()]));
+        let by_one = mean(tables.iter().zip(&one.left).map(|(t, l)| t.misfit(*l)));
         let load = of_all(&tables, solved, |t| (&t.rest, t.last()));
         let by_load = mean(tables.iter().zip(&load.left).map(|(t, l)| t.misfit(*l)));
         // A load cannot weigh less than nothing.
@@ -152,7 +141,15 @@ impl Odds {
             usual: (0.5 * (size / MASSES.ln()).powi(2) - 2.0).clamp(-MOST, MOST),
             fits: unit < ANOTHER,
             load: heavy && by_load < by_masses,
-            masses: masses.values,
+            factor: (0.5 * count * (by_one - by_masses) < DECIDES)
+                .then(|| one.values.first().copied())
+                .flatten(),
+            masses: masses
+                .values
+                .iter()
+                .zip(&masses.deviations)
+                .map(|(value, std)| (*value > KNOWN * std).then_some(*value))
+                .collect(),
         })
     }
 
@@ -167,8 +164,13 @@ impl Odds {
             .joints()
             .iter()
             .zip(&self.masses)
-            .map(|(joint, m)| format!("{} {}", joint.link.name, short(*m)))
+            .filter_map(|(joint, m)| Some(format!("{} {}", joint.link.name, short((*m)?))))
             .collect();
+        let factors = match self.factor {
+            Some(factor) => format!("masses times {}", short(factor)),
+            None if each.is_empty() => "other masses".to_owned(),
+            None => format!("masses times {}", each.join(", ")),
+        };
         let friction = match self.friction {
             Some(odds) if odds < -1.0 => "; the friction is the described one",
             Some(odds) if odds > 1.0 => "; the friction is off as well",
@@ -196,15 +198,35 @@ impl Odds {
             Severity::Severe,
             found.joints.clone(),
             [
-                format!(
-                    "masses times {} explain the torque{friction}",
-                    each.join(", ")
-                ),
+                format!("{factors} explain the torque{friction}"),
                 means.to_owned(),
                 end.to_owned(),
             ],
         )
     }
+}
+
+/// What each joint's torque is compared with.
+fn tables(patient: &Patient, prepared: &Prepared, channel: &ChannelEstimate) -> Option<Vec<Table>> {
+    let systems = Systems::new(patient.robot, patient.recording, prepared)?;
+    let delay = channel.delay.value.unwrap_or(0.0);
+    let parameters = patient.robot.parameters();
+    let tables = systems
+        .joints
+        .iter()
+        .enumerate()
+        .filter_map(|(j, joint)| {
+            Table::new(
+                patient.robot,
+                &systems,
+                joint.as_ref()?,
+                j,
+                delay,
+                &parameters,
+            )
+        })
+        .collect();
+    Some(tables)
 }
 
 /// Log-odds by described friction: what the recorded one is of it, beside the joint's scale.
@@ -357,7 +379,7 @@ impl Table {
             return None;
         }
         let found = self.whole.estimate(&columns, |x| x[3]);
-        (found.value > 2.0 * found.std).then_some(found.value)
+        (found.value > KNOWN * found.std).then_some(found.value)
     }
 
     /// How much worse a squared error is than what tells nothing, ln.

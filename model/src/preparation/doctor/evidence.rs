@@ -15,6 +15,9 @@ use signal::delay::{Search, rows_at};
 pub(super) const FEW: f64 = 0.002;
 /// Friction of a joint but the offset: viscous, Coulomb, two bends.
 const FRICTION: usize = 4;
+/// Deviations by which a torque of gravity is there, and the part of the described torque that is rounding.
+const SHOWS: f64 = 3.0;
+const ROUNDING: f64 = 1e-9;
 /// By how much a centre of mass is described wrongly as a matter of course, m.
 const MISPLACED: f64 = 0.01;
 
@@ -39,6 +42,9 @@ pub(super) struct Fitted {
     pub loaded: f64,
     /// Recorded over described torque beside friction: with the rotor's inertia in it, which makes it larger.
     pub scale: Estimate,
+    /// Recorded over described inertia, each torque's gravity beside it as one: the rotor counts as inertia, and friction is free. None
+    /// where gravity does not show.
+    pub inertia: Option<Estimate>,
     /// Power of friction over deviation of torque and velocity: positive where it takes energy.
     pub friction: Estimate,
     /// Deviation of the described torque.
@@ -144,11 +150,8 @@ fn fit(
         blocks.left(&(0..none.width - 1).collect::<Vec<_>>())
     };
     let rigid: Vec<f64> = all.column(all.width - 1).collect();
-    let gravity: Vec<f64> = rigid
-        .iter()
-        .zip(none.column(none.width - 1))
-        .map(|(a, b)| a - b)
-        .collect();
+    let moved: Vec<f64> = none.column(none.width - 1).collect();
+    let gravity: Vec<f64> = rigid.iter().zip(&moved).map(|(a, b)| a - b).collect();
     let described = deviation(&rigid);
     let sliding: Vec<usize> = (offset + 1..offset + 1 + FRICTION).collect();
     let speed: Vec<f64> = all.column(offset + 1).collect();
@@ -164,7 +167,9 @@ fn fit(
     let mut plain = vec![all.width - 1];
     plain.extend(offset..offset + 1 + FRICTION);
     let scale = blocks.estimate(&plain, |x| x[0]);
+    let inertia = inertia(&all, [&gravity, &moved], offset);
     Some(Fitted {
+        inertia,
         explained: 1.0 - left / spread.max(f64::MIN_POSITIVE),
         gravity: left / left_without.max(f64::MIN_POSITIVE),
         loaded: deviation(&gravity) / described.max(f64::MIN_POSITIVE),
@@ -179,6 +184,29 @@ fn fit(
         },
         limit: limit(&all, &model),
     })
+}
+
+/// Recorded over described inertia, over the same of gravity: of the described torque's two parts, offset and friction beside them.
+fn inertia(rows: &Rows, parts: [&[f64]; 2], offset: usize) -> Option<Estimate> {
+    // An axis that is upright up to rounding.
+    if parts
+        .iter()
+        .any(|p| rms(p) <= ROUNDING * (rms(parts[0]) + rms(parts[1])))
+    {
+        return None;
+    }
+    let columns = 2 + 1 + FRICTION;
+    let lines = rows.values.chunks(rows.width).enumerate();
+    let values: Vec<f64> = lines
+        .flat_map(|(k, line)| {
+            let own = parts.map(|p| p[k]).into_iter();
+            own.chain(line[offset..offset + 1 + FRICTION].iter().copied())
+        })
+        .collect();
+    let blocks = Blocks::new(&values, &rows.target, columns);
+    let all: Vec<usize> = (0..columns).collect();
+    let gravity = blocks.estimate(&all, |x| x[0]);
+    (gravity.value.abs() > SHOWS * gravity.std).then(|| blocks.estimate(&all, |x| x[1] / x[0]))
 }
 
 /// Deviation of a joint's torque by centres of mass that lie [`MISPLACED`] from where they are described, along each axis of

@@ -4,8 +4,8 @@
 //! joint alone, says of them (`evidence`): such a fit knows neither the described inertials nor the unit. Described
 //! inertials count for scale, sign and unit alone. The questions come in this order, and an answer ends those that
 //! it makes meaningless: is there a signal (`signal`); has it a sign (`source`); does gravity show; which unit (`unit`) and
-//! which sign (`sign`); is it the columns (`columns`) or the description (`description`) instead; does friction show; is it measured,
-//! or filtered; is it cut, or coarse.
+//! which sign (`sign`); is it the columns (`columns`) or the description (`description`) instead; does inertia show, and friction; is it
+//! measured, or filtered; is it cut, or coarse.
 
 mod blocks;
 mod columns;
@@ -67,12 +67,7 @@ pub fn examine(
         ),
     }
     // Before the channel is blamed: the columns, then the description.
-    let doubted =
-        columns::unexplained(&patient) || found.iter().any(|c| columns::could_be(c.ailment));
-    if let Some(other) = doubted
-        .then(|| columns::otherwise(&patient, prepared, channel))
-        .flatten()
-    {
+    if let Some(other) = columns::otherwise(&patient, prepared, channel) {
         found.retain(|c| !columns::could_be(c.ailment));
         found.push(other);
         found.extend(signal::quantised(&patient));
@@ -83,8 +78,13 @@ pub fn examine(
         judged.extend(description::weighed(complaint, &patient, prepared, channel));
     }
     let mut found = judged;
-    found.extend(source::behind_the_gear(&patient));
-    found.extend(noiseless);
+    match source::of_weight_alone(&patient) {
+        Some(held) => found.push(held),
+        None => {
+            found.extend(source::behind_the_gear(&patient));
+            found.extend(noiseless);
+        }
+    }
     found.extend(signal::saturated(&patient));
     found.extend(signal::quantised(&patient));
     merged(&mut found);

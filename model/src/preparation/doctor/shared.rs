@@ -3,9 +3,11 @@
 use super::blocks::Blocks;
 use nalgebra::{DMatrix, DVector};
 
-/// Coefficients that all joints share, and the squared error of each with them.
+/// Coefficients that all joints share, their deviations beside all others, and the squared error of each joint with them.
 pub(super) struct Shared {
     pub values: Vec<f64>,
+    /// As if the floors were the joints' squared errors, each of one number.
+    pub deviations: Vec<f64>,
     pub left: Vec<f64>,
 }
 
@@ -19,6 +21,7 @@ pub(super) fn shared(
     let Some((first, ..)) = reduced.first() else {
         return Shared {
             values: Vec::new(),
+            deviations: Vec::new(),
             left: Vec::new(),
         };
     };
@@ -34,6 +37,12 @@ pub(super) fn shared(
         .map(|(a, b, c)| c - 2.0 * x.dot(b) + x.dot(&(a * &x)));
     Shared {
         left: left.collect(),
+        deviations: (0..n)
+            .map(|k| {
+                let unit = DVector::from_fn(n, |i, _| f64::from(u8::from(i == k)));
+                solved(&a, &unit)[k].max(0.0).sqrt()
+            })
+            .collect(),
         values: x.iter().copied().collect(),
     }
 }

@@ -1,6 +1,8 @@
 //! What the torque of all joints is, if not that of the drives: without sign, without gravity, behind the gear, computed,
 //! filtered.
 
+use super::blocks::Estimate;
+use super::description::{DECIDES, LEAST, MASSES, MOST};
 use super::evidence::{Evidence, FEW};
 use super::patient::{Patient, complaint};
 use super::signal::is_dead;
@@ -93,6 +95,58 @@ pub(super) fn weightless(patient: &Patient) -> Option<Complaint> {
             ],
         )
     })
+}
+
+/// A torque that holds an arm's weight and does not move it: gravity shows, and of the inertia of a moving arm there is nothing.
+pub(super) fn of_weight_alone(patient: &Patient) -> Option<Complaint> {
+    let shown: Vec<Estimate> = patient
+        .fitted()
+        .filter(|(_, e, _)| !is_dead(e))
+        .filter_map(|(_, _, f)| f.inertia)
+        .collect();
+    let odds: f64 = shown.iter().map(weight_alone).sum();
+    let middle = median(shown.iter().map(|e| e.value).collect())?;
+    let doubt = median(shown.iter().map(|e| e.std).collect())?;
+    (odds > DECIDES).then(|| {
+        complaint(
+            Ailment::Commanded,
+            Severity::Severe,
+            patient.all(),
+            [
+                format!(
+                    "the arm's weight shows, and of the torque that its inertia takes {:.0} ± {:.0} % do, in the median of the joints",
+                    100.0 * middle.max(0.0),
+                    100.0 * doubt
+                ),
+                "a command that holds the weight of an arm that something else moves, or a torque computed for one at rest".to_owned(),
+                "name the column of the measured current or torque in the drive file (columns.tau = \"…\"); masses fitted to this one \
+                 are the controller's"
+                    .to_owned(),
+            ],
+        )
+    })
+}
+
+/// Log-odds that a joint's torque has no inertia in it over that it has that of the description, which is off by as much as masses
+/// are. Described torques are right to a part of their deviation at best.
+fn weight_alone(shown: &Estimate) -> f64 {
+    /// Deviations of a normal variate, and the step, over which likelihoods are summed.
+    const RANGE: f64 = 6.0;
+    const STEP: f64 = 0.05;
+    let std = shown.std.hypot(LEAST.sqrt());
+    let likely = |expected: f64| (-0.5 * ((shown.value - expected) / std).powi(2)).exp();
+    let steps = (-(RANGE / STEP) as i32..=(RANGE / STEP) as i32).map(|k| STEP * f64::from(k));
+    let (sum, weights) = steps.fold((0.0, 0.0), |(sum, weights), x| {
+        let weight = (-0.5 * x * x).exp();
+        (
+            sum + weight * likely((x * MASSES.ln()).exp()),
+            weights + weight,
+        )
+    });
+    let moved = (sum / weights).max(f64::MIN_POSITIVE);
+    (likely(0.0).max(f64::MIN_POSITIVE) / moved)
+        .ln()
+        .clamp(-MOST, MOST)
 }
 
 /// A torque that knows no friction of motor and gear: it takes little energy, and that is certain, on most joints.
@@ -202,5 +256,19 @@ fn of_filter(patient: &Patient, filter: Option<TorqueFilter>) -> Complaint {
                 advice.to_owned(),
             ],
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nothing of the inertia, all or part of it, and a motion that is too slow to show any.
+    #[test]
+    fn weight_without_inertia_is_a_command() {
+        let odds = |value: f64, std: f64| weight_alone(&Estimate { value, std });
+        assert!(odds(0.0, 0.01) > DECIDES && odds(-0.05, 0.02) > DECIDES);
+        assert!(odds(1.0, 0.05) < -DECIDES && odds(0.5, 0.1) < -DECIDES);
+        assert!(odds(0.0, 2.0).abs() < 1.0 && odds(1.0, 2.0).abs() < 1.0);
     }
 }

@@ -78,6 +78,31 @@ fn is_outside(evidence: &Evidence) -> Option<bool> {
     Some(low > USUAL[1] || high < USUAL[0])
 }
 
+/// Whether the scale that joints have in common is outside what is usual: the mean of their scales by the precision of each, less
+/// precise by as much as they differ more than their intervals let expect (Birge, "The calculation of errors by the method of least
+/// squares", Physical Review 40, 1932).
+fn is_together_outside(patient: &Patient, alive: &[usize]) -> bool {
+    let known: Vec<(f64, f64)> = alive
+        .iter()
+        .filter_map(|&j| scale(&patient.joints[j]))
+        .map(|(value, [low, high])| (value, (value - low).max(high - value)))
+        .filter(|(_, half)| *half > 0.0)
+        .collect();
+    if known.len() < 2 {
+        return false;
+    }
+    let weights: f64 = known.iter().map(|(_, half)| half.powi(-2)).sum();
+    let mean = known.iter().map(|(v, half)| v * half.powi(-2)).sum::<f64>() / weights;
+    // Half widths of 95 % are two deviations.
+    let square: f64 = known
+        .iter()
+        .map(|(v, half)| (2.0 * (v - mean) / half).powi(2))
+        .sum();
+    let apart = (square / (known.len() - 1) as f64).sqrt().max(1.0);
+    let half = apart / weights.sqrt();
+    mean > 0.0 && (mean - half > USUAL[1] || mean + half < USUAL[0])
+}
+
 /// A logarithm that is normal: its mean and deviation.
 struct Usual(f64, f64);
 
@@ -169,11 +194,13 @@ pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
         .filter_map(|&j| Some((j, odd(&patient.joints[j])?)))
         .collect();
     let mut far: Vec<usize> = judged.iter().filter(|(_, o)| *o).map(|(j, _)| *j).collect();
-    if far.is_empty() {
+    // What no joint shows alone, all may show together.
+    let together = is_together_outside(patient, &alive);
+    if far.is_empty() && !together {
         return None;
     }
     let several = far.len() > 1 || patient.joints.len() == 1;
-    let most = (2 * far.len() >= judged.len() && several) || alike(patient, &alive);
+    let most = together || (2 * far.len() >= judged.len() && several) || alike(patient, &alive);
     if smeared {
         let sizes = alive.iter().filter_map(|&j| size(&patient.joints[j]));
         let middle = median(sizes.collect())?;
@@ -185,7 +212,7 @@ pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
     let small = |e: &Evidence| is_small(e) && is_loaded(e);
     let alone = |e: &Evidence| !is_cut(e) && is_outside(e).unwrap_or_else(|| small(e));
     far.retain(|&j| most || alone(&patient.joints[j]));
-    if far.is_empty() {
+    if far.is_empty() && !most {
         return None;
     }
     Some(if most {

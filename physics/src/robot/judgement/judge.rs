@@ -27,6 +27,10 @@ pub(crate) fn judge(joints: &[Joint], bodies: &[Body], gravity: &Vector3<f64>) -
         let doubt = Doubt::Placeholders(first.inertia.mass);
         findings.push(Finding::of_bodies(doubt, &alike));
     }
+    if alike.is_empty() && has_equal_masses(&heavy) {
+        let doubt = Doubt::EqualMasses(heavy[0].inertia.mass);
+        findings.push(Finding::of_bodies(doubt, &heavy));
+    }
     let told = |name: &str| alike.iter().any(|b| b.name == name);
     for body in heavy.iter().filter(|b| !told(&b.name)) {
         if let Some(density) = density(&body.inertia)
@@ -110,6 +114,20 @@ fn placeholders<'a>(joints: &[Joint], bodies: &[&'a Body]) -> Vec<&'a Body> {
     } else {
         Vec::new()
     }
+}
+
+/// Whether three bodies or more that are not alike all weigh the same. Two links of one mass are in every textbook.
+fn has_equal_masses(bodies: &[&Body]) -> bool {
+    let Some(first) = bodies.first().filter(|_| bodies.len() > 2) else {
+        return false;
+    };
+    let apart = |a: f64, b: f64| (a - b).abs() > 1e3 * ALIKE * a.abs().max(b.abs());
+    let unlike = |b: &&Body| {
+        let moments = b.inertia.principal_moments();
+        let mut pairs = moments.into_iter().zip(first.inertia.principal_moments());
+        pairs.any(|(a, b)| apart(a, b)) || apart(b.inertia.com().norm(), first.inertia.com().norm())
+    };
+    bodies.iter().all(|b| b.inertia.mass == first.inertia.mass) && bodies.iter().any(unlike)
 }
 
 /// Density of the ellipsoid that has a body's mass and second moments, kg/m³; none for a point, a line or a plane, or where

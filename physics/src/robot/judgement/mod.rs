@@ -88,6 +88,8 @@ pub enum Doubt {
     NoMasses,
     /// Different links have one mass (kg) and one inertia.
     Placeholders(f64),
+    /// Bodies of different shape all have this mass, kg.
+    EqualMasses(f64),
     /// No distribution of mass has a link's inertia: one principal moment exceeds the sum of the others.
     NoDistribution,
     /// Mass and inertia together make a body of this density, kg/m³, which is none of a solid's.
@@ -117,6 +119,7 @@ impl Doubt {
             self,
             Self::NoMasses
                 | Self::Placeholders(_)
+                | Self::EqualMasses(_)
                 | Self::NoDistribution
                 | Self::NoMaterial(_)
                 | Self::Light(..)
@@ -146,6 +149,10 @@ impl fmt::Display for Finding {
                 f,
                 "the description's masses are placeholders: links of different shape ({names}) all have {mass} kg and one \
                  inertia; a comparison with them says nothing about the torque's unit or a payload"
+            ),
+            Doubt::EqualMasses(mass) => write!(
+                f,
+                "links of different shape ({names}) all weigh {mass} kg: a guess, not a measurement"
             ),
             Doubt::NoDistribution => write!(
                 f,

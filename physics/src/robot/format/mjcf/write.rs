@@ -10,7 +10,7 @@ use super::settings::FromGeoms;
 use super::shapes;
 use super::source::Element;
 use crate::robot::format::changed::{Changed, load_name};
-use crate::robot::format::share::{departs, scaled, share};
+use crate::robot::format::share::{departs, share};
 use crate::robot::{Inertia, Robot, RobotError};
 use nalgebra::{Rotation3, UnitQuaternion};
 
@@ -109,20 +109,19 @@ pub(super) fn changes(
 
 /// Bodies of a link with the inertias, in their own frames, that together make the link's.
 fn inertias(chain: &Chain, link: usize, whole: &Inertia) -> Vec<(usize, Inertia)> {
-    let mut own = chain.bodies(link);
-    let Some(first) = own.next() else {
-        return Vec::new();
-    };
-    let others: Vec<usize> = own.filter(|&b| chain.inertias[b].mass > 0.0).collect();
-    let list: Vec<Inertia> = others.iter().map(|&b| chain.inertias[b]).collect();
-    let (rest, part) = share(whole, &list);
-    let placed = |body: usize, inertia: Inertia| {
-        let (to_body, origin) = inverse(&chain.poses[body]);
-        (body, inertia.transformed(&to_body, &origin))
-    };
-    let lighter = others.iter().filter(|_| part < 1.0);
-    std::iter::once(placed(first, rest))
-        .chain(lighter.map(|&b| placed(b, scaled(&chain.inertias[b], part))))
+    let own: Vec<usize> = chain.bodies(link).collect();
+    let heavy = own.iter().filter(|&&b| chain.inertias[b].mass > 0.0);
+    let mut bodies: Vec<usize> = heavy.copied().collect();
+    if bodies.is_empty() {
+        bodies.extend(own.first());
+    }
+    let list: Vec<Inertia> = bodies.iter().map(|&b| chain.inertias[b]).collect();
+    let shared = bodies.iter().zip(share(whole, &list));
+    shared
+        .map(|(&body, inertia)| {
+            let (to_body, origin) = inverse(&chain.poses[body]);
+            (body, inertia.transformed(&to_body, &origin))
+        })
         .collect()
 }
 

@@ -3,7 +3,7 @@
 use super::elements::{Pose, UNLIMITED};
 use super::read::{Model, Placed};
 use crate::robot::format::changed::{Changed, load_name};
-use crate::robot::format::share::{departs, scaled, share};
+use crate::robot::format::share::{departs, share};
 use crate::robot::{Inertia, Joint, JointKind, Masses, Robot, RobotError};
 use nalgebra::Matrix3;
 use roxmltree::{Document, Node};
@@ -85,40 +85,24 @@ pub(super) fn changed(
 /// Links with the inertias, in their own frames, that together make that of chosen joint `j`.
 fn bodies<'a>(model: &Model<'a>, j: usize, whole: &Inertia) -> Vec<(&'a str, Inertia)> {
     let placed = model.placed();
-    let own = placed.iter().filter(|l| l.carriers == j + 1);
-    let (mut first, mut others) = (None, Vec::new());
-    for link in own {
-        let inertia = model.inertia(link.name).filter(|i| i.mass > 0.0);
-        match (first, inertia) {
-            (None, _) => first = Some(link),
-            (Some(_), Some(inertia)) => {
-                others.push((link, inertia.transformed(&link.pose.0, &link.pose.1)));
-            }
-            _ => {}
-        }
+    let own: Vec<&Placed<'a>> = placed.iter().filter(|l| l.carriers == j + 1).collect();
+    let heavy = own.iter().filter_map(|&link| {
+        let inertia = model.inertia(link.name).filter(|i| i.mass > 0.0)?;
+        Some((link, inertia.transformed(&link.pose.0, &link.pose.1)))
+    });
+    let mut bodies: Vec<(&Placed<'a>, Inertia)> = heavy.collect();
+    // Where none has a mass the joint's own link gets it.
+    if bodies.is_empty() {
+        bodies.extend(own.first().map(|&link| (link, Inertia::default())));
     }
-    let Some(mut first) = first else {
-        return Vec::new();
-    };
-    // A frame without mass leaves it to the body that has it.
-    if model.inertia(first.name).is_none_or(|i| i.mass == 0.0)
-        && let Some(most) =
-            (0..others.len()).max_by(|&a, &b| others[a].1.mass.total_cmp(&others[b].1.mass))
-    {
-        first = others.remove(most).0;
-    }
-    let list: Vec<Inertia> = others.iter().map(|(_, i)| *i).collect();
-    let (rest, part) = share(whole, &list);
-    let in_own = |link: &Placed<'a>, inertia: Inertia| {
-        let turned = link.pose.0.transpose();
-        (
-            link.name,
-            inertia.transformed(&turned, &-(turned * link.pose.1)),
-        )
-    };
-    let lighter = others.iter().filter(|_| part < 1.0);
-    std::iter::once(in_own(first, rest))
-        .chain(lighter.map(|(link, inertia)| in_own(link, scaled(inertia, part))))
+    let list: Vec<Inertia> = bodies.iter().map(|(_, i)| *i).collect();
+    let shared = bodies.iter().zip(share(whole, &list));
+    shared
+        .map(|((link, _), inertia)| {
+            let turned = link.pose.0.transpose();
+            let origin = -(turned * link.pose.1);
+            (link.name, inertia.transformed(&turned, &origin))
+        })
         .collect()
 }
 
