@@ -94,12 +94,12 @@ impl Blocks {
         self.error(&sum, columns, &self.solved(&sum, columns))
     }
 
-    /// The same of each block with coefficients of the others, all together: columns that fit by chance leave more, not less.
-    pub fn left_out(&self, columns: &[usize]) -> f64 {
+    /// The same of each block with coefficients of the others: columns that fit by chance leave more of it, not less.
+    pub fn left_out(&self, columns: &[usize]) -> Vec<f64> {
         let blocks = self.products.iter().enumerate();
         blocks
             .map(|(b, own)| self.error(own, columns, &self.solved(&self.sum(Some(b)), columns)))
-            .sum()
+            .collect()
     }
 
     fn error(&self, sum: &[f64], columns: &[usize], x: &[f64]) -> f64 {
@@ -121,10 +121,17 @@ impl Blocks {
         let others: Vec<f64> = (0..BLOCKS)
             .map(|b| of(&self.solved(&self.sum(Some(b)), columns)))
             .collect();
-        let count = BLOCKS as f64;
-        let mean = others.iter().sum::<f64>() / count;
-        let square: f64 = others.iter().map(|o| (o - mean).powi(2)).sum();
-        Estimate {
+        Estimate::of_jackknife(value, &others)
+    }
+}
+
+impl Estimate {
+    /// A value with the deviation that its values without each block in turn give.
+    pub fn of_jackknife(value: f64, without: &[f64]) -> Self {
+        let count = without.len() as f64;
+        let mean = without.iter().sum::<f64>() / count;
+        let square: f64 = without.iter().map(|o| (o - mean).powi(2)).sum();
+        Self {
             value,
             std: (square * (count - 1.0) / count).sqrt(),
         }
@@ -146,9 +153,10 @@ mod tests {
         let of_chance: Vec<f64> = (0..count).map(b).collect();
         let blocks = Blocks::new(&rows, &of_chance, 2);
         assert!(blocks.left(&[0, 1]) < blocks.left(&[0]));
-        assert!(blocks.left_out(&[0, 1]) > blocks.left(&[0, 1]));
+        let left_out = |blocks: &Blocks, columns| blocks.left_out(columns).iter().sum::<f64>();
+        assert!(left_out(&blocks, &[0, 1]) > blocks.left(&[0, 1]));
         let of_cause: Vec<f64> = (0..count).map(|k| 0.3 + 2.0 * a(k)).collect();
         let blocks = Blocks::new(&rows, &of_cause, 2);
-        assert!(blocks.left_out(&[0, 1]) < 1e-6 && blocks.left_out(&[0]) > 1.0);
+        assert!(left_out(&blocks, &[0, 1]) < 1e-6 && left_out(&blocks, &[0]) > 1.0);
     }
 }

@@ -3,8 +3,9 @@
 //! Rigid body and friction are fitted to each joint alone, whatever the described inertials and the unit of its torque. Read as the
 //! recording means them the columns are explained; read otherwise they are not, for gravity and coupling follow the positions.
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, Estimate};
 use super::patient::{Patient, complaint};
+use super::unit::CLEAR;
 use crate::preparation::channel::systems::{Reading, Systems};
 use datasets::channel::ChannelEstimate;
 use datasets::check::{Ailment, Complaint, Severity};
@@ -41,16 +42,16 @@ pub(super) fn otherwise(
     let plain = Reading::plain(n);
     let first = judge(&plain, FIRST)?;
     // Where so little is left that no reading could gain enough, none is tried.
-    if first - n as f64 * LEAST.ln() < GAIN {
+    if first.sum() - n as f64 * LEAST.ln() < GAIN {
         return None;
     }
-    let (mut best, mut left) = (plain.clone(), first);
+    let (mut best, mut left) = (plain.clone(), first.sum());
     // One exchange or turn at a time, as long as each is worth it.
     for _ in 0..n {
         let others = neighbours(&best);
         let scored: Vec<(f64, &Reading)> = others
             .par_iter()
-            .filter_map(|reading| Some((judge(reading, FIRST)?, reading)))
+            .filter_map(|reading| Some((judge(reading, FIRST)?.sum(), reading)))
             .collect();
         let least = scored.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
         if left - least.0 < GAIN {
@@ -61,8 +62,8 @@ pub(super) fn otherwise(
     if best == plain {
         return None;
     }
-    let gain = judge(&plain, ROWS)? - judge(&best, ROWS)?;
-    (gain >= GAIN).then(|| said(patient, &best, gain))
+    let gain = judge(&plain, ROWS)?.over(&judge(&best, ROWS)?);
+    (gain.value >= GAIN.max(CLEAR * gain.std)).then(|| said(patient, &best, gain.value))
 }
 
 /// Readings that differ from one by an exchange of two columns or by a turn.
@@ -82,16 +83,46 @@ fn neighbours(from: &Reading) -> Vec<Reading> {
     all
 }
 
-/// Σ ln of the part of each torque's variance that its own model leaves of stretches that it was not fitted to.
+/// What a reading leaves of each torque's variance: by joint the parts of it that stretches have which the model was not fitted to.
+struct Left(Vec<Vec<f64>>);
+
+impl Left {
+    /// Σ ln over the joints. What predicts worse than nothing does tells nothing.
+    fn sum(&self) -> f64 {
+        self.without(None)
+    }
+
+    /// The same without a stretch.
+    fn without(&self, stretch: Option<usize>) -> f64 {
+        let of = |parts: &Vec<f64>| {
+            let own = parts
+                .iter()
+                .enumerate()
+                .filter(|(b, _)| Some(*b) != stretch);
+            let (sum, count) = own.fold((0.0, 0.0), |(s, n), (_, p)| (s + p, n + 1.0));
+            let all = sum * parts.len() as f64 / f64::max(count, 1.0);
+            (all.min(1.0) + LEAST).ln()
+        };
+        self.0.iter().map(of).sum()
+    }
+
+    /// How much less another reading leaves, with the deviation by the jackknife over stretches.
+    fn over(&self, other: &Self) -> Estimate {
+        let count = self.0.first().map_or(0, Vec::len);
+        let each = (0..count).map(|b| self.without(Some(b)) - other.without(Some(b)));
+        Estimate::of_jackknife(self.sum() - other.sum(), &each.collect::<Vec<_>>())
+    }
+}
+
 fn judged(
     patient: &Patient,
     prepared: &Prepared,
     reading: &Reading,
     delay: f64,
     rows: usize,
-) -> Option<f64> {
+) -> Option<Left> {
     let systems = Systems::read(patient.robot, patient.recording, prepared, reading, rows)?;
-    let mut sum = 0.0;
+    let mut all = Vec::new();
     for (j, joint) in systems.joints.iter().enumerate() {
         let Some(joint) = joint else { continue };
         let system = systems.system(joint, j);
@@ -99,12 +130,11 @@ fn judged(
         let offset = width - joint.friction.len();
         let (values, target) = rows_at(&system, delay, &Search::default())?;
         let blocks = Blocks::new(&values, &target, width);
-        let left = blocks.left_out(&(0..width).collect::<Vec<_>>());
         let spread = blocks.left(&[offset]).max(f64::MIN_POSITIVE);
-        // What predicts worse than nothing does tells nothing.
-        sum += (left.min(spread) / spread + LEAST).ln();
+        let left = blocks.left_out(&(0..width).collect::<Vec<_>>());
+        all.push(left.into_iter().map(|l| l / spread).collect());
     }
-    Some(sum)
+    Some(Left(all))
 }
 
 fn said(patient: &Patient, reading: &Reading, gain: f64) -> Complaint {
