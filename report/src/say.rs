@@ -51,13 +51,15 @@ pub fn err(text: Arguments) {
     let _ = std::io::stderr().lock().write_fmt(text);
 }
 
+/// Time after which a person wants to know what a program is at, s.
+const SHORT: f64 = 2.0;
+
 /// Says which stage of a longer work begins, where no terminal shows a bar: a line on standard error with the time since `begun`.
+/// What is done or refused at once says no stage.
 pub fn stage(begun: Instant, stage: &str) {
-    if !std::io::stderr().is_terminal() {
-        err(format_args!(
-            "{:6.1} s  {stage}\n",
-            begun.elapsed().as_secs_f64()
-        ));
+    let passed = begun.elapsed().as_secs_f64();
+    if passed >= SHORT && !std::io::stderr().is_terminal() {
+        err(format_args!("{passed:6.1} s  {stage}\n"));
     }
 }
 

@@ -333,7 +333,7 @@ mod tests {
             ("kind = \"pd\"\nkp = 1\nperiod = 0", "a positive time"),
             (
                 "kind = \"pd\"\nkp = 1\ntolerance = -0.1",
-                "cannot be negative",
+                "relative, from 0 to 1",
             ),
             (
                 "kind = \"pd\"\nkp = 1\ntolerance = { kd = 0.1 }",
