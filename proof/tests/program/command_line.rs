@@ -249,7 +249,8 @@ fn what_cannot_be_used_leaves_nothing_behind() {
     assert_eq!(out.status.code(), Some(2));
     let case = Case::new(&good, &cut(0.0, 0.45, 1, 1250));
     let out = case.diagnose(&["--robot", "@arm.urdf"], &["--json", "@no/folder/r.json"]);
-    assert_eq!(out.status.code(), Some(1));
+    assert_eq!(out.status.code(), Some(2));
+    assert!(out.stdout.is_empty());
 }
 
 /// The same bytes on one thread and on two.
