@@ -2,7 +2,8 @@
 //!
 //! Judged joint by joint on the residual of the last step, out of fold on the fitted recording, without pushes.
 //! In motion and at rest it is compared with the floor, and away from reversals it is tested for structure.
-//! Held-out torque decides nothing here but the part that pushes cut out.
+//! Held-out torque can only lower the verdict: by the part of it that pushes cut out, and where no cause is confirmed on it and all
+//! causes together make its error no smaller.
 
 use crate::motion::frame::Frame;
 use crate::motion::standing::{Judged, State};

@@ -57,6 +57,25 @@ fn candidate(effect: Effect, bound: Bound) -> Candidate {
     Candidate::single(effect, 0, quantity, bound, unused)
 }
 
+fn search<'a>(
+    objective: &'a Objective<'a>,
+    candidates: &'a [Candidate],
+    members: &'a [Vec<usize>],
+    robot: &'a Robot,
+    chance: f64,
+) -> Search<'a> {
+    Search {
+        objective,
+        candidates,
+        members,
+        robot,
+        base: Vec::new(),
+        barred: HashSet::new(),
+        chance,
+        missing: Default::default(),
+    }
+}
+
 fn pendulum() -> Robot {
     let body = r#"<inertial><origin xyz="0.1 0 0"/><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>"#;
     Robot::from_urdf_str(&format!(
@@ -104,16 +123,7 @@ fn the_true_column_is_selected_alone_and_an_impossible_sign_is_not() {
     ];
     let members = [vec![0], vec![1], vec![2]];
     let robot = pendulum();
-    let search = Search {
-        objective: &objective,
-        candidates: &candidates,
-        members: &members,
-        robot: &robot,
-        base: Vec::new(),
-        barred: HashSet::new(),
-        chance: 0.0,
-        missing: Default::default(),
-    };
+    let search = search(&objective, &candidates, &members, &robot, 0.0);
     let found = search.run();
     assert_eq!(found.accepted, [0]);
     assert!((found.fit.beta()[0] - 2.0).abs() < 0.02);
@@ -145,17 +155,7 @@ fn a_cause_has_to_earn_more_than_chance_and_be_visible() {
         let gap = size * &columns[0] + alternating(0.01);
         let grams = grams(&columns, &gap);
         let objective = Objective::new(&grams, &scale(), &settings);
-        let search = Search {
-            objective: &objective,
-            candidates: &candidates,
-            members: &members,
-            robot: &robot,
-            base: Vec::new(),
-            barred: HashSet::new(),
-            chance,
-            missing: Default::default(),
-        };
-        search.accepts(0)
+        search(&objective, &candidates, &members, &robot, chance).accepts(0)
     };
     assert!(named(0.5, 0.0));
     // 0.5 N·m beside 0.01 N·m of noise gains 4 · ln((0.125 + 0.000244)/0.000244) − 4 = 21 nats.

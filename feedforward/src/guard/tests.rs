@@ -12,6 +12,17 @@ const URDF: &str = r#"<robot name="table"><link name="base"/><link name="arm"><i
 <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" velocity="2" effort="50"/></joint></robot>"#;
 
+/// A model at 1 kHz without a compensator.
+fn loaded(robot: &Robot, terms: Vec<Vec<WeightedTerm>>) -> Feedforward {
+    let own = robot.parameters();
+    let record = TorqueModelRecord::new(robot, own.clone(), own, terms);
+    let json = serde_json::json!({
+        "schema": crate::model_file::SCHEMA, "physics": record, "preprocessing": {"fine_hz": 1000.0}, "clock": [], "memory": [],
+        "compensator": null,
+    });
+    Feedforward::from_bytes(json.to_string().as_bytes(), None, None).unwrap()
+}
+
 /// A guard at 1 kHz, its ramp of four ticks, held for at most two.
 fn guard() -> Guard {
     let robot = Robot::from_urdf_str(URDF).unwrap();
@@ -24,14 +35,7 @@ fn guard() -> Guard {
         term(Term::Offset, 10.0),
         term(Term::Sliding(Sliding::Coulomb), 4.0),
     ]];
-    let own = robot.parameters();
-    let record = TorqueModelRecord::new(&robot, own.clone(), own, terms);
-    let json = serde_json::json!({
-        "schema": crate::model_file::SCHEMA, "physics": record, "preprocessing": {"fine_hz": 1000.0}, "clock": [], "memory": [],
-        "compensator": null,
-    });
-    let model = Feedforward::from_bytes(json.to_string().as_bytes(), None, None).unwrap();
-    let mut guard = Guard::new(model);
+    let mut guard = Guard::new(loaded(&robot, terms));
     let settings = Settings {
         ramp: 0.004,
         hold: 0.002,
@@ -225,14 +229,7 @@ fn a_drive_that_adds_gravity_gets_the_rest_and_starts_at_zero() {
         <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
         <joint name="j" type="continuous"><parent link="b"/><child link="l"/><axis xyz="0 1 0"/></joint></robot>"#;
     let robot = Robot::from_urdf_str(urdf).unwrap();
-    let own = robot.parameters();
-    let record = TorqueModelRecord::new(&robot, own.clone(), own, vec![vec![]]);
-    let json = serde_json::json!({
-        "schema": crate::model_file::SCHEMA, "physics": record, "preprocessing": {"fine_hz": 1000.0}, "clock": [], "memory": [],
-        "compensator": null,
-    });
-    let model = Feedforward::from_bytes(json.to_string().as_bytes(), None, None).unwrap();
-    let mut guard = Guard::new(model);
+    let mut guard = Guard::new(loaded(&robot, vec![vec![]]));
     let settings = Settings {
         drive_adds_gravity: true,
         ..guard.settings().clone()
