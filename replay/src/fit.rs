@@ -215,7 +215,7 @@ fn integrated(series: &[Vec<f64>]) -> f64 {
 
 /// Negative log likelihood, nats: ½ Σ n ln(mean squared error + floor) over joints and trajectories, n independent samples
 /// each. What the model lacks shows in fast motions more than in slow ones, so that every trajectory has a variance of its own.
-fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
+pub(crate) fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
     let of = |total: &Sums| -> f64 {
         let each = total.squared.iter().zip(noise).map(|(s, noise)| {
             0.5 * total.samples / noise.correlation * (s / total.samples + noise.floor).ln()
@@ -225,7 +225,8 @@ fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
     trajectories.iter().map(of).sum()
 }
 
-fn prior(free: &[Free], x: &[f64]) -> f64 {
+/// Negative log prior of coordinates, nats, up to a constant.
+pub(crate) fn prior(free: &[Free], x: &[f64]) -> f64 {
     let each = free.iter().zip(x).filter_map(|(f, x)| {
         let (mean, deviation) = f.prior?;
         Some(0.5 * ((x - mean) / deviation).powi(2))

@@ -3,10 +3,10 @@
 use super::Found;
 use super::free::{free, pinned, tolerated};
 use crate::arm::Arm;
-use crate::fit::{Effort, Free, descend, objective};
+use crate::fit::{Effort, Fitted, Free, descend, objective};
 use crate::given::Given;
 use crate::parameter::Parameter;
-use crate::simulate::Unstable;
+use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
 use nalgebra::{DMatrix, DVector};
 
@@ -25,31 +25,41 @@ pub fn refit(
     let always = tolerated(given, replayed);
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
-    let start = pinned(given, &found.fitted.arm, &free);
-    let start = match moved(&start, found, &free) {
-        Some(other) => {
-            let value = |arm: &Arm| {
-                let mut arm = arm.clone();
-                arm.step = effort.step;
-                objective(&arm, &free, blocks, noise).unwrap_or(f64::INFINITY)
-            };
-            if value(&other) < value(&start) {
-                other
-            } else {
-                start
-            }
-        }
-        None => start,
-    };
+    let start = start(given, &found.fitted, &found.free, &free, blocks, effort);
     Ok(descend(&start, &free, blocks, noise, effort)?.0)
 }
 
+/// Where a fit of `free` starts from a fit of `all`: with what is not free at its given value, and what stays free either as it
+/// was or moved as the fit's expansion says, whichever is better.
+pub(super) fn start(
+    given: &Given,
+    fitted: &Fitted,
+    all: &[Free],
+    free: &[Free],
+    blocks: &[Track],
+    effort: Effort,
+) -> Arm {
+    let start = pinned(given, &fitted.arm, free);
+    let Some(other) = moved(&start, fitted, all, free) else {
+        return start;
+    };
+    let value = |arm: &Arm| {
+        let mut arm = arm.clone();
+        arm.step = effort.step;
+        objective(&arm, free, blocks, &fitted.noise).unwrap_or(f64::INFINITY)
+    };
+    if value(&other) < value(&start) {
+        other
+    } else {
+        start
+    }
+}
+
 /// `start`, a fit's arm with some parameters elsewhere, with all others where the fit's expansion then has its optimum.
-pub(super) fn moved(start: &Arm, found: &Found, free: &[Free]) -> Option<Arm> {
-    let all = &found.free;
+fn moved(start: &Arm, fitted: &Fitted, all: &[Free], free: &[Free]) -> Option<Arm> {
     let shift: Vec<f64> = all
         .iter()
-        .zip(&found.fitted.x)
+        .zip(&fitted.x)
         .map(|(f, x)| f.coordinate(start.get(f.parameter)) - x)
         .collect();
     let stays = |i: &usize| {
@@ -57,7 +67,7 @@ pub(super) fn moved(start: &Arm, found: &Found, free: &[Free]) -> Option<Arm> {
         shift[*i] == 0.0 && own.is_some()
     };
     let (kept, gone): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(stays);
-    let information = &found.fitted.information;
+    let information = &fitted.information;
     let mut a = DMatrix::from_fn(kept.len(), kept.len(), |r, c| {
         information[(kept[r], kept[c])]
     });
@@ -77,7 +87,7 @@ pub(super) fn moved(start: &Arm, found: &Found, free: &[Free]) -> Option<Arm> {
     let values: Vec<(Parameter, f64)> = kept
         .iter()
         .zip(change.iter())
-        .map(|(&i, d)| (all[i].parameter, all[i].value(found.fitted.x[i] + d)))
+        .map(|(&i, d)| (all[i].parameter, all[i].value(fitted.x[i] + d)))
         .collect();
     let mut out = start.clone();
     out.set(&values).ok()?;

@@ -4,7 +4,7 @@ use super::spread::Spread;
 use super::values::named;
 use crate::catalogue::Effect;
 use crate::decide::Found;
-use crate::parameter::{Parameter, Scale};
+use crate::parameter::{Kind, Parameter, Scale};
 use crate::schema::{Candidate, NotIdentifiable};
 use crate::tracks::Replayed;
 
@@ -103,7 +103,13 @@ pub(super) fn not_identifiable(
             reason: "it never moves, and no command asks it to".to_owned(),
         });
     }
-    for (i, f) in found.free.iter().enumerate() {
+    let has_name = |p: Parameter| !matches!(p.kind, Kind::Unknown(_));
+    for (i, f) in found
+        .free
+        .iter()
+        .enumerate()
+        .filter(|f| has_name(f.1.parameter))
+    {
         let p = f.parameter;
         let bound = p.kind.scale() == Scale::Positive && found.fitted.x[i] <= 0.0;
         if bound && effect_of(p).is_some() {
@@ -119,7 +125,13 @@ pub(super) fn not_identifiable(
         } else if spread.deviation[i] > 0.5 * spread.prior[i] {
             faint.push(p);
         }
-        for (k, other) in found.free.iter().enumerate().take(i) {
+        for (k, other) in found
+            .free
+            .iter()
+            .enumerate()
+            .take(i)
+            .filter(|f| has_name(f.1.parameter))
+        {
             let r = spread.correlation[(i, k)];
             if r.abs() > INSEPARABLE {
                 out.push(NotIdentifiable {

@@ -11,7 +11,7 @@ pub use earlier::earlier;
 use doubts::{ambiguous, candidates, not_identifiable};
 use spread::Spread;
 use values::{controller, values};
-use verdict::verdict;
+use verdict::{left, verdict};
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::Effect;
@@ -89,7 +89,13 @@ pub fn diagnose(
     let rates = data.whole.iter().all(|t| t.rates.is_some());
     let given = if rates { given } else { &merged };
     let found = find(given, data, &mut stage)?;
-    let corrected = found.fitted.arm.clone();
+    let named = found.named();
+    // No simulator can be given a torque without a name.
+    let corrected = if named == found.decision.set {
+        found.fitted.arm.clone()
+    } else {
+        refit(given, data, &found, &named, HELD)?
+    };
     let after = roll_out(&corrected, heldout)?;
     let spread = Spread::of(&found);
     let groups = groups(&found);
@@ -97,13 +103,8 @@ pub fn diagnose(
     let mut causes = Vec::new();
     let mut losses = Vec::new();
     for (effect, members) in &groups {
-        let others: Vec<usize> = found
-            .decision
-            .set
-            .iter()
-            .copied()
-            .filter(|m| !members.contains(m))
-            .collect();
+        let others = named.iter().copied().filter(|m| !members.contains(m));
+        let others: Vec<usize> = others.collect();
         let arm = without(given, data, &found, &others, fast)?;
         let lost = roll_out(&arm, heldout)?;
         let touched = touched(&found, members, joints.len());
@@ -157,22 +158,25 @@ pub fn diagnose(
         });
     }
     stage("fitting what a model file holds");
-    let held = held(given, data, &found)?;
+    let held = held(given, data, &found, &corrected)?;
     let alone = FileAlone {
         figures: figures(&roll_out(&held, heldout)?, heldout),
         controller: controller(given, &held, None),
     };
     let places = crate::place::places(&before, heldout, &joints, &rotates);
     let causes: Vec<Cause> = order.iter().map(|&i| causes[i].clone()).collect();
+    let left_as_given = left(&before, heldout, given);
+    let left = left(&after, heldout, given);
     let unknown: Vec<UnknownJoint> = found
-        .unknown
-        .iter()
-        .map(|&(j, probability)| UnknownJoint {
+        .unknown()
+        .into_iter()
+        .filter(|(j, _)| left[*j])
+        .map(|(j, probability)| UnknownJoint {
             joint: joints[j].clone(),
             probability,
         })
         .collect();
-    let verdict = verdict([&before, &after], heldout, given, &causes, &unknown);
+    let verdict = verdict([&left_as_given, &left], &causes, &unknown);
     if causes.is_empty() && verdict == "explained" && given.earlier.is_none() {
         ladder.push(Step {
             step: TOLERANCES.to_owned(),
@@ -192,7 +196,7 @@ pub fn diagnose(
         candidates: candidates(&found, &joints),
         not_identifiable: not_identifiable(&found, &spread, data, &joints),
         unknown,
-        controller: controller(given, &corrected, Some((&found, &spread))),
+        controller: controller(given, &found.fitted.arm, Some((&found, &spread))),
         joint_parameters: JointParameters {
             damping: corrected.joints.iter().map(|j| j.damping).collect(),
             frictionloss: corrected.joints.iter().map(|j| j.coulomb).collect(),
@@ -229,12 +233,16 @@ fn without(
     set: &[usize],
     fast: bool,
 ) -> Result<Arm, Unstable> {
+    // The search itself has fitted what lies around its answer.
+    if let Some((_, arm)) = found.around.iter().find(|(s, _)| s == set) {
+        return Ok(arm.clone());
+    }
     refit(given, data, found, set, if fast { SHORT } else { LONG })
 }
 
 /// The arm with the causes that a model file can hold; what stands in for friction by load or at standstill is Coulomb and
 /// viscous friction of the same joints.
-fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> {
+fn held(given: &Given, data: &Replayed, found: &Found, corrected: &Arm) -> Result<Arm, Unstable> {
     let outside = |m: usize| {
         let effect = found.mechanisms[m].effect;
         matches!(
@@ -242,9 +250,9 @@ fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> 
             Effect::LoadDependentFriction | Effect::StribeckFriction
         )
     };
-    let set = &found.decision.set;
+    let set = found.named();
     if !set.iter().any(|&m| outside(m)) {
-        return Ok(found.fitted.arm.clone());
+        return Ok(corrected.clone());
     }
     let joints: Vec<Option<usize>> = set
         .iter()
@@ -267,7 +275,7 @@ fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> 
 /// Listed mechanisms by effect.
 fn groups(found: &Found) -> Vec<(Effect, Vec<usize>)> {
     let mut out: BTreeMap<Effect, Vec<usize>> = BTreeMap::new();
-    for &m in &found.decision.set {
+    for m in found.named() {
         if found.decision.inclusion[m] >= 0.5 {
             out.entry(found.mechanisms[m].effect).or_default().push(m);
         }

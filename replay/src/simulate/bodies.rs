@@ -37,7 +37,7 @@ impl State<'_> {
                     }
                 }
                 Kind::Payload(part) => {
-                    let mut unit = [0.0; 4];
+                    let mut unit = [0.0; 5];
                     unit[part] = 1.0;
                     let change = crate::arm::payload(&unit);
                     let last = width - PARAMETERS_PER_LINK;

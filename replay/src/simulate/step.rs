@@ -1,7 +1,8 @@
 //! One step of the closed loop.
 
 use super::{Drive, State};
-use crate::arm::{Integral, unknown};
+use crate::arm::Integral;
+use crate::smooth::Here;
 use physics::dynamics::{inverse_dynamics, mass_matrix};
 
 impl State<'_> {
@@ -129,14 +130,20 @@ impl State<'_> {
             }
         }
         out.integrates = servo.integral != Integral::None && out.drive_cut == 0.0 && out.cut == 0.0;
-        let coefficients = &self.arm.joints[i].unknown;
-        if coefficients.iter().any(|&c| c != 0.0) {
-            let shapes = unknown(self.q[i], self.v[i], rate);
-            out.torque += coefficients
-                .iter()
-                .zip(shapes)
-                .map(|(c, s)| c * s)
-                .sum::<f64>();
+        if self.smooths[i] {
+            let smooth = &self.arm.joints[i].unknown;
+            let here = Here {
+                q: self.q[i],
+                v: self.v[i],
+                load: out.transmitted,
+                rate,
+            };
+            self.functions[i] = smooth.values(here);
+            if smooth.acts() {
+                let [torque, by_position, by_velocity] = smooth.torque(here, &self.functions[i]);
+                out.torque += torque;
+                out.smooth_by = [by_position, by_velocity];
+            }
         }
         out
     }

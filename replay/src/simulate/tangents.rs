@@ -1,7 +1,7 @@
 //! Sensitivities of the motion, carried along with it.
 
 use super::{RENEWED, State};
-use crate::arm::{Integral, UNKNOWN, unknown};
+use crate::arm::Integral;
 use crate::friction::Slip;
 use crate::parameter::Kind;
 use physics::dynamics::inverse_dynamics_derivatives;
@@ -55,6 +55,11 @@ impl State<'_> {
             }
             if drive.by_integral != 0.0 {
                 axpy(dtau, drive.by_integral, &self.dintegral[i * p..][..p]);
+            }
+            let [by_position, by_velocity] = drive.smooth_by;
+            if drive.smooth_by != [0.0; 2] {
+                axpy(dtau, by_position, &self.dq[i * p..][..p]);
+                axpy(dtau, by_velocity, &self.dv[i * p..][..p]);
             }
             if servo.integral != Integral::None && drive.integrates {
                 let cascade = servo.integral == Integral::Velocity;
@@ -163,9 +168,7 @@ impl State<'_> {
                 Kind::DriveLimit => *by += drive.drive_cut * f64::from(drive.cut == 0.0),
                 Kind::Limit => *by += drive.cut,
                 Kind::Offset => *by += drive.by_error,
-                Kind::Unknown(f) if f < UNKNOWN => {
-                    *by += unknown(self.q[i], self.v[i], drive.command_rate)[f];
-                }
+                Kind::Unknown(f) => *by += self.functions[i][f],
                 _ => {}
             }
         }
@@ -183,6 +186,10 @@ impl State<'_> {
                 Kind::Damping if !self.arm.damped_by_drive(i) => v,
                 Kind::Coulomb => sign,
                 Kind::Stribeck => sign * drive.stribeck,
+                Kind::StribeckVelocity => {
+                    let (own, pace) = (&self.arm.joints[i], self.arm.joints[i].stribeck_velocity);
+                    sign * own.stribeck * drive.stribeck * 2.0 * self.v[i].powi(2) / pace.powi(3)
+                }
                 Kind::Load => sign * drive.transmitted.abs(),
                 Kind::Armature => self.acceleration[i],
                 _ => continue,
