@@ -1,12 +1,16 @@
 //! Which effects the motion shows: fits, expansion about them, and the decision by evidence.
 
+mod effort;
 mod expand;
 mod free;
+mod neighbour;
 mod refit;
 mod visited;
 
+pub use effort::COARSE;
 pub use free::{RELATIVE, STANDSTILL};
-pub use refit::refit;
+pub use refit::{named, refit};
+pub use visited::SMALL;
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::{self, Effect, Mechanism, Sizes};
@@ -14,36 +18,11 @@ use crate::fit::{Effort, Fitted, Free, Noise, descend, fit, noise, objective};
 use crate::given::Given;
 use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
+use effort::{FIRST, NEXT, SKETCH};
 use evidence::Decision;
 use expand::{Expanded, ODDS, expand, families, family, hypotheses};
 use free::{Entry, always, pinned};
 use visited::{Visited, largest};
-
-/// Step of fits whose values are a start for others, or stand for what a cause removes, s.
-pub const COARSE: f64 = 4e-3;
-
-/// The first fit from the given values, and fits from a neighbouring set. A tenth of a nat changes nothing that is said.
-const FIRST: Effort = Effort {
-    iterations: 25,
-    gain: 0.5,
-    step: COARSE,
-};
-
-const NEXT: Effort = Effort {
-    iterations: 10,
-    gain: 0.1,
-    step: STEP,
-};
-
-/// Largest part of the departure from the commands that a joint without a gap leaves unexplained.
-pub const SMALL: f64 = 0.05;
-
-/// Fits that only choose where the rounds begin.
-const SKETCH: Effort = Effort {
-    iterations: 5,
-    gain: 0.5,
-    step: COARSE,
-};
 
 /// Single effects, of different kinds, that are fitted before the rounds.
 const SINGLES: usize = 4;
@@ -191,7 +170,7 @@ impl Search<'_> {
     fn sketch(&self, set: Vec<usize>, neighbour: &Visited) -> Result<Visited, Unstable> {
         let free = self.free(&set);
         let (blocks, all, from) = (self.blocks(), &neighbour.free, &neighbour.fitted);
-        let mut start = refit::start(self.given, from, all, &free, blocks, SKETCH);
+        let mut start = neighbour::start(self.given, from, all, &free, blocks, SKETCH);
         start.step = COARSE;
         let fitted = fit(&start, &free, blocks, &from.noise, SKETCH)?;
         Ok(Visited { set, free, fitted })

@@ -1,14 +1,14 @@
 //! A found set with other mechanisms, fitted again.
 
 use super::Found;
-use super::free::{free, pinned, tolerated};
+use super::effort::NEXT;
+use super::free::{free, tolerated};
+use super::neighbour;
 use crate::arm::Arm;
-use crate::fit::{Effort, Fitted, Free, descend, objective};
+use crate::fit::{Effort, descend, fit};
 use crate::given::Given;
-use crate::parameter::Parameter;
-use crate::simulate::{Track, Unstable};
+use crate::simulate::Unstable;
 use crate::tracks::Replayed;
-use nalgebra::{DMatrix, DVector};
 
 /// The set with other mechanisms, fitted again from where the whole set's fit stands: with what is dropped at its given
 /// value, and what stays either as it was or moved as the whole set's expansion says, whichever is better.
@@ -25,71 +25,27 @@ pub fn refit(
     let always = tolerated(given, replayed);
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
-    let start = start(given, &found.fitted, &found.free, &free, blocks, effort);
+    let start = neighbour::start(given, &found.fitted, &found.free, &free, blocks, effort);
     Ok(descend(&start, &free, blocks, noise, effort)?.0)
 }
 
-/// Where a fit of `free` starts from a fit of `all`: with what is not free at its given value, and what stays free either as it
-/// was or moved as the fit's expansion says, whichever is better.
-pub(super) fn start(
-    given: &Given,
-    fitted: &Fitted,
-    all: &[Free],
-    free: &[Free],
-    blocks: &[Track],
-    effort: Effort,
-) -> Arm {
-    let start = pinned(given, &fitted.arm, free);
-    let Some(other) = moved(&start, fitted, all, free) else {
-        return start;
-    };
-    let value = |arm: &Arm| {
-        let mut arm = arm.clone();
-        arm.step = effort.step;
-        objective(&arm, free, blocks, &fitted.noise).unwrap_or(f64::INFINITY)
-    };
-    if value(&other) < value(&start) {
-        other
-    } else {
-        start
+/// What was found without its unknown torques, fitted again: no simulator can be given a torque without a name.
+///
+/// # Errors
+/// The simulator as given is unstable.
+pub fn named(given: &Given, replayed: &Replayed, found: &Found) -> Result<Found, Unstable> {
+    let set = found.named();
+    let mut out = found.clone();
+    if set == found.decision.set {
+        return Ok(out);
     }
-}
-
-/// `start`, a fit's arm with some parameters elsewhere, with all others where the fit's expansion then has its optimum.
-fn moved(start: &Arm, fitted: &Fitted, all: &[Free], free: &[Free]) -> Option<Arm> {
-    let shift: Vec<f64> = all
-        .iter()
-        .zip(&fitted.x)
-        .map(|(f, x)| f.coordinate(start.get(f.parameter)) - x)
-        .collect();
-    let stays = |i: &usize| {
-        let own = free.iter().find(|f| f.parameter == all[*i].parameter);
-        shift[*i] == 0.0 && own.is_some()
-    };
-    let (kept, gone): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(stays);
-    let information = &fitted.information;
-    let mut a = DMatrix::from_fn(kept.len(), kept.len(), |r, c| {
-        information[(kept[r], kept[c])]
-    });
-    let b = DVector::from_iterator(
-        kept.len(),
-        kept.iter().map(|&i| {
-            -gone
-                .iter()
-                .map(|&k| information[(i, k)] * shift[k])
-                .sum::<f64>()
-        }),
-    );
-    for (r, &i) in kept.iter().enumerate() {
-        a[(r, r)] += all[i].prior.map_or(0.0, |p| p.1.powi(-2));
-    }
-    let change = a.cholesky()?.solve(&b);
-    let values: Vec<(Parameter, f64)> = kept
-        .iter()
-        .zip(change.iter())
-        .map(|(&i, d)| (all[i].parameter, all[i].value(fitted.x[i] + d)))
-        .collect();
-    let mut out = start.clone();
-    out.set(&values).ok()?;
-    Some(out)
+    let always = tolerated(given, replayed);
+    out.free = free(given, &found.mechanisms, &set, &always);
+    let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
+    let start = neighbour::start(given, &found.fitted, &found.free, &out.free, blocks, NEXT);
+    out.fitted = fit(&start, &out.free, blocks, noise, NEXT)?;
+    let mut kept = found.decision.set.iter().map(|m| set.contains(m));
+    out.decision.swaps.retain(|_| kept.next().unwrap_or(true));
+    out.decision.set = set;
+    Ok(out)
 }

@@ -1,7 +1,9 @@
 //! Sets that were fitted, and how probable each is at its own fit.
 
-use super::SMALL;
 use crate::fit::{Fitted, Free, Noise, by_trajectory, likelihood, local, prior};
+
+/// Largest part of the departure from the commands that a joint without a gap leaves unexplained.
+pub const SMALL: f64 = 0.05;
 
 /// A set that was fitted.
 pub(super) struct Visited {

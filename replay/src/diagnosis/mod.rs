@@ -15,7 +15,7 @@ use verdict::{left, verdict};
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::Effect;
-use crate::decide::{COARSE, Found, find, refit};
+use crate::decide::{COARSE, Found, find, named, refit};
 use crate::fit::Effort;
 use crate::given::Given;
 use crate::schema::{Cause, FileAlone, JointParameters, Report, Step, UnknownJoint};
@@ -89,13 +89,9 @@ pub fn diagnose(
     let rates = data.whole.iter().all(|t| t.rates.is_some());
     let given = if rates { given } else { &merged };
     let found = find(given, data, &mut stage)?;
-    let named = found.named();
-    // No simulator can be given a torque without a name.
-    let corrected = if named == found.decision.set {
-        found.fitted.arm.clone()
-    } else {
-        refit(given, data, &found, &named, HELD)?
-    };
+    let plain = named(given, data, &found)?;
+    let listed = &plain.decision.set;
+    let corrected = plain.fitted.arm.clone();
     let after = roll_out(&corrected, heldout)?;
     let spread = Spread::of(&found);
     let groups = groups(&found);
@@ -103,9 +99,9 @@ pub fn diagnose(
     let mut causes = Vec::new();
     let mut losses = Vec::new();
     for (effect, members) in &groups {
-        let others = named.iter().copied().filter(|m| !members.contains(m));
+        let others = listed.iter().copied().filter(|m| !members.contains(m));
         let others: Vec<usize> = others.collect();
-        let arm = without(given, data, &found, &others, fast)?;
+        let arm = without(given, data, &plain, &others, fast)?;
         let lost = roll_out(&arm, heldout)?;
         let touched = touched(&found, members, joints.len());
         let (whole, interval) = closed(
@@ -150,7 +146,7 @@ pub fn diagnose(
         let errors = if k + 1 == order.len() {
             after.clone()
         } else {
-            roll_out(&without(given, data, &found, &set, fast)?, heldout)?
+            roll_out(&without(given, data, &plain, &set, fast)?, heldout)?
         };
         ladder.push(Step {
             step: causes[i].effect.to_owned(),
@@ -158,7 +154,7 @@ pub fn diagnose(
         });
     }
     stage("fitting what a model file holds");
-    let held = held(given, data, &found, &corrected)?;
+    let held = held(given, data, &plain)?;
     let alone = FileAlone {
         figures: figures(&roll_out(&held, heldout)?, heldout),
         controller: controller(given, &held, None),
@@ -242,7 +238,7 @@ fn without(
 
 /// The arm with the causes that a model file can hold; what stands in for friction by load or at standstill is Coulomb and
 /// viscous friction of the same joints.
-fn held(given: &Given, data: &Replayed, found: &Found, corrected: &Arm) -> Result<Arm, Unstable> {
+fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> {
     let outside = |m: usize| {
         let effect = found.mechanisms[m].effect;
         matches!(
@@ -250,9 +246,9 @@ fn held(given: &Given, data: &Replayed, found: &Found, corrected: &Arm) -> Resul
             Effect::LoadDependentFriction | Effect::StribeckFriction
         )
     };
-    let set = found.named();
+    let set = &found.decision.set;
     if !set.iter().any(|&m| outside(m)) {
-        return Ok(corrected.clone());
+        return Ok(found.fitted.arm.clone());
     }
     let joints: Vec<Option<usize>> = set
         .iter()
