@@ -16,7 +16,7 @@ pub(super) const FIRST: Effort = Effort {
 pub(super) const NEXT: Effort = Effort {
     iterations: 10,
     gain: 0.1,
-    step: STEP,
+    step: COARSE,
 };
 
 /// Fits that only choose where the rounds begin.
@@ -24,4 +24,11 @@ pub(super) const SKETCH: Effort = Effort {
     iterations: 5,
     gain: 0.5,
     step: COARSE,
+};
+
+/// The fit of what is decided, from its coarse fit: a shorter step moves it by little.
+pub(super) const LAST: Effort = Effort {
+    iterations: 2,
+    gain: 0.1,
+    step: STEP,
 };

@@ -9,7 +9,7 @@ mod visited;
 
 pub use effort::COARSE;
 pub use free::{RELATIVE, STANDSTILL};
-pub use refit::{named, refit};
+pub use refit::{named, refit, refit_finely};
 pub use visited::SMALL;
 
 use crate::arm::{Arm, STEP};
@@ -18,7 +18,7 @@ use crate::fit::{Effort, Fitted, Free, Noise, descend, fit, noise, objective};
 use crate::given::Given;
 use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
-use effort::{FIRST, NEXT, SKETCH};
+use effort::{FIRST, LAST, NEXT, SKETCH};
 use evidence::Decision;
 use expand::{Expanded, ODDS, expand, families, family, hypotheses};
 use free::{Entry, always, pinned};
@@ -30,8 +30,10 @@ const SINGLES: usize = 4;
 /// Rounds of fits around the best set.
 const AROUND: usize = 2;
 
-/// Rounds of fit and decision; the set is stable after three in most cases.
+/// Rounds of fit and decision; the set is stable after three in most cases. From a single effect that leaves more than it
+/// should, a second one is found in one.
 const ROUNDS: usize = 5;
+const FEW: usize = 1;
 
 /// The state of a diagnosis: what is free under the causes found.
 #[derive(Debug, Clone)]
@@ -161,7 +163,7 @@ impl Search<'_> {
     ) -> Result<Visited, Unstable> {
         let free = self.free(&set);
         let mut start = pinned(self.given, about, &free);
-        start.step = about.step;
+        start.step = effort.step;
         let fitted = fit(&start, &free, self.blocks(), noises, effort)?;
         Ok(Visited { set, free, fitted })
     }
@@ -171,7 +173,7 @@ impl Search<'_> {
         let free = self.free(&set);
         let (blocks, all, from) = (self.blocks(), &neighbour.free, &neighbour.fitted);
         let mut start = neighbour::start(self.given, from, all, &free, blocks, SKETCH);
-        start.step = COARSE;
+        start.step = SKETCH.step;
         let fitted = fit(&start, &free, blocks, &from.noise, SKETCH)?;
         Ok(Visited { set, free, fitted })
     }
@@ -182,19 +184,17 @@ impl Search<'_> {
         stage("fitting single causes");
         let (given, blocks, first) = (self.given, self.blocks(), self.first());
         let free = self.free(&[]);
-        let (mut about, _) = descend(&given.arm, &free, blocks, &first, FIRST)?;
-        let noises = noise(&about, blocks, &self.floors)?;
+        let mut about = given.arm.clone();
         about.step = COARSE;
+        (about, _) = descend(&about, &free, blocks, &first, FIRST)?;
+        let noises = noise(&about, blocks, &self.floors)?;
         let nothing = self.visit(Vec::new(), &about, &noises, SKETCH)?;
         let vague: Vec<usize> = self.unknown(&nothing).into_iter().collect();
-        about.step = STEP;
         let simplest = self.expand(&about, &noises, &vague)?.simplest();
-        about.step = COARSE;
         let mut sketches = vec![nothing];
         let mut lower = about.clone();
         let cut = cut(given, &mut lower, &self.mechanisms, &free, blocks, &first)?;
         if !cut.is_empty() {
-            lower.step = COARSE;
             sketches.push(self.visit(cut, &lower, &noises, SKETCH)?);
         }
         let mut tried = Vec::new();
@@ -207,15 +207,17 @@ impl Search<'_> {
             // What cannot be simulated with its own fit is no explanation.
             sketches.extend(self.visit(set, &about, &noises, SKETCH).ok());
         }
-        for sketch in &mut sketches {
-            sketch.fitted.arm.step = STEP;
-        }
         let common = self.common(&sketches)?;
         let values = self.values(&sketches, &common);
         let best = largest(&values);
         let Visited { set, fitted, .. } = sketches.swap_remove(best);
-        let own = self.visit(set, &fitted.arm, &common, NEXT)?;
-        let mut visited = self.rounds(own.set.clone(), own.fitted.arm.clone(), stage)?;
+        let own = self.visit(set, &fitted.arm, &common, SKETCH)?;
+        let most = if own.explains(&self.replayed.tracking) {
+            ROUNDS
+        } else {
+            FEW
+        };
+        let mut visited = self.rounds(own.set.clone(), own.fitted.arm.clone(), most, stage)?;
         visited.push(own);
         Ok(visited)
     }
@@ -228,14 +230,16 @@ impl Search<'_> {
             .filter(|&m| is_core(&self.mechanisms[m]))
             .collect();
         let free = self.free(&set);
-        let (mut about, _) = descend(&given.arm, &free, blocks, &first, FIRST)?;
+        let mut about = given.arm.clone();
+        about.step = COARSE;
+        (about, _) = descend(&about, &free, blocks, &first, FIRST)?;
         let cut = cut(given, &mut about, &self.mechanisms, &free, blocks, &first)?;
         if !cut.is_empty() {
             set.extend(&cut);
             set.sort_unstable();
             (about, _) = descend(&about, &self.free(&set), blocks, &first, FIRST)?;
         }
-        self.rounds(set, about, stage)
+        self.rounds(set, about, ROUNDS, stage)
     }
 
     /// Decisions and fits in turn.
@@ -243,18 +247,19 @@ impl Search<'_> {
         &self,
         mut set: Vec<usize>,
         mut about: Arm,
+        most: usize,
         stage: &mut impl FnMut(&str),
     ) -> Result<Vec<Visited>, Unstable> {
         let mut noises = noise(&about, self.blocks(), &self.floors)?;
         let mut visited: Vec<Visited> = Vec::new();
-        for _ in 0..ROUNDS {
+        for _ in 0..most {
             stage("weighing causes");
             let next = self.expand(&about, &noises, &set)?.decide(&set).set;
             if visited.iter().any(|v| v.set == next) {
                 break;
             }
             stage("fitting with the causes found");
-            let own = self.visit(next, &about, &noises, NEXT)?;
+            let own = self.visit(next, &about, &noises, SKETCH)?;
             set.clone_from(&own.set);
             about.clone_from(&own.fitted.arm);
             noises = noise(&about, self.blocks(), &self.floors)?;
@@ -279,51 +284,61 @@ impl Search<'_> {
     ) -> Result<Vec<(Visited, f64)>, Unstable> {
         stage("fitting without each cause");
         let mut others = Vec::new();
+        let best = visited.swap_remove(self.best(visited)?);
+        let common = self.common(std::slice::from_ref(&best))?;
+        visited.push(self.visit(best.set, &best.fitted.arm, &common, NEXT)?);
         for round in 0..AROUND {
             let best = self.best(visited)?;
-            let set = visited[best].set.clone();
-            let mut sketches = vec![self.sketch(set.clone(), &visited[best])?];
-            let of = |m: usize| family(&self.mechanisms[m]);
-            let mut kinds: Vec<(Effect, bool)> = set.iter().map(|&m| of(m)).collect();
-            kinds.dedup();
-            let mut sets: Vec<Vec<usize>> = kinds
-                .into_iter()
-                .map(|kind| set.iter().copied().filter(|&m| of(m) != kind).collect())
-                .collect();
-            let unknown = self.unknown(&visited[best]);
-            if let Some(unknown) = unknown.filter(|u| !set.contains(u)) {
-                let joint = self.mechanisms[unknown].joint;
-                let elsewhere = |m: &usize| self.mechanisms[*m].joint != joint;
-                for kept in [set.clone(), set.iter().copied().filter(elsewhere).collect()] {
-                    let mut with: Vec<usize> = kept;
-                    with.push(unknown);
-                    with.sort_unstable();
-                    sets.push(with);
-                }
-            }
-            sets.sort_unstable();
-            sets.dedup();
-            for set in sets {
+            let mut sketches = Vec::new();
+            for set in self.beside(&visited[best]) {
                 sketches.extend(self.sketch(set, &visited[best]).ok());
             }
+            sketches.push(visited.swap_remove(best));
             let common = self.common(&sketches)?;
             let values = self.values(&sketches, &common);
             let next = largest(&values);
-            for sketch in &mut sketches {
-                sketch.fitted.arm.step = STEP;
-            }
-            let known = visited.iter().any(|v| v.set == sketches[next].set);
-            if next != 0 && !known {
+            let own = sketches.pop().expect("it was put there");
+            visited.push(own);
+            let moves =
+                next < sketches.len() && visited.iter().all(|v| v.set != sketches[next].set);
+            if moves {
                 let (set, arm) = (sketches[next].set.clone(), &sketches[next].fitted.arm);
                 visited.push(self.visit(set, arm, &common, NEXT)?);
             }
-            if next == 0 || known || round + 1 == AROUND {
-                let weights: Vec<f64> = values.iter().map(|v| (v - values[next]).exp()).collect();
+            if !moves || round + 1 == AROUND {
+                let weights = values.iter().map(|v| (v - values[next]).exp());
                 others = sketches.into_iter().zip(weights).collect();
                 break;
             }
         }
         Ok(others)
+    }
+
+    /// Sets around a fit that are far from linear: without each effect, and with something unknown on the joint that is
+    /// explained least, beside the named effects of that joint or in their place.
+    fn beside(&self, fit: &Visited) -> Vec<Vec<usize>> {
+        let set = &fit.set;
+        let of = |m: usize| family(&self.mechanisms[m]);
+        let mut kinds: Vec<(Effect, bool)> = set.iter().map(|&m| of(m)).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        let mut sets: Vec<Vec<usize>> = kinds
+            .into_iter()
+            .map(|kind| set.iter().copied().filter(|&m| of(m) != kind).collect())
+            .collect();
+        if let Some(unknown) = self.unknown(fit).filter(|u| !set.contains(u)) {
+            let joint = self.mechanisms[unknown].joint;
+            let elsewhere = |m: &usize| self.mechanisms[*m].joint != joint;
+            for kept in [set.clone(), set.iter().copied().filter(elsewhere).collect()] {
+                let mut with: Vec<usize> = kept;
+                with.push(unknown);
+                with.sort_unstable();
+                sets.push(with);
+            }
+        }
+        sets.sort_unstable();
+        sets.dedup();
+        sets
     }
 
     /// Something unknown on the joint that a fit explains least.
@@ -365,9 +380,8 @@ impl Search<'_> {
             .map(|(v, value)| (v.set.clone(), (value - values[best]).exp()))
             .chain(around.iter().map(|(v, weight)| (v.set.clone(), *weight)))
             .collect();
-        let mut own = visited.swap_remove(best);
-        own.put_under(&noises);
-        let Visited { set, free, fitted } = own;
+        let own = visited.swap_remove(best);
+        let Visited { set, free, fitted } = self.visit(own.set, &own.fitted.arm, &noises, LAST)?;
         let mut decision = self.expand(&fitted.arm, &noises, &set)?.about(&set);
         // What a set that was fitted has beside this one is as probable as that fit says.
         for m in 0..self.mechanisms.len() {
@@ -397,7 +411,7 @@ impl Search<'_> {
             free,
             around: around
                 .into_iter()
-                .map(|(v, _)| (v.set, v.fitted.arm))
+                .map(|(v, _)| (v.set, finely(v.fitted.arm)))
                 .collect(),
         })
     }
@@ -416,7 +430,6 @@ fn cut(
     noise: &[Noise],
 ) -> Result<Vec<usize>, Unstable> {
     let mut out = Vec::new();
-    about.step = COARSE;
     let mut least = objective(about, free, blocks, noise)?;
     for (m, own) in mechanisms.iter().enumerate() {
         if own.effect != Effect::EffortLimit {
@@ -440,8 +453,13 @@ fn cut(
             out.push(m);
         }
     }
-    about.step = STEP;
     Ok(out)
+}
+
+/// The arm as it is scored.
+fn finely(mut arm: Arm) -> Arm {
+    arm.step = STEP;
+    arm
 }
 
 /// What the first fit frees: a drive and a joint as every servo has them.

@@ -1,11 +1,11 @@
 //! A found set with other mechanisms, fitted again.
 
 use super::Found;
-use super::effort::NEXT;
+use super::effort::{LAST, NEXT};
 use super::free::{free, tolerated};
 use super::neighbour;
 use crate::arm::Arm;
-use crate::fit::{Effort, descend, fit};
+use crate::fit::{Effort, Fitted, Free, descend, fit};
 use crate::given::Given;
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
@@ -29,6 +29,31 @@ pub fn refit(
     Ok(descend(&start, &free, blocks, noise, effort)?.0)
 }
 
+/// The same as thoroughly as what is decided.
+///
+/// # Errors
+/// The simulator as given is unstable.
+pub fn refit_finely(
+    given: &Given,
+    replayed: &Replayed,
+    found: &Found,
+    set: &[usize],
+) -> Result<(Vec<Free>, Fitted), Unstable> {
+    let always = tolerated(given, replayed);
+    let free = free(given, &found.mechanisms, set, &always);
+    let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
+    // The search itself has fitted what lies around its answer.
+    let start = match found.around.iter().find(|(s, _)| s == set) {
+        Some((_, arm)) => arm.clone(),
+        None => {
+            let start = neighbour::start(given, &found.fitted, &found.free, &free, blocks, NEXT);
+            descend(&start, &free, blocks, noise, NEXT)?.0
+        }
+    };
+    let fitted = fit(&start, &free, blocks, noise, LAST)?;
+    Ok((free, fitted))
+}
+
 /// What was found without its unknown torques, fitted again: no simulator can be given a torque without a name.
 ///
 /// # Errors
@@ -39,11 +64,7 @@ pub fn named(given: &Given, replayed: &Replayed, found: &Found) -> Result<Found,
     if set == found.decision.set {
         return Ok(out);
     }
-    let always = tolerated(given, replayed);
-    out.free = free(given, &found.mechanisms, &set, &always);
-    let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
-    let start = neighbour::start(given, &found.fitted, &found.free, &out.free, blocks, NEXT);
-    out.fitted = fit(&start, &out.free, blocks, noise, NEXT)?;
+    (out.free, out.fitted) = refit_finely(given, replayed, found, &set)?;
     let mut kept = found.decision.set.iter().map(|m| set.contains(m));
     out.decision.swaps.retain(|_| kept.next().unwrap_or(true));
     out.decision.set = set;

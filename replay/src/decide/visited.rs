@@ -18,13 +18,6 @@ impl Visited {
         likelihood(&by_trajectory(&self.fitted.blocks), noises)
     }
 
-    /// The fit's expansion under another noise.
-    pub(super) fn put_under(&mut self, noises: &[Noise]) {
-        let total = by_trajectory(&self.fitted.blocks);
-        (_, self.fitted.information) = local(&total, noises, &self.free, &self.fitted.x);
-        self.fitted.noise = noises.to_vec();
-    }
-
     /// Log evidence by Laplace's method, nats, up to a constant.
     pub(super) fn log_evidence(&self, noises: &[Noise]) -> f64 {
         let total = by_trajectory(&self.fitted.blocks);

@@ -13,9 +13,9 @@ use spread::Spread;
 use values::{controller, values};
 use verdict::{left, verdict};
 
-use crate::arm::{Arm, STEP};
+use crate::arm::Arm;
 use crate::catalogue::Effect;
-use crate::decide::{COARSE, Found, find, named, refit};
+use crate::decide::{COARSE, Found, find, named, refit, refit_finely};
 use crate::fit::Effort;
 use crate::given::Given;
 use crate::schema::{Cause, FileAlone, JointParameters, Report, Step, UnknownJoint};
@@ -25,7 +25,7 @@ use crate::tracks::Replayed;
 use physics::robot::JointKind;
 use std::collections::BTreeMap;
 
-/// Fits without a cause, by which shares are measured, and of what a file holds. A nat is one standard deviation of one
+/// Fits without a cause, by which shares are measured. A nat is one standard deviation of one
 /// parameter.
 const LONG: Effort = Effort {
     iterations: 8,
@@ -35,12 +35,6 @@ const LONG: Effort = Effort {
 
 const SHORT: Effort = Effort {
     iterations: 2,
-    ..LONG
-};
-
-const HELD: Effort = Effort {
-    gain: 0.1,
-    step: STEP,
     ..LONG
 };
 
@@ -265,7 +259,7 @@ fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> 
         .collect();
     kept.sort_unstable();
     kept.dedup();
-    refit(given, data, found, &kept, HELD)
+    Ok(refit_finely(given, data, found, &kept)?.1.arm)
 }
 
 /// Listed mechanisms by effect.

@@ -7,6 +7,7 @@ use physics::robot::PARAMETERS_PER_LINK;
 
 impl State<'_> {
     /// Rigid bodies by payload, links and tilt.
+    #[inline(always)]
     pub(super) fn bodies_by_parameters(&mut self, h: f64) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         let width = n * PARAMETERS_PER_LINK;

@@ -1,5 +1,6 @@
 //! One step of the closed loop.
 
+use super::tangents::Tangents;
 use super::{Drive, State};
 use crate::arm::Integral;
 use crate::smooth::Here;
@@ -61,9 +62,8 @@ impl State<'_> {
         self.friction.solve(&self.a, &self.b, &self.limits);
         if !self.parameters.is_empty() {
             self.renew(h);
-            // The widest vectors of this processor; the sums keep their order.
             let arch = self.arch;
-            arch.dispatch(|| self.tangents(h));
+            arch.dispatch(Tangents { state: self, h });
         }
         for i in 0..n {
             let drive = &self.drives[i];

@@ -6,6 +6,22 @@ use crate::friction::Slip;
 use crate::parameter::Kind;
 use physics::dynamics::inverse_dynamics_derivatives;
 
+/// Sensitivities after a step, with the widest vectors of this processor; the sums keep their order. A closure in its place would
+/// not be compiled for them.
+pub(super) struct Tangents<'s, 'a> {
+    pub(super) state: &'s mut State<'a>,
+    pub(super) h: f64,
+}
+
+impl pulp::NullaryFnOnce for Tangents<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.state.tangents(self.h);
+    }
+}
+
 impl State<'_> {
     /// Acceleration of the step, and now and then the rigid bodies' derivatives at it.
     pub(super) fn renew(&mut self, h: f64) {
@@ -37,7 +53,7 @@ impl State<'_> {
 
     /// Sensitivities after the step from those before it, by the derivative of the step's own equation.
     #[inline(always)]
-    pub(super) fn tangents(&mut self, h: f64) {
+    fn tangents(&mut self, h: f64) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         self.rhs.fill(0.0);
         self.dtau.fill(0.0);
@@ -55,11 +71,6 @@ impl State<'_> {
             }
             if drive.by_integral != 0.0 {
                 axpy(dtau, drive.by_integral, &self.dintegral[i * p..][..p]);
-            }
-            let [by_position, by_velocity] = drive.smooth_by;
-            if drive.smooth_by != [0.0; 2] {
-                axpy(dtau, by_position, &self.dq[i * p..][..p]);
-                axpy(dtau, by_velocity, &self.dv[i * p..][..p]);
             }
             if servo.integral != Integral::None && drive.integrates {
                 let cascade = servo.integral == Integral::Velocity;
@@ -84,6 +95,12 @@ impl State<'_> {
             let pressed = self.pressed(i);
             let rhs = &mut self.rhs[i * p..][..p];
             axpy(rhs, h * (1.0 - pressed), &self.dtau[i * p..][..p]);
+            // What is unknown does not pass through the drive, and presses on no gear.
+            let [by_position, by_velocity] = drive.smooth_by;
+            if drive.smooth_by != [0.0; 2] {
+                axpy(rhs, h * by_position, &self.dq[i * p..][..p]);
+                axpy(rhs, h * by_velocity, &self.dv[i * p..][..p]);
+            }
             for j in 0..n {
                 let at = i * n + j;
                 let mut mass = self.mass[at] - h * self.derivatives.dqd[at];
@@ -145,6 +162,7 @@ impl State<'_> {
     }
 
     /// The drives' torque by their own parameters.
+    #[inline(always)]
     fn drives_by_parameters(&mut self) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         for (k, parameter) in self.parameters.iter().enumerate() {
@@ -168,13 +186,13 @@ impl State<'_> {
                 Kind::DriveLimit => *by += drive.drive_cut * f64::from(drive.cut == 0.0),
                 Kind::Limit => *by += drive.cut,
                 Kind::Offset => *by += drive.by_error,
-                Kind::Unknown(f) => *by += self.functions[i][f],
                 _ => {}
             }
         }
     }
 
-    /// Friction and rotor of a joint.
+    /// Friction, rotor and unknown torque of a joint.
+    #[inline(always)]
     fn joints_by_parameters(&mut self, h: f64) {
         let p = self.parameters.len();
         for (k, parameter) in self.parameters.iter().enumerate() {
@@ -192,6 +210,7 @@ impl State<'_> {
                 }
                 Kind::Load => sign * drive.transmitted.abs(),
                 Kind::Armature => self.acceleration[i],
+                Kind::Unknown(f) => -self.functions[i][f],
                 _ => continue,
             };
             if slip != Slip::Stick {
