@@ -33,6 +33,10 @@ pub struct Arguments {
     /// Say which base parameters and which effects the motion would show, and from which size on.
     #[arg(long)]
     pub plan: bool,
+    /// Write commands for `residyn replay` instead: ramps, steps and holds joint by joint, and a sweep of all. They part gain, friction,
+    /// damping, inertia and delay of each drive. Record them twice, without and with a known load.
+    #[arg(long, conflicts_with_all = ["plan", "method", "criterion", "against", "json", "html", "trajectories", "period"])]
+    pub replay: bool,
     /// Judge this motion instead of designing one: a file of this program, or a recording. Nothing else is written.
     #[arg(long, value_name = "FILE", requires = "plan", conflicts_with_all = ["method", "criterion", "against", "out"])]
     pub motion: Option<PathBuf>,

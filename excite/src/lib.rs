@@ -5,6 +5,7 @@
 
 mod arguments;
 mod columns;
+mod commands;
 mod design;
 mod failure;
 mod judged;

@@ -2,9 +2,10 @@
 
 use crate::arguments::{Arguments, Method};
 use crate::columns::{extras, usual_noise};
+use crate::commands::commands;
 use crate::design::{Designed, design};
 use crate::judged::{Coverage, conditions, coverage};
-use crate::limits::{each, given};
+use crate::limits::{Given, each, given};
 use crate::motion::{Labelled, from_file, sampled};
 use crate::plan::plan;
 use crate::summary::{Summary, Trajectory};
@@ -33,6 +34,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         limit
             .check(j)
             .map_err(|e| crate::failure::of(&e, &robot.joint_names()))?;
+    }
+    if arguments.replay {
+        return for_replay(arguments, &given, &robot.joint_names());
     }
     let noise = match each("--noise", &arguments.noise, robot.dof())? {
         Some(noise) => noise,
@@ -88,15 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     spinner.finish_and_clear();
     // Files first: nothing is printed of a run whose files cannot be written.
     if designed.is_some() {
-        write_reference(motion, &labelled.labels, &arguments.out).map_err(|e| {
-            let input = matches!(e.problem, datasets::write::WriteProblem::UnknownFormat(_));
-            let text = e.to_string();
-            if input {
-                Failure::input(text, "")
-            } else {
-                Failure::other(text)
-            }
-        })?;
+        write(&labelled, arguments)?;
     }
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&summary).expect("numbers and strings");
@@ -112,6 +108,45 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         );
     }
     Ok(())
+}
+
+/// Commands for a replay, and what each part of them shows.
+fn for_replay(arguments: &Arguments, given: &Given, names: &[String]) -> Result<(), Failure> {
+    let (labelled, shows) = commands(given, arguments.share, arguments.rate, names)?;
+    write(&labelled, arguments)?;
+    if arguments.quiet {
+        return Ok(());
+    }
+    for ((label, segment), what) in labelled
+        .labels
+        .iter()
+        .zip(&labelled.motion.segments)
+        .zip(shows)
+    {
+        report::say!(
+            "{label}: {:.0} s, {what}",
+            segment.len() as f64 / arguments.rate
+        );
+    }
+    report::say!(
+        "Record them twice, without and with a known load: `residyn replay --before WITHOUT --data WITH …` finds the load in the scale of the \
+         description's masses, and what it should be gives the true scale."
+    );
+    report::say!("{}", screen::COLLISIONS);
+    report::say!("Commands: {}", arguments.out.display());
+    Ok(())
+}
+
+fn write(labelled: &Labelled, arguments: &Arguments) -> Result<(), Failure> {
+    write_reference(&labelled.motion, &labelled.labels, &arguments.out).map_err(|e| {
+        let input = matches!(e.problem, datasets::write::WriteProblem::UnknownFormat(_));
+        let text = e.to_string();
+        if input {
+            Failure::input(text, "")
+        } else {
+            Failure::other(text)
+        }
+    })
 }
 
 fn trajectories(labelled: &Labelled, designed: Option<&Designed>) -> Vec<Trajectory> {

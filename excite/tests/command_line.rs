@@ -378,3 +378,40 @@ fn what_cannot_hold_is_refused_with_the_reason() {
     std::fs::write(f.path("still.urdf"), turning).unwrap();
     f.refused(&["--robot", "still.urdf"], &["j1", "--velocity"]);
 }
+
+#[test]
+fn commands_for_a_replay_say_what_they_show() {
+    let folder = Folder::new();
+    let said = folder.good(&[
+        "--robot",
+        "ur5",
+        "--replay",
+        "--rate",
+        "50",
+        "--out",
+        "commands.csv",
+    ]);
+    for fragment in [
+        "ramp shoulder_pan_joint: ",
+        "steps wrist_3_joint: ",
+        "holds: ",
+        "sweep: ",
+        "Collisions are not checked",
+    ] {
+        assert!(said.contains(fragment), "no `{fragment}` in {said}");
+    }
+    let (header, rows) = table(&folder.path("commands.csv"));
+    assert!(header.iter().any(|h| h == "q_ref6") && header.iter().any(|h| h == "qd_ref6"));
+    // A ramp and steps of each joint, holds and a sweep: some minutes, all numbers.
+    assert!(
+        (120 * 50..900 * 50).contains(&rows.len()),
+        "{} rows",
+        rows.len()
+    );
+    assert!(rows.iter().flatten().all(|v| v.is_finite()));
+    folder.refused(
+        &["--replay", "--tool-box=-1:1,-1:1,0:1"],
+        &["regions of the tool", "--position"],
+    );
+    folder.refused(&["--replay", "--plan"], &["cannot be used with"]);
+}
