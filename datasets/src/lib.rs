@@ -32,7 +32,7 @@ pub mod write;
 pub use columns::{Affine, ColumnMap, Group, Part, ReadOptions};
 pub use error::{Problem, ReadError};
 pub use folds::Folds;
-pub use overlap::overlap;
+pub use overlap::{holds, kept_rows, overlap};
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use read::read;
 pub use recording::{Recording, Trajectory};

@@ -91,9 +91,8 @@ pub fn record(robot: &Robot, plan: &Plan) -> Recording {
             range: k * samples..(k + 1) * samples,
         });
     }
-    for j in 0..n {
-        let column = tau.column(j);
-        let size = column.iter().fold(0.0_f64, |m, t| m.max(t.abs())).max(1.0);
+    let sizes = largest(&tau);
+    for (j, size) in sizes.into_iter().enumerate() {
         for row in 0..rows {
             let v: f64 = qd[[row, j]];
             let cold = 1.0 + COLD * (-time[row] / WARMING).exp();
@@ -107,6 +106,20 @@ pub fn record(robot: &Robot, plan: &Plan) -> Recording {
         trajectories,
         ..Recording::new("synthetic", time, q, Some(tau))
     }
+}
+
+/// Largest torque of each joint, 1 N·m (N) at least.
+fn largest(tau: &Array2<f64>) -> Vec<f64> {
+    let of = |c: ndarray::ArrayView1<f64>| c.iter().fold(1.0_f64, |m, t| m.max(t.abs()));
+    tau.columns().into_iter().map(of).collect()
+}
+
+/// Viscous, N·m·s/rad (N·s/m), and Coulomb friction, N·m (N), of each joint of a cold robot that [`record`] records, from its recording. The noise and
+/// ripple in the largest torque make them a few per cent too large.
+pub fn friction(recording: &Recording) -> Vec<[f64; 2]> {
+    let tau = recording.tau.as_ref().expect("torque was recorded");
+    let of = |size: f64| [FRICTION[0] * (1.0 + COLD) * size, FRICTION[1] * size];
+    largest(tau).into_iter().map(of).collect()
 }
 
 /// Records `robot` into a CSV file `name` of `folder`.

@@ -150,6 +150,17 @@ pub struct Source {
     pub samples: usize,
     /// Number of trajectories.
     pub trajectories: usize,
+    /// Some rows in motion, positions (rad, m), then torques (N·m, N): they tell the recording under another name and in another format.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl Provenance {
+    /// Name of a training recording that `recording` is, or of which it holds a part; none where it is another one.
+    pub fn fitted(&self, recording: &Recording) -> Option<&str> {
+        let here = |r: &&Source| datasets::holds(recording, &r.rows);
+        self.recordings.iter().find(here).map(|r| r.name.as_str())
+    }
 }
 
 impl Source {
@@ -165,6 +176,7 @@ impl Source {
             sha256: sha256_of(path).unwrap_or_default(),
             samples: recording.len(),
             trajectories: recording.trajectories.len(),
+            rows: datasets::kept_rows(recording),
         }
     }
 }

@@ -192,6 +192,9 @@ pub fn evaluate(
         )?);
     }
     let mut notes = notes(&session, 0, file);
+    if let Some(name) = file.provenance.fitted(&recording) {
+        notes.insert(0, format!("The model was fitted on rows of this recording ({name}): its scores say nothing about other motions."));
+    }
     if positions.is_some() {
         notes.push(format!("{PHYSICS_FORWARD}: positions from the recorded torque and the first position of each trajectory, by solving the model for the motion (train forward); every position has seen the torque of its whole trajectory. Its figures are about positions, RMSE in rad (m)."));
     }

@@ -7,13 +7,13 @@ use super::error::LeaderboardError;
 use super::inference;
 use crate::baseline::FORWARD;
 use crate::baseline::published::Task;
-use crate::directory::{ModelFile, Source, Timing};
+use crate::directory::{ModelFile, Timing};
 use crate::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
 use crate::inversion::PHYSICS_FORWARD;
 use crate::residual::{self, Yardsticks};
 use crate::tables::{RIDGE, TREES};
 use compensator::training::Trees;
-use datasets::{Part, Recording, read};
+use datasets::{Part, read};
 use feedforward::network::Compensator;
 use feedforward::{Feedforward, LoadError};
 use ndarray::{Array2, Axis};
@@ -131,7 +131,7 @@ impl<'a> Contestant<'a> {
             measured,
             compensator: residual::load(directory, file)?,
             timing: Timing::load(directory)?,
-            fitted_on_it: fitted_on(file, &scored.recording),
+            fitted_on_it: file.provenance.fitted(&scored.recording).is_some(),
         })
     }
 
@@ -230,13 +230,6 @@ impl<'a> Contestant<'a> {
             ..Entry::of(model, &self.name, judged)
         }
     }
-}
-
-/// Whether a model was fitted on this recording. The benchmark's file holds two parts of different length.
-fn fitted_on(file: &ModelFile, recording: &Recording) -> bool {
-    let own = Source::of(recording);
-    let same = |r: &Source| r.sha256 == own.sha256 && r.samples == own.samples;
-    !own.sha256.is_empty() && file.provenance.recordings.iter().any(same)
 }
 
 /// Number of weights of the active units, over all members.

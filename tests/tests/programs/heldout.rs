@@ -1,6 +1,7 @@
 //! What a held-out recording may be, and what is said of one beyond what was taught.
 
 use physics::robot::Robot;
+use tests::csv::Csv;
 use tests::program::{program, run};
 use tests::synthetic::{Plan, record, record_to};
 
@@ -12,12 +13,52 @@ fn what_is_fitted_scores_nothing() {
     let whole = record(&robot, &Plan::default());
     let part = folder.path().join("part.parquet");
     datasets::write(&whole.select(&[1]), &part).expect("writable");
-    for heldout in [&data, &part] {
+    // The same in another format, with fewer digits and names of another style.
+    let mut rounded = Csv::of(&whole);
+    for cell in rounded.rows.iter_mut().flat_map(|row| &mut row[..]) {
+        if let Ok(value) = cell.parse::<f64>() {
+            *cell = format!("{value:.4}");
+        }
+    }
+    for name in &mut rounded.header {
+        *name = name.replace("tau", "effort_").replace('q', "position_");
+    }
+    let copy = folder.path().join("other.csv");
+    rounded.write(&copy);
+    for heldout in [&data, &part, &copy] {
         let mut train = program("train");
         train.args(["--robot", "ur5", "--basic", "--physics-only", "--data"]);
         train.arg(&data).arg("--out").arg(folder.path().join("out"));
         run(train.arg("--heldout").arg(heldout))
             .refused(&["rows stand in the recordings", "fitted"]);
+    }
+    let model = folder.path().join("model");
+    let mut train = program("train");
+    train.args(["--robot", "ur5", "--basic", "--physics-only", "--data"]);
+    run(train.arg(&data).arg("--out").arg(&model)).succeeded();
+    let new = record_to(
+        folder.path(),
+        "new.csv",
+        &robot,
+        &Plan {
+            seed: 7,
+            ..Plan::default()
+        },
+    );
+    for (scored, fitted) in [(&data, true), (&part, true), (&copy, true), (&new, false)] {
+        let mut eval = program("eval");
+        let said = run(eval.arg("--model").arg(&model).arg("--data").arg(scored));
+        let said = said
+            .succeeded()
+            .out
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        assert_eq!(
+            said.contains("fitted on rows of this recording (a.csv)"),
+            fitted,
+            "{said}"
+        );
     }
 }
 

@@ -7,6 +7,7 @@ mod first_screen;
 mod forward;
 mod heldout;
 mod interruption;
+mod kinds;
 mod leaderboard;
 mod mjcf;
 mod onnx;

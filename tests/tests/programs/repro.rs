@@ -308,3 +308,81 @@ fn tables_clocks_and_logs() {
         ),
     ]);
 }
+
+/// What a program answers in a folder of the field, both streams, on one line.
+fn field(folder: &str, name: &str, arguments: &[&str]) -> Option<String> {
+    let folder = shared(&format!("repro/field/{folder}"))?;
+    let ended = run(program(name).current_dir(&folder).args(arguments));
+    let said = format!("{}\n{}", ended.out, ended.err);
+    Some(said.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+#[test]
+fn motions_units_and_angles_of_the_field() {
+    let out = tempfile::tempdir().expect("a temporary folder");
+    let model = out.path().join("model");
+    let model = model.to_str().expect("a name in UTF-8");
+    let taught = |robot: &'static str, data: &[&'static str]| {
+        let given = [
+            &["--robot", robot, "--physics-only", "--out", model, "--data"],
+            data,
+        ];
+        given.concat()
+    };
+    let percent = [
+        "--check-only",
+        "--robot",
+        "arm.urdf",
+        "--drive",
+        "explicit.toml",
+        "--data",
+    ];
+    let right_angle = "15 base parameters of the rigid body";
+    let twice = [
+        "--robot", "arm.urdf", "--before", "run1.csv", "--data", "run2.csv",
+    ];
+    let fast = ["slow-1.csv", "slow-2.csv", "--heldout", "fast.csv"];
+    for (folder, name, arguments, said) in [
+        (
+            "same-motion-twice",
+            "diagnose",
+            twice.to_vec(),
+            "Nothing has changed beyond noise",
+        ),
+        (
+            "slow-then-fast",
+            "train",
+            taught("arm.urdf", &fast),
+            "lie outside what was taught",
+        ),
+        (
+            "rounded-right-angle",
+            "train",
+            taught("exact.urdf", &["data.csv"]),
+            right_angle,
+        ),
+        (
+            "rounded-right-angle",
+            "train",
+            taught("rounded.urdf", &["data.csv"]),
+            right_angle,
+        ),
+        (
+            "percent-of-range",
+            "train",
+            [&percent[..], &["dataset"]].concat(),
+            "per cent of each motor's range",
+        ),
+        (
+            "percent-of-range",
+            "train",
+            [&percent[..], &["dataset-deg"]].concat(),
+            r#"units.angle = "deg""#,
+        ),
+    ] {
+        let Some(answer) = field(folder, name, &arguments) else {
+            return;
+        };
+        assert!(answer.contains(said), "{folder}: no `{said}` in {answer}");
+    }
+}
