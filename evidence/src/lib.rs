@@ -10,4 +10,4 @@ mod quadratic;
 mod search;
 
 pub use quadratic::{Mode, Prior, Quadratic};
-pub use search::{Decision, Family, Hypothesis, Swap, about, decide, log_prior, simplest};
+pub use search::{Decision, Family, Hypothesis, Swap, about, decide, log_prior};

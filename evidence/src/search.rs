@@ -18,8 +18,8 @@ pub struct Family {
     pub odds: f64,
     /// Number of places where it can act.
     pub places: usize,
-    /// Whether each place is independent of the others. Otherwise what acts at one place is likely to act at more: the
-    /// number of places k has the probability 1/k in proportion, and every set of that many is as probable as every other.
+    /// Whether each place is independent of the others. Otherwise what acts at one place is likely to act at more: every
+    /// number of places is as probable as every other, and so is every set of that many.
     pub independent: bool,
 }
 
@@ -36,8 +36,7 @@ impl Family {
         let sets: f64 = (0..k)
             .map(|i| ((self.places - i) as f64 / (i + 1) as f64).ln())
             .sum();
-        let all: f64 = (1..=self.places).map(|i| 1.0 / i as f64).sum();
-        self.odds.ln() - (k as f64).ln() - all.ln() - sets
+        self.odds.ln() - (self.places as f64).ln() - sets
     }
 }
 
@@ -82,7 +81,6 @@ pub fn decide(
         always,
         hypotheses,
         families,
-        shown: shown(quadratic, priors, hypotheses),
     };
     let (mut set, mut best) = space.possible_part(start);
     loop {
@@ -112,35 +110,9 @@ pub fn about(
         always,
         hypotheses,
         families,
-        shown: shown(quadratic, priors, hypotheses),
     };
     let best = space.log_posterior(set);
     space.about(set.to_vec(), best)
-}
-
-/// Sets of one hypothesis, and of one family at all of its places, most probable first.
-pub fn simplest(
-    quadratic: &Quadratic,
-    priors: &[Prior],
-    always: &[usize],
-    hypotheses: &[Hypothesis],
-    families: &[Family],
-) -> Vec<Vec<usize>> {
-    let space = Space {
-        quadratic,
-        priors,
-        always,
-        hypotheses,
-        families,
-        shown: shown(quadratic, priors, hypotheses),
-    };
-    let weighed = space
-        .neighbours(&[])
-        .into_iter()
-        .map(|set| (space.log_posterior(&set), set));
-    let mut sets: Vec<(f64, Vec<usize>)> = weighed.filter(|(v, _)| v.is_finite()).collect();
-    sets.sort_by(|a, b| b.0.total_cmp(&a.0));
-    sets.into_iter().map(|(_, set)| set).collect()
 }
 
 /// Logarithm of the prior odds of a set.
@@ -160,21 +132,6 @@ struct Space<'a> {
     always: &'a [usize],
     hypotheses: &'a [Hypothesis],
     families: &'a [Family],
-    /// Whether the data could show each hypothesis.
-    shown: Vec<bool>,
-}
-
-/// Information times prior variance from which on the posterior deviation is at most half of the prior's.
-const HALVED: f64 = 3.0;
-
-/// Hypotheses on which the data bear: on at least one of their parameters they could halve the prior's deviation, all others
-/// given. Of others the prior alone would decide, and where a family acts it says that all of its places do.
-fn shown(quadratic: &Quadratic, priors: &[Prior], hypotheses: &[Hypothesis]) -> Vec<bool> {
-    let halved = |&i: &usize| quadratic.information[(i, i)] * priors[i].deviation.powi(2) >= HALVED;
-    hypotheses
-        .iter()
-        .map(|h| h.parameters.iter().any(halved))
-        .collect()
 }
 
 impl Space<'_> {
@@ -198,8 +155,7 @@ impl Space<'_> {
 
     /// The start without what stands at its bound: a neighbour may hold another such.
     fn possible_part(&self, start: &[usize]) -> (Vec<usize>, f64) {
-        let shown = start.iter().copied().filter(|&h| self.shown[h]);
-        let mut set: Vec<usize> = shown.collect();
+        let mut set = start.to_vec();
         set.sort_unstable();
         loop {
             match self.value(&set) {
@@ -214,9 +170,7 @@ impl Space<'_> {
     }
 
     fn neighbours(&self, set: &[usize]) -> Vec<Vec<usize>> {
-        let all: Vec<usize> = (0..self.hypotheses.len())
-            .filter(|&h| self.shown[h])
-            .collect();
+        let all: Vec<usize> = (0..self.hypotheses.len()).collect();
         let outside = || all.iter().filter(|&&h| !set.contains(&h));
         let mut out: Vec<Vec<usize>> = outside().map(|&h| with(set, h)).collect();
         for &gone in set {
@@ -233,7 +187,7 @@ impl Space<'_> {
             if acting > 1 {
                 out.push(others.clone().collect());
             }
-            if places > acting + 1 {
+            if places - acting > 1 {
                 let mut every: Vec<usize> = others.chain(all.iter().copied().filter(own)).collect();
                 every.sort_unstable();
                 out.push(every);
@@ -249,8 +203,7 @@ impl Space<'_> {
         for &h in &set {
             inclusion[h] += 1.0;
         }
-        let mut swaps: Vec<Vec<Swap>> = vec![Vec::new(); set.len()];
-        let mut dropped = vec![0.0; set.len()];
+        let mut swaps = vec![Vec::new(); set.len()];
         for other in self.neighbours(&set) {
             let weight = (self.log_posterior(&other) - best).exp().min(1.0);
             total += weight;
@@ -260,9 +213,6 @@ impl Space<'_> {
             let gone: Vec<usize> = (0..set.len())
                 .filter(|&k| !other.contains(&set[k]))
                 .collect();
-            if let (&[k], true) = (&gone[..], other.len() < set.len()) {
-                dropped[k] = weight;
-            }
             let came: Vec<usize> = other.iter().copied().filter(|h| !set.contains(h)).collect();
             if let ([gone], [came]) = (&gone[..], &came[..]) {
                 swaps[*gone].push(Swap {
@@ -274,9 +224,7 @@ impl Space<'_> {
         for p in &mut inclusion {
             *p /= total;
         }
-        for (list, dropped) in swaps.iter_mut().zip(dropped) {
-            // What adds nothing to the set without the member does not stand in its place.
-            list.retain(|swap| swap.weight > dropped);
+        for list in &mut swaps {
             list.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         }
         Decision {
@@ -403,40 +351,15 @@ mod tests {
             places: 4,
             independent: false,
         };
-        // Four numbers of places with 1 + 1/2 + 1/3 + 1/4 = 25/12. One of four places, two (six sets), all.
-        let of =
-            |k: usize, share: f64| (shared.log_prior(k) - (0.1 * share * 12.0 / 25.0).ln()).abs();
-        assert!(of(1, 1.0 / 4.0) < 1e-12);
-        assert!(of(2, 1.0 / 12.0) < 1e-12);
-        assert!(of(4, 1.0 / 4.0) < 1e-12);
-        let all: f64 = [(1, 4.0), (2, 6.0), (3, 4.0), (4, 1.0)]
-            .map(|(k, sets)| sets * shared.log_prior(k).exp())
-            .iter()
-            .sum();
-        assert!((all - 0.1).abs() < 1e-12);
+        // All four places: 0.1 · 1/4 · 1; one place: 0.1 · 1/4 · 1/4.
+        assert!((shared.log_prior(4) - (0.025f64).ln()).abs() < 1e-12);
+        assert!((shared.log_prior(1) - (0.1f64 / 16.0).ln()).abs() < 1e-12);
+        assert!((shared.log_prior(2) - (0.1f64 / 24.0).ln()).abs() < 1e-12);
         let apart = Family {
             independent: true,
             ..shared
         };
         assert!((apart.log_prior(4) - 4.0 * (0.1f64).ln()).abs() < 1e-12);
-    }
-
-    #[test]
-    fn what_the_data_do_not_bear_on_is_not_listed() {
-        // One place is shown to act. The prior alone would have all four act.
-        let shared = Family {
-            odds: 0.1,
-            places: 4,
-            independent: false,
-        };
-        let (mut quadratic, priors, mut hypotheses, _) = simple(&[9.0, 0.0, 0.0, 0.0]);
-        hypotheses.iter_mut().for_each(|h| h.family = 0);
-        for i in 1..4 {
-            quadratic.information[(i, i)] = 0.0;
-        }
-        let decision = decide(&quadratic, &priors, &[], &hypotheses, &[shared], &[1]);
-        assert_eq!(decision.set, [0]);
-        assert_eq!(decision.inclusion[1], 0.0);
     }
 
     #[test]

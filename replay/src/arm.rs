@@ -1,8 +1,8 @@
 //! The simulated arm under its drives: every value that a replay depends on.
 
 use crate::parameter::{Kind, Parameter};
-use crate::smooth::Smooth;
 use physics::robot::{PARAMETERS_PER_LINK, Robot, RobotError};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Integral action of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -57,12 +57,15 @@ pub struct Joint {
     pub load: f64,
     /// Rotor inertia seen from the link, kg·m².
     pub armature: f64,
-    /// Smooth torque that no mechanism explains.
-    pub unknown: Smooth,
+    /// Coefficients of a smooth torque that no mechanism explains, N·m.
+    pub unknown: [f64; UNKNOWN],
 }
 
 /// Longest step of integration of a motion that is scored, s.
 pub const STEP: f64 = 1e-3;
+
+/// Number of functions that stand for an unknown effect on a joint.
+pub const UNKNOWN: usize = 8;
 
 /// A simulated arm: rigid bodies, joints, drives.
 #[derive(Debug, Clone)]
@@ -79,9 +82,8 @@ pub struct Arm {
     pub delay: f64,
     /// Part of the given description's gravity that the drive compensates by itself.
     pub gravity_compensation: f64,
-    /// Body at the last link, in its joint frame: mass (kg), first moment (kg·m) and moment of inertia about every axis
-    /// (kg·m²).
-    pub payload: [f64; 5],
+    /// Body at the last link, in its joint frame: mass (kg) and first moment (kg·m).
+    pub payload: [f64; 4],
     /// Factors on the links' inertial parameters.
     pub link_scale: Vec<f64>,
     /// Rotation of gravity about the base's x and y, rad.
@@ -109,7 +111,7 @@ impl Arm {
                 stribeck_velocity: 0.1,
                 load: 0.0,
                 armature: j.rotor_inertia,
-                unknown: Smooth::default(),
+                unknown: [0.0; UNKNOWN],
             })
             .collect();
         let n = robot.dof();
@@ -120,7 +122,7 @@ impl Arm {
             servos,
             delay: 0.0,
             gravity_compensation: 0.0,
-            payload: [0.0; 5],
+            payload: [0.0; 4],
             link_scale: vec![1.0; n],
             tilt: [0.0; 2],
             zero: vec![0.0; n],
@@ -161,7 +163,6 @@ impl Arm {
             Kind::Damping => j.damping,
             Kind::Coulomb => j.coulomb,
             Kind::Stribeck => j.stribeck,
-            Kind::StribeckVelocity => j.stribeck_velocity,
             Kind::Load => j.load,
             Kind::Armature => j.armature,
             Kind::GravityCompensation => self.gravity_compensation,
@@ -169,7 +170,7 @@ impl Arm {
             Kind::LinkScale => self.link_scale[p.joint],
             Kind::Tilt(k) => self.tilt[k],
             Kind::Zero => self.zero[p.joint],
-            Kind::Unknown(k) => j.unknown.coefficients[k],
+            Kind::Unknown(k) => j.unknown[k],
         }
     }
 
@@ -199,7 +200,6 @@ impl Arm {
                 Kind::Damping => j.damping = value,
                 Kind::Coulomb => j.coulomb = value,
                 Kind::Stribeck => j.stribeck = value,
-                Kind::StribeckVelocity => j.stribeck_velocity = value,
                 Kind::Load => j.load = value,
                 Kind::Armature => j.armature = value,
                 Kind::GravityCompensation => self.gravity_compensation = value,
@@ -207,7 +207,7 @@ impl Arm {
                 Kind::LinkScale => self.link_scale[p.joint] = value,
                 Kind::Tilt(k) => self.tilt[k] = value,
                 Kind::Zero => self.zero[p.joint] = value,
-                Kind::Unknown(k) => j.unknown.coefficients[k] = value,
+                Kind::Unknown(k) => j.unknown[k] = value,
             }
         }
         if bodies {
@@ -239,8 +239,32 @@ impl Arm {
     }
 }
 
-/// Inertial parameters of a payload from mass, first moment and moment of inertia.
-pub(crate) fn payload(fitted: &[f64; 5]) -> [f64; PARAMETERS_PER_LINK] {
-    let [m, x, y, z, i] = *fitted;
+/// Radius of gyration about the joint's origin that a payload's mass is given, m: its inertia hardly shows beside its weight,
+/// and with a fixed one the body is linear in what is fitted.
+const GYRATION: f64 = 0.1;
+
+/// Inertial parameters of a payload from mass and first moment.
+pub(crate) fn payload(fitted: &[f64; 4]) -> [f64; PARAMETERS_PER_LINK] {
+    let [m, x, y, z] = *fitted;
+    let i = m * GYRATION * GYRATION;
     [m, x, y, z, i, 0.0, i, 0.0, 0.0, i]
+}
+
+/// Value of the smooth functions of an unknown torque at position, velocity and command (rad, rad/s), each of size one:
+/// two harmonics of position, and saturating functions of velocity and of the command's rate of change.
+pub(crate) fn unknown(q: f64, qd: f64, command_rate: f64) -> [f64; UNKNOWN] {
+    // Walking speed of a joint: velocities beyond it count as fast.
+    let slow = 0.2;
+    let v = qd / (qd.abs() + slow);
+    let r = command_rate / (command_rate.abs() + slow);
+    [
+        FRAC_1_SQRT_2,
+        q.sin(),
+        q.cos(),
+        (2.0 * q).sin(),
+        (2.0 * q).cos(),
+        v,
+        v * v.abs(),
+        r,
+    ]
 }

@@ -22,7 +22,6 @@ pub mod place;
 pub mod schema;
 pub mod score;
 pub mod simulate;
-pub mod smooth;
 pub mod tracks;
 pub mod words;
 

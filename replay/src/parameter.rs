@@ -27,15 +27,13 @@ pub enum Kind {
     Coulomb,
     /// Friction at standstill beyond Coulomb's.
     Stribeck,
-    /// Velocity over which that falls.
-    StribeckVelocity,
     /// Friction per torque.
     Load,
     /// Rotor inertia.
     Armature,
     /// Part of gravity that the drives compensate.
     GravityCompensation,
-    /// Mass, first moment and moment of inertia of a payload.
+    /// Mass and first moment of a payload.
     Payload(usize),
     /// Factor on a link's inertial parameters.
     LinkScale,
@@ -75,11 +73,7 @@ impl Kind {
     /// How it is searched for.
     pub fn scale(self) -> Scale {
         match self {
-            Self::Gain
-            | Self::DriveLimit
-            | Self::Limit
-            | Self::LinkScale
-            | Self::StribeckVelocity => Scale::Log,
+            Self::Gain | Self::DriveLimit | Self::Limit | Self::LinkScale => Scale::Log,
             Self::ServoDamping
             | Self::Integral
             | Self::Delay
@@ -90,7 +84,7 @@ impl Kind {
             | Self::Stribeck
             | Self::Load
             | Self::Armature
-            | Self::Payload(0 | 4) => Scale::Positive,
+            | Self::Payload(0) => Scale::Positive,
             Self::Offset
             | Self::GravityCompensation
             | Self::Payload(_)

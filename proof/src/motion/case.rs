@@ -119,7 +119,6 @@ fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     }
     let scene = Scene {
         real: &base,
-        stated: &nominal,
         torque: &torque,
         tolerance,
         period,

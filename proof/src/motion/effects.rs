@@ -102,8 +102,6 @@ impl Shape {
 pub struct Scene<'a> {
     /// The robot without it.
     pub real: &'a Real,
-    /// The robot as it is stated.
-    pub stated: &'a Real,
     /// By joint the largest torque that its motions take, N·m.
     pub torque: &'a [f64],
     /// Tolerance of the stated gains.
@@ -121,7 +119,6 @@ pub fn draw(name: &'static str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<S
     let (torque, inertia) = (scene.torque[j], real.arm.inertia().ok()?[j]);
     let usual = rng.random_range(0.7..1.4);
     let tolerance = scene.tolerance;
-    let (kp, kd) = (scene.stated.kp[j], scene.stated.kd[j]);
     let period = scene.period;
     let on = |change: Box<Change>| {
         Some(Shape {
@@ -140,11 +137,11 @@ pub fn draw(name: &'static str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<S
     match name {
         // Beyond what the stated tolerance makes of it.
         "servo_gain" => on(Box::new(move |r, s| {
-            r.kp[j] = kp * (side * (0.45 * usual * s + 2.5 * tolerance)).exp();
+            r.kp[j] *= (side * (0.45 * usual * s + 2.5 * tolerance)).exp();
             Ok(vec![("kp", r.kp[j])])
         })),
         "servo_damping" if real.rates => on(Box::new(move |r, s| {
-            r.kd[j] = kd * (side * (0.5 * usual * s + 2.5 * tolerance)).exp();
+            r.kd[j] *= (side * (0.5 * usual * s + 2.5 * tolerance)).exp();
             Ok(vec![("kd", r.kd[j])])
         })),
         "command_delay" => whole(Box::new(move |r, s| {

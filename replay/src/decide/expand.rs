@@ -2,11 +2,12 @@
 
 use super::free::Entry;
 use crate::arm::Arm;
-use crate::catalogue::{Effect, Mechanism};
+use crate::catalogue::{self, Effect, Mechanism, Sizes};
 use crate::fit::{Free, Noise, by_trajectory, local, sums};
 use crate::given::Given;
 use crate::parameter::Parameter;
 use crate::simulate::{Track, Unstable};
+use crate::tracks::Replayed;
 use evidence::{Decision, Family, Hypothesis, Prior, Quadratic, decide};
 
 /// Prior odds of an effect anywhere on the arm: of the dozen effects of the catalogue one is expected.
@@ -64,16 +65,6 @@ impl Expanded {
         )
     }
 
-    pub(super) fn simplest(&self) -> Vec<Vec<usize>> {
-        evidence::simplest(
-            &self.quadratic,
-            &self.priors,
-            &self.always,
-            &self.hypotheses,
-            &self.families,
-        )
-    }
-
     pub(super) fn about(&self, set: &[usize]) -> Decision {
         evidence::about(
             &self.quadratic,
@@ -96,11 +87,9 @@ pub(super) fn hypotheses(mechanisms: &[Mechanism]) -> Vec<Hypothesis> {
     mechanisms.iter().map(of).collect()
 }
 
-/// Expansion about `arm` in the mechanisms that are `asked` for; of others the data say nothing.
 pub(super) fn expand(
     given: &Given,
     mechanisms: &[Mechanism],
-    asked: &[bool],
     always: &[Entry],
     arm: &Arm,
     blocks: &[Track],
@@ -112,10 +101,7 @@ pub(super) fn expand(
     }
     let mut entries: Vec<Entry> = always.to_vec();
     let mut hypotheses = hypotheses(mechanisms);
-    for ((m, own), asked) in mechanisms.iter().zip(&mut hypotheses).zip(asked) {
-        if !asked {
-            continue;
-        }
+    for (m, own) in mechanisms.iter().zip(&mut hypotheses) {
         own.parameters = (entries.len()..entries.len() + m.parameters.len()).collect();
         entries.extend(m.parameters.iter().map(|sized| Entry {
             parameter: sized.parameter,
@@ -177,4 +163,31 @@ pub(super) fn expand(
         hypotheses,
         families: families(given, mechanisms),
     })
+}
+
+/// Joints on which a smooth unknown torque is more probable than not, beside the set, with its probability.
+#[allow(clippy::too_many_arguments)]
+pub(super) fn beside(
+    given: &Given,
+    mechanisms: &[Mechanism],
+    always: &[Entry],
+    arm: &Arm,
+    replayed: &Replayed,
+    noises: &[Noise],
+    set: &[usize],
+    sizes: &Sizes,
+) -> Result<Vec<(usize, f64)>, Unstable> {
+    let mut with: Vec<Mechanism> = set.iter().map(|&m| mechanisms[m].clone()).collect();
+    let start: Vec<usize> = (0..with.len()).collect();
+    let moving: Vec<usize> = (0..arm.dof()).filter(|&j| replayed.moves[j]).collect();
+    with.extend(moving.iter().map(|&j| catalogue::unknown(j, sizes)));
+    let expanded = expand(given, &with, always, arm, &replayed.blocks, noises)?;
+    let decision = expanded.decide(&start);
+    let own = |k: usize| decision.inclusion[start.len() + k];
+    Ok(moving
+        .iter()
+        .enumerate()
+        .map(|(k, &j)| (j, own(k)))
+        .filter(|(_, p)| *p >= 0.5)
+        .collect())
 }

@@ -22,7 +22,7 @@ pub struct Entry {
 pub const RELATIVE: f64 = 0.03;
 
 /// Part of Coulomb friction by which two simulators' laws of friction at standstill differ (a soft constraint creeps).
-pub const STANDSTILL: f64 = 0.1;
+pub(super) const STANDSTILL: f64 = 0.1;
 
 /// Parameters that are free under every hypothesis, with their deviations.
 pub(super) fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {

@@ -1,16 +1,11 @@
 //! Which effects the motion shows: fits, expansion about them, and the decision by evidence.
 
-mod effort;
 mod expand;
 mod free;
-mod neighbour;
 mod refit;
-mod visited;
 
-pub use effort::COARSE;
-pub use free::{RELATIVE, STANDSTILL};
-pub use refit::{named, refit, refit_finely};
-pub use visited::SMALL;
+pub use free::RELATIVE;
+pub use refit::refit;
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::{self, Effect, Mechanism, Sizes};
@@ -18,22 +13,28 @@ use crate::fit::{Effort, Fitted, Free, Noise, descend, fit, noise, objective};
 use crate::given::Given;
 use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
-use effort::{FIRST, LAST, NEXT, SKETCH};
 use evidence::Decision;
-use expand::{Expanded, ODDS, expand, families, family, hypotheses};
-use free::{Entry, always, pinned};
-use visited::{Visited, largest};
+use expand::{ODDS, beside, expand, families, hypotheses};
+use free::{always, pinned};
 
-/// Single effects, of different kinds, that are fitted before the rounds.
-const SINGLES: usize = 4;
+/// Step of fits whose values are a start for others, or stand for what a cause removes, s.
+pub const COARSE: f64 = 4e-3;
 
-/// Rounds of fits around the best set.
-const AROUND: usize = 2;
+/// The first fit from the given values, and fits from a neighbouring set. A tenth of a nat changes nothing that is said.
+const FIRST: Effort = Effort {
+    iterations: 25,
+    gain: 0.5,
+    step: COARSE,
+};
 
-/// Rounds of fit and decision; the set is stable after three in most cases. From a single effect that leaves more than it
-/// should, a second one is found in one.
+const NEXT: Effort = Effort {
+    iterations: 10,
+    gain: 0.1,
+    step: STEP,
+};
+
+/// Rounds of fit and decision; the set is stable after three in most cases.
 const ROUNDS: usize = 5;
-const FEW: usize = 1;
 
 /// The state of a diagnosis: what is free under the causes found.
 #[derive(Debug, Clone)]
@@ -46,27 +47,8 @@ pub struct Found {
     pub fitted: Fitted,
     /// Its free parameters.
     pub free: Vec<Free>,
-    /// Sets around it that were fitted, with their arms.
-    pub around: Vec<(Vec<usize>, Arm)>,
-}
-
-impl Found {
-    /// Joints on which something unknown is more probable than not, with its probability.
-    pub fn unknown(&self) -> Vec<(usize, f64)> {
-        let of = |&m: &usize| {
-            let own = &self.mechanisms[m];
-            let probability = self.decision.inclusion[m];
-            let kept = own.effect == Effect::Unknown && probability >= 0.5;
-            own.joint.filter(|_| kept).map(|j| (j, probability))
-        };
-        self.decision.set.iter().filter_map(of).collect()
-    }
-
-    /// The listed mechanisms that have a name.
-    pub fn named(&self) -> Vec<usize> {
-        let named = |m: &usize| self.mechanisms[*m].effect != Effect::Unknown;
-        self.decision.set.iter().copied().filter(named).collect()
-    }
+    /// Joints on which something unknown is more probable than not, beside the listed mechanisms.
+    pub unknown: Vec<(usize, f64)>,
 }
 
 /// Finds the effects that explain the motion of `replayed`.
@@ -79,341 +61,147 @@ pub fn find(
     mut stage: impl FnMut(&str),
 ) -> Result<Found, Unstable> {
     let sizes = Sizes::of(given, replayed);
-    let mut given = given.clone();
-    given.arm = sizes.scaled(&given.arm);
-    let search = Search {
-        mechanisms: catalogue::mechanisms(&given, replayed, &sizes),
-        always: always(&given, &sizes),
-        given: &given,
-        replayed,
-        floors: replayed
-            .quantum
-            .iter()
-            .map(|q| (q * q / 12.0).max(1e-14))
-            .collect(),
-        // A quarter of a second, until a fit shows its own.
-        correlation: (0.25 / sizes.period).max(1.0),
-    };
-    // From nothing but tolerances; where that does not explain the motion, from all that every servo has, too.
-    let mut visited = search.bare(&mut stage)?;
-    let few = &visited[search.best(&visited)?];
-    if !few.explains(&replayed.tracking) {
-        visited.extend(search.equipped(&mut stage)?);
-    }
-    let others = search.around(&mut visited, &mut stage)?;
-    search.decide(visited, others)
-}
-
-/// What a search needs.
-struct Search<'a> {
-    given: &'a Given,
-    replayed: &'a Replayed,
-    mechanisms: Vec<Mechanism>,
-    always: Vec<Entry>,
-    floors: Vec<f64>,
-    /// Samples that make an independent one, before a fit has shown them.
-    correlation: f64,
-}
-
-impl Search<'_> {
-    fn blocks(&self) -> &[Track] {
-        &self.replayed.blocks
-    }
-
-    /// Noise before a fit has shown its own.
-    fn first(&self) -> Vec<Noise> {
-        let of = |&floor: &f64| Noise {
+    let mechanisms = catalogue::mechanisms(given, replayed, &sizes);
+    let always = always(given, &sizes);
+    let blocks = &replayed.blocks;
+    let floors: Vec<f64> = replayed
+        .quantum
+        .iter()
+        .map(|q| (q * q / 12.0).max(1e-14))
+        .collect();
+    stage("fitting drives and joints");
+    let mut set: Vec<usize> = (0..mechanisms.len())
+        .filter(|&m| is_core(&mechanisms[m]))
+        .collect();
+    let first: Vec<Noise> = floors
+        .iter()
+        .map(|&floor| Noise {
             floor,
-            correlation: self.correlation,
-        };
-        self.floors.iter().map(of).collect()
-    }
-
-    fn free(&self, set: &[usize]) -> Vec<Free> {
-        free::free(self.given, &self.mechanisms, set, &self.always)
-    }
-
-    /// Noise of the fit that leaves least: under it all sets are compared.
-    fn common(&self, visited: &[Visited]) -> Result<Vec<Noise>, Unstable> {
-        let first = self.first();
-        let closest = visited
-            .iter()
-            .min_by(|a, b| a.misfit(&first).total_cmp(&b.misfit(&first)))
-            .map_or(&self.given.arm, |v| &v.fitted.arm);
-        noise(closest, self.blocks(), &self.floors)
-    }
-
-    /// Log posterior of each set at its own fit, nats, up to a constant.
-    fn values(&self, visited: &[Visited], noises: &[Noise]) -> Vec<f64> {
-        let families = families(self.given, &self.mechanisms);
-        let hypotheses = hypotheses(&self.mechanisms);
-        let of = |v: &Visited| {
-            v.log_evidence(noises) + evidence::log_prior(&hypotheses, &families, &v.set)
-        };
-        visited.iter().map(of).collect()
-    }
-
-    /// A set fitted from `about`.
-    fn visit(
-        &self,
-        set: Vec<usize>,
-        about: &Arm,
-        noises: &[Noise],
-        effort: Effort,
-    ) -> Result<Visited, Unstable> {
-        let free = self.free(&set);
-        let mut start = pinned(self.given, about, &free);
-        start.step = effort.step;
-        let fitted = fit(&start, &free, self.blocks(), noises, effort)?;
-        Ok(Visited { set, free, fitted })
-    }
-
-    /// A set sketched from a fit of its neighbour.
-    fn sketch(&self, set: Vec<usize>, neighbour: &Visited) -> Result<Visited, Unstable> {
-        let free = self.free(&set);
-        let (blocks, all, from) = (self.blocks(), &neighbour.free, &neighbour.fitted);
-        let mut start = neighbour::start(self.given, from, all, &free, blocks, SKETCH);
-        start.step = SKETCH.step;
-        let fitted = fit(&start, &free, blocks, &from.noise, SKETCH)?;
-        Ok(Visited { set, free, fitted })
-    }
-
-    /// Sets that are found from nothing but tolerances. About it a large effect is far from linear, so that the likeliest single
-    /// effects are fitted each for itself; the best of them is where the rounds begin.
-    fn bare(&self, stage: &mut impl FnMut(&str)) -> Result<Vec<Visited>, Unstable> {
-        stage("fitting single causes");
-        let (given, blocks, first) = (self.given, self.blocks(), self.first());
-        let free = self.free(&[]);
-        let mut about = given.arm.clone();
-        about.step = COARSE;
-        (about, _) = descend(&about, &free, blocks, &first, FIRST)?;
-        let noises = noise(&about, blocks, &self.floors)?;
-        let nothing = self.visit(Vec::new(), &about, &noises, SKETCH)?;
-        let vague: Vec<usize> = self.unknown(&nothing).into_iter().collect();
-        let simplest = self.expand(&about, &noises, &vague)?.simplest();
-        let mut sketches = vec![nothing];
-        let mut lower = about.clone();
-        let cut = cut(given, &mut lower, &self.mechanisms, &free, blocks, &first)?;
-        if !cut.is_empty() {
-            sketches.push(self.visit(cut, &lower, &noises, SKETCH)?);
-        }
-        let mut tried = Vec::new();
-        for set in simplest {
-            let own = family(&self.mechanisms[set[0]]);
-            if tried.contains(&own) || (tried.len() >= SINGLES && own.0 != Effect::Unknown) {
-                continue;
-            }
-            tried.push(own);
-            // What cannot be simulated with its own fit is no explanation.
-            sketches.extend(self.visit(set, &about, &noises, SKETCH).ok());
-        }
-        let common = self.common(&sketches)?;
-        let values = self.values(&sketches, &common);
-        let best = largest(&values);
-        let Visited { set, fitted, .. } = sketches.swap_remove(best);
-        let own = self.visit(set, &fitted.arm, &common, SKETCH)?;
-        let most = if own.explains(&self.replayed.tracking) {
-            ROUNDS
-        } else {
-            FEW
-        };
-        let mut visited = self.rounds(own.set.clone(), own.fitted.arm.clone(), most, stage)?;
-        visited.push(own);
-        Ok(visited)
-    }
-
-    /// Sets that are found from all that every servo has.
-    fn equipped(&self, stage: &mut impl FnMut(&str)) -> Result<Vec<Visited>, Unstable> {
-        stage("fitting drives and joints");
-        let (given, blocks, first) = (self.given, self.blocks(), self.first());
-        let mut set: Vec<usize> = (0..self.mechanisms.len())
-            .filter(|&m| is_core(&self.mechanisms[m]))
-            .collect();
-        let free = self.free(&set);
-        let mut about = given.arm.clone();
-        about.step = COARSE;
-        (about, _) = descend(&about, &free, blocks, &first, FIRST)?;
-        let cut = cut(given, &mut about, &self.mechanisms, &free, blocks, &first)?;
-        if !cut.is_empty() {
-            set.extend(&cut);
-            set.sort_unstable();
-            (about, _) = descend(&about, &self.free(&set), blocks, &first, FIRST)?;
-        }
-        self.rounds(set, about, ROUNDS, stage)
-    }
-
-    /// Decisions and fits in turn.
-    fn rounds(
-        &self,
-        mut set: Vec<usize>,
-        mut about: Arm,
-        most: usize,
-        stage: &mut impl FnMut(&str),
-    ) -> Result<Vec<Visited>, Unstable> {
-        let mut noises = noise(&about, self.blocks(), &self.floors)?;
-        let mut visited: Vec<Visited> = Vec::new();
-        for _ in 0..most {
-            stage("weighing causes");
-            let next = self.expand(&about, &noises, &set)?.decide(&set).set;
-            if visited.iter().any(|v| v.set == next) {
-                break;
-            }
-            stage("fitting with the causes found");
-            let own = self.visit(next, &about, &noises, SKETCH)?;
-            set.clone_from(&own.set);
-            about.clone_from(&own.fitted.arm);
-            noises = noise(&about, self.blocks(), &self.floors)?;
-            visited.push(own);
-        }
-        Ok(visited)
-    }
-
-    /// Index of the most probable.
-    fn best(&self, visited: &[Visited]) -> Result<usize, Unstable> {
-        let common = self.common(visited)?;
-        Ok(largest(&self.values(visited, &common)))
-    }
-
-    /// Adds fits of what lies around the best set and is far from linear: without each effect, and with something unknown on
-    /// the joint that is explained least, beside the named effects of that joint or in their place. Returns those of the last
-    /// round, with their probabilities relative to the best.
-    fn around(
-        &self,
-        visited: &mut Vec<Visited>,
-        stage: &mut impl FnMut(&str),
-    ) -> Result<Vec<(Visited, f64)>, Unstable> {
-        stage("fitting without each cause");
-        let mut others = Vec::new();
-        let best = visited.swap_remove(self.best(visited)?);
-        let common = self.common(std::slice::from_ref(&best))?;
-        visited.push(self.visit(best.set, &best.fitted.arm, &common, NEXT)?);
-        for round in 0..AROUND {
-            let best = self.best(visited)?;
-            let mut sketches = Vec::new();
-            for set in self.beside(&visited[best]) {
-                sketches.extend(self.sketch(set, &visited[best]).ok());
-            }
-            sketches.push(visited.swap_remove(best));
-            let common = self.common(&sketches)?;
-            let values = self.values(&sketches, &common);
-            let next = largest(&values);
-            let own = sketches.pop().expect("it was put there");
-            visited.push(own);
-            let moves =
-                next < sketches.len() && visited.iter().all(|v| v.set != sketches[next].set);
-            if moves {
-                let (set, arm) = (sketches[next].set.clone(), &sketches[next].fitted.arm);
-                visited.push(self.visit(set, arm, &common, NEXT)?);
-            }
-            if !moves || round + 1 == AROUND {
-                let weights = values.iter().map(|v| (v - values[next]).exp());
-                others = sketches.into_iter().zip(weights).collect();
-                break;
-            }
-        }
-        Ok(others)
-    }
-
-    /// Sets around a fit that are far from linear: without each effect, and with something unknown on the joint that is
-    /// explained least, beside the named effects of that joint or in their place.
-    fn beside(&self, fit: &Visited) -> Vec<Vec<usize>> {
-        let set = &fit.set;
-        let of = |m: usize| family(&self.mechanisms[m]);
-        let mut kinds: Vec<(Effect, bool)> = set.iter().map(|&m| of(m)).collect();
-        kinds.sort_unstable();
-        kinds.dedup();
-        let mut sets: Vec<Vec<usize>> = kinds
-            .into_iter()
-            .map(|kind| set.iter().copied().filter(|&m| of(m) != kind).collect())
-            .collect();
-        if let Some(unknown) = self.unknown(fit).filter(|u| !set.contains(u)) {
-            let joint = self.mechanisms[unknown].joint;
-            let elsewhere = |m: &usize| self.mechanisms[*m].joint != joint;
-            for kept in [set.clone(), set.iter().copied().filter(elsewhere).collect()] {
-                let mut with: Vec<usize> = kept;
-                with.push(unknown);
-                with.sort_unstable();
-                sets.push(with);
-            }
-        }
-        sets.sort_unstable();
-        sets.dedup();
-        sets
-    }
-
-    /// Something unknown on the joint that a fit explains least.
-    fn unknown(&self, fit: &Visited) -> Option<usize> {
-        let joint = Some(fit.least_explained(&self.replayed.tracking));
-        let own = |m: &Mechanism| m.effect == Effect::Unknown && m.joint == joint;
-        self.mechanisms.iter().position(own)
-    }
-
-    /// Expansion in all that has a name, and in what of `set` has none: an unknown torque has more parameters than all else
-    /// on its joint, and is looked for only where the others explain least.
-    fn expand(&self, about: &Arm, noises: &[Noise], set: &[usize]) -> Result<Expanded, Unstable> {
-        let asked: Vec<bool> = (0..self.mechanisms.len())
-            .map(|m| self.mechanisms[m].effect != Effect::Unknown || set.contains(&m))
-            .collect();
-        let (mechanisms, always) = (&self.mechanisms, &self.always);
-        expand(
-            self.given,
-            mechanisms,
-            &asked,
-            always,
-            about,
-            self.blocks(),
-            noises,
-        )
-    }
-
-    /// Decides between fitted sets by the evidence of each at its own fit, and weighs what lies around the best.
-    fn decide(
-        self,
-        mut visited: Vec<Visited>,
-        around: Vec<(Visited, f64)>,
-    ) -> Result<Found, Unstable> {
-        let noises = self.common(&visited)?;
-        let values = self.values(&visited, &noises);
-        let best = largest(&values);
-        let fitted = visited.iter().zip(&values);
-        let others: Vec<(Vec<usize>, f64)> = fitted
-            .map(|(v, value)| (v.set.clone(), (value - values[best]).exp()))
-            .chain(around.iter().map(|(v, weight)| (v.set.clone(), *weight)))
-            .collect();
-        let own = visited.swap_remove(best);
-        let Visited { set, free, fitted } = self.visit(own.set, &own.fitted.arm, &noises, LAST)?;
-        let mut decision = self.expand(&fitted.arm, &noises, &set)?.about(&set);
-        // What a set that was fitted has beside this one is as probable as that fit says.
-        for m in 0..self.mechanisms.len() {
-            let disputed = others
-                .iter()
-                .filter(|(o, _)| o.contains(&m) != set.contains(&m));
-            if let Some(odds) = disputed.map(|(_, w)| *w).reduce(f64::max) {
-                let own = odds / (1.0 + odds);
-                decision.inclusion[m] = if set.contains(&m) { 1.0 - own } else { own };
-            }
-        }
-        // What the fit leaves at nothing is no cause.
-        let acts = |m: usize| {
-            let own = self.mechanisms[m].parameters.iter();
-            let mut own = own.map(|s| s.parameter);
-            own.any(|p| fitted.arm.get(p) != self.given.arm.get(p))
-        };
-        let kept: Vec<bool> = set.iter().map(|&m| acts(m)).collect();
-        let mut keep = kept.iter();
-        decision.swaps.retain(|_| *keep.next().unwrap_or(&true));
-        let mut keep = kept.iter();
-        decision.set.retain(|_| *keep.next().unwrap_or(&true));
-        Ok(Found {
-            mechanisms: self.mechanisms,
-            decision,
-            fitted,
-            free,
-            around: around
-                .into_iter()
-                .map(|(v, _)| (v.set, finely(v.fitted.arm)))
-                .collect(),
+            // A quarter of a second, until the fit shows its own.
+            correlation: (0.25 / sizes.period).max(1.0),
         })
+        .collect();
+    let free = free::free(given, &mechanisms, &set, &always);
+    let (mut about, _) = descend(&given.arm, &free, blocks, &first, FIRST)?;
+    let cut = cut(given, &mut about, &mechanisms, &free, blocks, &first)?;
+    set.extend(&cut);
+    set.sort_unstable();
+    if !cut.is_empty() {
+        let free = free::free(given, &mechanisms, &set, &always);
+        (about, _) = descend(&about, &free, blocks, &first, FIRST)?;
+    }
+    let mut noises = noise(&about, blocks, &floors)?;
+    let mut visited: Vec<Visited> = Vec::new();
+    for _ in 0..ROUNDS {
+        stage("weighing causes");
+        let expanded = expand(given, &mechanisms, &always, &about, blocks, &noises)?;
+        let next = expanded.decide(&set).set;
+        if visited.iter().any(|v| v.set == next) {
+            break;
+        }
+        set = next;
+        stage("fitting with the causes found");
+        let free = free::free(given, &mechanisms, &set, &always);
+        let start = pinned(given, &about, &free);
+        let fitted = fit(&start, &free, blocks, &noises, NEXT)?;
+        noises = noise(&fitted.arm, blocks, &floors)?;
+        about.clone_from(&fitted.arm);
+        visited.push(Visited {
+            set: set.clone(),
+            free,
+            fitted,
+        });
+    }
+    // Where rounds lead from set to set, each expansion says another; then each set's own fit decides.
+    let mut best = (f64::NEG_INFINITY, 0);
+    let mut values = Vec::new();
+    let families = families(given, &mechanisms);
+    let hypotheses = hypotheses(&mechanisms);
+    for (k, v) in visited.iter().enumerate() {
+        let prior = evidence::log_prior(&hypotheses, &families, &v.set);
+        let value = v.log_evidence(blocks, &noises)? + prior;
+        values.push(value);
+        if value > best.0 {
+            best = (value, k);
+        }
+    }
+    let others: Vec<(Vec<usize>, f64)> = visited
+        .iter()
+        .zip(&values)
+        .map(|(v, value)| (v.set.clone(), (value - best.0).exp()))
+        .collect();
+    let Visited {
+        set,
+        free,
+        mut fitted,
+    } = visited.swap_remove(best.1);
+    fitted.noise.clone_from(&noises);
+    let expanded = expand(given, &mechanisms, &always, &fitted.arm, blocks, &noises)?;
+    let mut decision = expanded.about(&set);
+    // What a set that was fitted has beside this one is as probable as that fit says.
+    for m in 0..mechanisms.len() {
+        let disputed = others
+            .iter()
+            .filter(|(o, _)| o.contains(&m) != set.contains(&m));
+        if let Some(odds) = disputed.map(|(_, w)| *w).reduce(f64::max) {
+            let own = odds / (1.0 + odds);
+            decision.inclusion[m] = if set.contains(&m) { 1.0 - own } else { own };
+        }
+    }
+    // What the fit leaves at nothing is no cause.
+    let acts = |m: usize| {
+        let own = mechanisms[m].parameters.iter();
+        let mut own = own.map(|s| s.parameter);
+        own.any(|p| fitted.arm.get(p) != given.arm.get(p))
+    };
+    let kept: Vec<bool> = set.iter().map(|&m| acts(m)).collect();
+    let mut keep = kept.iter();
+    decision.swaps.retain(|_| *keep.next().unwrap_or(&true));
+    let mut keep = kept.iter();
+    decision.set.retain(|_| *keep.next().unwrap_or(&true));
+    stage("looking for something unknown");
+    let unknown = beside(
+        given,
+        &mechanisms,
+        &always,
+        &fitted.arm,
+        replayed,
+        &noises,
+        &decision.set,
+        &sizes,
+    )?;
+    Ok(Found {
+        mechanisms,
+        decision,
+        fitted,
+        free,
+        unknown,
+    })
+}
+
+/// A set that was fitted.
+struct Visited {
+    set: Vec<usize>,
+    free: Vec<Free>,
+    fitted: Fitted,
+}
+
+impl Visited {
+    /// Log evidence by Laplace's method at the set's own fit, nats, up to a constant.
+    fn log_evidence(&self, blocks: &[Track], noises: &[Noise]) -> Result<f64, Unstable> {
+        let value = objective(&self.fitted.arm, &self.free, blocks, noises)?;
+        let mut precision = self.fitted.information.clone();
+        let mut log_prior = 0.0;
+        for (i, f) in self.free.iter().enumerate() {
+            if let Some((_, deviation)) = f.prior {
+                precision[(i, i)] += deviation.powi(-2);
+                log_prior -= deviation.ln();
+            }
+        }
+        let determinant = precision.cholesky().map_or(f64::INFINITY, |c| {
+            c.l_dirty().diagonal().iter().map(|l| l.ln()).sum()
+        });
+        Ok(log_prior - value - determinant)
     }
 }
 
@@ -430,6 +218,7 @@ fn cut(
     noise: &[Noise],
 ) -> Result<Vec<usize>, Unstable> {
     let mut out = Vec::new();
+    about.step = COARSE;
     let mut least = objective(about, free, blocks, noise)?;
     for (m, own) in mechanisms.iter().enumerate() {
         if own.effect != Effect::EffortLimit {
@@ -453,13 +242,8 @@ fn cut(
             out.push(m);
         }
     }
+    about.step = STEP;
     Ok(out)
-}
-
-/// The arm as it is scored.
-fn finely(mut arm: Arm) -> Arm {
-    arm.step = STEP;
-    arm
 }
 
 /// What the first fit frees: a drive and a joint as every servo has them.

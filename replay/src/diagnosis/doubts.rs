@@ -4,7 +4,7 @@ use super::spread::Spread;
 use super::values::named;
 use crate::catalogue::Effect;
 use crate::decide::Found;
-use crate::parameter::{Kind, Parameter, Scale};
+use crate::parameter::{Parameter, Scale};
 use crate::schema::{Candidate, NotIdentifiable};
 use crate::tracks::Replayed;
 
@@ -103,13 +103,7 @@ pub(super) fn not_identifiable(
             reason: "it never moves, and no command asks it to".to_owned(),
         });
     }
-    let has_name = |p: Parameter| !matches!(p.kind, Kind::Unknown(_));
-    for (i, f) in found
-        .free
-        .iter()
-        .enumerate()
-        .filter(|f| has_name(f.1.parameter))
-    {
+    for (i, f) in found.free.iter().enumerate() {
         let p = f.parameter;
         let bound = p.kind.scale() == Scale::Positive && found.fitted.x[i] <= 0.0;
         if bound && effect_of(p).is_some() {
@@ -125,13 +119,7 @@ pub(super) fn not_identifiable(
         } else if spread.deviation[i] > 0.5 * spread.prior[i] {
             faint.push(p);
         }
-        for (k, other) in found
-            .free
-            .iter()
-            .enumerate()
-            .take(i)
-            .filter(|f| has_name(f.1.parameter))
-        {
+        for (k, other) in found.free.iter().enumerate().take(i) {
             let r = spread.correlation[(i, k)];
             if r.abs() > INSEPARABLE {
                 out.push(NotIdentifiable {

@@ -11,11 +11,11 @@ pub use earlier::earlier;
 use doubts::{ambiguous, candidates, not_identifiable};
 use spread::Spread;
 use values::{controller, values};
-use verdict::{left, verdict};
+use verdict::verdict;
 
-use crate::arm::Arm;
+use crate::arm::{Arm, STEP};
 use crate::catalogue::Effect;
-use crate::decide::{COARSE, Found, find, named, refit, refit_finely};
+use crate::decide::{COARSE, Found, find, refit};
 use crate::fit::Effort;
 use crate::given::Given;
 use crate::schema::{Cause, FileAlone, JointParameters, Report, Step, UnknownJoint};
@@ -25,7 +25,7 @@ use crate::tracks::Replayed;
 use physics::robot::JointKind;
 use std::collections::BTreeMap;
 
-/// Fits without a cause, by which shares are measured. A nat is one standard deviation of one
+/// Fits without a cause, by which shares are measured, and of what a file holds. A nat is one standard deviation of one
 /// parameter.
 const LONG: Effort = Effort {
     iterations: 8,
@@ -35,6 +35,12 @@ const LONG: Effort = Effort {
 
 const SHORT: Effort = Effort {
     iterations: 2,
+    ..LONG
+};
+
+const HELD: Effort = Effort {
+    gain: 0.1,
+    step: STEP,
     ..LONG
 };
 
@@ -83,9 +89,7 @@ pub fn diagnose(
     let rates = data.whole.iter().all(|t| t.rates.is_some());
     let given = if rates { given } else { &merged };
     let found = find(given, data, &mut stage)?;
-    let plain = named(given, data, &found)?;
-    let listed = &plain.decision.set;
-    let corrected = plain.fitted.arm.clone();
+    let corrected = found.fitted.arm.clone();
     let after = roll_out(&corrected, heldout)?;
     let spread = Spread::of(&found);
     let groups = groups(&found);
@@ -93,9 +97,14 @@ pub fn diagnose(
     let mut causes = Vec::new();
     let mut losses = Vec::new();
     for (effect, members) in &groups {
-        let others = listed.iter().copied().filter(|m| !members.contains(m));
-        let others: Vec<usize> = others.collect();
-        let arm = without(given, data, &plain, &others, fast)?;
+        let others: Vec<usize> = found
+            .decision
+            .set
+            .iter()
+            .copied()
+            .filter(|m| !members.contains(m))
+            .collect();
+        let arm = without(given, data, &found, &others, fast)?;
         let lost = roll_out(&arm, heldout)?;
         let touched = touched(&found, members, joints.len());
         let (whole, interval) = closed(
@@ -140,7 +149,7 @@ pub fn diagnose(
         let errors = if k + 1 == order.len() {
             after.clone()
         } else {
-            roll_out(&without(given, data, &plain, &set, fast)?, heldout)?
+            roll_out(&without(given, data, &found, &set, fast)?, heldout)?
         };
         ladder.push(Step {
             step: causes[i].effect.to_owned(),
@@ -148,25 +157,22 @@ pub fn diagnose(
         });
     }
     stage("fitting what a model file holds");
-    let held = held(given, data, &plain)?;
+    let held = held(given, data, &found)?;
     let alone = FileAlone {
         figures: figures(&roll_out(&held, heldout)?, heldout),
         controller: controller(given, &held, None),
     };
     let places = crate::place::places(&before, heldout, &joints, &rotates);
     let causes: Vec<Cause> = order.iter().map(|&i| causes[i].clone()).collect();
-    let left_as_given = left(&before, heldout, given);
-    let left = left(&after, heldout, given);
     let unknown: Vec<UnknownJoint> = found
-        .unknown()
-        .into_iter()
-        .filter(|(j, _)| left[*j])
-        .map(|(j, probability)| UnknownJoint {
+        .unknown
+        .iter()
+        .map(|&(j, probability)| UnknownJoint {
             joint: joints[j].clone(),
             probability,
         })
         .collect();
-    let verdict = verdict([&left_as_given, &left], &causes, &unknown);
+    let verdict = verdict([&before, &after], heldout, given, &causes, &unknown);
     if causes.is_empty() && verdict == "explained" && given.earlier.is_none() {
         ladder.push(Step {
             step: TOLERANCES.to_owned(),
@@ -186,7 +192,7 @@ pub fn diagnose(
         candidates: candidates(&found, &joints),
         not_identifiable: not_identifiable(&found, &spread, data, &joints),
         unknown,
-        controller: controller(given, &found.fitted.arm, Some((&found, &spread))),
+        controller: controller(given, &corrected, Some((&found, &spread))),
         joint_parameters: JointParameters {
             damping: corrected.joints.iter().map(|j| j.damping).collect(),
             frictionloss: corrected.joints.iter().map(|j| j.coulomb).collect(),
@@ -223,10 +229,6 @@ fn without(
     set: &[usize],
     fast: bool,
 ) -> Result<Arm, Unstable> {
-    // The search itself has fitted what lies around its answer.
-    if let Some((_, arm)) = found.around.iter().find(|(s, _)| s == set) {
-        return Ok(arm.clone());
-    }
     refit(given, data, found, set, if fast { SHORT } else { LONG })
 }
 
@@ -259,13 +261,13 @@ fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> 
         .collect();
     kept.sort_unstable();
     kept.dedup();
-    Ok(refit_finely(given, data, found, &kept)?.1.arm)
+    refit(given, data, found, &kept, HELD)
 }
 
 /// Listed mechanisms by effect.
 fn groups(found: &Found) -> Vec<(Effect, Vec<usize>)> {
     let mut out: BTreeMap<Effect, Vec<usize>> = BTreeMap::new();
-    for m in found.named() {
+    for &m in &found.decision.set {
         if found.decision.inclusion[m] >= 0.5 {
             out.entry(found.mechanisms[m].effect).or_default().push(m);
         }

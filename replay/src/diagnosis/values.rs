@@ -1,6 +1,6 @@
 //! Fitted values by their names and units.
 
-use super::spread::{Spread, centre, deviation};
+use super::spread::{Spread, deviation};
 use crate::arm::Arm;
 use crate::decide::Found;
 use crate::given::Given;
@@ -23,15 +23,13 @@ pub(super) fn named(kind: Kind, rotates: bool) -> (&'static str, &'static str) {
         Kind::Damping => ("viscous", unit("N·m·s/rad", "N·s/m")),
         Kind::Coulomb => ("coulomb", unit("N·m", "N")),
         Kind::Stribeck => ("stribeck", unit("N·m", "N")),
-        Kind::StribeckVelocity => ("stribeck_velocity", unit("rad/s", "m/s")),
         Kind::Load => ("load", "1"),
         Kind::Armature => ("inertia", unit("kg·m²", "kg")),
         Kind::GravityCompensation => ("gain", "1"),
         Kind::Payload(0) => ("mass", "kg"),
         Kind::Payload(1) => ("com_x", "m"),
         Kind::Payload(2) => ("com_y", "m"),
-        Kind::Payload(3) => ("com_z", "m"),
-        Kind::Payload(_) => ("inertia", "kg·m²"),
+        Kind::Payload(_) => ("com_z", "m"),
         Kind::LinkScale => ("mass_factor", "1"),
         Kind::Tilt(0) => ("tilt_x", "rad"),
         Kind::Tilt(_) => ("tilt_y", "rad"),
@@ -58,27 +56,21 @@ pub(super) fn values(
             }
             let kind = given.arm.robot.joints()[p.joint].kind;
             let (name, unit) = named(p.kind, kind != JointKind::Prismatic);
-            // First moments are fitted; a reader wants the centre of mass. Where the drive's damping and viscous friction are
-            // one number, what the drive is said to have is none of the joint's.
+            // First moments are fitted; a reader wants the centre of mass.
             let mass = found.fitted.arm.payload[0];
-            let shared = given.arm.shared[p.joint];
-            let (value, std) = match p.kind {
-                Kind::Payload(1..=3) if mass > 0.0 => (value / mass, centre(found, spread, p)),
-                Kind::Payload(1..=3) => continue,
-                Kind::Damping if shared > 0.0 => {
-                    let drive = given.tolerance(p) * shared;
-                    let std = deviation(found, spread, p).map(|v| v.hypot(drive));
-                    ((value - shared).max(0.0), std)
-                }
-                _ => (value, deviation(found, spread, p)),
+            let per = match p.kind {
+                Kind::Payload(1..) if mass > 0.0 => mass,
+                Kind::Payload(1..) => continue,
+                _ => 1.0,
             };
-            let shared = if p.kind == Kind::Damping { shared } else { 0.0 };
             out.push(Value {
                 name,
                 joint: (!p.kind.is_common()).then(|| joints[p.joint].clone()),
-                given: given.arm.get(p) - shared,
-                value,
-                std: std.filter(|v| v.is_finite()),
+                given: given.arm.get(p),
+                value: value / per,
+                std: deviation(found, spread, p)
+                    .map(|v| v / per)
+                    .filter(|v| v.is_finite()),
                 unit,
             });
         }

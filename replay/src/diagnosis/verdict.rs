@@ -1,6 +1,5 @@
 //! What is left of the gap.
 
-use crate::decide::SMALL;
 use crate::given::Given;
 use crate::schema::{Cause, UnknownJoint};
 use crate::score::{Errors, figures};
@@ -25,37 +24,33 @@ fn floors(replayed: &Replayed) -> Vec<f64> {
         .collect()
 }
 
-/// Largest multiple of the floor at which a joint has no gap.
+/// Largest multiple of the floor, and largest unexplained part, at which a joint has no gap.
 const AT_FLOOR: f64 = 1.5;
 
-/// By joint whether more is left than noise and a small part of its departure from the commands. Where the simulator is given by
-/// earlier recordings, what it left of them is small.
-pub(super) fn left(errors: &Errors, heldout: &Replayed, given: &Given) -> Vec<bool> {
-    let floors = floors(heldout);
-    let figures = figures(errors, heldout);
-    let usual = |j: usize| given.earlier.as_ref().and_then(|e| e.unexplained[j]);
-    let joints = figures.rmse.iter().zip(&figures.unexplained).enumerate();
-    joints
-        .map(|(j, figures)| {
-            let (Some(r), Some(u)) = figures else {
-                return false;
-            };
-            let least = usual(j).map_or(SMALL, |usual| SMALL.max(AT_FLOOR * usual));
-            *r > AT_FLOOR * floors[j] && *u > least
-        })
-        .collect()
-}
+const SMALL: f64 = 0.05;
 
-/// The verdict, from what is left as given and corrected. What no cause explains where the simulator is given by earlier
-/// recordings was so before.
+/// The verdict, from the errors as given and corrected. Where the simulator is given by earlier recordings, what it left of them is small,
+/// and what no cause explains was so before.
 pub(super) fn verdict(
-    left: [&[bool]; 2],
+    [before, after]: [&Errors; 2],
+    heldout: &Replayed,
+    given: &Given,
     causes: &[Cause],
     unknown: &[UnknownJoint],
 ) -> &'static str {
-    let [before, after] = left.map(|left| !left.contains(&true));
-    match (after, causes.is_empty(), unknown.is_empty()) {
-        (true, true, _) if before => "no_gap",
+    let floors = floors(heldout);
+    let small = |errors: &Errors| {
+        let figures = figures(errors, heldout);
+        let usual = |j: usize| given.earlier.as_ref().and_then(|e| e.unexplained[j]);
+        let joints = figures.rmse.iter().zip(&figures.unexplained).enumerate();
+        let mut done = joints.filter_map(|(j, (r, u))| Some((j, (*r)?, (*u)?)));
+        done.all(|(j, r, u)| {
+            let least = usual(j).map_or(SMALL, |usual| SMALL.max(AT_FLOOR * usual));
+            r <= AT_FLOOR * floors[j] || u <= least
+        })
+    };
+    match (small(after), causes.is_empty(), unknown.is_empty()) {
+        (true, true, _) if small(before) => "no_gap",
         (true, _, _) => "explained",
         (false, _, false) => "unknown_effect",
         (false, false, true) => "partly_explained",

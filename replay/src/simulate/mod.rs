@@ -12,7 +12,6 @@ use crate::arm::Arm;
 use crate::command::Command;
 use crate::friction::Friction;
 use crate::parameter::{Kind, Parameter};
-use crate::smooth::FUNCTIONS;
 use nalgebra::{DMatrix, Vector3};
 use ndarray::{Array2, ArrayView1};
 use physics::dynamics::{Derivatives, Workspace, mass_matrix};
@@ -182,9 +181,6 @@ struct State<'a> {
     b: Vec<f64>,
     limits: Vec<f64>,
     drives: Vec<Drive>,
-    /// By joint whether its smooth torque is needed, and that torque's functions.
-    smooths: Vec<bool>,
-    functions: Vec<[f64; FUNCTIONS]>,
 }
 
 /// What a drive does in one step.
@@ -211,8 +207,6 @@ struct Drive {
     commanded_velocity_rate: f64,
     integrates: bool,
     stribeck: f64,
-    /// Derivatives of the smooth torque by position and velocity.
-    smooth_by: [f64; 2],
 }
 
 impl Drive {
@@ -282,13 +276,6 @@ impl<'a> State<'a> {
             b: zeros(),
             limits: zeros(),
             drives: vec![Drive::default(); n],
-            smooths: (0..n)
-                .map(|i| {
-                    let own = |p: &Parameter| matches!(p.kind, Kind::Unknown(_)) && p.joint == i;
-                    arm.joints[i].unknown.acts() || parameters.iter().any(own)
-                })
-                .collect(),
-            functions: vec![[0.0; FUNCTIONS]; n],
         }
     }
 }

@@ -1,9 +1,7 @@
 //! One step of the closed loop.
 
-use super::tangents::Tangents;
 use super::{Drive, State};
-use crate::arm::Integral;
-use crate::smooth::Here;
+use crate::arm::{Integral, unknown};
 use physics::dynamics::{inverse_dynamics, mass_matrix};
 
 impl State<'_> {
@@ -62,8 +60,9 @@ impl State<'_> {
         self.friction.solve(&self.a, &self.b, &self.limits);
         if !self.parameters.is_empty() {
             self.renew(h);
+            // The widest vectors of this processor; the sums keep their order.
             let arch = self.arch;
-            arch.dispatch(Tangents { state: self, h });
+            arch.dispatch(|| self.tangents(h));
         }
         for i in 0..n {
             let drive = &self.drives[i];
@@ -130,20 +129,14 @@ impl State<'_> {
             }
         }
         out.integrates = servo.integral != Integral::None && out.drive_cut == 0.0 && out.cut == 0.0;
-        if self.smooths[i] {
-            let smooth = &self.arm.joints[i].unknown;
-            let here = Here {
-                q: self.q[i],
-                v: self.v[i],
-                load: out.transmitted,
-                rate,
-            };
-            self.functions[i] = smooth.values(here);
-            if smooth.acts() {
-                let [torque, by_position, by_velocity] = smooth.torque(here, &self.functions[i]);
-                out.torque += torque;
-                out.smooth_by = [by_position, by_velocity];
-            }
+        let coefficients = &self.arm.joints[i].unknown;
+        if coefficients.iter().any(|&c| c != 0.0) {
+            let shapes = unknown(self.q[i], self.v[i], rate);
+            out.torque += coefficients
+                .iter()
+                .zip(shapes)
+                .map(|(c, s)| c * s)
+                .sum::<f64>();
         }
         out
     }

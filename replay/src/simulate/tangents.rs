@@ -1,26 +1,10 @@
 //! Sensitivities of the motion, carried along with it.
 
 use super::{RENEWED, State};
-use crate::arm::Integral;
+use crate::arm::{Integral, UNKNOWN, unknown};
 use crate::friction::Slip;
 use crate::parameter::Kind;
 use physics::dynamics::inverse_dynamics_derivatives;
-
-/// Sensitivities after a step, with the widest vectors of this processor; the sums keep their order. A closure in its place would
-/// not be compiled for them.
-pub(super) struct Tangents<'s, 'a> {
-    pub(super) state: &'s mut State<'a>,
-    pub(super) h: f64,
-}
-
-impl pulp::NullaryFnOnce for Tangents<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.state.tangents(self.h);
-    }
-}
 
 impl State<'_> {
     /// Acceleration of the step, and now and then the rigid bodies' derivatives at it.
@@ -53,7 +37,7 @@ impl State<'_> {
 
     /// Sensitivities after the step from those before it, by the derivative of the step's own equation.
     #[inline(always)]
-    fn tangents(&mut self, h: f64) {
+    pub(super) fn tangents(&mut self, h: f64) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         self.rhs.fill(0.0);
         self.dtau.fill(0.0);
@@ -95,12 +79,6 @@ impl State<'_> {
             let pressed = self.pressed(i);
             let rhs = &mut self.rhs[i * p..][..p];
             axpy(rhs, h * (1.0 - pressed), &self.dtau[i * p..][..p]);
-            // What is unknown does not pass through the drive, and presses on no gear.
-            let [by_position, by_velocity] = drive.smooth_by;
-            if drive.smooth_by != [0.0; 2] {
-                axpy(rhs, h * by_position, &self.dq[i * p..][..p]);
-                axpy(rhs, h * by_velocity, &self.dv[i * p..][..p]);
-            }
             for j in 0..n {
                 let at = i * n + j;
                 let mut mass = self.mass[at] - h * self.derivatives.dqd[at];
@@ -162,7 +140,6 @@ impl State<'_> {
     }
 
     /// The drives' torque by their own parameters.
-    #[inline(always)]
     fn drives_by_parameters(&mut self) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         for (k, parameter) in self.parameters.iter().enumerate() {
@@ -186,13 +163,15 @@ impl State<'_> {
                 Kind::DriveLimit => *by += drive.drive_cut * f64::from(drive.cut == 0.0),
                 Kind::Limit => *by += drive.cut,
                 Kind::Offset => *by += drive.by_error,
+                Kind::Unknown(f) if f < UNKNOWN => {
+                    *by += unknown(self.q[i], self.v[i], drive.command_rate)[f];
+                }
                 _ => {}
             }
         }
     }
 
-    /// Friction, rotor and unknown torque of a joint.
-    #[inline(always)]
+    /// Friction and rotor of a joint.
     fn joints_by_parameters(&mut self, h: f64) {
         let p = self.parameters.len();
         for (k, parameter) in self.parameters.iter().enumerate() {
@@ -204,13 +183,8 @@ impl State<'_> {
                 Kind::Damping if !self.arm.damped_by_drive(i) => v,
                 Kind::Coulomb => sign,
                 Kind::Stribeck => sign * drive.stribeck,
-                Kind::StribeckVelocity => {
-                    let (own, pace) = (&self.arm.joints[i], self.arm.joints[i].stribeck_velocity);
-                    sign * own.stribeck * drive.stribeck * 2.0 * self.v[i].powi(2) / pace.powi(3)
-                }
                 Kind::Load => sign * drive.transmitted.abs(),
                 Kind::Armature => self.acceleration[i],
-                Kind::Unknown(f) => -self.functions[i][f],
                 _ => continue,
             };
             if slip != Slip::Stick {
