@@ -15,21 +15,21 @@ pub const WIDTH: usize = 100;
 #[command(name = "eval", version)]
 #[command(group(ArgGroup::new("scored").args(["data", "closed_loop"]).multiple(true)))]
 pub struct Arguments {
-    /// Print the systems of the source documents, which of them work, and published figures beside ours (Markdown); with a
-    /// document's name its page. Needs neither model nor data.
+    /// Print which systems of the source documents work here, and published figures beside ours (Markdown). With
+    /// DOCUMENT: print the page of that document. Needs neither model nor data.
     #[arg(long, exclusive = true, value_name = "DOCUMENT", num_args = 0..=1, default_missing_value = "")]
     pub sources: Option<String>,
-    /// Track motions in simulation, under a drive's cascade with and without the model: the simulated robot of --model, or SCARA, Delta and
-    /// PUMA beside the softMC manual's figures; needs no recording.
+    /// Simulate the tracking of motions by a cascade drive, with and without the model. The robot is the simulated one
+    /// of --model, or SCARA, Delta and PUMA beside the softMC manual's figures. Needs no recording.
     #[arg(long, conflicts_with_all = ["data", "predict", "drive", "cutoff_hz", "collision", "verbose"])]
     pub closed_loop: bool,
-    /// With --closed-loop and --model: what the simulated robot has beyond viscous and Coulomb friction.
+    /// With --closed-loop and --model: effects of the simulated robot beyond viscous and Coulomb friction.
     #[arg(long, value_enum, default_value_t = Beyond::All, requires = "closed_loop")]
     pub withheld: Beyond,
-    /// Thresholds for collisions by torque error and momentum observer, and what exceeds them in the recording.
+    /// Choose collision thresholds on torque error and momentum observer, and list where the recording exceeds them.
     #[arg(long, conflicts_with_all = ["predict", "verbose"])]
     pub collision: bool,
-    /// With --collision: wanted false alarms per hour, of all joints together.
+    /// With --collision: accepted false alarms per hour, all joints together.
     #[arg(
         long,
         value_name = "PER_HOUR",
@@ -37,7 +37,7 @@ pub struct Arguments {
         requires = "collision"
     )]
     pub false_alarms: f64,
-    /// With --collision: choose the thresholds from this recording, without collisions, instead of from the data.
+    /// With --collision: recording without collisions from which the thresholds are chosen, instead of from --data.
     #[arg(long, value_name = "REC", requires = "collision")]
     pub calibration: Option<PathBuf>,
     /// Model directory.
@@ -58,7 +58,8 @@ pub struct Arguments {
     /// With --leaderboard: write the page as Markdown.
     #[arg(long, requires = "leaderboard", conflicts_with = "model")]
     pub markdown: Option<PathBuf>,
-    /// With --leaderboard: print the rows as a Markdown table, as the README has them, without what is measured on this machine.
+    /// With --leaderboard: print the rows as a Markdown table as in the README, without figures measured on this
+    /// machine.
     #[arg(long, requires = "leaderboard", conflicts_with_all = ["model", "quiet"])]
     pub table: bool,
     /// Write predicted torque and its standard deviation as CSV; the recording needs no torque.
@@ -76,7 +77,7 @@ pub struct Arguments {
     /// Cut-off of the zero-phase low-pass of the motion, Hz [default: the model's own].
     #[arg(long)]
     pub cutoff_hz: Option<f64>,
-    /// Print the scores of every model and scope.
+    /// Print the scores of every model, over all samples and over those in motion.
     #[arg(long, conflicts_with = "quiet")]
     pub verbose: bool,
     /// Print nothing but errors.
@@ -91,7 +92,7 @@ pub enum Beyond {
     All,
     /// The same with stiff gears.
     Friction,
-    /// Nothing.
+    /// None of these.
     Nothing,
 }
 

@@ -45,11 +45,11 @@ impl Family {
 pub struct Swap {
     /// Index of the hypothesis outside of the set.
     pub other: usize,
-    /// Its posterior probability relative to the set's with the listed one.
+    /// Posterior probability of the set with it in place of the listed one, relative to the set as it is.
     pub weight: f64,
 }
 
-/// What is decided.
+/// Outcome of a decision between sets of hypotheses.
 #[derive(Debug, Clone)]
 pub struct Decision {
     /// The most probable set found, indices increasing.
@@ -125,7 +125,7 @@ pub fn log_prior(hypotheses: &[Hypothesis], families: &[Family], set: &[usize]) 
         .sum()
 }
 
-/// What is decided between.
+/// Sets of hypotheses among which is decided, and what weighs them.
 struct Space<'a> {
     quadratic: &'a Quadratic,
     priors: &'a [Prior],

@@ -4,15 +4,16 @@ use clap::{Parser, ValueEnum};
 use identify::excitation::{Criterion, Region, Rest};
 use std::path::PathBuf;
 
-/// Designs motions from which a robot's parameters can be told, within its limits, and says what a motion would show.
+/// Designs motions within a robot's limits from which its parameters can be identified, and says what a motion would
+/// show.
 #[derive(Debug, Parser)]
 #[command(name = "excite", version)]
 pub struct Arguments {
     /// The robot: a URDF, or the name of a built-in one.
     #[arg(long, default_value = "ur5")]
     pub robot: String,
-    /// Joints of the robot, base first, or the frame of its tool, where the description holds more; NAME=POSITION (rad or m) says where
-    /// another joint stands [default: the one chain].
+    /// Joints of the robot, base first, or the frame of its tool; needed where the description holds more joints.
+    /// NAME=POSITION (rad or m) holds another joint at that position [default: the only chain].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub joints: Vec<String>,
     /// Drive file: rotor inertias, gear ratios; and columns of --motion.
@@ -33,55 +34,57 @@ pub struct Arguments {
     /// Say which base parameters and which effects the motion would show, and from which size on.
     #[arg(long)]
     pub plan: bool,
-    /// Write commands for `residyn replay` instead: ramps, steps and holds joint by joint, and a sweep of all. They part gain, friction,
-    /// damping, inertia and delay of each drive. Record them twice, without and with a known load.
+    /// Write commands for `residyn replay` instead: ramps, steps and holds joint by joint, and a sweep of all. They
+    /// separate gain, friction, damping, inertia and delay of each drive. Record them twice, without and with a known
+    /// load.
     #[arg(long, conflicts_with_all = ["plan", "method", "criterion", "against", "json", "html", "trajectories", "period"])]
     pub replay: bool,
-    /// Judge this motion instead of designing one: a file of this program, or a recording. Nothing else is written.
+    /// Judge this motion instead of designing one: a file that excite wrote, or a recording. No motion is written.
     #[arg(long, value_name = "FILE", requires = "plan", conflicts_with_all = ["method", "criterion", "against", "out"])]
     pub motion: Option<PathBuf>,
 
     /// How motions are made: periodic series that a criterion improves, one sine per joint, or random ones.
     #[arg(long, value_enum, default_value = "fourier")]
     pub method: Method,
-    /// What is made small: cond(Y), the same of rows over their noise, either with sub-regressors, or −log det; or, with
-    /// --against, what two models have alike.
+    /// Criterion that the search makes small. By default the condition number of the regressor over the noise, with its
+    /// parts added (sub-regressors). `separation`, with --against: what two models have alike.
     #[arg(long, value_name = "NAME", value_parser = criterion, default_value = "cond-sub-noise",
           long_help = "cond, cond-noise, cond-sub, cond-sub-noise, d-optimal, separation: see docs/excitation.md")]
     pub criterion: Wanted,
-    /// With --criterion separation: the other model of the robot.
+    /// With --criterion separation: the model from which the motion is to tell the robot apart.
     #[arg(long, value_name = "ROBOT")]
     pub against: Option<String>,
 
-    /// Trajectories, each to complement those before it [default: 3; model-free: 36].
+    /// Number of trajectories; each complements those before it [default: 3; model-free: 36].
     #[arg(long, value_name = "N")]
     pub trajectories: Option<usize>,
     /// Length of a trajectory, s [default: 12.5; model-free: 60.6; sines: as long as three periods take].
     #[arg(long, value_name = "S", value_parser = positive)]
     pub period: Option<f64>,
-    /// Harmonics of a series.
+    /// Number of harmonics of a series.
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub harmonics: usize,
-    /// Highest frequency, Hz: below the first resonance [default: that of the last harmonic; model-free: 1].
+    /// Highest frequency, Hz; keep it below the first resonance [default: that of the last harmonic; model-free: 1].
     #[arg(long, value_name = "F", value_parser = positive)]
     pub max_hz: Option<f64>,
-    /// How completely a series rests where it starts and ends [default: acceleration; model-free: jerk].
+    /// Highest derivative that is zero at both ends of a series: velocity, acceleration or jerk [default: acceleration;
+    /// model-free: jerk].
     #[arg(long, value_name = "LEVEL", value_parser = rest)]
     pub rest: Option<Rest>,
-    /// Runs of each trajectory one after the other, for averages.
+    /// Number of runs of each trajectory in a row, to average over.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub repeat: usize,
     /// Samples per second of the file.
     #[arg(long, value_name = "HZ", value_parser = positive, default_value_t = 100.0)]
     pub rate: f64,
 
-    /// Limits as a file: see docs/excitation.md. Flags go before it, and it before the robot's description.
+    /// File of limits: see docs/excitation.md. It overrides the robot's description, and flags override it.
     #[arg(long, value_name = "FILE.toml")]
     pub limits: Option<PathBuf>,
-    /// Range of every joint, or of each: LO:HI[,LO:HI…], rad or m.
+    /// Position range, rad or m: LO:HI for every joint, or one for each, LO:HI,LO:HI,…
     #[arg(long, value_name = "LO:HI,…", value_delimiter = ',', value_parser = range, allow_hyphen_values = true)]
     pub position: Vec<[f64; 2]>,
-    /// Largest speed of every joint, or of each, rad/s or m/s.
+    /// Largest speed, rad/s or m/s: one value for every joint, or one for each.
     #[arg(long, value_name = "V,…", value_delimiter = ',', value_parser = positive)]
     pub velocity: Vec<f64>,
     /// Largest acceleration [default: full speed in half a second].
@@ -90,7 +93,7 @@ pub struct Arguments {
     /// Largest jerk [default: full acceleration in a tenth of a second].
     #[arg(long, value_name = "J,…", value_delimiter = ',', value_parser = positive)]
     pub jerk: Vec<f64>,
-    /// Share of all these limits that is used.
+    /// Part of all these limits that the motion may use.
     #[arg(long, value_name = "F", value_parser = share, default_value_t = 0.9)]
     pub share: f64,
     /// Pose at which every trajectory starts and ends, one value for all joints or one for each.
@@ -104,21 +107,21 @@ pub struct Arguments {
     /// The tool's point in the frame of the last joint, m.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub tool: Option<[f64; 3]>,
-    /// A box of the base frame that the tool stays in, m; may be given several times, then in all of them.
+    /// Box in the base frame that the tool stays in, m. May be repeated: the tool then stays in all of them.
     #[arg(long, value_name = "LO:HI,LO:HI,LO:HI", value_parser = tool_box, allow_hyphen_values = true)]
     pub tool_box: Vec<Region>,
-    /// A sphere of the base frame that the tool stays in: centre and radius, m; may be given several times.
+    /// Sphere in the base frame that the tool stays in: centre and radius, m. May be repeated.
     #[arg(long, value_name = "X,Y,Z,R", value_parser = tool_sphere, allow_hyphen_values = true)]
     pub tool_sphere: Vec<Region>,
 
-    /// Parameters beside the inertial ones: any of rotor, viscous, coulomb, offset [default: all of them].
+    /// Parameters to identify besides the inertial ones: rotor, viscous, coulomb, offset [default: all four].
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_enum)]
     pub columns: Vec<Column>,
-    /// Standard deviation of one torque sample of every joint, or of each, N·m [default: a hundredth of the joint's torque over
-    /// random states].
+    /// Standard deviation of one torque sample, N·m: one value for every joint, or one for each [default: a hundredth
+    /// of the joint's torque over random states].
     #[arg(long, value_name = "S,…", value_delimiter = ',', value_parser = positive)]
     pub noise: Vec<f64>,
-    /// Motions judged for each trajectory.
+    /// Number of motions tried for each trajectory.
     #[arg(long, value_name = "N", default_value_t = 4000)]
     pub evaluations: usize,
     /// Seed; the same gives the same file.

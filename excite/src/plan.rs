@@ -122,19 +122,10 @@ pub fn plan(
             .filter(|e| !judged.contains(e))
             .map(|e| NotJudged {
                 effect: e.name(),
-                reason: reason(e),
+                reason: e.info().unplanned,
             })
             .collect(),
     })
-}
-
-fn reason(effect: Effect) -> &'static str {
-    match effect {
-        Effect::ExternalContact => "it is found where and when it happens",
-        Effect::Saturation => "it shows from a limit just below the largest torque of the motion",
-        Effect::BaseTilt => "no tilt changes the torque",
-        _ => "this motion or this robot gives it no columns",
-    }
 }
 
 fn shown(v: Visible, names: &[String]) -> Shown {

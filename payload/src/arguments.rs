@@ -4,8 +4,8 @@ use clap::Parser;
 use model::payload::gains::KnownBody;
 use std::path::PathBuf;
 
-/// Tells mass, centre of mass and inertia of a body on the last link, from a recording with it and a model without it; with --known
-/// and --without the gains of the joints' drives, from a body that is known.
+/// Estimates mass, centre of mass and inertia of a body on the last link, from a recording with the body and a model
+/// without it. With --known and --without: estimates the gains of the drives from a known body.
 #[derive(Debug, Parser)]
 #[command(name = "payload", version)]
 pub struct Arguments {
@@ -21,11 +21,11 @@ pub struct Arguments {
     /// Cut-off of the zero-phase low-pass of the motion, Hz [default: the model's own].
     #[arg(long, value_name = "F")]
     pub cutoff_hz: Option<f64>,
-    /// How far friction may have changed since the model was made: one standard deviation, relative.
+    /// Relative change of friction to expect since the model was made, as one standard deviation.
     #[arg(long, value_name = "PART", default_value_t = 0.1, value_parser = part)]
     pub friction_change: f64,
-    /// What is known of the body, in the last joint's frame: MASS, MASS,X,Y,Z or MASS,X,Y,Z,Ixx,Ixy,Iyy,Ixz,Iyz,Izz (kg, m, kg·m²
-    /// about the centre of mass). The gains of the drives are told instead of the body.
+    /// Known values of the body in the last joint's frame: MASS, MASS,X,Y,Z or MASS,X,Y,Z,Ixx,Ixy,Iyy,Ixz,Iyz,Izz (kg,
+    /// m, kg·m² about the centre of mass). Estimates the gains of the drives instead of the body.
     #[arg(
         long,
         value_name = "NUMBERS",
@@ -33,7 +33,7 @@ pub struct Arguments {
         allow_hyphen_values = true
     )]
     pub known: Option<KnownBody>,
-    /// Recording of the robot without the body, for --known.
+    /// With --known: recording of the robot without the body.
     #[arg(
         long,
         value_name = "REC",

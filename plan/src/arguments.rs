@@ -4,8 +4,8 @@ use crate::unit::Unit;
 use clap::Parser;
 use std::path::PathBuf;
 
-/// Fills in the torque of a planned motion, for a controller that feeds it forward. A plan that breaks a limit of the robot is refused,
-/// with the speed at which it would not.
+/// Adds the torque to a planned motion, for a controller that feeds it forward. A plan that breaks a limit of the robot
+/// is refused; the message says at which speed it would hold.
 #[derive(Debug, Parser)]
 #[command(name = "feedforward", version)]
 pub struct Arguments {
@@ -15,7 +15,7 @@ pub struct Arguments {
     /// Planned motion (.csv, .parquet, .npz, .mcap): `time`, `q1` … or `q_ref1` …, velocities and accelerations where it has them.
     #[arg(long, value_name = "PLAN")]
     pub trajectory: PathBuf,
-    /// The same motion with `tau1` … (.csv, .parquet).
+    /// File to write: the same motion with `tau1` … added (.csv, .parquet).
     #[arg(long, value_name = "OUT")]
     pub out: PathBuf,
     /// Unit of the torque: at the joint (N·m or N), current of the motor (A), or per mille of its rated torque (CiA 402, object
@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Drive file: gear ratios, torque constants, rated currents; names and units of the plan's columns.
     #[arg(long, value_name = "FILE.toml")]
     pub drive: Option<PathBuf>,
-    /// Leave the compensator out.
+    /// Compute the torque from the physics alone, without the learned compensator.
     #[arg(long)]
     pub physics_only: bool,
     /// Print nothing but errors.

@@ -7,12 +7,12 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// Integral action of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Integral {
-    /// None.
+    /// No integral action.
     #[default]
     None,
-    /// Of the position's error (PID).
+    /// Integral of the position error (PID).
     Position,
-    /// Of the velocity's error, whose set point is the position loop's output (cascade).
+    /// Integral of the velocity error (cascade). Its set point is the output of the position loop.
     Velocity,
 }
 
@@ -26,7 +26,7 @@ pub struct Servo {
     pub kd: f64,
     /// Torque per integral z of the error.
     pub ki: f64,
-    /// Of which error z is the integral.
+    /// Error of which z is the integral.
     pub integral: Integral,
     /// Torque lost per velocity behind the cut of the voltage, N·m·s/rad.
     pub back_emf: f64,
@@ -74,9 +74,9 @@ pub struct Arm {
     pub given: Robot,
     /// The same with payload, scaled links and tilt: what is simulated.
     pub robot: Robot,
-    /// By joint.
+    /// Friction and rotor of each joint.
     pub joints: Vec<Joint>,
-    /// By joint.
+    /// Drive of each joint.
     pub servos: Vec<Servo>,
     /// Time by which commands reach every drive late, s.
     pub delay: f64,
@@ -88,10 +88,10 @@ pub struct Arm {
     pub link_scale: Vec<f64>,
     /// Rotation of gravity about the base's x and y, rad.
     pub tilt: [f64; 2],
-    /// By joint: what is added to its recorded position for the true one, rad.
+    /// Offset of each joint, rad: recorded position plus offset is the true position.
     pub zero: Vec<f64>,
-    /// By joint the drive's given damping where it and viscous friction are one number: of their sum as much is the drive's,
-    /// inside of its limit. Zero where they are two.
+    /// Damping of each joint's drive where only its sum with viscous friction is known. This much of the sum counts
+    /// as the drive's, and the drive's limit cuts it. Zero where both are known apart.
     pub shared: Vec<f64>,
     /// Longest step of integration, s.
     pub step: f64,

@@ -102,7 +102,7 @@ impl Effect {
 /// A parameter of a hypothesis with the size that the effect may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sized {
-    /// Which.
+    /// The parameter that the hypothesis frees.
     pub parameter: Parameter,
     /// Standard deviation of its coordinate about the given value.
     pub deviation: f64,
@@ -115,7 +115,7 @@ pub struct Mechanism {
     pub effect: Effect,
     /// Joint; none for effects of the whole arm.
     pub joint: Option<usize>,
-    /// What it frees.
+    /// Parameters that the effect frees, with the size each may have.
     pub parameters: Vec<Sized>,
 }
 

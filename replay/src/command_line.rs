@@ -27,24 +27,24 @@ pub struct Arguments {
     /// Earlier recordings of the same robot: what has changed since is looked for, and the simulator is fitted to them first.
     #[arg(long, num_args = 1..)]
     before: Vec<PathBuf>,
-    /// Drive file with the block [controller], and names and units of columns. An MJCF's own actuators stand where it says
-    /// nothing.
+    /// Drive file with the block [controller], and names and units of columns. Without that block the MJCF's own
+    /// actuators are used.
     #[arg(long)]
     drive: Option<PathBuf>,
     /// Gravity in the base frame, m/s².
     #[arg(long, value_parser = model::preparation::setup::gravity, allow_hyphen_values = true)]
     gravity: Option<[f64; 3]>,
-    /// Report as JSON.
+    /// Write the report as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
-    /// Report as a page.
+    /// Write the report as a self-contained HTML page.
     #[arg(long)]
     html: Option<PathBuf>,
-    /// Corrected model: an MJCF with actuators, damping, friction loss, armature and inertials; or a URDF with a drive file
-    /// beside it.
+    /// Write the corrected model: an MJCF with actuators, damping, friction loss, armature and inertials; or a URDF
+    /// with a drive file beside it.
     #[arg(long)]
     patch: Option<PathBuf>,
-    /// Shorten the fits without one cause each, by which shares are measured.
+    /// Measure the causes' shares by shorter fits (each leaves one cause out): faster.
     #[arg(long)]
     fast: bool,
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// A parameter that is fitted, with what is known of it before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Free {
-    /// Which.
+    /// The parameter that is fitted.
     pub parameter: Parameter,
     /// Mean and standard deviation of its coordinate (the logarithm for [`Scale::Log`]); none where nothing is known.
     pub prior: Option<(f64, f64)>,
@@ -52,9 +52,9 @@ pub struct Sums {
     pub samples: f64,
     /// Sum of squared errors by joint, rad².
     pub squared: Vec<f64>,
-    /// By joint Σ J r, P values.
+    /// Gradient Σ J r of each joint, P values.
     pub gradient: Vec<DVector<f64>>,
-    /// By joint Σ J Jᵀ, P × P.
+    /// Gauss-Newton matrix Σ J Jᵀ of each joint, P × P.
     pub hessian: Vec<DMatrix<f64>>,
 }
 
@@ -111,7 +111,7 @@ pub struct Fitted {
     pub objective: f64,
     /// Gauss-Newton information of the likelihood alone in the coordinates, P × P.
     pub information: DMatrix<f64>,
-    /// By block.
+    /// Sums of each block.
     pub blocks: Vec<Sums>,
     /// Noise by joint, with the fit's own autocorrelation.
     pub noise: Vec<Noise>,

@@ -13,7 +13,7 @@ pub struct Given {
     pub tolerances: Vec<(Parameter, f64)>,
     /// Parameters of which nothing is known: they are fitted, and are no cause.
     pub free: Vec<Parameter>,
-    /// Whether the user states the drives' gains as they are, without tolerance.
+    /// Whether the user states the position servos' gains (kp, kd) as exact: without tolerance, and not fitted.
     pub stated: bool,
     /// How the drive fills the time between commands.
     pub interpolation: Interpolation,

@@ -38,7 +38,7 @@ pub enum InputError {
         /// The block to write.
         block: String,
     },
-    /// An actuator that is none of the known laws.
+    /// An actuator follows a law that is not known here.
     #[error(
         "joint {joint} is driven by {law}, which is no position servo; say by [controller] in a drive file how its torque \
          follows from its command"
@@ -46,7 +46,7 @@ pub enum InputError {
     Law {
         /// Joint.
         joint: String,
-        /// Its law.
+        /// Law of the actuator.
         law: String,
     },
 }

@@ -25,7 +25,7 @@ pub(crate) fn controller(robot: &str, joints: usize) -> Option<String> {
     Some(block.join("\n"))
 }
 
-/// A line whose gains by joint are as many as there are joints: a gripper may be one of them or not.
+/// Line of a recipe with its list of gains cut, or its last gain repeated, to one per joint (a gripper may count).
 fn resized(line: &str, joints: usize) -> String {
     match line.split_once(" = [") {
         Some((key, list)) if key.starts_with('k') => {

@@ -50,9 +50,9 @@ pub enum Kind {
 pub enum Scale {
     /// Its logarithm: it is positive and known by its order of magnitude.
     Log,
-    /// Itself, from zero on.
+    /// The value itself, kept at zero or above.
     Positive,
-    /// Itself.
+    /// The value itself, of either sign.
     Free,
 }
 
@@ -98,7 +98,7 @@ impl Kind {
 /// A parameter at its place; `joint` is 0 for those of the whole arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Parameter {
-    /// What it is.
+    /// Kind of the parameter.
     pub kind: Kind,
     /// Index of the joint.
     pub joint: usize,

@@ -53,7 +53,7 @@ pub struct Compared {
 pub struct Step {
     /// `as_given` or an effect.
     pub step: String,
-    /// On the held-out recording.
+    /// Figures of this step on the held-out recording.
     #[serde(flatten)]
     pub figures: Figures,
 }
@@ -65,7 +65,7 @@ pub struct Place {
     pub joint: String,
     /// `velocity`, `position`, `direction`, `time` or `command_time`.
     pub coordinate: &'static str,
-    /// From, to.
+    /// Lower and upper end of the region.
     pub range: [f64; 2],
     /// Unit of the range.
     pub unit: &'static str,

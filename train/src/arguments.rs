@@ -20,48 +20,49 @@ pub struct Arguments {
     /// Built-in robot (ur5, kr300, foxbot_a05), URDF or MJCF [default: the simulated ur5].
     #[arg(long)]
     pub robot: Option<String>,
-    /// Joints of the robot, base first, or the frame of its tool, where the description holds more; NAME=POSITION (rad or m) says where
-    /// another joint stands [default: those that the recording's columns name, or the one chain].
+    /// Joints of the robot, base first, or the frame of its tool; needed where the description holds more joints.
+    /// NAME=POSITION (rad or m) holds another joint at that position [default: those that the recording's columns name,
+    /// or the only chain].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub joints: Vec<String>,
     /// Recordings to learn from (.csv, .parquet, .npz, .mcap, .db3, rosbag2 folders; .mat with --robot kr300).
     #[arg(long, num_args = 1..)]
     pub data: Vec<PathBuf>,
-    /// Recording that is scored and nothing else; its torque chooses and fits nothing.
+    /// Recording kept for scoring. Its torque is never used to fit or to choose anything.
     #[arg(long)]
     pub heldout: Option<PathBuf>,
     /// Model directory to write.
     #[arg(long, default_value = "residyn-model")]
     pub out: PathBuf,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Identify the physics alone.
+    /// Identify the physics only; train no compensator.
     #[arg(long)]
     pub physics_only: bool,
-    /// Basic friction alone: viscous, Coulomb, offset, rotor inertia; nothing is selected.
+    /// Fit only viscous and Coulomb friction, offset and rotor inertia; select no further terms.
     #[arg(long)]
     pub basic: bool,
     /// Estimator.
     #[command(flatten)]
     pub estimator: EstimatorArguments,
-    /// Fit on samples in motion alone (|q̇| > 0.01 rad/s or m/s, joint by joint).
+    /// Fit only samples in motion (|q̇| > 0.01 rad/s or m/s, joint by joint).
     #[arg(long)]
     pub moving_only: bool,
-    /// Which compensator.
+    /// Kind of compensator.
     #[arg(long, value_enum, default_value_t = PresetName::Default)]
     pub preset: PresetName,
-    /// Networks averaged per joint.
+    /// Number of networks that are averaged for each joint.
     #[arg(long)]
     pub members: Option<usize>,
-    /// Passes over the data.
+    /// Number of passes over the training data.
     #[arg(long)]
     pub epochs: Option<usize>,
-    /// Compare with ridge regression and boosted trees on the same inputs, on folds held back; kept beside the model for
-    /// `eval --leaderboard`.
+    /// Also fit ridge regression and boosted trees to the same inputs and compare them on folds held back. They are
+    /// kept beside the model for `eval --leaderboard`.
     #[arg(long, conflicts_with = "physics_only")]
     pub yardsticks: bool,
-    /// Go on from the checkpoint of an interrupted run with the same arguments.
+    /// Continue an interrupted run with the same arguments from its checkpoint.
     #[arg(long)]
     pub resume: bool,
     /// Stop after the check of the recordings.
@@ -86,16 +87,18 @@ pub struct Arguments {
     /// Cut-off of the zero-phase low-pass of the motion, Hz [default: chosen from the data].
     #[arg(long)]
     pub cutoff_hz: Option<f64>,
-    /// Average the runs of each motion of --data: trajectories that repeat, and the periods of SECONDS within each, where given.
+    /// Average the runs of each motion of --data: trajectories that repeat and, with SECONDS, the periods of that
+    /// length within each.
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, requires = "data")]
     pub average: Option<Option<f64>>,
-    /// With --average: take the motion as a Fourier series of so many harmonics of the period, with its derivatives.
+    /// With --average: fit the motion by a Fourier series with this many harmonics of the period, which also gives the
+    /// derivatives.
     #[arg(long, value_name = "N", requires = "average")]
     pub harmonics: Option<usize>,
-    /// Smooth the torque of --data by robust local regression over so many samples.
+    /// Smooth the torque of --data by robust local regression (rloess) over a window of this many samples.
     #[arg(long, value_name = "SAMPLES", requires = "data")]
     pub rloess: Option<usize>,
-    /// Train the networks on a GPU, in the program of `gpu/`; the same networks to rounding.
+    /// Train the networks on a GPU: only in the program built in `gpu/`. The networks are the same up to rounding.
     #[arg(long, conflicts_with = "physics_only")]
     pub gpu: bool,
     /// Print everything: all findings, parameters, tests of the residual, scores of every scope.
@@ -111,18 +114,19 @@ pub struct Arguments {
 pub enum Command {
     /// Reprint the published comparisons on the simulated UR5.
     Study(Study),
-    /// How far a model of a simulated robot is from what can be known: floor, attainable, and what is left by mechanism.
+    /// Compare a model of a simulated robot with the best possible: noise floor, attainable error, and what is left of
+    /// each mechanism.
     Oracle(Oracle),
-    /// How often the check of the torque channel is right, on simulated recordings of every kind.
+    /// Count how often the check of the torque channel is right, on simulated recordings of every kind.
     Doctor(Doctor),
-    /// Positions from torque, the benchmark's forward task, by solving a trained model for the motion.
+    /// Predict positions from torque (the benchmark's forward task) by solving a trained model for the motion.
     Forward(Forward),
 }
 
 /// Names of the presets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PresetName {
-    /// Own motion, load and friction memory; what the evidence favours.
+    /// Inputs are the joint's own motion, load and friction memory: the evidence favours these.
     Default,
     /// The published unit: motion of the joint and those further from the base, LSTM 128 + 128.
     Ucm,

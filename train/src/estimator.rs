@@ -14,16 +14,17 @@ pub struct EstimatorArguments {
     /// Estimator of the parameters.
     #[arg(long, value_enum, default_value_t = EstimatorName::Wls)]
     pub estimator: EstimatorName,
-    /// How irls and iterative weigh a row by its residual.
+    /// Weight function of irls and iterative: weight of a row by its residual.
     #[arg(long, value_enum, default_value_t = WeightName::Hard)]
     pub weight: WeightName,
-    /// When every link has to be a possible body.
+    /// Steps of the estimate in which every link must be a possible body (mass and inertia that matter can have).
     #[arg(long, value_enum, default_value_t = LmiName::Off)]
     pub lmi: LmiName,
-    /// What the ridge pulls towards: "nominal" (the robot's description) or an older model directory.
+    /// Parameters that the ridge pulls towards: "nominal" (the robot's description) or those of an older model
+    /// directory.
     #[arg(long, value_name = "nominal|DIR")]
     pub prior: Option<String>,
-    /// Ridge relative to each column's norm [default: 3e-5, with --prior 0.1].
+    /// Strength of the ridge relative to each column's norm [default: 3e-5; with --prior 0.1].
     #[arg(long)]
     pub ridge: Option<f64>,
 }
@@ -35,7 +36,7 @@ pub enum EstimatorName {
     Ols,
     /// Rows weighted by their joint's residual deviation.
     Wls,
-    /// And by their own residual, until outliers have no say.
+    /// As wls, with rows also weighted by their own residual, until outliers have no influence.
     Irls,
     /// Noise covariance between joints, outliers, and friction exponent together.
     Iterative,
@@ -44,22 +45,22 @@ pub enum EstimatorName {
 /// Names of the weight functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum WeightName {
-    /// None beyond three deviations.
+    /// Weight zero beyond three deviations.
     Hard,
-    /// Falling as 1/|r| beyond 1.345 deviations.
+    /// Weight falling as 1/|r| beyond 1.345 deviations.
     Huber,
-    /// Falling smoothly to none at 4.685 deviations.
+    /// Weight falling smoothly to zero at 4.685 deviations.
     Tukey,
 }
 
 /// Names of the steps in which links must be possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LmiName {
-    /// In none.
+    /// Never.
     Off,
-    /// In the last one.
+    /// In the last step only.
     Last,
-    /// In every one.
+    /// In every step.
     Every,
 }
 
@@ -67,7 +68,7 @@ impl EstimatorArguments {
     /// The settings for `robot`.
     ///
     /// # Errors
-    /// A ridge that is none, a prior that cannot be read or belongs to another robot.
+    /// A ridge outside of 0 to 1000; a prior that cannot be read, or that belongs to another robot.
     pub fn options(&self, robot: &Robot) -> Result<EstimatorOptions, Failure> {
         if let Some(ridge) = self.ridge.filter(|r| !(0.0..=1e3).contains(r)) {
             return Err(Failure::input(

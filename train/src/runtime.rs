@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// How a command runs, whatever it does.
 #[derive(Clone, Debug, Args)]
 pub struct Running {
-    /// Threads; the result does not depend on it [default: all cores].
+    /// Number of threads; the result does not depend on it [default: all cores].
     #[arg(long)]
     pub threads: Option<usize>,
     /// Print nothing but errors.
@@ -52,7 +52,7 @@ pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
 /// # Errors
 /// The system has no threads left.
 pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    /// As the main thread has, for the work is called from one of the pool's.
+    /// Stack of a thread of the pool, bytes. It equals the main thread's, since the pool does the main work.
     const STACK: usize = 8 << 20;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     pool.stack_size(STACK)

@@ -18,7 +18,7 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     what: What,
-    /// Threads (0: all).
+    /// Number of threads; 0 is all cores.
     #[arg(long, global = true, default_value_t = 0)]
     threads: usize,
     /// No progress bar.
@@ -43,19 +43,19 @@ enum What {
         /// other rates, days and stamps, two effects on one joint, pushes at rest.
         #[arg(long)]
         hard: bool,
-        /// Draw none of this effect, as before it entered the catalogue.
+        /// Never draw this effect, as before it entered the catalogue.
         #[arg(long, conflicts_with = "hard", value_parser = PossibleValuesParser::new(cases::EFFECTS))]
         without: Option<String>,
-        /// Cases of this effect alone: the first that the seed deals.
+        /// Write only cases of this effect: the first ones that the seed draws.
         #[arg(long, conflicts_with = "without", value_parser = PossibleValuesParser::new(cases::EFFECTS))]
         only: Option<String>,
         /// Version of the generator: 1 executes every motion once, 2 executes motions twice in a third of the cases.
         #[arg(long, value_name = "N", default_value_t = cases::GENERATOR, value_parser = clap::value_parser!(u8).range(1..=i64::from(cases::GENERATOR)))]
         generator: u8,
-        /// Encoders on the links as well: columns ql1, ql2, …
+        /// Also record encoders on the links: columns ql1, ql2, …
         #[arg(long)]
         link_encoders: bool,
-        /// Thermometers in the joints as well: columns temp1, temp2, …
+        /// Also record thermometers in the joints: columns temp1, temp2, …
         #[arg(long)]
         temperatures: bool,
     },
@@ -79,21 +79,22 @@ enum What {
     /// Foxbot A05: Fourier series with friction by a power of speed.
     #[command(name = "foxbot_a05")]
     FoxbotA05(Recordings),
-    /// An arm twice: four excitations as it is, and one with a body on its last link; robot.urdf and truth.json beside.
+    /// An arm with and without a load: four excitations without, and one with a body on its last link. Also writes
+    /// robot.urdf and truth.json.
     Payload {
         /// Folder to write into.
         #[arg(long)]
         out: PathBuf,
-        /// Which arm.
+        /// Arm: ur5 or seven.
         #[arg(long, default_value = "ur5", value_parser = arm)]
         arm: LoadedArm,
         /// Seed of body, motion and noise.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// The arm without anything that a rigid model with viscous and Coulomb friction lacks.
+        /// Simulate only what a rigid model with viscous and Coulomb friction describes.
         #[arg(long)]
         plain: bool,
-        /// Torque as drives with wrong torque constants record it; truth.json holds the gains that undo it.
+        /// Record torque as drives with wrong torque constants do. truth.json holds the gains that correct it.
         #[arg(long)]
         wrong_drives: bool,
     },
@@ -106,16 +107,16 @@ enum What {
         /// What was changed.
         #[arg(long, value_parser = PossibleValuesParser::new(Change::ALL.map(Change::name)))]
         change: String,
-        /// Which arm.
+        /// Arm: ur5 or seven.
         #[arg(long, default_value = "ur5", value_parser = arm)]
         arm: LoadedArm,
-        /// The same motions on both days.
+        /// Execute the same motions on both days.
         #[arg(long)]
         again: bool,
         /// Seed of change, motion and noise.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// The arm without anything that a rigid model with viscous and Coulomb friction lacks.
+        /// Simulate only what a rigid model with viscous and Coulomb friction describes.
         #[arg(long)]
         plain: bool,
     },
@@ -135,10 +136,10 @@ struct Recordings {
     /// Format: parquet or csv.
     #[arg(long, default_value = "parquet", value_parser = ["parquet", "csv"])]
     format: String,
-    /// Seed.
+    /// Seed of the simulation.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The robot without anything that a rigid model with viscous and Coulomb friction lacks.
+    /// Simulate only what a rigid model with viscous and Coulomb friction describes.
     #[arg(long)]
     plain: bool,
 }

@@ -80,15 +80,15 @@ impl Ailment {
 /// One complaint of the torque channel's doctor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Complaint {
-    /// What it is.
+    /// Fault of the torque channel.
     pub ailment: Ailment,
-    /// How bad.
+    /// Severity of the complaint.
     pub severity: Severity,
     /// The joints that it concerns, from 0.
     pub joints: Vec<usize>,
     /// What was seen, with its numbers.
     pub seen: String,
-    /// What that means.
+    /// Meaning of what was seen, as a sentence.
     pub means: String,
     /// Lines of the drive file that mend it; null where none can.
     pub drive: Option<String>,

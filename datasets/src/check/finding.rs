@@ -67,9 +67,9 @@ pub enum Kind {
 /// One finding.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// What.
+    /// Kind of the finding.
     pub kind: Kind,
-    /// How bad.
+    /// Severity of the finding.
     pub severity: Severity,
     /// Joint, by index; `None` for the whole recording.
     pub joint: Option<usize>,

@@ -124,7 +124,7 @@ pub fn design(
 /// Index of the cause among the accepted, and index of its best rival among the candidates tried in its place.
 fn pair(outcome: &Outcome) -> Option<(usize, usize)> {
     let found = &outcome.findings;
-    let settled = |e: Effect| !matches!(e, Effect::FrictionDrift | Effect::ExternalContact);
+    let settled = |e: Effect| !e.info().passing;
     outcome.diagnosis.causes.iter().find_map(|cause| {
         let rival = *cause.ambiguous_with.iter().find(|e| settled(**e))?;
         let names = &outcome.diagnosis.joints;

@@ -5,7 +5,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
 use super::info::{Carried, Info, Need};
-use super::reported::Parameter;
+use super::reported::{Parameter, size};
 use super::transmission::Gap;
 use super::unit::Unit;
 use crate::motion::scene::Scene;
@@ -22,6 +22,7 @@ pub(super) const INFO: Info = Info {
     vibrates: true,
     least_fraction: 0.06,
     place: Some("MJCF"),
+    by_hand: second_joint,
     needs: &[Need::Reversals],
     remedy: "add a joint with this range between motor and link ({})",
     gear: true,
@@ -95,6 +96,18 @@ pub(super) fn candidates(scene: &Scene, joint: usize) -> Vec<Candidate> {
         }
     }
     all
+}
+
+/// Joint of the play, to be added to an MJCF; its range is the half play on either side where that is known.
+fn second_joint(joints: &[String], parameters: &[Parameter]) -> Option<String> {
+    let range = match size(parameters, "half_play") {
+        Some((play, _)) => format!("range=\"{} {play}\"", -play),
+        None => "of a range that has to be measured".to_owned(),
+    };
+    let joint = joints.first()?;
+    Some(format!(
+        "at {joint}: a second joint between rotor and link, {range}"
+    ))
 }
 
 /// Reduces the sizes to half the play. For a play found by its blows or by another sensor, the coefficient on

@@ -4,7 +4,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
 use super::experiment::Experiment;
-use super::info::{Carried, Info};
+use super::info::{Carried, Correction, Info};
 use super::reported::{Parameter, size};
 use super::unit::Unit;
 use crate::motion::scene::Scene;
@@ -26,6 +26,8 @@ pub(super) const INFO: Info = Info {
     ],
     absorbable: true,
     place: Some("URDF"),
+    correction: Some(Correction::Tilt),
+    unplanned: "no tilt changes the torque",
     remedy: "turn gravity in the base frame ({})",
     carried: |_| Carried::Gravity,
     reported: by_axes,

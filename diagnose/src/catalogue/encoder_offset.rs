@@ -5,7 +5,7 @@
 
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
-use super::info::{Carried, Info, Need};
+use super::info::{Carried, Correction, Info, Need};
 use super::unit::Unit;
 use crate::motion::scene::Scene;
 use physics::batch::rigid_torque;
@@ -22,6 +22,7 @@ pub(super) const INFO: Info = Info {
     ],
     absorbable: true,
     place: Some("URDF"),
+    correction: Some(Correction::Zero),
     needs: &[Need::Range],
     remedy: "correct the joint's zero ({})",
     carried: |_| Carried::Zero,

@@ -9,6 +9,8 @@ pub(super) const INFO: Info = Info {
     confounders: &[],
     remedy: "nothing: leave this part of the recording out ({})",
     outside: true,
+    passing: true,
+    unplanned: "it is found where and when it happens",
     carried: |_| Carried::Not,
     ..Info::NEW
 };

@@ -17,6 +17,7 @@ pub(super) const INFO: Info = Info {
     plain: "friction that drifts over the session",
     confounders: &[Effect::FrictionParameters, Effect::NonlinearViscousFriction],
     friction: true,
+    passing: true,
     needs: &[Need::Minute],
     coded: true,
     carried: by_clock_alone,

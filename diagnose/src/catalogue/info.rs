@@ -41,6 +41,23 @@ pub enum Carried {
     Not,
 }
 
+/// Part of a robot's description that a patch corrects for an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Correction {
+    /// Inertial parameters of links.
+    Links,
+    /// Friction of joints.
+    Friction,
+    /// Body fixed to the last link.
+    Load,
+    /// Rotor inertia of a joint, kg·m².
+    Rotor,
+    /// Zero of a joint, rad.
+    Zero,
+    /// Rotation of the base, rad.
+    Tilt,
+}
+
 /// Description of an effect: names, texts and rules.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
@@ -58,6 +75,10 @@ pub struct Info {
     pub needs: &'static [Need],
     /// File of a patch into which the effect is written; none: only the table of values.
     pub place: Option<&'static str>,
+    /// Part of the description that a patch corrects; none where a description has no place for the effect.
+    pub correction: Option<Correction>,
+    /// Comment in a snippet of MJCF that says what to add by hand, from the names of the joints and the sizes.
+    pub by_hand: fn(&[String], &[Parameter]) -> Option<String>,
     /// Whether generated code for simulators holds it: its columns are terms of the torque model and belong to the robot.
     pub coded: bool,
     /// Whether the effect is a change of parameters that the model already has.
@@ -72,6 +93,10 @@ pub struct Info {
     pub absorbable: bool,
     /// Whether the effect is a temporary force from outside: it is found by its trace and never fitted.
     pub outside: bool,
+    /// Whether the effect comes and goes, so that another motion need not show it again.
+    pub passing: bool,
+    /// Whether its size is relative to the described masses.
+    pub by_mass: bool,
     /// Whether the effect shifts the recorded torque in time.
     pub late: bool,
     /// Whether the effect is friction with memory.
@@ -88,6 +113,8 @@ pub struct Info {
     pub experiment: Experiment,
     /// Motions that separate it from particular other effects.
     pub experiments: &'static [(Effect, Experiment)],
+    /// Reason why a planned motion is not judged by the torque of the effect.
+    pub unplanned: &'static str,
     /// Reason why no simulator's description or code holds it, where it is not written.
     pub unwritten: &'static str,
     /// Least part of its joints' squared error that it must remove to be accepted.
@@ -103,6 +130,8 @@ impl Info {
         confounders: &[],
         needs: &[],
         place: None,
+        correction: None,
+        by_hand: |_, _| None,
         coded: false,
         parameter: false,
         friction: false,
@@ -110,6 +139,8 @@ impl Info {
         vibrates: false,
         absorbable: false,
         outside: false,
+        passing: false,
+        by_mass: false,
         late: false,
         memory: false,
         gear: false,
@@ -118,6 +149,7 @@ impl Info {
         reported: |_| (),
         experiment: Experiment::Reversals,
         experiments: &[],
+        unplanned: "this motion or this robot gives it no columns",
         unwritten: "not a simulator's matter",
         least_fraction: f64::NEG_INFINITY,
     };

@@ -7,7 +7,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity};
 use super::effect::Effect;
 use super::info::{Carried, Info, Need};
-use super::reported::Parameter;
+use super::reported::{Parameter, size};
 use super::transmission::Spring;
 use super::unit::Unit;
 use crate::motion::scene::Scene;
@@ -21,6 +21,7 @@ pub(super) const INFO: Info = Info {
     dynamic: true,
     vibrates: true,
     place: Some("MJCF"),
+    by_hand: second_joint,
     needs: &[Need::Rate],
     remedy: "split the joint into motor and link with a spring ({})",
     gear: true,
@@ -29,6 +30,14 @@ pub(super) const INFO: Info = Info {
     reported: stiffness,
     ..Info::NEW
 };
+
+/// Joint of the spring, to be added to an MJCF.
+fn second_joint(joints: &[String], parameters: &[Parameter]) -> Option<String> {
+    let (joint, (stiffness, _)) = (joints.first()?, size(parameters, "stiffness")?);
+    Some(format!(
+        "at {joint}: a second joint between rotor and link, stiffness=\"{stiffness}\""
+    ))
+}
 
 /// Natural frequencies of the joint against the rigid arm that are tried, Hz.
 const FREQUENCIES: [f64; 4] = [4.5, 7.5, 12.0, 20.0];

@@ -8,7 +8,7 @@
 use super::candidate::{Bound, Candidate, Column, ColumnTorque, Quantity};
 use super::effect::Effect;
 use super::experiment::Experiment;
-use super::info::{Info, Need};
+use super::info::{Correction, Info, Need};
 use super::reported::{Parameter, size};
 use super::unit::Unit;
 use crate::motion::scene::Scene;
@@ -30,6 +30,7 @@ pub(super) const ROTOR: Info = Info {
     ],
     absorbable: true,
     place: Some("drive file, MJCF"),
+    correction: Some(Correction::Rotor),
     needs: &[Need::Speed],
     remedy: "set the joint's armature ({})",
     ..Info::NEW
@@ -42,6 +43,8 @@ pub(super) const PAYLOAD: Info = Info {
     confounders: &[Effect::LinkParameters],
     absorbable: true,
     place: Some("URDF"),
+    correction: Some(Correction::Load),
+    by_mass: true,
     remedy: "attach a body to the last link ({}); --patch writes it",
     body: true,
     experiment: Experiment::KnownMass,
@@ -58,6 +61,7 @@ pub(super) const FRICTION: Info = Info {
     friction: true,
     absorbable: true,
     place: Some("URDF"),
+    correction: Some(Correction::Friction),
     remedy: "set joint damping and friction loss ({}); --patch writes them",
     ..Info::NEW
 };
@@ -70,6 +74,7 @@ pub(super) const LINKS: Info = Info {
     parameter: true,
     absorbable: true,
     place: Some("URDF"),
+    correction: Some(Correction::Links),
     needs: &[Need::Minute],
     remedy: "set the links' inertials ({}); --patch writes them",
     body: true,

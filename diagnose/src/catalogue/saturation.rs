@@ -17,6 +17,7 @@ pub(super) const INFO: Info = Info {
     confounders: &[Effect::TorqueGain, Effect::NonlinearViscousFriction],
     remedy: "leave out cut samples, or limit the actuator ({})",
     carried: |_| Carried::Limit,
+    unplanned: "it shows from a limit just below the largest torque of the motion",
     ..Info::NEW
 };
 

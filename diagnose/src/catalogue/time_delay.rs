@@ -6,6 +6,7 @@
 use super::candidate::{Bound, Candidate, Column, Quantity, Shape};
 use super::effect::Effect;
 use super::info::{Carried, Info};
+use super::reported::{Parameter, size};
 use super::unit::Unit;
 use crate::motion::channel::Channel;
 use crate::motion::delay::Late;
@@ -22,11 +23,22 @@ pub(super) const INFO: Info = Info {
     confounders: &[Effect::JointElasticity, Effect::Backlash],
     dynamic: true,
     place: Some("MJCF"),
+    by_hand: of_actuators,
     remedy: "shift the torque in the recording, or delay the actuator ({})",
     late: true,
     carried: |_| Carried::Delay,
     ..Info::NEW
 };
+
+/// Delay of one joint's actuator, or of every actuator, to be set in an MJCF.
+fn of_actuators(joints: &[String], parameters: &[Parameter]) -> Option<String> {
+    let (delay, _) = size(parameters, "delay")?;
+    let whose = match joints {
+        [joint] => format!("actuator of {joint}"),
+        _ => "every actuator".to_owned(),
+    };
+    Some(format!("{whose}: delay=\"{delay}\""))
+}
 
 /// Delays of all joints that are tried, in sampling intervals; the coefficient interpolates between them.
 const DELAYS: [f64; 12] = [

@@ -37,6 +37,7 @@ pub(super) const GAIN: Info = Info {
     ],
     absorbable: true,
     remedy: "correct the torque constant or gear ratio ({})",
+    by_mass: true,
     carried: |_| Carried::Gain,
     experiment: Experiment::Loads,
     ..Info::NEW

@@ -160,9 +160,9 @@ type Errors = (Vec<Option<f64>>, Vec<Vec<f64>>);
 
 /// Fall of each joint's NRMSE by freeing parameters, where it is larger than by noise.
 struct Falls {
-    /// By freeing the links' parameters, friction fitted.
+    /// Fall by freeing the links' parameters, with friction fitted.
     links: Vec<f64>,
-    /// By freeing friction, the links' parameters fitted.
+    /// Fall by freeing friction, with the links' parameters fitted.
     friction: Vec<f64>,
     /// By freeing both together.
     both: Vec<f64>,

@@ -127,9 +127,11 @@ impl<'a> Simplest<'a> {
         (widest + 1 < found.len()).then(|| found[widest].0)
     }
 
-    /// Factor on friction's tolerances under which the recording is likeliest without any cause, for given
-    /// factors on the links'. With one factor on both, correct friction would keep the links' tolerance small,
-    /// and an error of the last link would look like a payload.
+    /// Factor on the friction tolerances under which the recording is likeliest without any cause. It is one of the
+    /// setting `tolerant`; wide ones are penalised. `links` is the one factor on the tolerances of all links.
+    ///
+    /// With one factor on both, correct friction would keep the links' tolerance small, and an error of the last
+    /// link would look like a payload.
     fn friction(&self, links: f64) -> f64 {
         let settings = self.objective.settings;
         let surprise = |friction: f64| {

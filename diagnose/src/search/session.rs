@@ -1,7 +1,6 @@
 //! State that all searches of one recording share, whatever their row weights and the columns they pick from the torque.
 
 use crate::catalogue::choice::Choice;
-use crate::catalogue::effect::Effect;
 use crate::catalogue::gear::{Link, links};
 use crate::catalogue::{Candidate, catalogue};
 use crate::motion::frame::Frame;
@@ -36,8 +35,7 @@ impl Session {
         let links = links(scene, frame, weight);
         let mut candidates = catalogue(scene, &links);
         effects.retain(&mut candidates);
-        let scales = |c: &Candidate| matches!(c.effect, Effect::Payload | Effect::TorqueGain);
-        candidates.retain(|c| masses || !scales(c));
+        candidates.retain(|c| masses || !c.effect.info().by_mass);
         let dictionary = Dictionary::new(scene.dof(), &candidates);
         Self {
             present: scene.robot.clone(),

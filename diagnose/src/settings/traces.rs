@@ -89,7 +89,7 @@ settings! {
 settings! {
     /// Thresholds of the test of a joint's residual for structure.
     StructureSettings {
-        /// Least number of rows away from reversals.
+        /// Fewest rows away from reversals with which a joint is tested.
         fewest_rows: usize = 50, tuned;
     }
 }

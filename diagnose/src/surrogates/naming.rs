@@ -33,7 +33,7 @@ const NOTHING: f64 = -20.0;
 const FREEDOM: f64 = 4.0;
 /// Least standard deviation of a lead, nats: the contribution of a model that is only nearly right.
 const LEAST: f64 = 2.0;
-/// Largest log likelihood ratio from simulations, for or against a name.
+/// Bound on a log likelihood ratio from simulations, nats: it lies between minus and plus this.
 const MOST: f64 = 5.0;
 
 /// Evidence for the name of a cause.

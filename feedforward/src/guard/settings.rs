@@ -67,7 +67,7 @@ impl Settings {
     }
 }
 
-/// Settings that are none.
+/// Reason why settings are refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SettingsError {
     /// Another number of values than joints.

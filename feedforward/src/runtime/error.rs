@@ -32,7 +32,7 @@ pub enum LoadError {
     /// The control period.
     #[error("a control period of {0} s is not positive")]
     Period(f64),
-    /// The control period is none for the compensator's windows.
+    /// The control period is too short or too long for the compensator's windows.
     #[error(
         "the compensator was trained on samples {trained} s apart: a control period of {period} s is outside {shortest:.1e} to \
          {longest:.1e} s"
@@ -42,9 +42,9 @@ pub enum LoadError {
         period: f64,
         /// The period of training, s.
         trained: f64,
-        /// The shortest that it stands, s.
+        /// Shortest period that the compensator can run at, s.
         shortest: f64,
-        /// The longest that it stands, s.
+        /// Longest period that the compensator can run at, s.
         longest: f64,
     },
 }

@@ -21,7 +21,7 @@ pub struct Bounds<'a> {
 }
 
 impl<'a> Bounds<'a> {
-    /// Limits alone, with rest in velocity and acceleration.
+    /// Bounds by these limits alone. A motion begins and ends with velocity and acceleration zero, in any pose.
     pub fn of(limits: Vec<MotionLimits>) -> Self {
         Self {
             limits,

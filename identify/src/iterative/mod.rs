@@ -65,7 +65,7 @@ pub enum Physical<'a> {
     EveryStep(&'a Feasibility),
 }
 
-/// Settings of [`identify`]; the defaults are the paper's "Method 2".
+/// Settings of [`identify`]. The defaults are "Method 2" of Han et al. (2020).
 #[derive(Debug, Clone)]
 pub struct IterativeOptions<'a> {
     /// Form of the noise covariance. Default [`Noise::Full`].

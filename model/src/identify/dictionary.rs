@@ -54,10 +54,11 @@ pub struct SessionClock {
     pub end: f64,
 }
 
-/// Candidate terms of one joint. `revolute`: whether its position is an angle.
+/// Candidate terms of one joint. `revolute` says whether its position is an angle: only then are there terms that
+/// repeat with it.
 ///
 /// The grids span what drives show: Stribeck velocities of 0.5–8°/s, presliding displacements of
-/// 0.0005–3°, lags of 0.1–3 s. Warm-up needs a session several minutes long.
+/// 0.0005–3°, lags of 0.1–3 s. A warm-up term needs a session of at least half its time constant (6–60 min).
 pub fn candidates(revolute: bool, clock: SessionClock) -> Vec<Term> {
     let degree = std::f64::consts::PI / 180.0;
     let stribeck = |v: f64| Sliding::Stribeck {

@@ -43,10 +43,10 @@ impl Sums {
         bytes
     }
 
-    /// The sums from bytes of [`Sums::to_bytes`], for the same robot.
+    /// Sums read back from the bytes that [`Sums::to_bytes`] wrote. The robot must be the same.
     ///
     /// # Errors
-    /// Another robot; bytes that are cut or no sums.
+    /// Bytes of another robot, bytes cut short, or bytes not written by [`Sums::to_bytes`].
     pub fn from_bytes(robot: Robot, bytes: &[u8]) -> Result<Self, SumsError> {
         let broken = |why: &str| SumsError::Broken(why.to_owned());
         let end = bytes.iter().position(|b| *b == b'\n');

@@ -43,7 +43,7 @@ pub enum Segment {
 }
 
 impl Segment {
-    /// The command at time `t` (s) of the segment.
+    /// Writes the command at time `t` into `out`. Time counts from the segment's start, s.
     pub fn sample(&self, t: f64, out: &mut Command) {
         match self {
             Self::Multisine(m) => m.sample(t, out),

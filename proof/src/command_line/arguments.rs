@@ -27,14 +27,14 @@ pub enum Proof {
     /// Diagnoses and scores cases that `simulate cases` or another simulator has written into a folder: `cases/NAME` with a description,
     /// `train.parquet` and `test.parquet`, and `truth/NAME.json`.
     Score {
-        /// The folder. Reports go into its `reports`; one that is there already is scored as it is.
+        /// Folder of the cases. Reports go into its `reports`. A report that is there already is scored as it is.
         folder: PathBuf,
-        /// Skip what takes surrogates of the recordings.
+        /// Skip all that is computed from surrogate recordings (p-values, evidence for a cause's name): much faster.
         #[arg(long)]
         fast: bool,
     },
-    /// Diagnoses sealed simulated cases, every other one hard, with the ten thresholds that matter most at half and at double their value,
-    /// or with special rules switched off, without surrogates, and scores the answers.
+    /// Scores diagnoses of sealed simulated cases (every other one hard) with the ten most important thresholds halved
+    /// and doubled, or with special rules switched off. Draws no surrogates.
     Thresholds {
         /// Number of cases.
         #[arg(long, default_value_t = 30)]
@@ -45,16 +45,17 @@ pub enum Proof {
         /// Version of the generator: 1 executes every motion once, 2 executes motions twice in a third of the cases.
         #[arg(long, value_name = "N", default_value_t = GENERATOR, value_parser = clap::value_parser!(u8).range(1..=i64::from(GENERATOR)))]
         generator: u8,
-        /// Most joints of an arm: smaller ones are diagnosed sooner.
+        /// Largest number of joints of an arm. Small arms are diagnosed faster.
         #[arg(long, value_name = "N", default_value_t = 7)]
         joints: usize,
-        /// The cases of this file instead, whose answers are stored: proof/tests/whole/headline.json.
+        /// File of cases to use instead, with their stored answers: proof/tests/whole/headline.json.
         #[arg(long, value_name = "FILE", conflicts_with_all = ["cases", "seed", "generator", "joints"])]
         headline: Option<PathBuf>,
-        /// Special rules to switch off, each alone, instead of the thresholds; `all` of them. May be repeated.
+        /// Special rule to switch off, instead of changing thresholds; `all` stands for every rule. May be repeated:
+        /// each rule is then switched off alone.
         #[arg(long, value_name = "RULE", value_parser = PossibleValuesParser::new(Rule::ALL.map(Rule::name).into_iter().chain(["all"])))]
         off: Vec<String>,
-        /// Switch them off together.
+        /// Switch the rules of --off off together rather than each alone.
         #[arg(long, requires = "off")]
         together: bool,
         /// Folder for the reports. A report that is there already is scored as it is.
@@ -86,31 +87,33 @@ pub struct Sealed {
     /// other rates, days and stamps, two effects on one joint, pushes at rest.
     #[arg(long, conflicts_with = "leave_one_out")]
     pub hard: bool,
-    /// Cases of this kind alone: an effect's name, none, outside or two (with --hard two_same_joint or contact_at_rest).
+    /// Draw only cases of this kind: the name of an effect, none, outside or two (with --hard also two_same_joint or
+    /// contact_at_rest).
     #[arg(long)]
     pub only: Option<String>,
-    /// Draw none of this effect, as before it entered the catalogue.
+    /// Never draw this effect, as before it entered the catalogue.
     #[arg(long, conflicts_with_all = ["hard", "leave_one_out"], value_parser = PossibleValuesParser::new(EFFECTS))]
     pub without: Option<String>,
     /// Version of the generator: 1 executes every motion once, 2 executes motions twice in a third of the cases.
     #[arg(long, value_name = "N", default_value_t = GENERATOR, value_parser = clap::value_parser!(u8).range(1..=i64::from(GENERATOR)))]
     pub generator: u8,
-    /// Encoders on the links as well.
+    /// Also give the arms encoders on their links.
     #[arg(long, conflicts_with = "leave_one_out")]
     pub link_encoders: bool,
-    /// Thermometers in the joints as well.
+    /// Also give the arms thermometers in their joints.
     #[arg(long, conflicts_with = "leave_one_out")]
     pub temperatures: bool,
-    /// Also take each case's effect out of the catalogue, and say what is named instead.
+    /// Also diagnose each case with its effect removed from the catalogue, and say what is named instead.
     #[arg(long)]
     pub leave_one_out: bool,
-    /// Also print the weights of a confidence that these cases give, and how reliable it is on cases left out.
+    /// Also fit the weights of the confidence to these cases, print them, and say how reliable they are on cases left
+    /// out.
     #[arg(long)]
     pub calibrate: bool,
-    /// Folder of an earlier run, with the program as it is now: its cases count for the weights as well. May be repeated.
+    /// Folder of an earlier run of the same program: its cases also count for the weights. May be repeated.
     #[arg(long, value_name = "DIR", requires = "calibrate")]
     pub with: Vec<PathBuf>,
-    /// Skip what takes surrogates of the recordings.
+    /// Skip all that is computed from surrogate recordings (p-values, evidence for a cause's name): much faster.
     #[arg(long)]
     pub fast: bool,
     /// Folder for cases, answers and reports. A case whose report is there already is scored by it,
@@ -126,8 +129,9 @@ pub struct Arguments {
     /// The simulator's model: a URDF, an MJCF, or the name of a built-in robot.
     #[arg(long)]
     pub robot: Option<String>,
-    /// Joints of the robot, base first, or the frame of its tool, where the description holds more; NAME=POSITION (rad or m) says where
-    /// another joint stands [default: those that the recording's columns name, or the one chain].
+    /// Joints of the robot, base first, or the frame of its tool; needed where the description holds more joints.
+    /// NAME=POSITION (rad or m) holds another joint at that position [default: those that the recording's columns name,
+    /// or the only chain].
     #[arg(
         long,
         value_name = "A,B,C",
@@ -138,7 +142,7 @@ pub struct Arguments {
     /// An identified model instead: a model directory that `train` wrote.
     #[arg(long, value_name = "DIR", conflicts_with = "gravity")]
     pub model: Option<PathBuf>,
-    /// Earlier recordings of the same robot: says what has changed since, with --robot for its lengths and axes alone.
+    /// Earlier recordings of the same robot, to find what has changed since. --robot then gives only lengths and axes.
     #[arg(long, num_args = 1.., conflicts_with_all = ["model", "learn", "next"])]
     pub before: Vec<PathBuf>,
     /// Recordings of the real robot on which effects are fitted.
@@ -164,10 +168,10 @@ pub struct Arguments {
     /// Cut-off of the motion's low-pass, Hz, instead of the one chosen from the data.
     #[arg(long, value_name = "F", value_parser = cutoff)]
     pub cutoff_hz: Option<f64>,
-    /// Skip what takes surrogates of the recording.
+    /// Skip all that is computed from surrogate recordings (p-values, evidence for a cause's name): much faster.
     #[arg(long)]
     pub fast: bool,
-    /// Also say what a learned compensator would still close.
+    /// Also train a compensator and say how much of the rest of the gap it would close.
     #[arg(long)]
     pub learn: bool,
     /// Write the motion (CSV or Parquet, as `excite` does) that best tells ambiguous causes apart, within the robot's limits.

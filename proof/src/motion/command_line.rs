@@ -31,7 +31,7 @@ enum Proof {
         /// Seed of the draw.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Most joints of an arm.
+        /// Largest number of joints of an arm.
         #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u64).range(3..=7))]
         joints: u64,
         /// Folder for cases and reports. What is there already is kept.

@@ -28,7 +28,7 @@ pub const SINGLES: [&str; 14] = [
     "link_parameters",
 ];
 
-/// What no hypothesis describes.
+/// Effects that no hypothesis of the catalogue describes.
 pub const OUTSIDE: [&str; 3] = ["detent", "winding", "slack_belt"];
 
 /// A parameter as it truly is.
@@ -49,7 +49,7 @@ pub struct Withheld {
     pub effect: String,
     /// Joint, none for the whole arm.
     pub joint: Option<String>,
-    /// What it set.
+    /// Parameters that the effect set, with their true values.
     pub parameters: Vec<Truth>,
 }
 

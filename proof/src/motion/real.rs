@@ -17,7 +17,7 @@ const BEFORE: f64 = 2.0;
 /// Length of a trajectory, s.
 pub(super) const LENGTH: f64 = 12.0;
 
-/// Farthest from its command that a joint may get, rad (m): beyond, the case is none.
+/// Farthest that a joint may be from its command, rad (m). A case with a joint beyond that is discarded.
 const FARTHEST: f64 = 1.5;
 
 /// What only some robots have, joint by joint.
@@ -31,18 +31,18 @@ pub enum Extra {
     Detent(Ripple),
     /// A belt with slack behind the motor: half of the slack, rad, and its stiffness, N·m/rad.
     Belt {
-        /// Motor.
+        /// Index of the joint whose motor drives the belt.
         joint: usize,
-        /// Half of the slack.
+        /// Half of the slack, rad.
         half: f64,
         /// Stiffness when tight.
         stiffness: f64,
     },
     /// A winding whose torque bends down towards this one, N·m.
     Winding {
-        /// Motor.
+        /// Index of the joint whose motor has the winding.
         joint: usize,
-        /// Largest torque.
+        /// Largest torque, N·m.
         torque: f64,
     },
 }

@@ -18,17 +18,17 @@ pub struct Score {
     pub first: String,
     /// Whether it is what was withheld (of two: one of them), or nothing where nothing was.
     pub right: bool,
-    /// Listed causes that were not withheld, and those withheld that are not listed.
+    /// Listed causes that were not withheld.
     pub extra: Vec<String>,
-    /// Withheld and not listed.
+    /// Withheld effects that are not listed.
     pub missed: Vec<String>,
-    /// By listed cause its confidence, and whether it was withheld.
+    /// Confidence of each listed cause, and whether it was withheld.
     pub said: Vec<(f64, bool)>,
-    /// By true value with an interval in the report: whether its 90 % interval holds it.
+    /// True values that have a 90 % interval in the report: name, and whether the interval holds the value.
     pub covered: Vec<(String, bool)>,
-    /// Largest error of a delay, s, and of a gain that was said to be known within 2 %, relative.
+    /// Largest error of a delay, s.
     pub delay_error: f64,
-    /// As said.
+    /// Largest relative error of a gain that was said to be known within 2 %.
     pub gain_error: Option<f64>,
     /// Held-out unexplained part as given and corrected.
     pub unexplained: [f64; 2],

@@ -49,7 +49,7 @@ fn of(kind: &str, score: &Score) -> bool {
     score.kind.split(',').next() == Some(kind)
 }
 
-/// Interval of Clopper and Pearson of a share. A half hit is none for the lower end and a whole one for the upper end.
+/// Clopper-Pearson interval of a share. Half a hit counts as no hit for the lower end, as a whole one for the upper.
 pub(super) fn interval(hits: f64, cases: usize) -> [f64; 2] {
     let [low, _] = proportion::interval(hits.floor() as usize, cases, OUTSIDE);
     let [_, high] = proportion::interval(hits.ceil() as usize, cases, OUTSIDE);

@@ -79,10 +79,10 @@ pub fn covered(deviations: f64) -> bool {
     deviations.abs() <= TWO_SIDED
 }
 
-/// Part of the cases that has to be found for a share to be one that is.
+/// Part of the cases that must be found for a share to count as detected.
 const FOUND: f64 = 0.8;
 
-/// Smallest share of a joint's torque from which on that part of the cases is found: cases as (share, found).
+/// Smallest share of a joint's torque from which on [`FOUND`] of the cases are found. `cases` holds (share, found).
 pub fn detected_from(mut cases: Vec<(f64, bool)>) -> Option<f64> {
     cases.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut found = 0.0;

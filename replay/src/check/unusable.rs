@@ -37,7 +37,7 @@ pub enum Unusable {
         joint: usize,
         /// Commanded range over range of positions.
         ratio: f64,
-        /// What such a ratio is.
+        /// Meaning of the ratio in words, such as a unit of angle.
         meaning: &'static str,
     },
     /// A command in the other direction.
@@ -58,7 +58,7 @@ pub enum Unusable {
     Clock {
         /// Recording.
         source_name: String,
-        /// By how much, s.
+        /// Delay of the positions after the commands, s.
         late: f64,
     },
     /// Two clocks that run apart.
@@ -84,7 +84,7 @@ pub enum Unusable {
     Order {
         /// Recording.
         source_name: String,
-        /// Which command is whose.
+        /// The pairs of joint and command column that were found, in words.
         found: String,
     },
     /// Commands that are no goals of these positions.

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// A parameter as the decision sees it: several entries may be the same physical number with different reasons to differ.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
-    /// Which.
+    /// The parameter that may differ.
     pub parameter: Parameter,
     /// Deviation of its coordinate for this reason.
     pub deviation: f64,

@@ -23,7 +23,7 @@ const RENEWED: usize = 4;
 /// Shortest step to which a stiff drive shortens it, s.
 const SHORTEST: f64 = 5e-5;
 
-/// Motion farther than this (rad or m) is none of an arm's.
+/// Largest position that counts as motion of an arm, rad or m. Beyond it the simulation has diverged.
 const FARTHEST: f64 = 1e3;
 
 /// One trajectory as it is replayed.

@@ -19,7 +19,7 @@ pub struct System {
 /// Range and resolution of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Smallest and largest delay, s. A minimum at either end is none.
+    /// Smallest and largest delay, s. A minimum at either end is not taken as the delay.
     pub range: [f64; 2],
     /// Distance of the delays tried before the best is refined, s.
     pub spacing: f64,

@@ -17,7 +17,8 @@ pub struct Forward {
     /// Drive file of the recordings.
     #[arg(long)]
     pub drive: Option<PathBuf>,
-    /// Folds of whole groups of trajectories that are left out in turn to judge it; 0: none.
+    /// Number of folds, each of whole groups of trajectories, left out in turn to score the result. 0 skips the
+    /// scoring.
     #[arg(long, default_value_t = 4)]
     pub folds: usize,
     /// How it runs.

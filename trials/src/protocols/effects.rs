@@ -31,7 +31,7 @@ pub enum Effect {
     Ripple,
     /// Extra friction of a starting joint.
     Stribeck,
-    /// Drag of activated flow.
+    /// Drag of a fluid by thermally activated flow (Eyring): it grows as asinh of the speed.
     Flow,
     /// Friction by load.
     Loss,

@@ -41,7 +41,7 @@ impl Value<'_> {
 /// A row: its number and its values.
 pub(super) type Row<'a> = (i64, Vec<Value<'a>>);
 
-/// An SQLite file.
+/// Reader of an SQLite file. It decodes the pages itself and holds the list of tables.
 pub(super) struct Database<R> {
     input: R,
     size: usize,
@@ -62,7 +62,7 @@ impl<R: Read + Seek> Database<R> {
     /// Opens a file and reads its schema.
     ///
     /// # Errors
-    /// It is none, or is cut or damaged.
+    /// The file is not SQLite, is cut short, or is damaged.
     pub fn open(mut input: R) -> Result<Self, Problem> {
         let length = input.seek(SeekFrom::End(0))?;
         let mut header = [0; HEADER];

@@ -1,7 +1,6 @@
 //! The patched robot in MuJoCo's XML: elements to be merged into a model by name.
 
-use super::patched::{Patched, number};
-use crate::catalogue::effect::Effect;
+use super::patched::Patched;
 use report::xml::attribute;
 use std::fmt::Write;
 
@@ -46,28 +45,9 @@ pub(super) fn snippet(patched: &Patched, zeros: &[f64]) -> String {
     }
     out.push_str("  </worldbody>\n");
     for cause in patched.causes {
-        let number = |name: &str| number(cause, name);
-        let joint = cause.joints.first().map_or("", String::as_str);
-        let said = match cause.effect {
-            Effect::TimeDelay if cause.joints.len() == 1 => {
-                format!("actuator of {joint}: delay=\"{}\"", number("delay"))
-            }
-            Effect::TimeDelay => format!("every actuator: delay=\"{}\"", number("delay")),
-            Effect::JointElasticity => format!(
-                "at {joint}: a second joint between rotor and link, stiffness=\"{}\"",
-                number("stiffness")
-            ),
-            Effect::Backlash if number("half_play") == 0.0 => {
-                format!(
-                    "at {joint}: a second joint between rotor and link, of a range that has to be measured"
-                )
-            }
-            Effect::Backlash => format!(
-                "at {joint}: a second joint between rotor and link, range=\"{} {}\"",
-                -number("half_play"),
-                number("half_play")
-            ),
-            _ => continue,
+        let by_hand = cause.effect.info().by_hand;
+        let Some(said) = by_hand(&cause.joints, &cause.parameters) else {
+            continue;
         };
         let _ = writeln!(out, "  <!-- {} -->", said.replace("--", "- -"));
     }

@@ -11,7 +11,7 @@ mod values;
 mod written;
 
 use crate::advice::code::{self, Code};
-use crate::catalogue::effect::Effect;
+use crate::catalogue::info::Correction;
 use crate::error::DiagnoseError;
 use crate::outcome::Outcome;
 use crate::schema::Cause;
@@ -119,14 +119,17 @@ pub fn patch(
         unloaded,
         load,
     } = parts(model, &outcome.findings, &outcome.frames.scale, causes)?;
-    let of = |effect: Effect| causes.iter().filter(move |c| c.effect == effect);
+    let of = |part| {
+        let corrected = move |c: &&Cause| c.effect.info().correction == Some(part);
+        causes.iter().filter(corrected)
+    };
     let mut zeros = vec![0.0; robot.dof()];
-    for cause in of(Effect::EncoderOffset) {
+    for cause in of(Correction::Zero) {
         if let Some(j) = joint(model, cause) {
             zeros[j] += number(cause, "zero");
         }
     }
-    let tilt = of(Effect::BaseTilt).fold(Vector3::zeros(), |sum, c| {
+    let tilt = of(Correction::Tilt).fold(Vector3::zeros(), |sum, c| {
         sum + Vector3::new(number(c, "tilt_x"), number(c, "tilt_y"), 0.0)
     });
     let patched = Patched {
@@ -137,7 +140,7 @@ pub fn patch(
         causes,
     };
     let settings = values::settings(&model.robot, &patched.robot);
-    let rotors = of(Effect::RotorInertia).next().is_some();
+    let rotors = of(Correction::Rotor).next().is_some();
     let mut others = Vec::new();
     let changed = Changed {
         robot: &patched.unloaded,

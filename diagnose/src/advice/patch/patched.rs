@@ -3,6 +3,7 @@
 use super::bodies::nearest;
 use crate::advice::code;
 use crate::catalogue::effect::Effect;
+use crate::catalogue::info::{Correction, Info};
 use crate::motion::scene::Scale;
 use crate::schema::Cause;
 use crate::search::find::Findings;
@@ -45,13 +46,13 @@ impl Parts {
         let load = self.load.as_ref().map(|l| l.inertia.parameters());
         for cause in causes {
             for (k, p) in cause.parameters.iter_mut().enumerate() {
-                let written = match cause.effect {
-                    Effect::LinkParameters => {
+                let written = match cause.effect.info().correction {
+                    Some(Correction::Links) => {
                         let place = labels.iter().position(|label| *label == p.name);
                         place.map(|at| values[at])
                     }
                     // Mass and centre are the fitted ones.
-                    Effect::Payload if p.name.starts_with("inertia_") => load.map(|l| l[k]),
+                    Some(Correction::Load) if p.name.starts_with("inertia_") => load.map(|l| l[k]),
                     _ => None,
                 };
                 p.value = written.unwrap_or(p.value);
@@ -73,14 +74,18 @@ pub fn parts(
 ) -> Result<Parts, RobotError> {
     let change: Vec<f64> = found.changes(|_| true).iter().map(|c| c.0).collect();
     let mut rotors = model.robot.rotor_inertia();
-    for cause in causes.iter().filter(|c| c.effect == Effect::RotorInertia) {
+    let corrects = |effect: Effect, part| effect.info().correction == Some(part);
+    for cause in causes
+        .iter()
+        .filter(|c| corrects(c.effect, Correction::Rotor))
+    {
         if let Some(j) = joint(model, cause) {
             rotors[j] += number(cause, "inertia");
         }
     }
     let moved = model.moved(&change)?.with_rotor_inertia(&rotors)?;
     let n = model.robot.dof();
-    let listed = causes.iter().any(|c| c.effect == Effect::Payload);
+    let listed = causes.iter().any(|c| corrects(c.effect, Correction::Load));
     let load = load(found).filter(|_| listed);
     let given = model.sizes().joints().iter();
     let mut described: Vec<Inertia> = given.map(|j| j.link.inertia).collect();
@@ -117,10 +122,9 @@ pub fn parts(
 
 /// Load as fitted beside the last link's parameters: its mass and place, with the inertia of a ball of its mass.
 fn load(found: &Findings) -> Option<Inertia> {
-    let own = found
-        .accepted
-        .iter()
-        .find(|a| found.candidates[a.candidate].effect == Effect::Payload)?;
+    let own = found.accepted.iter().find(|a| {
+        found.candidates[a.candidate].effect.info().correction == Some(Correction::Load)
+    })?;
     let beta: Vec<f64> = own.variables.clone().map(|i| found.tight.1[i]).collect();
     let [mass, x, y, z] = *beta.first_chunk::<4>()?;
     let radius = (3.0 * mass / (4.0 * std::f64::consts::PI * LOAD_DENSITY)).cbrt();
@@ -158,10 +162,13 @@ pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
     if effect.info().coded {
         return Some("generated code");
     }
-    match (effect.info().place, mjcf) {
-        (place, false) => place,
-        (Some("URDF"), true) => Some("MJCF"),
-        (_, true) => (effect == Effect::RotorInertia).then_some("MJCF"),
+    let Info {
+        place, correction, ..
+    } = effect.info();
+    if mjcf {
+        correction.map(|_| "MJCF")
+    } else {
+        *place
     }
 }
 

@@ -83,7 +83,8 @@ fn neighbours(from: &Reading) -> Vec<Reading> {
     all
 }
 
-/// What a reading leaves of each torque's variance: by joint the parts of it that stretches have which the model was not fitted to.
+/// Variance of each joint's torque that a reading leaves unexplained, as parts: one for each stretch, predicted by a
+/// model fitted to the other stretches.
 struct Left(Vec<Vec<f64>>);
 
 impl Left {

@@ -29,7 +29,7 @@ const KNOWN: f64 = 2.0;
 pub(super) const DECIDES: f64 = 3.0;
 /// What each kind of evidence counts at most: none of them is beyond doubt, for the model behind it is wrong.
 pub(super) const MOST: f64 = 6.0;
-/// Share of a described shape's misfit, in ln of squared error over what is told at least, from which the shape is another robot's.
+/// Mean misfit over the joints, see [`Table::misfit`], from which the described shape is another robot's.
 const ANOTHER: f64 = 1.1;
 
 /// A complaint about the size of the torque beside what else it may be: itself, the description in its place, or both.
@@ -254,7 +254,7 @@ struct Table {
     dof: usize,
     frictions: usize,
     described_friction: bool,
-    /// Squared errors below which nothing is told.
+    /// Squared error below which differences say nothing.
     floor: f64,
 }
 
@@ -382,7 +382,7 @@ impl Table {
         (found.value > KNOWN * found.std).then_some(found.value)
     }
 
-    /// How much worse a squared error is than what tells nothing, ln.
+    /// Misfit of a squared error: logarithm of 1 plus its ratio to the floor.
     fn misfit(&self, left: f64) -> f64 {
         (left.max(0.0) / self.floor.max(f64::MIN_POSITIVE) + 1.0).ln()
     }

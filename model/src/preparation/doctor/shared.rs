@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 /// Coefficients that all joints share, their deviations beside all others, and the squared error of each joint with them.
 pub(super) struct Shared {
     pub values: Vec<f64>,
-    /// As if the floors were the joints' squared errors, each of one number.
+    /// Deviation of each coefficient if every joint's squared error were its floor, from one number per joint.
     pub deviations: Vec<f64>,
     pub left: Vec<f64>,
 }

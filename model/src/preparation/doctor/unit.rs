@@ -107,7 +107,7 @@ fn is_together_outside(patient: &Patient, alive: &[usize]) -> bool {
 struct Usual(f64, f64);
 
 impl Usual {
-    /// Of a value around `middle`, a factor `within` up or down.
+    /// Logarithm of a value around `middle`: one deviation is a factor of `within`.
     fn around(middle: f64, within: f64) -> Self {
         Self(middle.ln(), within.ln())
     }

@@ -92,7 +92,7 @@ pub enum Doubt {
     EqualMasses(f64),
     /// No distribution of mass has a link's inertia: one principal moment exceeds the sum of the others.
     NoDistribution,
-    /// Mass and inertia together make a body of this density, kg/m³, which is none of a solid's.
+    /// Mass and inertia together ask for this density, kg/m³, which no solid has.
     NoMaterial(f64),
     /// A link's mass and that of the link that carries it, kg.
     Light(f64, f64),
@@ -104,7 +104,7 @@ pub enum Doubt {
     NegativeFriction(&'static str, f64),
     /// An effort limit of zero; taken as unknown.
     NoEffort,
-    /// Length of an axis that should be one.
+    /// Length of an axis that should be a unit vector.
     AxisLength(f64),
     /// Viscous torque at the speed (second number) and the drive's limit (third).
     ServoDamping([f64; 3]),

@@ -29,7 +29,7 @@ pub struct Channel {
 
 /// Torque at the stages of a channel, row after row, N·m.
 pub struct Logged {
-    /// Through the filter, and with the bias.
+    /// Torque after the filter and with the bias.
     pub clean: Vec<f64>,
     /// Torque in the log.
     pub recorded: Vec<f64>,

@@ -6,7 +6,7 @@ use super::source::Element;
 use crate::robot::{RobotError, STANDARD_GRAVITY};
 use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
 
-/// Gravity beyond this, m/s², is none of a robot's.
+/// Largest gravity that is accepted, m/s².
 const STRONGEST: f64 = 1e6;
 
 /// Length below which a vector has no direction.
@@ -15,7 +15,7 @@ const SHORTEST: f64 = 1e-14;
 /// Cases in which a body's inertia follows from its geoms.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum FromGeoms {
-    /// In no case.
+    /// Never: the `<inertial>` alone counts.
     Never,
     /// Always, whatever its `<inertial>`.
     Always,
