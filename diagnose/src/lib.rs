@@ -50,7 +50,7 @@ pub use catalogue::choice::Choice;
 pub use catalogue::effect::Effect;
 pub use catalogue::info::{Info, Need};
 pub use catalogue::{Shape, Unit};
-pub use diagnosis::{Baseline, Earlier, Options, diagnose};
+pub use diagnosis::{Baseline, Earlier, Options, Prepared, diagnose};
 pub use error::DiagnoseError;
 pub use input::given::Given;
 pub use job::{Done, Job, SURROGATES, Subject};

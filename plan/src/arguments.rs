@@ -12,10 +12,11 @@ pub struct Arguments {
     /// Model directory of the robot.
     #[arg(long, value_name = "DIR")]
     pub model: PathBuf,
-    /// Planned motion (.csv, .parquet, .npz, .mcap): `time`, `q1` … or `q_ref1` …, velocities and accelerations where it has them.
+    /// Planned motion: a table (.csv, .parquet, .npz) with `time`, `q1` … or `q_ref1` …, velocities and accelerations where it has
+    /// them; or a bag (.mcap, .db3, folder) with a trajectory_msgs/JointTrajectory.
     #[arg(long, value_name = "PLAN")]
     pub trajectory: PathBuf,
-    /// File to write: the same motion with `tau1` … added (.csv, .parquet).
+    /// File to write: the same motion with `tau1` … added (.csv, .parquet), or a JointTrajectory with effort (.mcap, .yaml).
     #[arg(long, value_name = "OUT")]
     pub out: PathBuf,
     /// Unit of the torque: at the joint (N·m or N), current of the motor (A), or per mille of its rated torque (CiA 402, object

@@ -15,30 +15,101 @@ const EVEN: f64 = 0.01;
 /// By how much of a sample the length of a trajectory may fall short of whole samples by rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Time from sample to sample, s.
-///
-/// # Errors
-/// Stamps that are not evenly spaced.
-pub fn period(plan: &Recording) -> Result<f64, Failure> {
+/// Time from sample to sample, s; none where the stamps are not evenly spaced.
+pub fn period(plan: &Recording) -> Option<f64> {
     let step = plan.median_step();
-    for trajectory in &plan.trajectories {
-        let times = &plan.time[trajectory.range.clone()];
-        let uneven = times
-            .windows(2)
-            .position(|w| (w[1] - w[0] - step).abs() > EVEN * step);
-        if let Some(k) = uneven {
-            return Err(Failure::input(
-                format!(
-                    "{}: samples are {step} s apart, but {} s at {} s; a loop runs at an even period",
-                    plan.source,
-                    times[k + 1] - times[k],
-                    times[k]
-                ),
-                "Let the planner sample its motion at the period of the controller.",
-            ));
+    let even = |w: &[f64]| (w[1] - w[0] - step).abs() <= EVEN * step;
+    let mut each = plan.trajectories.iter();
+    let all = each.all(|t| plan.time[t.range.clone()].windows(2).all(even));
+    (all && step > 0.0).then_some(step)
+}
+
+/// The motion between waypoints, sampled `period` apart: of fifth order, with the positions, velocities and accelerations of
+/// the waypoints at either end, as ros2_control's joint_trajectory_controller moves.
+pub fn between(waypoints: &Motion, period: f64) -> Motion {
+    let n = waypoints.q.ncols();
+    let (mut time, mut segments) = (Vec::new(), Vec::new());
+    let mut columns: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::new());
+    for segment in &waypoints.segments {
+        let stamps = &waypoints.time[segment.clone()];
+        let (first, last) = (stamps[0], stamps[stamps.len() - 1]);
+        let samples = ((last - first) / period + ROUNDING).floor() as usize + 1;
+        segments.push(time.len()..time.len() + samples);
+        for k in 0..samples {
+            let t = first + k as f64 * period;
+            let after = stamps.partition_point(|s| *s <= t).min(stamps.len() - 1);
+            let rows = [after.saturating_sub(1), after].map(|r| segment.start + r);
+            for joint in 0..n {
+                let end = |r: usize| {
+                    let tables = [&waypoints.q, &waypoints.qd, &waypoints.qdd];
+                    tables.map(|table| table[[r, joint]])
+                };
+                let times = rows.map(|r| waypoints.time[r]);
+                let values = quintic(t, times, rows.map(end));
+                columns.iter_mut().zip(values).for_each(|(c, v)| c.push(v));
+            }
+            time.push(t);
         }
     }
-    Ok(step)
+    let shape = (time.len(), n);
+    let [q, qd, qdd] = columns.map(|c| Array2::from_shape_fn(shape, |(k, j)| c[k * n + j]));
+    Motion {
+        time,
+        segments,
+        q,
+        qd,
+        qdd,
+    }
+}
+
+/// Position, velocity and acceleration at time `t` of the polynomial of fifth order between two ends; beyond them those
+/// of the nearer end.
+fn quintic(t: f64, [from, to]: [f64; 2], [a, b]: [[f64; 3]; 2]) -> [f64; 3] {
+    let h = to - from;
+    if t >= to || h <= 0.0 {
+        return b;
+    }
+    if t <= from {
+        return a;
+    }
+    // Ends in the interval's own time, from 0 to 1.
+    let [a, b] = [a, b].map(|[q, v, w]| [q, v * h, w * h * h]);
+    let u = (t - from) / h;
+    let far = b[0] - a[0] - a[1] - 0.5 * a[2];
+    let (speed, turn) = (b[1] - a[1] - a[2], b[2] - a[2]);
+    let c = [
+        10.0 * far - 4.0 * speed + 0.5 * turn,
+        -15.0 * far + 7.0 * speed - turn,
+        6.0 * far - 3.0 * speed + 0.5 * turn,
+    ];
+    let q = a[0] + u * (a[1] + u * (0.5 * a[2] + u * (c[0] + u * (c[1] + u * c[2]))));
+    let v = a[1] + u * (a[2] + u * (3.0 * c[0] + u * (4.0 * c[1] + u * 5.0 * c[2])));
+    let w = a[2] + u * (6.0 * c[0] + u * (12.0 * c[1] + u * 20.0 * c[2]));
+    [q, v / h, w / (h * h)]
+}
+
+/// Rows of a table at the waypoints, interpolated between samples `period` apart of each segment.
+pub fn at_waypoints(table: &Array2<f64>, sampled: &Motion, waypoints: &Motion) -> Array2<f64> {
+    let mut out = Array2::zeros(waypoints.q.dim());
+    let pairs = waypoints.segments.iter().zip(&sampled.segments);
+    for (own, samples) in pairs {
+        let stamps = &sampled.time[samples.clone()];
+        for row in own.clone() {
+            let t = waypoints.time[row];
+            let after = stamps.partition_point(|s| *s <= t).min(stamps.len() - 1);
+            let before = after.saturating_sub(1);
+            let step = stamps[after] - stamps[before];
+            let part = if step > 0.0 {
+                ((t - stamps[before]) / step).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            let [low, high] = [before, after].map(|r| table.row(samples.start + r));
+            let values = &low * (1.0 - part) + &high * part;
+            out.row_mut(row).assign(&values);
+        }
+    }
+    out
 }
 
 /// The motion of a plan: its own velocities and accelerations, and derivatives of its low-passed positions where it has none.
@@ -153,14 +224,39 @@ mod tests {
         let derived = motion(&plan, Some(20.0)).unwrap();
         assert!((derived.qd[[200, 0]] - 2.0_f64.cos()).abs() < 1e-3);
         assert!((derived.qdd[[200, 0]] + 2.0_f64.sin()).abs() < 1e-2);
-        assert!((period(&plan).unwrap() - 0.01).abs() < 1e-12);
+        assert!(period(&plan).is_some_and(|p| (p - 0.01).abs() < 1e-12));
         let mut uneven = plan;
         uneven.time[7] += 0.002;
-        let refused = period(&uneven).unwrap_err();
-        assert!(
-            refused.status == 2 && refused.message.contains("even period"),
-            "{}",
-            refused.message
-        );
+        assert_eq!(period(&uneven), None);
+    }
+
+    #[test]
+    fn between_waypoints_a_polynomial_of_fifth_order_is_itself() {
+        // q = t⁵ − 2t³ + t, from 0 to 2 s in uneven steps.
+        let q = |t: f64| {
+            [
+                t.powi(5) - 2.0 * t.powi(3) + t,
+                5.0 * t.powi(4) - 6.0 * t * t + 1.0,
+                20.0 * t.powi(3) - 12.0 * t,
+            ]
+        };
+        let time = vec![0.0, 0.3, 1.1, 2.0];
+        let table = |k: usize| Array2::from_shape_fn((4, 1), |(row, _)| q(time[row])[k]);
+        let waypoints = Motion {
+            segments: vec![0..4],
+            q: table(0),
+            qd: table(1),
+            qdd: table(2),
+            time: time.clone(),
+        };
+        let fine = between(&waypoints, 0.01);
+        assert_eq!(fine.segments.first(), Some(&(0..201)));
+        for (row, t) in fine.time.iter().enumerate() {
+            for (found, wanted) in [&fine.q, &fine.qd, &fine.qdd].iter().zip(q(*t)) {
+                assert!((found[[row, 0]] - wanted).abs() < 1e-9, "{t}");
+            }
+        }
+        let back = at_waypoints(&fine.q, &fine, &waypoints);
+        assert!((back - &waypoints.q).iter().all(|d| d.abs() < 1e-9));
     }
 }

@@ -2,8 +2,9 @@
 
 use crate::arguments::Arguments;
 use crate::{limits, motion, torque};
+use datasets::read::{self, read};
 use datasets::write::WriteProblem;
-use datasets::{Part, ReadOptions, Recording, read};
+use datasets::{Part, ReadOptions, Recording};
 use feedforward::{Feedforward, LoadError};
 use model::directory::ModelFile;
 use model::evaluation::read_options;
@@ -16,9 +17,8 @@ use report::say;
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = ModelFile::load(&arguments.model)?;
     let options = read_options(&file, arguments.drive.as_deref(), Part::Test, false)?;
-    let plan = planned(arguments, &options)?;
-    let period = motion::period(&plan)?;
-    let mut model = loaded(arguments, period)?;
+    let (plan, is_message) = planned(arguments, &options)?;
+    let (mut model, sampled) = loaded(arguments, motion::period(&plan))?;
     let robot = model.dynamics().robot().clone();
     let drive = match &arguments.drive {
         Some(path) => {
@@ -32,7 +32,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "Give gear_ratio, torque_constant and for per_mille rated_current in a drive file (--drive FILE.toml).",
         )
     })?;
-    let motion = motion::motion(&plan, file.preprocessing.cutoff_hz)?;
+    let waypoints = motion::motion(&plan, file.preprocessing.cutoff_hz)?;
+    let motion = if sampled {
+        waypoints.clone()
+    } else {
+        motion::between(&waypoints, model.period())
+    };
     let mut torque = torque::along(&mut model, &motion);
     if let Some(broken) = limits::broken(&robot, &motion, &torque) {
         let advice = limits::advice(&broken, &mut model, &motion);
@@ -46,12 +51,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (mut column, divisor) in torque.columns_mut().into_iter().zip(&divisors) {
         column /= *divisor;
     }
-    write(arguments, plan, torque)?;
+    if !sampled {
+        torque = motion::at_waypoints(&torque, &motion, &waypoints);
+    }
+    write(arguments, plan, is_message, torque, &robot.joint_names())?;
     if !arguments.quiet {
         say!(
             "{}: {} samples, no limit broken",
             arguments.out.display(),
-            motion.time.len()
+            waypoints.time.len()
         );
         for (joint, peak) in robot.joints().iter().zip(peaks) {
             say!(
@@ -64,39 +72,67 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The plan; references are read as the motion itself where it has nothing else.
-fn planned(arguments: &Arguments, options: &ReadOptions) -> Result<Recording, Failure> {
+/// The plan, and whether it is of JointTrajectory messages, whose times count from their start. References are read
+/// as the motion itself where a table has nothing else.
+fn planned(arguments: &Arguments, options: &ReadOptions) -> Result<(Recording, bool), Failure> {
     let path = &arguments.trajectory;
-    read(path, options).or_else(|own| {
+    let fail = |e: datasets::ReadError| Failure::input(e.to_string(), "");
+    if matches!(read::Format::of(path), Ok(read::Format::Bag))
+        && let Some(plan) = read::planned_trajectories(path, &options.joints).map_err(fail)?
+    {
+        return Ok((plan, true));
+    }
+    let table = read(path, options).or_else(|own| {
         let dof = options.dof.unwrap_or_default();
-        read(path, &ReadOptions::for_reference(dof))
-            .map_err(|_| Failure::input(own.to_string(), ""))
-    })
+        read(path, &ReadOptions::for_reference(dof)).map_err(|_| fail(own))
+    })?;
+    Ok((table, false))
 }
 
-/// The model at the period of the plan.
-fn loaded(arguments: &Arguments, period: f64) -> Result<Feedforward, Failure> {
+/// The model at the `period` of the plan, s, where the compensator runs at that; else at the period of its training. Beside it
+/// whether the plan is sampled at the model's period.
+fn loaded(arguments: &Arguments, period: Option<f64>) -> Result<(Feedforward, bool), Failure> {
     let load = if arguments.physics_only {
         Feedforward::load_physics
     } else {
         Feedforward::load
     };
-    load(&arguments.model, Some(period)).map_err(|e| {
-        let hint = match &e {
-            LoadError::Windows { .. } => {
-                "Sample the plan at the period of the controller, or leave the compensator out (--physics-only)."
-            }
-            _ => "",
-        };
-        Failure::input(e.to_string(), hint)
-    })
+    let own = period.map(|p| load(&arguments.model, Some(p)));
+    let loaded = match own {
+        None | Some(Err(LoadError::Windows { .. })) => {
+            load(&arguments.model, None).map(|m| (m, false))
+        }
+        Some(own) => own.map(|m| (m, true)),
+    };
+    loaded.map_err(|e| Failure::input(e.to_string(), ""))
 }
 
-/// The plan with its torque.
-fn write(arguments: &Arguments, mut plan: Recording, torque: Array2<f64>) -> Result<(), Failure> {
+/// The plan with its torque: a table, or messages that a joint_trajectory_controller takes.
+fn write(
+    arguments: &Arguments,
+    mut plan: Recording,
+    is_message: bool,
+    torque: Array2<f64>,
+    joints: &[String],
+) -> Result<(), Failure> {
     plan.tau = Some(torque);
     plan.torque_filter = None;
-    datasets::write(&plan, &arguments.out).map_err(|e| match e.problem {
+    let out = &arguments.out;
+    let ending = out.extension().and_then(|e| e.to_str()).unwrap_or("");
+    let written = if ["mcap", "yaml", "yml"].contains(&ending.to_ascii_lowercase().as_str()) {
+        if !is_message {
+            for t in &plan.trajectories {
+                let first = plan.time[t.range.start];
+                plan.time[t.range.clone()]
+                    .iter_mut()
+                    .for_each(|t| *t -= first);
+            }
+        }
+        datasets::write::write_trajectories(&plan, joints, out)
+    } else {
+        datasets::write(&plan, out)
+    };
+    written.map_err(|e| match e.problem {
         WriteProblem::UnknownFormat(_) => Failure::input(e.to_string(), ""),
         _ => Failure::other(e.to_string()),
     })

@@ -15,7 +15,7 @@ mod text;
 use crate::{Problem, ReadError, ReadOptions, Recording};
 use std::path::Path;
 
-pub use bag::TopicSummary;
+pub use bag::{TopicSummary, planned_trajectories};
 pub use lerobot::{DatasetSummary, FeatureSummary, dataset};
 pub use mat::GEAR_RATIOS as KR300_GEAR_RATIOS;
 pub use names::named_joints;

@@ -5,8 +5,10 @@ mod columns;
 mod csv;
 mod parquet;
 mod problem;
+mod trajectory;
 
 pub use problem::WriteProblem;
+pub use trajectory::write_trajectories;
 
 use crate::{Recording, Trajectory};
 use columns::Table;

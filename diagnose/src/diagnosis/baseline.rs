@@ -116,7 +116,7 @@ fn of_part(
     let settings = &options.settings;
     let mut frames = Frames::new(&model, &own, &own, cutoff_hz, &settings.input)?;
     let channels = Channels::new(&frames, settings);
-    let found = super::first(&model, &mut frames, &channels, options)?;
+    let (found, _) = super::first(&model, &mut frames, &channels, None, options)?;
     let searcher = Searcher::new(&model, &frames, &channels, options);
     let Searched {
         findings,

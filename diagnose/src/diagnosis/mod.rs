@@ -34,6 +34,7 @@ use crate::measure::verdict::{Evidence, remainder, verdict};
 use crate::motion::floor::floor;
 use crate::schema::{Cause, Diagnosis, Place, Simulation, Step, Tested, Verdict};
 use crate::search::find::Findings;
+use crate::search::session::Session;
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::surrogates::Null;
@@ -41,6 +42,7 @@ use datasets::Recording;
 use physics::batch::rigid_torque;
 use physics::robot::{Masses, Robot};
 use searched::{Channels, Searched, Searcher};
+use std::sync::Arc;
 
 /// Diagnoses the gap between a model and recordings.
 ///
@@ -52,10 +54,65 @@ pub fn diagnose(
     heldout: &Recording,
     options: &Options,
 ) -> Result<Outcome, DiagnoseError> {
+    let input = &options.settings.input;
+    let frames = Frames::new(model, data, heldout, options.cutoff_hz, input)?;
+    Ok(diagnosed(model, [data, heldout], frames, None, options)?.0)
+}
+
+/// A pair of recordings, prepared once for several diagnoses by one model whose options differ in the special
+/// rules of the search alone.
+pub struct Prepared<'a> {
+    model: &'a NominalModel,
+    recordings: [&'a Recording; 2],
+    frames: Frames,
+    session: Arc<Session>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Diagnoses a pair, fitted recording first, and keeps what further diagnoses of it share.
+    ///
+    /// # Errors
+    /// A recording that cannot be used.
+    pub fn new(
+        model: &'a NominalModel,
+        recordings: [&'a Recording; 2],
+        options: &Options,
+    ) -> Result<(Self, Outcome), DiagnoseError> {
+        let [data, heldout] = recordings;
+        let input = &options.settings.input;
+        let frames = Frames::new(model, data, heldout, options.cutoff_hz, input)?;
+        let (outcome, session) = diagnosed(model, recordings, frames.clone(), None, options)?;
+        let prepared = Self {
+            model,
+            recordings,
+            frames,
+            session,
+        };
+        Ok((prepared, outcome))
+    }
+
+    /// One further diagnosis of the pair.
+    ///
+    /// # Errors
+    /// None beyond those of the model's own numbers.
+    pub fn diagnose(&self, options: &Options) -> Result<Outcome, DiagnoseError> {
+        let (frames, session) = (self.frames.clone(), Arc::clone(&self.session));
+        Ok(diagnosed(self.model, self.recordings, frames, Some(session), options)?.0)
+    }
+}
+
+/// Diagnoses prepared recordings. `session` is that of the first search of another diagnosis of the same pair, as
+/// it is returned beside the outcome.
+fn diagnosed(
+    model: &NominalModel,
+    [data, heldout]: [&Recording; 2],
+    mut frames: Frames,
+    session: Option<Arc<Session>>,
+    options: &Options,
+) -> Result<(Outcome, Arc<Session>), DiagnoseError> {
     let settings = &options.settings;
-    let mut frames = Frames::new(model, data, heldout, options.cutoff_hz, &settings.input)?;
     let channels = Channels::new(&frames, settings);
-    let first = first(model, &mut frames, &channels, options)?;
+    let (first, session) = first(model, &mut frames, &channels, session, options)?;
     let Searched {
         mut findings,
         listing,
@@ -197,7 +254,7 @@ pub fn diagnose(
             .chain(sensors.iter().cloned())
             .collect(),
     };
-    Ok(Outcome {
+    let outcome = Outcome {
         diagnosis,
         findings,
         frames,
@@ -205,18 +262,23 @@ pub fn diagnose(
         learned,
         left,
         sensors,
-    })
+    };
+    Ok((outcome, session))
 }
 
 /// Findings of the first search, with the frames adjusted to its residual: delay of the torque, number of
 /// independent samples, and weights of rows near reversals. The search is repeated until the delay is stable.
+/// Beside them the session of its first round.
 fn first(
     model: &NominalModel,
     frames: &mut Frames,
     channels: &Channels,
+    session: Option<Arc<Session>>,
     options: &Options,
-) -> Result<Findings, DiagnoseError> {
-    let mut first = Searcher::new(model, frames, channels, options).first(None)?;
+) -> Result<(Findings, Arc<Session>), DiagnoseError> {
+    let searcher = Searcher::new(model, frames, channels, options);
+    let mut first = searcher.first(session)?;
+    let prepared = Arc::clone(&first.session);
     for _ in 0..torque_delay::ROUNDS {
         let known = frames.scale.channel.as_deref();
         let said = torque_delay::channel(&first, &model.robot);
@@ -236,7 +298,7 @@ fn first(
         frames.apply_delay(model, said, left, &options.settings.input);
         first = Searcher::new(model, frames, channels, options).first(session)?;
     }
-    Ok(first)
+    Ok((first, prepared))
 }
 
 /// The first search of a diagnosis: recordings, findings and the rows' weights.
@@ -257,7 +319,7 @@ pub(crate) fn first_search(
     let settings = &options.settings;
     let mut frames = Frames::new(model, data, heldout, options.cutoff_hz, &settings.input)?;
     let channels = Channels::new(&frames, settings);
-    let found = first(model, &mut frames, &channels, options)?;
+    let (found, _) = first(model, &mut frames, &channels, None, options)?;
     let weight = Searcher::new(model, &frames, &channels, options).weight;
     Ok((frames, found, weight))
 }

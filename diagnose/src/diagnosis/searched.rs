@@ -188,9 +188,9 @@ impl<'a> Searcher<'a> {
         let (found, contact, skipped) = self.apart(found, contact)?;
         let weight = self.without(&skipped);
         let (found, null, namings) = self.above_chance(found, &weight, &skipped)?;
-        let off = self.options.settings.search.off;
+        let off = &self.options.settings.search.off;
         let beside = match contact {
-            Some(_) if !off.holds(Rule::BesidePushes) => self.beside(&found, &skipped),
+            Some(_) if off.applies(Rule::BesidePushes, true) => self.beside(&found, &skipped),
             _ => found.left.clone(),
         };
         Ok(Searched {

@@ -26,6 +26,7 @@ pub struct ResidualNoise {
 }
 
 /// Fitted and held-out recording on their clocks.
+#[derive(Clone)]
 pub struct Frames {
     /// Fitted recording.
     pub data: Frame,

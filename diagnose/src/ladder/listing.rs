@@ -221,7 +221,6 @@ fn parameters(
     let both = falls(&of(&all, Free::Nothing), &full);
     let alone = falls(&of(&[], Free::Nothing), &of(&[], Free::All));
     let explained = |j: usize| structure.iter().any(|(_, joints)| joints.contains(&j));
-    let more = !found.settings.search.off.holds(Rule::Listed);
     let falls = Falls {
         links,
         friction,
@@ -229,9 +228,11 @@ fn parameters(
         alone,
     };
     let explained: Vec<bool> = (0..falls.links.len()).map(explained).collect();
-    let mut listed = falls.listed(found.settings.ladder.listed, &explained, more);
+    let least = found.settings.ladder.listed;
+    let plain = falls.listed(least, &explained, false);
+    let mut listed = falls.listed(least, &explained, true);
     // A link that was found wrong by itself is named, however little of its torque is its own joint's.
-    if more && !listed[0].is_empty() {
+    if !listed[0].is_empty() {
         let links = found
             .accepted
             .iter()
@@ -240,6 +241,10 @@ fn parameters(
         listed[0].extend(wrong.map(|c| c.joints[0]));
         listed[0].sort_unstable();
         listed[0].dedup();
+    }
+    let off = &found.settings.search.off;
+    if !off.applies(Rule::Listed, listed != plain) {
+        listed = plain;
     }
     [Effect::LinkParameters, Effect::FrictionParameters]
         .into_iter()

@@ -22,6 +22,7 @@ const ANALYSIS_RATE: f64 = 62.5;
 const ANALYSIS_CUTOFF: f64 = 0.4;
 
 /// A prepared recording with torque.
+#[derive(Clone)]
 pub struct Frame {
     prepared: Prepared,
     wide: Option<Motion>,

@@ -7,6 +7,26 @@ use crate::catalogue::effect::Effect;
 use crate::settings::{Rule, SearchSettings};
 use signal::quantile::median;
 
+/// Special rules on the acceptance of one trial.
+const RULES: [Rule; 4] = [
+    Rule::GainByEffect,
+    Rule::PartByEffect,
+    Rule::MiddleJoint,
+    Rule::LargeGain,
+];
+
+/// Error that a trial removes.
+struct Removed {
+    /// Gain without other evidence, nats.
+    gain: f64,
+    /// Whether the removed error is visible on some joint and in the whole error that parameters leave.
+    misfit: bool,
+    /// Part of the squared error of its joints together, see [`fraction`].
+    whole: f64,
+    /// The same of a delay, see [`late_fraction`].
+    late: f64,
+}
+
 impl Search<'_> {
     /// Whether a trial explains enough to be accepted. Either it lowers J by far, or by less while the error
     /// that it removes is visible on some joint and in the whole error that parameters leave.
@@ -29,16 +49,43 @@ impl Search<'_> {
             .map(|(b, a)| b * b - a * a)
             .collect();
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
-        let misfit = removed.iter().sum::<f64>() > s.share * self.missing() && visible;
-        let by_effect = !s.off.holds(Rule::GainByEffect);
-        let memory = by_effect && c.effect.info().memory;
-        let part = if c.effect.info().late && !s.off.holds(Rule::MiddleJoint) {
-            late_fraction(&before, &after, &c.joints)
-        } else {
-            fraction(&before, &after, &c.joints)
+        let trial = Removed {
+            gain,
+            misfit: removed.iter().sum::<f64>() > s.share * self.missing() && visible,
+            whole: fraction(&before, &after, &c.joints),
+            late: late_fraction(&before, &after, &c.joints),
         };
-        let sure = c.effect.info().dynamic && gain > s.enough_dynamic * s.enough;
-        if part < self.least_fraction(c, others) && !sure {
+        let on = |rules: usize| {
+            let on = |k: usize| rules & 1 << k != 0 && !s.off.holds(RULES[k]);
+            std::array::from_fn(on)
+        };
+        let passes = |rules: usize| self.passes(c, &trial, others, on(rules));
+        // A rule decides where it matters beside any choice of the others, so that an ablation may also switch off several.
+        for (k, rule) in RULES.into_iter().enumerate() {
+            let mut beside = (0..1 << RULES.len()).filter(|rules| rules & 1 << k == 0);
+            let differ = beside.any(|rules| passes(rules) != passes(rules | 1 << k));
+            s.off.applies(rule, differ);
+        }
+        passes((1 << RULES.len()) - 1)
+    }
+
+    /// Whether a trial is accepted under the special rules that are `on`, in the order of [`RULES`].
+    fn passes(&self, c: &Candidate, trial: &Removed, others: &[usize], on: [bool; 4]) -> bool {
+        let s = self.objective.settings;
+        let [by_effect, part_by_effect, middle, large] = on;
+        let memory = by_effect && c.effect.info().memory;
+        let part = if c.effect.info().late && middle {
+            trial.late
+        } else {
+            trial.whole
+        };
+        let sure = large && c.effect.info().dynamic && trial.gain > s.enough_dynamic * s.enough;
+        let least = if part_by_effect {
+            self.least_fraction(c, others)
+        } else {
+            c.effect.info().least_fraction
+        };
+        if part < least && !sure {
             return false;
         }
         // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
@@ -52,7 +99,7 @@ impl Search<'_> {
             effect if effect.info().absorbable => s.enough,
             _ => s.enough_unseen * s.enough,
         };
-        (misfit && !memory) || gain > clear
+        (trial.misfit && !memory) || trial.gain > clear
     }
 
     /// Whether a trace in the residual names a candidate by itself. A joint's blows shake its neighbours: where
@@ -75,7 +122,6 @@ impl Search<'_> {
         };
         let late = |c: &usize| self.candidates[*c].effect.info().late;
         match candidate.effect {
-            effect if s.off.holds(Rule::PartByEffect) => effect.info().least_fraction,
             Effect::StribeckFriction if abrupt() => s.plainly,
             effect if effect.info().memory && is_narrow(candidate, s) => s.narrow_part,
             // One joint alone that is late, where no other is, is rather friction of another law, or a spring.

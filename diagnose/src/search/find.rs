@@ -148,7 +148,7 @@ pub fn find(
     session: Option<Arc<Session>>,
 ) -> Result<Findings, DiagnoseError> {
     let (data, scale) = (&frames.data, &frames.scale);
-    let off = settings.search.off;
+    let off = settings.search.off.clone();
     let gap = gap(model, data, scale);
     let y = data.table_thin(&gap);
     let folds = data.folds();
@@ -198,11 +198,12 @@ pub fn find(
         && matches!(session.links[clearest.joint], Link::Unknown)
     {
         let shown = Some(blows.chance(&clearest)).filter(|chance| *chance <= asked.chance);
-        let shown = shown.filter(|_| !off.holds(Rule::Trace));
+        let shown = shown.filter(|_| off.applies(Rule::Trace, true));
         candidates.extend(backlash::struck(&scene, clearest.joint, shown));
     }
     effects.retain(&mut candidates);
-    if off.holds(Rule::Evidence) {
+    let any = candidates.iter().any(|c| c.evidence != 0.0);
+    if any && !off.applies(Rule::Evidence, any) {
         candidates.iter_mut().for_each(|c| c.evidence = 0.0);
     }
     let dictionary = Dictionary::new(data.dof(), &candidates);
@@ -219,7 +220,7 @@ pub fn find(
         chance,
     };
     let mut answer = simplest.answer();
-    if data.is_short(&settings.ladder) && !off.holds(Rule::Short) {
+    if off.applies(Rule::Short, data.is_short(&settings.ladder)) {
         let rows = |fold: &Fold| fold.scored.iter().map(ExactSizeIterator::len).sum();
         let rows: Vec<usize> = folds.iter().map(rows).collect();
         let pieces = pieces(&rows, settings.ladder.piece * data.row_rate());

@@ -87,8 +87,12 @@ impl<'a> Simplest<'a> {
             .iter()
             .map(|(links, _, run)| (*links, run.selection.accepted.clone()))
             .collect();
-        let any = settings.off.holds(Rule::Barred);
-        let standing = runs.into_iter().filter(|(_, _, run)| any || run.stands());
+        let stand: Vec<bool> = runs.iter().map(|(_, _, run)| run.stands()).collect();
+        let barred = settings.off.applies(Rule::Barred, stand.contains(&false));
+        let runs = runs.into_iter().zip(stand);
+        let standing = runs
+            .filter(|(_, stands)| *stands || !barred)
+            .map(|(run, _)| run);
         let likeliest = standing.min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((_, _, run)) = likeliest {
             let within = |cause: usize| self.within(&found, cause);
@@ -149,8 +153,9 @@ impl<'a> Simplest<'a> {
     fn fewer(&self, freedom: Freedom) -> Run<'a> {
         let full = self.run(freedom, HashSet::new());
         let many = |c: usize| self.is_many(c);
-        let off = full.search.off(Rule::FullLink);
-        if off || !full.selection.accepted.iter().any(|&c| many(c)) {
+        let off = &self.objective.settings.off;
+        let freed = full.selection.accepted.iter().any(|&c| many(c));
+        if off.holds(Rule::FullLink) || !freed {
             return full;
         }
         let barred = (0..self.candidates.len()).filter(|&c| many(c)).collect();
@@ -171,7 +176,8 @@ impl<'a> Simplest<'a> {
                 .zip(&full)
                 .all(|(few, full)| few <= &(rivalled * full))
         };
-        if named && few.stands() && price(&few) < price(&full) && low() {
+        let fewer = named && few.stands() && price(&few) < price(&full) && low();
+        if off.applies(Rule::FullLink, fewer) {
             few
         } else {
             full

@@ -2,6 +2,8 @@
 
 use super::Settings;
 use super::fields::Scaled;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU16, Ordering};
 
 /// A rule beyond the criterion itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +60,18 @@ impl Rule {
         Self::BesidePushes,
     ];
 
+    fn bit(self) -> u16 {
+        1 << self as u16
+    }
+
+    /// Whether the rule changes prices, priors or a trace's limits, rather than one decision.
+    fn is_continuous(self) -> bool {
+        matches!(
+            self,
+            Self::Leftovers | Self::LastLink | Self::LinkPriors | Self::Pushes
+        )
+    }
+
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
@@ -85,17 +99,31 @@ impl Rule {
     }
 }
 
-/// Rules that are switched off.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Off(u16);
+/// Rules that are switched off, and those that decided something. Clones share the record of what decided.
+#[derive(Clone, Debug, Default)]
+pub struct Off {
+    off: u16,
+    decided: Arc<AtomicU16>,
+}
 
 impl Off {
-    /// No rule switched off.
-    pub const NONE: Self = Self(0);
-
     /// Whether the rule is switched off.
-    pub fn holds(self, rule: Rule) -> bool {
-        self.0 & (1 << rule as u16) != 0
+    pub fn holds(&self, rule: Rule) -> bool {
+        self.off & rule.bit() != 0
+    }
+
+    /// Whether the rule applies where the answer without it would `differ`; that it decided is recorded.
+    pub fn applies(&self, rule: Rule, differ: bool) -> bool {
+        let applies = differ && !self.holds(rule);
+        if applies {
+            self.decided.fetch_or(rule.bit(), Ordering::Relaxed);
+        }
+        applies
+    }
+
+    /// Whether the rule decided anything so far. Rules that change prices or priors count as if they always did.
+    pub fn decided(&self, rule: Rule) -> bool {
+        rule.is_continuous() || self.decided.load(Ordering::Relaxed) & rule.bit() != 0
     }
 }
 
@@ -104,12 +132,18 @@ impl Scaled for Off {
 }
 
 impl Settings {
+    /// The same settings with an empty record of the rules that decided.
+    pub fn afresh(&self) -> Self {
+        let mut own = self.clone();
+        own.search.off.decided = Arc::default();
+        own
+    }
+
     /// Settings with one rule switched off. A rule that consists of numbers alone gets numbers that exclude nothing.
     pub fn without(&self, rule: Rule) -> Self {
-        let mut own = self.clone();
-        own.search.off.0 |= 1 << rule as u16;
+        let mut own = self.afresh();
+        own.search.off.off |= rule.bit();
         match rule {
-            Rule::LargeGain => own.search.enough_dynamic = f64::INFINITY,
             Rule::Leftovers => {
                 own.search.leftover = 0.0;
                 own.search.leftover_same = 0.0;
@@ -149,6 +183,15 @@ mod tests {
             }
         }
         assert_eq!(Rule::named("everything"), None);
-        assert_eq!(Settings::default().search.off, Off::NONE);
+    }
+
+    #[test]
+    fn a_rule_that_is_off_decides_nothing_and_one_that_would_change_nothing_neither() {
+        let off = Settings::default().without(Rule::Trace).search.off;
+        assert!(!off.applies(Rule::Trace, true) && !off.decided(Rule::Trace));
+        assert!(!off.applies(Rule::Short, false) && !off.decided(Rule::Short));
+        let other = off.clone();
+        assert!(other.applies(Rule::Short, true) && off.decided(Rule::Short));
+        assert!(off.decided(Rule::Leftovers));
     }
 }

@@ -98,7 +98,7 @@ settings! {
         /// Factors on the tolerances within which parameters may take up an error that no few parameters explain.
         wider: [f64; 4] = [1.0, 4.0, 16.0, 100.0], tuned;
         /// Special rules that are switched off, for an ablation.
-        off: Off = Off::NONE, contract;
+        off: Off = Off::default(), contract;
         /// Most causes that are accepted.
         most_causes: usize = 24, tuned;
     }

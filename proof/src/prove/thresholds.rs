@@ -3,12 +3,13 @@
 
 use super::headline::Headline;
 use super::score::{Score, judge};
-use super::{ProveError, folder_of, json, report_of, same_draw};
-use diagnose::Options;
+use super::{ProveError, folder_of, json, same_draw};
 use diagnose::settings::{Rule, Settings};
+use diagnose::{DiagnoseError, NominalModel, Options, Outcome, Prepared, diagnose};
+use physics::robot::Robot;
 use rayon::prelude::*;
 use report::{Cell, Column, Table};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::Path;
 use trials::cases::{Case, CaseSpec, draw, draw_hard, generate};
 
@@ -35,6 +36,8 @@ struct Variant {
     name: String,
     /// Factor on a threshold; none for a rule.
     factor: Option<f64>,
+    /// Rules that are switched off.
+    rules: Vec<Rule>,
     options: Options,
 }
 
@@ -128,19 +131,29 @@ pub fn run(
     for made in cases {
         let (spec, case) = made?;
         let case = OneCase { spec, case, out };
-        let judged = |folder: &str, options: &Options| {
-            let judged = case.judged(folder, options);
+        let robot = Robot::from_urdf_str(&case.case.urdf).map_err(|e| case.fails(e.into()))?;
+        let model = NominalModel::new(robot);
+        let (usual, prepared) = case.usual(&model, &usual)?;
+        // The recordings are prepared once for all rules; thresholds may be those of the preparation.
+        let prepared = prepared.filter(|_| !matches!(trial, Trial::Numbers));
+        done();
+        let each = tried.variants.par_iter().map(|(v, _)| {
+            // A rule that decided nothing changes nothing.
+            let same = !v.rules.is_empty() && !v.rules.iter().any(|r| usual.decided(*r));
+            let report = if same {
+                Ok(usual.clone())
+            } else {
+                case.report(&v.folder(), &v.options, |options| match &prepared {
+                    Some(prepared) => prepared.diagnose(options),
+                    None => case.diagnosed(&model, options),
+                })
+            };
             done();
-            judged
-        };
-        let others = || {
-            let each = tried.variants.par_iter();
-            each.map(|(v, _)| judged(&v.folder(), &v.options))
-                .collect::<Result<Vec<Judged>, _>>()
-        };
-        let (own, others) = rayon::join(|| judged("usual", &usual), others);
-        tried.usual.push(own?);
-        for ((_, all), one) in tried.variants.iter_mut().zip(others?) {
+            report.map(|r| r.judged())
+        });
+        let others: Vec<Judged> = each.collect::<Result<_, ProveError>>()?;
+        tried.usual.push(usual.judged());
+        for ((_, all), one) in tried.variants.iter_mut().zip(others) {
             all.push(one);
         }
     }
@@ -155,9 +168,10 @@ struct OneCase<'a> {
 }
 
 fn variants(usual: &Options, trial: &Trial) -> Vec<Variant> {
-    let with = |name: &str, factor, settings| Variant {
+    let with = |name: &str, factor, rules: &[Rule], settings| Variant {
         name: name.to_owned(),
         factor,
+        rules: rules.to_vec(),
         options: Options {
             settings,
             ..usual.clone()
@@ -170,21 +184,21 @@ fn variants(usual: &Options, trial: &Trial) -> Vec<Variant> {
                 FACTORS.map(|factor| {
                     let scaled = settings.scaled(name, factor);
                     let scaled = scaled.unwrap_or_else(|| unreachable!("{name} is a setting"));
-                    with(name, Some(factor), scaled)
+                    with(name, Some(factor), &[], scaled)
                 })
             };
             NUMBERS.into_iter().flat_map(of).collect()
         }
         Trial::Off(rules) => {
             let each = rules.iter();
-            each.map(|r| with(r.name(), None, settings.without(*r)))
+            each.map(|r| with(r.name(), None, &[*r], settings.without(*r)))
                 .collect()
         }
         Trial::OffTogether(rules) => {
             let off = |settings: Settings, rule: &Rule| settings.without(*rule);
             let names: Vec<&str> = rules.iter().map(|r| r.name()).collect();
             let all = rules.iter().fold(settings.clone(), off);
-            vec![with(&names.join("+"), None, all)]
+            vec![with(&names.join("+"), None, rules, all)]
         }
     }
 }
@@ -199,9 +213,38 @@ impl Variant {
     }
 }
 
+/// Report on a case, with the answer and the special rules that decided.
+#[derive(Clone)]
+struct Report(Value);
+
 impl OneCase<'_> {
-    /// Score and headline, from the report in `folder` where there is one.
-    fn judged(&self, folder: &str, options: &Options) -> Result<Judged, ProveError> {
+    /// The report with the defaults, and the prepared recordings where it was not there already.
+    fn usual<'m>(
+        &'m self,
+        model: &'m NominalModel,
+        options: &Options,
+    ) -> Result<(Report, Option<Prepared<'m>>), ProveError> {
+        let mut kept = None;
+        let pair = [&self.case.train, &self.case.test];
+        let report = self.report("usual", options, |options| {
+            let (prepared, outcome) = Prepared::new(model, pair, options)?;
+            kept = Some(prepared);
+            Ok(outcome)
+        })?;
+        Ok((report, kept))
+    }
+
+    fn diagnosed(&self, model: &NominalModel, options: &Options) -> Result<Outcome, DiagnoseError> {
+        diagnose(model, &self.case.train, &self.case.test, options)
+    }
+
+    /// The report in `folder` where there is one, else a new one by `diagnose`.
+    fn report(
+        &self,
+        folder: &str,
+        options: &Options,
+        diagnose: impl FnOnce(&Options) -> Result<Outcome, DiagnoseError>,
+    ) -> Result<Report, ProveError> {
         let id = &self.case.id;
         let file = self
             .out
@@ -210,21 +253,43 @@ impl OneCase<'_> {
         let kept: Option<Value> = kept.and_then(|text| serde_json::from_str(&text).ok());
         if let (Some(kept), Some(out)) = (kept, self.out) {
             same_draw(&kept["truth"], out, id, &self.spec)?;
-            return Ok(Judged::of(&kept["truth"], &kept["report"]));
+            return Ok(Report(kept));
         }
-        let (truth, found) = (json(&self.case.truth), report_of(&self.case, options)?);
+        let options = Options {
+            settings: options.settings.afresh(),
+            ..options.clone()
+        };
+        let outcome = diagnose(&options).map_err(|e| self.fails(e))?;
+        let off = &options.settings.search.off;
+        let decided = Rule::ALL.into_iter().filter(|r| off.decided(*r));
+        let decided: Vec<&str> = decided.map(Rule::name).collect();
+        let (truth, found) = (json(&self.case.truth), json(&outcome.diagnosis));
+        let report = Report(json!({"truth": truth, "decided": decided, "report": found}));
         if let (Some(out), Some(file)) = (self.out, &file) {
             folder_of(&out.join(folder))?;
-            let both = serde_json::json!({"truth": truth, "report": found});
-            report::write_atomic(file, format!("{both:#}"))?;
+            report::write_atomic(file, format!("{:#}", report.0))?;
         }
-        Ok(Judged::of(&truth, &found))
+        Ok(report)
+    }
+
+    fn fails(&self, error: DiagnoseError) -> ProveError {
+        ProveError::Diagnose {
+            case: self.case.id.clone(),
+            error: Box::new(error),
+        }
     }
 }
 
-impl Judged {
-    fn of(truth: &Value, report: &Value) -> Self {
-        Self {
+impl Report {
+    /// Whether a rule decided anything.
+    fn decided(&self, rule: Rule) -> bool {
+        let all = self.0["decided"].as_array();
+        all.is_none_or(|all| all.iter().any(|r| r == rule.name()))
+    }
+
+    fn judged(&self) -> Judged {
+        let (truth, report) = (&self.0["truth"], &self.0["report"]);
+        Judged {
             score: judge(truth, report),
             headline: Headline::of(report),
         }
@@ -309,6 +374,38 @@ mod tests {
         };
         assert!(off(both, Rule::Barred) && off(both, Rule::Trace));
         assert_eq!(both.folder(), "off_trace+barred");
+    }
+
+    #[test]
+    fn recordings_prepared_once_give_the_same_report() {
+        let cases = Cases {
+            count: 1,
+            seed: 31,
+            generator: 1,
+            joints: 3,
+        };
+        let (_, case) = cases.made().next().unwrap().unwrap();
+        let model = NominalModel::new(Robot::from_urdf_str(&case.urdf).unwrap());
+        let usual = Options {
+            surrogates: 0,
+            ..Options::default()
+        };
+        let off = Options {
+            settings: usual.settings.without(Rule::LinkPriors),
+            ..usual.clone()
+        };
+        let pair = [&case.train, &case.test];
+        let (prepared, outcome) = Prepared::new(&model, pair, &usual).unwrap();
+        let anew = |options| {
+            json(
+                &diagnose(&model, pair[0], pair[1], options)
+                    .unwrap()
+                    .diagnosis,
+            )
+        };
+        assert_eq!(json(&outcome.diagnosis), anew(&usual));
+        let again = prepared.diagnose(&off).unwrap();
+        assert_eq!(json(&again.diagnosis), anew(&off));
     }
 
     #[test]

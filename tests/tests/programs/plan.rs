@@ -205,12 +205,94 @@ fn a_plan_that_breaks_a_limit_is_refused_with_the_speed_that_holds() {
     assert!(refused.err.contains("No speed"), "{}", refused.err);
 }
 
+/// Waypoints as MoveIt gives them, every 0.1 s and the last one sooner, as JointTrajectory messages and as YAML.
+#[test]
+fn waypoints_of_a_joint_trajectory_get_their_effort() {
+    let dense = planned(0.3, 1.0);
+    let rows: Vec<usize> = (0..790).step_by(20).chain([797]).collect();
+    let pick = |t: &Array2<f64>| t.select(ndarray::Axis(0), &rows);
+    let sparse = Recording {
+        qd: dense.qd.as_ref().map(pick),
+        qdd: dense.qdd.as_ref().map(pick),
+        ..Recording::new(
+            "waypoints",
+            rows.iter().map(|&r| dense.time[r]).collect(),
+            pick(&dense.q),
+            None,
+        )
+    };
+    let names = Robot::builtin("ur5").expect("built in").joint_names();
+    // Messages may have the joints in any order.
+    let order = [2, 0, 1, 5, 4, 3];
+    let turned = |t: &Array2<f64>| t.select(ndarray::Axis(1), &order);
+    let message = Recording {
+        qd: sparse.qd.as_ref().map(turned),
+        qdd: sparse.qdd.as_ref().map(turned),
+        q: turned(&sparse.q),
+        ..sparse.clone()
+    };
+    let turned: Vec<String> = order.iter().map(|&j| names[j].clone()).collect();
+    let bag = path("waypoints.mcap");
+    datasets::write::write_trajectories(&message, &turned, &bag).expect("a bag");
+    let out = path("out-waypoints.csv");
+    feedforward(&bag, &out, &["--quiet"]).succeeded();
+    let filled = read(&out, &ReadOptions::for_robot(6)).expect("a table with torque");
+    // Messages hold whole nanoseconds.
+    let on_time = |times: &[f64]| {
+        times
+            .iter()
+            .zip(&sparse.time)
+            .all(|(a, b)| (a - b).abs() < 1e-9)
+    };
+    assert!(filled.q == sparse.q && on_time(&filled.time));
+    let whole = path("out-whole.csv");
+    feedforward(&written(&dense, "whole.csv"), &whole, &["--quiet"]).succeeded();
+    let whole = read(&whole, &ReadOptions::for_robot(6))
+        .expect("a table")
+        .tau
+        .expect("torque");
+    let found = filled.tau.expect("torque");
+    let worst = (&found - &pick(&whole))
+        .iter()
+        .fold(0.0_f64, |m, d| m.max(d.abs()));
+    let size = whole.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    assert!(worst < 0.01 * size, "{worst} of {size}");
+    // As messages again: the same effort, and names in the robot's order.
+    let again = path("filled.mcap");
+    feedforward(&bag, &again, &["--quiet"]).succeeded();
+    let plan = datasets::read::planned_trajectories(&again, &names)
+        .expect("a bag")
+        .expect("a plan");
+    assert!(plan.q == sparse.q && on_time(&plan.time));
+    let yaml = path("filled.yaml");
+    feedforward(&bag, &yaml, &["--quiet"]).succeeded();
+    let text = std::fs::read_to_string(&yaml).expect("a text");
+    let efforts = text
+        .lines()
+        .filter(|l| l.trim_start().starts_with("effort: ["));
+    assert_eq!(efforts.clone().count(), rows.len());
+    let first = efforts
+        .map(|l| l.trim_start().trim_start_matches("effort: [").to_owned())
+        .next();
+    let first = first
+        .expect("a point")
+        .split(',')
+        .next()
+        .and_then(|v| v.parse::<f64>().ok());
+    assert!(
+        first.is_some_and(|v| (v - found[[0, 0]]).abs() < 1e-9),
+        "{first:?}"
+    );
+    // A bag of another robot's plan.
+    let other: Vec<String> = (0..6).map(|j| format!("axis{j}")).collect();
+    let bag = path("other.mcap");
+    datasets::write::write_trajectories(&sparse, &other, &bag).expect("a bag");
+    feedforward(&bag, &path("no.csv"), &[]).refused(&["joint `", "axis0"]);
+}
+
 #[test]
 fn what_is_no_plan() {
     let plan = planned(0.3, 1.0);
-    let mut uneven = plan.clone();
-    uneven.time[100] += 0.002;
-    feedforward(&written(&uneven, "uneven.csv"), &path("no.csv"), &[]).refused(&["even period"]);
     feedforward(&path("plan-none.csv"), &path("no.csv"), &[]).refused(&["plan-none.csv"]);
     let good = written(&plan, "good.csv");
     feedforward(&good, &path("no.xlsx"), &[]).refused(&["no.xlsx"]);

@@ -76,18 +76,7 @@ impl Values {
     pub fn read(&mut self, fields: &[Field], message: &[u8]) -> Result<(), Unreadable> {
         self.numbers.iter_mut().for_each(Vec::clear);
         self.texts.iter_mut().for_each(Texts::clear);
-        let (head, data) = message.split_first_chunk::<4>().ok_or(Unreadable::Short)?;
-        let little = match [head[0], head[1]] {
-            [0, 0] => false,
-            [0, 1] => true,
-            other => return Err(Unreadable::Encapsulation(u16::from_be_bytes(other))),
-        };
-        let mut cursor = Cursor {
-            data,
-            at: 0,
-            little,
-        };
-        self.group(fields, &mut cursor)
+        self.group(fields, &mut Cursor::of(message)?)
     }
 
     fn group(&mut self, fields: &[Field], cursor: &mut Cursor<'_>) -> Result<(), Unreadable> {
@@ -138,13 +127,38 @@ impl Values {
 }
 
 /// A place in the data behind the encapsulation.
-struct Cursor<'a> {
+pub(super) struct Cursor<'a> {
     data: &'a [u8],
     at: usize,
     little: bool,
 }
 
 impl<'a> Cursor<'a> {
+    /// The start of a message's data.
+    pub fn of(message: &'a [u8]) -> Result<Self, Unreadable> {
+        let (head, data) = message.split_first_chunk::<4>().ok_or(Unreadable::Short)?;
+        let little = match [head[0], head[1]] {
+            [0, 0] => false,
+            [0, 1] => true,
+            other => return Err(Unreadable::Encapsulation(u16::from_be_bytes(other))),
+        };
+        Ok(Self {
+            data,
+            at: 0,
+            little,
+        })
+    }
+
+    /// The next `count` numbers.
+    pub fn values(&mut self, kind: Number, count: usize) -> Result<Vec<f64>, Unreadable> {
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let mut values = Vec::new();
+        decode(self.numbers(kind, count)?, kind, self.little, &mut values);
+        Ok(values)
+    }
+
     fn take(&mut self, count: usize) -> Result<&'a [u8], Unreadable> {
         let end = self.at.checked_add(count).ok_or(Unreadable::Short)?;
         let taken = self.data.get(self.at..end).ok_or(Unreadable::Short)?;
@@ -158,7 +172,8 @@ impl<'a> Cursor<'a> {
         self.take(length)
     }
 
-    fn count(&mut self) -> Result<usize, Unreadable> {
+    /// Number of elements that follow.
+    pub fn count(&mut self) -> Result<usize, Unreadable> {
         let bytes = self.numbers(Number::U32, 1)?;
         let bytes = <[u8; 4]>::try_from(bytes).map_err(|_| Unreadable::Short)?;
         Ok(if self.little {
@@ -168,7 +183,8 @@ impl<'a> Cursor<'a> {
         } as usize)
     }
 
-    fn text(&mut self) -> Result<&'a [u8], Unreadable> {
+    /// The next text, without its closing zero.
+    pub fn text(&mut self) -> Result<&'a [u8], Unreadable> {
         let count = self.count()?;
         let text = self.take(count)?;
         Ok(text.strip_suffix(b"\0").unwrap_or(text))

@@ -12,6 +12,7 @@ mod folder;
 mod mcap;
 mod message;
 mod plan;
+mod planned;
 mod source;
 mod sqlite;
 mod topic;
@@ -32,6 +33,7 @@ use std::path::Path;
 use topics::Listing;
 use wanted::{Want, Wanted};
 
+pub use planned::planned_trajectories;
 pub use topics::TopicSummary;
 
 /// Source of a bag: a path, or bytes in memory.
