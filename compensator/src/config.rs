@@ -9,7 +9,7 @@ use crate::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind", deny_unknown_fields)]
 pub enum Loss {
-    /// Squared error ½ r².
+    /// Squared error ½ r² of the residual r.
     Mse,
     /// ½ r² up to |r| = delta, then delta·(|r| − delta/2).
     Huber {
@@ -29,10 +29,10 @@ pub enum Schedule {
         /// Last learning rate over the first.
         end: f32,
     },
-    /// Up and down along cosines (Smith and Topin, 2019): from `start` to 1 times the rate over the
+    /// One cycle: up and down along cosines (Smith and Topin, 2019): from `start` to 1 times the rate over the
     /// first part `warm_up` of all steps, then down to `end`.
     OneCycle {
-        /// Part of the steps, in (0, 1).
+        /// Part of all steps over which the rate rises, in (0, 1).
         warm_up: f32,
         /// First learning rate over the highest.
         start: f32,
@@ -66,7 +66,7 @@ pub struct Training {
     pub patience: usize,
     /// Carried state: samples per chunk through which gradients flow (64).
     pub chunk: usize,
-    /// Carried state: first samples of a chunk inside a trajectory that only fill the state (16).
+    /// Carried state: number of first samples of a chunk inside a trajectory that only fill the state (16).
     pub fill: usize,
 }
 
@@ -122,9 +122,10 @@ pub struct UnitConfig {
     pub fade: Fade,
     /// Number of networks trained from different seeds whose outputs are averaged (1).
     pub members: usize,
-    /// Validation error must fall at least by this share, or the unit is switched off (0.01).
+    /// Share by which the validation error must at least fall, or the unit is switched off (0.01).
     pub least_gain: f32,
-    /// ... and by this many standard errors over the validation trajectories (2): a gain by chance does harm where the torque is used.
+    /// Number of standard errors over the validation trajectories by which the error must fall as well (2): a gain by
+    /// chance does harm where the torque is used.
     pub sure: f32,
     /// Settings of the training loop.
     pub training: Training,
@@ -154,7 +155,7 @@ impl Default for UnitConfig {
 }
 
 impl UnitConfig {
-    /// The published unit: 128 + 128, windows of 3, min–max scaling, squared error.
+    /// Settings of the unit that Wang et al. publish: 128 + 128, windows of 3, min–max scaling, squared error.
     ///
     /// The paper gives Adam a rate of 0.05 and dropout 0.5; less of both left less error on held-out
     /// trajectories of the simulated UR5: 0.003, falling by a cosine, and 0.1.

@@ -16,20 +16,20 @@ pub enum Error {
     NotFinite {
         /// `input`, `target` or `weight`.
         table: &'static str,
-        /// Row, from 0.
+        /// Row of the value, from 0.
         row: usize,
-        /// Column, from 0.
+        /// Column of the value, from 0.
         column: usize,
     },
-    /// Too few trajectories, or none with weight.
+    /// Too few trajectories, or only trajectories without weight.
     #[error("{0}")]
     TooLittleData(String),
     /// A setting out of its range.
     #[error("setting `{setting}`: {problem}")]
     Config {
-        /// Name of the field.
+        /// Name of the setting's field.
         setting: &'static str,
-        /// Problem.
+        /// Problem with the setting's value.
         problem: String,
     },
     /// A quantity of the training left the finite numbers; no step was taken on it.
@@ -37,7 +37,7 @@ pub enum Error {
         "training diverged in epoch {epoch}: the {what} is not finite; lower the learning rate"
     )]
     Diverged {
-        /// Epoch, from 1.
+        /// Epoch in which the training diverged, from 1.
         epoch: usize,
         /// `loss`, `gradient` or `validation error`.
         what: &'static str,
@@ -48,7 +48,7 @@ pub enum Error {
     /// A checkpoint of other data, settings or seed.
     #[error("{path}: the checkpoint belongs to other {what}; start afresh without it")]
     OtherCheckpoint {
-        /// Path of the file.
+        /// Path of the other checkpoint.
         path: PathBuf,
         /// `settings`, or `data or another seed`.
         what: &'static str,
@@ -58,9 +58,9 @@ pub enum Error {
         "{path}: checkpoint of format {found}, this program reads {supported}; start afresh without it, or go on with the program that wrote it"
     )]
     CheckpointVersion {
-        /// Path of the file.
+        /// Path of the checkpoint.
         path: PathBuf,
-        /// Format of the file.
+        /// Format that the checkpoint has.
         found: u32,
         /// Format that this build reads and writes.
         supported: u32,
@@ -68,9 +68,9 @@ pub enum Error {
     /// A checkpoint that cannot be read.
     #[error("{path}: unusable checkpoint ({problem}); start afresh without it")]
     BadCheckpoint {
-        /// Path of the file.
+        /// Path of the checkpoint.
         path: PathBuf,
-        /// Problem.
+        /// Problem with its content.
         problem: String,
     },
     /// The file could not be read or written.
@@ -78,7 +78,7 @@ pub enum Error {
     Io {
         /// Path of the file.
         path: PathBuf,
-        /// Cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The trained unit was refused by the run-time.

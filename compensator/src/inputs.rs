@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The three choices that the paper compares.
+/// Choice of a unit's input columns: the three that Wang et al. compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InputSet {
     /// q, q̇, q̈ of the joint itself.
     Own,
-    /// q, q̇, q̈ of all joints.
+    /// Motion q, q̇, q̈ of all joints.
     All,
     /// q, q̇, q̈ of the joint and of those further from the base: the torque of joint i does not depend on
     /// the dynamic parameters of the joints before it.

@@ -50,7 +50,7 @@ pub(crate) struct Columns {
     pub labels: Option<LabelRuns>,
     /// Line of the first data row and lines per row of a text file; `None` for binary ones.
     pub lines: Option<Vec<u64>>,
-    /// Torque filter that the file itself names; `Some(None)`: the file states that there is none.
+    /// Torque filter that the file itself names. `Some(None)`: the file states that the torque is unfiltered.
     pub torque_filter: Option<Option<crate::TorqueFilter>>,
 }
 
@@ -130,7 +130,7 @@ impl Holes {
     }
 }
 
-/// Builds the recording.
+/// Builds a recording from the columns of a file.
 pub(crate) fn assemble(
     layout: &Layout,
     columns: Columns,

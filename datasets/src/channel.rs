@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 /// A value with its interval of 95 %; both null where the recording does not determine it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate95 {
-    /// Best estimate.
+    /// Best estimate of the value, in its own unit.
     pub value: Option<f64>,
-    /// Lower and upper end.
+    /// Lower and upper end of the 95 % interval.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -39,13 +39,13 @@ impl Estimate95 {
 /// The channel of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointChannel {
-    /// Recorded torque behind motion, s.
+    /// Delay of the recorded torque after the motion, s.
     pub delay: Estimate95,
-    /// Recorded over the described robot's torque.
+    /// Ratio of the recorded torque to that of the described robot.
     pub scale: Estimate95,
-    /// Recorded torque less the described robot's with its friction, N·m (N).
+    /// Offset: recorded torque less that of the described robot with its friction, N·m (N).
     pub offset: Estimate95,
-    /// 1 or −1 where the interval of `scale` is on one side of zero.
+    /// Sign of the ratio `scale`: 1 or −1 where its whole interval is on one side of zero.
     pub sign: Option<i8>,
 }
 
@@ -62,9 +62,9 @@ impl JointChannel {
 /// The torque channel of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChannelEstimate {
-    /// Recorded torque behind motion as one clock of all joints, s.
+    /// Delay of the recorded torque after the motion, common to all joints, s.
     pub delay: Estimate95,
-    /// Joint by joint, base first.
+    /// Channel of each joint, base first.
     pub joints: Vec<JointChannel>,
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 /// Refusal of a recording: the file, the place in it, the problem and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub struct ReadError {
-    /// Path of the file.
+    /// Path of the file that is refused.
     pub file: Box<Path>,
     /// Data row, counted from 1 (the header is not a row).
     pub row: Option<usize>,
@@ -35,7 +35,7 @@ impl fmt::Display for ReadError {
     }
 }
 
-/// Problem with a file.
+/// Problem for which a file is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum Problem {
     /// The file cannot be opened or read.
@@ -47,9 +47,9 @@ pub enum Problem {
     /// The file's container (Parquet, zip, MAT) is damaged or of an unknown kind.
     #[error("is not a readable {format} file ({detail})")]
     Damaged {
-        /// Name of the format.
+        /// Name of the container's format.
         format: &'static str,
-        /// Message of the decoder.
+        /// Message of the container's decoder.
         detail: String,
     },
     /// A file that ends before it is complete.
@@ -76,12 +76,12 @@ pub enum Problem {
     /// A topic that is needed is not in the bag.
     #[error("topic `{missing}` is missing (the bag has: {present})")]
     MissingTopic {
-        /// The topic looked for.
+        /// Name of the topic that is needed.
         missing: String,
-        /// The topics there are, with their types.
+        /// Names of the topics in the bag, with their types.
         present: String,
     },
-    /// No topic of joint states.
+    /// Bag without a topic of joint states.
     #[error("has no topic of the type sensor_msgs/JointState (the bag has: {0})")]
     NoJointStates(String),
     /// More than one topic could be meant.
@@ -90,9 +90,9 @@ pub enum Problem {
     /// Messages that cannot be read for their type.
     #[error("topic `{topic}` of the type {kind} cannot be read: {reason}")]
     MessageType {
-        /// Name of the topic.
+        /// Name of the topic whose messages cannot be read.
         topic: Box<str>,
-        /// Type of its messages.
+        /// Type of the topic's messages.
         kind: Box<str>,
         /// Reason why the type cannot be read.
         reason: Box<str>,
@@ -100,18 +100,18 @@ pub enum Problem {
     /// A field that is needed is not in the messages.
     #[error("field `{missing}` with such values is missing (the messages have: {present})")]
     MissingField {
-        /// The field looked for.
+        /// Name of the field that is needed.
         missing: String,
-        /// The fields there are.
+        /// Names of the fields that the messages have.
         present: String,
     },
-    /// A field that is needed is there and empty.
+    /// Field that is needed and has no elements.
     #[error("field `{0}` is empty")]
     EmptyField(String),
     /// A field without names that has another number of elements than the robot has joints.
     #[error("field `{field}` has {found} elements, in which the {dof} joints have no place")]
     Elements {
-        /// Name of the field.
+        /// Name of the field with the wrong number.
         field: String,
         /// Number of elements of the field.
         found: usize,
@@ -121,15 +121,15 @@ pub enum Problem {
     /// A joint of the robot that the messages do not name.
     #[error("joint `{missing}` is missing (the messages have: {present})")]
     MissingJoint {
-        /// The joint, or all of them.
+        /// Name of the joint that is missing, or of all of them.
         missing: String,
-        /// The names there are.
+        /// Names of joints in the messages.
         present: String,
     },
     /// A message that is damaged.
     #[error("a message of `{topic}` {detail}")]
     Message {
-        /// Name of the topic.
+        /// Name of the topic with the damaged message.
         topic: String,
         /// Defect of the message, as the second half of a sentence.
         detail: String,
@@ -137,11 +137,11 @@ pub enum Problem {
     /// The clock of a topic that goes back.
     #[error("the time of `{topic}` goes from {from} s to {to} s after its first message")]
     Backwards {
-        /// Name of the topic.
+        /// Name of the topic whose clock goes back.
         topic: String,
         /// Time of the message before, s after the first one.
         from: f64,
-        /// Time of this message, s after the first one.
+        /// Time of the message that goes back, s after the first one.
         to: f64,
     },
     /// Topics that are to be joined and were recorded at different times.
@@ -152,10 +152,10 @@ pub enum Problem {
         /// The topic whose messages lie at other times.
         other: String,
     },
-    /// A table without rows.
+    /// Table without any row.
     #[error("has no samples")]
     Empty,
-    /// No header at all, or a header of numbers.
+    /// Table without a header, or with a header of numbers.
     #[error("has no header with column names (it starts with `{0}`)")]
     NoHeader(String),
     /// Two columns have the same name.
@@ -164,22 +164,22 @@ pub enum Problem {
     /// A column that is needed is not there.
     #[error("column `{missing}` is missing (the file has: {present})")]
     MissingColumn {
-        /// The column looked for.
+        /// Name of the column that is needed.
         missing: Box<str>,
-        /// The columns there are.
+        /// Names of the columns that the file has.
         present: Box<str>,
         /// Lines of a drive file, filled in, that declare the column.
         declare: Option<Box<str>>,
     },
-    /// No column is a torque.
+    /// Table in which no column is a torque.
     #[error("no column is a torque: `{missing}` is missing (the file has: {present})")]
     NoTorque {
-        /// The column looked for.
+        /// Names by which a torque column is looked for.
         missing: String,
-        /// The columns there are.
+        /// Names of the columns that the file has.
         present: String,
     },
-    /// A ROS 1 bag.
+    /// Bag of ROS 1, which is not read.
     #[error("is a ROS 1 bag")]
     Ros1Bag,
     /// Numbers that lay in memory before.
@@ -213,7 +213,7 @@ pub enum Problem {
     /// An empty cell, or a null.
     #[error("the value is missing")]
     MissingValue,
-    /// NaN or infinite.
+    /// Value that is NaN or infinite.
     #[error("the value is {0}")]
     NotFinite(f64),
     /// A column of a type that holds neither numbers nor labels.
@@ -222,9 +222,9 @@ pub enum Problem {
     /// A table with another shape than needed.
     #[error("has the shape {found:?}, needed is {needed}")]
     Shape {
-        /// Shape in the file.
+        /// Shape of the table in the file.
         found: Vec<usize>,
-        /// Shape needed, in words.
+        /// Shape that is needed, in words.
         needed: String,
     },
     /// Time that stands still or goes back inside a trajectory.
@@ -232,19 +232,19 @@ pub enum Problem {
     TimeNotIncreasing {
         /// Time of the row before, s.
         from: f64,
-        /// Time of this row, s.
+        /// Time of the row that does not increase, s.
         to: f64,
-        /// Label of the trajectory.
+        /// Label of the trajectory in which it happens.
         trajectory: String,
     },
     /// Fewer samples than the filter needs.
     #[error("trajectory `{trajectory}` has {samples} samples, at least {needed} are needed")]
     TooShort {
-        /// Label of the trajectory.
+        /// Label of the trajectory that is too short.
         trajectory: String,
         /// Number of samples of the trajectory.
         samples: usize,
-        /// Least number of samples.
+        /// Least number of samples that the filter needs.
         needed: usize,
     },
     /// The benchmark's .mat files without the benchmark's robot.
@@ -257,7 +257,7 @@ pub enum Problem {
     NotAtRest {
         /// Length of an execution in s.
         seconds: f64,
-        /// Joint, counted from 1.
+        /// Number of the joint that moves, from 1.
         joint: usize,
         /// Speed at the start, deg/s.
         speed_deg_s: f64,
@@ -273,7 +273,7 @@ fn two_sources(zeros: bool) -> &'static str {
 }
 
 impl Problem {
-    /// Remedy, as a sentence.
+    /// Remedy for the problem, as a sentence.
     pub fn advice(&self) -> Cow<'static, str> {
         if let Self::MissingColumn {
             declare: Some(text),
@@ -394,7 +394,7 @@ impl Problem {
 }
 
 impl ReadError {
-    /// This error at a data row, counted from 0.
+    /// Error with its data row, which is given here counted from 0.
     pub(crate) fn at_row(mut self, row: usize) -> Self {
         self.row = Some(row + 1);
         self

@@ -17,28 +17,28 @@ const WIDEST: f64 = 0.25;
 const SHORTEST_PERIOD: f64 = 1.0;
 /// Largest number of positions in which a period is looked for.
 const PERIOD_SAMPLES: usize = 1500;
-/// Two periods count as one motion when no joint's positions differ by more than this part of their deviation.
+/// Part of its deviation by which a joint's positions may differ in two periods that count as one motion.
 const SAME_MOTION: f64 = 0.02;
-/// A joint that stays within this (standard deviation, rad or m) does not take part.
+/// Standard deviation of positions (rad or m) up to which a joint does not take part in the search for periods.
 const STILL: f64 = 1e-3;
 
 /// Rows that belong to one fold and lie near the same other folds.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Cell {
-    /// The fold that is tested on these rows.
+    /// Index of the fold that is tested on these rows.
     pub fold: usize,
-    /// Folds whose gap these rows lie in: they are not fitted when one of these is tested.
+    /// Indices of the folds whose gap these rows lie in: they are not fitted when one of these is tested.
     pub near: Vec<usize>,
 }
 
 /// Rows of some recordings dealt to folds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Folds {
-    /// Number of folds.
+    /// Number of folds to which the rows are dealt.
     pub count: usize,
     /// Cells: the units that are dealt to the folds.
     pub cells: Vec<Cell>,
-    /// For each recording its rows in order, without holes: stretches with the index of their cell.
+    /// Rows of each recording in order, without holes: stretches with the index of their cell.
     pub rows: Vec<Vec<(Range<usize>, usize)>>,
     /// Whether no trajectory is cut.
     pub whole: bool,
@@ -271,9 +271,9 @@ struct Execution<'a> {
     /// First row of the trajectory.
     start: usize,
     time: &'a [f64],
-    /// Length of its motion in s: less than that of the trajectory where it is periodic.
+    /// Length of the trajectory's motion, s: one period where it is periodic, and so less than the trajectory's.
     span: f64,
-    /// Folds of the blocks.
+    /// Indices of the folds to which the trajectory's blocks go.
     folds: Range<usize>,
     gap: f64,
 }

@@ -5,7 +5,7 @@
 use ndarray::{Array2, ArrayView1, ArrayView2};
 use serde::{Deserialize, Serialize};
 
-/// A sample of a joint is in motion where its speed is above this, in rad/s or m/s.
+/// Speed above which a sample of a joint counts as in motion, rad/s or m/s.
 pub const MOVING: f64 = 0.01;
 
 /// Speed below which a joint counts as never moving, if it stays below it throughout; rad/s or m/s. It is well
@@ -16,14 +16,14 @@ pub const REST: f64 = 1e-3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scope {
-    /// Every sample.
+    /// Scope of every sample.
     All,
-    /// For each joint, the samples in which it moves faster than [`MOVING`].
+    /// Scope of motion: for each joint, the samples in which it moves faster than [`MOVING`].
     Moving,
 }
 
 impl Scope {
-    /// Both scopes, in the order in which they are reported.
+    /// Both scopes, in the order of the reports.
     pub const BOTH: [Self; 2] = [Self::All, Self::Moving];
 
     /// The name in files and tables.

@@ -9,14 +9,14 @@ use std::ops::Range;
 /// Reasons why periods cannot be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PeriodError {
-    /// A period that is no whole number of samples.
+    /// Period that is not a whole number of samples.
     #[error(
         "{file}: a period of {period} s is {samples:.2} samples; runs are averaged sample by sample, so it has to be a whole number"
     )]
     Samples {
-        /// Name of the recording.
+        /// Name of the recording with that period.
         file: String,
-        /// Period, s.
+        /// Period as given, s.
         period: f64,
         /// Period in samples, no whole number.
         samples: f64,
@@ -24,19 +24,19 @@ pub enum PeriodError {
     /// A trajectory of less than one period.
     #[error("{file}, trajectory {label:?}: {seconds:.2} s are less than a period of {period} s")]
     Short {
-        /// Name of the recording.
+        /// Name of the recording with the short trajectory.
         file: String,
         /// Label of the trajectory.
         label: String,
         /// Length of the recording, s.
         seconds: f64,
-        /// Period, s.
+        /// Period as given, s.
         period: f64,
     },
     /// Error of the harmonic series.
     #[error(transparent)]
     Harmonics(#[from] HarmonicsError),
-    /// Error of the smoother.
+    /// Error of the Loess smoother.
     #[error(transparent)]
     Loess(#[from] LoessError),
 }
@@ -46,7 +46,7 @@ pub enum PeriodError {
 pub struct Averaged {
     /// Recording of the averages.
     pub recording: Recording,
-    /// Runs of each motion.
+    /// Number of runs that were averaged for each motion.
     pub runs: Vec<usize>,
     /// Deviation of one run's position from the average of all, per joint, rad or m; none where no motion has two runs.
     pub position: Option<Vec<f64>>,
@@ -116,12 +116,13 @@ pub fn average(recording: &Recording, period: Option<f64>) -> Result<Averaged, P
     })
 }
 
-/// The runs of one motion.
+/// Runs of one motion, to be averaged.
 struct Motion {
     label: String,
-    /// Number of runs.
+    /// Number of runs of the motion.
     runs: usize,
-    /// For each sample of the first run its row, followed by the rows of the other runs at the same time since their start.
+    /// For each sample of the first run its row, followed by the rows of the other runs at the same time since their
+    /// start.
     samples: Vec<Vec<usize>>,
 }
 

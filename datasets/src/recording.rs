@@ -11,10 +11,10 @@ pub const MIN_SAMPLES: usize = 20;
 /// One trajectory of a recording: rows between two breaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Trajectory {
-    /// The file's label; `"0"` where it has none. Two trajectories may carry the same label when
-    /// it comes back later in the file or when the clock jumps inside it.
+    /// Label of the trajectory in the file; `"0"` in a file without labels. Two trajectories may carry the same label
+    /// when it comes back later in the file or when the clock jumps inside it.
     pub label: String,
-    /// Rows of the recording.
+    /// Range of the recording's rows.
     pub range: Range<usize>,
 }
 
@@ -27,7 +27,7 @@ pub struct Trajectory {
 pub struct Recording {
     /// Source of the recording, for messages: a path or the name of a simulation.
     pub source: String,
-    /// Time stamps in s.
+    /// Time stamp of each sample, s.
     pub time: Vec<f64>,
     /// Trajectories in row order; they cover all rows without gaps.
     pub trajectories: Vec<Trajectory>,
@@ -45,7 +45,7 @@ pub struct Recording {
     pub q_ref: Option<Array2<f64>>,
     /// Commanded velocity, rad/s (m/s), samples × joints.
     pub qd_ref: Option<Array2<f64>>,
-    /// Joint temperature in °C.
+    /// Joint temperature, °C, samples × joints.
     pub temp: Option<Array2<f64>>,
     /// Low-pass that `tau` went through before it was stored.
     pub torque_filter: Option<TorqueFilter>,
@@ -94,17 +94,17 @@ impl Recording {
         }
     }
 
-    /// Number of samples.
+    /// Number of samples of the recording.
     pub fn len(&self) -> usize {
         self.time.len()
     }
 
-    /// True when there is no sample.
+    /// Whether the recording has no sample.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
 
-    /// Number of joints.
+    /// Number of joints of the recording.
     pub fn dof(&self) -> usize {
         self.q.ncols()
     }

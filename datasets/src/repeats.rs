@@ -14,7 +14,7 @@ use signal::resample;
 /// their standard deviation (RMS over the execution).
 const SAME_MOTION: f64 = 0.02;
 
-/// A joint that stays within this (standard deviation, rad or m) does not take part.
+/// Standard deviation of positions (rad or m) up to which a joint does not take part in the search for repeats.
 const STILL: f64 = 1e-3;
 
 /// Spread of repeated executions per joint, in N·m (N).
@@ -24,7 +24,7 @@ pub struct Repeatability {
     pub pairs: Vec<(usize, usize)>,
     /// RMS(τ_a − τ_b)/√2 over all samples of all pairs.
     pub all: Vec<f64>,
-    /// RMS(τ_a − τ_b)/√2 over the samples with |q̇_j| > 0.01 alone; `None` for a joint that has none.
+    /// RMS(τ_a − τ_b)/√2 over the samples with |q̇_j| > 0.01 alone; `None` for a joint without such samples.
     pub moving: Vec<Option<f64>>,
 }
 

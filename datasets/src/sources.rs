@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Least ratio of the offset of every second row to the difference of neighbouring rows of one source: white
 /// noise alone makes 0.9.
 const ALTERNATING: f64 = 3.0;
-/// Least ratio of that offset to the torque's RMS; below it the alternation counts as a ripple.
+/// Least ratio of the offset of every second row to the torque's RMS; below it the alternation counts as a ripple.
 const LARGE: f64 = 0.1;
 /// Fraction of the rows at which zeros begin, from which on they are a source of their own.
 const ZEROS: f64 = 0.1;

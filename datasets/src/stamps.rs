@@ -1,10 +1,10 @@
 //! Time stamps as people write them: which clock, in which unit, from text.
 
-/// A clock of a table.
+/// Clock of a table: one column of time stamps.
 pub(crate) struct Clock {
-    /// Name of its column.
+    /// Name of the clock's column.
     pub name: String,
-    /// Stamps as they are.
+    /// Time stamps as the table has them, in its unit.
     pub stamps: Vec<f64>,
     /// Seconds per unit, where it is known.
     pub unit: Option<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct Chosen {
 
 /// Rates that robots are logged at, Hz. They span a factor of a thousand, so that of s, ms, µs and ns one alone fits.
 const RATES: [f64; 2] = [5.0, 5000.0];
-/// Step, s, at which a robot's motion is no longer resolved: stamps with such a step are no seconds.
+/// Median step from which stamps cannot be seconds: a robot's motion would not be resolved.
 const NO_SECONDS: f64 = 1.0;
 
 /// Takes the steadiest of the clocks; those that stand still or go back inside a trajectory come last.
@@ -112,8 +112,8 @@ fn unsteadiness(stamps: &[f64], breaks: &[usize]) -> f64 {
     off / (step * stamps.len() as f64)
 }
 
-/// Seconds since 1970 of a stamp like `2026-03-02T08:00:00.020Z` (ISO 8601: blank for `T`, comma for point, an offset from UTC), or of a time
-/// of day alone; none of anything else.
+/// Seconds since 1970 of a stamp like `2026-03-02T08:00:00.020Z` (ISO 8601: blank for `T`, comma for point, an offset
+/// from UTC), or of a time of day alone. None for any other text.
 pub(crate) fn from_text(text: &str) -> Option<f64> {
     let text = text.trim();
     let (date, clock) = match text.split_once(['T', ' ']) {

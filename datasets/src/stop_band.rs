@@ -22,7 +22,7 @@ const EMPTY: (f64, f64) = (0.8, -70.0);
 const DEEPEST: f64 = -90.0;
 /// Attenuation over which the spectrum has to follow the filter, dB, and largest deviation from it, dB (root mean square).
 const FOLLOWED: (f64, f64) = (30.0, 3.0);
-/// Candidates stray from the spectrum at most this many times as far as the best.
+/// Factor on the best candidate's deviation from the spectrum up to which other candidates are considered.
 const NEXT_BEST: f64 = 1.5;
 /// Orders of one pass. Ripple in dB: the smallest ones are Butterworth filters but in name.
 const ORDERS: Range<usize> = 3..9;
@@ -94,7 +94,7 @@ fn best(
 
 /// Deviation of the spectrum from a power law through `filter`, dB (root mean square), from two octaves below
 /// the filter's half-power frequency on. None where the spectrum does not reach far enough into the stop band,
-/// or the power law is none of a torque.
+/// or where the power law is not one that a torque has.
 fn strays(points: &[Point], filter: &TorqueFilter) -> Option<f64> {
     let from = 0.25 * filter.half_power_hz();
     let rows: Vec<(f64, f64, f64)> = points

@@ -20,7 +20,7 @@ pub struct TorqueFilter {
     pub cutoff_hz: f64,
     /// Ripple in the pass band in dB (one pass).
     pub ripple_db: f64,
-    /// Recognised from the torque's spectrum, rather than declared.
+    /// Whether the filter was recognised from the torque's spectrum, rather than declared.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub recognised: bool,
 }
@@ -30,7 +30,7 @@ pub struct TorqueFilter {
 pub struct DeclaredFilter {
     /// Low-pass that a torque is passed through.
     pub filter: TorqueFilter,
-    /// Faster recordings are taken as raw, Hz.
+    /// Highest rate of recordings to which the declaration applies, Hz. Faster ones are taken as unfiltered.
     pub up_to_hz: f64,
 }
 

@@ -28,15 +28,15 @@ pub enum DiagnoseError {
     /// A stored model does not fit together.
     #[error(transparent)]
     Model(#[from] TorqueModelError),
-    /// A recording is refused.
+    /// Recording that cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
     /// A recording cannot be prepared.
     #[error("{source_name}: {error}")]
     Prepare {
-        /// Name of the recording.
+        /// Name of the recording that cannot be prepared.
         source_name: String,
-        /// Reason.
+        /// Reason why it cannot be prepared.
         error: PrepareError,
     },
     /// Recording for which no cut-off can be chosen.
@@ -50,9 +50,9 @@ pub enum DiagnoseError {
         "{other}: its torque has been through another low-pass than that of {one}, and one diagnosis takes them as one recording"
     )]
     Filters {
-        /// The first recording.
+        /// Name of the first recording.
         one: String,
-        /// The one that differs from it.
+        /// Name of the recording that was filtered differently.
         other: String,
     },
     /// Too little data for a fit.
@@ -60,7 +60,7 @@ pub enum DiagnoseError {
         "{source_name}: {seconds:.1} s of motion are too little; record at least {needed:.0} s that move every joint"
     )]
     TooShort {
-        /// Name of the recording.
+        /// Name of the recording that is too short.
         source_name: String,
         /// Duration of motion that it holds, s.
         seconds: f64,
@@ -70,7 +70,7 @@ pub enum DiagnoseError {
     /// Earlier recordings from which nothing can be identified.
     #[error(transparent)]
     Before(Box<FitError>),
-    /// The learned step failed.
+    /// Failed training of the compensator on the residual.
     #[error("the compensator cannot be trained on what is left: {0}")]
     Learn(#[from] ResidualError),
     /// Failed design of a motion.

@@ -21,7 +21,7 @@ pub const SURROGATES: u64 = 199;
 /// Subject of a diagnosis: the simulator's model or the robot's earlier recordings.
 #[derive(Clone, Debug)]
 pub enum Subject {
-    /// A robot's description.
+    /// Description of a robot, the simulator's model.
     Robot {
         /// Built-in robot, URDF or MJCF.
         source: String,
@@ -30,7 +30,7 @@ pub enum Subject {
         /// Gravity in the base frame, m/s², where it is not the description's.
         gravity: Option<[f64; 3]>,
     },
-    /// Model directory.
+    /// Path of a model directory.
     Model(PathBuf),
     /// The robot's own earlier recordings: changes since then are searched.
     Before {
@@ -40,7 +40,7 @@ pub enum Subject {
         joints: Vec<String>,
         /// Gravity in the base frame, m/s², where it is not the description's.
         gravity: Option<[f64; 3]>,
-        /// The earlier recordings.
+        /// Paths of the earlier recordings.
         recordings: Vec<PathBuf>,
     },
 }
@@ -63,7 +63,7 @@ impl Subject {
         }
     }
 
-    /// A built-in robot, URDF or MJCF with all of its joints and its own gravity.
+    /// Subject of a built-in robot, URDF or MJCF with all of its joints and its own gravity.
     pub fn robot(source: impl Into<String>) -> Self {
         Self::Robot {
             source: source.into(),
@@ -73,18 +73,18 @@ impl Subject {
     }
 }
 
-/// A diagnosis to be run.
+/// Diagnosis to be run, with its files and options.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// The simulator's model, or the robot's earlier recordings.
     pub subject: Subject,
-    /// Drive file.
+    /// Path of the drive file.
     pub drive: Option<PathBuf>,
     /// Sampling rate of tables without a time column, Hz.
     pub rate_hz: Option<f64>,
     /// Recordings that effects are fitted on.
     pub data: Vec<PathBuf>,
-    /// Recording on which every figure is measured; where there is none, trajectories of `data` that are then not fitted.
+    /// Recording on which every figure is measured. Without one, trajectories of `data` are held out and not fitted.
     pub heldout: Option<PathBuf>,
     /// Cut-off of the motion's low-pass, Hz; chosen where none is given.
     pub cutoff_hz: Option<f64>,
@@ -96,7 +96,7 @@ pub struct Job {
     pub next: bool,
 }
 
-/// A finished diagnosis.
+/// Finished diagnosis with its outputs.
 pub struct Done {
     /// The model with the options for reading its recordings.
     pub given: Given,
@@ -251,7 +251,7 @@ impl Job {
 }
 
 impl Done {
-    /// The report as JSON.
+    /// Report as JSON text.
     pub fn json(&self) -> String {
         serde_json::to_string_pretty(&self.outcome.diagnosis).expect("numbers and strings")
     }

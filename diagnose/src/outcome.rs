@@ -9,11 +9,11 @@ use crate::traces::unknown::Misfit;
 
 /// Result of a diagnosis: the report and the intermediate results that it is made of.
 pub struct Outcome {
-    /// Report of the diagnosis.
+    /// Report of the diagnosis, as it is written to JSON.
     pub diagnosis: Diagnosis,
-    /// The search behind it.
+    /// Search on which the report is based.
     pub findings: Findings,
-    /// Prepared recordings.
+    /// Prepared recordings, fitted and held out.
     pub frames: Frames,
     /// The measured explanation.
     pub explanation: Explanation,

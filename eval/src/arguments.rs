@@ -7,7 +7,7 @@ use clap::{ArgGroup, Parser};
 use control::demonstration::Withheld;
 use std::path::PathBuf;
 
-/// Width of a line for a person.
+/// Width of a line of output, characters.
 pub const WIDTH: usize = 100;
 
 /// Scores a model directory on a recording and predicts its torque.

@@ -9,7 +9,7 @@ use report::{say, say_text};
 /// Seed of the Fourier motion.
 const SEED: u64 = 1;
 
-/// Runs, writes, prints.
+/// Runs the closed loop, writes its files and prints the table.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let made = match &arguments.model {
         Some(directory) => {

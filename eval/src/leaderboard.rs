@@ -13,14 +13,14 @@ pub struct Places<'a> {
     pub json: Option<&'a PathBuf>,
 }
 
-/// Output on the terminal.
+/// Form in which the board is printed.
 #[derive(Clone, Copy)]
 pub enum Printed {
     /// The rows with their costs.
     Rows,
     /// The rows as a Markdown table that another run prints again.
     Table,
-    /// No output.
+    /// No output on the terminal.
     Nothing,
 }
 

@@ -11,11 +11,11 @@ const ROWS: &str = include_str!("sources.toml");
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum State {
-    /// It works, with a command and figures.
+    /// Working system, with a command and figures.
     Works,
-    /// Partly reproduced.
+    /// System that is partly reproduced.
     Partly,
-    /// Not reproduced.
+    /// System that is not reproduced.
     Missing,
 }
 
@@ -29,33 +29,33 @@ impl State {
     }
 }
 
-/// A system of a source.
+/// System of a source document, with its figures.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct System {
     name: String,
     state: State,
-    /// Command that runs it; empty where there is none.
+    /// Command that runs the system; empty where it has no command.
     #[serde(default)]
     command: String,
-    /// The source's figure; "not in our copy" where the text has lost it.
+    /// Figure that the source states; "not in our copy" where its text has lost it.
     published: String,
-    /// Our figure.
+    /// Figure that this project reaches.
     #[serde(default)]
     ours: String,
 }
 
-/// A source document.
+/// Source document, such as a paper or manual.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
     name: String,
     title: String,
-    /// Name of its page.
+    /// Name of the document's page.
     page: String,
-    /// Content of the document.
+    /// Content of the document, in a sentence.
     about: String,
-    /// Differences here, with the reasons.
+    /// Differences between source and project, with the reasons.
     differs: Vec<String>,
     /// Reproductions of its experiments.
     #[serde(default)]
@@ -68,7 +68,7 @@ struct Document {
 #[serde(deny_unknown_fields)]
 struct Experiment {
     what: String,
-    /// Commands, one a line.
+    /// Commands that reproduce the experiment, one a line.
     commands: String,
 }
 

@@ -36,7 +36,7 @@ pub struct Designed {
     pub costs: Vec<[f64; 2]>,
     /// Number of motions that were evaluated.
     pub evaluations: usize,
-    /// Notes for the user.
+    /// Notes on the design for the user.
     pub notes: Vec<String>,
 }
 
@@ -250,7 +250,8 @@ fn other(robot: &Robot, arguments: &Arguments) -> Result<Option<Robot>, Failure>
     }
 }
 
-/// Refuses a period that is no whole number of samples: runs could not be averaged sample by sample (UR5 paper, eq. 13).
+/// Refuses a period that is not a whole number of samples: runs could not be averaged sample by sample (UR5 paper, eq.
+/// 13).
 fn whole_samples(period: f64, rate: f64) -> Result<(), Failure> {
     let samples = period * rate;
     if (samples - samples.round()).abs() < 1e-6 * samples.max(1.0) && samples >= 2.0 {

@@ -13,17 +13,17 @@ use crate::columns::triangle;
 /// Range of a joint's motion beside its limits. Units rad or m, per sⁿ; N·m or N.
 #[derive(Clone, Debug, Serialize)]
 pub struct Coverage {
-    /// Name of the joint.
+    /// Name of the joint whose motion it is.
     pub joint: String,
-    /// Lowest and highest position.
+    /// Lowest and highest position of the motion, rad or m.
     pub position: [f64; 2],
-    /// Limits of the position.
+    /// Lower and upper limit of the position, rad or m.
     pub position_limits: [f64; 2],
-    /// Largest speed, and its limit.
+    /// Largest speed of the motion, and its limit, rad/s or m/s.
     pub velocity: [f64; 2],
-    /// Largest acceleration, and its limit.
+    /// Largest acceleration of the motion, and its limit, rad/s² or m/s².
     pub acceleration: [f64; 2],
-    /// Largest jerk, and its limit.
+    /// Largest jerk of the motion, and its limit, rad/s³ or m/s³.
     pub jerk: [f64; 2],
     /// Largest torque of the described robot, N·m (N).
     pub torque: f64,

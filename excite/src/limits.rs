@@ -8,21 +8,21 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Default time to reach full speed, and full acceleration, s.
+/// Default time to reach full speed, and to reach full acceleration, s.
 const TO_SPEED: f64 = 0.5;
 const TO_ACCELERATION: f64 = 0.1;
 
 /// Limits of the joints, and their origin.
 pub struct Given {
-    /// Limits, one per joint.
+    /// Limits of the motion, one per joint.
     pub limits: Vec<MotionLimits>,
-    /// Whether accelerations, and jerks, are assumed.
+    /// Whether the limits of acceleration, and of jerk, are assumed values.
     pub assumed: [bool; 2],
     /// The tool's point in the frame of the last joint, m.
     pub tool: [f64; 3],
     /// Regions that the tool's point must not leave.
     pub regions: Vec<Region>,
-    /// Start and end.
+    /// Pose at the start and end; none where any pose will do.
     pub home: Option<Vec<f64>>,
 }
 

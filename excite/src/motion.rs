@@ -12,7 +12,7 @@ use std::path::Path;
 pub struct Labelled {
     /// Samples; the clock of each segment begins at zero.
     pub motion: Motion,
-    /// Labels of the segments.
+    /// Label of each segment, in order.
     pub labels: Vec<String>,
 }
 
@@ -44,7 +44,7 @@ pub fn sampled(trajectories: &[Series], rate: f64, repeats: usize) -> Labelled {
     }
 }
 
-/// A motion from a file: a recording, or one that is to be run and has `q_ref` columns alone.
+/// Motion from a file: a recording, or a table with columns `q_ref` alone that is still to be run.
 pub fn from_file(setup: &Setup, path: &Path) -> Result<Labelled, Failure> {
     let recording = match setup.read_one(path, Part::Test, false) {
         Ok(recording) => recording,

@@ -12,7 +12,7 @@ use report::{Figure, KeyFigure, Page, Section, Tone};
 /// Number of trajectories that are drawn.
 const DRAWN: usize = 6;
 
-/// The page of a motion.
+/// HTML page of a designed motion.
 pub fn page(summary: &Summary, robot: &Robot, labelled: &Labelled) -> Page {
     let c = &summary.conditions;
     let mut page = Page::new(format!("Motion of {}", summary.robot))

@@ -23,61 +23,61 @@ pub struct Plan {
     pub not_judged: Vec<NotJudged>,
 }
 
-/// A base parameter.
+/// Base parameter with the deviation that a motion allows.
 #[derive(Clone, Debug, Serialize)]
 pub struct Parameter {
-    /// Name of the standard parameter that represents it.
+    /// Name of the standard parameter that represents the base parameter.
     pub name: String,
-    /// The parameters that form it.
+    /// Standard parameters that form the base parameter, as a formula.
     pub formula: String,
-    /// Value by the robot's description.
+    /// Value of the base parameter by the robot's description.
     pub value: f64,
-    /// Standard deviation that the motion's information allows; null where it has none.
+    /// Standard deviation that the motion's information allows; null for a parameter without information.
     pub std: Option<f64>,
     /// Relative standard deviation, percent (UR5 paper, eq. 10); null where the value is zero.
     pub relative_percent: Option<f64>,
     /// Size from which the parameter differs from zero with 95 % confidence.
     pub shows_from: Option<f64>,
-    /// Whether the value in the description is as large as that.
+    /// Whether the described value is as large as `shows_from`.
     pub shows: bool,
 }
 
-/// An effect at one place.
+/// Effect at one place that the motion would show.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shown {
-    /// Name of the effect.
+    /// Name of the effect in the catalogue.
     pub effect: &'static str,
-    /// Names of the joints.
+    /// Names of the joints that the effect concerns.
     pub joints: Vec<String>,
-    /// Numbers of these, from zero.
+    /// Indices of the joints in `joints`, from 0.
     #[serde(skip)]
     pub places: Vec<usize>,
-    /// Driving joint of a coupling.
+    /// Name of the driving joint; none but for a coupling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<String>,
     /// Name of the quantity whose size is stated.
     pub quantity: &'static str,
-    /// Unit of the size.
+    /// Unit of the size `from`.
     pub unit: Unit,
-    /// Least size that would be accepted; null where no plausible one would.
+    /// Least size at which the effect would be accepted; null where no plausible one would.
     pub from: Option<f64>,
-    /// Torque at that size, N·m.
+    /// Torque of the effect at the size `from`, N·m.
     pub torque: Option<f64>,
-    /// Shape for which it shows first.
+    /// Shape parameters for which the effect shows first.
     pub shape: Vec<Shape>,
 }
 
-/// An effect that is found otherwise.
+/// Effect that the plan does not judge, since it is found otherwise.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotJudged {
-    /// Name of the effect.
+    /// Name of the effect in the catalogue.
     pub effect: &'static str,
-    /// Reason.
+    /// Reason why the plan does not judge the effect.
     pub reason: &'static str,
 }
 
-/// What a motion of a robot would show under torque noise of the given deviations, N·m per sample. `progress` is told how many
-/// effects of how many have been looked at.
+/// Parameters and effects that a motion of a robot would show under torque noise of the given deviations, N·m per
+/// sample. `progress` is called with the number of effects that are done, and of all.
 ///
 /// # Errors
 /// Numbers that are not finite.

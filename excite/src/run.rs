@@ -20,7 +20,7 @@ use model::preparation::setup::Setup;
 use physics::robot::Robot;
 use std::time::Duration;
 
-/// Runs the command.
+/// Runs the command `excite`, from arguments to files.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let setup = Setup::with_joints(
         &arguments.robot,

@@ -8,7 +8,7 @@ use identify::least_squares::SubRegressors;
 use report::{Cell, Column, Table, say, say_text};
 use std::path::Path;
 
-/// Width of a line for a person.
+/// Width of a line of output, characters.
 const WIDTH: usize = 100;
 
 /// Warning that collisions are not checked.
@@ -50,7 +50,7 @@ pub fn say(summary: &Summary, out: Option<&Path>) {
     }
 }
 
-/// One line on the whole.
+/// Sentence on the whole design: robot, trajectories, duration, method.
 pub fn headline(summary: &Summary) -> String {
     let count = summary.trajectories.len();
     let seconds: f64 = summary.trajectories.iter().map(|t| t.seconds).sum();
@@ -149,7 +149,7 @@ fn costs(summary: &Summary) -> Vec<String> {
     )]
 }
 
-/// Every base parameter.
+/// Table of all base parameters of a plan.
 pub fn parameters(plan: &Plan) -> Table {
     let mut table = Table::new([
         Column::text("parameter"),

@@ -7,21 +7,21 @@ use serde::Serialize;
 /// Summary of a designed motion, the content of the JSON file.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// `excitation/1`
+    /// Name and version of the format: `excitation/1`.
     pub schema: &'static str,
-    /// The robot's name.
+    /// Name of the robot of the motion.
     pub robot: String,
-    /// Method by which the motion was made; null for one from a file.
+    /// Name of the method by which the motion was made; null for one from a file.
     pub method: Option<&'static str>,
-    /// Criterion of the choice; null where there was none.
+    /// Criterion by which motions were chosen; null without a criterion.
     pub criterion: Option<&'static str>,
-    /// Seed; null for a motion from a file.
+    /// Random seed of the design; null for a motion from a file.
     pub seed: Option<u64>,
     /// Properties of each trajectory.
     pub trajectories: Vec<Trajectory>,
     /// Number of motions that were evaluated.
     pub evaluations: usize,
-    /// Coverage of the limits.
+    /// Coverage of each joint's limits.
     pub joints: Vec<Coverage>,
     /// Condition numbers of the regressor.
     pub conditions: Conditions,
@@ -29,7 +29,7 @@ pub struct Summary {
     pub noise: Vec<f64>,
     /// Whether collisions were checked: always false.
     pub collisions_checked: bool,
-    /// Notes for the user.
+    /// Notes on the design for the user.
     pub notes: Vec<String>,
     /// Parameters and effects that the motion would show, with --plan.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -39,14 +39,14 @@ pub struct Summary {
 /// Properties of one trajectory.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trajectory {
-    /// Label in the file.
+    /// Label of the trajectory in the file.
     pub label: String,
-    /// Length, s.
+    /// Duration of the trajectory, s.
     pub seconds: f64,
-    /// Position at the start, rad or m, by joint.
+    /// Position of each joint at the start, rad or m.
     pub start: Vec<f64>,
-    /// Criterion of all trajectories up to this one; null where none was used.
+    /// Criterion of all trajectories up to this one; null without a criterion.
     pub cost: Option<f64>,
-    /// Criterion at the start of its search.
+    /// Criterion at the start of this trajectory's search.
     pub start_cost: Option<f64>,
 }

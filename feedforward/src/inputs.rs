@@ -6,23 +6,23 @@ use serde::{Deserialize, Serialize};
 /// One input column, in physical units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Input {
-    /// Joint to which it belongs, base first.
+    /// Index of the joint to which the column belongs, base first.
     pub joint: usize,
-    /// Signal of the joint.
+    /// Signal of the joint in the column.
     pub signal: Signal,
 }
 
-/// A quantity of one joint.
+/// Signal of one joint that a unit may see.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Signal {
-    /// q, rad or m.
+    /// Position q, rad or m.
     Position,
-    /// q̇, rad/s or m/s.
+    /// Velocity q̇, rad/s or m/s.
     Velocity,
-    /// q̈, rad/s² or m/s².
+    /// Acceleration q̈, rad/s² or m/s².
     Acceleration,
-    /// |rigid-body torque|, N·m or N.
+    /// Size of the rigid-body torque, N·m or N.
     Load,
     /// Column of a physical term with its memory.
     Term(Term),
@@ -55,17 +55,17 @@ pub struct CompensatorRecord {
     pub validation: Vec<UnitValidation>,
 }
 
-/// Validation of one unit.
+/// Errors of one unit on the validation trajectories.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UnitValidation {
-    /// Name of the joint.
+    /// Name of the unit's joint.
     pub joint: String,
-    /// Whether the unit is on.
+    /// Whether the unit is on in the loop.
     pub enabled: bool,
-    /// RMS error of the physics alone, N·m.
+    /// RMS error of the physics alone on the validation trajectories, N·m.
     pub physics: Option<f64>,
-    /// RMS error with the unit, N·m.
+    /// RMS error with the unit on the validation trajectories, N·m.
     pub with_unit: Option<f64>,
-    /// RMS error with a ridge regression on the same inputs in place of the unit, N·m.
+    /// RMS error on the validation trajectories with a ridge regression on the same inputs in place of the unit, N·m.
     pub with_ridge: Option<f64>,
 }

@@ -5,18 +5,18 @@ use sha2::{Digest, Sha256};
 
 /// Name of the file in a model directory.
 pub const NAME: &str = "model.json";
-/// Name of the compensator's file beside it.
+/// Name of the compensator's file beside `model.json`.
 pub const NETWORK: &str = "compensator.safetensors";
 /// Version of `model.json` that this library reads.
 pub const SCHEMA: &str = "model/1";
 
-/// Reason why a text is no `model.json` of this version.
+/// Reason why a text is not a `model.json` of this version.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelFileError {
     /// The model was written by another version.
     #[error("schema {0:?}, this program reads {SCHEMA:?}; train the model again")]
     Schema(String),
-    /// A file that is no model at all, or a damaged one.
+    /// File that is not a model, or is damaged.
     #[error("not a model of this program: {0}")]
     Format(String),
 }

@@ -8,8 +8,8 @@ use identify::excitation::{
 use identify::least_squares::SubRegressors;
 use physics::robot::Robot;
 
-/// Seeds, trajectories of each stack (the paper identifies on five), and motions judged for each: 30 000 rows are five
-/// trajectories of 1000 states; the search takes a hundred of them, as the paper's does.
+/// Number of seeds; trajectories of each stack (Han et al. identify on five); motions judged for each; rows of a
+/// trajectory in the search, a hundred of 1000 as in Han et al.
 const SEEDS: u64 = 10;
 const TRAJECTORIES: usize = 5;
 const EVALUATIONS: usize = 600;

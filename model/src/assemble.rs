@@ -17,25 +17,25 @@ use physics::torque_model::{TorqueModel, TorqueModelRecord};
 
 /// Estimated base parameters.
 pub struct Estimated<'a> {
-    /// Values, in the order of the robot's base parameters.
+    /// Values of the parameters, in the order of the robot's base parameters.
     pub values: &'a [f64],
     /// Standard deviations of the values.
     pub std: &'a [f64],
 }
 
-/// Parts of a model file.
+/// Parts from which a model file is assembled.
 pub struct Parts<'a> {
-    /// The nominal robot.
+    /// Nominal robot, as described before the fit.
     pub robot: &'a Robot,
     /// Recordings on which the model was fitted.
     pub data: &'a [Recording],
-    /// Session of these recordings, and perhaps more, in the order in which memory passes through them.
+    /// Session of the recordings in `data`, and perhaps more, in the order in which memory passes through them.
     pub session: &'a Session,
     /// Predicted torque at the recorded samples of each recording of the session, N·m (N), shape (samples, joints).
     pub physics: &'a [Array2<f64>],
     /// Record of the torque model.
     pub record: TorqueModelRecord,
-    /// Base parameters of the model.
+    /// Estimated base parameters of the model.
     pub base: Estimated<'a>,
     /// Covariance of base parameters, then each joint's fitted terms.
     pub covariance: &'a Array2<f64>,
@@ -43,7 +43,7 @@ pub struct Parts<'a> {
     pub preprocessing: Preprocessing,
     /// Quality of the identification.
     pub diagnostics: Option<Diagnostics>,
-    /// Seed, for provenance.
+    /// Random seed of the training, for provenance.
     pub seed: u64,
     /// Number of folds of the cross-validation.
     pub folds: usize,
@@ -137,7 +137,7 @@ pub(crate) fn base_parameters(robot: &Robot, estimated: &Estimated) -> Vec<BaseP
         .collect()
 }
 
-/// The benchmark paper's linear baseline.
+/// Linear baseline of the KR300 benchmark paper.
 fn baseline(data: &[Recording], session: &Session) -> Result<LinearInverse, BaselineError> {
     let stack = |table: &dyn Fn(usize) -> Array2<f64>| {
         let tables: Vec<Array2<f64>> = (0..data.len()).map(table).collect();

@@ -16,9 +16,9 @@ use physics::robot::RobotError;
 /// One line for the user, a hint, and the exit status.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// Message, in one line.
+    /// Message for the user, in one line.
     pub message: String,
-    /// Advice; empty where there is none.
+    /// Advice for the user; empty where there is no advice.
     pub hint: String,
     /// Exit status: 2 where the input cannot be used, 130 where interrupted, 1 for all else.
     pub status: u8,

@@ -13,7 +13,7 @@ use physics::torque_model::TorqueModel;
 pub struct Loaded<'a> {
     /// Contents of the model directory.
     pub file: &'a ModelFile,
-    /// Physics of the model.
+    /// Identified physics of the model.
     pub model: &'a TorqueModel,
     /// Compensator of the model; none without one.
     pub compensator: Option<&'a Compensator>,

@@ -34,7 +34,7 @@ pub struct FitOptions {
 }
 
 impl FitOptions {
-    /// Options as for `train --basic`: the rigid body with each joint's basic terms, and none from the dictionary.
+    /// Options as for `train --basic`: the rigid body with each joint's basic terms, without terms from the dictionary.
     pub fn basic() -> Self {
         let mut options = Self::default();
         options.identify.select = false;
@@ -42,7 +42,7 @@ impl FitOptions {
     }
 }
 
-/// Reason why a fit failed.
+/// Reason why a model could not be fitted.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
     /// The cut-off of the motion cannot be chosen.
@@ -51,12 +51,12 @@ pub enum FitError {
     /// A recording cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
-        /// Name of the recording.
+        /// Name of the recording that cannot be prepared.
         file: String,
-        /// Cause.
+        /// Reason why it cannot be prepared.
         source: PrepareError,
     },
-    /// Identification failed.
+    /// Failed identification of the physics.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
     /// The linear baseline cannot be fitted.
@@ -72,13 +72,13 @@ pub enum FitError {
 
 /// A fitted model with its intermediate results.
 pub struct Fit {
-    /// Fitted model.
+    /// Fitted model as `model.json` holds it.
     pub file: ModelFile,
     /// Training recordings, then the held-out one where there is one.
     pub session: Session,
     /// Result of the identification.
     pub identified: Identified,
-    /// Possible links nearest to it, where some were found.
+    /// Possible links nearest to the estimate, where some were found.
     pub possible: Option<Feasible>,
     /// Torque of the physics for every recording of the session, N·m (N), shape (samples, joints).
     pub physics: Vec<Array2<f64>>,

@@ -66,7 +66,8 @@ pub fn predict_noted(
 
 /// Sensitivity of one joint's torque to each fitted parameter.
 pub struct Sensitivity {
-    /// Indices of these parameters among all: base parameters, then each joint's fitted terms, as in the covariance.
+    /// Indices of the joint's parameters among all: base parameters, then each joint's fitted terms, as in the
+    /// covariance.
     pub places: Vec<usize>,
     /// Torque per unit of each parameter, shape (samples, parameters).
     pub columns: Array2<f64>,

@@ -12,20 +12,20 @@ use std::ops::Range;
 /// One trajectory of a session, with the state of memory before it.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// Index of the recording.
+    /// Index of the trajectory's recording in `parts`.
     pub part: usize,
-    /// Rows of the fine motion.
+    /// Rows of the recording's fine motion that the trajectory takes.
     pub rows: Range<usize>,
-    /// State of memory before this trajectory.
+    /// State of memory before the trajectory.
     pub start: Start,
 }
 
 /// State of memory before a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// Memory after the sample before.
+    /// Memory that runs on after the sample before.
     RunsOn,
-    /// Neutral: nothing is known.
+    /// Neutral memory: nothing is known of what was before.
     Neutral,
     /// Memory at the end of the known trajectory with this index.
     Known(usize),
@@ -34,7 +34,7 @@ pub enum Start {
 /// Prepared recordings in the order in which memory passes through them.
 #[derive(Clone, Debug)]
 pub struct Session {
-    /// Prepared recordings.
+    /// Prepared recordings, in that order.
     pub parts: Vec<Prepared>,
     /// Trajectories in the order of the clock.
     pub steps: Vec<Step>,

@@ -21,7 +21,7 @@ impl LeftOut {
     }
 
     /// Standard deviations at standstill and in motion, such that ± [`NINETY`] of each holds 90 % of the
-    /// errors. That of the other regime where one has no sample, and none where neither has.
+    /// errors. Where one regime has no sample, it gets the deviation of the other; `None` without any sample.
     fn deviations(&self) -> Option<[f64; 2]> {
         let of = |errors: &[f64]| {
             let mut sorted = errors.to_vec();
@@ -52,13 +52,13 @@ pub fn by_regime(joints: &[LeftOut], otherwise: &ResidualStd) -> ResidualStd {
 /// Coverage: share of samples inside the stated 90 % intervals on a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coverage {
-    /// Coverage by joint.
+    /// Coverage on each joint, 0 to 1.
     pub joints: Vec<f64>,
-    /// Coverage of all samples in motion; none where there is none.
+    /// Coverage of all samples in motion; none where no sample is in motion.
     pub moving: Option<f64>,
-    /// Coverage of all samples at standstill; none where there is none.
+    /// Coverage of all samples at standstill; none where no sample is at standstill.
     pub standstill: Option<f64>,
-    /// Coverage of all samples.
+    /// Coverage of all samples of all joints.
     pub all: f64,
 }
 

@@ -8,13 +8,13 @@ use signal::Motion;
 /// Recorded torque = gain·τ + offset, cut at a limit; true position = recorded position + zero. One value per joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TorqueChannel {
-    /// Gain: recorded torque over torque.
+    /// Gain of each joint: recorded torque over torque.
     pub gain: Vec<f64>,
-    /// Bias of the recorded torque, N·m (N).
+    /// Bias of each joint's recorded torque, N·m (N).
     pub offset: Vec<f64>,
-    /// Largest torque that is recorded, N·m (N); none where nothing is cut.
+    /// Largest torque that is recorded of each joint, N·m (N); none where nothing is cut.
     pub limit: Vec<Option<f64>>,
-    /// Joint zero, rad (m).
+    /// Zero of each joint: true position less recorded position, rad (m).
     pub zero: Vec<f64>,
 }
 

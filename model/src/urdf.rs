@@ -8,7 +8,7 @@ use physics::robot::{PARAMETERS_PER_LINK, Robot, to_urdf};
 /// nearest to the identified ones, relative to their deviations, and viscous and Coulomb friction. Directions
 /// that the data leave open keep the nominal values.
 ///
-/// None where no such parameters were found.
+/// None where no possible parameters were found.
 pub fn identified(fit: &Fit) -> Option<String> {
     let nominal: Robot = fit.file.physics.nominal().ok()?;
     let possible = fit.possible.as_ref()?;

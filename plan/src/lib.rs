@@ -15,8 +15,8 @@ use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// What the program `feedforward` does with these arguments, of which the first is what it was called by; its exit status.
-/// `--help` and wrong usage end the process here, as clap has it.
+/// Runs the program `feedforward` and returns its exit status. The first of the arguments is the name by which it was
+/// called. `--help` and wrong usage end the process here, as clap does it.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     match run::run(&arguments) {

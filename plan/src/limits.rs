@@ -23,7 +23,7 @@ pub struct Broken {
     time: f64,
     /// Whether another speed can mend it.
     by_speed: bool,
-    /// Value over limit.
+    /// Ratio of the value to its limit.
     excess: f64,
 }
 
@@ -97,7 +97,7 @@ fn checks(joint: &Joint, [q, qd, tau]: [f64; 3]) -> [Option<Broken>; 3] {
     ]
 }
 
-/// What would mend it.
+/// Advice for a broken limit, as a sentence: another speed, or another way.
 pub fn advice(broken: &Broken, model: &mut Feedforward, motion: &Motion) -> String {
     if !broken.by_speed {
         return "No speed mends a position: plan another way.".into();

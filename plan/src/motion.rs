@@ -6,13 +6,13 @@ use ndarray::Array2;
 use signal::Motion;
 use signal::spline::Spline;
 
-/// By how much steps may differ from their mean to count as even.
+/// Relative deviation of steps from their mean up to which they count as even.
 ///
-/// Stamps in whole milliseconds or microseconds jitter by their last digit; a hundredth of a period is a tenth of what a network's
-/// windows stand.
+/// Stamps in whole milliseconds or microseconds jitter by their last digit; a hundredth of a period is a tenth of what
+/// a network's windows tolerate.
 const EVEN: f64 = 0.01;
 
-/// By how much of a sample the length of a trajectory may fall short of whole samples by rounding.
+/// Part of a sample by which a trajectory's length may fall short of whole samples by rounding.
 const ROUNDING: f64 = 1e-6;
 
 /// Time from sample to sample, s; none where the stamps are not evenly spaced.
@@ -112,10 +112,10 @@ pub fn at_waypoints(table: &Array2<f64>, sampled: &Motion, waypoints: &Motion) -
     out
 }
 
-/// The motion of a plan: its own velocities and accelerations, and derivatives of its low-passed positions where it has none.
+/// Motion of a plan: its own velocities and accelerations or, without these, derivatives of its low-passed positions.
 ///
 /// # Errors
-/// Positions that no derivative can be taken of.
+/// Positions of which derivatives cannot be taken.
 pub fn motion(plan: &Recording, cutoff_hz: Option<f64>) -> Result<Motion, Failure> {
     let (qd, qdd) = match (&plan.qd, &plan.qdd) {
         (Some(qd), Some(qdd)) => (qd.clone(), qdd.clone()),

@@ -17,8 +17,8 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// What the torque of each joint is divided by; direction and torque scale of the drive file included, so that a sent torque reads
-    /// as a recorded one does.
+    /// Divisor of each joint's torque for the conversion to this unit; direction and torque scale of the drive file
+    /// included, so that a sent torque reads as a recorded one does.
     ///
     /// # Errors
     /// The drive file lacks what the conversion needs.

@@ -13,21 +13,21 @@ pub struct Arm {
     pub family: &'static str,
     /// Moving joints, base first; `damping` and `friction` are its viscous and Coulomb friction.
     pub joints: Vec<Joint>,
-    /// Middle of the region of motion, rad or m.
+    /// Middle of each joint's region of motion, rad or m.
     pub centre: Vec<f64>,
-    /// Largest distance from `centre`, rad or m.
+    /// Largest distance of each joint from `centre`, rad or m.
     pub reach: Vec<f64>,
     /// Speed below which the plant's sign of velocity is softened, rad/s or m/s.
     pub v_eps: Vec<f64>,
     /// Law by which the sign of friction is softened near rest, on all joints.
     pub rest: RestLaw,
     /// Inertia of a disc about the axis that is part of the link's inertia, kg·m². It turns with the motor
-    /// where the joint's gear is made elastic. Zero where the link has none.
+    /// where the joint's gear is made elastic. Zero for a link without a disc.
     pub disc: Vec<f64>,
 }
 
 impl Arm {
-    /// Number of joints.
+    /// Number of joints of the arm.
     pub fn dof(&self) -> usize {
         self.joints.len()
     }
@@ -52,17 +52,17 @@ impl Arm {
         Ok(mass.into_iter().step_by(n + 1).collect())
     }
 
-    /// Viscous coefficients, N·m·s/rad.
+    /// Viscous coefficient of each joint, N·m·s/rad.
     pub fn damping(&self) -> Vec<f64> {
         self.joints.iter().map(|j| j.damping).collect()
     }
 
-    /// Coulomb coefficients, N·m.
+    /// Coulomb coefficient of each joint, N·m.
     pub fn friction(&self) -> Vec<f64> {
         self.joints.iter().map(|j| j.friction).collect()
     }
 
-    /// Fastest allowed speeds, rad/s or m/s.
+    /// Fastest allowed speed of each joint, rad/s or m/s.
     pub fn speed(&self) -> Vec<f64> {
         self.joints.iter().map(|j| j.limits.velocity).collect()
     }

@@ -5,7 +5,7 @@ use physics::robot::Robot;
 
 /// Bodies of N joints, M(q) a + b(q, v) = τ, without friction; N values each, SI.
 pub trait Bodies: Send {
-    /// Number of joints, N.
+    /// Number of joints N of the robot.
     fn dof(&self) -> usize;
 
     /// Fills M(q), N × N, row-major.
@@ -23,7 +23,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// The bodies of a robot.
+    /// Bodies of a serial robot.
     pub fn new(robot: Robot) -> Self {
         Self {
             workspace: Workspace::new(&robot),

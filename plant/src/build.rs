@@ -10,9 +10,9 @@ use physics::robot::RobotError;
 pub struct Build {
     /// Bodies; effects may add joints.
     pub arm: Arm,
-    /// Joints of `arm` that have motors and encoders.
+    /// Indices of the joints of `arm` that have motors and encoders.
     pub axes: Vec<usize>,
-    /// Rotor inertias, per joint of `arm`.
+    /// Rotor inertia of each joint of `arm`, kg·m².
     pub armature: Vec<f64>,
     /// Friction, per joint of `arm`.
     pub friction: Vec<Friction>,
@@ -86,7 +86,7 @@ impl Build {
         }
     }
 
-    /// Adds a mechanism.
+    /// Adds a mechanism to the plant.
     pub fn add(&mut self, mechanism: impl Mechanism + 'static) {
         self.mechanisms.push(Box::new(mechanism));
     }

@@ -22,7 +22,7 @@ struct Row {
     axis: [f64; 3],
     xyz: [f64; 3],
     rpy: [f64; 3],
-    /// Middle and half width of the region of motion, fastest speed.
+    /// Middle and half width of the joint's region of motion, and its fastest speed.
     centre: f64,
     reach: f64,
     speed: f64,
@@ -30,7 +30,7 @@ struct Row {
     com: [f64; 3],
     /// Principal radii of gyration, m.
     gyration: [f64; 3],
-    /// Viscous and Coulomb friction.
+    /// Viscous friction of the joint, N·m·s/rad; in `coulomb`, Coulomb friction, N·m.
     viscous: f64,
     coulomb: f64,
 }

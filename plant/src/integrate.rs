@@ -10,7 +10,7 @@ use signal::cholesky;
 pub struct Friction {
     /// Viscous coefficient, N·m·s/rad.
     pub viscous: f64,
-    /// Coulomb torque, N·m.
+    /// Coulomb torque of the joint, N·m.
     pub coulomb: f64,
     /// Speed below which the sign is softened, rad/s.
     pub v_eps: f64,
@@ -39,16 +39,16 @@ pub struct Plant {
     armature: Vec<f64>,
     friction: Vec<Friction>,
     mechanisms: Vec<Box<dyn Mechanism>>,
-    /// Mechanisms that resist each joint.
+    /// Indices of the mechanisms that resist each joint.
     resisting: Vec<Vec<usize>>,
-    /// Positions, rad or m.
+    /// Positions of the joints, rad or m.
     pub q: Vec<f64>,
-    /// Velocities, rad/s (m/s).
+    /// Velocities of the joints, rad/s (m/s).
     pub v: Vec<f64>,
     /// Accelerations of the last step.
     pub a: Vec<f64>,
     load: Vec<f64>,
-    /// Generalised force of each mechanism on each joint in the last step.
+    /// Generalised force of each mechanism on each joint in the last step, N·m (N).
     pub exerted: Vec<f64>,
     mass: Vec<f64>,
     factor: Vec<f64>,
@@ -62,7 +62,7 @@ pub struct Plant {
     rest: Vec<f64>,
 }
 
-/// Largest number of solves of a step; two are usual, reversals take up to ten.
+/// Largest number of solves of a step. Most steps take two, reversals up to ten.
 const MOST_SOLVES: usize = 25;
 
 impl Plant {

@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Errors of the recorded channels, per joint.
 #[derive(Debug, Clone)]
 pub struct Errors {
-    /// Encoder count, rad.
+    /// Step of each encoder's count, rad.
     pub count: Vec<f64>,
     /// Deviation of recorded velocity, rad/s.
     pub velocity: Vec<f64>,

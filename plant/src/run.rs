@@ -4,10 +4,10 @@ use crate::control::Controller;
 use crate::integrate::Plant;
 use crate::reference::{Command, Session};
 
-/// Times of the loop.
+/// Times of the control loop: steps and samples.
 #[derive(Debug, Clone, Copy)]
 pub struct Clock {
-    /// Integration step, s.
+    /// Integration step of the plant, s.
     pub step: f64,
     /// Number of integration steps per control period.
     pub control: usize,
@@ -23,7 +23,7 @@ pub struct Trace {
     pub dof: usize,
     /// Session time of each sample, s.
     pub time: Vec<f64>,
-    /// Samples of each trajectory.
+    /// Number of samples of each trajectory.
     pub lengths: Vec<usize>,
     /// Motor-side position, rad (m).
     pub q: Vec<f64>,
@@ -31,7 +31,7 @@ pub struct Trace {
     pub qd: Vec<f64>,
     /// Motor-side acceleration, rad/s² (m/s²).
     pub qdd: Vec<f64>,
-    /// Motor torque, N·m (N).
+    /// Motor torque without a sensor's error, N·m (N).
     pub tau: Vec<f64>,
     /// Torque by which each mechanism in turn changed the motor's, N values each.
     pub exerted: Vec<f64>,
@@ -39,12 +39,12 @@ pub struct Trace {
     pub q_ref: Vec<f64>,
     /// Position of the link behind each motor's transmission.
     pub link: Vec<f64>,
-    /// Relative temperature where a mechanism has one, as [`crate::mechanism::Mechanism::warmth`]; else not a number.
+    /// Relative temperature where a mechanism has one, as [`crate::mechanism::Mechanism::warmth`]; NaN without one.
     pub warmth: Vec<f64>,
 }
 
 impl Trace {
-    /// Number of samples.
+    /// Number of samples of the trace.
     pub fn len(&self) -> usize {
         self.time.len()
     }

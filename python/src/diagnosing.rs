@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// A diagnosis that is done.
+/// Finished diagnosis with its outputs.
 #[pyclass(frozen, module = "residyn")]
 pub struct Diagnosis(Mutex<Done>);
 
@@ -71,12 +71,12 @@ fn write(path: &Path, text: &str) -> PyResult<()> {
 
 #[pymethods]
 impl Diagnosis {
-    /// The report of the schema `diagnosis/1`.
+    /// Report of the schema `diagnosis/1` as JSON text.
     fn json(&self) -> String {
         self.with(Done::json)
     }
 
-    /// What the program prints.
+    /// Lines of text that the program `diagnose` prints.
     fn lines(&self) -> Vec<String> {
         self.with(|d| words::lines(&d.outcome.diagnosis))
     }
@@ -86,7 +86,7 @@ impl Diagnosis {
         self.with(|d| Ok(d.page(&d.patch().map_err(|e| undiagnosed(&e))?)))
     }
 
-    /// Writes the corrected description and what lies beside it; returns the paths.
+    /// Writes the corrected description and the files beside it; returns the paths.
     fn patch(&self, path: PathBuf) -> PyResult<Vec<PathBuf>> {
         let patch = self.with(Done::patch).map_err(|e| undiagnosed(&e))?;
         let files = patch.files(&path).map_err(|e| undiagnosed(&e))?;
@@ -97,7 +97,7 @@ impl Diagnosis {
         Ok(files.into_iter().map(|f| f.0).collect())
     }
 
-    /// Writes the causes as a model directory; returns what no torque model carries.
+    /// Writes the causes as a model directory; returns the causes that a torque model cannot hold.
     fn write_model(&self, path: PathBuf) -> PyResult<Vec<String>> {
         self.with(|d| {
             let directory = d.directory()?;
@@ -137,8 +137,8 @@ impl Diagnosis {
         })
     }
 
-    /// What memory has run through by the end of the held-out recording, in this order: time, q, qd, qdd, and the sample of
-    /// `motion` that each one is, -1 for those of the fitted recording.
+    /// Motion that memory has run through by the end of the held-out recording, in order: time, q, qd, qdd, and the
+    /// index of each sample in `motion`, -1 for samples of the fitted recording.
     fn session<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (motion, rows) = self.with(|d| d.outcome.frames.heldout_walked());
         let row = |r: Option<usize>| r.map_or(-1, |r| r as i64);
@@ -152,7 +152,7 @@ impl Diagnosis {
         Ok(out)
     }
 
-    /// Writes the next motion as CSV or Parquet; false where none was asked for or none is needed.
+    /// Writes the next motion as CSV or Parquet. False where none was asked for or the diagnosis needs none.
     fn next_motion(&self, path: PathBuf) -> PyResult<bool> {
         self.with(|d| d.next.as_ref().map(|n| n.write(&path)).transpose())
             .map(|written| written.is_some())

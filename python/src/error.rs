@@ -14,7 +14,7 @@ create_exception!(
     "Input that cannot be used: what is wrong and, on a second line, what to do."
 );
 
-/// A failure of a command line: status 2 is the input's fault, 130 an interruption.
+/// Python exception for a failure of a command line: status 2 is the input's fault, 130 an interruption.
 pub fn raise(failure: impl Into<Failure>) -> PyErr {
     let Failure {
         message,
@@ -33,12 +33,12 @@ pub fn raise(failure: impl Into<Failure>) -> PyErr {
     }
 }
 
-/// Input that cannot be used.
+/// Python exception for input that cannot be used.
 pub fn refused(why: impl std::fmt::Display) -> PyErr {
     InputError::new_err(why.to_string())
 }
 
-/// A diagnosis that cannot be made.
+/// Python exception for a diagnosis that cannot be made.
 pub fn undiagnosed(error: &DiagnoseError) -> PyErr {
     if error.is_input() {
         InputError::new_err(error.to_string())
@@ -47,7 +47,7 @@ pub fn undiagnosed(error: &DiagnoseError) -> PyErr {
     }
 }
 
-/// A diagnosis of motion that cannot be made or written.
+/// Python exception for a diagnosis of motion that cannot be made or written.
 pub fn unreplayed(error: &ReplayError) -> PyErr {
     if error.is_input() {
         InputError::new_err(error.to_string())

@@ -7,15 +7,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// How often signals are looked at.
+/// Interval at which signals of the interpreter are looked at.
 const WATCH: Duration = Duration::from_millis(20);
 
-/// What Ctrl-C does to the work.
+/// Effect of Ctrl-C on the work that runs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum OnInterrupt {
-    /// It is told to stop, and waited for: it may be writing.
+    /// Work that is stopped and waited for: it may be writing.
     Stop,
-    /// It runs to its end by itself and nobody looks at the result.
+    /// Work that runs to its end by itself. Its result is dropped.
     Abandon,
 }
 

@@ -11,10 +11,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-/// An identified model, as `identify` and `train` write it.
+/// Identified model, as `identify` and `train` write it.
 #[pyclass(module = "residyn")]
 pub struct Model {
-    /// Its directory.
+    /// Path of the model's directory.
     #[pyo3(get)]
     directory: PathBuf,
     file: ModelFile,
@@ -35,7 +35,7 @@ impl Model {
         })
     }
 
-    /// Joint names, base first.
+    /// Names of the model's joints, base first.
     #[getter]
     fn joints(&self) -> Vec<String> {
         self.file.joints.clone()
@@ -47,7 +47,7 @@ impl Model {
         self.runtime.period()
     }
 
-    /// Torque of the whole model at the next sample of a control loop; what it remembers of the motion moves on.
+    /// Torque of the whole model at the next sample of a control loop; the model's memory of the motion moves on.
     fn torque<'py>(
         &mut self,
         py: Python<'py>,

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-/// A diagnosis of motion that is done.
+/// Finished diagnosis of motion with its outputs.
 #[pyclass(frozen, module = "residyn")]
 pub struct Replay(Done);
 
@@ -42,12 +42,12 @@ pub fn replay(
 
 #[pymethods]
 impl Replay {
-    /// The report of the schema `replay/1`.
+    /// Report of the schema `replay/1` as JSON text.
     fn json(&self) -> String {
         self.0.json()
     }
 
-    /// What the program prints.
+    /// Lines of text that the program `replay` prints.
     fn lines(&self) -> Vec<String> {
         self.0.lines()
     }
@@ -57,7 +57,8 @@ impl Replay {
         self.0.page()
     }
 
-    /// Writes the corrected model and what lies beside it; the paths, and what the files do not hold.
+    /// Writes the corrected model and the files beside it; returns the paths, and the changes that the files cannot
+    /// hold.
     fn patch(&self, path: PathBuf) -> PyResult<(Vec<PathBuf>, Vec<String>)> {
         let patch = self.0.patch(&path).map_err(|e| unreplayed(&e.into()))?;
         for (path, text) in &patch.files {

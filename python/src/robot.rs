@@ -11,22 +11,22 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-/// A serial arm: a built-in name or a description by path.
+/// Serial arm: a built-in robot by name or a description by path.
 #[pyclass(frozen, module = "residyn")]
 pub struct Robot {
-    /// Name or path, as given.
+    /// Name or path of the robot, as given.
     #[pyo3(get)]
     source: String,
-    /// Joints that were chosen, as given.
+    /// Names of the joints that were chosen, as given.
     #[pyo3(get)]
     chosen: Vec<String>,
-    /// Drive file, as given.
+    /// Path of the drive file, as given.
     #[pyo3(get)]
     drive: Option<PathBuf>,
     /// Gravity in the base frame, m/s², as given.
     #[pyo3(get, name = "gravity")]
     gravity: Option<[f64; 3]>,
-    /// The robot, and how its recordings are read.
+    /// Robot with the options for reading its recordings.
     pub setup: Setup,
 }
 
@@ -36,7 +36,7 @@ impl Robot {
         (self.source.clone(), self.chosen.clone(), self.gravity)
     }
 
-    /// What a diagnosis takes.
+    /// Subject of a diagnosis of this robot.
     pub fn subject(&self) -> Subject {
         let (source, joints, gravity) = self.asked();
         Subject::Robot {
@@ -47,7 +47,8 @@ impl Robot {
     }
 }
 
-/// Evaluates `of` at every row of the tables, without the interpreter's lock: the number of rows, and `width` values of each.
+/// Evaluates `of` at every row of the tables, without the interpreter's lock. Returns the number of rows, and `width`
+/// values of each.
 fn each<const K: usize>(
     py: Python,
     robot: &physics::robot::Robot,
@@ -97,19 +98,19 @@ impl Robot {
         })
     }
 
-    /// Name that the description gives.
+    /// Name of the robot in its description.
     #[getter]
     fn name(&self) -> &str {
         self.setup.robot.name()
     }
 
-    /// Joint names, base first.
+    /// Names of the robot's joints, base first.
     #[getter]
     fn joints(&self) -> Vec<String> {
         self.setup.robot.joint_names()
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     #[getter]
     fn dof(&self) -> usize {
         self.setup.robot.dof()
@@ -121,7 +122,7 @@ impl Robot {
         self.setup.robot.parameters()
     }
 
-    /// Names of `parameters`.
+    /// Names of the values in `parameters`, in order.
     #[getter]
     fn parameter_names(&self) -> Vec<String> {
         self.setup.robot.parameter_names()
@@ -203,7 +204,7 @@ impl Robot {
         PyArray1::from_vec(py, y).reshape([n, dof, width])
     }
 
-    /// Pickled as it was asked for: the description has to be readable where it is unpickled.
+    /// Arguments from which a pickled robot is made again. Its description must be readable where it is unpickled.
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((String,), Bound<'py, PyDict>)> {
         let named = PyDict::new(py);
         named.set_item("joints", &self.chosen)?;

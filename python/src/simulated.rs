@@ -15,7 +15,8 @@ pub fn effects() -> Vec<(&'static str, &'static str)> {
     Effect::ALL.map(|e| (e.name(), held(e))).into()
 }
 
-/// Writes the first case of an effect that a seed deals below `folder`, as `simulate cases --only EFFECT` does; the case's own folder.
+/// Writes the first case of an effect that a seed deals below `folder`, as `simulate cases --only EFFECT` does; returns
+/// the case's own folder.
 #[pyfunction]
 pub fn simulate_case(py: Python, effect: String, seed: u64, folder: PathBuf) -> PyResult<PathBuf> {
     if cases::effect_index(&effect).is_none() {

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 
-/// Triangular factors of the recordings of one robot.
+/// Triangular factors of the recordings of one robot, which add up.
 #[pyclass(module = "residyn._residyn")]
 pub struct Sums {
     robot: Py<Robot>,
@@ -24,7 +24,7 @@ impl Sums {
         Self { robot, inner }
     }
 
-    /// From `to_bytes` of sums of the same robot.
+    /// Sums read back from the bytes of `to_bytes`. The robot must be the same.
     #[staticmethod]
     fn from_bytes(py: Python, robot: Py<Robot>, bytes: Vec<u8>) -> PyResult<Self> {
         let own = robot.get().setup.robot.clone();
@@ -51,8 +51,8 @@ impl Sums {
         self.inner.samples()
     }
 
-    /// Cut-off of the motion in Hz (none: no low-pass), and whether recorded velocity is left aside; none where nothing
-    /// is decided.
+    /// Cut-off of the motion in Hz (none: no low-pass), and whether recorded velocity is left aside; none before the
+    /// first recording decides it.
     #[getter]
     fn preparation(&self) -> Option<(Option<f64>, bool)> {
         let preparation = self.inner.preparation()?;

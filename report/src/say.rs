@@ -10,7 +10,7 @@ static CLOSED: AtomicBool = AtomicBool::new(false);
 /// Whether standard output is kept for a file.
 static KEPT: AtomicBool = AtomicBool::new(false);
 
-/// Keeps standard output for a file called `-`: what is said goes to standard error from here on.
+/// Reserves standard output for a file called `-`: messages to a person go to standard error from here on.
 pub(crate) fn keep_standard_output() {
     KEPT.store(true, Ordering::Relaxed);
 }

@@ -5,9 +5,9 @@ use serde::Serialize;
 /// End of a group of numbers that counts as the best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Best {
-    /// The smallest, as for an error.
+    /// Smallest number is best, as for an error.
     Lowest,
-    /// The largest, as for R².
+    /// Largest number is best, as for R².
     Highest,
 }
 
@@ -29,7 +29,7 @@ impl Column {
         }
     }
 
-    /// Right-aligned; name the unit in the header, as in `RMSE / N·m`.
+    /// Column of numbers, right-aligned; name the unit in the header, as in `RMSE / N·m`.
     pub fn number(header: impl Into<String>) -> Self {
         Self {
             numeric: true,
@@ -52,7 +52,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// A cell of words.
+    /// Cell of words.
     pub fn text(text: impl Into<String>) -> Self {
         Self {
             text: text.into(),
@@ -60,7 +60,7 @@ impl Cell {
         }
     }
 
-    /// A number with `decimals` digits after the point; one that is not finite shows as missing.
+    /// Cell with a number of `decimals` digits after the point; a number that is not finite shows as missing.
     pub fn number(value: f64, decimals: usize) -> Self {
         if !value.is_finite() {
             return Self::missing();
@@ -79,7 +79,7 @@ impl Cell {
         }
     }
 
-    /// A number that may not exist.
+    /// Cell with a number that may not exist.
     pub fn optional(value: Option<f64>, decimals: usize) -> Self {
         value.map_or_else(Self::missing, |v| Self::number(v, decimals))
     }
@@ -112,7 +112,7 @@ impl Cell {
         }
     }
 
-    /// `value [low, high]`; the value alone where there is no interval.
+    /// Cell of the form `value [low, high]`; the value alone without an interval.
     pub fn with_interval(value: f64, interval: Option<[f64; 2]>, decimals: usize) -> Self {
         let cell = Self::number(value, decimals);
         match interval.filter(|_| cell.value.is_some()) {
@@ -143,7 +143,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table without rows.
+    /// Table with these columns and no row yet.
     pub fn new(columns: impl IntoIterator<Item = Column>) -> Self {
         Self {
             columns: columns.into_iter().collect(),
@@ -157,7 +157,7 @@ impl Table {
         self
     }
 
-    /// Adds a row in place.
+    /// Adds a row to this table in place.
     pub fn push(&mut self, cells: impl IntoIterator<Item = Cell>) {
         let mut row: Vec<Cell> = cells.into_iter().collect();
         row.resize(self.columns.len(), Cell::text(""));

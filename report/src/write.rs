@@ -11,7 +11,7 @@ const STANDARD: &str = "-";
 #[derive(Debug, thiserror::Error)]
 #[error("{} cannot be written: {source}", path.display())]
 pub struct WriteError {
-    /// Path of the file.
+    /// Path of the file that was to be written.
     pub path: PathBuf,
     /// Error of the operating system.
     pub source: std::io::Error,
@@ -22,8 +22,8 @@ pub struct WriteError {
 #[error("{0}; name another file, or make its folder first")]
 pub struct OutputError(pub WriteError);
 
-/// Checks before work begins that files can be written: their folders exist and may be written. Where one of them is `-`, standard output
-/// is kept for it, and what is said to a person goes to standard error from here on.
+/// Checks before work begins that files can be written: their folders exist and may be written. Where one of them is
+/// `-`, standard output is kept for it, and messages to a person go to standard error from here on.
 ///
 /// # Errors
 /// The first file that cannot be written, with the reason.

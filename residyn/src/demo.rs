@@ -19,7 +19,7 @@ struct Arguments {
     out: PathBuf,
 }
 
-/// What the program does with these arguments, of which the first is what it was called by; its exit status.
+/// Runs the demo and returns its exit status. The first of the arguments is the name by which it was called.
 pub fn command_line(arguments: Vec<OsString>) -> ExitCode {
     let Arguments { out } = Arguments::parse_from(arguments);
     say!(

@@ -4,7 +4,7 @@ use crate::quantile::quantile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Number of resamples.
+/// Number of resamples of the bootstrap.
 const DRAWS: u64 = 200;
 
 /// Σ part / Σ whole over blocks (part, whole) of a series, with its 90 % interval by the block bootstrap

@@ -53,7 +53,7 @@ pub fn solve(l: &[f64], b: &mut [f64]) {
     }
 }
 
-/// Σ a·b over the length of the shorter.
+/// Sum Σ a·b over the length of the shorter vector.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     std::iter::zip(a, b).map(|(a, b)| a * b).sum()
 }

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 pub struct Harmonics {
     /// Fundamental angular frequency ω, rad/s.
     pulsation: f64,
-    /// c, then a₁, b₁, a₂, b₂ …
+    /// Coefficients c, then a₁, b₁, a₂, b₂ … of the series.
     coefficients: Vec<f64>,
 }
 
@@ -19,7 +19,7 @@ pub enum HarmonicsError {
     /// A period that is not positive, or no harmonic.
     #[error("a period of {period} s with {harmonics} harmonics is no series")]
     Series {
-        /// Asked for, s.
+        /// Period that was asked for, s.
         period: f64,
         /// Number of harmonics asked for.
         harmonics: usize,
@@ -27,7 +27,7 @@ pub enum HarmonicsError {
     /// Too few samples or too short a stretch of the period.
     #[error("{samples} samples do not tell a series of {harmonics} harmonics")]
     Samples {
-        /// Number of samples.
+        /// Number of samples that were given.
         samples: usize,
         /// Number of harmonics asked for.
         harmonics: usize,

@@ -7,9 +7,9 @@
 pub struct Loess {
     /// Number of samples that each local polynomial is fitted to.
     pub span: usize,
-    /// 1 or 2.
+    /// Degree of the local polynomials: 1 or 2.
     pub degree: usize,
-    /// Passes that weigh samples by their residual r: (1 − (r/6 m)²)² up to six times the median m of |r|.
+    /// Number of passes that weigh samples by their residual r: (1 − (r/6 m)²)² up to six times the median m of |r|.
     pub robust: usize,
 }
 
@@ -22,11 +22,11 @@ pub enum LoessError {
     /// Too few samples in a span, or more than there are.
     #[error("a span of {span} samples is not between {least} and the {samples} that there are")]
     Span {
-        /// Span asked for, in samples.
+        /// Number of samples in a span that was asked for.
         span: usize,
-        /// Degree and two.
+        /// Least span: two more than the degree.
         least: usize,
-        /// Number of samples.
+        /// Number of samples that were given.
         samples: usize,
     },
 }

@@ -24,17 +24,17 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Number of samples.
+    /// Number of samples of the motion.
     pub fn len(&self) -> usize {
         self.time.len()
     }
 
-    /// True when there is no sample.
+    /// Whether the motion has no sample.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
 
-    /// Number of joints.
+    /// Number of joints of the motion.
     pub fn dof(&self) -> usize {
         self.q.ncols()
     }

@@ -2,13 +2,13 @@
 
 use statrs::distribution::{Beta, ContinuousCDF};
 
-/// Interval that holds the probability of success, but for a chance of at most `outside`, half of it on either side, after
-/// `successes` in `trials` independent ones: the exact one of C. J. Clopper and E. S. Pearson, "The use of confidence or fiducial
-/// limits illustrated in the case of the binomial", Biometrika 26 (1934), by quantiles of the beta distribution. Without any
-/// trial it is all of [0, 1].
+/// Interval that holds the probability of success, but for a chance of at most `outside`, half of it on either side,
+/// after `successes` in `trials` independent ones: the exact interval of C. J. Clopper and E. S. Pearson, "The use of
+/// confidence or fiducial limits illustrated in the case of the binomial", Biometrika 26 (1934), by quantiles of the
+/// beta distribution. Without any trial it is the whole [0, 1].
 ///
 /// # Panics
-/// If there are more successes than trials, or `outside` is no probability.
+/// If there are more successes than trials, or `outside` is not a probability.
 ///
 /// ```
 /// let [low, high] = signal::proportion::interval(67, 69, 0.05);

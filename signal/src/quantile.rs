@@ -1,13 +1,13 @@
 //! Order statistics.
 
-/// The value below which a part `p` (0 to 1) of the values lies: that of the nearest rank. None of no values.
+/// The value below which a part `p` (0 to 1) of the values lies: that of the nearest rank. None without values.
 pub fn quantile(mut values: Vec<f64>, p: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let rank = p.clamp(0.0, 1.0) * values.len().saturating_sub(1) as f64;
     values.get(rank.round() as usize).copied()
 }
 
-/// The value in the middle, the upper one of two. None of no values.
+/// Median of the values, the upper one of two in the middle. None without values.
 pub fn median(values: Vec<f64>) -> Option<f64> {
     quantile(values, 0.5)
 }

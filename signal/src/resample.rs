@@ -20,7 +20,8 @@ const NEAR: usize = 8;
 /// Positions of time stamps between the samples of one time axis, for many signals on the same two axes.
 #[derive(Clone, Debug)]
 pub struct Between {
-    /// For each stamp the index of the sample at or before it, that of the one after, and its fraction of the way, 0 to 1.
+    /// Place of each stamp: index of the sample at or before it, index of the next sample, and the stamp's fraction of
+    /// the way between them, 0 to 1.
     places: Vec<(usize, usize, f64)>,
 }
 
@@ -28,7 +29,7 @@ impl Between {
     /// Finds the places of `at` among the times of the samples, which increase.
     ///
     /// # Panics
-    /// If there is no sample.
+    /// If there are no samples.
     pub fn new(time: &[f64], at: impl IntoIterator<Item = f64>) -> Self {
         let last = time.len() - 1;
         let mut right = 0;
@@ -51,7 +52,7 @@ impl Between {
         }
     }
 
-    /// A signal's values there: linear between the samples, constant outside them.
+    /// Values of a signal at these stamps: linear between the samples, constant outside them.
     ///
     /// # Panics
     /// If the signal has fewer values than there were samples.
@@ -64,7 +65,7 @@ impl Between {
 /// Values at `at`, linear between the samples, constant outside them.
 ///
 /// # Panics
-/// If there is no sample.
+/// If there are no samples.
 pub fn linear(time: &[f64], values: &[f64], at: &[f64]) -> Vec<f64> {
     Between::new(time, at.iter().copied()).of(values).collect()
 }

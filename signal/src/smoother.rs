@@ -4,9 +4,9 @@ use crate::sos::DesignError;
 
 /// Order of the penalised difference; see [`low_pass`].
 pub const ORDER: usize = 3;
-/// Third difference of four neighbours.
+/// Coefficients of the third difference of four neighbours.
 const STENCIL: [f64; ORDER + 1] = [-1.0, 3.0, -3.0, 1.0];
-/// λ from which normal equations lose digits that matter: their condition number is 64 λ.
+/// Smoothing λ from which normal equations lose digits that matter: their condition number is 64 λ.
 const LARGE: f64 = 1e12;
 
 /// Zero-phase low-pass of a uniformly sampled signal (Whittaker 1923, Eilers 2003):

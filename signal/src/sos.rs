@@ -7,9 +7,9 @@
 /// H(z) = (b₀ + b₁z⁻¹ + b₂z⁻²) / (1 + a₁z⁻¹ + a₂z⁻²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
-    /// Numerator b₀, b₁, b₂.
+    /// Numerator coefficients b₀, b₁, b₂.
     pub b: [f64; 3],
-    /// Denominator a₁, a₂ (a₀ = 1).
+    /// Denominator coefficients a₁, a₂ (a₀ = 1).
     pub a: [f64; 2],
 }
 
@@ -22,9 +22,9 @@ pub enum DesignError {
     /// The cut-off is not inside the band.
     #[error("cut-off {cutoff_hz} Hz is not between 0 and half the rate of {rate_hz} Hz")]
     Cutoff {
-        /// Cut-off asked for, Hz.
+        /// Cut-off that was asked for, Hz.
         cutoff_hz: f64,
-        /// Sampling rate, Hz.
+        /// Sampling rate of the signal, Hz.
         rate_hz: f64,
     },
     /// Ripple or quality that is not positive.
@@ -33,7 +33,7 @@ pub enum DesignError {
 }
 
 impl Section {
-    /// Gain at frequency zero.
+    /// Gain of the section at frequency zero.
     pub fn dc_gain(&self) -> f64 {
         self.b.iter().sum::<f64>() / (1.0 + self.a[0] + self.a[1])
     }

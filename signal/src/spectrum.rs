@@ -7,7 +7,7 @@ use rustfft::{FftPlanner, num_complex::Complex};
 pub struct Spectrum {
     /// Frequencies in Hz, from 0.
     pub frequency: Vec<f64>,
-    /// Density in units²/Hz.
+    /// Density at each frequency, units²/Hz.
     pub density: Vec<f64>,
 }
 

@@ -9,15 +9,15 @@ pub enum SplineError {
     /// Times and values differ in number.
     #[error("{times} times for {values} values")]
     Length {
-        /// Number of times.
+        /// Number of times that were given.
         times: usize,
-        /// Number of values.
+        /// Number of values that were given.
         values: usize,
     },
     /// Fewer samples than the degree needs.
     #[error("{samples} samples, a spline of this degree needs {needed}")]
     TooFew {
-        /// Number of samples given.
+        /// Number of samples that were given.
         samples: usize,
         /// Number of samples needed.
         needed: usize,
@@ -268,7 +268,7 @@ fn clamped(time: &[f64], inner: &[f64], degree: usize) -> Vec<f64> {
 struct Banded {
     size: usize,
     band: usize,
-    /// Row by row, columns row − band … row + band.
+    /// Cells of the band, row by row: columns row − band … row + band.
     cells: Vec<f64>,
 }
 

@@ -7,13 +7,13 @@ use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// What the program `train` does with these arguments, of which the first is what it was called by; its exit status.
-/// `--help` and wrong usage end the process here, as clap has it.
+/// Runs the program `train` and returns its exit status. The first of the arguments is the name by which it was called.
+/// `--help` and wrong usage end the process here, as clap does it.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     command_line_with(arguments, no_gpu)
 }
 
-/// As [`command_line`], with a GPU for `--gpu`.
+/// Runs the program as [`command_line`] does, with a GPU for `--gpu`.
 pub fn command_line_with(arguments: impl IntoIterator<Item = OsString>, gpu: Gpu) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     let result = runtime::interruptible().and_then(|cancel| match &arguments.command {

@@ -8,11 +8,11 @@ use model::preparation::setup::{Setup, refuse_overlap};
 use physics::robot::Builtin;
 use trials::protocols::{Protocol, cached};
 
-/// Robot and recordings.
+/// Robot and recordings that a model is trained on.
 pub struct Input {
     /// The robot and the options for reading its recordings.
     pub setup: Setup,
-    /// Training recordings.
+    /// Training recordings, prepared for the robot.
     pub data: Vec<Recording>,
     /// The recording that is scored.
     pub heldout: Option<Recording>,

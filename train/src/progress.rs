@@ -5,7 +5,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-/// A bar in percent; hidden when quiet or when the output is no terminal.
+/// Progress bar in percent; hidden when quiet or when the output is not a terminal.
 pub fn bar(quiet: bool, what: &str) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
@@ -82,7 +82,7 @@ impl Training {
         ));
     }
 
-    /// Removes the bar.
+    /// Removes the bar from the terminal.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }

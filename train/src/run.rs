@@ -19,7 +19,8 @@ use ndarray::Array2;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Runs `train` on threads of its own until it is done or `cancel` is raised; `watch` is told of every epoch, from any thread.
+/// Runs `train` on threads of its own until it is done or `cancel` is raised; `watch` is called after every epoch, from
+/// any thread.
 ///
 /// # Errors
 /// Input that cannot be used, or the interruption.
@@ -34,7 +35,7 @@ pub fn run(
 /// Device for the training with `--gpu`, which only a program built with GPU support has (`gpu/`).
 pub type Gpu = fn() -> Result<Tensors, compensator::Error>;
 
-/// No device: the error of a program without GPU support.
+/// Error of a program without GPU support, in place of a device.
 pub(crate) fn no_gpu() -> Result<Tensors, compensator::Error> {
     Err(compensator::Error::Gpu(
         "this program was built without support for a GPU".into(),

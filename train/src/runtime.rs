@@ -33,7 +33,7 @@ impl Running {
     }
 }
 
-/// Flag that Ctrl-C raises.
+/// Flag that is raised by Ctrl-C.
 pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
     let cancel = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&cancel);
@@ -60,7 +60,7 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
         .map_err(|e| Failure::other(e.to_string()))
 }
 
-/// Ends an interrupted run.
+/// Ends a run that was interrupted, with the hint.
 pub fn stop(cancel: &AtomicBool, hint: &str) -> Result<(), Failure> {
     if cancel.load(Ordering::SeqCst) {
         Err(Failure::interrupted(hint))

@@ -15,9 +15,9 @@ use std::path::Path;
 
 /// Width of the first screen.
 const WIDTH: usize = 100;
-/// Most lines on points to check.
+/// Largest number of lines on points to check.
 const LOOK_AT: usize = 5;
-/// Mean NRMSE from which the user is told of a joint.
+/// Mean NRMSE from which the user is warned of a joint.
 const POOR: f64 = 0.3;
 
 /// Prints the check of recordings before the fit: all of it with `--check-only` or `--verbose`, otherwise a
@@ -245,7 +245,7 @@ pub fn everything(fit: &Fit, metrics: &Metrics, outside: &[Outside], arguments: 
     places(&arguments.out);
 }
 
-/// Mean NRMSE beyond which a baseline is not printed: nothing at all has one of 1.
+/// Mean NRMSE beyond which a baseline is not printed. A prediction of zero has one of 1.
 const NO_USE: f64 = 2.0;
 
 /// The rows without baselines that run away.

@@ -6,22 +6,23 @@ use physics::robot::Robot;
 use signal::Motion;
 use signal::quantile::quantile;
 
-/// Part of the samples that lie beyond the taught range as a matter of course: its ends are taken at as many.
+/// Part of the samples that lie beyond the fitted range as a matter of course: its ends are quantiles with that part
+/// outside.
 const ENDS: f64 = 0.005;
 /// Factor on the fitted range up to which shapes of friction may be extrapolated.
 const FARTHER: f64 = 1.25;
-/// Part of the held-out samples farther than that from which the motion is another.
+/// Part of the held-out samples farther out from which the motion is another one.
 const BEYOND: f64 = 0.05;
 
 /// A joint whose held-out motion lies outside the fitted motion.
 pub struct Outside {
-    /// Index of the joint.
+    /// Index of the joint, base first.
     pub joint: usize,
-    /// Name of the joint.
+    /// Name of the joint outside its fitted motion.
     pub name: String,
     /// Part of the held-out samples that are beyond the fitted speeds or accelerations.
     pub part: f64,
-    /// Largest held-out over largest fitted speed and acceleration.
+    /// Ratio of the largest held-out to the largest fitted speed, and of the accelerations.
     pub times: [f64; 2],
 }
 

@@ -144,8 +144,8 @@ struct Recordings {
     plain: bool,
 }
 
-/// What the program `simulate` does with these arguments, of which the first is what it was called by; its exit status.
-/// `--help` and wrong usage end the process here, as clap has it.
+/// Runs the program `simulate` and returns its exit status. The first of the arguments is the name by which it was
+/// called. `--help` and wrong usage end the process here, as clap does it.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = Arguments::parse_from(arguments);
     let pool = rayon::ThreadPoolBuilder::new()

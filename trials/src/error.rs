@@ -16,12 +16,12 @@ pub enum SimulateError {
         "the simulated robot has elastic gears: the motion of its motors does not tell their torque"
     )]
     Elastic,
-    /// Random robots were drawn, and none suited the case.
+    /// Random robots of which none suited the case.
     #[error("case {index} ({kind}): no random robot suits it")]
     NoCase {
-        /// Kind of the case.
+        /// Name of the kind of the case.
         kind: &'static str,
-        /// Index of the case.
+        /// Index of the case in the run.
         index: u64,
     },
     /// Torques of a case do not belong together.
@@ -30,9 +30,9 @@ pub enum SimulateError {
     /// A file or folder could not be written.
     #[error("cannot write {path}: {source}")]
     Write {
-        /// File or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A recording could not be written.
@@ -41,9 +41,9 @@ pub enum SimulateError {
     /// An answer could not be put into JSON.
     #[error("cannot write {path} as JSON: {source}")]
     Json {
-        /// Path of the file.
+        /// Path of the answer's file.
         path: PathBuf,
-        /// Cause.
+        /// Error of the JSON writer.
         source: serde_json::Error,
     },
 }

@@ -7,23 +7,23 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lag {
-    /// No filter.
+    /// No filter: the torque passes as it is.
     None,
     /// First order, corner in Hz.
     First {
-        /// Corner frequency, Hz.
+        /// Corner frequency of the filter, Hz.
         corner_hz: f64,
     },
-    /// Second-order low-pass.
+    /// Low-pass of second order.
     Second {
-        /// Undamped frequency, Hz.
+        /// Undamped frequency of the poles, Hz.
         corner_hz: f64,
         /// Damping ratio of the poles.
         damping: f64,
     },
     /// Mean of the last ten samples of a controller.
     MovingAverage {
-        /// Time between these samples, s.
+        /// Time between the averaged samples, s.
         period_s: f64,
     },
 }
@@ -32,7 +32,7 @@ pub enum Lag {
 const SUBSTEPS: usize = 10;
 
 impl Lag {
-    /// Delay of a slow signal, s: first moment of the impulse response.
+    /// Delay of a slow signal by the filter, s: the first moment of its impulse response.
     pub fn first_moment(self) -> f64 {
         match self {
             Self::None => 0.0,

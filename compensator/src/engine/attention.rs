@@ -7,19 +7,19 @@ use pulp::{Arch, Simd, WithSimd};
 use super::matmul::{View, ViewMut, multiply, multiply_add};
 use super::real::{Real, add_rows, add_scaled, dot};
 
-/// Parameters, or their gradients.
+/// Parameters of the attention, or their gradients.
 pub(crate) struct Weights<V> {
-    /// W_s, (re-encoder × width).
+    /// Weights W_s of the query, (re-encoder × width).
     pub(crate) query: V,
-    /// W_h, (encoder × width).
+    /// Weights W_h of the encoder states, (encoder × width).
     pub(crate) key: V,
-    /// Bias b_a.
+    /// Bias b_a within the tanh.
     pub(crate) bias: V,
-    /// Score weights w_a.
+    /// Score weights w_a, (width).
     pub(crate) score: V,
 }
 
-/// Intermediate results of the forward pass for the backward pass.
+/// Intermediate results of the attention's forward pass, kept for the backward pass.
 #[derive(Debug)]
 pub(crate) struct Attention<T> {
     width: usize,
@@ -27,14 +27,14 @@ pub(crate) struct Attention<T> {
     batch: usize,
     /// Longest range of states that one step attends to.
     reach: usize,
-    /// Per state, batch × width: W_h h_u + b_a, and later its gradient.
+    /// Keys W_h h_u + b_a of each state, batch × width, and later their gradient.
     keys: Vec<T>,
     key_gradient: Vec<T>,
-    /// batch × width: W_s s_{t−1}, and later its gradient.
+    /// Query W_s s_{t−1} of each row, batch × width, and later its gradient.
     asked: Vec<T>,
-    /// Per step, row and attended state: tanh(W_s s + W_h h_u + b_a), (width).
+    /// Activations tanh(W_s s + W_h h_u + b_a) for each step, row and attended state, (width).
     bent: Vec<T>,
-    /// Per step, row and attended state: α_u.
+    /// Attention weight α_u for each step, row and attended state.
     alpha: Vec<T>,
 }
 
@@ -81,7 +81,7 @@ impl<T: Real> Attention<T> {
         );
     }
 
-    /// Computes W_s s_{t−1}; `None` while the state is zero.
+    /// Computes the query W_s s_{t−1} of step t; `None` while the state is zero.
     pub(crate) fn ask(&mut self, state: Option<View<T>>, weights: &Weights<&[T]>) {
         let (width, batch) = (self.width, self.batch);
         let asked = &mut self.asked[..batch * width];
@@ -94,7 +94,7 @@ impl<T: Real> Attention<T> {
         }
     }
 
-    /// Writes V_t of every row to `out[row·stride..]`, after [`Self::ask`].
+    /// Writes the context vector V_t of every row to `out[row·stride..]`, after [`Self::ask`].
     pub(crate) fn context(
         &mut self,
         arch: Arch,
@@ -270,7 +270,7 @@ impl<T: Real> WithSimd for Context<'_, T> {
     }
 }
 
-/// tanh(key + asked).
+/// Activation tanh(key + asked), element by element.
 #[inline(always)]
 fn bend<T: Real>(key: &[T], asked: &[T], bent: &mut [T]) {
     for j in 0..bent.len() {
@@ -340,7 +340,7 @@ impl<T: Real> WithSimd for ContextBack<'_, T> {
     }
 }
 
-/// Adds e·w_a∘(1 − bent²) to both.
+/// Adds e·w_a∘(1 − bent²), the gradient before the tanh, to `key` and to `asked`.
 #[inline(always)]
 fn unbend<T: Real>(e: T, score: &[T], bent: &[T], key: &mut [T], asked: &mut [T]) {
     for j in 0..key.len() {
@@ -350,7 +350,7 @@ fn unbend<T: Real>(e: T, score: &[T], bent: &[T], key: &mut [T], asked: &mut [T]
     }
 }
 
-/// exp(e_u)/Σ exp(e_i), shifted by the largest exponent against overflow.
+/// Softmax exp(e_u)/Σ exp(e_i), shifted by the largest exponent against overflow.
 #[inline(always)]
 fn softmax<T: Real>(e: &mut [T]) {
     let mut top = e[0];

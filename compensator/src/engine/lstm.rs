@@ -8,14 +8,14 @@ use pulp::{Arch, Simd, WithSimd};
 use super::matmul::{View, ViewMut, multiply, multiply_add};
 use super::real::{Real, add_rows};
 
-/// Widths of a layer.
+/// Widths of an LSTM layer: inputs and hidden units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Widths {
     pub(crate) input: usize,
     pub(crate) hidden: usize,
 }
 
-/// Intermediate results of the forward pass for the backward pass.
+/// Intermediate results of an LSTM layer's forward pass, kept for the backward pass.
 #[derive(Debug)]
 pub(crate) struct Lstm<T> {
     pub(crate) widths: Widths,
@@ -85,13 +85,13 @@ impl<T: Real> Lstm<T> {
         )
     }
 
-    /// h_{t−1} of one row.
+    /// Hidden state h_{t−1} before step t, of one row of the batch.
     pub(crate) fn previous_row(&self, t: usize, row: usize) -> &[T] {
         let width = self.width();
         &self.joined[(t * self.batch + row) * width..][self.widths.input..width]
     }
 
-    /// Forward step t.
+    /// Forward pass of step t for the whole batch.
     pub(crate) fn step(&mut self, arch: Arch, t: usize, weight: &[T], bias: &[T]) {
         let (width, Widths { input, hidden }, batch) = (self.width(), self.widths, self.batch);
         let gates = &mut self.gates[t * batch * 4 * hidden..][..batch * 4 * hidden];
@@ -220,7 +220,7 @@ impl<T: Real> WithSimd for Activate<'_, T> {
     }
 }
 
-/// i, f, g, o of one row.
+/// Gates i, f, g and o of one row.
 type Gates<'a, T> = (&'a mut [T], &'a mut [T], &'a mut [T], &'a mut [T]);
 
 /// c = f∘c₋ + i∘g, h = o∘tanh c; the gates are activated in place.

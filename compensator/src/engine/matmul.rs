@@ -33,7 +33,7 @@ impl<'a, T> View<'a, T> {
         }
     }
 
-    /// The transposed matrix.
+    /// Transposed view of the same matrix.
     pub(crate) fn t(self) -> Self {
         Self {
             rows: self.columns,
@@ -69,12 +69,12 @@ impl<'a, T> ViewMut<'a, T> {
     }
 }
 
-/// c = a·b.
+/// Matrix product c = a·b.
 pub(crate) fn multiply<T: Real>(c: ViewMut<T>, a: View<T>, b: View<T>) {
     product(c, a, b, false);
 }
 
-/// c += a·b.
+/// Matrix product added to a matrix: c += a·b.
 pub(crate) fn multiply_add<T: Real>(c: ViewMut<T>, a: View<T>, b: View<T>) {
     product(c, a, b, true);
 }

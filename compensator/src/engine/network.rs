@@ -15,7 +15,7 @@ pub(crate) enum Network<T> {
 }
 
 impl<T: Real> Network<T> {
-    /// `None` where a width is zero or overflows.
+    /// Network without values in its layers; `None` where a width is zero or overflows.
     pub(crate) fn new(architecture: &Architecture, inputs: usize) -> Option<Self> {
         let tensors = architecture.tensors(inputs)?;
         Some(match architecture {

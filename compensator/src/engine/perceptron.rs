@@ -7,7 +7,7 @@ use super::matmul::{View, ViewMut, multiply, multiply_add};
 use super::real::{Real, add_rows};
 use super::span::{Dropout, Span};
 
-/// tanh of every element, in place.
+/// Activation tanh of every element, in place.
 struct Bend<'a, T>(&'a mut [T]);
 
 impl<T: Real> WithSimd for Bend<'_, T> {
@@ -21,7 +21,7 @@ impl<T: Real> WithSimd for Bend<'_, T> {
     }
 }
 
-/// Forward and backward pass with their buffers.
+/// Fully connected network: forward and backward pass with their buffers.
 #[derive(Debug)]
 pub(crate) struct Perceptron<T> {
     arch: Arch,
@@ -52,7 +52,7 @@ impl<T: Real> Perceptron<T> {
         }
     }
 
-    /// Makes room for a batch.
+    /// Makes room for a batch of this size.
     pub(crate) fn begin(&mut self, span: Span) {
         self.batch = span.batch;
         for (i, layer) in self.layers.iter_mut().enumerate() {

@@ -102,7 +102,7 @@ pub(crate) fn dot<T: Real>(a: &[T], b: &[T]) -> T {
     sum
 }
 
-/// y += α·x.
+/// Scaled addition of vectors: y += α·x.
 #[inline(always)]
 pub(crate) fn add_scaled<T: Real>(y: &mut [T], alpha: T, x: &[T]) {
     for (y, &x) in y.iter_mut().zip(x) {

@@ -8,7 +8,7 @@ use super::lstm::{Lstm, Widths};
 use super::real::{Real, add_scaled, dot};
 use super::span::{Dropout, Span};
 
-/// Parameters, or their gradients, in the order of the flat vector.
+/// Parameters of the recurrent network, or their gradients, in the order of the flat vector.
 struct Parts<V> {
     encoder: (V, V),
     attention: Option<Weights<V>>,
@@ -17,7 +17,7 @@ struct Parts<V> {
 }
 
 impl<V> Parts<V> {
-    /// `next` hands out the tensors in order.
+    /// Parts from the tensors that `next` hands out in order.
     fn collect(attention: bool, mut next: impl FnMut() -> V) -> Self {
         Self {
             encoder: (next(), next()),
@@ -33,7 +33,7 @@ impl<V> Parts<V> {
     }
 }
 
-/// Forward and backward pass with their buffers.
+/// Recurrent network: forward and backward pass with their buffers.
 #[derive(Debug)]
 pub(crate) struct Recurrent<T> {
     arch: Arch,
@@ -86,7 +86,7 @@ impl<T: Real> Recurrent<T> {
         }
     }
 
-    /// Makes room for a batch.
+    /// Makes room for a batch of this size.
     pub(crate) fn begin(&mut self, span: Span) {
         self.span = span;
         self.encoder.begin(span.batch, span.steps);

@@ -42,18 +42,18 @@ struct AdamW {
     weight_decay: f32,
 }
 
-/// Factors of one step.
+/// Factors of one AdamW step, common to all parameters.
 #[derive(Debug, Clone, Copy)]
 struct Factors {
-    /// Learning rate.
+    /// Learning rate of the step.
     rate: f32,
-    /// 1 − rate·decay.
+    /// Factor on the parameters by weight decay: 1 − rate·decay.
     kept: f32,
-    /// 1 − β₁ᵗ and 1 − β₂ᵗ.
+    /// Corrections of both moments' bias: 1 − β₁ᵗ and 1 − β₂ᵗ.
     corrections: (f32, f32),
 }
 
-/// One step on a backend.
+/// AdamW step on a backend of burn.
 #[backend_extension(Flex)]
 trait AdamStep: Backend {
     /// Parameters and both moments after the step.

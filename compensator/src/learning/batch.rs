@@ -17,12 +17,12 @@ pub(crate) struct Batch {
     outputs: Vec<f32>,
 }
 
-/// Cost of a batch.
+/// Cost of a batch and its gradient's size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cost {
     /// Weighted sum of the costs.
     pub(crate) sum: f64,
-    /// Sum of the weights.
+    /// Sum of the samples' weights.
     pub(crate) weight: f64,
     /// Squared norm of the gradient, in single precision as burn's clipping takes it.
     pub(crate) norm_squared: f32,
@@ -48,17 +48,17 @@ impl Batch {
         self.outputs.resize(span.outputs(), 0.0);
     }
 
-    /// Size of the batch.
+    /// Number of rows and steps of the batch.
     pub(super) fn span(&self) -> Span {
         self.span
     }
 
-    /// Cost of a residual.
+    /// Loss of one residual in the cost.
     pub(super) fn loss(&self) -> Loss {
         self.loss
     }
 
-    /// Sum of the weights.
+    /// Sum of the samples' weights.
     pub(crate) fn weight(&self) -> f64 {
         self.targets.iter().map(|&(_, w)| f64::from(w)).sum()
     }

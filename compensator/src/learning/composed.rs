@@ -21,7 +21,7 @@ use crate::engine::{Dropout, Span};
 pub(crate) struct Means {
     pub(crate) tensors: Tensors,
     pub(crate) architecture: Architecture,
-    /// Number of input columns.
+    /// Number of input columns of the network.
     pub(crate) inputs: usize,
 }
 
@@ -62,7 +62,7 @@ impl Means {
 /// A unit on burn's tensors.
 pub(super) struct Composed<'a> {
     architecture: &'a Architecture,
-    /// Number of input columns.
+    /// Number of input columns of the unit.
     inputs: usize,
     parameters: BTreeMap<String, Tensor<2>>,
     on: &'a Tensors,

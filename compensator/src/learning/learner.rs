@@ -23,7 +23,7 @@ pub(crate) struct Learner {
     clipping: GradientClipping,
     optimizer: ModuleOptimizer,
     rates: ModuleLrScheduler,
-    /// Instead of the kernels.
+    /// Operations of burn in place of the kernels; none with the kernels.
     means: Option<Means>,
 }
 
@@ -118,7 +118,7 @@ impl Learner {
         })
     }
 
-    /// This learner in the state of the records.
+    /// Learner with the same settings in the state of the records.
     ///
     /// # Errors
     /// Records of another learner. burn drops state that does not fit without a word, so what was read is

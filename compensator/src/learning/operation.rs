@@ -18,7 +18,7 @@ use super::batch::{Batch, Cost};
 /// A quantity of a step that left the finite numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NotFinite {
-    /// The cost of the batch.
+    /// Cost of the batch that is NaN or infinite.
     Loss,
     /// Gradient of the cost, or the gradient's norm.
     Gradient,

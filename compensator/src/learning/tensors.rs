@@ -5,7 +5,7 @@ use burn::tensor::{DType, Device, Tensor, TensorData};
 /// Device on which burn's tensor operations run in place of the kernels of this crate.
 #[derive(Debug, Clone)]
 pub struct Tensors {
-    /// Device with its graph.
+    /// Device of burn, with automatic differentiation.
     pub(super) device: Device,
     dtype: DType,
     pub(super) is_gpu: bool,

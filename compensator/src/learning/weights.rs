@@ -86,7 +86,7 @@ impl Weights {
         self.flat.id
     }
 
-    /// Number of parameters.
+    /// Number of parameters of the network.
     pub(crate) fn len(&self) -> usize {
         self.num_params()
     }

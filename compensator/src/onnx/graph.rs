@@ -8,7 +8,7 @@ use onnx_rs::ast::{
 
 /// Name of the graph's input.
 pub const INPUT: &str = "window";
-/// Name of its output.
+/// Name of the graph's output.
 pub const OUTPUT: &str = "torque";
 /// Version of the operators.
 pub const OPSET: i64 = 17;

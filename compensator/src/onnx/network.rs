@@ -55,7 +55,7 @@ pub(super) fn output(
     }
 }
 
-/// State of an LSTM layer; none before the first step, when it is zero.
+/// State of an LSTM layer; none before the first step, when the state is zero.
 type State = Option<(String, String)>;
 
 fn recurrent(g: &mut Graph, shape: &Recurrent, member: &Member, samples: &[String]) -> String {

@@ -8,10 +8,10 @@ use super::samples::Samples;
 use crate::config::Training;
 use crate::engine::{Network, Real, Span};
 
-/// One row of a batch.
+/// Row of a batch: a window or a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Item {
-    /// Window: its newest sample. Chunk: its first.
+    /// Row of the newest sample of a window, or of the first sample of a chunk.
     row: u32,
     /// First row of its trajectory, and the row after the last.
     start: u32,

@@ -18,7 +18,7 @@ use crate::learning::Records;
 
 const KEY: &str = "residyn-checkpoint";
 
-/// 1 held bare vectors.
+/// Version of a checkpoint's format. Version 1 held bare vectors.
 const VERSION: u32 = 2;
 
 /// Origin to which a checkpoint must belong.
@@ -37,7 +37,7 @@ struct Header {
     fingerprint: String,
     config: UnitConfig,
     progress: Position,
-    /// SHA-256 of the records: burn's format has no checksum of its own.
+    /// SHA-256 of the records, since burn's format has no checksum of its own.
     sha256: String,
 }
 

@@ -15,7 +15,8 @@ use super::trainer::Trainer;
 use crate::Error;
 
 impl Prepared<'_, '_> {
-    /// Samples × parameters, which an epoch takes time for, and the most epochs of a network.
+    /// Cost of an epoch, samples × parameters, which its time is proportional to; and the largest number of epochs of a
+    /// network.
     fn cost(&self) -> (f64, usize) {
         let config = &self.job.config;
         let parameters = config.architecture.parameter_count(self.job.columns.len());

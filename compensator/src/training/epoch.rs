@@ -17,7 +17,7 @@ pub(super) struct Position {
     pub(super) finished: bool,
 }
 
-/// Result of one epoch.
+/// Errors of a network after one epoch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Epoch {
     /// Mean cost of the training samples, in units of the normalised target, with dropout.

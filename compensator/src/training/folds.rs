@@ -19,7 +19,7 @@ pub struct Fold {
 /// `k` folds of trajectories; those with the same entry in `groups` (repeats of one motion) stay together.
 ///
 /// Groups are shuffled by the seed and dealt out; fold f tests on part f, validates on part f + 1 and
-/// fits the rest.
+/// fits all other parts.
 ///
 /// # Errors
 /// [`Error::TooLittleData`] where there are fewer than `k` groups, or `k` is below 3.

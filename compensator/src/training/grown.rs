@@ -14,13 +14,13 @@ use crate::Error;
 // chosen, by data left out.
 /// Learning rate of the trees: applied part of a leaf's correction.
 const RATE: f32 = 0.1;
-/// Most leaves of a tree.
+/// Largest number of leaves of a tree.
 const LEAVES: usize = 31;
-/// Samples of a leaf, at least.
+/// Least number of samples of a leaf.
 const LEAST: f32 = 20.0;
 /// Number of distinct values of a column between which splits can lie.
 const BINS: u16 = 255;
-/// Largest number of trees.
+/// Largest number of trees of a joint.
 const MOST: usize = 1000;
 /// Number of trees without a better validation error after which no more are tried.
 const PATIENCE: usize = 20;

@@ -16,7 +16,7 @@ use crate::config::UnitConfig;
 #[cfg(feature = "networks")]
 use crate::learning::Tensors;
 
-/// One unit to train.
+/// Training job of one unit: data, split and settings.
 #[derive(Debug, Clone)]
 pub struct Job<'a> {
     /// Joint whose residual torque the target is.
@@ -27,7 +27,7 @@ pub struct Job<'a> {
     pub samples: Samples<'a>,
     /// Split into trajectories for fitting and for validation.
     pub split: Split,
-    /// Settings of the unit.
+    /// Settings of the unit and of its training.
     pub config: UnitConfig,
     /// Seed of the first member; the others follow.
     pub seed: u64,
@@ -41,9 +41,9 @@ pub struct Control<'a> {
     /// Directory for checkpoints, one file per network, written after every epoch. Found there, they are
     /// resumed. The caller removes it once the result is safe.
     pub checkpoints: Option<&'a std::path::Path>,
-    /// Raised from outside to stop between batches.
+    /// Flag that is raised from outside to stop between batches.
     pub cancel: Option<&'a AtomicBool>,
-    /// Called after every epoch of every network, from any thread.
+    /// Function that is called after every epoch of every network, from any thread.
     pub progress: Option<&'a (dyn Fn(&Progress) + Sync)>,
     /// Device of burn's operations in place of the kernels; the only control that changes the result, by rounding.
     #[cfg(feature = "networks")]
@@ -72,16 +72,16 @@ pub struct Report {
     pub best_epoch: Vec<usize>,
     /// Validation error with the unit, N·m; bounds and averaging included.
     pub validation_rmse: Option<f64>,
-    /// Validation error without it, N·m.
+    /// Validation error without the unit, N·m.
     pub validation_rmse_off: Option<f64>,
 }
 
-/// A trained unit and how it came about.
+/// Trained unit with the report of its training.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trained {
-    /// Ready for the run-time; off where it did not help.
+    /// Trained unit for the loop; off where it does not lower the validation error.
     pub unit: Unit,
-    /// History and validation.
+    /// History of the training, and errors on the validation trajectories.
     pub report: Report,
 }
 

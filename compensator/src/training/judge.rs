@@ -5,7 +5,7 @@ use crate::config::UnitConfig;
 
 /// A prediction on the validation trajectories of a job.
 pub(super) struct Judged {
-    /// Weighted RMS error with it, and of the target alone, N·m.
+    /// Weighted RMS error with the prediction, N·m; in `without`, that of the target alone.
     pub with: f64,
     pub without: f64,
     /// Whether the prediction lowers the error by enough, and by more than chance, to be used.

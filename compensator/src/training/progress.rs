@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 /// State of one network, and an estimate for all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
-    /// Index of the job.
+    /// Index of the training job.
     pub job: usize,
-    /// Joint of the job.
+    /// Joint whose unit the job trains, from 0.
     pub joint: usize,
     /// Index of the job's network, from 0.
     pub member: usize,
@@ -17,13 +17,13 @@ pub struct Progress {
     pub epoch: usize,
     /// Largest number of epochs.
     pub epochs: usize,
-    /// The epoch's figures.
+    /// Errors after the last finished epoch.
     pub last: Epoch,
     /// Smallest validation error so far, N·m.
     pub best_validation_rmse: Option<f64>,
     /// Whether this network is done.
     pub finished: bool,
-    /// Time left for all networks, if none stops early.
+    /// Time left for all networks, if every one trains to its last epoch.
     pub remaining: Duration,
 }
 

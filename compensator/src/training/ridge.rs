@@ -14,7 +14,7 @@ const GRID: [f64; 7] = [1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 const ROWS: usize = 1024;
 
 /// Fits y = wᵀx + b on flattened windows of the job's architecture's length, the ridge chosen on the
-/// validation trajectories (the smallest where there are none). The bias is not shrunk.
+/// validation trajectories (the smallest ridge without such trajectories). The bias is not shrunk.
 ///
 /// The result is a [`Trained`] unit of a linear architecture, judged as every other.
 ///

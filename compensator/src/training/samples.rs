@@ -84,28 +84,28 @@ impl<'a> Samples<'a> {
         })
     }
 
-    /// Number of rows.
+    /// Number of rows of all trajectories.
     pub fn rows(&self) -> usize {
         self.inputs.nrows()
     }
 
-    /// Number of input columns.
+    /// Number of input columns per row.
     pub fn columns(&self) -> usize {
         self.inputs.ncols()
     }
 
-    /// Rows of each trajectory.
+    /// Range of the rows of each trajectory.
     pub fn trajectories(&self) -> &'a [Range<usize>] {
         self.trajectories
     }
 
-    /// One input value.
+    /// Value of one input column in a row.
     #[inline]
     pub fn input(&self, row: usize, column: usize) -> f32 {
         self.inputs[[row, column]]
     }
 
-    /// Target of a row, N·m.
+    /// Target of the training in a row, N·m.
     #[inline]
     pub fn target(&self, row: usize) -> f32 {
         self.target[row]
@@ -154,9 +154,10 @@ impl<'a> Samples<'a> {
 /// Split into trajectories that are fitted and that stop the training, as indices into [`Samples::trajectories`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Split {
-    /// Fitted trajectories.
+    /// Indices of the fitted trajectories.
     pub train: Vec<usize>,
-    /// Decide when to stop and whether the unit stays on. Empty: all epochs are run and the unit stays on.
+    /// Indices of the trajectories that decide when to stop and whether the unit stays on. Empty: all epochs are run
+    /// and the unit stays on.
     pub validation: Vec<usize>,
 }
 

@@ -131,7 +131,7 @@ impl<'a, 'd> Trainer<'a, 'd> {
             .extend(targets.map(|(_, target, weight)| (target, weight)));
     }
 
-    /// One batch.
+    /// Trains on one batch: cost, gradient, optimiser step.
     fn step(&mut self, epoch: usize, items: &[Item]) -> Result<(), Error> {
         self.fill(items);
         if self.batch.weight() == 0.0 {

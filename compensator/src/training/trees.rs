@@ -13,7 +13,7 @@ use crate::Error;
 pub struct Trees {
     /// Joint whose residual torque they predict.
     pub joint: usize,
-    /// Whether they helped on the validation trajectories; true where there were none.
+    /// Whether the trees lower the error on the validation trajectories; true without such trajectories.
     pub enabled: bool,
     /// Indices of the input columns.
     pub(super) columns: Vec<usize>,
@@ -35,7 +35,7 @@ pub(super) struct Node(
 );
 
 impl Trees {
-    /// Number of trees.
+    /// Number of trees of the joint.
     pub fn count(&self) -> usize {
         self.trees.len()
     }

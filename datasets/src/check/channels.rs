@@ -7,7 +7,7 @@ use crate::metrics::MOVING;
 use signal::Motion;
 use signal::quantile::median;
 
-/// A joint whose positions stay within this never moves, in rad or m.
+/// Range of positions within which a joint counts as never moving, rad or m.
 pub const STILL: f64 = 1e-3;
 
 /// Whether a joint moves at all in a recording.
@@ -19,25 +19,25 @@ pub fn moves(recording: &Recording, joint: usize) -> bool {
 
 /// Top speed below which friction cannot be resolved, in rad/s or m/s.
 const SLOW: f64 = 0.05;
-/// Cycles below which a recording is too short.
+/// Number of cycles below which a recording is too short.
 const CYCLES: f64 = 3.0;
 /// Range below which position-dependent torque cannot be seen, in rad or m, and as a part of the
 /// range between the limits.
 const SMALL_RANGE: f64 = 0.2;
 const SMALL_PART: f64 = 0.05;
-/// A recorded velocity that is later than this for certain, s, is worth a note …
+/// Delay of a recorded velocity that is worth a note, s. The whole 95 % interval must lie beyond plus or minus this.
 const LATE: f64 = 2e-3;
-/// … and one of another size than the derivative by more than this a warning.
+/// Deviation of a recorded velocity's gain from 1 that is worth a warning.
 const VELOCITY_GAIN: f64 = 0.05;
-/// The plateau is looked for in the top of |τ|: this part of the largest value …
+/// Width of the top of |τ| in which a plateau is looked for, as a part of the largest value.
 const TOP: f64 = 0.01;
-/// … must hold this many times more samples than its neighbourhood would …
+/// Factor by which the top must hold more samples than bands of the same width below it, to be a plateau.
 const CROWDED: f64 = 4.0;
-/// … and at least this part of all samples …
+/// Least part of all samples that a plateau holds.
 const PLATEAU_SHARE: f64 = 0.002;
-/// … in this many separate stretches: one smooth peak is flat at its top, too.
+/// Least number of separate stretches in which the torque reaches a plateau: one smooth peak is flat at its top, too.
 const PLATEAU_VISITS: usize = 3;
-/// Seconds for which a torque may stand still while the joint moves.
+/// Longest time for which a torque may keep one value while the joint moves, s.
 const FROZEN_S: f64 = 0.5;
 
 /// One joint of a recording with its smooth motion.
@@ -51,7 +51,7 @@ pub(super) struct Channel<'a> {
 }
 
 impl Channel<'_> {
-    /// Units of way and torque.
+    /// Units of the joint's position and of its torque.
     fn units(&self) -> [&'static str; 2] {
         if self.slides {
             ["m", "N"]
@@ -196,7 +196,7 @@ impl Channel<'_> {
         found
     }
 
-    /// What of the recorded velocity is worth a sentence.
+    /// Finding on the recorded velocity, where it differs from dq/dt.
     fn velocity_finding(&self) -> Option<Finding> {
         let VelocityChannel { gain, late } = self.velocity?;
         if gain.abs() < VELOCITY_GAIN {

@@ -3,7 +3,7 @@
 use super::finding::{Finding, Kind, Severity};
 use crate::Recording;
 
-/// A step longer than this many medians is a jump.
+/// Number of median steps from which a longer step of the clock is a jump.
 const JUMP: f64 = 3.0;
 
 /// Relative deviation of the steps from which on the stamps are called jittered.

@@ -5,30 +5,32 @@ use crate::Recording;
 use crate::check::moves;
 use std::f64::consts::PI;
 
-/// Delays that are tried, s, and their steps.
+/// Largest delay that is tried, s, and the step between delays.
 const FARTHEST: f64 = 2.0;
 const STEP: f64 = 0.01;
-/// Samples looked at, at most, of each joint.
+/// Largest number of samples of each joint that are looked at.
 const MOST: usize = 4000;
-/// Part of a position's variance that its command explains, from which it is its command.
+/// Least part of a position's variance that a command must explain to be that joint's command.
 const EXPLAINED: f64 = 0.9;
-/// A position cannot come before its command; stamps of two threads may be off by so much, s.
+/// Time by which a position may come before its command, s: stamps of two threads may be off by so much.
 const EARLY: f64 = 0.03;
-/// No controller that is of use follows this late, s.
+/// Longest time by which a useful controller follows its command, s.
 const LATE: f64 = 0.5;
-/// Units of angles are farther apart than this factor, and no controller misses its command by so much.
+/// Factor on a command's gain from which its unit is another one. Units of angles are farther apart than this, and no
+/// controller misses its command by so much.
 const OTHER: f64 = 1.5;
 
-/// How the positions of a joint follow their command.
+/// Relation of a joint's positions to its command: delay and gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Followed {
-    /// Position behind command, s; negative where the command comes after the motion.
+    /// Delay of the position after the command, s; negative where the command comes after the motion.
     pub late: f64,
-    /// Position over command.
+    /// Gain of the position over the command.
     pub gain: f64,
 }
 
-/// How each joint follows its command; none without one, of a joint that does not move, or where the command does not explain it.
+/// Relation of a joint's positions to its command. None without a command, for a joint that does not move, and where
+/// the command does not explain the motion.
 pub fn followed(recording: &Recording, joint: usize) -> Option<Followed> {
     let command = recording.q_ref.as_ref()?.column(joint);
     if !moves(recording, joint) {
@@ -71,7 +73,7 @@ pub fn followed(recording: &Recording, joint: usize) -> Option<Followed> {
     (explained > EXPLAINED).then_some(Followed { late, gain })
 }
 
-/// What of the command is worth a sentence: another unit, another clock.
+/// Findings on the command: another unit, another clock.
 pub(super) fn findings(recording: &Recording, names: &[String]) -> Vec<Finding> {
     let known: Vec<(usize, Followed)> = (0..recording.dof())
         .filter_map(|j| Some((j, followed(recording, j)?)))

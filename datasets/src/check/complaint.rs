@@ -3,48 +3,48 @@
 use super::finding::Severity;
 use serde::Serialize;
 
-/// What a recorded torque is, where it is not the torque of the drives seen from the link.
+/// Kind of fault of a recorded torque: a reason why it is not the torque of the drives seen from the link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ailment {
-    /// No signal, for some time or throughout.
+    /// No signal in the torque, for some time or throughout.
     Dead,
-    /// Without sign.
+    /// Torque without its sign.
     Absolute,
-    /// What gravity takes is taken off.
+    /// Torque less what gravity takes.
     GravityRemoved,
-    /// Motor current, A.
+    /// Motor current instead of a torque, A.
     Current,
     /// Per cent of a rated current or torque.
     Percent,
-    /// Per mille of it.
+    /// Per mille of a rated current or torque.
     PerMille,
     /// Torque of the motor, before the gear.
     Motor,
-    /// Some other factor.
+    /// Torque times some other factor.
     Scale,
     /// The opposite sign of the motion's.
     Sign,
-    /// By a sensor behind the gear, which sees no friction of motor and gear.
+    /// Torque from a sensor behind the gear, which does not see the friction of motor and gear.
     JointSensor,
     /// Asked for or computed: no sensor's noise.
     Commanded,
-    /// In coarse steps.
+    /// Torque in coarse steps.
     Quantised,
-    /// Low-passed before it was stored.
+    /// Torque that was low-passed before it was stored.
     Filtered,
-    /// Cut at a limit.
+    /// Torque cut at a limit.
     Saturated,
-    /// Not the torque: the description's masses.
+    /// Torque in order: the description's masses are wrong.
     Description,
-    /// Not the torque: columns of joints are exchanged.
+    /// Torque in order: columns of joints are exchanged.
     Columns,
-    /// Not the torque: the position of a joint counts backwards.
+    /// Torque in order: the position of a joint counts backwards.
     Turned,
 }
 
 impl Ailment {
-    /// What it is about, in words: the torque, or what else explains it.
+    /// Subject of the complaint, in words: the torque, or what else explains it.
     pub fn title(self) -> String {
         match self {
             Self::Description => "the description".to_owned(),
@@ -53,7 +53,7 @@ impl Ailment {
         }
     }
 
-    /// Name, as in JSON.
+    /// Name of the fault, as in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::Dead => "dead",
@@ -84,14 +84,14 @@ pub struct Complaint {
     pub ailment: Ailment,
     /// Severity of the complaint.
     pub severity: Severity,
-    /// The joints that it concerns, from 0.
+    /// Indices of the joints that the complaint concerns, from 0.
     pub joints: Vec<usize>,
-    /// What was seen, with its numbers.
+    /// Observation behind the complaint, with its numbers.
     pub seen: String,
     /// Meaning of what was seen, as a sentence.
     pub means: String,
-    /// Lines of the drive file that mend it; null where none can.
+    /// Lines of the drive file that mend the fault; null where none can.
     pub drive: Option<String>,
-    /// What else to do, or to do instead.
+    /// Advice on what to do besides, or instead.
     pub advice: String,
 }

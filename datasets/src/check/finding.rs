@@ -3,22 +3,22 @@
 use crate::channel::Estimate95;
 use serde::Serialize;
 
-/// What is known about the robot, to judge a recording by. Everything is optional.
+/// Facts about the robot by which a recording is judged. All are optional.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CheckOptions {
-    /// Names of the joints, base first; `joint 1` … where there are none.
+    /// Names of the joints, base first. Missing names are replaced by `joint 1` ….
     pub joints: Vec<String>,
-    /// Lower and upper joint limits in rad (m), base first; infinite where there are none.
+    /// Lower and upper joint limits in rad (m), base first; infinite where a joint has no limit.
     pub position_limits: Vec<[f64; 2]>,
     /// Joints that slide, base first: their way is in m, their torque a force in N. Joints beyond its end turn.
     pub slides: Vec<bool>,
 }
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// Worth knowing.
+    /// Fact that is worth knowing.
     Note,
     /// Some results will be poor.
     Warning,
@@ -26,17 +26,17 @@ pub enum Severity {
     Severe,
 }
 
-/// What was found.
+/// Kind of what a check found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// The joint never moves.
+    /// Joint that never moves.
     NeverMoves,
     /// The joint moves too slowly to tell viscous from Coulomb friction.
     TooSlow,
     /// The torque is cut at a plateau: the motion asks for more than the drive gives.
     TorquePlateau,
-    /// Fewer than three cycles.
+    /// Fewer than three cycles of the joint.
     TooShort,
     /// The joint covers too little of its range.
     RegionTooSmall,
@@ -52,7 +52,7 @@ pub enum Kind {
     CorruptRow,
     /// Time jumps inside a trajectory.
     ClockJump,
-    /// The stamps jitter.
+    /// Jitter of the time stamps.
     Jitter,
     /// Torque and motion are shifted in time.
     TorqueShift,
@@ -64,30 +64,30 @@ pub enum Kind {
     Reading,
 }
 
-/// One finding.
+/// Finding of a check on a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// Kind of the finding.
     pub kind: Kind,
     /// Severity of the finding.
     pub severity: Severity,
-    /// Joint, by index; `None` for the whole recording.
+    /// Index of the joint; `None` for the whole recording.
     pub joint: Option<usize>,
-    /// Data row from 1, where there is one.
+    /// Number of the data row, from 1, where the finding is about one.
     pub row: Option<usize>,
-    /// The number behind it, in the unit that `message` names.
+    /// Value behind the finding, in the unit that `message` names.
     pub value: f64,
-    /// Names of the parameters that suffer, where it is about parameters.
+    /// Names of the parameters that suffer; empty where the finding is about something else.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parameters: Vec<String>,
-    /// What is wrong and what to do, as a sentence.
+    /// Message on what is wrong and what to do, as a sentence.
     pub message: String,
 }
 
-/// Figures of one joint.
+/// Figures of one joint in a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointFigures {
-    /// Name.
+    /// Name of the joint.
     pub name: String,
     /// Smallest and largest position in rad (m).
     pub range: [f64; 2],
@@ -97,7 +97,7 @@ pub struct JointFigures {
     pub cycles: f64,
     /// Part of the samples with |q̇| > 0.01.
     pub share_moving: f64,
-    /// RMS torque in N·m (N).
+    /// Root mean square torque, N·m (N).
     pub torque_rms: Option<f64>,
     /// Largest torque in N·m (N).
     pub torque_max: Option<f64>,
@@ -107,7 +107,7 @@ pub struct JointFigures {
 }
 
 impl Finding {
-    /// A note of the reader.
+    /// Finding for a note of the reader.
     pub(super) fn reading(note: &str) -> Self {
         Self {
             kind: Kind::Reading,

@@ -23,26 +23,26 @@ use serde::Serialize;
 /// The check of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CheckReport {
-    /// The recording.
+    /// Name of the recording that was checked.
     pub source: String,
-    /// Samples.
+    /// Number of samples of the recording.
     pub samples: usize,
-    /// Trajectories.
+    /// Number of trajectories of the recording.
     pub trajectories: usize,
     /// Time in motion and rest, without the pauses between trajectories, in s.
     pub duration_s: f64,
-    /// Median rate in Hz.
+    /// Median sampling rate, Hz.
     pub rate_hz: f64,
-    /// Figures per joint.
+    /// Figures of each joint, base first.
     pub joints: Vec<JointFigures>,
     /// Delay, scale and offset of the torque, where a model was at hand to compare it with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<ChannelEstimate>,
-    /// What is wrong with the torque channel, where a model was at hand: worst first.
+    /// Complaints about the torque channel, where a model was at hand: worst first.
     pub doctor: Vec<Complaint>,
-    /// Repeated motions and the floor that follows.
+    /// Repeated motions, and the torque's noise floor from them.
     pub repeatability: Option<Repeatability>,
-    /// Findings, worst first.
+    /// Findings of the check, worst first.
     pub findings: Vec<Finding>,
 }
 

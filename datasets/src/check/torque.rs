@@ -3,14 +3,14 @@
 use super::finding::{Finding, Kind, Severity};
 use crate::channel::{ChannelEstimate, JointChannel, SHORT_DELAY};
 
-/// Scales that a described robot and a nominal torque constant leave open: nothing is said of an interval that reaches
-/// into them.
+/// Scales that errors of a described robot and of a nominal torque constant explain. An interval that reaches into this
+/// range makes no finding.
 const USUAL_SCALE: [f64; 2] = [0.8, 1.25];
-/// Scales beyond which the unit is in doubt.
+/// Scales beyond which the torque's unit is in doubt.
 const UNIT_SCALE: [f64; 2] = [1.0 / 3.0, 3.0];
 
 impl ChannelEstimate {
-    /// What of it is worth a sentence; `names` are the joints', base first.
+    /// Findings on the channel. `names` are the joints', base first.
     pub fn findings(&self, names: &[String]) -> Vec<Finding> {
         let mut found = self.scale_findings(names);
         found.extend(self.delay_finding());

@@ -6,18 +6,19 @@ use crate::prepare::Prepared;
 use signal::delay::{Search, System, estimate};
 use signal::{resample, smoother};
 
-/// Low-pass of both, Hz, and as a part of the rate: the motion's band, in which a derivative is hardly noisy.
+/// Cut-off of the low-pass of recorded and derived velocity, Hz, and as a part of the rate: the motion's band, in which
+/// a derivative is hardly noisy.
 const BAND_HZ: f64 = 10.0;
 const BAND_PART: f64 = 0.2;
-/// Delays looked at, s.
+/// Delays of the velocity that are tried, s.
 const RANGE: [f64; 2] = [-0.06, 0.06];
 
-/// How a recorded velocity differs from dq/dt.
+/// Relation of a recorded velocity to dq/dt: gain and delay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct VelocityChannel {
-    /// Recorded over derived velocity.
+    /// Gain of the recorded velocity over the derived one.
     pub gain: f64,
-    /// How much later it is, s.
+    /// Delay of the recorded velocity after dq/dt, s.
     pub late: Estimate95,
 }
 

@@ -101,8 +101,8 @@ pub(super) fn of_time(header: &Header<'_>, map: &ColumnMap) -> String {
     }
 }
 
-/// Lines of a drive file for a table whose columns are called `own`, recognised as `said`: the columns of
-/// positions and torque that are found.
+/// Lines of a drive file for a table whose columns are called `own` in the file and `said` by the recogniser: the
+/// columns of positions and torque that are found.
 pub(crate) fn lines(said: &[String], own: &[String], options: &ReadOptions) -> String {
     let header = Header::new(said, options);
     let mut text = String::from("\n    [columns]");

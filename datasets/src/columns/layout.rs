@@ -16,12 +16,12 @@ pub(crate) enum Role {
     Joint(Group, usize),
 }
 
-/// A column that is used.
+/// Column of a file that the recording is made of.
 #[derive(Clone, Debug)]
 pub(crate) struct Used {
-    /// Position in the header.
+    /// Index of the column in the header, from 0.
     pub index: usize,
-    /// The file's name for it.
+    /// Name of the column in the file.
     pub name: String,
     pub role: Role,
     /// Conversion to SI units on the link side; of a clock, to seconds where its unit is known.
@@ -152,7 +152,7 @@ impl Search<'_> {
         }
     }
 
-    /// Joints in the file: the highest number with any column of the group by its usual or declared name.
+    /// Joints in the file: the highest number with any column of the group, found by its documented or declared name.
     fn numbered(&self, group: Group) -> usize {
         let name = |j| self.options.columns.joint(group, j);
         (0..self.header.len())

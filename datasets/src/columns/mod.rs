@@ -15,21 +15,21 @@ pub use options::{Part, ReadOptions};
 /// A group of columns, one per joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Group {
-    /// Joint position.
+    /// Joint position, motor side.
     Q,
-    /// Link-side position.
+    /// Joint position, link side.
     Ql,
-    /// Velocity.
+    /// Joint velocity.
     Qd,
-    /// Acceleration.
+    /// Joint acceleration.
     Qdd,
-    /// Torque.
+    /// Joint torque.
     Tau,
-    /// Commanded position.
+    /// Commanded joint position.
     QRef,
-    /// Commanded velocity.
+    /// Commanded joint velocity.
     QdRef,
-    /// Temperature.
+    /// Joint temperature.
     Temp,
 }
 
@@ -64,9 +64,9 @@ impl Group {
 /// Conversion of a stored value to SI link-side units: `value · scale + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine {
-    /// Factor: unit, gear ratio, torque constant.
+    /// Factor of the conversion: unit, gear ratio, torque constant.
     pub scale: f64,
-    /// Added after scaling, in SI units: joint zero.
+    /// Offset of the conversion, added after scaling, in SI units: joint zero.
     pub offset: f64,
 }
 
@@ -77,7 +77,7 @@ impl Affine {
         offset: 0.0,
     };
 
-    /// Converts one value.
+    /// Value after conversion: `value` · scale + offset.
     pub fn apply(self, value: f64) -> f64 {
         value * self.scale + self.offset
     }

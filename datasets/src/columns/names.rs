@@ -14,10 +14,10 @@ pub(super) enum Quantity {
     CommandedTorque,
 }
 
-/// Unit that a name states.
+/// Unit that a column's name states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unit {
-    /// No unit, or an SI unit.
+    /// SI unit, stated or by default.
     Usual,
     Degrees,
     /// A torque column that is a motor current.
@@ -28,15 +28,15 @@ pub(super) enum Unit {
     Seconds(i32),
 }
 
-/// Meaning of one name.
+/// Meaning that was read from one column's name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Said {
     pub quantity: Quantity,
     /// Joint of the robot's chain that the name holds, from 0.
     pub joint: Option<usize>,
-    /// The last number of the name.
+    /// Last number in the column's name.
     pub number: Option<usize>,
-    /// The name with `{}` for that number.
+    /// Column's name with `{}` in place of its last number.
     pub style: String,
     pub unit: Unit,
     /// Number of unknown words in the name: of two readings the one with fewer is meant.
@@ -47,7 +47,7 @@ pub(super) struct Said {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Word {
     text: String,
-    /// Between brackets: the number of an element, never part of a joint's name.
+    /// Whether the word stands in brackets. It is then the number of an element, never part of a joint's name.
     element: bool,
 }
 
@@ -88,7 +88,7 @@ fn words(name: &str) -> Vec<Word> {
 /// The joints of a chain, as their names may stand in a column's.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
-    /// For each joint the words of its name, and the range of words that tells it from the other joints.
+    /// Words of each joint's name, and the start and end of those words that differ between joints.
     joints: Vec<(Vec<String>, usize, usize)>,
 }
 

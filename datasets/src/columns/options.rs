@@ -24,7 +24,7 @@ pub struct ReadOptions {
     pub described: Vec<String>,
     /// Sampling rate of a table without time, Hz.
     pub rate_hz: Option<f64>,
-    /// Part of a .mat file.
+    /// Part of a .mat file that is read.
     pub part: Part,
     /// Whether a recording without torque is refused. Prediction alone does without.
     pub torque_needed: bool,

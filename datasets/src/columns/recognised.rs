@@ -12,14 +12,14 @@ pub(super) struct Header<'a> {
     said: Vec<Option<Said>>,
     joints: &'a [String],
     described: &'a [String],
-    /// A drive file converts the torque.
+    /// Whether a drive file converts the torque.
     converted: bool,
 }
 
 /// Reason why a group of columns is not read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Trouble {
-    /// No column of the header has this meaning.
+    /// No column of the header with this meaning.
     None,
     /// Several columns could be meant.
     Several(Vec<usize>),
@@ -29,7 +29,7 @@ pub(super) enum Trouble {
     Names(Vec<usize>),
     /// A torque in another unit than N·m.
     Unit(Vec<usize>, &'static str),
-    /// Commanded values alone.
+    /// Columns of commanded values alone.
     Command(Vec<usize>),
 }
 
@@ -38,7 +38,7 @@ pub(super) enum Trouble {
 pub(super) struct Found {
     pub columns: Vec<usize>,
     pub unit: Affine,
-    /// Message for the user on the choice.
+    /// Message for the user on why these columns were chosen.
     pub aside: Option<String>,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Header<'a> {
             .collect()
     }
 
-    /// The column of labels.
+    /// Index of the column of labels.
     pub fn label(&self) -> Option<usize> {
         let mut all = self.those(Quantity::Label).map(|(i, _)| i);
         let first = all.next()?;

@@ -17,14 +17,14 @@ use serde::Serialize;
 use signal::quantile::median;
 use signal::spectrum::{Spectrum, welch};
 
-/// The floor is read in this part of the band up to half the rate: above all motion.
+/// Band in which the noise floor is read, as parts of half the rate: above all motion.
 const FLOOR_BAND: [f64; 2] = [0.4, 0.8];
 
 /// Band in which the noise floor is read for jittered stamps, as fractions of half the sampling rate: the
 /// interpolation to a uniform grid attenuates noise at higher frequencies.
 const FLOOR_BAND_JITTERED: [f64; 2] = [0.15, 0.35];
 
-/// Stamps count as jittered when their deviation exceeds this part of the step.
+/// Relative deviation of the time steps from which stamps count as jittered.
 const JITTERED: f64 = 0.02;
 
 /// Band in which the noise floor of a recording is read, from the relative jitter of its stamps.
@@ -39,13 +39,13 @@ pub(crate) fn floor_band(jitter: f64) -> [f64; 2] {
 /// Length of Welch's segments in s.
 const SEGMENT_S: f64 = 4.0;
 
-/// The cut-off stays between these, as parts of the rate; the lower bound is at least 1 Hz.
+/// Lowest and highest cut-off, as parts of the rate; the lower bound is at least 1 Hz.
 const LIMITS: [f64; 2] = [0.01, 0.25];
 
-/// A bin shows motion when its density exceeds this multiple of the noise; less is chance.
+/// Factor on the noise's density from which a bin of the spectrum shows motion; less is chance.
 const CLEAR: f64 = 3.0;
 
-/// Cut-offs tried, evenly spaced in their logarithm: neighbours differ by about 4 %.
+/// Number of cut-offs that are tried, evenly spaced in their logarithm: neighbours differ by about 4 %.
 const CANDIDATES: usize = 80;
 
 /// Noise of one joint's position and the cut-off that fits it.

@@ -18,7 +18,7 @@ pub enum PrepareError {
          the recording"
     )]
     Clock {
-        /// Label of the trajectory.
+        /// Label of the trajectory with the gap in time.
         label: String,
         /// Number of samples of the trajectory.
         samples: usize,
@@ -28,15 +28,15 @@ pub enum PrepareError {
         step: f64,
         /// Largest step of the trajectory, s.
         gap: f64,
-        /// Row after it, from one.
+        /// Number of the row after the largest step, from 1.
         row: usize,
     },
     /// A spline that cannot be put through a trajectory.
     #[error("trajectory `{label}`: {source}")]
     Spline {
-        /// Label of the trajectory.
+        /// Label of the trajectory that the spline fails on.
         label: String,
-        /// Error of the spline.
+        /// Reason of the failure.
         source: SplineError,
     },
     /// The fine rate is not a positive number.
@@ -45,7 +45,7 @@ pub enum PrepareError {
 }
 
 impl PrepareError {
-    /// Remedy.
+    /// Remedy for the problem, as a sentence.
     pub fn advice(&self) -> &'static str {
         match self {
             Self::Cutoff(_) => "Give another --cutoff-hz.",

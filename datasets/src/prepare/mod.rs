@@ -24,7 +24,7 @@ use signal::{Motion, filter, resample, smoother, sos};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Most points of the fine grid for each sample: a recording of 0.1 Hz at 100 Hz.
+/// Largest number of points of the fine grid per sample: that of a recording of 0.1 Hz at 100 Hz.
 const MOST_POINTS: f64 = 1000.0;
 
 /// Smooth motion of a recording, on a fine uniform grid and at the recorded stamps.

@@ -4,7 +4,7 @@
 /// decimated, or nobody could derive accelerations from it anyway.
 pub(super) const SLOW_HZ: f64 = 40.0;
 
-/// Choice of derivatives.
+/// Choice of where velocity and acceleration come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Derivatives {
     /// Derive from position; a recorded velocity that is consistent and less noisy is fused in.
@@ -23,10 +23,10 @@ pub struct PrepareOptions {
     pub cutoff_hz: Option<f64>,
     /// Least rate of the fine grid, about, Hz; default 100.
     pub fine_hz: f64,
-    /// Choice of derivatives.
+    /// Source of velocity and acceleration.
     pub derivatives: Derivatives,
-    /// Delay of the recorded torque against the motion, s: a property of the recording's channel. Predictions
-    /// meet the recorded torque that much later; a control loop has no such delay.
+    /// Delay of the recorded torque against the motion, s: a property of the recording's channel. Predictions meet the
+    /// recorded torque that much later; a control loop has no such delay.
     pub torque_delay: f64,
 }
 

@@ -4,7 +4,7 @@ use super::cutoff::NoiseFloor;
 use crate::TorqueFilter;
 use serde::Serialize;
 
-/// Source of a derivative.
+/// Source of a velocity or acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {

@@ -8,8 +8,9 @@ use csv::{ByteRecord, ErrorKind, ReaderBuilder, Trim};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Reads a table in text: a header line and any order of columns, between commas, semicolons, tabs or blanks, with points or (but for
-/// commas) decimal commas. Columns that are not used may hold anything. Where a drive file gives the header, there is none in the text.
+/// Reads a table in text: a header line and any order of columns, between commas, semicolons, tabs or blanks, with
+/// points or (but for commas) decimal commas. Columns that are not used may hold anything. A text whose header the
+/// drive file gives has no header line.
 pub(crate) fn read(
     bytes: &[u8],
     file: &Path,
@@ -141,7 +142,7 @@ fn header(
     Ok(names)
 }
 
-/// The number in a cell, NaN where there is none; of a time, the stamp.
+/// Number in a cell, NaN for an empty one. A cell of a time column is read as a stamp, s.
 fn number(cell: &[u8], style: &Style, time: bool) -> Result<f64, Problem> {
     let odd = || Problem::NotANumber(String::from_utf8_lossy(cell).chars().take(40).collect());
     let text = std::str::from_utf8(cell).map_err(|_| odd())?;

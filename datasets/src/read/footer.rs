@@ -6,8 +6,8 @@
 /// Depth to which structures nest, at most.
 const DEEPEST: usize = 64;
 
-/// Whether no list, set, map or text of the footer is longer than the footer. True as well where there is no footer
-/// to look through: the decoder refuses that.
+/// Whether no list, set, map or text of the footer is longer than the footer. True as well without a footer: the
+/// decoder refuses such a file.
 pub(super) fn plausible(file: &[u8]) -> bool {
     let Some((rest, tail)) = file.split_last_chunk::<8>() else {
         return true;
@@ -19,9 +19,8 @@ pub(super) fn plausible(file: &[u8]) -> bool {
     }
 }
 
-/// Whether the headers of a column's pages are plausible. They follow each other, each before its page. The
-/// format has no list in them, so that there is to be none, and fields that a decoder knows have the kind that
-/// it takes them for.
+/// Whether the headers of a column's pages are plausible. They follow each other, each before its page. The format has
+/// no list in them, so none may occur, and fields that a decoder knows have the kind that it takes them for.
 pub(super) fn plausible_pages(column: &[u8]) -> bool {
     let mut walk = Walk(column);
     while !walk.0.is_empty() {

@@ -23,16 +23,16 @@ pub struct DatasetSummary {
     pub episodes: Option<u64>,
     /// Number of frames of all episodes; `None` where the data set does not state it.
     pub frames: Option<u64>,
-    /// Features, by name.
+    /// Features of the data set, in order of their names.
     pub features: Vec<FeatureSummary>,
 }
 
-/// A feature of a data set.
+/// Feature of a data set, such as positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureSummary {
-    /// Name of the feature.
+    /// Name of the feature in the data set.
     pub name: String,
-    /// Type of its elements (`float32`; `video` and `image` are no numbers).
+    /// Type of its elements (`float32`; `video` and `image` do not hold numbers).
     pub kind: String,
     /// Names by which a drive file calls its elements; that of the feature itself where it has no list of them.
     pub columns: Vec<String>,
@@ -79,7 +79,7 @@ pub(super) fn is_dataset(folder: &Path) -> bool {
     folder.join(INFO).is_file()
 }
 
-/// Reads all episodes.
+/// Reads all episodes of a data set as one recording.
 pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
     let info = info(folder)?;
     if !options.columns.names.keys().any(|key| key.starts_with('q')) {

@@ -17,7 +17,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 use signal::quantile::median;
 use std::path::Path;
 
-/// Motor torque to link torque, joint 1 to 6.
+/// Gear ratios of joints 1 to 6: factors from motor torque to link torque.
 pub const GEAR_RATIOS: [f64; 6] = [
     1798.0 / 7.0,
     1872.0 / 7.0,
@@ -232,7 +232,7 @@ fn continue_clock(time: &mut [f64], train: &[f64]) {
     }
 }
 
-/// Labels the executions: at the seams of the clock or, where it has none, every 60.588 s.
+/// Labels of the executions: a new one at each seam of the clock or, where the clock has no seams, every 60.588 s.
 fn executions(
     time: &[f64],
     q: ArrayView2<'_, f64>,

@@ -41,7 +41,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, ReadError> 
 /// Lists the topics of a bag.
 ///
 /// # Errors
-/// [`ReadError`] for a file that cannot be read, or is no bag.
+/// [`ReadError`] for a file that cannot be read, or is not a bag.
 pub fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
     match Format::of(path)? {
         Format::Bag => bag::topics(path),
@@ -49,18 +49,18 @@ pub fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
     }
 }
 
-/// A format of recordings.
+/// Format of a recording's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Text in columns.
+    /// Text in columns with a header (.csv and others).
     Csv,
-    /// Apache Parquet file.
+    /// Apache Parquet file (.parquet).
     Parquet,
     /// NumPy archive (.npz).
     Npz,
     /// The KR300 benchmark's MATLAB files.
     Mat,
-    /// MCAP file, or rosbag2's SQLite file or folder (of which there is none in memory).
+    /// MCAP file, or rosbag2's SQLite file or folder (the folder on disk alone, never in memory).
     Bag,
 }
 
@@ -68,7 +68,7 @@ impl Format {
     /// Format by the ending of the file's name.
     ///
     /// # Errors
-    /// An ending that is none of them.
+    /// An ending that no format has.
     pub fn of(path: &Path) -> Result<Self, ReadError> {
         if path.is_dir() {
             return Ok(Self::Bag);

@@ -43,7 +43,7 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Those of `joints` that a recording names, in the order of `joints`. A name must stand in at least two of the
+/// Names among `joints` that a recording has, in the order of `joints`. A name must stand in at least two of the
 /// columns, as a position and a torque, or in a bag. Empty where the columns are numbered.
 pub fn named_joints(path: &Path, joints: &[String]) -> Vec<String> {
     let Some(columns) = names(path) else {

@@ -15,7 +15,7 @@ use std::path::Path;
 /// Largest array that is unpacked, in bytes: guards against an archive that claims to be huge.
 const LARGEST: u64 = 8 << 30;
 
-/// One column of an array.
+/// Column of an array in the archive.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     array: &'a Array,
@@ -156,7 +156,7 @@ fn unpack(bytes: &[u8], file: &Path) -> Result<BTreeMap<String, Array>, ReadErro
     Ok(arrays)
 }
 
-/// Names of the arrays.
+/// Names of the arrays in the archive.
 pub(super) fn names(bytes: &[u8], file: &Path) -> Option<Vec<String>> {
     Some(unpack(bytes, file).ok()?.into_keys().collect())
 }

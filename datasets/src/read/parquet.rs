@@ -159,8 +159,8 @@ struct Element {
     length: usize,
 }
 
-/// The header: a list of k numbers per row is `NAME[0]` to `NAME[k-1]`. Lists of different lengths, of which the number of values
-/// is no multiple of the rows, stay one column, which is refused where it is used.
+/// Columns of the table. A list of k numbers per row becomes the columns `NAME[0]` to `NAME[k-1]`. Lists of different
+/// lengths, whose number of values is not a multiple of the rows, stay one column, which is refused where it is used.
 fn elements(meta: &ParquetMetaData) -> Vec<Part> {
     let columns = meta.file_metadata().schema_descr().columns();
     let one = |(column, descr): (usize, &std::sync::Arc<ColumnDescriptor>)| -> Vec<Part> {

@@ -11,13 +11,13 @@ pub(super) struct Style {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Separator {
     Byte(u8),
-    /// One or more blanks.
+    /// One or more blanks between cells.
     Blanks,
 }
 
 impl Style {
-    /// Notation by the first line that is no comment: semicolons before tabs, tabs before commas (which may be
-    /// decimal ones); blanks where there is none of them.
+    /// Notation by the first line that is not a comment: semicolons before tabs, tabs before commas (which may be
+    /// decimal ones); blanks without any of these.
     pub fn of(text: &[u8]) -> Self {
         let line = lines(text)
             .map(|(_, line)| uncommented(line))

@@ -21,9 +21,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", file.display())]
 pub struct WriteError {
-    /// Path of the file.
+    /// Path of the file that was to be written.
     pub file: PathBuf,
-    /// Problem of writing.
+    /// Problem for which writing failed.
     pub problem: WriteProblem,
 }
 

@@ -6,10 +6,10 @@ pub enum WriteProblem {
     /// The ending is not that of a format that can be written.
     #[error("cannot be written as `{0}`; use .csv or .parquet")]
     UnknownFormat(String),
-    /// Error of the disk.
+    /// Error of the operating system.
     #[error("cannot be written ({0})")]
     Io(#[from] std::io::Error),
-    /// Error of the encoder.
+    /// Message of the format's encoder.
     #[error("cannot be encoded ({0})")]
     Encoder(String),
 }

@@ -34,12 +34,12 @@ const PERIODS: usize = 2;
 const RATE: [f64; 2] = [62.5, 250.0];
 /// Sampling rate of the written file, Hz.
 const FILE_RATE: f64 = 100.0;
-/// Harmonics of the motion.
+/// Harmonics of the motion's Fourier series, as multiples of 1 / [`PERIOD`].
 const HARMONICS: [usize; 5] = [1, 2, 3, 4, 5];
 /// Search: number of random starts, and of motions evaluated in all.
 const SEARCH: (usize, usize) = (6, 280);
 
-/// A motion to be run.
+/// Designed motion that is to be run on the robot, and its purpose.
 pub struct Experiment {
     /// Purpose of the motion, for the report.
     pub summary: NextExperiment,
@@ -263,7 +263,8 @@ impl View<'_> {
     }
 }
 
-/// The robot's own limits with a margin; the recorded motion's where it has none.
+/// Limits of each joint for the designed motion: the robot's own with a margin; the recorded motion's range where the
+/// robot has none.
 fn limits(model: &NominalModel, frame: &Frame, settings: &AdviceSettings) -> Vec<MotionLimits> {
     let motion = frame.samples();
     let most = |t: &Array2<f64>, j: usize| t.column(j).iter().fold(0.0f64, |m, x| m.max(x.abs()));

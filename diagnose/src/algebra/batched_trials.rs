@@ -16,7 +16,7 @@ use rayon::prelude::*;
 pub struct RightHands {
     /// Xᵀy, shape (active columns of the joint, torques).
     pub xy: Vec<Vec<Array2<f64>>>,
-    /// yᵀy, by torque.
+    /// Sum of squares yᵀy of each torque.
     pub yy: Vec<Vec<Array1<f64>>>,
     /// Xᵀy on the rows that are not fitted where a fold is scored; none where these are the rows of the fold.
     pub apart: Option<Vec<Vec<Array2<f64>>>>,
@@ -42,7 +42,7 @@ struct State {
     fitted: Vec<Array2<f64>>,
     /// Xᵀ(y − Xβ) on the rows that are scored.
     scored: Vec<Array2<f64>>,
-    /// The rows of `scored` that belong to fitted columns.
+    /// Rows of `scored` that belong to fitted columns.
     old: Vec<Array2<f64>>,
     error: Vec<Array1<f64>>,
 }
@@ -63,7 +63,7 @@ struct Addition {
     factor: Cholesky,
     /// V, shape (added, fitted) columns.
     moved: Array2<f64>,
-    /// Q_j, by joint.
+    /// Matrix Q_j of each joint j.
     change: Vec<Array2<f64>>,
 }
 

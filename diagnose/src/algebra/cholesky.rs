@@ -66,13 +66,13 @@ impl Cholesky {
         Self::new(&a)
     }
 
-    /// ln |A|.
+    /// Logarithm ln |A| of the matrix's determinant.
     pub fn log_determinant(&self) -> f64 {
         let each = self.scale.iter().enumerate();
         each.map(|(i, s)| 2.0 * (self.l[(i, i)] / s).ln()).sum()
     }
 
-    /// x with A·x = b.
+    /// Solution x of A·x = b.
     pub fn solve(&self, b: ArrayView1<f64>) -> Array1<f64> {
         let mut x = b.to_vec();
         self.solve_in_place(&mut x, 1);
@@ -110,7 +110,7 @@ impl Cholesky {
         x.iter().zip(&self.scale).map(|(v, s)| v * s).collect()
     }
 
-    /// Diagonal of A⁻¹.
+    /// Diagonal of the inverse matrix A⁻¹.
     pub fn inverse_diagonal(&self) -> Array1<f64> {
         let n = self.scale.len();
         let mut inverse = Mat::<f64>::identity(n, n);

@@ -54,7 +54,7 @@ pub(super) struct Part {
 #[derive(Clone, Debug)]
 pub struct Fit<'a> {
     pub(super) grams: &'a Grams,
-    /// Fitted variables.
+    /// Variables of the fit, in the order of its coefficients.
     pub variables: Vec<Variable>,
     /// Weight of each joint's squared torque error, 1/(N·m)².
     pub weights: Vec<f64>,
@@ -65,7 +65,7 @@ pub struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
-    /// Fits `variables`.
+    /// Fit of `variables`. `weights` holds one number per joint, 1/(N·m)².
     pub fn new(grams: &'a Grams, variables: Vec<Variable>, weights: Vec<f64>) -> Self {
         let places = places(grams, &variables);
         let all = part(grams, &variables, &weights, &places, None);
@@ -99,8 +99,8 @@ impl<'a> Fit<'a> {
         self.all.factor.inverse_diagonal().mapv(f64::sqrt)
     }
 
-    /// Standard deviations of the coefficients: posterior, or jackknife over the fits without each fold where
-    /// that is more. Mechanisms outside the model are no noise: another motion has more of them or less.
+    /// Standard deviations of the coefficients: posterior, or jackknife over the fits without each fold where that is
+    /// more. The posterior takes mechanisms outside the model for noise, but another motion has more of them or less.
     pub fn deviations(&self) -> Array1<f64> {
         let mut out = self.std();
         for (i, std) in out.iter_mut().enumerate() {
@@ -128,7 +128,7 @@ impl<'a> Fit<'a> {
         0.5 * (self.all.factor.log_determinant() - prior)
     }
 
-    /// Number of folds.
+    /// Number of folds of the fit.
     pub fn folds(&self) -> usize {
         self.grams.folds.len()
     }

@@ -3,7 +3,7 @@
 use datasets::{Folds, Recording};
 use std::ops::Range;
 
-/// Most folds: with more the search takes longer, with fewer each fold leaves out much data.
+/// Largest number of folds: with more the search takes longer, with fewer each fold leaves out much data.
 const MOST: usize = 8;
 
 /// A fold of fitted rows. Each range lies in one trajectory.
@@ -11,7 +11,7 @@ const MOST: usize = 8;
 pub struct Fold {
     /// Rows that are scored by a fit to the others.
     pub scored: Vec<Range<usize>>,
-    /// Rows of other folds so near to these that they are left out of that fit, too.
+    /// Rows of other folds so near to the scored ones that they are left out of that fit, too.
     pub near: Vec<Range<usize>>,
 }
 

@@ -14,9 +14,9 @@ use std::ops::Range;
 /// joint) and y the torque to explain.
 #[derive(Clone, Debug)]
 pub struct JointGram {
-    /// XᵀX
+    /// Matrix XᵀX, shape (active columns, active columns).
     pub xx: Array2<f64>,
-    /// Xᵀy
+    /// Vector Xᵀy, by active column.
     pub xy: Array1<f64>,
     /// Sum of squares of the target, yᵀy.
     pub yy: f64,
@@ -119,7 +119,7 @@ impl Layout {
         self.position[joint][column]
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub fn dof(&self) -> usize {
         self.active.len()
     }
@@ -181,7 +181,7 @@ impl Grams {
         self.folds.iter_mut().chain([&mut self.total]).chain(apart)
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub fn dof(&self) -> usize {
         self.layout.dof()
     }

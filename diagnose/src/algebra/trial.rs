@@ -66,11 +66,11 @@ struct Block {
 struct OnJoint {
     /// Columns of V that touch the joint, shape (columns, places).
     moved: Array2<f64>,
-    /// Product of these with XᵀX.
+    /// Product of these columns of V with XᵀX.
     product: Array2<f64>,
-    /// Diagonal of Q.
+    /// Diagonal of Q, by added column.
     square: Vec<f64>,
-    /// s, by column.
+    /// Slope s of each added column.
     slope: Vec<f64>,
 }
 

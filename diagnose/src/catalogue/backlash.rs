@@ -110,8 +110,9 @@ fn second_joint(joints: &[String], parameters: &[Parameter]) -> Option<String> {
     ))
 }
 
-/// Reduces the sizes to half the play. For a play found by its blows or by another sensor, the coefficient on
-/// the predicted torque is no number of a simulator.
+/// Reduces the sizes of a cause in the report to half the play. All sizes are dropped for a play found by its blows or
+/// by another sensor: its coefficient on the predicted torque is outside of [`SIZED`], and no simulator has a number
+/// for it.
 fn play(parameters: &mut Vec<Parameter>) {
     let (least, most) = SIZED;
     let beside = |p: &Parameter| p.name == "share" && !(least..=most).contains(&p.value);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Column: torque per unit of one parameter, on the rows of some joints. Clones are the same column.
 #[derive(Clone)]
 pub struct Column {
-    /// Joints whose torque it changes.
+    /// Indices of the joints whose torque the column changes.
     pub joints: Vec<usize>,
     /// Computation of its torque at the fine rate, one vector per joint of `joints`.
     pub torque: ColumnTorque,
@@ -35,25 +35,25 @@ pub enum ColumnTorque {
     Made(Arc<Maker>),
 }
 
-/// Bound of a coefficient.
+/// Bound of a candidate's coefficient in the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// Unbounded.
+    /// No bound: the coefficient may have either sign.
     Free,
-    /// Positive values alone.
+    /// Coefficient that must be positive.
     Positive,
-    /// Between two values, for a shape on a grid whose size the coefficient only corrects.
+    /// Coefficient between two values, for a shape on a grid whose size the coefficient only corrects.
     Between(f64, f64),
 }
 
 /// Name, unit and conversion of a reported parameter.
 #[derive(Clone, Debug)]
 pub struct Quantity {
-    /// Name, that of docs/formats.md where it has one.
+    /// Name of the parameter, as in docs/formats.md where it has one.
     pub name: &'static str,
     /// Unit of the reported value.
     pub unit: Unit,
-    /// Joint that it belongs to.
+    /// Index of the joint that the quantity belongs to.
     pub joint: Option<usize>,
     /// Reported value = `offset` + `factor`·coefficient.
     pub offset: f64,
@@ -88,24 +88,24 @@ impl Quantity {
 /// A size that a separate sensor measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
-    /// Name, that of docs/formats.md.
+    /// Name of the size, as in docs/formats.md.
     pub name: &'static str,
-    /// Measured value.
+    /// Value of the size that the sensor measured, in `unit`.
     pub value: f64,
-    /// Standard deviation.
+    /// Standard deviation of the measured value, in `unit`.
     pub std: f64,
-    /// Unit of the value.
+    /// Unit of the measured value.
     pub unit: Unit,
 }
 
 /// A shape parameter of a candidate, which lies on a grid and is not fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shape {
-    /// Name, that of docs/formats.md.
+    /// Name of the shape parameter, as in docs/formats.md.
     pub name: &'static str,
     /// Value of the shape parameter.
     pub value: f64,
-    /// Unit of the value.
+    /// Unit of the shape parameter.
     pub unit: Unit,
 }
 
@@ -119,11 +119,11 @@ impl Shape {
 /// A hypothesis: an effect at one place with fixed shape parameters.
 #[derive(Clone)]
 pub struct Candidate {
-    /// Effect of the catalogue.
+    /// Effect of the catalogue that the candidate is of.
     pub effect: Effect,
     /// Joints that the report names.
     pub joints: Vec<usize>,
-    /// Driving joint of a coupling.
+    /// Index of the driving joint; none but for a coupling.
     pub driver: Option<usize>,
     /// Columns of the candidate.
     pub columns: Vec<Column>,
@@ -131,16 +131,16 @@ pub struct Candidate {
     pub bounds: Vec<Bound>,
     /// Reported quantity of each coefficient.
     pub quantities: Vec<Quantity>,
-    /// Change of its link's parameters per unit of its only coefficient, for a candidate that is such a change alone.
+    /// Change of the link's parameters per unit of the only coefficient, for a candidate that is such a change alone.
     pub change: Option<[f64; PARAMETERS_PER_LINK]>,
-    /// Shape parameters.
+    /// Shape parameters of the candidate, which are not fitted.
     pub shape: Vec<Shape>,
     /// Sizes that a separate sensor measured.
     pub sizes: Vec<Size>,
     /// Prior mean and standard deviation of its coefficients where the recording shows them directly, whatever
     /// the residual beside its columns.
     pub known: Option<(f64, f64)>,
-    /// Evidence for it beside the error that it removes, nats.
+    /// Evidence for the candidate beside the error that it removes, nats.
     pub evidence: f64,
     /// Chance of a trace as clear as the one in the recording, where that names the candidate by itself,
     /// whatever error its columns remove.

@@ -35,7 +35,7 @@ pub enum Effect {
     JointElasticity,
     /// Play in the transmission.
     Backlash,
-    /// Another joint's motion driving this joint's transmission.
+    /// Coupling: another joint's motion drives this joint's transmission.
     JointCoupling,
     /// A wrong torque constant or gear ratio.
     TorqueGain,
@@ -45,14 +45,14 @@ pub enum Effect {
     TimeDelay,
     /// The recorded torque is cut at a limit.
     Saturation,
-    /// A wrong joint zero.
+    /// Wrong joint zero: recorded positions are off by a constant.
     EncoderOffset,
     /// A force from outside during part of the recording.
     ExternalContact,
 }
 
 impl Effect {
-    /// All effects.
+    /// All effects of the catalogue, parameters first.
     pub const ALL: [Effect; 23] = [
         Effect::LinkParameters,
         Effect::FrictionParameters,

@@ -5,17 +5,17 @@
 pub enum Experiment {
     /// Rests, reached from either side.
     Rests,
-    /// No motion: a level on the base.
+    /// Level put on the robot's base; no motion.
     Level,
     /// The same motions with and without a known mass on the last link.
     KnownMass,
     /// The same motion at another temperature.
     ColdAndWarm,
-    /// The whole range, slowly.
+    /// Slow motion over the joint's whole range, to and fro.
     WholeRange,
     /// Repetition of the same speeds under other loads.
     Loads,
-    /// All speeds.
+    /// Constant speeds from the slowest to the fastest.
     Speeds,
     /// Many reversals of the velocity.
     Reversals,

@@ -132,7 +132,8 @@ impl Warmth {
         }
     }
 
-    /// Factor over the samples of a scene; `usual` where its temperature is unknown.
+    /// Rise of the joint's temperature that scales its friction, at each sample, K: it fades with growing temperature.
+    /// `usual` stands in where the temperature is unknown.
     fn factor(self, scene: &Scene, joint: usize, usual: f64) -> Array1<f64> {
         match scene.temperature(joint) {
             Some(t) => t.mapv(|t| self.at(t)),
@@ -171,8 +172,8 @@ fn terms(scene: &Scene, friction: Sliding, constant: f64, end: f64) -> Vec<(f64,
     terms
 }
 
-/// How a model directory carries a drift: over the clock as terms of the torque model, over temperature not at
-/// all, since no control loop is told a temperature.
+/// Place of a drift of friction in a model directory: terms of the torque model for a drift over the clock. A drift
+/// over temperature has no place, since no control loop knows a temperature.
 fn by_clock_alone(candidate: &Candidate) -> Carried {
     match candidate.shape(REFERENCE) {
         Some(_) => Carried::Not,

@@ -5,7 +5,7 @@ use super::effect::Effect;
 use super::experiment::Experiment;
 use super::reported::Parameter;
 
-/// Property of a recording that an effect needs to be told from others.
+/// Property that a recording must have for an effect to be told from others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// Enough reversals of the joint.
@@ -14,7 +14,7 @@ pub enum Need {
     Speed,
     /// Large enough part of the joint's range.
     Range,
-    /// A minute of motion.
+    /// At least a minute of motion.
     Minute,
     /// A sampling rate that shows vibration.
     Rate,
@@ -23,21 +23,21 @@ pub enum Need {
 /// Place of a cause in a model directory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carried {
-    /// Terms of the torque model.
+    /// Place among the terms of the torque model.
     Terms,
-    /// Gain of the torque channel.
+    /// Place in the gain of the torque channel.
     Gain,
-    /// Offset of the torque channel.
+    /// Place in the offset of the torque channel.
     Offset,
-    /// Limit of the torque channel.
+    /// Place in the limit of the torque channel.
     Limit,
-    /// Zero of a joint.
+    /// Place in the zero of a joint's position.
     Zero,
-    /// Delay of the torque channel, common to all joints.
+    /// Place in the delay of the torque channel, common to all joints.
     Delay,
-    /// Direction of gravity.
+    /// Place in the direction of gravity in the base frame.
     Gravity,
-    /// None: no torque model holds it.
+    /// No place: a torque model cannot hold the cause.
     Not,
 }
 
@@ -46,13 +46,13 @@ pub enum Carried {
 pub enum Correction {
     /// Inertial parameters of links.
     Links,
-    /// Friction of joints.
+    /// Friction coefficients of joints.
     Friction,
     /// Body fixed to the last link.
     Load,
     /// Rotor inertia of a joint, kg·m².
     Rotor,
-    /// Zero of a joint, rad.
+    /// Zero of a joint's position, rad.
     Zero,
     /// Rotation of the base, rad.
     Tilt,
@@ -61,13 +61,13 @@ pub enum Correction {
 /// Description of an effect: names, texts and rules.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
-    /// Name in the report.
+    /// Name of the effect in the report.
     pub name: &'static str,
-    /// Name in plain words.
+    /// Name of the effect in plain words.
     pub plain: &'static str,
     /// Advice on the simulator's settings; `{}` is replaced by the sizes.
     pub remedy: &'static str,
-    /// Effects whose torque looks alike on a usual recording. They are a fair second answer where the effect
+    /// Effects whose torque looks like this effect's on most recordings. They are a fair second answer where the effect
     /// itself is not in the catalogue. Parameters of links and of friction are confounders of all that they can
     /// absorb.
     pub confounders: &'static [Effect],
@@ -109,20 +109,20 @@ pub struct Info {
     pub carried: fn(&Candidate) -> Carried,
     /// Converts linear coefficients into the quantities that users expect.
     pub reported: fn(&mut Vec<Parameter>),
-    /// Motion that separates it from other effects.
+    /// Motion that separates the effect from others.
     pub experiment: Experiment,
-    /// Motions that separate it from particular other effects.
+    /// Motions that separate the effect from particular other effects.
     pub experiments: &'static [(Effect, Experiment)],
     /// Reason why a planned motion is not judged by the torque of the effect.
     pub unplanned: &'static str,
     /// Reason why no simulator's description or code holds it, where it is not written.
     pub unwritten: &'static str,
-    /// Least part of its joints' squared error that it must remove to be accepted.
+    /// Least part of its joints' squared error that the effect must remove to be accepted.
     pub least_fraction: f64,
 }
 
 impl Info {
-    /// Defaults.
+    /// Description with every default, from which each effect's is made.
     pub const NEW: Self = Self {
         name: "",
         plain: "",

@@ -73,7 +73,7 @@ impl Effect {
         }
     }
 
-    /// Name in the report.
+    /// Name of the effect in the report.
     pub fn name(self) -> &'static str {
         self.info().name
     }

@@ -3,19 +3,19 @@
 use super::unit::Unit;
 use serde::Serialize;
 
-/// A size of a cause.
+/// Size of a cause in the report: one value with its unit.
 #[derive(Clone, Debug, Serialize)]
 pub struct Parameter {
-    /// Name, that of docs/formats.md.
+    /// Name of the size, as in docs/formats.md.
     pub name: String,
-    /// Joint, where it belongs to one.
+    /// Name of the joint, where the size belongs to one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
-    /// Value of the parameter.
+    /// Value of the size, in `unit`.
     pub value: f64,
     /// Standard deviation; null where none was estimated.
     pub std: Option<f64>,
-    /// Unit of the value.
+    /// Unit of value and deviation.
     pub unit: Unit,
 }
 

@@ -50,9 +50,9 @@ const OWN: [f64; 7] = [-4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0];
 /// Time constants of a filter that are tried, in sampling intervals.
 const LAGS: [f64; 4] = [0.75, 1.5, 3.0, 6.0];
 
-/// Refinement of a known delay: parts of it that are a filter's, and factors on it.
+/// Parts of a known delay that are tried as a filter's, the remainder being a shift.
 const PARTS: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
-/// Factors, see `PARTS`.
+/// Factors on a known delay with which the delay is tried again.
 const FACTORS: [f64; 5] = [0.7, 0.85, 1.0, 1.2, 1.45];
 
 /// Candidates of a delay of all joints.

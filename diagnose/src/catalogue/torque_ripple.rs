@@ -23,7 +23,7 @@ pub(super) const INFO: Info = Info {
     ..Info::NEW
 };
 
-/// Most lines of one joint.
+/// Largest number of lines of one joint's ripple.
 pub const LINES: usize = 3;
 
 const NAMES: [(&str, &str); LINES] = [

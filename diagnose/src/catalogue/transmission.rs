@@ -15,7 +15,7 @@ use ndarray::{Array1, Array2, Axis};
 pub(super) struct Spring {
     /// Natural frequency of the link on the spring, Hz.
     pub frequency: f64,
-    /// Damping ratio.
+    /// Damping ratio of the link on the spring.
     pub damping: f64,
     /// Part of the joint's inertia that turns with the motor.
     pub rotor: f64,
@@ -28,7 +28,7 @@ pub(super) struct Spring {
 /// flank is computed in the whole band of the rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
-    /// Half of the play, rad.
+    /// Half of the play between the flanks, rad.
     pub half_play: f64,
     /// Part of the joint's inertia that turns with the motor.
     pub rotor: f64,

@@ -27,67 +27,68 @@ units! {
     One = "1",
     /// Sign: −1 or 1.
     Sign = "sign",
-    /// Angle.
+    /// Angle, rad.
     Rad = "rad",
-    /// Length.
+    /// Length, m.
     Metre = "m",
-    /// Order: periods per angle.
+    /// Order of a periodic torque over an angle, 1/rad.
     PerRad = "1/rad",
-    /// Order: periods per length.
+    /// Order of a periodic torque over a length, 1/m.
     PerMetre = "1/m",
-    /// Angular velocity.
+    /// Angular velocity, rad/s.
     RadPerSecond = "rad/s",
-    /// Velocity.
+    /// Linear velocity, m/s.
     MetrePerSecond = "m/s",
-    /// Angular acceleration.
+    /// Angular acceleration, rad/s².
     RadPerSecond2 = "rad/s²",
-    /// Acceleration.
+    /// Linear acceleration, m/s².
     MetrePerSecond2 = "m/s²",
-    /// Time.
+    /// Time, s.
     Second = "s",
-    /// Frequency.
+    /// Frequency, Hz.
     Hertz = "Hz",
     /// Time as a multiple of the recording's length.
     Session = "session",
-    /// Mass.
+    /// Mass, kg.
     Kilogram = "kg",
-    /// First moment of mass.
+    /// First moment of mass, kg·m.
     KilogramMetre = "kg·m",
-    /// Inertia.
+    /// Moment of inertia, kg·m².
     KilogramMetre2 = "kg·m²",
-    /// Force.
+    /// Force, N.
     Newton = "N",
-    /// Torque.
+    /// Torque, N·m.
     NewtonMetre = "N·m",
-    /// Damping by relative motion, which has no unit of its own.
+    /// Damping by relative motion, which has no unit of its own, N·m·s.
     NewtonMetreSecond = "N·m·s",
-    /// Damping by relative motion of a joint that slides; also viscous torque by the velocity of a joint that slides.
+    /// Damping by relative motion of a joint that slides, N·s; also viscous torque by the velocity of a joint that
+    /// slides.
     NewtonSecond = "N·s",
-    /// Viscous friction.
+    /// Viscous friction of a joint that turns, N·m·s/rad.
     NewtonMetreSecondPerRad = "N·m·s/rad",
-    /// Viscous friction of a joint that slides.
+    /// Viscous friction of a joint that slides, N·s/m.
     NewtonSecondPerMetre = "N·s/m",
-    /// Viscous force by the velocity of a joint that turns.
+    /// Viscous force by the velocity of a joint that turns, N·s/rad.
     NewtonSecondPerRad = "N·s/rad",
-    /// Stiffness.
+    /// Stiffness of a joint that turns, N·m/rad.
     NewtonMetrePerRad = "N·m/rad",
-    /// Stiffness of a joint that slides.
+    /// Stiffness of a joint that slides, N/m.
     NewtonPerMetre = "N/m",
-    /// Force by the angle of a joint that turns.
+    /// Force by the angle of a joint that turns, N/rad.
     NewtonPerRad = "N/rad",
-    /// Compliance.
+    /// Compliance of a joint that turns, rad/(N·m).
     RadPerNewtonMetre = "rad/(N·m)",
-    /// Temperature.
+    /// Temperature, °C.
     Celsius = "°C",
-    /// Difference of temperature.
+    /// Difference of temperature, K.
     Kelvin = "K",
-    /// Coulomb friction by temperature.
+    /// Coulomb friction by temperature, N·m/K.
     NewtonMetrePerKelvin = "N·m/K",
-    /// Viscous friction by temperature.
+    /// Viscous friction by temperature, N·m·s/(rad·K).
     NewtonMetreSecondPerRadKelvin = "N·m·s/(rad·K)",
-    /// Coulomb friction of a joint that slides, by temperature.
+    /// Coulomb friction of a joint that slides, by temperature, N/K.
     NewtonPerKelvin = "N/K",
-    /// Viscous friction of a joint that slides, by temperature.
+    /// Viscous friction of a joint that slides, by temperature, N·s/(m·K).
     NewtonSecondPerMetreKelvin = "N·s/(m·K)",
 }
 

@@ -41,8 +41,8 @@ pub(crate) fn options(
     changes(Earlier::Other(usual))
 }
 
-/// Repeatability of the robot: residual between executions of one motion in one of the recordings, as
-/// trajectories or as periods. Differences from one execution to the next are no change.
+/// Repeatability of the robot: the spread of torque between executions of one motion within a recording, which are
+/// trajectories or periods. The larger one of the two recordings counts. None where no motion is repeated.
 fn spread(recordings: &[&Recording]) -> Option<Baseline> {
     let each = recordings.iter().filter_map(|r| {
         let left = repeats::spread(r)?;

@@ -9,12 +9,12 @@ pub struct Baseline {
     pub(crate) earned: f64,
     /// Root mean square residual in motion, by joint, N·m (N).
     pub(crate) left: Vec<f64>,
-    /// Its structured part, over the joint's torque.
+    /// Structured part of that residual, by joint, over the deviation of the joint's torque.
     pub(crate) structured: Vec<f64>,
 }
 
 impl Baseline {
-    /// The larger value of each.
+    /// Baseline with the larger value of each figure of two.
     pub(super) fn most(self, other: Self) -> Self {
         let larger =
             |a: Vec<f64>, b: Vec<f64>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
@@ -95,7 +95,8 @@ impl Earlier {
             })
     }
 
-    /// Structure beyond `margin` times the usual one; none where the usual one is unknown.
+    /// Structure of each joint that exceeds `margin` times what the baseline shows where nothing has changed. With an
+    /// unknown baseline of repeated motions all structure is kept; with one of other motions, no structure.
     pub(super) fn beyond(&self, left: Vec<Option<Misfit>>, margin: f64) -> Vec<Option<Misfit>> {
         let beyond = |(j, l): (usize, Option<Misfit>)| match self {
             Self::Repeated { usual: None, .. } => l,

@@ -7,7 +7,7 @@ use crate::settings::Settings;
 /// Options of a diagnosis.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Thresholds.
+    /// Thresholds that decide what the diagnosis says.
     pub settings: Settings,
     /// Effects that are searched.
     pub effects: Choice,

@@ -7,11 +7,11 @@ use ndarray::{Array1, Array2, ArrayView1};
 
 /// Upper ends of the groups of rows by time from a reversal, s.
 const NEAR: [f64; 4] = [0.02, 0.06, 0.12, 0.25];
-/// Fewest rows of a group for its mean squared error.
+/// Least number of rows in a group for its mean squared error.
 const FEWEST: usize = 40;
 /// Least part of a joint's rows that must be away from reversals.
 const AWAY: f64 = 0.25;
-/// Least weight of a row.
+/// Smallest weight that a row near a reversal gets.
 const LEAST: f64 = 0.1;
 
 /// Largest weight of each row, shape (rows, joints): mean squared residual away from the joint's reversals over

@@ -28,7 +28,7 @@ use std::sync::Arc;
 pub(super) struct Channels {
     /// Whether each joint lacks a usable torque channel.
     pub dead: Vec<bool>,
-    /// Whether any other joint moves.
+    /// Whether some joint with a usable torque channel moves long enough to be judged.
     pub moves: bool,
 }
 
@@ -69,15 +69,16 @@ struct Search {
 
 /// Result of the repeated search.
 pub(super) struct Searched {
-    /// Accepted causes.
+    /// Accepted causes of the last search, with their fit.
     pub findings: Findings,
-    /// Listed causes.
+    /// Listing of the accepted causes.
     pub listing: Listing,
-    /// Structure in their residual, by joint.
+    /// Structure in the residual of the listed causes, by joint.
     pub left: Vec<Option<Misfit>>,
-    /// Structure as the verdict uses it, by joint: where pushes are known, that beside weaker pushes.
+    /// Structure in the residual as the verdict uses it, by joint: where pushes are known, the one beside weaker
+    /// pushes.
     pub beside: Vec<Option<Misfit>>,
-    /// Their residual, judged by the joints' state of motion.
+    /// Residual of the listed causes, judged by the joints' state of motion.
     pub judged: Judged,
     /// Pushes in the fitted recording.
     pub contact: Option<Contact>,
@@ -159,9 +160,9 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// Structure beside pushes, by joint: the lesser of that on all rows, and that without the part of the
-    /// remaining recording with the largest residual. A person who pushes visibly also pushes weakly, and that
-    /// is no unknown effect.
+    /// Structure beside pushes, by joint: the lesser of that on all rows, and that without the loudest part of the
+    /// remaining recording. A person who pushes visibly also pushes weakly; without that part weak pushes do not pass
+    /// for an unknown effect.
     fn beside(&self, found: &Search, skipped: &[bool]) -> Vec<Option<Misfit>> {
         let settings = &self.options.settings;
         let data = &self.frames.data;
@@ -291,7 +292,8 @@ impl<'a> Searcher<'a> {
         left.any(|l| l.structured() > clear && learnable(l))
     }
 
-    /// Whether a learner predicts the residual from motion: then it repeats, and is no contact.
+    /// Whether a learner predicts the residual from motion. If so, the residual repeats with the motion and cannot be
+    /// contact.
     fn repeats(&self, left: &[Option<Misfit>]) -> bool {
         let most = self.options.settings.traces.contact.learnable;
         self.structured(left, |l| l.learnable > most)

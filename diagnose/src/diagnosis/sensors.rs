@@ -9,7 +9,7 @@ use crate::schema::Cause;
 use crate::schema::value::value;
 use physics::robot::Robot;
 
-/// A line for each sensor that is not used, and for each gear that visibly gives way and is no cause.
+/// Sentences on each sensor that is not used, and on each gear that visibly gives way without being among the causes.
 pub(super) fn beside(
     frames: &Frames,
     links: &[Link],

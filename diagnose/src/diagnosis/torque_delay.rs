@@ -6,7 +6,7 @@ use crate::motion::channel::Channel;
 use crate::search::find::Findings;
 use physics::robot::Robot;
 
-/// Most searches after the first: the set of late joints hardly changes after one.
+/// Largest number of searches after the first: the set of late joints hardly changes after one.
 pub(super) const ROUNDS: usize = 2;
 
 /// Whether both channels delay the same joints.

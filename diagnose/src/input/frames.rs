@@ -21,27 +21,28 @@ const TRAJECTORIES: usize = 4;
 pub struct ResidualNoise {
     /// Integrated autocorrelation time of each joint's residual, rows.
     pub correlation_rows: Vec<f64>,
-    /// See [`Frames::turning`].
+    /// Largest weight of each fitted row by the residual around reversals, see [`Frames::turning`]. Shape (rows,
+    /// joints).
     pub turning: Array2<f64>,
 }
 
 /// Fitted and held-out recording on their clocks.
 #[derive(Clone)]
 pub struct Frames {
-    /// Fitted recording.
+    /// Fitted recording, prepared.
     pub data: Frame,
     /// Held-out recording, which is scored.
     pub heldout: Frame,
     /// Sizes of the fitted recording.
     pub scale: Scale,
-    /// Options with which both were prepared.
+    /// Options with which both recordings were prepared.
     pub options: PrepareOptions,
     /// Choice of the cut-off; none where it was given or a model's.
     pub cutoff: Option<CutoffChoice>,
     /// Largest weight of the fitted rows, shape (rows, joints), from a search's residual around the joints'
     /// reversals; none before a search.
     pub turning: Option<Array2<f64>>,
-    /// Trajectories on which the softness of signs is chosen.
+    /// Indices of the trajectories on which the softness of signs is chosen.
     spread: Vec<usize>,
     /// Terms of an identified model that its robot does not hold, by joint.
     beside: Vec<Terms>,

@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 
 /// A simulator's model with the options for reading its robot's recordings.
 pub struct Given {
-    /// Nominal model, as given.
+    /// Model to which the gap is measured, as given.
     pub model: NominalModel,
-    /// Its description, as the user's file has it where there is one.
+    /// Description of its robot: the user's own file where there is one.
     pub description: Description,
     /// The recordings that are fitted, file by file, once they are read.
     pub sources: Vec<Source>,

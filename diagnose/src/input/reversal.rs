@@ -123,11 +123,11 @@ pub fn signs(
 
 /// Sign of one joint's friction, and the squared errors of the alternatives.
 struct Turn {
-    /// Best sign without lead.
+    /// Best sign of friction without lead.
     best: EarlySign,
-    /// Squared error without lead.
+    /// Squared error with the best sign without lead.
     at_once: f64,
-    /// Best sign with lead, and its squared error.
+    /// Best sign of friction with a lead, and its squared error.
     early: (EarlySign, f64),
     /// Least squared error with a torque that is early as a whole, or not at all.
     as_a_whole: f64,

@@ -25,7 +25,7 @@ pub struct Listing {
     pub parameters: Vec<(Effect, Vec<usize>)>,
     /// Residual of the last step out of fold at the recorded samples, shape (samples, joints).
     pub residual: Array2<f64>,
-    /// Sum over joints of the squared NRMSE of the model as given.
+    /// Gap of the model as given: sum over joints of the squared NRMSE.
     pub given: f64,
     /// Coulomb friction in the last step's prediction, N·m, by joint.
     pub coulomb: Vec<f64>,
@@ -160,13 +160,14 @@ type Errors = (Vec<Option<f64>>, Vec<Vec<f64>>);
 
 /// Fall of each joint's NRMSE by freeing parameters, where it is larger than by noise.
 struct Falls {
-    /// Fall by freeing the links' parameters, with friction fitted.
+    /// Fall of each joint's NRMSE by freeing the links' parameters, with friction fitted.
     links: Vec<f64>,
-    /// Fall by freeing friction, with the links' parameters fitted.
+    /// Fall of each joint's NRMSE by freeing friction, with the links' parameters fitted.
     friction: Vec<f64>,
-    /// By freeing both together.
+    /// Fall of each joint's NRMSE by freeing links' parameters and friction together.
     both: Vec<f64>,
-    /// By freeing both without any cause of kind `structure`.
+    /// Fall of each joint's NRMSE by freeing links' parameters and friction together, without any cause of kind
+    /// `structure`.
     alone: Vec<f64>,
 }
 

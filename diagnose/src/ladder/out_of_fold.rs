@@ -13,7 +13,7 @@ pub struct OutOfFold<'a> {
     frame: &'a Frame,
     gap: &'a Array2<f64>,
     columns: Columns,
-    /// Samples of each fold.
+    /// Ranges of the recorded samples of each fold.
     folds: Vec<Vec<Range<usize>>>,
     weight: &'a Array2<f64>,
     /// Blocks of rows that the bootstrap draws.
@@ -21,8 +21,8 @@ pub struct OutOfFold<'a> {
 }
 
 impl<'a> OutOfFold<'a> {
-    /// For all variables that some fit of `found` may have. `gap` at the recorded samples, shape (samples,
-    /// joints); `weight` of the fitted rows, shape (rows, joints).
+    /// Predictions for all variables that any fit of `found` may have. `gap` is at the recorded samples, shape
+    /// (samples, joints); `weight` is of the fitted rows, shape (rows, joints).
     pub fn new(
         found: &Findings,
         frames: &'a Frames,

@@ -15,9 +15,9 @@ pub enum Free {
     All,
     /// Inertial parameters alone.
     Links,
-    /// Friction alone.
+    /// Friction coefficients alone.
     Friction,
-    /// None: all as given.
+    /// No parameter: all are held as given.
     Nothing,
 }
 

@@ -19,7 +19,7 @@ pub const TERMS: [&str; 5] = [
     "ln(1 + gain over chance)",
     "ln(1 + structure left in %)",
 ];
-/// Number of weights.
+/// Number of weights of the logistic regression.
 pub const WEIGHTS: usize = TERMS.len();
 
 impl Support {

@@ -47,7 +47,7 @@ pub struct Explanation {
 
 /// Findings on the fitted recording, which the held-out recording only measures.
 pub struct FittedFindings<'a> {
-    /// Causes that are listed.
+    /// Causes that are listed in the report.
     pub listing: &'a Listing,
     /// Pushes found in the fitted recording.
     pub contact: Option<&'a Contact>,

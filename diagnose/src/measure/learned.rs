@@ -22,7 +22,7 @@ use std::ops::Range;
 const RATE: f64 = 62.5;
 /// Number of samples that an epoch visits.
 const SAMPLES: f32 = 8000.0;
-/// Number of epochs.
+/// Number of epochs for which each unit is trained.
 const EPOCHS: usize = 10;
 /// Fewest pieces; with fewer trajectories each is cut in time.
 const FEWEST: usize = 8;
@@ -31,12 +31,12 @@ const SHORTEST: usize = 50;
 /// Part of the pieces that judges whether a unit helps.
 const JUDGES: f64 = 0.25;
 
-/// A trained compensator.
+/// Compensator trained on the residual beside the causes.
 pub struct Learned {
     compensator: Compensator,
     inputs: Vec<Input>,
     period: f64,
-    /// Torque that it adds on the held-out recording, N·m (N), shape (samples, joints).
+    /// Torque that the compensator adds on the held-out recording, N·m (N), shape (samples, joints).
     pub torque: Array2<f64>,
 }
 

@@ -18,11 +18,11 @@ use signal::delay::student;
 /// A joint whose friction differs in the held-out recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Changed {
-    /// Index of the joint.
+    /// Index of the joint whose friction differs.
     pub joint: usize,
     /// Relative change of friction from the fitted to the held-out recording.
     pub change: f64,
-    /// Standard deviation of the change.
+    /// Standard deviation of the relative change of friction.
     pub std: f64,
 }
 

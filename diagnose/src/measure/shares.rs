@@ -12,11 +12,11 @@ use ndarray::Array2;
 
 /// Torques for the share of one cause, N·m (N), all of shape (samples, joints).
 pub struct Removed<'a> {
-    /// The gap as given.
+    /// Gap to the model as given.
     pub gap: &'a Array2<f64>,
-    /// Torques of all causes.
+    /// Torque of all causes together.
     pub all: &'a Array2<f64>,
-    /// Torque of this cause.
+    /// Torque of the cause whose share is taken.
     pub torque: &'a Array2<f64>,
     /// Residual with all causes.
     pub with: &'a Array2<f64>,

@@ -26,7 +26,7 @@ use std::ops::Range;
 
 /// Integration step and control period, s.
 const STEP: f64 = 1e-3;
-/// Most motion that is simulated, s.
+/// Longest duration of motion that is simulated, s.
 const LONGEST: f64 = 20.0;
 /// Time between the starts of free runs, s, and their longest duration, s.
 const FREE: (f64, f64) = (2.0, 5.0);

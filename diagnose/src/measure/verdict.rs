@@ -14,7 +14,7 @@ use ndarray::Array2;
 
 /// Evidence for the verdict.
 pub(crate) struct Evidence<'a> {
-    /// Joints without a usable torque channel.
+    /// Whether each joint lacks a usable torque channel.
     pub dead: &'a [bool],
     /// Whether some joint moves long enough to be judged.
     pub moves: bool,
@@ -22,7 +22,7 @@ pub(crate) struct Evidence<'a> {
     pub given: f64,
     /// Structure in the residual, by joint.
     pub left: &'a [Option<Misfit>],
-    /// Size of the residual and of the floor, by joint.
+    /// Residual of each joint that the causes leave, and its noise floor.
     pub rest: &'a [Unexplained],
     /// Whether any cause is listed.
     pub causes: bool,
@@ -30,7 +30,8 @@ pub(crate) struct Evidence<'a> {
     pub pushed: bool,
     /// Part of the held-out samples that pushes cut out.
     pub cut: f64,
-    /// Mean NRMSE on the held-out recording, as given and with all causes, where it confirms none of them and is not better by them.
+    /// Mean NRMSE on the held-out recording, as given and with all causes. None unless the causes fail to lower it and
+    /// none of them is confirmed there.
     pub denied: Option<[f64; 2]>,
 }
 

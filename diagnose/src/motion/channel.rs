@@ -8,9 +8,9 @@ use signal::Motion;
 /// Delay of the torque channel.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// Delay common to all joints.
+    /// Delay of the torque that is common to all joints.
     pub whole: Option<Late>,
-    /// Further delay of each single joint.
+    /// Further delay of each single joint's torque.
     pub own: Vec<Option<Late>>,
     /// The model as given, with which the undelayed torque is computed.
     pub given: Robot,

@@ -6,7 +6,7 @@ use signal::Motion;
 /// Delay of a recorded torque: a shift, then a first-order filter, as of a motor current.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Late {
-    /// Shift, s; negative where the torque is early.
+    /// Shift of the torque, s; negative where it is early.
     pub shift: f64,
     /// Time constant of the filter, s; zero without one.
     pub constant: f64,

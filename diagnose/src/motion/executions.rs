@@ -22,7 +22,7 @@ const NEARLY: f64 = 0.5;
 /// One trajectory: time stamps and positions.
 #[derive(Clone, Debug)]
 pub struct Execution {
-    /// Time since its start, s.
+    /// Time of each sample since the trajectory's start, s.
     time: Vec<f64>,
     /// Positions, rad (m), shape (samples, joints).
     q: Array2<f64>,
@@ -51,7 +51,7 @@ impl Execution {
         }
     }
 
-    /// Duration, s.
+    /// Duration of the execution, s.
     pub fn length(&self) -> f64 {
         self.time.last().copied().unwrap_or(0.0)
     }

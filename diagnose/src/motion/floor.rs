@@ -24,7 +24,7 @@ const STRETCH: f64 = 0.25;
 const PERIODS: f64 = 8.0;
 /// Upper end of the part of the spectrum above the band that is used instead of the band, relative to the band's edge.
 const EDGE: f64 = 1.6;
-/// Edge of the band where there is no low-pass, and the highest edge that leaves room above it, relative to the sampling rate.
+/// Edge of the band where there is no low-pass, relative to the sampling rate. A low-pass's edge is lowered to it.
 const HIGHEST: f64 = 0.4;
 
 /// Least root mean squared error of any model of `robot`, by joint, N·m (N). None where the recording does not show it.

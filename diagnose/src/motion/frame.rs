@@ -15,7 +15,7 @@ use signal::filter::{filtfilt, filtfilt_each};
 use signal::sos::{Section, butterworth};
 use std::ops::Range;
 
-/// Rate of the rows that are fitted, Hz: no effect but ripple lives above a third of it, and ripple
+/// Rate of the rows that are fitted, Hz: effects but ripple show below a third of it, and ripple
 /// is searched on the recorded samples.
 const ANALYSIS_RATE: f64 = 62.5;
 /// Cut-off of the low-pass before thinning, relative to the rate of the rows.
@@ -88,7 +88,7 @@ impl Frame {
         })
     }
 
-    /// The prepared recording.
+    /// Recording as prepared, from which the frame is made.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
@@ -126,7 +126,7 @@ impl Frame {
         0..0
     }
 
-    /// Motion on the fine grid.
+    /// Motion of the recording on the fine grid.
     pub fn motion(&self) -> &Motion {
         &self.prepared.fine
     }
@@ -157,12 +157,12 @@ impl Frame {
         self.rows.last().map_or(0, |r| r.end)
     }
 
-    /// True when there is no row.
+    /// Whether the frame has no fitted row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub fn dof(&self) -> usize {
         self.tau.ncols()
     }

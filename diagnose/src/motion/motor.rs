@@ -12,11 +12,11 @@ const STEP: f64 = 1e-4;
 /// Partial derivatives of all joints' rigid torque by the position, velocity and acceleration of one joint.
 /// Tables of shape (samples, joints).
 pub struct Tangent {
-    /// Derivative by position, N·m/rad.
+    /// Derivative of all joints' torque by the joint's position, N·m/rad.
     pub q: Array2<f64>,
-    /// Derivative by velocity, N·m·s/rad.
+    /// Derivative of all joints' torque by the joint's velocity, N·m·s/rad.
     pub qd: Array2<f64>,
-    /// Derivative by acceleration, kg·m².
+    /// Derivative of all joints' torque by the joint's acceleration, kg·m².
     pub qdd: Array2<f64>,
 }
 
@@ -38,9 +38,9 @@ pub enum Band {
 
 /// Motion and torques that drive the transmission of one joint.
 pub struct Motor<'s> {
-    /// Index of the joint.
+    /// Index of the joint whose transmission is driven.
     pub joint: usize,
-    /// Acceleration, rad/s² (m/s²).
+    /// Acceleration of the joint's motor, rad/s² (m/s²).
     pub qdd: ArrayView1<'s, f64>,
     /// Torque that the rigid body needs to follow the motor, N·m (N).
     pub rigid: ArrayView1<'s, f64>,

@@ -77,7 +77,7 @@ impl<'a> History<'a> {
         self.sensed
     }
 
-    /// Motion of the recording.
+    /// Motion of the recording that is looked at.
     pub fn motion(&self) -> &'a Motion {
         self.motions[self.part]
     }

@@ -33,7 +33,7 @@ pub struct Scale {
     pub lead: Vec<f64>,
     /// Root mean square velocity, rad/s (m/s).
     pub speed: Vec<f64>,
-    /// Lowest and highest position, rad (m).
+    /// Lowest and highest position of each joint, rad (m).
     pub range: Vec<(f64, f64)>,
     /// Root mean square of the torque to be explained in absolute terms (the measured one), N·m.
     pub torque: Vec<f64>,
@@ -59,9 +59,9 @@ impl Scale {
 
 /// One recording with the present model evaluated on it. Tables have shape (samples, joints).
 pub struct Scene<'a> {
-    /// The present model.
+    /// Robot with the parameters of the present model.
     pub robot: &'a Robot,
-    /// Motion at the fine rate.
+    /// Motion of the recording at the fine rate.
     pub motion: &'a Motion,
     /// Sizes of the recording that is fitted.
     pub scale: &'a Scale,
@@ -170,17 +170,17 @@ impl<'a> Scene<'a> {
         self.passage.sensed()?.temperature(joint)
     }
 
-    /// Number of samples.
+    /// Number of samples of the motion.
     pub fn len(&self) -> usize {
         self.motion.len()
     }
 
-    /// True when there is no sample.
+    /// Whether the motion has no sample.
     pub fn is_empty(&self) -> bool {
         self.motion.is_empty()
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub fn dof(&self) -> usize {
         self.motion.dof()
     }

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// Range of motion below which a joint's sensors are not judged, rad (m).
 const STILL: f64 = 1e-3;
-/// Range of motion of a link over that of its motor.
+/// Range of a link's motion over its motor's in which the link's encoder is used.
 const FOLLOWS: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 /// Largest distance between the zeros of both encoders, rad (m).
 const APART: f64 = 1.0;
@@ -26,7 +26,8 @@ const GIVES: f64 = 0.05;
 const POSSIBLE: std::ops::RangeInclusive<f64> = -60.0..=200.0;
 /// Range below which a temperature is not used, K.
 const WARMS: f64 = 1.0;
-/// Half width of the smoothing of a temperature, s: it changes more slowly than its steps of a kelvin.
+/// Half width of the smoothing of a temperature, s. A temperature changes more slowly than the sensor steps by a
+/// kelvin.
 const SMOOTHED: f64 = 4.0;
 
 /// Departure of a link from its motor, q − q_link, with two derivatives, per fine sample.

@@ -19,13 +19,13 @@ pub enum State {
     Moving,
     /// Slower than the reversal speed, but not for long.
     Passing,
-    /// At rest for longer than the setting `rest` (half a second).
+    /// At rest for longer than the setting `rest`.
     Standing,
 }
 
 /// Coulomb friction in a prediction.
 pub struct Coulomb {
-    /// Coulomb torque by joint, N·m (N).
+    /// Coulomb torque of each joint, N·m (N).
     pub torque: Vec<f64>,
     /// Softened sign of the velocity at the recorded samples, shape (samples, joints).
     pub sign: Array2<f64>,
@@ -39,7 +39,7 @@ pub struct Judged {
     pub gap: Array2<f64>,
     /// The residual; for a joint at rest, its departure from the torque that it holds most of the time.
     pub departure: Array2<f64>,
-    /// The same departure beyond the torque that friction holds where a joint at rest gave way a little.
+    /// Departure beyond the torque that friction holds where a joint at rest gave way a little.
     pub beyond: Array2<f64>,
 }
 
@@ -220,8 +220,8 @@ pub fn judge(
     }
 }
 
-/// Torque that a joint holds most of the time of a rest: the median within `most`, the Coulomb torque, if
-/// enough of the rest lies within it; else of the whole rest.
+/// Torque that a joint holds for most of a rest, N·m (N): the median of the values within `most`, its Coulomb torque.
+/// Of the whole rest where too little of it lies within.
 fn usual(held: &[f64], most: f64, settings: &MotionSettings) -> f64 {
     let within: Vec<f64> = held.iter().copied().filter(|x| x.abs() <= most).collect();
     let long = within.len() as f64 >= settings.held * held.len() as f64;

@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 /// Report of a diagnosis.
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
-    /// `diagnosis/1`
+    /// Name and version of the report's format: `diagnosis/1`.
     pub schema: &'static str,
-    /// Joint names, base first.
+    /// Names of the robot's joints, base first.
     pub joints: Vec<String>,
-    /// Verdict.
+    /// Verdict on the gap as a whole.
     pub verdict: Verdict,
     /// Reason for the verdict `cannot_tell`; none with any other verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -23,8 +23,8 @@ pub struct Diagnosis {
     /// The earlier recordings that the gap is measured from instead of a simulator's model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
-    /// Why no gap to the model as given is stated, where its description has no masses. The first step of
-    /// `ladder` is then that of what replaces the masses.
+    /// Reason why no gap to the model as given is stated: its description has no masses. The first step of `ladder` is
+    /// then that of what replaces the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_gap_as_given: Option<&'static str>,
     /// Error on the held-out recording, step by step of the ladder.
@@ -60,7 +60,7 @@ pub struct Diagnosis {
     pub notes: Vec<String>,
 }
 
-/// Verdict of a diagnosis.
+/// Verdict of a diagnosis on the gap as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -77,7 +77,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Name in the report.
+    /// Name of the verdict in the report.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::NoGap => "no_gap",
@@ -92,61 +92,61 @@ impl Verdict {
 /// Earlier recordings of the robot.
 #[derive(Clone, Debug, Serialize)]
 pub struct Compared {
-    /// Paths of the files.
+    /// Paths of the earlier recordings.
     pub before: Vec<String>,
     /// Part of the fitted and of the held-out samples whose motion the earlier recordings hold. There torque is
     /// compared with torque, elsewhere with the model identified from them.
     pub repeated: [f64; 2],
-    /// Usual structured error of each joint over its torque where nothing has changed, for motions that are not
+    /// Structured error of each joint over its torque where nothing has changed, for motions that are not
     /// repeated. Compare `nrmse` of `unexplained` with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub usual: Option<Vec<f64>>,
 }
 
-/// A step of the ladder.
+/// Step of the ladder: errors with a set of parameters and causes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
-    /// `as_given`, `reidentified`, an effect, `learned` or `repeatability`.
+    /// Name of the step: `as_given`, `reidentified`, an effect, `learned` or `repeatability`.
     pub step: String,
     /// Number of held-out samples that are scored; where contact is listed, those outside pushes.
     pub samples: usize,
-    /// Scores over all of these samples; null where nothing was judged.
+    /// Scores over all of these held-out samples; null where nothing was judged.
     #[serde(flatten)]
     pub all: Scores,
-    /// Scores over those samples in which each joint moves.
+    /// Scores over the held-out samples in which each joint moves.
     pub moving: Scores,
 }
 
 /// A region where the gap lies.
 #[derive(Clone, Debug, Serialize)]
 pub struct Place {
-    /// Name of the joint.
+    /// Name of the joint whose gap lies in the region.
     pub joint: String,
-    /// Coordinate, by its name in docs/formats.md.
+    /// Name of the coordinate, as in docs/formats.md.
     pub coordinate: &'static str,
     /// Lower and upper end of the region, in `unit`.
     pub range: [f64; 2],
-    /// Unit of the range.
+    /// Unit of the range's ends.
     pub unit: Unit,
     /// Share of the squared error on the held-out recording.
     pub share_of_gap: f64,
     /// 90 % interval of `share_of_gap`; none for a band of frequency or an order.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_interval: Option<[f64; 2]>,
-    /// Share of the samples.
+    /// Share of the samples that lie in the region.
     pub share_of_time: f64,
 }
 
 /// A force from outside during part of a recording.
 #[derive(Clone, Debug, Serialize)]
 pub struct Push {
-    /// `data` or `heldout`.
+    /// Recording that holds the push: `data` or `heldout`.
     pub recording: &'static str,
-    /// Label of the trajectory.
+    /// Label of the trajectory during which the robot is pushed.
     pub trajectory: String,
-    /// First time stamp, s.
+    /// First time stamp of the push, s.
     pub start: f64,
-    /// Last time stamp, s.
+    /// Last time stamp of the push, s.
     pub end: f64,
     /// Link that is pushed: the last one whose joint is loaded.
     pub link: String,
@@ -161,22 +161,22 @@ pub struct Support {
     pub lead: f64,
     /// Log of the cause's likelihood over that of its rivals together, from simulations of each.
     pub likeness: f64,
-    /// Gain over the gain that chance reaches in one recording of a hundred.
+    /// Ratio of the gain to the one that chance reaches in one recording of a hundred.
     pub over_chance: f64,
     /// Structure in the residual of its joints, relative to their torque.
     pub left: f64,
 }
 
-/// An accepted cause.
+/// Accepted cause, as in the report.
 #[derive(Clone, Debug, Serialize)]
 pub struct Cause {
-    /// Effect of the catalogue.
+    /// Effect of the catalogue that the cause is.
     pub effect: Effect,
-    /// `parameter` or `structure`.
+    /// Kind of the cause: `parameter` or `structure`.
     pub kind: &'static str,
-    /// Joints that it touches.
+    /// Names of the joints that the cause touches.
     pub joints: Vec<String>,
-    /// Driving joint of a coupling.
+    /// Name of the driving joint; null but for a coupling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<String>,
     /// Estimated probability that effect and joint are right; null where it was not estimated.
@@ -189,7 +189,7 @@ pub struct Cause {
     /// Share of the error that all causes remove: Shapley value, or the loss without the cause if that is more,
     /// over the sum of these.
     pub share_of_gap: f64,
-    /// Part of the named joints' squared error that it removes.
+    /// Part of the named joints' squared error that the cause removes.
     pub gap_closed: f64,
     /// 90 % interval of `gap_closed`; null for contact, which does not repeat.
     pub gap_closed_interval: Option<[f64; 2]>,
@@ -202,7 +202,7 @@ pub struct Cause {
     /// Pushes, for contact: time, link and torque of each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pushes: Vec<Push>,
-    /// Effects that this recording cannot tell from it.
+    /// Effects that this recording cannot tell from the cause.
     pub ambiguous_with: Vec<Effect>,
     /// Relative deviation of the description's inertial parameters up to which it is found; null where it is found at any.
     pub right_to: Option<f64>,
@@ -220,11 +220,11 @@ pub const STRUCK: &str = "seen by the blows that follow changes of the load's si
 /// A candidate that was tried.
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
-    /// Effect of the catalogue.
+    /// Effect of the catalogue that the candidate is of.
     pub effect: Effect,
-    /// Names of the joints.
+    /// Names of the joints that the candidate names.
     pub joints: Vec<String>,
-    /// Part of the joints' squared gap that it closes on trajectories left out, in the place of an accepted
+    /// Part of the joints' squared gap that the candidate closes on trajectories left out, in the place of an accepted
     /// cause or beside all of them.
     pub gap_closed: f64,
     /// Chance of so large a gain anywhere in the catalogue, or of so clear a trace, from surrogates; null where none were drawn.
@@ -234,22 +234,22 @@ pub struct Tested {
 /// An effect that this recording cannot show.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotIdentifiable {
-    /// The effect; none where nothing at all can be said of the joints.
+    /// Effect that cannot be shown; none where nothing can be said of these joints.
     pub effect: Option<Effect>,
-    /// Names of the joints.
+    /// Names of the joints on which the effect cannot be shown.
     pub joints: Vec<String>,
-    /// Reason.
+    /// Reason why the recording cannot show the effect.
     pub reason: String,
 }
 
 /// Residual of a joint out of fold, on the fitted recording; null where it was not judged.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unexplained {
-    /// Name of the joint.
+    /// Name of the joint whose residual it is.
     pub joint: String,
     /// Root mean squared error with structure away from reversals, relative to the joint's torque.
     pub nrmse: Option<f64>,
-    /// Part of it that a flexible learner predicts on trajectories left out.
+    /// Part of the structured error that a flexible learner predicts on trajectories left out.
     pub learnable: Option<f64>,
     /// Root mean squared error in motion, N·m (N).
     pub moving: Option<f64>,
@@ -262,9 +262,9 @@ pub struct Unexplained {
 /// Simulated motion against the recorded one, with the model as given (before) and with the causes (after).
 #[derive(Clone, Debug, Serialize)]
 pub struct Simulation {
-    /// Motion that was simulated, s.
+    /// Duration of the motion that was simulated, s.
     pub seconds: f64,
-    /// Tracking under feedback.
+    /// Tracking of the simulated robot under feedback.
     pub closed_loop: ClosedLoop,
     /// Motion under the recorded torque alone.
     pub free: Free,
@@ -284,26 +284,26 @@ pub struct ClosedLoop {
 /// Motion under the recorded torque from the recorded state on.
 #[derive(Clone, Debug, Serialize)]
 pub struct Free {
-    /// Distance per joint at which the recorded motion is followed no more, rad (m).
+    /// Distance of each joint from the recorded motion at which a run ends, rad (m).
     pub tolerance: Vec<f64>,
-    /// Number of runs.
+    /// Number of simulated runs, each from another recorded state.
     pub starts: usize,
-    /// Longest run, s.
+    /// Duration of the longest run, s.
     pub longest_s: f64,
-    /// Median time within the tolerance, s.
+    /// Median time of the runs within the tolerance with the model as given, s.
     pub before_s: f64,
-    /// Median time within the tolerance with the causes, s.
+    /// Median time of the runs within the tolerance with the causes, s.
     pub after_s: f64,
 }
 
 /// A motion that tells two causes apart.
 #[derive(Clone, Debug, Serialize)]
 pub struct NextExperiment {
-    /// The cause named and its rival.
+    /// Effect of the cause that is named, and of its rival.
     pub effects: [Effect; 2],
-    /// Joints of the cause.
+    /// Names of the joints of the cause.
     pub joints: Vec<String>,
-    /// Length of the motion, s.
+    /// Duration of the motion, s.
     pub seconds: f64,
     /// Evidence that the recorded data can hold for one against the other, nats.
     pub evidence_recorded: f64,
@@ -314,26 +314,27 @@ pub struct NextExperiment {
 /// A parameter of the given structure that moved.
 #[derive(Clone, Debug, Serialize)]
 pub struct Moved {
-    /// Name: `m`, `mx` … of the joint's link, `viscous`, `coulomb`.
+    /// Name of the parameter: `m`, `mx` … of the joint's link, `viscous`, `coulomb`.
     pub name: String,
-    /// Joint whose link or friction it is.
+    /// Name of the joint whose link or friction it is.
     pub joint: String,
-    /// Value in the model as given.
+    /// Value of the parameter in the model as given, in `unit`.
     pub given: f64,
-    /// Fitted value.
+    /// Fitted value of the parameter, in `unit`.
     pub value: f64,
-    /// Standard deviation of the fitted value.
+    /// Standard deviation of the fitted value, in `unit`.
     pub std: f64,
-    /// Unit of both values.
+    /// Unit of `given`, `value` and `std`.
     pub unit: &'static str,
-    /// Change over its standard deviation.
+    /// Change of the parameter over its standard deviation.
     pub deviations: f64,
 }
 
 /// Effect of the bounds on the fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bounds {
-    /// Links that would be no possible bodies, and coefficients of friction that would be negative.
+    /// Names of the links that would not be possible bodies, and of the coefficients of friction that would be
+    /// negative.
     pub held: Vec<String>,
     /// Rise of the mean NRMSE on the fitted rows by the bounds.
     pub cost: f64,
@@ -342,11 +343,11 @@ pub struct Bounds {
 /// Friction of one joint over its speed.
 #[derive(Clone, Debug, Serialize)]
 pub struct Friction {
-    /// Name of the joint.
+    /// Name of the joint whose friction is given.
     pub joint: String,
-    /// Speeds, rad/s (m/s).
+    /// Speeds at which friction is given, rad/s (m/s).
     pub speed: Vec<f64>,
-    /// Friction of the model as given at these speeds, N·m (N).
+    /// Friction torque of the model as given at these speeds, N·m (N).
     pub given: Vec<f64>,
     /// Friction found: the model's, the change of its coefficients and every cause that is friction. Mean of
     /// both directions over what was recorded at the speed; null where there was hardly any motion.
@@ -355,16 +356,16 @@ pub struct Friction {
     pub unit: &'static str,
 }
 
-/// Resonance of a joint.
+/// Resonance of a joint: a narrow peak in the residual's spectrum.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Resonance {
-    /// Frequency, Hz.
+    /// Frequency of the peak, Hz.
     pub frequency: f64,
-    /// Width at half its height, Hz; the window's resolution where that is wider.
+    /// Width of the peak at half its height, Hz; the window's resolution where that is wider.
     pub width: f64,
-    /// Joints that show it, base first.
+    /// Names of the joints that show the resonance, base first.
     pub joints: Vec<String>,
-    /// Root mean square torque of the resonance on each of these joints, N·m (N).
+    /// Root mean square torque of the resonance on each joint of `joints`, N·m (N).
     pub rms: Vec<f64>,
     /// Whether the resonance is seen while the arm moves.
     pub in_motion: bool,

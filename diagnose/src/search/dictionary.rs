@@ -47,17 +47,17 @@ impl Dictionary {
         Self { columns, members }
     }
 
-    /// A column by its number.
+    /// Column with the index `id`.
     pub fn column(&self, id: usize) -> &Column {
         &self.columns[id]
     }
 
-    /// Number of columns.
+    /// Number of columns in the dictionary.
     pub fn len(&self) -> usize {
         self.columns.len()
     }
 
-    /// True when there is no column.
+    /// Whether the dictionary has no column.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
     }

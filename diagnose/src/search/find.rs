@@ -34,7 +34,7 @@ use std::sync::Arc;
 /// An accepted cause and its place in the fit.
 #[derive(Clone, Debug)]
 pub struct Accepted {
-    /// Index of its candidate.
+    /// Index of the accepted candidate in the catalogue.
     pub candidate: usize,
     /// Indices of its variables in the fit.
     pub variables: Range<usize>,
@@ -48,11 +48,11 @@ pub struct Accepted {
 pub struct Findings {
     /// State shared with other searches of the recording.
     pub session: Arc<Session>,
-    /// The catalogue, with the candidates picked from this recording's torque.
+    /// Candidates of the catalogue, with those picked from this recording's torque.
     pub candidates: Vec<Candidate>,
     /// Columns of the candidates.
     pub dictionary: Dictionary,
-    /// Values of these columns on the fitted rows.
+    /// Values of the dictionary's columns on the fitted rows.
     pub tables: Tables,
     /// Sums of products over the fitted recording.
     pub grams: Grams,
@@ -343,12 +343,14 @@ impl Findings {
         })
     }
 
-    /// Least gain of these causes, nats; infinite where there is none.
+    /// Least gain of the accepted causes, nats. Parameters, and causes that a trace names by itself, do not count.
+    /// Infinite without causes.
     pub fn least_earned(&self) -> f64 {
         self.each_earned().fold(f64::INFINITY, f64::min)
     }
 
-    /// Largest gain of these causes, nats; zero where there is none.
+    /// Largest gain of the accepted causes, nats. Parameters, and causes that a trace names by itself, do not count.
+    /// Zero without causes.
     pub fn most_earned(&self) -> f64 {
         self.each_earned().fold(0.0, f64::max)
     }

@@ -19,14 +19,14 @@ use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-/// Most searches at each width of the tolerances, each with one more cause barred.
+/// Largest number of searches at each width of the tolerances, each with one more cause barred.
 const ROUNDS: usize = 6;
 
 /// Causes that the search accepted, and their comparison with the free refit.
 pub struct Answer<'a> {
     /// Accepted causes and their fit.
     pub selection: Selection<'a>,
-    /// For each cause, all candidates tried in its place, the others kept, best first.
+    /// All candidates tried in the place of each accepted cause, best first, with the other causes kept.
     pub steps: Vec<Vec<CandidateScore>>,
     /// All candidates tried beside the accepted causes, best first.
     pub rest: Vec<CandidateScore>,
@@ -40,7 +40,7 @@ pub struct Answer<'a> {
 /// and for parameters.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Comparison {
-    /// Squared error with the cause over that of the free refit without it.
+    /// Ratio of the squared error with the cause to that of the free refit without it.
     pub over_refit: Option<f64>,
     /// Largest factor on the given parameters' tolerances under which the cause is found. None where it is found under all.
     pub within: Option<f64>,
@@ -48,24 +48,24 @@ pub struct Comparison {
 
 /// Model comparison over one catalogue.
 pub struct Simplest<'a> {
-    /// The criterion J.
+    /// Criterion J by which causes are compared.
     pub objective: &'a Objective<'a>,
     /// Candidates of the catalogue.
     pub candidates: &'a [Candidate],
     /// Column numbers of each candidate.
     pub members: &'a [Vec<usize>],
-    /// The model as given.
+    /// Model as given, to which the gap is measured.
     pub model: &'a NominalModel,
     /// Gain that chance reaches on this recording, nats.
     pub chance: f64,
 }
 
-/// Result of one search.
+/// Result of one run of the forward search.
 struct Run<'a> {
     search: Search<'a>,
     selection: Selection<'a>,
     over_refit: Vec<Option<f64>>,
-    /// Error over the free refit's above which a cause is beaten.
+    /// Factor on the free refit's error above which a cause is beaten.
     rivalled: f64,
     /// Whether no joint is left on which a free refit has a far lower error.
     enough: bool,

@@ -36,10 +36,10 @@ impl From<f64> for Freedom {
 pub struct Objective<'a> {
     /// Sums of products of the dictionary's columns.
     pub grams: &'a Grams,
-    /// Settings of the search.
+    /// Settings of the search, such as its penalties.
     pub settings: &'a SearchSettings,
     torque: Vec<f64>,
-    /// Rows per independent sample of each joint.
+    /// Number of rows per independent sample of each joint's residual.
     correlated: Vec<f64>,
 }
 

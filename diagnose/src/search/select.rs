@@ -20,15 +20,15 @@ const MOMENTS: usize = 4;
 /// Score of a candidate that is tried on top of a fit.
 #[derive(Clone, Debug)]
 pub struct CandidateScore {
-    /// Index of the candidate.
+    /// Index of the candidate in the catalogue.
     pub candidate: usize,
-    /// Fall of J, nats.
+    /// Fall of the criterion J by the candidate, nats.
     pub gain: f64,
     /// Leave-one-fold-out squared error by joint.
     pub error: Vec<f64>,
-    /// Penalty Σ λ (β − m)² of the whole fit.
+    /// Penalty Σ λ (β − m)² of the whole fit with the candidate.
     pub penalty: f64,
-    /// Coefficients of the candidate.
+    /// Coefficients of the candidate in that fit.
     pub gamma: Vec<f64>,
 }
 
@@ -36,19 +36,19 @@ pub struct CandidateScore {
 pub struct Selection<'a> {
     /// Accepted candidates in the order of acceptance.
     pub accepted: Vec<usize>,
-    /// Fit with all of them.
+    /// Fit with all accepted candidates.
     pub fit: Fit<'a>,
 }
 
 /// Forward selection over one dictionary.
 pub struct Search<'a> {
-    /// The criterion J.
+    /// Criterion J by which causes are compared.
     pub objective: &'a Objective<'a>,
     /// Candidates of the catalogue.
     pub candidates: &'a [Candidate],
     /// Column numbers of each candidate.
     pub members: &'a [Vec<usize>],
-    /// The model as given.
+    /// Robot with the parameters of the model as given.
     pub robot: &'a Robot,
     /// Base variables with their priors.
     pub base: Vec<Variable>,
@@ -68,7 +68,7 @@ impl<'a> Search<'a> {
         self.objective.settings.off.holds(rule)
     }
 
-    /// See [`Self::missing`].
+    /// Reference of a cause's share, relative squared error summed over joints; see [`Self::missing`].
     pub(super) fn missing(&self) -> f64 {
         *self.missing.get_or_init(|| {
             let sum = |relative: Vec<f64>| relative.iter().map(|r| r * r).sum::<f64>();

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Sums of products of the columns and a fit's residual, by stretch of time.
 pub struct Stretches {
-    /// Fold of each stretch.
+    /// Index of the fold to which each stretch belongs.
     pub fold: Vec<usize>,
     /// Σ w x r of each column x and residual r, by joint, shape (active columns, stretches).
     pub products: Vec<Array2<f64>>,
@@ -20,16 +20,16 @@ pub struct Stretches {
     pub squares: Array2<f64>,
     /// Parts of stretches that lie near another fold.
     pub near: Vec<Near>,
-    /// Σ w x r on these parts, by joint, shape (active columns, parts).
+    /// Σ w x r on the parts in `near`, by joint, shape (active columns, parts).
     pub near_products: Vec<Array2<f64>>,
 }
 
 /// Part of a stretch that lies so near another fold that it is not fitted where that fold is scored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Near {
-    /// The other fold.
+    /// Index of the fold near which the part lies.
     pub fold: usize,
-    /// Index of the stretch.
+    /// Index of the stretch that the part belongs to.
     pub stretch: usize,
 }
 

@@ -22,7 +22,8 @@ macro_rules! settings {
         }
 
         impl $name {
-            /// Multiplies a field, of a list each value, by a factor; false where there is none of that name.
+            /// Multiplies a field by a factor, each value of a field that is a list. False where no field has that
+            /// name.
             pub(super) fn scale(&mut self, field: &str, factor: f64) -> bool {
                 match field {
                     $(stringify!($field) => {

@@ -3,11 +3,11 @@
 /// Thresholds of the verdict and of the statements beside the causes.
 #[derive(Clone, Debug, Default)]
 pub struct MeasureSettings {
-    /// Settings of the verdict.
+    /// Thresholds of the verdict.
     pub verdict: VerdictSettings,
     /// Confidence in the name of a cause.
     pub confidence: ConfidenceSettings,
-    /// Settings of resonances.
+    /// Thresholds of resonances.
     pub resonance: ResonanceSettings,
     /// Statements on rivals, regions, parameters and friction.
     pub said: SaidSettings,

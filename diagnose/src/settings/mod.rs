@@ -40,7 +40,7 @@ pub use traces::{BlowSettings, ContactSettings, StructureSettings, TraceSettings
 /// All thresholds of a diagnosis, room by room.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// Reversals and rests.
+    /// Thresholds of joints' reversals and rests.
     pub motion: MotionSettings,
     /// Limits of what a recording can show.
     pub input: InputSettings,
@@ -57,8 +57,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Settings with one number multiplied by a factor; `name` is `room.field` as in the documentation. None
-    /// where there is no such number.
+    /// Settings with one number multiplied by a factor. `name` is `room.field` as in the documentation. None where no
+    /// setting has that name.
     pub fn scaled(&self, name: &str, factor: f64) -> Option<Self> {
         let mut own = self.clone();
         let (room, field) = name.rsplit_once('.')?;

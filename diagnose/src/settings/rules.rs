@@ -8,9 +8,9 @@ use std::sync::atomic::{AtomicU16, Ordering};
 /// A rule beyond the criterion itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// Another least gain for friction with memory, friction by load and effects that parameters can absorb.
+    /// Least gain that differs for friction with memory, friction by load and effects that parameters can absorb.
     GainByEffect,
-    /// Another least part of the error for narrow memory, abrupt Stribeck friction, delays and springs.
+    /// Least part of the error that differs for narrow memory, abrupt Stribeck friction, delays and springs.
     PartByEffect,
     /// The part of the error that a delay removes is that on the median joint, where that is more.
     MiddleJoint,
@@ -36,12 +36,12 @@ pub enum Rule {
     Listed,
     /// Conditions on pushes beside their height.
     Pushes,
-    /// Where there are pushes, structure is looked for without the loudest quarter as well.
+    /// Search for structure without the loudest quarter as well, where there are pushes.
     BesidePushes,
 }
 
 impl Rule {
-    /// All rules.
+    /// All rules of the search.
     pub const ALL: [Self; 15] = [
         Self::GainByEffect,
         Self::PartByEffect,
@@ -93,7 +93,7 @@ impl Rule {
         }
     }
 
-    /// The rule of that name.
+    /// Rule with the name `name`.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|rule| rule.name() == name)
     }

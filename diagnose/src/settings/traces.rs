@@ -3,7 +3,7 @@
 /// Thresholds of traces in a residual.
 #[derive(Clone, Debug, Default)]
 pub struct TraceSettings {
-    /// Settings of pushes.
+    /// Thresholds of pushes.
     pub contact: ContactSettings,
     /// Blows of a transmission with play.
     pub blows: BlowSettings,

@@ -22,7 +22,7 @@ const SAME_START: f64 = 1e-6;
 /// Contents of a model file that a further model file takes over.
 #[derive(Clone, Debug)]
 pub(crate) struct IdentifiedFile {
-    /// The torque model.
+    /// Torque model as the file holds it.
     pub(crate) physics: TorqueModelRecord,
     /// Torque channel of the recordings.
     pub(crate) channel: Option<TorqueChannel>,

@@ -37,7 +37,7 @@ pub struct Source<'a> {
     frames: &'a Frames,
     search: Search<'a>,
     fit: &'a Fit<'a>,
-    /// Out-of-fold residual of the accepted model, N·m (N), and the rows' weights, both of shape (rows, joints).
+    /// Residual of the accepted model out of fold, N·m (N), shape (rows, joints).
     residual: &'a Array2<f64>,
     weight: &'a Array2<f64>,
     /// Stretches of rows, each with its fold, and the products with the residual on them.

@@ -17,7 +17,7 @@ use crate::search::select::without;
 use rayon::prelude::*;
 use statrs::distribution::{Continuous, StudentsT};
 
-/// Seed of the surrogates.
+/// Seed from which the surrogates are drawn.
 const SEED: u64 = 0xCAFE;
 /// Number of surrogates of each truth.
 const SURROGATES: u64 = 40;
@@ -126,7 +126,7 @@ fn place(found: &Findings, candidate: usize) -> (Effect, &[usize], Option<usize>
     (c.effect, &c.joints, c.driver)
 }
 
-/// Largest gain of any other name in a cause's place, nats; zero where there is none.
+/// Largest gain of any other name in a cause's place, nats; zero where no other name was tried.
 fn best_other(found: &Findings, cause: &Accepted) -> f64 {
     let own = place(found, cause.candidate);
     let mut others = cause.tried.iter();

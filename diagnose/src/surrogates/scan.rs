@@ -15,9 +15,9 @@ use std::ops::Range;
 
 /// Sums over one joint's rows at the orders of a scan.
 pub(super) struct Scan {
-    /// Effect of such a line.
+    /// Effect that a line of this scan is: ripple, or friction that depends on position.
     pub effect: Effect,
-    /// Index of the joint.
+    /// Index of the joint that is scanned.
     pub joint: usize,
     /// Σ w s², Σ w s c, Σ w c² of each order, with s and c its sine and cosine.
     squares: Vec<[f64; 3]>,

@@ -8,7 +8,7 @@ use trials::cases::{draw as drawn, generate};
 
 /// Surrogates of one null.
 const SURROGATES: u64 = 199;
-/// Further ones that are judged against it.
+/// Number of further surrogates that are judged against the null.
 const FURTHER: u64 = 200;
 
 /// A recording's null, and further surrogates of it.

@@ -20,9 +20,9 @@ use std::ops::Range;
 
 /// Band of the vibration, Hz.
 const BAND: (f64, f64) = (12.0, 40.0);
-/// Lowest upper end of that band, Hz.
+/// Lowest upper end of the vibration's band, Hz.
 const LOWEST: f64 = 15.0;
-/// Window of a blow around a sign change, s before and after.
+/// Window around a sign change in which a blow is looked for, s before and after.
 const AFTER: (f64, f64) = (0.016, 0.12);
 /// Window before a sign change that must be quiet, s.
 const BEFORE: f64 = 0.15;
@@ -39,15 +39,15 @@ const SEED: u64 = 0xB10;
 /// Vibration of one joint after sign changes of its torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impacts {
-    /// Index of the joint.
+    /// Index of the joint whose torque changes its sign.
     pub joint: usize,
-    /// Power of the vibration over that before the changes or elsewhere, whichever is greater.
+    /// Ratio of the vibration's power to that before the changes or elsewhere, whichever is greater.
     pub ratio: f64,
     /// Root mean square of the blows while they last, over the deviation of the joint's torque.
     pub size: f64,
     /// Number of sign changes that were seen.
     pub changes: usize,
-    /// Part of the sign changes after which the vibration is stronger than usual.
+    /// Part of the sign changes after which the vibration is stronger than its typical level.
     pub followed: f64,
 }
 
@@ -212,11 +212,12 @@ fn moved(at: &[usize], segments: &[Range<usize>], by: &[usize]) -> Vec<usize> {
 /// Power of the vibration after sign changes against that before them or elsewhere, whichever is greater.
 struct Contrast {
     ratio: f64,
-    /// Root mean square of the excess.
+    /// Root mean square of the vibration in excess of that before the changes or elsewhere.
     excess: f64,
     /// Number of sign changes that are seen.
     changes: usize,
-    /// Part of the sign changes after which the vibration is stronger than usual: one loud passage is no blows.
+    /// Part of the sign changes after which the vibration is stronger than its typical level. One loud passage makes
+    /// that part small, blows make it large.
     followed: f64,
 }
 

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 const FEWEST_CYCLES: f64 = 2.5;
 /// Largest number of cycles over the recorded range.
 const MOST_CYCLES: f64 = 320.0;
-/// Largest frequency of a line at the joint's usual speed, relative to the sampling rate.
+/// Largest frequency of a line at the joint's root mean square velocity, relative to the sampling rate.
 const RATE_SHARE: f64 = 0.33;
 /// Number of bins after which sine and cosine are evaluated anew, against rounding.
 const ANEW: usize = 64;

@@ -22,9 +22,9 @@ const RIDGE: f64 = 3e-3;
 pub struct Misfit {
     /// Root mean squared error away from reversals, N·m (N).
     pub error: f64,
-    /// Part of its square that is correlated over 80 ms or longer.
+    /// Part of the structure's square that is correlated over 80 ms or longer.
     pub lasting: f64,
-    /// Part of its square that the learner predicts on folds left out.
+    /// Part of the structure's square that the learner predicts on folds left out.
     pub learnable: f64,
     /// Number of rows away from reversals.
     pub rows: usize,

@@ -64,7 +64,7 @@ impl Guard {
         }
     }
 
-    /// The model.
+    /// Model that the guard asks for torque.
     pub fn model(&self) -> &Feedforward {
         &self.model
     }
@@ -74,7 +74,7 @@ impl Guard {
         &mut self.model
     }
 
-    /// Limits and times.
+    /// Limits and times of the guard.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -18,15 +18,15 @@ pub struct Pace {
 /// Meaning of a tick's time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Tick {
-    /// The next period, after so many that passed without a tick.
+    /// Tick of the next period, with the number of periods that passed without one.
     Next { missed: usize },
-    /// The period of the last sample.
+    /// Tick within the period of the last sample.
     Stale,
-    /// Before the last sample.
+    /// Time before that of the last sample.
     Backward,
 }
 
-/// The caller's time.
+/// Clock of the caller's ticks, as the guard follows it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Clock {
     last: Option<f64>,

@@ -3,15 +3,16 @@
 /// Limits and times of a [`Guard`](super::Guard).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Largest torque by joint, N·m or N; infinite for none.
+    /// Largest torque of each joint, N·m or N; infinite without a limit.
     pub torque: Vec<f64>,
-    /// Fastest change of torque by joint, N·m/s or N/s; infinite for none.
+    /// Fastest change of each joint's torque, N·m/s or N/s; infinite without a limit.
     pub rate: Vec<f64>,
     /// Time in which the torque grows to the model's after a start, and goes to zero after a stop, s.
     pub ramp: f64,
     /// Longest time that an old torque may stand, while the input is bad or no tick comes, s.
     pub hold: f64,
-    /// Delay of the drive, s: the model is asked for the motion so much later, by velocity and acceleration.
+    /// Delay of the drive, s. The model is asked for the motion so much later, extrapolated by velocity and
+    /// acceleration.
     pub drive_delay: f64,
     /// Whether the drive adds gravity's torque itself; limits are then of what is sent to it.
     pub drive_adds_gravity: bool,
@@ -70,12 +71,12 @@ impl Settings {
 /// Reason why settings are refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SettingsError {
-    /// Another number of values than joints.
+    /// List with another number of values than joints.
     #[error("{found} limits of {what} for {joints} joints")]
     Length {
-        /// Name of the limits.
+        /// Name of the list of limits.
         what: &'static str,
-        /// Number of values given.
+        /// Number of values that were given.
         found: usize,
         /// Number of joints of the robot.
         joints: usize,
@@ -83,19 +84,19 @@ pub enum SettingsError {
     /// A negative limit, or NaN.
     #[error("the limit of {what} of joint {joint} is {value}")]
     Limit {
-        /// Name of the limit.
+        /// Name of the limit that is refused.
         what: &'static str,
         /// Number of its joint, from 1.
         joint: usize,
-        /// Value given.
+        /// Value of the limit as given, N·m (N) or that per s.
         value: f64,
     },
     /// A time that is negative or not finite.
     #[error("the time `{what}` is {time} s")]
     Time {
-        /// Name of the time.
+        /// Name of the setting for that time.
         what: &'static str,
-        /// Value given, s.
+        /// Value of the time as given, s.
         time: f64,
     },
 }

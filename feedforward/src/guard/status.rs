@@ -11,7 +11,7 @@ impl Status {
     pub const BAD_INPUT: Self = Self(1);
     /// The model's torque is not finite; the last torque is held.
     pub const BAD_TORQUE: Self = Self(1 << 1);
-    /// The time lies before that of the last tick; the last torque is held and time starts anew.
+    /// The time lies before that of the last tick; the last torque is held, and the clock restarts from this time.
     pub const BACKWARD: Self = Self(1 << 2);
     /// A tick less than half a period after the last sample; the last torque is held.
     pub const STALE: Self = Self(1 << 3);
@@ -36,7 +36,7 @@ impl Status {
     /// The torque is zero: before the first start, or after a stop.
     pub const STOPPED: Self = Self(1 << 13);
 
-    /// The status as a number.
+    /// Bits of the status as a number.
     pub const fn bits(self) -> u32 {
         self.0
     }

@@ -31,8 +31,8 @@ pub fn exp(x: f32) -> f32 {
     e * f32::from_bits(exponent)
 }
 
-/// Logistic function 1/(1 + e⁻ˣ), absolute error below 2·10⁻⁷. (Equation 19 of the paper is printed
-/// with e⁺ˣ, which falls instead of rising; the usual sign is meant.)
+/// Logistic function 1/(1 + e⁻ˣ), absolute error below 2·10⁻⁷. (Equation 19 of Wang et al. is
+/// printed with e⁺ˣ, which falls instead of rising; a rising function is meant.)
 #[inline(always)]
 pub fn sigmoid(x: f32) -> f32 {
     1.0 / (1.0 + exp(-x))

@@ -11,7 +11,7 @@ pub enum Memory {
     /// Every output is computed from the last `timestep` samples alone, from zero states. A window that
     /// would reach before the start of the trajectory repeats its first sample.
     Window {
-        /// Number of samples per window, T in the paper (2, 3, 5 or 10 there).
+        /// Number of samples per window, T in Wang et al. (2, 3, 5 or 10 there).
         timestep: usize,
     },
     /// States run on from sample to sample until they are reset; attention sees the last `attended`
@@ -41,19 +41,19 @@ pub enum Memory {
 pub struct Recurrent {
     /// Hidden width of the encoder, H₁.
     pub encoder: usize,
-    /// Width A of the attention layer, or none.
+    /// Width A of the attention layer; none without attention.
     pub attention: Option<usize>,
     /// Hidden width of the re-encoder, H₂.
     pub reencoder: usize,
-    /// Window or carried state.
+    /// Memory of the unit: a window, or carried state.
     pub memory: Memory,
 }
 
-/// Architecture of a unit.
+/// Architecture of a unit's network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Architecture {
-    /// The published error-learning unit and its carried-state variant.
+    /// Recurrent unit of Wang et al. (error-learning unit), or its variant with carried state.
     Recurrent(Recurrent),
     /// Fully connected with tanh hidden layers over a flattened window, oldest sample first. No hidden
     /// layer: a linear model.

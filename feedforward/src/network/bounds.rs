@@ -26,13 +26,13 @@ pub struct Inside {
 }
 
 impl Inside {
-    /// Value for a joint without a unit.
+    /// Value of a joint without a unit.
     pub const NOTHING_LEARNED: Self = Self {
         weight: 1.0,
         excess: f32::NEG_INFINITY,
     };
 
-    /// The worse of two units.
+    /// Worse of two units: the lower weight and the larger excess.
     pub fn worse(self, other: Self) -> Self {
         Self {
             weight: self.weight.min(other.weight),
@@ -180,7 +180,7 @@ impl Bounds {
         )
     }
 
-    /// Number of columns.
+    /// Number of input columns with bounds.
     pub fn columns(&self) -> usize {
         self.low.len()
     }

@@ -9,9 +9,9 @@ pub enum Error {
     /// The file could not be read or written.
     #[error("{path}: {source}")]
     Io {
-        /// Path of the file.
+        /// Path of the stored compensator.
         path: PathBuf,
-        /// Cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A file that is not a complete safetensors file: cut short, or of another format.
@@ -27,7 +27,7 @@ pub enum Error {
         "compensator format version {found}, this program reads version {supported}; train again or use the matching program"
     )]
     Version {
-        /// Version in the file.
+        /// Version of the format in the file.
         found: u32,
         /// Version that this build reads and writes.
         supported: u32,
@@ -45,25 +45,25 @@ pub enum Error {
     /// The header contradicts itself or the tensors.
     #[error("unit {unit}: {problem}")]
     Unit {
-        /// Position of the unit in the file.
+        /// Index of the unit in the file.
         unit: usize,
-        /// Problem.
+        /// Problem of the unit's header or tensors.
         problem: String,
     },
     /// Trained for another robot.
     #[error("trained for the joints {found:?}, the robot has {expected:?}")]
     Joints {
-        /// Joints of the robot at hand.
+        /// Names of the joints of the robot at hand.
         expected: Vec<String>,
-        /// Joints in the file.
+        /// Names of the joints in the file.
         found: Vec<String>,
     },
     /// Trained on other input columns.
     #[error("trained on the inputs {found:?}, given are {expected:?}")]
     Inputs {
-        /// Columns at hand.
+        /// Names of the columns at hand.
         expected: Vec<String>,
-        /// Columns in the file.
+        /// Names of the columns in the file.
         found: Vec<String>,
     },
 }

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Normalisation {
-    /// (x − min)/(max − min), equation 26 of the paper.
+    /// Scaling to a range: (x − min)/(max − min), equation 26 of Wang et al.
     MinMax,
-    /// (x − mean)/standard deviation.
+    /// Scaling to unit deviation: (x − mean)/standard deviation.
     ZScore,
 }
 
@@ -83,7 +83,7 @@ impl Normaliser {
         Self::new(offset, span)
     }
 
-    /// Number of columns.
+    /// Number of columns that are scaled.
     pub fn columns(&self) -> usize {
         self.offset.len()
     }

@@ -43,7 +43,7 @@ impl Packed {
         self.bias.len() * TILE
     }
 
-    /// Inputs it expects.
+    /// Number of inputs of the matrix.
     pub(super) fn inputs(&self) -> usize {
         self.inputs
     }

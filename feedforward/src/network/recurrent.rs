@@ -10,7 +10,7 @@ use super::packed::Packed;
 #[derive(Debug, Clone)]
 struct Lstm {
     weights: Packed,
-    /// [x; h]: the caller writes x, the step writes h.
+    /// Input of a step [x; h]: the caller writes x, the step writes h.
     joined: Vec<f32>,
     input: usize,
     cell: Vec<f32>,
@@ -96,11 +96,11 @@ struct Attention {
     key: Packed,
     query: Packed,
     score: Vec<f32>,
-    /// W_h h_u + b_a of each slot, padded to whole tiles.
+    /// Attention keys W_h h_u + b_a of each slot, padded to whole tiles.
     keys: Vec<f32>,
     /// Product W_s s of the attention's query.
     asked: Vec<f32>,
-    /// e_u, then α_u.
+    /// Scores e_u of the states, then their weights α_u.
     weights: Vec<f32>,
 }
 
@@ -248,7 +248,7 @@ impl RecurrentNet {
         }
     }
 
-    /// Back to zero states.
+    /// Resets the network to zero states.
     pub(super) fn reset(&mut self) {
         self.encoder.reset();
         self.reencoder.reset();

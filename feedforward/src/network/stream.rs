@@ -71,7 +71,7 @@ impl UnitStream {
         })
     }
 
-    /// Joint whose torque this unit predicts.
+    /// Index of the joint whose torque this unit predicts.
     pub fn joint(&self) -> usize {
         self.joint
     }
@@ -169,7 +169,7 @@ impl Stream {
         self.inputs
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub fn joints(&self) -> usize {
         self.joints
     }

@@ -5,7 +5,7 @@ use super::{Architecture, Bounds, Error, Normaliser};
 /// One error-learning unit: predicts the residual torque of one joint, N·m (N for a prismatic joint).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
-    /// Joint whose torque it predicts, as an index into [`Compensator::joints`].
+    /// Joint whose torque the unit predicts, as an index into [`Compensator::joints`].
     pub joint: usize,
     /// Off when it did not lower the validation error: its output is then exactly zero.
     pub enabled: bool,

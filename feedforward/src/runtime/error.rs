@@ -7,20 +7,20 @@ use std::path::PathBuf;
 /// A model directory that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    /// A file cannot be read.
+    /// File of the directory that cannot be read.
     #[error("{path}: {source}")]
     Read {
-        /// Path of the file.
+        /// Path of the file that cannot be read.
         path: PathBuf,
-        /// Cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// `model.json` is not one of this version.
     #[error("{path}: {reason}")]
     Format {
-        /// Path of the file.
+        /// Path of the model file.
         path: PathBuf,
-        /// Reason.
+        /// Reason why it is not of this version.
         reason: String,
     },
     /// The physical model does not fit together.
@@ -29,7 +29,7 @@ pub enum LoadError {
     /// The compensator cannot be used.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// The control period.
+    /// Control period that is not positive and finite, s.
     #[error("a control period of {0} s is not positive")]
     Period(f64),
     /// The control period is too short or too long for the compensator's windows.
@@ -38,7 +38,7 @@ pub enum LoadError {
          {longest:.1e} s"
     )]
     Windows {
-        /// The control period, s.
+        /// Control period that was asked for, s.
         period: f64,
         /// The period of training, s.
         trained: f64,

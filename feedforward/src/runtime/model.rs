@@ -25,12 +25,12 @@ pub struct Feedforward {
     pub(super) residual: Option<Residual>,
     pub(super) period: f64,
     pub(super) clock: Option<f64>,
-    /// Time from the sample before to the next one, s; zero where nothing is known.
+    /// Time from the sample before to the next one, s; zero before the first sample.
     pub(super) elapsed: f64,
     /// Time spans of the training trajectories on the clock, s, and the memory at the end of each.
     pub(super) known: Vec<[f64; 2]>,
     pub(super) memory: Vec<Memory>,
-    /// Joint names, base first.
+    /// Names of the joints, base first.
     pub(super) names: Vec<String>,
 }
 
@@ -42,7 +42,7 @@ impl Feedforward {
         self
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub fn dof(&self) -> usize {
         self.names.len()
     }
@@ -75,14 +75,14 @@ impl Feedforward {
     /// Position of the last sample relative to the compensator's training samples.
     ///
     /// # Panics
-    /// When there is no such joint.
+    /// When the robot has fewer joints.
     pub fn inside(&self, joint: usize) -> Inside {
         self.residual
             .as_ref()
             .map_or(Inside::NOTHING_LEARNED, |residual| residual.inside(joint))
     }
 
-    /// Control period, s.
+    /// Control period of the loop, s.
     pub fn period(&self) -> f64 {
         self.period
     }

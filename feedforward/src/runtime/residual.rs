@@ -23,7 +23,7 @@ pub(super) struct Residual {
     turn: usize,
     /// Residual torque at the last sample, N·m, by joint.
     share: Vec<f64>,
-    /// Position of that sample relative to the training samples, by joint.
+    /// Position of the last sample relative to the training samples, by joint.
     inside: Vec<Inside>,
 }
 
@@ -86,7 +86,7 @@ impl Residual {
         })
     }
 
-    /// Takes over stored memory, one state per joint; neutral where there is none.
+    /// Takes over stored memory, one state per joint; neutral for joints without one.
     pub(super) fn restore(&mut self, memory: &[BankState]) {
         self.banks.iter_mut().for_each(TermBank::reset);
         for (bank, state) in self.banks.iter_mut().zip(memory) {
@@ -95,7 +95,7 @@ impl Residual {
         self.rewind();
     }
 
-    /// Empties the windows.
+    /// Empties the windows of the compensator.
     pub(super) fn rewind(&mut self) {
         self.streams.iter_mut().for_each(Stream::reset);
         self.turn = 0;

@@ -15,7 +15,7 @@ pub enum Extra {
     Viscous,
     /// Coulomb friction, sign(q̇); `fc1` …
     Coulomb,
-    /// Offset, 1; `f01` …
+    /// Offset of the torque, 1; `f01` …
     Offset,
 }
 
@@ -47,7 +47,7 @@ impl Extra {
     }
 }
 
-/// Any seed serves: the states are in general position.
+/// Seed of the random states. Any would serve: they are in general position.
 const SEED: u64 = 0x5eed;
 /// Ranges of the states, chosen so that gravity, Coriolis and acceleration terms have similar sizes.
 const VELOCITY: f64 = 3.0;

@@ -9,13 +9,13 @@ use faer::{Mat, MatRef};
 /// more than 1e-4 even for a wrist of centimetres.
 const DEPENDENT: f64 = 1e-8;
 
-/// Result of [`select`].
+/// Result of [`select`]: columns and their dependences.
 pub(super) struct Selection {
     /// Independent columns, ascending.
     pub independent: Vec<usize>,
-    /// Columns that are zero.
+    /// Indices of columns that are zero.
     pub unidentifiable: Vec<usize>,
-    /// G, b × p.
+    /// Grouping matrix G, b × p: dependence of all columns on the independent ones.
     pub grouping: Mat<f64>,
 }
 

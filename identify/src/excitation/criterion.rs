@@ -23,7 +23,7 @@ pub enum Criterion {
 }
 
 impl Criterion {
-    /// All criteria.
+    /// All criteria, in the order of the enum.
     pub const ALL: [Self; 5] = [
         Self::Condition,
         Self::ConditionNoise,

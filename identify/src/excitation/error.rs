@@ -11,7 +11,7 @@ pub enum ExcitationError {
         joint + 1
     )]
     NoRoom {
-        /// The joint, from zero.
+        /// Index of the joint without room, from 0.
         joint: usize,
     },
     /// A limit under which a joint cannot get anywhere in the time it has.
@@ -21,17 +21,17 @@ pub enum ExcitationError {
         joint + 1
     )]
     TooSlow {
-        /// The joint, from zero.
+        /// Index of the joint that is too slow, from 0.
         joint: usize,
-        /// `velocity`, `acceleration` or `jerk`.
+        /// Name of the limit: `velocity`, `acceleration` or `jerk`.
         limit: &'static str,
-        /// The limit, rad or m per sⁿ.
+        /// Value of the limit, rad or m per sⁿ.
         value: f64,
-        /// Time there and back, s.
+        /// Period of the motion, there and back, s.
         period: f64,
-        /// Farthest that the joint gets in it, rad or m.
+        /// Largest range of a periodic motion of that period, rad or m.
         stroke: f64,
-        /// Least stroke, rad or m.
+        /// Least stroke that is needed, rad or m.
         needed: f64,
         /// Period from which the joint reaches that stroke, s.
         enough: f64,
@@ -43,45 +43,45 @@ pub enum ExcitationError {
         joint + 1
     )]
     FewCycles {
-        /// The joint, from zero.
+        /// Index of the joint with too few periods, from 0.
         joint: usize,
-        /// Time of one period, s.
+        /// Duration of one period, s.
         cycle: f64,
         /// Number of periods that are wanted.
         cycles: f64,
-        /// Time that this takes, s.
+        /// Duration of all wanted periods, s.
         needed: f64,
-        /// Time given, s.
+        /// Duration of the motion as given, s.
         duration: f64,
     },
-    /// No set of frequencies without whole ratios was found.
+    /// Joint for which every set of frequencies has whole ratios.
     #[error("joint {}: no frequency within its limits is far enough from whole multiples of the others'", joint + 1)]
     Commensurate {
-        /// The joint, from zero.
+        /// Index of the joint, from 0.
         joint: usize,
     },
     /// A home pose outside the joint's limits.
     #[error("joint {}: home is {home}, outside the range from {lower:.4} to {upper:.4} that the motion may use", joint + 1)]
     HomeOutside {
-        /// The joint, from zero.
+        /// Index of the joint, from 0.
         joint: usize,
-        /// Home position, rad or m.
+        /// Position of the joint at home, rad or m.
         home: f64,
-        /// Lowest position, rad or m.
+        /// Lowest position of the joint, rad or m.
         lower: f64,
-        /// Highest position, rad or m.
+        /// Highest position of the joint, rad or m.
         upper: f64,
     },
     /// The tool is outside its region at home.
     #[error("the tool is {outside:.3} m outside its region at home")]
     ToolOutsideAtHome {
-        /// Distance from the region, m.
+        /// Distance of the tool from its region, m.
         outside: f64,
     },
-    /// No pose within the joints' limits has the tool in its region.
+    /// Joint limits within which no pose has the tool in its region.
     #[error("no pose within the joints' limits was found that has the tool in its region")]
     ToolNowhere,
-    /// No motion was found that stays within the tool's region.
+    /// Search without a motion that stays within the tool's region.
     #[error("no motion was found that keeps the tool in its region and tells every parameter")]
     NothingFound,
     /// Fewer harmonics than rest at the ends takes.
@@ -92,7 +92,7 @@ pub enum ExcitationError {
         /// Least number of harmonics.
         needed: usize,
     },
-    /// No joints, no harmonics, no time or no samples.
+    /// Motion of no joints, harmonics, time or samples, by that name.
     #[error("nothing to optimise: {0} must be positive")]
     Empty(&'static str),
     /// The regressor could not be judged.

@@ -2,8 +2,9 @@
 
 use crate::least_squares::Triangle;
 
-/// Standard deviations of the parameters that least squares would have, by the information RᵀR of rows that are divided by
-/// their noise; `times`: how often each row is recorded. Infinite for a parameter without information.
+/// Standard deviations of the parameters that least squares would have, by the information RᵀR of rows that are divided
+/// by their noise. `times` is the number of times that each row is recorded. Infinite for a parameter without
+/// information.
 pub fn deviations(triangle: &Triangle, times: f64) -> Vec<f64> {
     /// Ratio of a column's norm after orthogonalisation to its norm before, below which the column counts as
     /// dependent (rounding).

@@ -44,8 +44,8 @@ impl Rest {
 }
 
 impl MotionLimits {
-    /// Limits as a robot's description has them; infinite where it has none. A joint that turns without end moves within half
-    /// a turn of zero. Descriptions know neither acceleration nor jerk.
+    /// Limits as a robot's description has them; infinite where it states none. A joint that turns without end moves
+    /// within half a turn of zero. Descriptions know neither acceleration nor jerk.
     pub fn of_robot(robot: &Robot) -> Vec<Self> {
         let of = |joint: &physics::robot::Joint| {
             let l = &joint.limits;
@@ -61,7 +61,7 @@ impl MotionLimits {
         robot.joints().iter().map(of).collect()
     }
 
-    /// These limits used to a share: the range about its middle, and everything else.
+    /// Same limits, used to a share of everything: of the range about its middle, and of the other limits.
     pub fn share(self, share: f64) -> Self {
         let (middle, half) = (self.middle(), share * self.half());
         Self {
@@ -73,12 +73,12 @@ impl MotionLimits {
         }
     }
 
-    /// Middle of the range.
+    /// Middle of the range of positions, rad (m).
     pub fn middle(&self) -> f64 {
         0.5 * (self.lower + self.upper)
     }
 
-    /// Half the range.
+    /// Half of the range of positions, rad (m).
     pub fn half(&self) -> f64 {
         0.5 * (self.upper - self.lower)
     }

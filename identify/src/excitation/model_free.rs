@@ -15,10 +15,10 @@ use rand_chacha::ChaCha8Rng;
 
 /// Length of a trajectory, s (benchmark, section 2.1).
 pub const DURATION: f64 = 60.6;
-/// Number of trajectories there.
+/// Number of trajectories in the KR300 benchmark.
 pub const TRAJECTORIES: usize = 36;
-/// Least share of the limits: a motion fills a random share, from this to 1, of the first limit that a joint
-/// meets. Slow motions are thus among them: the paper found that effects which are hard to model show there.
+/// Least share of the limits. A motion fills a random share, from this to 1, of the first limit that a joint meets. So
+/// slow motions occur as well: the benchmark's authors found that effects which are hard to model show there.
 const LEAST_SHARE: f64 = 0.4;
 
 /// Ten multiples of the base frequency up to the `highest`, in even ratios: which ten of the grid up to 1 Hz the benchmark

@@ -10,13 +10,13 @@ use std::f64::consts::{PI, TAU};
 /// Bounds of a motion: limits, and conditions beside them.
 #[derive(Debug, Clone)]
 pub struct Bounds<'a> {
-    /// Limits, one per joint.
+    /// Limits of the motion, one per joint.
     pub limits: Vec<MotionLimits>,
     /// Highest derivative that is zero at both ends.
     pub rest: Rest,
-    /// Pose at which it starts and ends; none: wherever.
+    /// Pose at which the motion starts and ends; none where any pose will do.
     pub home: Option<Vec<f64>>,
-    /// Region of the tool; none: anywhere.
+    /// Region of the tool; none where it may be anywhere.
     pub tool: Option<ToolRoom<'a>>,
 }
 
@@ -155,12 +155,12 @@ impl<'a> Room<'a> {
         })
     }
 
-    /// Number of joints.
+    /// Number of joints of the motion.
     pub fn dof(&self) -> usize {
         self.bounds.limits.len()
     }
 
-    /// Limits, one per joint.
+    /// Limits of the motion, one per joint.
     pub fn limits(&self) -> &[MotionLimits] {
         &self.bounds.limits
     }

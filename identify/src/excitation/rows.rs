@@ -28,7 +28,7 @@ impl<'a> BaseRows<'a> {
         }
     }
 
-    /// Number of joints N.
+    /// Number of joints N of the robot.
     pub fn dof(&self) -> usize {
         self.robot.dof()
     }

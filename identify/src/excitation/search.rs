@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Settings of [`optimise`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchOptions {
-    /// Random starts, of which the best is improved. Default 40.
+    /// Number of random starts, of which the best is improved. Default 40.
     pub starts: usize,
     /// Largest number of trajectories judged, the starts among them. Default 4000.
     pub evaluations: usize,
@@ -28,12 +28,12 @@ impl Default for SearchOptions {
     }
 }
 
-/// Result of a design.
+/// Result of a search for a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// The best trajectory; it keeps all limits at all times.
     pub trajectory: Series,
-    /// Cost of the trajectory.
+    /// Cost of the trajectory by the search's criterion.
     pub cost: f64,
     /// Cost at the beginning of the search: of the best random start, or of the first draw.
     pub start_cost: f64,
@@ -43,7 +43,7 @@ pub struct Found {
 
 /// First step of every coefficient, in half ranges of its joint.
 const STEP: f64 = 0.25;
-/// Step below which a coefficient is left alone, and the factors by which a step grows and shrinks.
+/// Step below which a coefficient is not improved further, and the factors by which a step grows and shrinks.
 const LEAST_STEP: f64 = 1e-4;
 const GROWTH: f64 = 1.6;
 const DECAY: f64 = 0.5;
@@ -144,7 +144,7 @@ fn coefficient(series: &mut Series, joint: usize, place: usize, harmonics: usize
 /// coefficients of the velocity they have one distribution, so that amplitudes fall with the frequency (KR300
 /// benchmark, eq. 1; COMAU paper, eq. 17).
 pub(super) fn filling(room: &Room, rng: &mut ChaCha8Rng, share: f64) -> Series {
-    /// Beyond any room, so that every joint meets a limit.
+    /// Factor that takes a motion beyond any room, so that every joint meets a limit.
     const TOO_MUCH: f64 = 100.0;
     let mut series = room.still();
     for (j, limit) in room.limits().iter().enumerate() {
@@ -169,7 +169,7 @@ pub(super) fn filling(room: &Room, rng: &mut ChaCha8Rng, share: f64) -> Series {
     series
 }
 
-/// Fisher and Yates.
+/// Random permutation of `order` (Fisher and Yates).
 fn shuffle(order: &mut [usize], rng: &mut ChaCha8Rng) {
     for i in (1..order.len()).rev() {
         order.swap(i, rng.random_range(0..=i));

@@ -7,35 +7,35 @@ use signal::Motion;
 /// a = ωμ, b = −ων). The path s is the time itself, or, with a ramp, runs from rest to the pace of time and back to rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Length of one run, s.
+    /// Duration of one run, s.
     pub duration: f64,
     /// Duration of the smooth start and of the smooth stop, s; 0: none.
     pub ramp: f64,
-    /// δ, length N.
+    /// Offset δ_j of each joint, rad (m), length N.
     pub offset: Vec<f64>,
-    /// ω, rad/s, N × terms.
+    /// Angular frequencies ω_ji, rad/s, N × terms.
     pub pulsation: Array2<f64>,
-    /// μ, N × terms.
+    /// Coefficients μ_ji of the sines, rad (m), N × terms.
     pub sine: Array2<f64>,
-    /// ν, N × terms.
+    /// Coefficients ν_ji of the cosines, rad (m), N × terms.
     pub cosine: Array2<f64>,
 }
 
 /// Motion of all joints at one time; N values each.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct State {
-    /// Position, rad or m.
+    /// Positions of the joints, rad or m.
     pub q: Vec<f64>,
-    /// Velocity, rad/s or m/s.
+    /// Velocities of the joints, rad/s or m/s.
     pub qd: Vec<f64>,
     /// Acceleration, rad/s² or m/s².
     pub qdd: Vec<f64>,
-    /// Jerk, rad/s³ or m/s³.
+    /// Jerks of the joints, rad/s³ or m/s³.
     pub qddd: Vec<f64>,
 }
 
 impl State {
-    /// Standstill at zero.
+    /// State at position zero without motion.
     pub fn new(dof: usize) -> Self {
         let zeros = || vec![0.0; dof];
         Self {
@@ -61,7 +61,7 @@ pub(super) fn gathering(t: f64, ramp: f64) -> [f64; 4] {
 }
 
 impl Series {
-    /// Number of joints N.
+    /// Number of joints N of the motion.
     pub fn dof(&self) -> usize {
         self.offset.len()
     }

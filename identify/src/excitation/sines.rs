@@ -15,18 +15,18 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Settings of [`sines`].
+/// Settings of the design [`sines`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SineOptions {
     /// Length of the motion, s; none: as long as it takes, in whole seconds.
     pub duration: Option<f64>,
-    /// Periods of every joint, at least. Default 3.
+    /// Least number of periods of every joint. Default 3.
     pub cycles: f64,
-    /// Highest frequency, Hz; none: the highest within the limits.
+    /// Highest frequency, Hz; none for the highest within the limits.
     pub highest_hz: Option<f64>,
-    /// Random phases and orders that are judged. Default 200.
+    /// Number of random phases and orders that are judged. Default 200.
     pub draws: usize,
-    /// Seed of these.
+    /// Seed of the random phases and orders.
     pub seed: u64,
 }
 

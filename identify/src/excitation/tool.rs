@@ -12,18 +12,18 @@ use rand_chacha::ChaCha8Rng;
 /// A region of the base frame that the tool's point stays in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Region {
-    /// Between two corners, m.
+    /// Box between two corners, m.
     Box {
-        /// Smallest coordinates, m.
+        /// Smallest coordinates of the box, m.
         lower: [f64; 3],
-        /// Largest coordinates, m.
+        /// Largest coordinates of the box, m.
         upper: [f64; 3],
     },
-    /// Within a distance of a point, m.
+    /// Sphere about a point, m.
     Sphere {
-        /// Centre, m.
+        /// Centre of the sphere, m.
         centre: [f64; 3],
-        /// Radius, m.
+        /// Radius of the sphere, m.
         radius: f64,
     },
 }

@@ -14,7 +14,7 @@ pub struct BarrierOptions {
     pub gap: f64,
     /// Factor on the weight of the objective from one centring to the next. Default 30.
     pub growth: f64,
-    /// Newton steps in all, at most. Default 300.
+    /// Largest number of Newton steps in all. Default 300.
     pub steps: usize,
 }
 
@@ -31,21 +31,21 @@ impl Default for BarrierOptions {
 /// End of a barrier iteration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// The duality gap is as small as asked.
+    /// End with a duality gap as small as asked.
     Solved,
-    /// Rounding stopped the iteration first; the result is feasible and the gap stated.
+    /// End by rounding before that. The result is feasible and the gap stated.
     Stalled,
-    /// The steps allowed were used up; the result is feasible and the gap stated.
+    /// End by the largest number of steps. The result is feasible and the gap stated.
     StepLimit,
 }
 
-/// f(x) = xᵀ H x − 2 rᵀ x.
+/// Quadratic function f(x) = xᵀ H x − 2 rᵀ x.
 pub(super) struct Quadratic {
     pub hessian: Mat<f64>,
     pub right: Vec<f64>,
 }
 
-/// Result of the iteration.
+/// Result of the iteration: minimum with its bound.
 pub(super) struct Minimum {
     pub x: Vec<f64>,
     pub objective: f64,
@@ -141,7 +141,7 @@ impl Quadratic {
             .sum()
     }
 
-    /// ∇f in scaled unknowns.
+    /// Gradient ∇f in scaled unknowns.
     fn slope(&self, x: &[f64], unit: &[f64]) -> Vec<f64> {
         let hx = self.times(x);
         (0..x.len())
@@ -171,7 +171,7 @@ struct Newton {
     direction: Vec<f64>,
     /// λ², the squared Newton decrement.
     decrement2: f64,
-    /// f along the direction: f(x + α d) − f(x) = α·slope + α²·curvature.
+    /// Linear part of f along the direction: f(x + α d) − f(x) = α·slope + α²·curvature.
     slope: f64,
     curvature: f64,
 }
@@ -253,7 +253,7 @@ fn line_search(newton: &Newton, constraints: &Constraints, x: &[f64], t: f64) ->
     None
 }
 
-/// φ; `None` outside.
+/// Value of the barrier φ at x; `None` where x breaks a constraint.
 fn barrier_value(constraints: &Constraints, x: &[f64]) -> Option<f64> {
     let mut sum = 0.0;
     for &at in &constraints.links {

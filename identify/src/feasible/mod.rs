@@ -31,7 +31,7 @@ pub struct Feasibility {
     grouping: Mat<f64>,
     constraints: Constraints,
     nominal: Nominal,
-    /// Settings of the solver.
+    /// Settings of the barrier solver.
     pub options: BarrierOptions,
 }
 
@@ -40,18 +40,18 @@ pub struct Feasibility {
 pub struct Feasible {
     /// Standard parameters and extras, length s.
     pub standard: Vec<f64>,
-    /// The base parameters that they give, G x, length b.
+    /// Base parameters G x of the standard parameters, length b.
     pub base: Vec<f64>,
     /// Smallest eigenvalue of the links' pseudo-inertias, each relative to the link's largest: positive.
     pub smallest_eigenvalue: f64,
     /// Minimum of the objective, less a constant: data term plus distance from the nominal model. Of
     /// [`Feasibility::standard_from`] before its last step.
     pub objective: f64,
-    /// Bound on the difference of `objective` from the minimum.
+    /// Bound on the excess of `objective` over its minimum.
     pub gap: f64,
-    /// End of the iteration.
+    /// Reason why the iteration ended.
     pub status: Status,
-    /// Newton steps taken.
+    /// Number of Newton steps taken.
     pub steps: usize,
 }
 
@@ -88,7 +88,7 @@ impl Feasibility {
         &self.constraints
     }
 
-    /// The nominal model.
+    /// Nominal model towards which the fit is drawn.
     pub fn nominal(&self) -> &Nominal {
         &self.nominal
     }

@@ -13,15 +13,15 @@ pub enum FeasibilityError {
     /// A constraint on a parameter that does not exist.
     #[error("a constraint names parameter {index}, but there are {parameters}")]
     NoSuchParameter {
-        /// Index of the parameter.
+        /// Index of the missing parameter.
         index: usize,
-        /// Number of parameters.
+        /// Number of parameters of the problem.
         parameters: usize,
     },
     /// A nominal deviation that is not positive and finite: the deviations bound the directions that the data leave open.
     #[error("the deviation of nominal parameter {index} is not positive and finite")]
     BadDeviation {
-        /// Index of the parameter.
+        /// Index of the parameter with that deviation.
         index: usize,
     },
     /// The quadratic is not positive definite to working precision.
@@ -47,7 +47,7 @@ impl Constraints {
         }
     }
 
-    /// Whether x satisfies them strictly.
+    /// Whether x satisfies all constraints strictly.
     pub fn hold(&self, x: &[f64]) -> bool {
         self.links.iter().all(|&at| cone::margin(&x[at..]) > 0.0)
             && self.nonnegative.iter().all(|&i| x[i] > 0.0)
@@ -75,7 +75,7 @@ impl Constraints {
 /// The model believed before the data: it decides the directions that the data leave open.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nominal {
-    /// Standard parameters and extras.
+    /// Standard parameters and extras of the nominal model.
     pub parameters: Vec<f64>,
     /// Standard deviation of each parameter, in its unit; positive and finite.
     pub std: Vec<f64>,

@@ -13,14 +13,14 @@ pub struct PowerLaw {
     pub columns: Vec<Option<usize>>,
     /// Joint velocities, samples × N, rad/s (m/s).
     pub velocity: Array2<f64>,
-    /// Exponent to start from. The paper starts from 1, linear viscous friction.
+    /// Exponent to start from. Han et al. start from 1, linear viscous friction.
     pub start: f64,
-    /// Smallest and largest exponent considered.
+    /// Smallest and largest exponent that is tried.
     pub range: (f64, f64),
 }
 
 impl PowerLaw {
-    /// Power law with the paper's start and exponents from 0.05 to 3.
+    /// Power law on these columns, with exponents from 0.05 to 3. The search starts from 1, as in Han et al. (2020).
     pub fn new(columns: Vec<Option<usize>>, velocity: Array2<f64>) -> Self {
         Self {
             columns,

@@ -61,7 +61,7 @@ pub enum Physical<'a> {
     Free,
     /// The last step, on the weights and exponents found without the condition.
     LastStep(&'a Feasibility),
-    /// Every step.
+    /// Every step of the iteration.
     EveryStep(&'a Feasibility),
 }
 
@@ -76,13 +76,13 @@ pub struct IterativeOptions<'a> {
     pub power_law: Option<PowerLaw>,
     /// Physical feasibility. Default [`Physical::Free`].
     pub physical: Physical<'a>,
-    /// L1 stops when no entry of Ω moves by more than this, relative to the joints' deviations. Default 1e-7.
+    /// Change of Ω at which L1 stops: the largest of an entry, relative to the joints' deviations. Default 1e-7.
     pub noise_tolerance: f64,
-    /// L2 stops when the weights move by less than this on average. Default 1e-5.
+    /// Mean change of the weights at which L2 stops. Default 1e-5.
     pub weight_tolerance: f64,
-    /// L3 stops when no exponent moves by more than this. Default 1e-3.
+    /// Largest change of an exponent at which L3 stops. Default 1e-3.
     pub exponent_tolerance: f64,
-    /// Most rounds of L1, L2 and L3. Default 30 each.
+    /// Largest number of rounds of L1, L2 and L3. Default 30 each.
     pub rounds: [usize; 3],
     /// Last solution: ridge, prior, subset of columns (see [`solve`]).
     pub solve: SolveOptions,
@@ -104,7 +104,7 @@ impl Default for IterativeOptions<'_> {
     }
 }
 
-/// Result of [`identify`].
+/// Result of [`identify`]: parameters, noise and outliers.
 #[derive(Debug, Clone)]
 pub struct Identification {
     /// Least-squares estimate on the final weights, in whitened rows (σ² near one); free of the condition of
@@ -117,7 +117,7 @@ pub struct Identification {
     /// Normal equations of the whitened, weighted rows in up to 256 blocks of consecutive samples, for
     /// [`block_covariance`](crate::least_squares::block_covariance).
     pub blocks: Vec<Gram>,
-    /// Ω, N × N, squared torque units.
+    /// Noise covariance Ω, N × N, squared torque units.
     pub noise: Array2<f64>,
     /// Weight of each row, samples × N, from 0 (left out) to 1.
     pub weights: Array2<f64>,
@@ -125,7 +125,7 @@ pub struct Identification {
     pub residual: Array2<f64>,
     /// Exponent α of each joint; one where friction is linear.
     pub exponents: Vec<f64>,
-    /// Least-squares problems solved in all.
+    /// Number of least-squares problems solved in all.
     pub solutions: usize,
     /// Whether every loop ended by its tolerance, and the last feasible solution before its steps were used up.
     pub converged: bool,

@@ -7,7 +7,7 @@ use ndarray::Array2;
 /// Covariance Ω of the torque noise, assumed or estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Noise {
-    /// σ²·1: ordinary least squares.
+    /// Covariance σ²·1 of equal noise: ordinary least squares.
     Equal,
     /// Diagonal: one variance for each joint (eq. 12).
     PerJoint,
@@ -51,7 +51,7 @@ pub(super) fn covariance(
     }
 }
 
-/// Ω^(−1/2), symmetric (eq. 18); none of a singular Ω.
+/// Ω^(−1/2), symmetric (eq. 18); none where Ω is singular.
 pub(super) fn inverse_root(noise: &Mat<f64>) -> Result<Option<Mat<f64>>, LeastSquaresError> {
     let eigen = noise
         .self_adjoint_eigen(faer::Side::Lower)

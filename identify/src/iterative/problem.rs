@@ -86,17 +86,17 @@ impl Problem {
         &self.kept
     }
 
-    /// Number of joints N.
+    /// Number of joints N of the robot.
     pub fn dof(&self) -> usize {
         self.joints.len()
     }
 
-    /// Number of samples.
+    /// Number of samples of each joint.
     pub fn samples(&self) -> usize {
         self.joints[0].nrows()
     }
 
-    /// Number of parameters p.
+    /// Number of parameters p of the model.
     pub fn columns(&self) -> usize {
         self.joints[0].ncols() - 1
     }

@@ -3,21 +3,21 @@
 /// Weight of a row by its normalised residual r (residual over its standard deviation).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Weight {
-    /// 1: no row is an outlier.
+    /// Weight 1 for every row: no row is an outlier.
     Equal,
-    /// 1 up to `threshold`, 0 beyond: the paper's "T class hard redescender", threshold 3.
+    /// Weight 1 up to `threshold`, 0 beyond: the "T class hard redescender" of Han et al. (2020), threshold 3.
     Hard {
-        /// Threshold, in standard deviations.
+        /// Normalised residual from which the weight is zero, in standard deviations.
         threshold: f64,
     },
-    /// 1 up to `threshold`, threshold/|r| beyond (Huber, 1964); 1.345 is 95 % efficient on normal noise.
+    /// Weight 1 up to `threshold`, threshold/|r| beyond (Huber, 1964); 1.345 is 95 % efficient on normal noise.
     Huber {
-        /// Threshold, in standard deviations.
+        /// Normalised residual from which the weight falls, in standard deviations.
         threshold: f64,
     },
-    /// (1 − (r/threshold)²)² up to `threshold`, 0 beyond (Beaton and Tukey, 1974); 4.685 is 95 % efficient.
+    /// Weight (1 − (r/threshold)²)² up to `threshold`, 0 beyond (Beaton and Tukey, 1974); 4.685 is 95 % efficient.
     Tukey {
-        /// Threshold, in standard deviations.
+        /// Normalised residual from which the weight is zero, in standard deviations.
         threshold: f64,
     },
 }

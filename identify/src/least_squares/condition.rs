@@ -22,7 +22,7 @@ pub struct SubRegressors {
 }
 
 impl SubRegressors {
-    /// Condition numbers from a triangle (of weighted rows, for the starred quantities of the paper) and the
+    /// Condition numbers from a triangle (of weighted rows, for the starred quantities of Han et al.) and the
     /// columns of each part.
     ///
     /// # Errors
@@ -47,8 +47,8 @@ impl SubRegressors {
         })
     }
 
-    /// Criterion of the paper for exciting trajectories (its Table II):
-    /// 10 cond(Y) + 5 cond(Y_i) + cond(Y_g) + cond(Y_f).
+    /// Criterion of Han et al. (2020), Table II, for exciting trajectories: 10 cond(Y) + 5 cond(Y_i) + cond(Y_g) +
+    /// cond(Y_f).
     pub fn criterion(&self) -> f64 {
         10.0 * self.whole
             + 5.0 * self.inertial.unwrap_or(0.0)

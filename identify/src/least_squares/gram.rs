@@ -9,7 +9,7 @@ use signal::cholesky;
 /// and a fit of k of the columns costs k³/3, which a forward selection over hundreds of candidates needs.
 #[derive(Debug, Clone)]
 pub struct Gram {
-    /// (p + 1) × (p + 1), symmetric: [[N, h], [hᵀ, Σb²]].
+    /// Matrix [[N, h], [hᵀ, Σb²]] of the sums, (p + 1) × (p + 1), symmetric.
     products: Mat<f64>,
     rows: usize,
 }
@@ -17,7 +17,7 @@ pub struct Gram {
 /// Fit of a subset of the columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GramFit {
-    /// Parameters in the order of the subset.
+    /// Parameters of the fit, in the order of the subset.
     pub parameters: Vec<f64>,
     /// Residual sum of squares on the rows fitted.
     pub residual_sum_of_squares: f64,
@@ -34,7 +34,7 @@ impl From<&Triangle> for Gram {
 }
 
 impl Gram {
-    /// Number of unknowns p.
+    /// Number of unknowns p of the sums.
     pub fn columns(&self) -> usize {
         self.products.ncols() - 1
     }
@@ -59,12 +59,13 @@ impl Gram {
         Self { products, rows }
     }
 
-    /// Standard deviations of all parameters, for rows in units of their independent noise: the roots of the diagonal of N⁻¹.
+    /// Standard deviations of all parameters, for rows in units of their independent noise: the roots of the diagonal
+    /// of N⁻¹.
     ///
     /// A column that no row determines has a deviation of 10⁵ over its own norm.
     ///
     /// # Errors
-    /// Sums that are no sums of squares.
+    /// Sums that are not sums of squares.
     pub fn deviations(&self) -> Result<Vec<f64>, LeastSquaresError> {
         let p = self.columns();
         let norm = |i: usize| match self.products[(i, i)] {

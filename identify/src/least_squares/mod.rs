@@ -29,7 +29,7 @@ pub enum LeastSquaresError {
     Size {
         /// Name of the quantity with the wrong size.
         what: &'static str,
-        /// Size found.
+        /// Size of the quantity as found.
         found: usize,
         /// The size that the problem asks for.
         expected: usize,
@@ -37,21 +37,21 @@ pub enum LeastSquaresError {
     /// NaN or infinite values among the rows that were accumulated.
     #[error("the system holds NaN or infinite values")]
     NotFinite,
-    /// No row was accumulated, or every row has zero weight.
+    /// Triangle without rows, or with rows of zero weight alone.
     #[error("the system has no rows")]
     NoRows,
     /// A column index beyond the last column.
     #[error("column {column} does not exist: the problem has {columns} columns")]
     NoSuchColumn {
-        /// Index of the column.
+        /// Index of the missing column.
         column: usize,
-        /// The number of columns.
+        /// Number of columns of the problem.
         columns: usize,
     },
     /// A prior with a standard deviation that is not positive.
     #[error("the prior standard deviation of column {column} is not positive")]
     BadPrior {
-        /// Index of the column.
+        /// Index of the column with that deviation.
         column: usize,
     },
     /// A noise whose standard deviation is not positive.

@@ -9,21 +9,21 @@ use ndarray::Array2;
 /// Prior distribution of the parameters: independent normal distributions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
-    /// Mean, length p.
+    /// Prior mean of each parameter, length p.
     pub mean: Vec<f64>,
     /// Standard deviation, length p, in the units of the parameters; infinite: nothing is known.
     pub std: Vec<f64>,
 }
 
-/// Settings of [`solve`].
+/// Settings of the solution [`solve`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveOptions {
-    /// Columns to use; the parameters of the others are zero. `None`: all.
+    /// Indices of the columns to use; the parameters of the others are zero. `None`: all.
     pub columns: Option<Vec<usize>>,
     /// Ridge relative to the norm of each column: holds directions that the data do not determine (singular
     /// values below this, of the system with columns of unit norm) at the prior mean or zero. Default 1e-9.
     pub ridge: f64,
-    /// Pull towards a nominal or older model, for short data. Default none.
+    /// Prior towards a nominal or older model, for short data. Default none.
     pub prior: Option<Prior>,
     /// Variance of the noise of a (weighted) row; `None`: estimated from the residual.
     pub sigma2: Option<f64>,
@@ -43,11 +43,11 @@ impl Default for SolveOptions {
 /// A least-squares estimate with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Parameters, length p.
+    /// Estimated parameters, length p.
     pub parameters: Vec<f64>,
     /// Covariance of the parameters, p × p, for independent noise; zero for columns left out.
     pub covariance: Array2<f64>,
-    /// Standard deviation of each parameter.
+    /// Standard deviation of each parameter, length p.
     pub std: Vec<f64>,
     /// Standard deviation relative to the parameter's magnitude; `None` for a parameter of zero.
     pub relative_std: Vec<Option<f64>>,
@@ -55,7 +55,7 @@ pub struct Estimate {
     pub sigma2: f64,
     /// Residual sum of squares over the (weighted) rows, prior and ridge not counted.
     pub residual_sum_of_squares: f64,
-    /// Number of rows.
+    /// Number of rows behind the estimate.
     pub rows: usize,
     /// Numerical rank of the columns used, at the relative ridge: below their number, some
     /// parameters are held by prior or ridge alone.
@@ -63,7 +63,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// This estimate with another covariance (p × p).
+    /// Same estimate with another covariance (p × p).
     ///
     /// # Errors
     /// A covariance of another size.
@@ -89,11 +89,11 @@ impl Estimate {
 /// where x̄, s are the prior (without one, x̄ = 0 and the second sum is absent).
 ///
 /// The covariance is σ² (AᵀA + σ² S⁻² + ridge²)⁻¹: the posterior one where there is a prior. σ² is the
-/// residual sum of squares over rows minus rank, unless given; where there are no more rows than that,
+/// residual sum of squares over rows minus rank, unless given; where the rows are as few as the rank,
 /// the mean squared error of the prior mean.
 ///
 /// # Errors
-/// No rows, a column that does not exist, a prior of the wrong size or without positive deviations.
+/// A triangle without rows, a column that does not exist, a prior of the wrong size or without positive deviations.
 pub fn solve(triangle: &Triangle, options: &SolveOptions) -> Result<Estimate, LeastSquaresError> {
     let p = triangle.columns();
     if triangle.rows() == 0 {

@@ -13,10 +13,10 @@ use ndarray::{ArrayView1, ArrayView2};
 const BLOCK_ROWS: usize = 1024;
 
 /// Upper-triangular factor of [A b]: with [A b] = Q [[R, z], [0, ρ]], ‖A x − b‖² = ‖R x − z‖² + ρ²
-/// for every x, so the rows themselves are no longer needed.
+/// for every x, so the rows themselves need not be kept.
 #[derive(Debug, Clone)]
 pub struct Triangle {
-    /// (p + 1) × (p + 1), zero below the diagonal.
+    /// Triangular factor of [A b], (p + 1) × (p + 1), zero below the diagonal.
     factor: Mat<f64>,
     rows: usize,
 }
@@ -83,7 +83,7 @@ impl Triangle {
         }
     }
 
-    /// Number of unknowns p.
+    /// Number of unknowns p of the system.
     pub fn columns(&self) -> usize {
         self.factor.ncols() - 1
     }
@@ -93,13 +93,13 @@ impl Triangle {
         self.rows
     }
 
-    /// R, p × p upper triangular.
+    /// Factor R, p × p upper triangular.
     pub fn r(&self) -> MatRef<'_, f64> {
         let p = self.columns();
         self.factor.submatrix(0, 0, p, p)
     }
 
-    /// z, length p: the part of the target within reach of the columns.
+    /// Vector z, length p: the part of the target within reach of the columns.
     pub fn z(&self) -> Vec<f64> {
         let p = self.columns();
         (0..p).map(|i| self.factor[(i, p)]).collect()
@@ -126,7 +126,7 @@ impl Triangle {
         Ok(self.residual(x).iter().map(|e| e * e).sum::<f64>() + self.unexplained())
     }
 
-    /// z − R x.
+    /// Residual z − R x of the triangular system.
     pub(super) fn residual(&self, x: &[f64]) -> Vec<f64> {
         let p = self.columns();
         (0..p)
@@ -245,7 +245,7 @@ impl Accumulator {
         }
     }
 
-    /// Number of unknowns p.
+    /// Number of unknowns p of the system.
     pub fn columns(&self) -> usize {
         self.buffer.ncols() - 1
     }

@@ -28,9 +28,9 @@ pub enum ResidualError {
     Size {
         /// Name of the quantity with the wrong length.
         what: &'static str,
-        /// Length found.
+        /// Length of the quantity as found.
         found: usize,
-        /// Number of residuals.
+        /// Number of samples of the residual.
         expected: usize,
     },
     /// Too few samples, values that are not finite, or a residual that does not vary.
@@ -43,15 +43,15 @@ pub enum ResidualError {
 /// far where `effective_samples` is much below `samples`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ResidualTests {
-    /// Number of samples.
+    /// Number of samples of the residual.
     pub samples: usize,
-    /// Mean, torque units.
+    /// Mean of the residual, torque units.
     pub mean: f64,
     /// Standard deviation, torque units.
     pub std: f64,
     /// Shape of the distribution.
     pub normality: Normality,
-    /// Independence in time.
+    /// Independence of the residual in time.
     pub serial: Serial,
     /// Remainder against the fitted torque.
     pub against_fitted: Remainder,
@@ -66,7 +66,7 @@ pub struct Normality {
     pub skewness: f64,
     /// Excess kurtosis K; zero where normal, positive for heavy tails.
     pub excess_kurtosis: f64,
-    /// Statistic n/6 (S² + K²/4).
+    /// Statistic n/6 (S² + K²/4) of the test of Jarque and Bera.
     pub jarque_bera: f64,
     /// P-value of the statistic (chi-squared, two degrees of freedom).
     pub p_value: f64,

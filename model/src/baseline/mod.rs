@@ -19,17 +19,17 @@ pub enum BaselineError {
     /// A table of the wrong shape.
     #[error("{what} has the shape {found:?} (samples, joints), needed is {needed:?}")]
     Shape {
-        /// Name of the table.
+        /// Name of the table that has the wrong shape.
         what: &'static str,
-        /// Shape found (samples, joints).
+        /// Shape of the table as found (samples, joints).
         found: (usize, usize),
-        /// The shape needed.
+        /// Shape that is needed (samples, joints).
         needed: (usize, usize),
     },
-    /// NaN or infinite values.
+    /// NaN or infinite values in the named table.
     #[error("{0} holds NaN or infinite values")]
     NotFinite(&'static str),
-    /// Too little data.
+    /// Too few samples for the fit.
     #[error("{found} samples in unbroken stretches are too few: at least {needed} are needed")]
     TooShort {
         /// Number of usable samples.
@@ -37,7 +37,7 @@ pub enum BaselineError {
         /// Number of samples needed.
         needed: usize,
     },
-    /// Trajectories that reach beyond the tables.
+    /// Trajectories that reach beyond the tables, by index.
     #[error("trajectory {0} reaches beyond the last sample")]
     Trajectory(usize),
     /// Settings that describe no model.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Mean and standard deviation of each channel of the training data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Normalisation {
-    /// Mean per channel.
+    /// Mean of each channel, in the channel's unit.
     pub mean: Vec<f64>,
     /// Standard deviation per channel (of the sample, n − 1); 1 for a channel that never varies, so that it
     /// becomes zero.

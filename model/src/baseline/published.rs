@@ -4,16 +4,16 @@
 
 use physics::robot::Builtin;
 
-/// Task of a model.
+/// Task of a model: what it predicts from what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
-    /// Torque from q, q̇, q̈ at the same sample.
+    /// Inverse task: torque from q, q̇, q̈ at the same sample.
     Inverse,
-    /// Position from torque, in simulation.
+    /// Forward task: position from torque, in simulation.
     Forward,
 }
 
-/// Part of the benchmark.
+/// Part of the benchmark's files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Training part: 39,988 samples.
@@ -27,21 +27,21 @@ pub enum Part {
 pub struct Published {
     /// Task of the published result.
     pub task: Task,
-    /// The model, in a few words.
+    /// Name of the model, in a few words.
     pub model: &'static str,
-    /// Part of the data.
+    /// Part of the benchmark that was scored.
     pub part: Part,
     /// NRMSE of joints 1 to 6, where published.
     pub nrmse: Option<[f64; 6]>,
     /// R² of joints 1 to 6 in percent, where published.
     pub r2: Option<[f64; 6]>,
-    /// Mean NRMSE over joints.
+    /// Mean of the NRMSE over joints.
     pub mean_nrmse: f64,
     /// Mean R² over joints in percent, where published.
     pub mean_r2: Option<f64>,
-    /// Inputs of the model, and deviations from the paper's protocol; empty where there are none.
+    /// Inputs of the model, and deviations from the benchmark paper's protocol; empty where it does not deviate.
     pub protocol: &'static str,
-    /// Publication.
+    /// Publication that states the figures, and where in it.
     pub source: &'static str,
 }
 
@@ -52,7 +52,8 @@ const TABLE_VI: &str =
 const FROM_FIRST_SAMPLE: &str = "simulation from the first position";
 const OWN_SPLIT: &str = "simulation from the first position; own split, 36387 samples for training and 3600 for validation";
 
-/// All rows, task by task. For the inverse task no published result beyond the paper's own baseline is known to us.
+/// All published rows, task by task. For the inverse task we know of no published result beside the baseline of the
+/// benchmark paper itself.
 pub const PUBLISHED: &[Published] = &[
     Published {
         task: Task::Inverse,

@@ -23,7 +23,7 @@ struct Stored {
     covariance: Vec<Vec<f64>>,
 }
 
-/// Text of the file.
+/// Text of `covariance.json` for this covariance matrix.
 pub(super) fn text(covariance: &[Vec<f64>]) -> String {
     let written = Written {
         schema: SCHEMA,

@@ -7,20 +7,20 @@ use std::path::PathBuf;
 /// Reason why a model directory cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum DirectoryError {
-    /// A file cannot be read.
+    /// File of the directory that cannot be read.
     #[error("{path}: {source}")]
     Read {
-        /// Path of the file.
+        /// Path of the file that cannot be read.
         path: PathBuf,
-        /// Cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A file is no model.
+    /// File that is not a model file.
     #[error("{path}: not a model of this program: {reason}")]
     Format {
-        /// Path of the file.
+        /// Path of the file that is not a model.
         path: PathBuf,
-        /// Reason.
+        /// Reason why it is not a model.
         reason: String,
     },
     /// The directory was written by `machine identify`.
@@ -28,15 +28,15 @@ pub enum DirectoryError {
         "{path}: a machine of the motion controller's kinds, not a serial arm; machine eval and machine payload read it"
     )]
     Machine {
-        /// Path of its file.
+        /// Path of the model's file.
         path: PathBuf,
     },
     /// A file beside the model was written by another version.
     #[error("{path}: schema {found:?}, this program reads {read:?}; train the model again")]
     Schema {
-        /// Path of the file.
+        /// Path of the file with another schema.
         path: PathBuf,
-        /// Schema of the file.
+        /// Schema that the file names.
         found: String,
         /// Schema that this program reads.
         read: &'static str,
@@ -44,31 +44,31 @@ pub enum DirectoryError {
     /// A file was made with another model than the one beside it.
     #[error("{path}: made with another model than the model.json beside it (checksum differs)")]
     Other {
-        /// Path of the file.
+        /// Path of the file that was made with another model.
         path: PathBuf,
     },
     /// `model.json` is not of this version.
     #[error("{path}: {source}")]
     Model {
-        /// Path of the file.
+        /// Path of the model file.
         path: PathBuf,
-        /// Cause.
+        /// Reason why its version is not read.
         source: ModelFileError,
     },
     /// The parts of the model do not fit together.
     #[error("{path}: {source}")]
     Physics {
-        /// Path of the file.
+        /// Path of the model file.
         path: PathBuf,
-        /// Cause.
+        /// Reason why its parts do not fit together.
         source: TorqueModelError,
     },
     /// The directory cannot be created, or an old file in it cannot be removed.
     #[error("{path}: {source}")]
     Folder {
-        /// Path of the directory.
+        /// Path of the directory that cannot be created or cleared.
         path: PathBuf,
-        /// Cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A file cannot be written.

@@ -11,15 +11,15 @@ pub const SCHEMA: &str = "metrics/1";
 /// Contents of `metrics.json`.
 #[derive(Serialize)]
 pub struct Metrics {
-    /// [`SCHEMA`].
+    /// Name and version of the format: [`SCHEMA`].
     pub schema: &'static str,
-    /// Joint names.
+    /// Names of the robot's joints, base first.
     pub joints: Vec<String>,
     /// Scores of the training recordings.
     pub train: Vec<Row>,
     /// Scores of the held-out recording.
     pub heldout: Option<Vec<Row>>,
-    /// Identified parameters.
+    /// Identified base parameters with their deviations.
     pub base_parameters: Vec<BaseParameter>,
     /// Quality of the identification.
     pub diagnostics: Option<Diagnostics>,
@@ -31,10 +31,10 @@ pub struct Metrics {
 /// Mean NRMSE of one member of the ensembles (one seed).
 #[derive(Serialize)]
 pub struct Member {
-    /// Index of the member.
+    /// Index of the member in each ensemble.
     pub member: usize,
     /// Mean NRMSE over all samples.
     pub mean_nrmse: Option<f64>,
-    /// Mean NRMSE in motion.
+    /// Mean over joints of the NRMSE in motion.
     pub mean_nrmse_moving: Option<f64>,
 }

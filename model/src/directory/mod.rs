@@ -37,19 +37,19 @@ use std::path::{Path, PathBuf};
 /// Files of `train --yardsticks`: figures and trees; the ridge regression, stored like a compensator.
 pub const YARDSTICKS: [&str; 2] = ["yardsticks.json", "yardsticks.safetensors"];
 
-/// File of `train forward`.
+/// Name of the file that `train forward` writes.
 pub const FORWARD: &str = "forward.json";
 
 /// Contents of `model.json`. Units are SI; joints base first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelFile {
-    /// [`SCHEMA`].
+    /// Name and version of the format: [`SCHEMA`].
     pub schema: String,
-    /// Version of the program that wrote it.
+    /// Version of the program that wrote the model.
     pub residyn: String,
-    /// Joint names, base first.
+    /// Names of the robot's joints, base first.
     pub joints: Vec<String>,
-    /// The identified physics.
+    /// Identified physics: robot, base parameters and terms of each joint.
     pub physics: TorqueModelRecord,
     /// Base parameters with their standard deviations.
     pub base_parameters: Vec<BaseParameter>,
@@ -66,9 +66,10 @@ pub struct ModelFile {
     pub residual_std: ResidualStd,
     /// Preparation of the recordings before the fit.
     pub preprocessing: Preprocessing,
-    /// The benchmark paper's linear baseline, fitted on the same samples.
+    /// Linear baseline of the KR300 benchmark paper, fitted on the same samples.
     pub linear_baseline: LinearInverse,
-    /// The paper's forward baseline, torque to position in simulation; none where the recordings are too short for it.
+    /// Forward baseline of the KR300 benchmark paper, torque to position in simulation; none where the recordings are
+    /// too short for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forward_baseline: Option<ForwardBaseline>,
     /// Quality of the identification.
@@ -76,9 +77,9 @@ pub struct ModelFile {
     pub diagnostics: Option<Diagnostics>,
     /// Time spans of the training trajectories, s, over which memory and warm-up continue.
     pub clock: Vec<[f64; 2]>,
-    /// Memory of the terms at the end of each of these trajectories.
+    /// Memory of the terms at the end of each trajectory in `clock`.
     pub memory: Vec<Memory>,
-    /// Provenance of the model.
+    /// Provenance of the model: recordings, seed, folds.
     pub provenance: Provenance,
     /// Inputs of the compensator and its training, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -88,9 +89,9 @@ pub struct ModelFile {
 /// Standard deviation of the residual by joint, N·m (N).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResidualStd {
-    /// Standard deviation where the joint moves.
+    /// Standard deviation of the model's error where the joint moves, by joint, N·m (N).
     pub moving: Vec<f64>,
-    /// Standard deviation at standstill.
+    /// Standard deviation of the model's error at standstill, by joint, N·m (N).
     pub standstill: Vec<f64>,
 }
 
@@ -128,12 +129,12 @@ pub struct Preprocessing {
     pub moving_only: bool,
 }
 
-/// Provenance of a model.
+/// Provenance of a model: recordings and options of its training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// Training recordings.
+    /// Recordings on which the model was trained.
     pub recordings: Vec<Source>,
-    /// Random seed.
+    /// Random seed of the training.
     pub seed: u64,
     /// Number of folds of the cross-validation that chose the terms.
     pub folds: usize,
@@ -146,9 +147,9 @@ pub struct Source {
     pub name: String,
     /// SHA-256 of the file, or of a folder's files concatenated in order of their names; empty for a simulation.
     pub sha256: String,
-    /// Number of samples.
+    /// Number of samples of the recording.
     pub samples: usize,
-    /// Number of trajectories.
+    /// Number of trajectories of the recording.
     pub trajectories: usize,
     /// Some rows in motion, positions (rad, m), then torques (N·m, N): they tell the recording under another name and in another format.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -321,7 +322,7 @@ impl ModelFile {
         )?)
     }
 
-    /// Writes a whole model directory, which is created where there is none: `model.json` last, so that a
+    /// Writes a whole model directory, which is created if missing: `model.json` last, so that a
     /// directory with one is complete. `weights` is `compensator.safetensors`, `urdf` the identified robot.
     /// Files of an earlier training (timing, yardsticks, positions from torque) are removed.
     ///

@@ -14,11 +14,11 @@ const SCHEMA: &str = "timing/1";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     schema: String,
-    /// Number of threads.
+    /// Number of threads with which the model was trained.
     pub threads: usize,
-    /// Identification of the physics, choice of the cut-off included, s.
+    /// Wall time of the identification of the physics, choice of the cut-off included, s.
     pub physics_s: f64,
-    /// Training of the compensator, s; none without one.
+    /// Wall time of the compensator's training, s; none without one.
     pub compensator_s: Option<f64>,
     /// Whether the run continued from a checkpoint, so that the time before it is missing.
     pub resumed: bool,
@@ -36,12 +36,12 @@ impl Timing {
         }
     }
 
-    /// Total wall time, s.
+    /// Wall time of physics and compensator together, s.
     pub fn seconds(&self) -> f64 {
         self.physics_s + self.compensator_s.unwrap_or(0.0)
     }
 
-    /// Timing of a model directory; none where it has none.
+    /// Timing of a model directory; none where it has no `timing.json`.
     ///
     /// # Errors
     /// A damaged file, or one of another version.

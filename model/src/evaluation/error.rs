@@ -18,9 +18,9 @@ pub enum EvaluateError {
     /// The recording cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
-        /// Name of the recording.
+        /// Name of the recording that cannot be prepared.
         file: String,
-        /// Cause.
+        /// Reason why it cannot be prepared.
         source: PrepareError,
     },
     /// The stored model does not fit together.
@@ -46,13 +46,13 @@ pub enum EvaluateError {
         "{file} has {found} joints, the model {expected}; give a recording of the model's robot ({robot})"
     )]
     Joints {
-        /// Name of the recording.
+        /// Name of the recording with another number of joints.
         file: String,
         /// Number of joints of the recording.
         found: usize,
         /// Number of joints of the model.
         expected: usize,
-        /// Name of the robot.
+        /// Name of the model's robot.
         robot: String,
     },
 }

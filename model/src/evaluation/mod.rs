@@ -32,18 +32,18 @@ use std::sync::atomic::AtomicBool;
 /// Settings of [`evaluate`].
 #[derive(Clone, Debug, Default)]
 pub struct EvaluateOptions {
-    /// Cut-off of the motion's low-pass instead of the model's own, Hz.
+    /// Cut-off of the motion's low-pass, Hz, in place of the model's own.
     pub cutoff_hz: Option<f64>,
 }
 
 /// Contents of `eval --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EvalReport {
-    /// `eval/1`.
+    /// Name and version of the format: `eval/1`.
     pub schema: &'static str,
-    /// Joint names.
+    /// Names of the robot's joints, base first.
     pub joints: Vec<String>,
-    /// Number of samples.
+    /// Number of samples of the recording.
     pub samples: usize,
     /// Scores of each model and scope.
     pub rows: Vec<Row>,
@@ -62,7 +62,7 @@ pub struct EvalReport {
 
 /// A scored recording with all intermediate results.
 pub struct Evaluation {
-    /// Scores and notes.
+    /// Report with the scores and notes.
     pub report: EvalReport,
     /// Recording that was evaluated.
     pub recording: Recording,
@@ -272,7 +272,7 @@ impl Evaluation {
         report::write_atomic(path, &text)
     }
 
-    /// Subject of its page.
+    /// Subject of the evaluation's page: recording, torque and scores.
     pub fn subject<'a>(&'a self, published: &'a [&'static Published]) -> Subject<'a> {
         Subject {
             recording: &self.recording,

@@ -7,9 +7,9 @@ use serde::Serialize;
 /// not above the floor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Share by joint.
+    /// Share of the removable error of each joint.
     pub joints: Vec<Option<f64>>,
-    /// Share of the sums over the joints.
+    /// Share of the error summed over the joints.
     pub all: Option<f64>,
 }
 

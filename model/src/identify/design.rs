@@ -59,19 +59,19 @@ pub fn inertial_columns(
 
 /// Data for the rows of all joints.
 pub struct Data<'a> {
-    /// Robot of the recordings.
+    /// Robot that the recordings are of.
     pub robot: &'a Robot,
     /// Base parameters of the robot.
     pub base: &'a BaseParameters,
     /// Columns of the base parameters.
     pub rigid: &'a RigidColumns,
-    /// Prepared recordings.
+    /// Prepared recordings of the session.
     pub session: &'a Session,
-    /// Torque to be explained.
+    /// Torque that the columns have to explain.
     pub target: &'a Target<'a>,
     /// Whether only moving samples are rows.
     pub moving_only: bool,
-    /// Step between samples that are rows; 1: all.
+    /// Step between samples that are rows; with 1 all samples are.
     pub every: usize,
 }
 
@@ -105,14 +105,14 @@ impl Data<'_> {
     }
 }
 
-/// Most blocks of samples for standard deviations.
+/// Largest number of blocks of samples for standard deviations.
 const BLOCKS: usize = 256;
 /// Fewest samples of a block.
 const SHORTEST_BLOCK: usize = 8;
 
 /// Normal equations of one joint over its own columns, by cell of the folds and by block.
 pub struct JointSystem {
-    /// Indices of the base parameters that act on this joint.
+    /// Indices of the base parameters that act on the joint.
     acting: Vec<usize>,
     terms: usize,
     cells: Vec<Triangle>,
@@ -221,7 +221,7 @@ impl JointSystem {
         self.cells.len()
     }
 
-    /// Number of samples.
+    /// Number of samples that are rows of the system.
     pub fn rows(&self) -> usize {
         self.cells.iter().map(Triangle::rows).sum()
     }

@@ -16,7 +16,7 @@ pub const POOR: f64 = 0.3;
 /// Quality of an identification, in `model.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostics {
-    /// Report of the estimator.
+    /// Report of the estimator with its options.
     pub estimator: crate::identify::estimators::EstimatorReport,
     /// Condition numbers of the weighted regressor.
     pub conditioning: Conditioning,
@@ -26,9 +26,9 @@ pub struct Diagnostics {
     pub residual_tests: Vec<Option<ResidualTests>>,
     /// The links of the identified URDF; empty where no possible links were found.
     pub links: Vec<PossibleLink>,
-    /// Largest distance of a base parameter of those links from its estimate, in standard deviations.
+    /// Largest distance of a base parameter of the possible links from its estimate, in standard deviations.
     pub moved: Option<f64>,
-    /// Training error with those links, beside that of the free estimate.
+    /// Training error with the possible links, beside that of the free estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<PossibleCost>,
 }
@@ -38,7 +38,7 @@ pub struct Diagnostics {
 pub struct PossibleCost {
     /// Error of the estimate without the condition.
     pub free: f64,
-    /// Error with possible links.
+    /// Error with the parameters of possible links.
     pub possible: f64,
 }
 
@@ -61,9 +61,10 @@ pub struct Conditioning {
 /// A link of the identified URDF.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PossibleLink {
-    /// Name of the link.
+    /// Name of the link in the URDF.
     pub link: String,
-    /// Eigenvalues of its 4 × 4 pseudo-inertia, ascending, each over the largest: all positive where it is possible.
+    /// Eigenvalues of the link's 4 × 4 pseudo-inertia, ascending, each over the largest: all positive where it is
+    /// possible.
     pub eigenvalues: Vec<f64>,
 }
 

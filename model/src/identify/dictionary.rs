@@ -48,9 +48,9 @@ pub fn is_torque_of_position(term: &Term) -> bool {
 /// Clock of the training recordings, for warm-up terms.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionClock {
-    /// First time stamp, s.
+    /// First time stamp of the session, s.
     pub start: f64,
-    /// Last time stamp, s.
+    /// Last time stamp of the session, s.
     pub end: f64,
 }
 

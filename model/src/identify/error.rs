@@ -39,9 +39,9 @@ pub enum IdentifyError {
     /// The prior belongs to another robot.
     #[error("the model of {prior} given as prior has other base parameters than {robot}")]
     Prior {
-        /// Robot of the prior.
+        /// Name of the robot that the prior belongs to.
         prior: String,
-        /// Robot to identify.
+        /// Name of the robot to identify.
         robot: String,
     },
 }

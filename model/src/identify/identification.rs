@@ -65,9 +65,9 @@ const LARGEST: f64 = 3.0;
 pub struct Identified {
     /// Base parameters of the rigid body.
     pub base: BaseParameters,
-    /// Parameters: the base parameters, then the terms of joint 1, 2, …
+    /// Estimated parameters: the base parameters, then the terms of joint 1, 2, …
     pub estimate: Estimate,
-    /// Parameters without the condition that links be possible.
+    /// Estimated parameters without the condition that links be possible.
     pub free: Vec<f64>,
     /// Base parameters of the load for load-dependent terms.
     pub load_base: Vec<f64>,
@@ -77,7 +77,7 @@ pub struct Identified {
     pub selections: Vec<Selection>,
     /// Standard deviation of each joint's residual on the fitted samples, N·m.
     pub residual_std: Vec<f64>,
-    /// Number of folds used.
+    /// Number of folds of the cross-validation.
     pub folds: usize,
     /// Triangle of the weighted rows of all joints.
     pub triangle: Triangle,

@@ -15,9 +15,10 @@ pub struct OutOfFold<'a> {
     /// Indices of each joint's columns among all.
     maps: Vec<Vec<usize>>,
     total: usize,
-    /// For each fold: sums of the fitted rows, and of each joint's test rows.
+    /// Sums of each fold: of the rows that are fitted without it, and of its own rows by joint, on which the fit is
+    /// tested.
     folds: Vec<(Gram, Vec<Gram>)>,
-    /// Sums of all rows.
+    /// Sums of the rows of all folds.
     whole: Gram,
     rows: Vec<usize>,
 }

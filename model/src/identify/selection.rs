@@ -3,14 +3,14 @@
 use ::identify::least_squares::{Gram, LeastSquaresError};
 use datasets::Folds;
 
-/// Settings of [`forward`].
+/// Settings of the selection [`forward`].
 #[derive(Clone, Copy, Debug)]
 pub struct ForwardOptions {
     /// Least part of the cross-validated error that a term must remove to be selected.
     pub least_gain: f64,
     /// Number of standard errors, over the folds, by which the error removed must exceed zero where trajectories are cut.
     pub standard_errors: f64,
-    /// Most terms that are selected.
+    /// Largest number of terms that are selected.
     pub most: usize,
     /// Ridge relative to the columns' norms.
     pub ridge: f64,
@@ -43,7 +43,7 @@ impl ForwardOptions {
 /// Selected terms in the order of selection.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
-    /// Column indices.
+    /// Indices of the columns of the selected terms.
     pub taken: Vec<usize>,
     /// Cross-validated sum of squared errors before the first and after each term.
     pub errors: Vec<f64>,
@@ -60,7 +60,7 @@ impl FoldGrams {
     /// Sums of each fold from the normal equations of each cell of `folds`; folds without rows are left out.
     ///
     /// # Errors
-    /// Cells with different numbers of columns, or none.
+    /// Cells with different numbers of columns, or no cell.
     pub fn new(cells: &[Gram], folds: &Folds) -> Result<Self, LeastSquaresError> {
         let sum = |picked: &mut dyn Iterator<Item = usize>| -> Result<Gram, LeastSquaresError> {
             let first = picked.next().ok_or(LeastSquaresError::NoRows)?;
@@ -88,7 +88,7 @@ impl FoldGrams {
         })
     }
 
-    /// Number of folds.
+    /// Number of folds with rows.
     pub fn len(&self) -> usize {
         self.fitted.len()
     }

@@ -8,10 +8,10 @@ use physics::torque_model::TorqueModelError;
 /// Reason why positions cannot be computed from torque.
 #[derive(Debug, thiserror::Error)]
 pub enum InversionError {
-    /// There is no trajectory from which to learn motions.
+    /// No trajectory from which to learn motions.
     #[error("there is no trajectory of six samples or more to learn motions from")]
     NoTrajectory,
-    /// Too few motions.
+    /// Too few trajectories of one length for that many shapes.
     #[error(
         "{trajectories} trajectories of one length are made of {shapes} shapes: that takes {needed} of them at least"
     )]

@@ -20,14 +20,14 @@ pub(super) const SOFTNESS: f64 = 0.02;
 const STEP: f64 = 1e-6;
 /// Number of columns of a joint's friction.
 const COLUMNS: usize = 5;
-/// Ridge on these columns, relative to their squares.
+/// Ridge on the friction columns, relative to their squares.
 const RIDGE: f64 = 1e-9;
 
 /// Torque added to rigid body and springs on one joint, N·m (N): offset + inertia·q̈ + viscous·q̇ +
 /// coulomb·tanh(q̇/soft) + curved·tanh(q̇/speed).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointFriction {
-    /// Offset, inertia, viscous, coulomb, curved.
+    /// Coefficients of offset, inertia, viscous, coulomb and curved.
     pub parameters: [f64; COLUMNS],
     /// RMS speed of the joint in motion, rad/s (m/s).
     pub speed: f64,

@@ -34,7 +34,7 @@ pub const PHYSICS_FORWARD: &str = "physics_forward";
 /// Learned prior and friction with which positions are found, beside the identified model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inversion {
-    /// Prior on motions.
+    /// Prior on motions, learned from the training trajectories.
     pub prior: MotionPrior,
     /// Friction of each joint as a curve over speed.
     pub friction: Vec<JointFriction>,

@@ -22,7 +22,7 @@ const SAME_RATE: f64 = 0.01;
 /// trajectory, is `scale` · Σ coefficient · shape. Coefficients have the standard deviation `deviation`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionPrior {
-    /// Sampling rate, Hz.
+    /// Sampling rate of the shapes, Hz.
     pub rate_hz: f64,
     /// Root mean square distance of each joint from its start, rad (m).
     pub scale: Vec<f64>,
@@ -36,7 +36,7 @@ pub struct MotionPrior {
 
 /// Shapes and their derivatives: tables of shape (samples, shapes).
 pub(super) struct Shapes {
-    /// Values, without unit.
+    /// Values of the shapes, without unit.
     pub q: Array2<f64>,
     /// First derivatives by time, 1/s.
     pub qd: Array2<f64>,

@@ -20,7 +20,7 @@ const FIRST: f64 = 6.0;
 const GROWS: f64 = 1.5;
 /// Number of random draws for each pair of neighbouring joints.
 const DRAWS: usize = 8;
-/// Correlation length of torque errors, samples: one in so many counts.
+/// Correlation length of torque errors, samples. One sample in that many counts.
 const TOGETHER: f64 = 10.0;
 /// Degrees of freedom of Student's t for torque errors.
 const STUDENT: f64 = 6.0;
@@ -37,9 +37,9 @@ const DAMPING: [f64; 4] = [1e-2, 6.0, 1e-9, 1e8];
 /// Weighting of torque errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Weights {
-    /// By the prior's share of motions at rest, while the motion itself is still far off.
+    /// Weights from the prior's share of motions at rest, while the motion itself is still far off.
     Schedule,
-    /// By the motion's own velocity, with lower weights for large errors.
+    /// Weights from the motion's own velocity, lower for large errors.
     Robust,
 }
 
@@ -77,7 +77,7 @@ pub(super) struct Trajectory<'a> {
 /// Cost at some coefficients, and the normal equations of the next step.
 struct State {
     cost: f64,
-    /// Jᵀ·W·J and Jᵀ·W·r of the torque alone, without the prior.
+    /// Products Jᵀ·W·J and Jᵀ·W·r of the torque alone, without the prior.
     products: Array2<f64>,
     moments: Array1<f64>,
     solved: Solved,

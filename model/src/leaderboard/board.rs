@@ -10,23 +10,23 @@ use serde::Serialize;
 /// Contents of `eval --leaderboard --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Leaderboard {
-    /// `leaderboard/1`.
+    /// Name and version of the format: `leaderboard/1`.
     pub schema: &'static str,
-    /// Name of the recording.
+    /// Name of the recording on which all models are scored.
     pub recording: String,
-    /// Name of the robot.
+    /// Name of the robot of the models.
     pub robot: String,
-    /// Joint names.
+    /// Names of the robot's joints, base first.
     pub joints: Vec<String>,
-    /// Number of samples.
+    /// Number of samples of the recording.
     pub samples: usize,
-    /// Number of trajectories.
+    /// Number of trajectories of the recording.
     pub trajectories: usize,
-    /// Method of the intervals.
+    /// Method of the intervals of the scores.
     pub intervals: Intervals,
-    /// Torque from motion: every model, lowest mean NRMSE over all samples first.
+    /// Rows of torque from motion: every model, lowest mean NRMSE over all samples first.
     pub rows: Vec<Entry>,
-    /// Positions simulated from torque, in the same order; empty where no model does that.
+    /// Rows of positions simulated from torque, in the same order; empty where no model does that.
     pub forward: Vec<Entry>,
     /// The models given, with the conditions of their figures.
     pub models: Vec<Given>,
@@ -37,12 +37,12 @@ pub struct Leaderboard {
     pub published: Vec<&'static Published>,
 }
 
-/// A model that was given.
+/// Model directory to be compared, as given.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Given {
     /// Path of the model's directory.
     pub directory: String,
-    /// Conditions of its figures, as text of `eval`.
+    /// Notes on the conditions of its figures, as text of `eval`.
     pub notes: Vec<String>,
 }
 

@@ -19,7 +19,7 @@ const LEVEL: f64 = 0.95;
 const SEED: u64 = 0;
 /// Fewest trajectories to draw from; with fewer, blocks are drawn.
 const FEWEST: usize = 5;
-/// Number of blocks into which such a recording is cut.
+/// Number of blocks into which a recording of few trajectories is cut.
 const BLOCKS: usize = 20;
 
 /// Stretches of a recording that are drawn as a whole.
@@ -34,11 +34,11 @@ pub struct Stretches {
 pub struct Intervals {
     /// Level: part of the draws within an interval.
     pub level: f64,
-    /// `percentile bootstrap`.
+    /// Name of the method: `percentile bootstrap`.
     pub method: &'static str,
     /// Drawn units: `trajectories` or `blocks`.
     pub over: &'static str,
-    /// Number of these units.
+    /// Number of the units that are drawn from.
     pub stretches: usize,
     /// Number of recordings drawn.
     pub draws: usize,
@@ -49,7 +49,7 @@ pub struct Intervals {
 /// Scores with their intervals; an interval that does not exist is `None` (null in JSON).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judged {
-    /// Scores of a model.
+    /// Scores of the model.
     #[serde(flatten)]
     pub scores: Scores,
     /// Interval of each joint's NRMSE.
@@ -66,15 +66,15 @@ pub struct Judged {
 #[derive(Clone)]
 struct Sums {
     samples: f64,
-    /// Σ(y − ȳ) and Σ(y − ȳ)² of the measured values, ȳ over the whole recording.
+    /// Sums Σ(y − ȳ) and Σ(y − ȳ)² of the measured values, ȳ over the whole recording.
     measured: Vec<[f64; 2]>,
     /// Number of samples and Σe² within each scope.
     errors: [Vec<[f64; 2]>; 2],
 }
 
 impl Stretches {
-    /// Stretches: trajectories. With fewer than five of these, consecutive blocks of about a twentieth of the
-    /// recording, none of which crosses a break.
+    /// Units that the bootstrap draws: trajectories. With fewer than five of these, consecutive blocks of about a
+    /// twentieth of the recording, none of which crosses a break.
     pub fn of(trajectories: &[Range<usize>]) -> Self {
         let whole = || trajectories.iter().filter(|t| !t.is_empty());
         if whole().count() >= FEWEST {

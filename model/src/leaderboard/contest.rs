@@ -24,11 +24,11 @@ use std::path::{Path, PathBuf};
 pub struct Contest<'a> {
     /// Model directories, of one robot.
     pub directories: &'a [PathBuf],
-    /// Path of the recording.
+    /// Path of the recording to score on.
     pub data: &'a Path,
-    /// Drive file of the robot.
+    /// Path of the robot's drive file.
     pub drive: Option<&'a Path>,
-    /// Cut-off of the motion's low-pass instead of each model's own, Hz.
+    /// Cut-off of the motion's low-pass, Hz, in place of each model's own.
     pub cutoff_hz: Option<f64>,
 }
 
@@ -102,7 +102,7 @@ type Yardstick = (&'static str, Array2<f64>, usize);
 
 /// A model with its scores on the recording.
 struct Contestant<'a> {
-    /// Its directory, as given.
+    /// Model directory, as given.
     name: String,
     directory: &'a Path,
     file: &'a ModelFile,

@@ -12,15 +12,17 @@ pub(super) const WHOLE: &str = "physics+compensator";
 /// A model, ours or a published one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
-    /// `linear_baseline`, `physics`, `physics+compensator`, `physics+ridge`, `physics+trees`, or the name in a publication.
+    /// Name of the model: `linear_baseline`, `physics`, `physics+compensator`, `physics+ridge`, `physics+trees`, or the
+    /// name in a publication.
     pub model: String,
     /// Model directories that give exactly these figures; empty for a published result.
     pub directories: Vec<String>,
     /// Publication of the row; none for a model of this project.
     pub published: Option<Publication>,
-    /// Whether it was fitted on this very recording, so that its scores do not tell of new motion; false for published rows.
+    /// Whether the model was fitted on this very recording, so that its scores do not tell of new motion; false for
+    /// published rows.
     pub fitted_on_it: bool,
-    /// Scores over all samples.
+    /// Scores over all samples of the recording.
     pub all: Judged,
     /// Scores in motion; none where they were not published.
     pub moving: Option<Judged>,
@@ -30,27 +32,27 @@ pub struct Entry {
     pub network_parameters: Option<usize>,
     /// Time of one sample in a control loop, µs.
     pub inference_us: Option<f64>,
-    /// Cost of its training.
+    /// Wall time of its training.
     pub training: Option<Training>,
 }
 
-/// Publication of a row.
+/// Publication of a row that is not this project's.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Publication {
     /// Part of the benchmark: `train` or `test`.
     pub part: &'static str,
-    /// Document and table.
+    /// Document and table that state the figures.
     pub source: &'static str,
     /// Inputs of the model, and deviations from the benchmark's protocol.
     pub protocol: &'static str,
 }
 
-/// Wall time of a training.
+/// Wall time of a model's training.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Training {
-    /// Wall time, s.
+    /// Wall time of the training, s.
     pub seconds: f64,
-    /// Number of threads.
+    /// Number of threads of the training.
     pub threads: usize,
     /// Whether the time is complete: that of an interrupted and resumed run is not.
     pub whole: bool,
@@ -73,7 +75,7 @@ impl Entry {
         }
     }
 
-    /// A published row.
+    /// Row of the board for a published result.
     pub(super) fn published(p: &Published) -> Self {
         let list = |of: Option<[f64; 6]>| match of {
             Some(values) => values.map(Some).to_vec(),

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Reason why models could not be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum LeaderboardError {
-    /// A call without a model.
+    /// Call without any model directory.
     #[error("a leaderboard needs at least one model directory")]
     Nothing,
     /// Models of different robots.
@@ -21,13 +21,13 @@ pub enum LeaderboardError {
         "{first} is a model of {of_first}, {other} of {of_other}: a leaderboard is about one robot"
     )]
     Robots {
-        /// The first directory.
+        /// Path of the first model directory.
         first: PathBuf,
-        /// Robot and joints of its model.
+        /// Robot and joints of the first directory's model.
         of_first: String,
-        /// The directory that differs.
+        /// Path of the directory that differs.
         other: PathBuf,
-        /// Robot and joints of its model.
+        /// Robot and joints of the other directory's model.
         of_other: String,
     },
     /// The recording has no torque.

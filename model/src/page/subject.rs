@@ -8,7 +8,7 @@ use signal::Motion;
 
 /// A recording with a model's predictions and scores.
 pub struct Subject<'a> {
-    /// Recording on the page.
+    /// Recording that the page shows.
     pub recording: &'a Recording,
     /// Motion of the recording at the recorded samples.
     pub motion: &'a Motion,

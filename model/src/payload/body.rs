@@ -12,34 +12,35 @@ use serde::Serialize;
 /// A value with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figure {
-    /// Estimated value.
+    /// Estimated value of the parameter, in its SI unit.
     pub value: f64,
-    /// Standard deviation.
+    /// Standard deviation of the value, in the same unit.
     pub std: f64,
 }
 
 /// Parameters of the body; none for a parameter that the motion does not determine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Body {
-    /// Mass, kg.
+    /// Mass of the body, kg.
     pub mass: Option<Figure>,
     /// Centre of mass in the last joint's frame, m.
     pub com: [Option<Figure>; 3],
-    /// First moments m·c, kg·m.
+    /// First moments m·c in the last joint's frame, kg·m.
     pub first_moment: [Option<Figure>; 3],
-    /// Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, in the directions of the last joint's frame, kg·m².
+    /// Inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, in the directions of the last joint's frame,
+    /// kg·m².
     pub inertia: [Option<Figure>; 6],
-    /// Whether a body with these ten parameters is possible; none where not all of them are determined.
+    /// Whether a body with these ten parameters can exist; none where not all of them are determined.
     pub possible: Option<bool>,
 }
 
-/// Result of one pass.
+/// Result of one pass of the estimation.
 pub(super) struct Settled {
     /// The body's parameters with standard deviations.
     pub(super) body: Body,
-    /// Its ten standard parameters; undetermined ones are those of a plausible body.
+    /// Ten standard parameters of the body. Undetermined ones are those of a plausible body.
     pub(super) parameters: [f64; PARAMETERS_PER_LINK],
-    /// All unknowns.
+    /// Values of all unknowns of the pass.
     pub(super) unknowns: Vec<f64>,
 }
 

@@ -4,7 +4,7 @@
 const SOFT: f64 = 0.01;
 /// Number of harmonics of the joint's position.
 const HARMONICS: usize = 2;
-/// Number of shapes.
+/// Number of shapes of a joint's torque error.
 pub(super) const SHAPES: usize = 2 * (1 + 2 * HARMONICS);
 
 /// Direction of motion at a velocity in rad/s (m/s), −1 to 1.

@@ -38,7 +38,7 @@ use system::System;
 /// Settings of [`estimate`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PayloadOptions {
-    /// Cut-off of the motion's low-pass instead of the model's own, Hz.
+    /// Cut-off of the motion's low-pass, Hz, in place of the model's own.
     pub cutoff_hz: Option<f64>,
     /// Prior deviation of each coefficient of friction since the model was made, relative to its size. Default
     /// 0.1: a few degrees of a gear's temperature.
@@ -54,18 +54,18 @@ impl Default for PayloadOptions {
     }
 }
 
-/// Estimated body.
+/// Estimated payload: a body on the last link.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Payload {
-    /// `payload/1`.
+    /// Name and version of the format: `payload/1`.
     pub schema: &'static str,
-    /// Joint names.
+    /// Names of the robot's joints, base first.
     pub joints: Vec<String>,
     /// Name of the joint in whose frame the parameters are.
     pub frame: String,
-    /// Number of samples.
+    /// Number of samples of the recording.
     pub samples: usize,
-    /// Body of the payload.
+    /// Parameters of the payload's body.
     #[serde(flatten)]
     pub body: Body,
     /// Root mean square residual of the model without the body, by joint, N·m (N).
@@ -85,23 +85,23 @@ pub enum PayloadError {
     /// The recording has no torque.
     #[error("{0} holds no torque (tau1 …), which the payload is told from")]
     NoTorque(String),
-    /// No torque of the recording depends on the body.
+    /// Recording in which no torque depends on the body.
     #[error("{0}: no torque of this motion depends on the payload's mass or its moments")]
     Nothing(String),
-    /// No drive's gain is determined.
+    /// Recordings that determine no joint's gain well enough.
     #[error(
         "{file}: no joint's gain is told to {percent:.0} %: the known body's torque is too small beside what the model leaves"
     )]
     NoGain {
-        /// The recording with the body.
+        /// Path of the recording with the body.
         file: String,
-        /// Standard deviation required, %.
+        /// Standard deviation that is required of a gain, %.
         percent: f64,
     },
-    /// Least squares failed.
+    /// Failed least-squares problem.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),
-    /// No possible links could be found.
+    /// Failed search for possible links.
     #[error(transparent)]
     Feasibility(#[from] FeasibilityError),
 }

@@ -4,9 +4,9 @@ use physics::robot::Robot;
 
 /// Size of the largest body that the robot could carry: prior deviation of undetermined parameters.
 pub(super) struct Size {
-    /// Mass, kg.
+    /// Mass of the largest body, kg.
     pub(super) mass: f64,
-    /// Distance of its centre of mass, m.
+    /// Distance of the body's centre of mass from the last joint, m.
     pub(super) length: f64,
 }
 

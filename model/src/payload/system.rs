@@ -12,7 +12,7 @@ use physics::effects::Term;
 use physics::robot::PARAMETERS_PER_LINK;
 use physics::torque_model::TorqueModel;
 
-/// Most blocks of time for standard deviations.
+/// Largest number of blocks of time for standard deviations.
 const BLOCKS: usize = 96;
 
 /// Prior deviation of the gain with which a body's torque passes a joint. A gear passes another part of it when
@@ -91,8 +91,8 @@ impl System {
         }
     }
 
-    /// Sets the columns of each joint's error over its position and direction: a constant and harmonics, each
-    /// with the prior deviation `size`, N·m (N).
+    /// Sets the columns of each joint's error over its position and direction: a constant and harmonics. Each has the
+    /// prior deviation `size`, N·m (N).
     pub(super) fn misfit(&mut self, size: &[f64]) {
         let first = self.width() - EXTRA * self.joints.len();
         for (j, columns) in self.joints.iter_mut().enumerate() {
@@ -176,7 +176,7 @@ fn with_friction_change(file: &ModelFile, model: &TorqueModel, change: f64) -> A
     covariance
 }
 
-/// L with L Lᵀ = Σ, one column for each direction that varies, shape (parameters, directions).
+/// Factor L of the covariance Σ = L Lᵀ, one column for each direction that varies, shape (parameters, directions).
 fn root_of(covariance: &Array2<f64>) -> Array2<f64> {
     let n = covariance.nrows();
     let deviation: Vec<f64> = covariance

@@ -14,7 +14,7 @@ use ndarray::Array2;
 use physics::dynamics::{Workspace, regressor};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
-/// Most samples that are checked.
+/// Largest number of samples that are checked.
 const SAMPLES: usize = 5000;
 /// Independent part of a column below which it is poorly separated from the others.
 const OWN_SHARE: f64 = 0.01;
@@ -29,33 +29,33 @@ const EXTRAS: [Extra; 4] = [
 /// Reason why a recording could not be checked.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckError {
-    /// It cannot be prepared.
+    /// Recording that cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
-        /// The recording.
+        /// Name of the recording that cannot be prepared.
         file: String,
-        /// Cause.
+        /// Reason why it cannot be prepared.
         source: PrepareError,
     },
-    /// It holds nothing to check.
+    /// Recording that holds nothing to check.
     #[error("{file}: {problem}")]
     Check {
-        /// The recording.
+        /// Name of the recording without anything to check.
         file: String,
-        /// Problem.
+        /// Problem that prevents the check.
         problem: Problem,
     },
-    /// Its regressor could not be decomposed.
+    /// Recording whose regressor could not be decomposed.
     #[error("{file}: {source}")]
     LeastSquares {
-        /// The recording.
+        /// Name of the recording whose regressor failed.
         file: String,
-        /// Cause.
+        /// Error of the decomposition.
         source: LeastSquaresError,
     },
 }
 
-/// What a check is told of a robot.
+/// Options of a check from a robot: joint names and limits of position, velocity and torque.
 pub fn options(robot: &Robot) -> CheckOptions {
     let joints = robot.joints().iter();
     CheckOptions {
@@ -104,7 +104,8 @@ pub fn check_recording(
     Ok(report)
 }
 
-/// Adds the channel of a report's recording and what of it is worth a sentence; what the doctor knows better is said as he finds it.
+/// Adds the torque channel of a recording to its report, with sentences on what is remarkable. Facts that the doctor
+/// finds more exactly are left to his complaints.
 pub fn add_channel(
     report: &mut CheckReport,
     robot: &Robot,

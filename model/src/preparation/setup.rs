@@ -22,7 +22,7 @@ pub struct Setup {
     pub robot: Robot,
     /// Drive file, if one was given.
     pub drive: Option<Drive>,
-    /// Source of the robot; a URDF for a built-in one.
+    /// Source of the robot's description; a URDF for a built-in robot.
     pub description: Description,
     /// Sampling rate of recordings without a time column, Hz.
     pub rate_hz: Option<f64>,
@@ -57,7 +57,7 @@ pub enum SetupError {
         heldout: String,
         /// Number of rows that are in both.
         rows: usize,
-        /// Number of its rows.
+        /// Number of rows of the held-out recording.
         of: usize,
     },
 }

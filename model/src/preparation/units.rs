@@ -15,15 +15,15 @@ const LINE: &str = "units.angle = \"deg\"";
     .index + 1, means(*.percent)
 )]
 pub struct Degrees {
-    /// Name of the recording.
+    /// Name of the recording whose positions are degrees.
     pub file: String,
     /// Index of the joint with the longest motion.
     pub index: usize,
-    /// Name of that joint.
+    /// Name of the joint with the longest motion.
     pub joint: String,
-    /// Range of its positions, in the recorded unit.
+    /// Range of the joint's positions, in the recorded unit.
     pub span: f64,
-    /// Range of its positions in turns, if the numbers were rad.
+    /// Range of the joint's positions in turns, if the numbers were rad.
     pub turns: f64,
     /// Range between the joint's limits, rad.
     pub room: f64,
@@ -31,7 +31,7 @@ pub struct Degrees {
     pub alike: usize,
     /// Number of joints that move.
     pub moving: usize,
-    /// Whether the numbers end at ±100: percent of each motor's range, as LeRobot stores it.
+    /// Whether the positions end at ±100: percent of each motor's range, as LeRobot stores it.
     pub percent: bool,
 }
 
@@ -49,13 +49,13 @@ fn means(percent: bool) -> String {
 
 /// Range assumed for a joint without limits, rad, since it may turn on and on.
 const UNLIMITED: f64 = 4.0 * TAU;
-/// Factor on a joint's range beyond which its motion exceeds it.
+/// Factor on a joint's range from which its motion exceeds it.
 const BEYOND: f64 = 1.5;
-/// Motion in degrees below which a joint is not judged.
+/// Range of motion below which a joint is not judged, in degrees.
 const SMALL: f64 = 1.0;
 
 /// Refuses recorded positions that are provably degrees. At least half of the moving joints exceed the robot's
-/// range, wherever their zeros are, and none does when the numbers are read as degrees. A motion of few degrees
+/// range, wherever their zeros are, and no joint does when the numbers are read as degrees. A motion of few degrees
 /// proves nothing.
 ///
 /// # Errors

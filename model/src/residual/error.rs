@@ -21,7 +21,7 @@ pub enum ResidualError {
     /// The yardsticks' files cannot be used.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
-    /// There are fewer than three folds of training trajectories: yardsticks need one to fit, one to choose and one to judge.
+    /// Training trajectories in fewer than three folds: yardsticks need one to fit, one to choose and one to judge.
     #[error(
         "yardsticks need training trajectories in at least three folds: to fit, to choose by, to judge by"
     )]

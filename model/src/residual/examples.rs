@@ -18,7 +18,7 @@ pub(super) struct Examples {
     pub rows: Vec<(usize, Vec<usize>)>,
     /// Ranges of the sequences; no window crosses their ends.
     pub segments: Vec<Range<usize>>,
-    /// Fold of each sequence.
+    /// Index of the fold of each sequence.
     pub folds: Vec<usize>,
     /// Residual torque of the physics by joint, N·m.
     pub targets: Vec<Array1<f32>>,
@@ -80,7 +80,7 @@ impl Examples {
         self.places().iter().map(of).collect()
     }
 
-    /// Number of rows.
+    /// Number of rows of all recordings.
     pub fn len(&self) -> usize {
         self.segments.last().map_or(0, |s| s.end)
     }

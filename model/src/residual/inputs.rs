@@ -14,7 +14,7 @@ pub enum Preset {
     /// Preset with the best evidence: the joint's own motion, load and friction memory.
     #[default]
     Default,
-    /// The published unit: q, q̇, q̈ of the joint and those further from the base.
+    /// Preset of Wang et al.: q, q̇, q̈ of the joint and those further from the base.
     Ucm,
 }
 

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// A graph and its description.
 pub struct Exported {
-    /// Bytes of the ONNX file.
+    /// Contents of the ONNX file.
     pub graph: Vec<u8>,
     /// Description of inputs and outputs.
     pub description: Description,
@@ -19,7 +19,7 @@ pub struct Exported {
 /// Contents of the JSON file beside the graph.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Description {
-    /// `onnx/1`.
+    /// Name and version of the format: `onnx/1`.
     pub schema: &'static str,
     /// Version of ONNX's operator set.
     pub opset: i64,
@@ -30,20 +30,20 @@ pub struct Description {
     pub samples: usize,
     /// Time between the samples, s.
     pub period: f64,
-    /// Columns of the input.
+    /// Columns of the graph's input, in order.
     pub columns: Vec<Column>,
     /// Name of the graph's output, f32 of shape (batch, joints): residual torque at the newest sample.
     pub output: &'static str,
-    /// Columns of the output.
+    /// Columns of the graph's output: one per joint.
     pub joints: Vec<Column>,
 }
 
 /// A column in the unit of the graph's input or output: scaling and bounds are inside the graph.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Column {
-    /// Readable name.
+    /// Name of the column, to be read.
     pub name: String,
-    /// Unit.
+    /// Unit of the column's values.
     pub unit: String,
 }
 

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// Learner of one joint's residual torque.
 pub(super) trait Learner {
-    /// Index of the joint.
+    /// Index of the joint whose residual torque is learned.
     fn joint(&self) -> usize;
     /// Residual torque of every row of `sequences`, N·m.
     fn residual(

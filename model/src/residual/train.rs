@@ -21,9 +21,9 @@ use physics::robot::Builtin;
 pub struct Learned {
     /// Compensator of all units.
     pub compensator: Compensator,
-    /// Bytes of its file.
+    /// Contents of `compensator.safetensors`.
     pub bytes: Vec<u8>,
-    /// Record of the training.
+    /// Record of the training, for `model.json`.
     pub record: CompensatorRecord,
     /// Memory of the model's terms and of the units' inputs.
     pub memory: Vec<Memory>,
@@ -37,7 +37,7 @@ pub struct Learned {
 
 /// Yardsticks beside the units.
 pub struct Compared {
-    /// The yardsticks.
+    /// Yardsticks fitted on the same inputs.
     pub yardsticks: Yardsticks,
     /// Residual torque that the yardsticks predict for every recording of the session, by ridge and trees
     /// (where there are some), shape (samples, joints).

@@ -11,9 +11,9 @@ use ndarray::Array2;
 /// Results of the units on the folds held back; empty where there is one fold only.
 #[derive(Default)]
 pub(super) struct Trial {
-    /// One network and one ridge regression on the same inputs, in the order of the jobs.
+    /// Network and ridge regression of each job on the same inputs, trained without the folds held back.
     pub units: Vec<(Trained, Trained)>,
-    /// Errors of the same networks on those folds at their last epoch, N·m; that epoch was not chosen on these folds.
+    /// Errors of these networks on the folds held back at their last epoch, N·m; that epoch was not chosen there.
     pub last_epoch: Vec<Option<f64>>,
     /// Errors of physics and network together where neither was fitted, by joint.
     pub left: Vec<LeftOut>,

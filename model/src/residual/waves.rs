@@ -9,9 +9,10 @@ use rayon::prelude::*;
 use signal::cholesky;
 use std::f64::consts::TAU;
 
-/// Most waves of a joint.
+/// Largest number of waves of a joint.
 const MOST: usize = 4;
-/// Periods over the range of a joint's motion: fewest, from which a wave is told from a slow curve, and most that are searched.
+/// Periods over the range of a joint's motion: fewest, with which a wave differs from a slow curve, and most that are
+/// searched.
 const PERIODS: [f64; 2] = [3.0, 200.0];
 /// Number of bins of position in the shortest period.
 const BINS: f64 = 16.0;
@@ -32,11 +33,11 @@ const TAKEN: ForwardOptions = ForwardOptions {
 /// One sample of a joint in motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// Position, rad or m.
+    /// Position of the joint, rad or m.
     pub position: f64,
     /// Residual torque of the physics, N·m (N).
     pub left: f64,
-    /// Fold that it belongs to.
+    /// Index of the fold that the sample belongs to.
     pub fold: usize,
 }
 
@@ -52,7 +53,7 @@ type Products = ([f64; COLUMNS * COLUMNS], [f64; COLUMNS]);
 struct Binned {
     /// Centre of each bin, rad or m.
     position: Vec<f64>,
-    /// Values of the slow curve's functions there.
+    /// Values of the slow curve's functions at the centres of the bins.
     slow: Vec<[f64; SLOW + 1]>,
     /// Number of samples, shape (folds, bins).
     count: Array2<f64>,
@@ -231,7 +232,7 @@ impl Binned {
         self.count.rows().into_iter().map(of).collect()
     }
 
-    /// These sums together with the products with the residual, by fold.
+    /// Sums of products of the columns of one order, these binned ones with the residual included, by fold.
     fn with_moments(&self, order: f64, normals: &[[f64; COLUMNS * COLUMNS]]) -> Vec<Products> {
         let columns: Vec<[f64; COLUMNS]> = self.columns(order).collect();
         let of = |(sum, normal): (ArrayView1<f64>, &[f64; COLUMNS * COLUMNS])| {

@@ -39,21 +39,21 @@ pub struct Yardsticks {
 /// Weighted RMS errors of one joint on the folds held back, N·m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeldBack {
-    /// Joint name.
+    /// Name of the joint that is judged.
     pub joint: String,
     /// Error of the physics alone.
     pub physics: Option<f64>,
-    /// Error with one network at its best epoch on these very folds.
+    /// Error with one network at its best epoch, which was chosen on these folds.
     pub unit: Option<f64>,
-    /// Error with that network at its last epoch, which was not chosen on these folds.
+    /// Error with the same network at its last epoch, which was not chosen on these folds.
     pub unit_at_last_epoch: Option<f64>,
     /// Error with the ridge regression.
     pub ridge: Option<f64>,
-    /// Error with the trees.
+    /// Error with the boosted trees.
     pub trees: Option<f64>,
     /// Chosen ridge, relative to the mean diagonal of the normal matrix.
     pub ridge_parameter: f64,
-    /// Chosen number of trees.
+    /// Number of trees that was chosen.
     pub tree_count: usize,
 }
 
@@ -87,7 +87,7 @@ impl Splits {
     }
 }
 
-/// One joint's yardsticks.
+/// Yardsticks of one joint: ridge and trees.
 struct Joint {
     held_back: HeldBack,
     ridge: Unit,
@@ -178,7 +178,7 @@ fn trees([choose, judge, fit]: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>
     Ok(Some((trees, error)))
 }
 
-/// None: this build has no trees.
+/// Boosted trees of a joint. This build is without the feature `trees`, so there are none.
 #[cfg(not(feature = "trees"))]
 fn trees(_: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>, ResidualError> {
     Ok(None)
@@ -188,7 +188,7 @@ fn trees(_: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>, ResidualError> {
 #[serde(deny_unknown_fields)]
 struct Stored {
     schema: String,
-    /// SHA-256 of the file of the compensator to which these were compared.
+    /// SHA-256 of the file of the compensator to which the yardsticks were compared.
     compensator_sha256: String,
     /// SHA-256 of the ridge regression's file.
     ridge_sha256: String,

@@ -11,7 +11,7 @@ const SCHEMA: &str = "sums/1";
 #[derive(Serialize, Deserialize)]
 struct Head {
     schema: String,
-    /// Hex digest of the robot.
+    /// Hex digest by which the robot of the sums is recognised.
     robot: String,
     preparation: Option<Preparation>,
     recordings: usize,

@@ -11,18 +11,18 @@ pub enum SumsError {
     /// A recording cannot be used, or all of them determine nothing.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// The sums belong to two robots.
+    /// Sums that belong to two robots.
     #[error("these are sums of another robot: name, frames, inertials or gravity differ")]
     OtherRobot,
-    /// The recordings were prepared differently.
+    /// Sums whose recordings were prepared differently.
     #[error("one was prepared with {own}, the other with {others}")]
     OtherPreparation {
-        /// Preparation of these sums.
+        /// Preparation of the sums that were to be added to.
         own: Preparation,
         /// Preparation of the other sums.
         others: Preparation,
     },
-    /// The bytes are no sums.
+    /// Bytes that do not hold sums, with the reason.
     #[error("no stored sums: {0}")]
     Broken(String),
 }

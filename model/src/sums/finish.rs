@@ -10,7 +10,7 @@ use ::identify::least_squares::{LeastSquaresError, Triangle};
 use datasets::check::STILL;
 use physics::torque_model::WeightedTerm;
 
-/// Parameters identified from sums.
+/// Parameters identified from sums, with their terms.
 #[derive(Clone, Debug)]
 pub struct Summed {
     /// Base parameters of the rigid body.

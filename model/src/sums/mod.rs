@@ -67,12 +67,12 @@ impl Sums {
         self.preparation
     }
 
-    /// Number of recordings.
+    /// Number of recordings in the sums.
     pub fn recordings(&self) -> usize {
         self.recordings
     }
 
-    /// Number of samples.
+    /// Number of samples in the sums.
     pub fn samples(&self) -> usize {
         self.places.values().map(|joints| joints[0].rows()).sum()
     }

@@ -19,7 +19,7 @@ pub const RIDGE: &str = "physics+ridge";
 /// Name of the row of physics with boosted trees instead of the compensator.
 pub const TREES: &str = "physics+trees";
 
-/// Whether a row belongs to a yardstick, which is no part of the model.
+/// Whether a row of scores is that of a yardstick, which the model does not contain.
 fn is_yardstick(row: &Row) -> bool {
     row.name == RIDGE || row.name == TREES
 }
@@ -36,7 +36,7 @@ pub fn scores(joints: &[String], rows: &[Row], published: &[&Published]) -> Tabl
     normalised(joints, rows, published).unwrap_or_default()
 }
 
-/// Table of NRMSE of positions simulated from torque; none where there is no such row.
+/// Table of NRMSE of positions simulated from torque; none where no row is on positions.
 pub fn forward(joints: &[String], rows: &[Row], published: &[&Published]) -> Option<Table> {
     let rows = rows.iter().filter(|row| is_forward(row));
     let published = published.iter().filter(|p| p.task == Task::Forward);

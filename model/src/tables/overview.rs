@@ -9,9 +9,9 @@ use report::{Cell, Column, Table};
 use signal::Motion;
 use signal::quantile::quantile;
 
-/// Most effects named per joint.
+/// Largest number of effects that are named per joint.
 const NAMED: usize = 2;
-/// Most models beside each other.
+/// Largest number of models beside each other in the table.
 const MODELS: usize = 5;
 /// Quantile of a joint's speed that counts as its top speed.
 const TOP: f64 = 0.99;

@@ -6,9 +6,9 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 /// Buffers of [`inverse_dynamics_derivatives`] for one robot's size; make one per thread.
 #[derive(Debug, Clone)]
 pub struct Derivatives {
-    /// ∂τ/∂q, N × N, row-major: row of the torque, column of the position.
+    /// Derivative ∂τ/∂q, N × N, row-major: row of the torque, column of the position.
     pub dq: Vec<f64>,
-    /// ∂τ/∂q̇, N × N, row-major.
+    /// Derivative ∂τ/∂q̇, N × N, row-major.
     pub dqd: Vec<f64>,
     /// Mass matrix M(q) = ∂τ/∂q̈, N × N, row-major, symmetric.
     pub mass: Vec<f64>,
@@ -22,10 +22,10 @@ pub struct Derivatives {
 struct Subtree {
     /// Unit motion of the joint, S.
     screw: Vector6<f64>,
-    /// Change of acceleration with q and with q̇ beyond the rigid transport of the subtree.
+    /// Change of the link's acceleration with q and with q̇ beyond the rigid transport of the subtree.
     with_q: Vector6<f64>,
     with_qd: Vector6<f64>,
-    /// v_λ × S.
+    /// Product v_λ × S of the parent's velocity and the joint's unit motion.
     turned: Vector6<f64>,
     inertia: Matrix6<f64>,
     /// B with B m = v ×* (I m) + m ×* (I v) − I (v × m).
@@ -205,7 +205,7 @@ fn linear(m: &Vector6<f64>) -> Vector3<f64> {
     Vector3::new(m[3], m[4], m[5])
 }
 
-/// Motion a × motion b.
+/// Cross product of motions a × b, each as (angular, linear).
 fn cross(a: &Vector6<f64>, b: &Vector6<f64>) -> Vector6<f64> {
     let (w, v) = (angular(a), linear(a));
     join(
@@ -214,7 +214,7 @@ fn cross(a: &Vector6<f64>, b: &Vector6<f64>) -> Vector6<f64> {
     )
 }
 
-/// Motion m ×* force f.
+/// Cross product m ×* f of a motion and a force, each as (angular, linear).
 fn force_cross(m: &Vector6<f64>, f: &Vector6<f64>) -> Vector6<f64> {
     let (w, v) = (angular(m), linear(m));
     join(

@@ -13,12 +13,12 @@ pub struct Workspace {
     pub(super) screws: Vec<Screw>,
 }
 
-/// State of one link during a recursion, in the link's own frame unless said otherwise.
+/// State of one link during a recursion, in the link's own frame unless a field names another.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkState {
-    /// Orientation in the parent's frame.
+    /// Orientation of the link in its parent's frame.
     pub rotation: Matrix3<f64>,
-    /// Origin in the parent's frame.
+    /// Origin of the link in its parent's frame, m.
     pub translation: Vector3<f64>,
     /// Force (all that the joint transmits), then moment about the origin.
     pub force: Vector3<f64>,

@@ -11,13 +11,13 @@ pub struct Sample<'a> {
     pub clock: Option<f64>,
     /// Time since the previous sample, s.
     pub dt: f64,
-    /// Joint positions, rad.
+    /// Joint positions, rad (m).
     pub q: &'a [f64],
-    /// Joint velocities, rad/s.
+    /// Joint velocities, rad/s (m/s).
     pub qd: &'a [f64],
-    /// Joint accelerations, rad/s².
+    /// Joint accelerations, rad/s² (m/s²).
     pub qdd: &'a [f64],
-    /// Rigid-body torques, N·m.
+    /// Rigid-body torque of each joint, N·m (N).
     pub load: &'a [f64],
 }
 
@@ -26,7 +26,7 @@ pub struct Sample<'a> {
 pub struct BankState {
     /// State of each term; zero for terms without memory.
     pub states: Vec<f64>,
-    /// Position of the joint, rad.
+    /// Position of the joint at the last sample, rad (m).
     pub q: f64,
 }
 

@@ -30,7 +30,7 @@ pub enum Coupling {
     Relative {
         /// Index of the driving joint, base first.
         driver: usize,
-        /// Turns of that part for one of the driver.
+        /// Number of turns of the rubbing part for one turn of the driver.
         ratio: f64,
         /// Velocity over which the sign changes, rad/s (m/s).
         velocity: f64,

@@ -3,7 +3,7 @@
 use super::Term;
 use serde::{Deserialize, Serialize};
 
-/// Sessions before the start and after the end up to which the change goes on.
+/// Number of session lengths before the start and after the end up to which the change goes on.
 const BEYOND: f64 = 1.0;
 
 /// (t − start)/span times another term, t being the session clock.
@@ -12,7 +12,7 @@ const BEYOND: f64 = 1.0;
 /// that does not continue a known clock uses `neutral`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drift {
-    /// Term that changes.
+    /// Term of which the coefficient changes.
     pub term: Box<Term>,
     /// Start of the session on the recordings' clock, s.
     pub start: f64,

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct EarlySign {
     /// Velocity over which the sign changes, rad/s (m/s).
     pub velocity: f64,
-    /// Time by which it is early, s.
+    /// Time by which the sign changes before the velocity's, s.
     pub lead: f64,
 }
 

@@ -7,17 +7,17 @@ use serde::{Deserialize, Serialize};
 pub struct Harmonic {
     /// Order: periods per joint revolution; not necessarily whole.
     pub order: f64,
-    /// Phase: sine or cosine.
+    /// Phase of the wave: sine or cosine.
     pub phase: Phase,
 }
 
-/// Sine or cosine.
+/// Phase of a periodic torque: sine or cosine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
-    /// sin(order·q)
+    /// Sine of the position: sin(order·q).
     Sin,
-    /// cos(order·q)
+    /// Cosine of the position: cos(order·q).
     Cos,
 }
 

@@ -3,7 +3,7 @@
 use super::{FrictionShape, Sliding};
 use serde::{Deserialize, Serialize};
 
-/// |load|^exponent times a friction shape, load being the joint's rigid-body torque in N·m.
+/// Friction shape times |load|^exponent, load being the joint's rigid-body torque in N·m.
 ///
 /// Bittencourt and Gunnarsson (2012), equation 6: Coulomb friction linear in |load|.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ fn is_linear(exponent: &f64) -> bool {
 }
 
 impl LoadFriction {
-    /// Friction linear in the load.
+    /// Load friction that is linear in the load, with this friction shape.
     pub fn linear(friction: FrictionShape) -> Self {
         Self {
             friction,

@@ -52,7 +52,7 @@ pub enum Term {
     EarlySign(EarlySign),
     /// Maxwell-slip element: a spring that slides at a given displacement.
     Stop(Stop),
-    /// Dahl's friction state.
+    /// Dahl's friction: the bristle's state times its stiffness.
     Dahl(Dahl),
     /// Rate of Dahl's friction state: damping of the bristles in presliding. Parameter in N·m·s.
     DahlRate(Dahl),
@@ -72,9 +72,9 @@ pub enum Term {
     Counterbalance(Counterbalance),
     /// Linear spring of the joint's own position.
     Spring(Spring),
-    /// Another term whose coefficient fades as the robot warms up.
+    /// Warm-up: another term whose coefficient fades as the robot warms up.
     WarmUp(WarmUp),
-    /// Another term whose coefficient changes evenly over the session.
+    /// Drift: another term whose coefficient changes evenly over the session.
     Drift(Drift),
 }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Describes friction lag and slow creep after a reversal, which a function of displacement alone does not describe.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaggedSign {
-    /// Time constant, s.
+    /// Time constant of the lag, s.
     pub time_constant: f64,
     /// Velocity below which the joint counts as standing still, rad/s (m/s).
     pub standstill: f64,

@@ -12,39 +12,39 @@ pub enum Sliding {
     Coulomb,
     /// tanh(q̇/velocity): Coulomb friction as a low-passed velocity or a drive at rest shows it.
     SoftCoulomb {
-        /// Velocity over which the sign changes.
+        /// Velocity over which the sign changes, rad/s (m/s).
         velocity: f64,
     },
     /// |q̇|: the difference of viscous friction between the two directions.
     AsymmetricViscous,
     /// sign(q̇)·exp(−|q̇|/velocity): Stribeck friction, Tustin's form.
     Stribeck {
-        /// Velocity at which the extra friction has fallen to 1/e.
+        /// Velocity at which the extra friction has fallen to 1/e, rad/s (m/s).
         velocity: f64,
     },
     /// tanh(q̇/softness)·exp(−(|q̇|/velocity)^exponent): Stribeck friction of any steepness, its sign softened as that of
     /// [`Sliding::SoftCoulomb`] (Bo and Pavelescu 1982).
     SoftStribeck {
-        /// Velocity at which the extra friction has fallen to 1/e.
+        /// Velocity at which the extra friction has fallen to 1/e, rad/s (m/s).
         velocity: f64,
         /// Exponent of the decay: one is Tustin's form, two is Gauss's.
         exponent: f64,
-        /// Velocity over which the sign changes.
+        /// Velocity over which the sign changes, rad/s (m/s).
         softness: f64,
     },
     /// tanh²(q̇/velocity): the difference of Coulomb friction between the two directions.
     AsymmetricCoulomb {
-        /// Velocity over which the sign changes.
+        /// Velocity over which the sign changes, rad/s (m/s).
         velocity: f64,
     },
     /// tanh(q̇/velocity): viscous friction that saturates.
     Degressive {
-        /// Velocity of the knee.
+        /// Velocity of the knee, rad/s (m/s).
         velocity: f64,
     },
     /// sign(q̇)·|q̇|^exponent (Han et al., equation 5).
     Power {
-        /// Exponent α of the speed.
+        /// Exponent α of the speed |q̇|.
         exponent: f64,
     },
 }

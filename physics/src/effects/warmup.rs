@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// continue a known clock uses `neutral`, the factor's mean over the training samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WarmUp {
-    /// Term that decays.
+    /// Term of which the coefficient decays.
     pub term: Box<Term>,
-    /// Time constant, s.
+    /// Time constant of the decay, s.
     pub time_constant: f64,
     /// Start of the session on the recordings' clock, s.
     pub start: f64,

@@ -21,7 +21,7 @@ pub(crate) struct ChainJoint {
     /// Origin at q = 0 in the parent's inner frame.
     pub translation: Vector3<f64>,
     pub mass: f64,
-    /// Part of the weight that is held from outside.
+    /// Part of the link's weight that is held from outside, 0 to 1.
     pub held: f64,
     /// First moment in the inner frame.
     pub first_moment: Vector3<f64>,

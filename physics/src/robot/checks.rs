@@ -2,7 +2,7 @@
 
 use super::{Doubt, Finding, Joint, RobotError};
 
-/// Inertial parameters and placements beyond this (kg, m) belong to no robot; their products leave the numbers.
+/// Largest inertial parameter or placement of a robot (kg, m) that is accepted: products of larger ones overflow.
 const LARGEST: f64 = 1e12;
 
 /// Relative tolerance on the eigenvalues of a described inertia: published tables carry about six

@@ -9,9 +9,9 @@
 /// p = m Z R T / (V − dl·A), τ = `scale`·h·p·A.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Counterbalance {
-    /// Index of the joint on which it acts.
+    /// Index of the joint on which the counterbalance acts.
     pub joint: usize,
-    /// Position of the joint's zero in the cylinder's geometry, rad (δ = q + zero).
+    /// Offset of the joint's zero in the cylinder's geometry, rad (δ = q + zero).
     pub zero: f64,
     /// Distance D from the joint to the attachment on the base, m.
     pub distance: f64,
@@ -23,7 +23,7 @@ pub struct Counterbalance {
     pub volume: f64,
     /// Product m Z R T of gas mass, compressibility, specific gas constant and temperature, J.
     pub gas_energy: f64,
-    /// Free factor on the torque.
+    /// Free factor on the torque, without unit.
     pub scale: f64,
 }
 

@@ -20,20 +20,20 @@ pub enum Convention {
 /// One row of a table. The joint's position is added to `theta` (rotation) or to `d` (translation).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// Length a, m.
+    /// Link length a, m.
     pub a: f64,
-    /// Twist α, rad.
+    /// Link twist α, rad.
     pub alpha: f64,
-    /// Offset d, m.
+    /// Link offset d, m.
     pub d: f64,
-    /// Angle θ at q = 0, rad.
+    /// Joint angle θ at q = 0, rad.
     pub theta: f64,
     /// Kind of the joint: it turns or slides.
     pub kind: JointKind,
 }
 
 impl Row {
-    /// A rotating joint.
+    /// Row of a joint that turns.
     pub fn revolute(a: f64, alpha: f64, d: f64, theta: f64) -> Self {
         Self {
             a,

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 /// Reason why a robot cannot be used. Every message names the link or joint and ends with the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum RobotError {
-    /// The file cannot be read.
+    /// File of a description that cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
-        /// File asked for.
+        /// Path of the file that was asked for.
         path: PathBuf,
         /// Reason given by the operating system.
         source: std::io::Error,
@@ -16,50 +16,50 @@ pub enum RobotError {
     /// The content of a file cannot be used.
     #[error("{}: {source}", path.display())]
     InFile {
-        /// Path of the file.
+        /// Path of the file that cannot be used.
         path: PathBuf,
-        /// Error in its content.
+        /// Error in the file's content.
         source: Box<RobotError>,
     },
-    /// Neither a built-in robot nor a file.
+    /// Name that is neither a built-in robot nor a file.
     #[error("no built-in robot and no file is called {name:?}; the built-in robots are {builtins}")]
     UnknownRobot {
-        /// Name asked for.
+        /// Name that was asked for.
         name: String,
-        /// Names that exist.
+        /// Names of the built-in robots.
         builtins: String,
     },
-    /// A machine that is no chain of described bodies.
+    /// Machine that is not a chain of described bodies.
     #[error(
         "{name:?} is a machine with a torque model of its own, not a chain of described links; use `machine identify --robot {name}`"
     )]
     Machine {
-        /// Name asked for.
+        /// Name of the machine that was asked for.
         name: String,
     },
     /// A file that is not well-formed XML.
     #[error("line {line}: it cannot be parsed: {reason}; {remedy}")]
     Syntax {
-        /// Line, from 1.
+        /// Line of the mistake, from 1.
         line: u32,
-        /// Message of the parser.
+        /// Message of the XML parser.
         reason: String,
-        /// Remedy.
+        /// Remedy, as the end of the message.
         remedy: String,
     },
     /// An element that cannot be used.
     #[error("line {line}: {element} {problem}; {remedy}")]
     Element {
-        /// Line, from 1.
+        /// Line of the element, from 1.
         line: u32,
         /// The element, with its name where it has one.
         element: String,
-        /// Problem of the element.
+        /// Problem of the element, in words.
         problem: String,
-        /// Remedy.
+        /// Remedy, as the end of the message.
         remedy: String,
     },
-    /// A macro file.
+    /// Macro file (xacro) that is not expanded.
     #[error("this is a xacro file, whose macros are not expanded: expand it first: `xacro {}`", expansion(file.as_deref()))]
     Xacro {
         /// Name of the file, where there is one.
@@ -68,13 +68,13 @@ pub enum RobotError {
     /// An MJCF that cannot be used.
     #[error("MJCF: {reason}")]
     Mjcf {
-        /// Problem and remedy.
+        /// Problem of the MJCF and its remedy.
         reason: String,
     },
     /// Joints that make no robot.
     #[error("{reason}")]
     Joints {
-        /// Reason and remedy.
+        /// Reason why the joints make no robot, and remedy.
         reason: String,
     },
     /// Several chains, of which none is meant more than another.
@@ -92,22 +92,22 @@ pub enum RobotError {
          choose the joints before it by --joints"
     )]
     Follows {
-        /// Joint that follows.
+        /// Name of the joint that follows another.
         joint: String,
-        /// Joint that leads.
+        /// Name of the joint that leads.
         of: String,
     },
-    /// A name is used twice.
+    /// Name that two links or two joints have.
     #[error(
         "line {}: two {what}s are called {name:?}, the first on line {}; names must be unique: rename one or take it out",
         lines[1], lines[0]
     )]
     Duplicate {
-        /// `link` or `joint`.
+        /// Kind of the elements: `link` or `joint`.
         what: &'static str,
         /// The name that is used twice.
         name: String,
-        /// Lines of both, from 1.
+        /// Lines of both elements, from 1.
         lines: [u32; 2],
     },
     /// A joint refers to a link that does not exist.
@@ -127,29 +127,29 @@ pub enum RobotError {
         "link {link:?} is the child of both {first:?} and {second:?}; closed loops are not supported"
     )]
     TwoParents {
-        /// Link with two parents.
+        /// Name of the link with two parents.
         link: String,
         /// Name of one of the joints.
         first: String,
-        /// The other joint.
+        /// Name of the other joint that carries it.
         second: String,
     },
-    /// Not exactly one link without a parent.
+    /// URDF with no root link, or with several links without a parent.
     #[error(
         "the URDF needs one root link and has {count} ({names}); connect the links with joints"
     )]
     Roots {
-        /// Number of roots found.
+        /// Number of root links found.
         count: usize,
-        /// Names of the roots.
+        /// Names of the root links.
         names: String,
     },
-    /// No joint moves.
+    /// Robot in which no joint moves.
     #[error(
         "the robot {name:?} has no moving joint; at least one revolute, continuous or prismatic joint is needed"
     )]
     NoJoints {
-        /// Name of the robot.
+        /// Name of the robot without moving joints.
         name: String,
     },
     /// A joint of a kind that is not supported.
@@ -157,9 +157,9 @@ pub enum RobotError {
         "joint {joint:?} is {kind}; only revolute, continuous, prismatic and fixed joints are supported"
     )]
     UnsupportedJoint {
-        /// Name of the joint.
+        /// Name of the unsupported joint.
         joint: String,
-        /// Kind of the joint.
+        /// Kind of the joint in the URDF.
         kind: String,
     },
     /// The axis has no direction.
@@ -167,21 +167,21 @@ pub enum RobotError {
         "joint {joint:?} has axis {axis:?}, which has no direction; give a vector of length one"
     )]
     BadAxis {
-        /// Name of the joint.
+        /// Name of the joint with the bad axis.
         joint: String,
-        /// The axis as given.
+        /// Axis of the joint, as given.
         axis: [f64; 3],
     },
     /// A number that is NaN, infinite or out of its range.
     #[error("{owner:?}: {what} is {value}; {hint}")]
     BadNumber {
-        /// Link or joint it belongs to.
+        /// Name of the link or joint that the number belongs to.
         owner: String,
-        /// Name of the quantity.
+        /// Name of the quantity that has the bad number.
         what: String,
-        /// Value of the quantity.
+        /// Value of the quantity, as given.
         value: f64,
-        /// Allowed range, in words.
+        /// Range that is allowed, in words.
         hint: String,
     },
     /// A moving joint carries no mass.
@@ -190,12 +190,12 @@ pub enum RobotError {
          give it an <inertial> element, or make the joint fixed"
     )]
     Massless {
-        /// Link without mass.
+        /// Name of the link without mass.
         link: String,
-        /// Joint that moves it.
+        /// Name of the joint that moves the link.
         joint: String,
     },
-    /// No rigid body has these inertial parameters.
+    /// Link whose inertial parameters no rigid body can have.
     #[error(
         "link {link:?} (moved by joint {joint:?}) has an impossible inertia: {reason}; \
          the inertia belongs to the centre of mass, in kg·m²"
@@ -203,19 +203,19 @@ pub enum RobotError {
     ImpossibleInertia {
         /// Link with the impossible inertia.
         link: String,
-        /// Joint that moves it.
+        /// Name of the joint that moves the link.
         joint: String,
-        /// Property that no body has.
+        /// Property of the inertia that no body has.
         reason: String,
     },
     /// A list has the wrong length.
     #[error("{what}: {found} values for a robot that needs {expected}")]
     WrongLength {
-        /// Name of the list.
+        /// Name of the list with the wrong length.
         what: &'static str,
-        /// Number of values needed.
+        /// Number of values that are needed.
         expected: usize,
-        /// Number of values found.
+        /// Number of values in the list.
         found: usize,
     },
     /// The description to be changed does not belong to the robot.
@@ -223,15 +223,15 @@ pub enum RobotError {
         "the description has no {what} {name:?}, so it is not the one this robot was read from"
     )]
     Mismatch {
-        /// `link` or `joint`.
+        /// Kind of the missing element: `link` or `joint`.
         what: &'static str,
-        /// The missing name.
+        /// Name that is missing.
         name: String,
     },
     /// The drive file is not usable.
     #[error("drive file: {reason}")]
     Drive {
-        /// Problem and remedy.
+        /// Problem of the drive file and its remedy.
         reason: String,
     },
 }

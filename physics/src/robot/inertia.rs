@@ -14,7 +14,7 @@ pub const PARAMETER_NAMES: [&str; PARAMETERS_PER_LINK] = [
 /// origin, all linear in the mass distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Inertia {
-    /// Mass m, kg.
+    /// Mass m of the body, kg.
     pub mass: f64,
     /// First moment m·c (c: centre of mass in the frame), kg·m.
     pub first_moment: Vector3<f64>,
@@ -96,7 +96,7 @@ impl Inertia {
         }
     }
 
-    /// Both bodies rigidly joined, in the same frame.
+    /// Inertial parameters of both bodies rigidly joined, in the same frame.
     pub fn plus(&self, other: &Self) -> Self {
         Self {
             mass: self.mass + other.mass,

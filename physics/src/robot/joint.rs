@@ -15,7 +15,7 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// Whether q is an angle.
+    /// Whether the position q is an angle.
     pub fn is_rotation(self) -> bool {
         self != Self::Prismatic
     }
@@ -35,7 +35,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Limits of a joint that has none.
+    /// Limits of a joint without limits: infinite.
     pub const NONE: Self = Self {
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -61,9 +61,9 @@ pub struct Link {
 /// translation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Name of the joint.
+    /// Name of the joint in the description.
     pub name: String,
-    /// Kind of its motion.
+    /// Kind of the joint's motion: it turns or slides.
     pub kind: JointKind,
     /// Unit vector of the axis in the joint frame.
     pub axis: Vector3<f64>,
@@ -84,6 +84,6 @@ pub struct Joint {
     pub gear_ratio: Option<f64>,
     /// Motor torque per current, N·m/A, where known.
     pub torque_constant: Option<f64>,
-    /// The body that it moves.
+    /// Link that the joint moves.
     pub link: Link,
 }

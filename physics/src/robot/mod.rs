@@ -132,13 +132,13 @@ impl Robot {
         self.builtin
     }
 
-    /// This robot known as a built-in one, or as none: for a stored robot that is read back.
+    /// Same robot, marked as the built-in one or as not built in. It is meant for a stored robot that is read back.
     pub fn known_as(mut self, builtin: Option<Builtin>) -> Self {
         self.builtin = builtin;
         self
     }
 
-    /// Name of the robot.
+    /// Name of the robot in its description.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -163,7 +163,8 @@ impl Robot {
         self.joints.iter().map(|j| j.name.clone()).collect()
     }
 
-    /// Known torques of a joint's own position: counterbalance, springs. Not part of the rigid-body functions.
+    /// Known torques that depend on a joint's own position: counterbalance, springs. Not part of the rigid-body
+    /// functions.
     pub fn passive(&self) -> &[Passive] {
         &self.passive
     }
@@ -228,7 +229,7 @@ impl Robot {
             .collect()
     }
 
-    /// This robot with other inertial parameters (10 N values). They are taken as they are: an estimate need
+    /// Same robot with other inertial parameters (10 N values). They are taken as they are: an estimate need
     /// not be physically consistent.
     ///
     /// # Errors
@@ -250,13 +251,13 @@ impl Robot {
         Ok(robot)
     }
 
-    /// This robot under another gravity (base frame, m/s²).
+    /// Same robot under another gravity (base frame, m/s²).
     pub fn with_gravity(mut self, gravity: Vector3<f64>) -> Self {
         self.gravity = gravity;
         self
     }
 
-    /// This robot with other damping and Coulomb friction (N values each).
+    /// Same robot with other damping and Coulomb friction (N values each).
     ///
     /// # Errors
     /// Wrong number of values.
@@ -266,7 +267,7 @@ impl Robot {
         Ok(self)
     }
 
-    /// This robot with rotor inertias seen from the links, kg·m² (N values).
+    /// Same robot with rotor inertias seen from the links, kg·m² (N values).
     ///
     /// # Errors
     /// Wrong number of values.
@@ -275,7 +276,7 @@ impl Robot {
         Ok(self)
     }
 
-    /// This robot with one more known torque of position.
+    /// Same robot with one more known torque that depends on a joint's position.
     ///
     /// # Errors
     /// Its joint does not exist.
@@ -291,7 +292,8 @@ impl Robot {
         Ok(self)
     }
 
-    /// This robot with a part of each link's weight held from outside: see [`Robot::gravity_compensation`]. N values, or none.
+    /// Same robot with a part of each link's weight held from outside: see [`Robot::gravity_compensation`]. N values,
+    /// or none.
     ///
     /// # Errors
     /// Wrong number of values, or one that is not finite.

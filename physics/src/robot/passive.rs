@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 /// A linear spring between a joint's link and the link before it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
-    /// Index of the joint on which it acts.
+    /// Index of the joint on which the spring acts.
     pub joint: usize,
     /// Stiffness, N·m/rad or N/m.
     pub stiffness: f64,
-    /// Position at which it is at rest, rad or m.
+    /// Position at which the spring is relaxed, rad or m.
     pub rest: f64,
 }
 
@@ -27,7 +27,7 @@ impl Spring {
 pub enum Passive {
     /// Hydraulic counterbalance with a gas spring.
     Counterbalance(Counterbalance),
-    /// Linear spring.
+    /// Linear spring at the joint.
     Spring(Spring),
 }
 

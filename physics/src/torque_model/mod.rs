@@ -15,7 +15,7 @@ pub struct WeightedTerm {
     pub term: Term,
     /// Parameter of the term, in the term's unit.
     pub value: f64,
-    /// Standard deviation of the parameter.
+    /// Standard deviation of the parameter, in the term's unit.
     pub std: f64,
 }
 
@@ -44,9 +44,9 @@ pub enum TorqueModelError {
     /// A term refers to a joint that does not exist.
     #[error("a term of joint {joint} is driven by joint {driver}, which does not exist")]
     Driver {
-        /// Index of the term's joint.
+        /// Index of the joint that the term acts on.
         joint: usize,
-        /// Index of its driver.
+        /// Index of the joint that the term refers to.
         driver: usize,
     },
 }
@@ -86,7 +86,7 @@ impl TorqueModel {
         })
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub fn dof(&self) -> usize {
         self.terms.len()
     }
@@ -101,7 +101,7 @@ impl TorqueModel {
         &self.load
     }
 
-    /// Terms of each joint.
+    /// Terms of each joint, base first, with their parameters.
     pub fn terms(&self) -> &[Vec<WeightedTerm>] {
         &self.terms
     }

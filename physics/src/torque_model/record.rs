@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 /// A [`TorqueModel`] as data: everything needed to evaluate it, the robot included.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TorqueModelRecord {
-    /// Name of the robot.
+    /// Name of the nominal robot.
     pub robot: String,
-    /// Built-in robot that it is; absent for any other.
+    /// Built-in robot that the nominal robot is; absent for any other.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub builtin: Option<Builtin>,
-    /// Joint names, base first.
+    /// Names of the joints, base first.
     pub joints: Vec<String>,
     /// The nominal robot as a URDF: its kinematics are used, its inertials are replaced.
     pub urdf: String,

@@ -8,7 +8,7 @@ use super::{Instant, Mechanism};
 pub struct Pins {
     /// Distance of the link's pin from the joint, m.
     pub lever: f64,
-    /// Distance of the other pin, on the part before, from the joint, m.
+    /// Distance of the pin on the part before from the joint, m.
     pub base: f64,
     /// Angle between both pins at q = 0, rad.
     pub angle: f64,
@@ -27,7 +27,7 @@ impl Pins {
 /// metres of stroke there.
 #[derive(Debug, Clone)]
 pub struct GasStrut {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     pub joint: usize,
     /// Positions of the strut's pins.
     pub pins: Pins,
@@ -49,7 +49,7 @@ impl Mechanism for GasStrut {
 /// Coil spring that pulls the pins together.
 #[derive(Debug, Clone)]
 pub struct CoilSpring {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     pub joint: usize,
     /// Positions of the spring's pins.
     pub pins: Pins,

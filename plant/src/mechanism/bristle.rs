@@ -7,17 +7,17 @@ use super::{Instant, Mechanism};
 /// σ₀ z + σ₁ ż with σ₀ = coulomb/z_s. It carries the joint's whole Coulomb friction.
 #[derive(Debug, Clone)]
 pub struct Bristle {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     pub joint: usize,
     /// Friction when sliding, N·m.
     pub coulomb: f64,
     /// Deflection when sliding, rad.
     pub deflection: f64,
-    /// Part of it that is purely elastic, 0 to 1.
+    /// Part of that deflection that is purely elastic, 0 to 1.
     pub elastic: f64,
     /// Micro-damping σ₁, N·m·s/rad.
     pub damping: f64,
-    /// Deflection z, rad.
+    /// Mean deflection z of the bristles, rad.
     pub z: f64,
 }
 

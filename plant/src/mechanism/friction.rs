@@ -6,11 +6,11 @@ use super::{Instant, Mechanism, soft_sign};
 /// Law by which the extra friction of a starting joint falls with speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StribeckKind {
-    /// 1/(1 + (v/v_s)²).
+    /// Lorentz curve: 1/(1 + (v/v_s)²).
     Lorentz,
-    /// (1 + cos(π v/v_s))/2 up to v_s, nothing above.
+    /// Half cosine: (1 + cos(π v/v_s))/2 up to v_s, nothing above.
     HalfCosine,
-    /// exp(−h): a film of lubricant of relative height h that builds up and drains with this time constant, s,
+    /// Lubricant film: exp(−h), a film of relative height h that builds up and drains with this time constant, s,
     /// towards |v|/v_s.
     Film(f64),
 }
@@ -18,13 +18,13 @@ pub enum StribeckKind {
 /// Boundary friction of a joint that starts to slide.
 #[derive(Debug, Clone)]
 pub struct Stribeck {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     pub joint: usize,
     /// Extra friction at standstill, N·m.
     pub size: f64,
-    /// Speed at which it has mostly gone, rad/s.
+    /// Speed at which the extra friction has mostly gone, rad/s.
     pub v_s: f64,
-    /// Softening of the sign, rad/s.
+    /// Speed over which the sign of velocity is softened, rad/s.
     pub v_eps: f64,
     /// Law of the fall with speed.
     pub kind: StribeckKind,
@@ -65,16 +65,16 @@ pub enum DragKind {
     Churning,
     /// Deficit of a shear-thinning grease (Carreau) against a Newtonian one: ((1 + (v/v₀)²)^−0.35 − 1)·v/v_top.
     Carreau,
-    /// (|v|/v_top)^α sign v.
+    /// Power law: (|v|/v_top)^α sign v.
     Power(f64),
 }
 
 /// Nonlinear fluid friction of one joint, on top of its viscous friction.
 #[derive(Debug, Clone)]
 pub struct Drag {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     pub joint: usize,
-    /// Torque scale, N·m.
+    /// Scale of the drag's torque, N·m.
     pub size: f64,
     /// Velocity up to which the fluid is Newtonian, rad/s.
     pub v_0: f64,

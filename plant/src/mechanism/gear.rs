@@ -6,11 +6,11 @@ use super::{Instant, Mechanism, soft_sign};
 /// of it when driven back.
 #[derive(Debug, Clone)]
 pub struct GearMesh {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     pub joint: usize,
-    /// Lost share 1 − η.
+    /// Share 1 − η of the load that the gear loses.
     pub loss: f64,
-    /// Softening of the sign, rad/s.
+    /// Speed over which the sign of velocity is softened, rad/s.
     pub v_eps: f64,
 }
 
@@ -36,11 +36,11 @@ impl Mechanism for GearMesh {
 pub struct GearSpring {
     /// Plant joint of the gear's deflection.
     pub joint: usize,
-    /// Stiffness, N·m/rad.
+    /// Stiffness of the spring at rest, N·m/rad.
     pub stiffness: f64,
     /// Deflection at which stiffness has doubled, rad.
     pub hardening: f64,
-    /// Damping, N·m·s/rad.
+    /// Damping of the spring, N·m·s/rad.
     pub damping: f64,
 }
 

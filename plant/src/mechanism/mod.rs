@@ -24,13 +24,13 @@ pub use thermal::WarmingGrease;
 /// State of the plant during one integration step.
 #[derive(Debug, Clone, Copy)]
 pub struct Instant<'a> {
-    /// Middle of the step, s on the session's clock.
+    /// Time in the middle of the step on the session's clock, s.
     pub t: f64,
-    /// Length of the step, s.
+    /// Duration of the integration step, s.
     pub dt: f64,
     /// Positions at the middle of the step.
     pub q: &'a [f64],
-    /// Velocities at its middle, extrapolated.
+    /// Velocities at the middle of the step, extrapolated.
     pub v: &'a [f64],
     /// Accelerations of the step before.
     pub a: &'a [f64],

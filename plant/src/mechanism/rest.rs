@@ -10,22 +10,22 @@ pub fn soft_sign(v: f64, eps: f64) -> f64 {
 /// speed, as [`crate::integrate::Plant`] needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RestLaw {
-    /// x/√(1 + x²), as [`soft_sign`].
+    /// Law x/√(1 + x²), as [`soft_sign`].
     #[default]
     Root,
-    /// (2/π) arctan(πx/2): the slowest to reach 1.
+    /// Law (2/π) arctan(πx/2): the slowest to reach 1.
     Arctangent,
-    /// 1 − exp(−x).
+    /// Exponential law: 1 − exp(−x).
     Exponential,
-    /// x up to 1, then 1.
+    /// Linear law: x up to 1, then 1.
     Ramp,
 }
 
 impl RestLaw {
-    /// All laws.
+    /// All laws, in the order of the enum.
     pub const ALL: [Self; 4] = [Self::Root, Self::Arctangent, Self::Exponential, Self::Ramp];
 
-    /// Softened sign of `v`.
+    /// Softened sign of the velocity `v`.
     pub fn sign(self, v: f64, eps: f64) -> f64 {
         match self {
             Self::Root => soft_sign(v, eps),

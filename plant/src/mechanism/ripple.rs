@@ -6,7 +6,7 @@ use super::{Instant, Mechanism};
 /// poles and a gear's teeth turn at their own ratios.
 #[derive(Debug, Clone)]
 pub struct Ripple {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     pub joint: usize,
     /// Order (cycles per turn of the joint; rad⁻¹), amplitude (N·m) and phase (rad) of each wave.
     pub waves: Vec<[f64; 3]>,

@@ -7,7 +7,7 @@ use super::{Instant, Mechanism, soft_sign};
 /// `cold`·exp(−`fading` θ) times the warm one.
 #[derive(Debug, Clone)]
 pub struct WarmingGrease {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     pub joint: usize,
     /// Ratio of the cold gear's extra friction to the warm gear's friction.
     pub cold: f64,
@@ -21,7 +21,7 @@ pub struct WarmingGrease {
     pub viscous: f64,
     /// Warm Coulomb friction that warms along, N·m.
     pub coulomb: f64,
-    /// Softening of the sign, rad/s.
+    /// Speed over which the sign of velocity is softened, rad/s.
     pub v_eps: f64,
     /// Relative temperature θ, 1 at the steady state.
     pub warmth: f64,

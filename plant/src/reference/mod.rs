@@ -12,9 +12,9 @@ pub use multisine::{Multisine, Pace};
 /// Commanded position, velocity and acceleration of every joint.
 #[derive(Debug, Clone, Default)]
 pub struct Command {
-    /// Position, rad or m.
+    /// Commanded position of each joint, rad or m.
     pub q: Vec<f64>,
-    /// Velocity, rad/s (m/s).
+    /// Commanded velocity of each joint, rad/s (m/s).
     pub qd: Vec<f64>,
     /// Acceleration, rad/s² (m/s²).
     pub qdd: Vec<f64>,
@@ -100,12 +100,12 @@ impl Session {
         }
     }
 
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub fn dof(&self) -> usize {
         self.dof
     }
 
-    /// First and last time, s.
+    /// First and last time of the session, s.
     pub fn span(&self) -> (f64, f64) {
         let end = self.starts.last().zip(self.lengths.last());
         let start = self.pieces.first().map_or(0.0, |p| p.0);

@@ -8,9 +8,9 @@ use rand_chacha::ChaCha8Rng;
 /// One synchronous move of all joints that ends at rest.
 #[derive(Debug, Clone)]
 pub struct Move {
-    /// Start time, s.
+    /// Time at which the move starts, s.
     pub start: f64,
-    /// Time in motion, s.
+    /// Duration of the move, s.
     pub duration: f64,
     /// Position at the start, rad (m).
     pub from: Vec<f64>,

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 pub struct Pace {
     /// Geometric middle of the pace, periods of the series per second.
     pub rate: f64,
-    /// Depth of its variation; 0 runs at constant pace.
+    /// Depth of the pace's variation; 0 runs at constant pace.
     pub depth: f64,
     /// Period of the variation, s.
     pub period: f64,
@@ -26,7 +26,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Fast and slow in turn: the usual excitation.
+    /// Pace that is fast and slow in turn, as most sessions have it.
     pub fn lively() -> Self {
         Self {
             rate: 0.11,
@@ -73,7 +73,7 @@ pub struct Multisine {
     pace: Pace,
     phase: f64,
     length: f64,
-    /// s at multiples of [`GRID`].
+    /// Values of s at multiples of [`GRID`].
     progress: Vec<f64>,
 }
 

@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// What the program `diagnose` does with these arguments, of which the first is what it was called by; its exit status.
-/// `--help` and wrong usage end the process here, as clap has it.
+/// Runs the program `diagnose` and returns its exit status. The first of the arguments is the name by which it was
+/// called. `--help` and wrong usage end the process here, as clap does it.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let command = Command::parse_from(arguments);
     match (command.proof, command.arguments) {
@@ -120,7 +120,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     Ok(())
 }
 
-/// What the arguments ask for.
+/// Diagnosis that the arguments ask for.
 fn job(arguments: &Arguments) -> Job {
     let subject = match (&arguments.robot, &arguments.model) {
         (Some(robot), _) => Subject::Robot {
@@ -144,9 +144,9 @@ fn job(arguments: &Arguments) -> Job {
     }
 }
 
-/// What the model directory holds and what it does not.
+/// Prints what a written model directory holds, and the causes that it cannot hold.
 fn say_directory(path: &Path, directory: &Directory) {
-    /// Departure from the ladder's step that is rounding, relative.
+    /// Relative departure from the ladder's step up to which it counts as rounding.
     const ROUNDING: f64 = 1e-6;
     let left_out = if directory.left_out.is_empty() {
         String::new()

@@ -20,16 +20,16 @@ use std::f64::consts::TAU;
 /// Part of the departure from the commands that an effect must change on its own joint, or on some joint.
 const SEEN: f64 = 0.1;
 
-/// What a case withheld.
+/// Answer of a case: its withheld effects and true values.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Sealed {
-    /// `none`, `two`, `outside`, or the name of the one effect.
+    /// Kind of the case: `none`, `two`, `outside`, or the name of the one effect.
     pub kind: String,
-    /// What simulated it: `plant` or `mujoco`.
+    /// Name of the simulator of the motion: `plant` or `mujoco`.
     pub simulator: String,
-    /// What was withheld.
+    /// Effects that the case withholds.
     pub withheld: Vec<Withheld>,
-    /// Every gain and delay as it truly is.
+    /// True value of every gain and delay.
     pub drives: Vec<Truth>,
     /// Tolerance with which the gains were stated.
     pub tolerance: f64,
@@ -39,13 +39,13 @@ pub struct Sealed {
 
 /// A case as it is handed out, and what it withheld.
 pub struct Case {
-    /// Description.
+    /// Description of the robot, as a URDF.
     pub urdf: String,
-    /// Drive file.
+    /// Drive file with the stated gains.
     pub drive: String,
-    /// Recordings to fit and to measure on.
+    /// Recordings of the case: one to fit, one to measure on.
     pub recordings: [Recording; 2],
-    /// Answer.
+    /// Sealed answer of the case.
     pub sealed: Sealed,
 }
 
@@ -183,7 +183,7 @@ fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     }))
 }
 
-/// By joint the inertia that a drive is tuned to, kg·m²: between that with all other joints held and that with all free.
+/// Inertia that each joint's drive is tuned to, kg·m²: between that with all other joints held and that with all free.
 fn felt(arm: &Arm) -> Result<Vec<f64>, MotionError> {
     let robot = arm.robot()?;
     let n = robot.dof();
@@ -220,7 +220,7 @@ fn sessions(real: &Real, rng: &mut ChaCha8Rng) -> Vec<Session> {
         .collect()
 }
 
-/// By joint the largest torque on the commanded motion, N·m.
+/// Largest torque of each joint on the commanded motion, N·m.
 fn demand(real: &Real, sessions: &[Session]) -> Result<Vec<f64>, MotionError> {
     let robot = real.arm.robot()?;
     let n = robot.dof();
@@ -281,7 +281,8 @@ fn moved(
     Ok(all?)
 }
 
-/// RMS of the change over RMS of the departure from the commands: of a joint, or of the one where it is largest.
+/// Ratio of the RMS of the change to the RMS of the departure from the commands: of a joint, or of the one where it is
+/// largest.
 fn seen(without: &[Moved], with: &[Moved], joint: Option<usize>) -> f64 {
     let n = without[0].q.ncols();
     let part = |j: usize| {

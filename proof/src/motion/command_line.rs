@@ -47,8 +47,8 @@ enum Proof {
     },
 }
 
-/// What the program `replay` does with these arguments, of which the first is what it was called by; its exit status.
-/// `--help` and wrong usage end the process here, as clap has it.
+/// Runs the program `replay` and returns its exit status. The first of the arguments is the name by which it was
+/// called. `--help` and wrong usage end the process here, as clap does it.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let command = Command::parse_from(arguments);
     match (command.proof, command.arguments) {

@@ -10,7 +10,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// Effects that are withheld one at a time, by their names in the report.
+/// Names in the report of the effects that are withheld one at a time.
 pub const SINGLES: [&str; 14] = [
     "servo_gain",
     "servo_damping",
@@ -31,29 +31,29 @@ pub const SINGLES: [&str; 14] = [
 /// Effects that no hypothesis of the catalogue describes.
 pub const OUTSIDE: [&str; 3] = ["detent", "winding", "slack_belt"];
 
-/// A parameter as it truly is.
+/// True value of a parameter.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Truth {
-    /// Name in the report.
+    /// Name of the parameter in the report.
     pub name: String,
-    /// Joint, none for the whole arm.
+    /// Name of the joint; none for the whole arm.
     pub joint: Option<String>,
-    /// Value.
+    /// True value, in the parameter's unit.
     pub value: f64,
 }
 
 /// An effect that was withheld.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Withheld {
-    /// Name in the report.
+    /// Name of the effect in the report.
     pub effect: String,
-    /// Joint, none for the whole arm.
+    /// Name of the joint; none for the whole arm.
     pub joint: Option<String>,
     /// Parameters that the effect set, with their true values.
     pub parameters: Vec<Truth>,
 }
 
-/// An effect at its place, in any size (1 is usual).
+/// Effect at its place, to be set in any size. Size 1 is the common one.
 pub struct Shape {
     name: &'static str,
     joint: Option<usize>,
@@ -92,19 +92,19 @@ impl Shape {
         Ok((out, withheld))
     }
 
-    /// Joint, where it has one.
+    /// Index of the effect's joint; none for the whole arm.
     pub fn joint(&self) -> Option<usize> {
         self.joint
     }
 }
 
-/// What is known of a case before an effect is drawn.
+/// Facts of a case that an effect's draw may depend on.
 pub struct Scene<'a> {
-    /// The robot without it.
+    /// Robot without the effect.
     pub real: &'a Real,
-    /// By joint the largest torque that its motions take, N·m.
+    /// Largest torque of each joint on the case's motions, N·m.
     pub torque: &'a [f64],
-    /// Tolerance of the stated gains.
+    /// Relative tolerance of the stated gains.
     pub tolerance: f64,
     /// Period of the commands, s.
     pub period: f64,

@@ -24,10 +24,10 @@ use replay::simulate::Unstable;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Why a proof cannot be run.
+/// Reason why a proof of `replay` cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum MotionError {
-    /// No robot that follows shows what is asked for.
+    /// No robot found that follows its commands and shows the withheld effect.
     #[error(
         "no robot was found that shows what case {0} withholds; take another --seed or more --joints"
     )]
@@ -44,28 +44,28 @@ pub enum MotionError {
     /// A file or folder that cannot be read or made.
     #[error("{}: {error}", path.display())]
     File {
-        /// The file.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         error: std::io::Error,
     },
-    /// A folder without cases.
+    /// Folder without any case.
     #[error("{}: no cases; cases/NAME with robot.urdf or robot.xml, train.parquet and test.parquet, and truth/NAME.json are needed", .0.display())]
     Empty(PathBuf),
-    /// A case that is refused.
+    /// Case that `replay` refuses.
     #[error("case {case}: {error}")]
     Refused {
-        /// Its name.
+        /// Name of the case that is refused.
         case: String,
-        /// Why.
+        /// Reason of the refusal.
         error: Box<InputError>,
     },
     /// A case whose simulator as given is unstable.
     #[error("case {case}: {error}")]
     Unstable {
-        /// Its name.
+        /// Name of the case that is unstable.
         case: String,
-        /// Why.
+        /// Instability that was found.
         error: Unstable,
     },
 }
@@ -79,7 +79,7 @@ impl MotionError {
     }
 }
 
-/// Draws cases, writes them into `folder`, and scores what is said of them.
+/// Draws cases, writes them into `folder`, runs `replay` on them, and scores its reports.
 ///
 /// # Errors
 /// The first case that fails.
@@ -105,7 +105,7 @@ fn name(i: u64) -> String {
     format!("motion-{i:04}")
 }
 
-/// Scores every case of a folder. Reports go into `folder/reports`; one that is there already is scored as it is.
+/// Scores every case of a folder. Reports go into `folder/reports`; a report that is there already is scored as it is.
 ///
 /// # Errors
 /// The first case that fails.
@@ -172,7 +172,7 @@ fn one(folder: &Path, name: &str) -> Result<Score, MotionError> {
     ))
 }
 
-/// What `replay` says of a case.
+/// Report of `replay` on a case.
 fn said(case: &Path, name: &str) -> Result<replay::schema::Report, MotionError> {
     let refused = |error| MotionError::Refused {
         case: name.to_owned(),

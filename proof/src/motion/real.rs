@@ -8,7 +8,7 @@ use plant::build::Build;
 use plant::mechanism::{GearMesh, Instant, Mechanism, Ripple, Stribeck, StribeckKind, soft_sign};
 use plant::reference::{Command, Session};
 
-/// Step of the plant, s.
+/// Integration step of the plant, s.
 const STEP: f64 = 2.5e-4;
 
 /// Time under the drive before a trajectory is recorded, s: at rest, then led into the motion.
@@ -20,70 +20,70 @@ pub(super) const LENGTH: f64 = 12.0;
 /// Farthest that a joint may be from its command, rad (m). A case with a joint beyond that is discarded.
 const FARTHEST: f64 = 1.5;
 
-/// What only some robots have, joint by joint.
+/// Further mechanism that only some robots have, on some joint.
 #[derive(Debug, Clone)]
 pub enum Extra {
-    /// Boundary friction.
+    /// Boundary friction of a starting joint.
     Stribeck(Stribeck),
-    /// Losses of a gear's mesh.
+    /// Friction that grows with the load of a gear's mesh.
     Mesh(GearMesh),
-    /// A magnet's detents.
+    /// Torque of magnets that repeats over the position (detents).
     Detent(Ripple),
-    /// A belt with slack behind the motor: half of the slack, rad, and its stiffness, N·m/rad.
+    /// Belt with slack behind the motor: half of the slack, rad, and its stiffness, N·m/rad.
     Belt {
         /// Index of the joint whose motor drives the belt.
         joint: usize,
-        /// Half of the slack, rad.
+        /// Half of the slack of the belt, rad.
         half: f64,
-        /// Stiffness when tight.
+        /// Stiffness of the tight belt, N·m/rad.
         stiffness: f64,
     },
-    /// A winding whose torque bends down towards this one, N·m.
+    /// Winding whose torque saturates: it bends down towards a largest torque, N·m.
     Winding {
         /// Index of the joint whose motor has the winding.
         joint: usize,
-        /// Largest torque, N·m.
+        /// Torque that the winding saturates at, N·m.
         torque: f64,
     },
 }
 
-/// Every number on which the motion depends.
+/// Numbers of the real robot on which its motion depends.
 #[derive(Debug, Clone)]
 pub struct Real {
-    /// Bodies and friction.
+    /// Bodies and friction of the robot.
     pub arm: Arm,
     /// Rotor inertias that no description counts, kg·m².
     pub armature: Vec<f64>,
-    /// Gains, N·m/rad and N·m·s/rad.
+    /// Gain of each drive on the position error, N·m/rad.
     pub kp: Vec<f64>,
-    /// Gain on velocity.
+    /// Gain of each drive on the velocity error, N·m·s/rad.
     pub kd: Vec<f64>,
-    /// Whether the drive is sent velocities, too.
+    /// Whether the drives are sent velocities, too.
     pub rates: bool,
-    /// Largest torque, N·m.
+    /// Largest torque of each drive, N·m.
     pub limit: Vec<f64>,
-    /// Time on the bus to each joint, s.
+    /// Delay of the commands on the bus to each joint, s.
     pub late: Vec<f64>,
     /// Part of the stated model's gravity that the drive adds.
     pub gravity_compensation: f64,
-    /// Bodies that the drive knows.
+    /// Bodies of the model that the drive knows.
     pub stated: Robot,
-    /// Zero by which each encoder is off, rad.
+    /// Error of each encoder's zero, rad.
     pub zero: Vec<f64>,
-    /// Further mechanisms.
+    /// Further mechanisms that only some robots have.
     pub extras: Vec<Extra>,
 }
 
 /// Commands and true positions at the stamps of one trajectory, rows × joints.
 #[derive(Debug, Clone)]
 pub struct Moved {
-    /// Commanded positions.
+    /// Commanded positions, rad (m).
     pub q_ref: Array2<f64>,
-    /// Commanded velocities.
+    /// Commanded velocities, rad/s (m/s).
     pub qd_ref: Array2<f64>,
-    /// Positions as a perfect encoder counts them.
+    /// Positions as a perfect encoder would count them.
     pub q: Array2<f64>,
-    /// Whether a drive's torque met its limit.
+    /// Whether some drive's torque reached its limit.
     pub cut: bool,
 }
 

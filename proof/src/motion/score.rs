@@ -4,19 +4,20 @@ use super::case::Sealed;
 use super::effects::Truth;
 use serde_json::Value;
 
-/// Quantile of a standard normal deviate outside of which a tenth lies.
+/// Quantile of a standard normal deviate beyond which, on either side together, a tenth lies.
 const NINETY: f64 = 1.645;
 
-/// A case's score.
+/// Score of a report on one case.
 #[derive(Debug, Clone)]
 pub struct Score {
-    /// Name of the case.
+    /// Name of the case that is scored.
     pub id: String,
-    /// What was withheld.
+    /// Answer of the case: its withheld effects.
     pub sealed: Sealed,
-    /// First cause of the report.
+    /// Name of the first cause of the report.
     pub first: String,
-    /// Whether it is what was withheld (of two: one of them), or nothing where nothing was.
+    /// Whether the first cause was withheld (of two: one of them). In a case without an effect, whether no cause is
+    /// listed.
     pub right: bool,
     /// Listed causes that were not withheld.
     pub extra: Vec<String>,
@@ -28,17 +29,17 @@ pub struct Score {
     pub covered: Vec<(String, bool)>,
     /// Largest error of a delay, s.
     pub delay_error: f64,
-    /// Largest relative error of a gain that was said to be known within 2 %.
+    /// Largest relative error of a gain that the report states to be known within 2 %.
     pub gain_error: Option<f64>,
-    /// Held-out unexplained part as given and corrected.
+    /// Part of the held-out motion error that is unexplained, as given and corrected.
     pub unexplained: [f64; 2],
-    /// Verdict.
+    /// Verdict of the report.
     pub verdict: String,
-    /// Time that the report took, s.
+    /// Wall time that the report took, s.
     pub seconds: f64,
 }
 
-/// Scores a report.
+/// Score of a report against the sealed answer of its case.
 pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
     let none = Vec::new();
     let causes = report["causes"].as_array().unwrap_or(&none);
@@ -177,8 +178,9 @@ fn drive_error(sealed: &Sealed, report: &Value, name: &str) -> Option<(f64, f64)
     each.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
 }
 
-/// The power to which odds are to be raised so that what is said with some confidence is right as often: by the
-/// largest log score over the said causes. None where all or none were right.
+/// Power to which the odds of the reports' confidences are to be raised, so that causes of confidence p are right in a
+/// part p of the cases. It maximises the log score over the causes in `said`: confidence, and whether the cause is
+/// right. None where all of them or none are right.
 pub fn tempering(said: &[(f64, bool)]) -> Option<f64> {
     let right = said.iter().filter(|s| s.1).count();
     if right == 0 || right == said.len() {

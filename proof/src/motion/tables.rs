@@ -5,13 +5,13 @@ use report::{Cell, Column, Table};
 use signal::proportion::interval;
 use signal::quantile::median;
 
-/// Chance that the interval of a rate does not hold its share.
+/// Probability that the interval of a rate does not contain the true rate.
 const OUTSIDE: f64 = 0.05;
 
 /// Kinds that withhold no single effect.
 const NO_SINGLE: [&str; 3] = ["none", "two", "outside"];
 
-/// By kind of case: how many, how many right, causes beside, how far the gap shrinks.
+/// Table by kind of case: number of cases, how many are right, further causes, and how far the gap shrinks.
 pub fn kinds(scores: &[Score]) -> Table {
     let mut names: Vec<&str> = scores.iter().map(|s| s.sealed.kind.as_str()).collect();
     names.sort_unstable();
@@ -113,7 +113,7 @@ pub fn rates(scores: &[Score]) -> Table {
     table
 }
 
-/// What was said beside what was withheld, case by case where they differ.
+/// Table of the cases in which report and answer differ: listed and withheld effects.
 pub fn misses(scores: &[Score]) -> Table {
     let mut table = Table::new(
         [
@@ -151,7 +151,7 @@ pub fn misses(scores: &[Score]) -> Table {
     table
 }
 
-/// How often what is said with some confidence was withheld, and the tempering that would make both equal.
+/// Table of how often causes of some confidence were withheld, and the tempering that would make both equal.
 pub fn calibration(scores: &[Score]) -> (Table, Option<f64>) {
     let said: Vec<(f64, bool)> = scores.iter().flat_map(|s| s.said.iter().copied()).collect();
     let mut table = Table::new([

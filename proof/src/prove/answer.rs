@@ -2,21 +2,21 @@
 
 use serde_json::Value;
 
-/// Causes that are no mechanism but numbers of the given model.
+/// Causes that change numbers of the given model, without another mechanism.
 pub(super) const PARAMETERS: [&str; 2] = ["link_parameters", "friction_parameters"];
-/// Small effects that every joint of a hard case may have.
+/// Names of small effects that every joint of a hard case may have.
 const BACKGROUND: [&str; 3] = [
     "stribeck_friction",
     "presliding_hysteresis",
     "torque_ripple",
 ];
 
-/// A field's text; empty where it has none.
+/// Text in a field of a JSON object; empty where the field is missing.
 pub(super) fn text<'a>(v: &'a Value, key: &str) -> &'a str {
     v[key].as_str().unwrap_or("")
 }
 
-/// Texts of a list.
+/// Texts in a JSON list.
 pub(super) fn texts(v: &Value) -> Vec<&str> {
     v.as_array()
         .into_iter()
@@ -27,16 +27,16 @@ pub(super) fn texts(v: &Value) -> Vec<&str> {
 
 /// Answer of a case in the form that the scores need.
 pub(super) struct Answer<'a> {
-    /// Names of the withheld effects; none of one outside the catalogue.
+    /// Names of the withheld effects, without those outside the catalogue.
     pub(super) names: Vec<&'a str>,
-    /// The withheld effects.
+    /// Withheld effects as the truth file has them.
     pub(super) effects: &'a [Value],
     /// Further properties of a hard case.
     pub(super) hard: Option<&'a Value>,
 }
 
 impl<'a> Answer<'a> {
-    /// From the content of a truth file.
+    /// Answer from the content of a truth file.
     pub(super) fn of(truth: &'a Value) -> Self {
         let effects = list(&truth["effects"]);
         let names = effects.iter().map(|e| text(e, "effect"));
@@ -98,7 +98,7 @@ impl<'a> Answer<'a> {
         !PARAMETERS.contains(&name) && !self.same().contains(&name) && !self.is_beside(cause)
     }
 
-    /// Score of a cause: 1 if it is true, half if the truth is only stated as a rival of it, otherwise 0.
+    /// Score of a cause: 1 if it is true, half if the truth is only stated as its rival, 0 otherwise.
     pub(super) fn hit(&self, cause: Option<&Value>) -> f64 {
         let Some(cause) = cause else { return 0.0 };
         let rivals = texts(&cause["ambiguous_with"]);
@@ -128,12 +128,12 @@ impl<'a> Answer<'a> {
     }
 }
 
-/// Entries of a list; none of anything else.
+/// Entries of a JSON list; empty for any other value.
 pub(super) fn list(v: &Value) -> &[Value] {
     v.as_array().map_or(&[], Vec::as_slice)
 }
 
-/// A field's number; 0 where it has none.
+/// Number in a field of a JSON object; 0 where the field is missing.
 pub(super) fn number(v: &Value, key: &str) -> f64 {
     v[key].as_f64().unwrap_or(0.0)
 }

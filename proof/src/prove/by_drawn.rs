@@ -4,7 +4,7 @@ use super::rates::{interval, single};
 use super::score::{Score, mean};
 use report::{Cell, Column, Table};
 
-/// Shares of the joint's torque from which an effect counts as middling and large.
+/// Shares of the joint's torque from which an effect counts as middling, and as large.
 const SHARES: [f64; 2] = [0.08, 0.15];
 
 /// Groups of a case, one for each property that was drawn.

@@ -12,7 +12,7 @@ use std::path::Path;
 use trials::protocols::changed::{Change, Changed, changed};
 use trials::protocols::payload::LoadedArm;
 
-/// One pair of days.
+/// Outcome of a diagnosis on one pair of days.
 #[derive(Clone, Debug)]
 pub struct Told {
     /// Change of the robot between the two days.
@@ -21,7 +21,7 @@ pub struct Told {
     pub again: bool,
     /// Whether the change is listed, on its joint where it has one; of no change, whether nothing is.
     pub right: bool,
-    /// Whether anything else of the torque's structure or friction is listed.
+    /// Whether any further cause of structure or friction is listed.
     pub more: bool,
     /// Whether the verdict is `unknown_effect`.
     pub unknown: bool,
@@ -67,7 +67,7 @@ fn diagnosed(folder: &Path) -> Result<Value, diagnose::DiagnoseError> {
     Ok(serde_json::from_str(&done.json()).expect("own JSON"))
 }
 
-/// Judges a report.
+/// Outcome of a report, judged against the true change.
 fn judge(truth: &Changed, again: bool, report: &Value) -> Told {
     let empty = Vec::new();
     let causes = report["causes"].as_array().unwrap_or(&empty);
@@ -95,7 +95,8 @@ fn judge(truth: &Changed, again: bool, report: &Value) -> Told {
     }
 }
 
-/// A change as a sealed case has an effect; factors on friction are no size that a report has, too.
+/// True change in the form in which a sealed case has an effect. Factors on friction are left out, for a report states
+/// no such size.
 fn answer(truth: &Changed) -> Value {
     let parameters = match (truth.change, truth.vector) {
         (Change::Payload, _) => json!({"mass": truth.size}),

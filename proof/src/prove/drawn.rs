@@ -9,12 +9,12 @@ pub struct Drawn {
     pub inertial_width: f64,
     /// Largest factor between described and real friction.
     pub friction_width: f64,
-    /// Whether all joints' torque passes the same filter.
+    /// Whether the torque of all joints passes the same filter.
     pub one_filter: bool,
 }
 
 impl Drawn {
-    /// From the content of a truth file; none where the case is not a hard one.
+    /// Properties of a hard case, from the content of a truth file; none where the case is not a hard one.
     pub fn of(truth: &Value) -> Option<Self> {
         let hard = &truth["hard"];
         Some(Self {

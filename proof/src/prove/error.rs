@@ -9,17 +9,17 @@ pub enum ProveError {
     /// A case cannot be diagnosed.
     #[error("case {case}: {error}")]
     Diagnose {
-        /// Name of the case.
+        /// Name of the case that cannot be diagnosed.
         case: String,
-        /// Cause.
+        /// Error of the diagnosis.
         error: Box<diagnose::DiagnoseError>,
     },
-    /// An unknown kind of case.
+    /// Kind of case that does not exist.
     #[error("no cases are of the kind {name}; there are {kinds}")]
     Kind {
-        /// The name asked for.
+        /// Name of the kind that was asked for.
         name: String,
-        /// Names that exist.
+        /// Names of the kinds that exist.
         kinds: String,
     },
     /// A report cannot be written.
@@ -28,17 +28,17 @@ pub enum ProveError {
     /// A folder without cases of an earlier run.
     #[error("no cases and reports of an earlier run in {path}: {error}")]
     Kept {
-        /// Path of the folder.
+        /// Path of the folder without cases.
         path: String,
-        /// Cause.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// A folder without cases of any simulator.
     #[error("no cases in {path}: {error}; cases/NAME and truth/NAME.json are needed")]
     Given {
-        /// The folder or file.
+        /// Path of the folder or file.
         path: String,
-        /// Cause.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// A report of an earlier run is of another draw.
@@ -46,29 +46,29 @@ pub enum ProveError {
         "{path} has case {case} of another draw, of the kind {kind} by generator {generator}; take another --out, or its --generator"
     )]
     Other {
-        /// Path of the folder.
+        /// Path of the folder with other cases.
         path: String,
-        /// Name of the case.
+        /// Name of the case that is stored there.
         case: String,
-        /// Kind of the case there.
+        /// Kind of the case that is stored there.
         kind: String,
-        /// Version of the generator there.
+        /// Version of the generator of the case that is stored there.
         generator: u64,
     },
     /// A file of stored answers cannot be read.
     #[error("{path}: {error}; answers as proof/tests/whole/headline.json has them are needed")]
     Stored {
-        /// Path of the file.
+        /// Path of the file of stored answers.
         path: String,
-        /// Cause.
+        /// Error of the operating system.
         error: std::io::Error,
     },
-    /// A folder cannot be made.
+    /// Folder that cannot be made.
     #[error("cannot make {path}: {error}")]
     Folder {
-        /// Path of the folder.
+        /// Path of the folder to be made.
         path: String,
-        /// Cause.
+        /// Error of the operating system.
         error: std::io::Error,
     },
 }

@@ -39,7 +39,7 @@ pub fn missed_table(scores: &[Score]) -> Option<Table> {
     lone().next().is_some().then_some(table)
 }
 
-/// Table of false causes, the most frequent first, with their cases; none where there is none.
+/// Table of false causes, the most frequent first, with their cases; none where no cause is false.
 pub fn false_table(scores: &[Score]) -> Option<Table> {
     let mut table = Table::new([
         Column::text("false cause"),

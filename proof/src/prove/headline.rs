@@ -12,7 +12,7 @@ use trials::cases::{Case, CaseSpec, draw, draw_hard, generate};
 /// Verdict and causes of a report.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Headline {
-    /// Verdict of the report.
+    /// Verdict of the report, by name.
     pub verdict: String,
     /// Effects in the order of the report, each with the joints that it is reported for: `effect: joint, joint`.
     pub causes: Vec<String>,
@@ -38,7 +38,7 @@ impl Headline {
 /// Sealed cases and their reviewed headlines.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stored {
-    /// Seed of the draw.
+    /// Seed from which the cases are drawn.
     pub seed: u64,
     /// Version of the generator.
     pub generator: u8,
@@ -46,7 +46,7 @@ pub struct Stored {
     pub cases: Vec<StoredCase>,
 }
 
-/// Headline of one case.
+/// Case with its reviewed headline.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoredCase {
     /// Index of the case in the run.
@@ -55,7 +55,7 @@ pub struct StoredCase {
     pub hard: bool,
     /// Name of the withheld effect, for readers of the file.
     pub kind: String,
-    /// Headline of the case.
+    /// Headline of the case's report.
     #[serde(flatten)]
     pub headline: Headline,
 }

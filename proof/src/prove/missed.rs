@@ -6,18 +6,18 @@ use serde_json::Value;
 /// Reason why a single effect is not the first cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missed {
-    /// The first cause's line gives it as a rival.
+    /// Rival: the first cause's line gives the withheld effect as a rival.
     SharesItsLine,
-    /// Only causes that a hard case has besides come before it.
+    /// Later: only causes that a hard case really has besides come before it.
     BehindWhatIsThere,
-    /// A cause that is not there comes before it.
+    /// Later: a cause that is not in the robot comes before it.
     BehindFalse,
-    /// An effect that no recording can tell from it is named.
+    /// Alike: an effect that no recording can tell from it is named.
     Alike,
-    /// No cause's line names the effect. Parameters absorb it: the remaining part is smaller than the joint's
+    /// Absent: no cause's line names the effect. Parameters absorb it: what they leave is smaller than the joint's
     /// background, or next to nothing.
     Absorbed,
-    /// No cause's line names the effect, although parameters do not absorb it.
+    /// Absent: no cause's line names the effect, although parameters do not absorb it.
     InNoLine,
 }
 

@@ -45,7 +45,7 @@ pub use score::{Score, judge, mean};
 pub use sizes::detected_from;
 pub use withheld::{Instead, LeftOut, table as withheld_table};
 
-/// Chance that the interval of a rate does not hold its share.
+/// Probability that the interval of a rate does not contain the true rate.
 const OUTSIDE: f64 = 0.05;
 
 /// Kinds of case that withhold none, several or an unlisted effect.
@@ -54,15 +54,15 @@ const NO_SINGLE: [&str; 4] = ["none", "outside", "two", "two_same_joint"];
 /// Choice of the cases that a proof draws.
 #[derive(Debug, Clone, Copy)]
 pub struct Draw<'a> {
-    /// Number of cases.
+    /// Number of cases to be drawn.
     pub cases: u64,
-    /// Seed of the draw.
+    /// Seed from which the cases are drawn.
     pub seed: u64,
-    /// Whether they come nearer to real recordings.
+    /// Whether the cases come nearer to real recordings.
     pub hard: bool,
     /// Kind of case, by name, to which the run is limited: as many of that kind, as a longer run of the same seed has them.
     pub only: Option<&'a str>,
-    /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
+    /// Effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
     pub without: Option<usize>,
     /// Version of the generator.
     pub generator: u8,
@@ -217,8 +217,8 @@ pub fn kept(folder: &Path) -> Result<Vec<Score>, ProveError> {
     Ok(scores)
 }
 
-/// The cases with one effect, each diagnosed with that effect's candidates taken out of the catalogue. Parameters are no
-/// candidates that could be taken out.
+/// The cases with one effect, each diagnosed with that effect's candidates taken out of the catalogue. Changes of
+/// parameters stay in: they are not candidates of the catalogue.
 ///
 /// # Errors
 /// The first case that fails.
@@ -252,7 +252,7 @@ fn single(kind: Kind) -> Option<Effect> {
     Effect::ALL.into_iter().find(|x| x.name() == EFFECTS[e])
 }
 
-/// The report on a case.
+/// Report of a diagnosis of one case, as JSON.
 fn report_of(case: &Case, options: &Options) -> Result<Value, ProveError> {
     let fail = |error| ProveError::Diagnose {
         case: case.id.clone(),

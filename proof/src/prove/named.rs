@@ -6,9 +6,9 @@ use serde_json::Value;
 /// A structural cause of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Named {
-    /// Evidence for its name.
+    /// Evidence for the name of the cause.
     pub support: Support,
-    /// Whether effect and joint are right.
+    /// Whether effect and joint of the cause are right.
     pub right: bool,
 }
 

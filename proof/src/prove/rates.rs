@@ -5,7 +5,7 @@ use super::{NO_SINGLE, OUTSIDE};
 use report::{Cell, Column, Table};
 use signal::proportion;
 
-/// A score of some cases.
+/// Rate in a table: its name, the cases that it counts, and the score of each.
 type Rate = (&'static str, fn(&Score) -> bool, fn(&Score) -> Option<f64>);
 
 const RATES: [Rate; 12] = [

@@ -7,7 +7,7 @@ use signal::proportion;
 
 /// Number of bins of equal count.
 const BINS: usize = 5;
-/// Chance that a bin's interval does not hold its share.
+/// Probability that a bin's interval does not contain its true share.
 const OUTSIDE: f64 = 0.01;
 
 /// Confidence of each structural cause by the weights of the settings, whatever its report was written with, and whether effect and

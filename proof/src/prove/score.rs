@@ -10,11 +10,11 @@ use serde_json::Value;
 /// Scores of one case; None where a score does not apply.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
-    /// Kind of the case.
+    /// Name of the kind of the case.
     pub kind: String,
     /// Score of the first cause, parameter entries set aside: 1 if it is the truth, half if only a rival of it is, otherwise 0.
     pub top1: Option<f64>,
-    /// Score of the first cause if an effect that no recording can tell from the truth counts as right.
+    /// Score of the first cause as `top1`, where an effect that no recording can tell from the truth counts as right.
     pub lenient: Option<f64>,
     /// Whether the truth is among the first three causes, 0 or 1.
     pub top3: Option<f64>,
@@ -28,17 +28,17 @@ pub struct Score {
     pub missed: Option<Missed>,
     /// Whether the verdict was `no_gap` although parameters do not close the gap, 0 or 1.
     pub false_no_gap: Option<f64>,
-    /// The joints are right.
+    /// Part of the named true effects whose joints are right, 0 to 1.
     pub joint: Option<f64>,
-    /// Gap closed by the causes over that closed by the true plant.
+    /// Ratio of the gap closed by the causes to that closed by the true plant.
     pub closure: Option<f64>,
-    /// Whether a structural cause is reported where there is none, 0 or 1.
+    /// Whether a structural cause is reported although nothing was withheld, 0 or 1.
     pub false_alarm: Option<f64>,
     /// Whether an effect outside the catalogue was called unknown, 0 or 1.
     pub unknown_found: Option<f64>,
     /// Whether a known effect was called unknown, 0 or 1.
     pub false_unknown: Option<f64>,
-    /// Relative error of the reported size, where mechanism and detector share a parameter.
+    /// Relative error of the reported size, where mechanism and detector have a parameter in common.
     pub size: Option<f64>,
     /// Error of the reported size in its standard deviations.
     pub off: Option<f64>,

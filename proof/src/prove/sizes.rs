@@ -44,8 +44,8 @@ pub fn as_recorded(effect: &Value, truth: &Value) -> Value {
     shown
 }
 
-/// Relative error of the size of a true effect as a reported cause has it; of several components, of the vector. None
-/// where mechanism and detector share no parameter.
+/// Relative error of a true effect's size in a reported cause. A size of several components counts as a vector. None
+/// where mechanism and detector have no parameter in common.
 pub fn size_error(effect: &Value, cause: &Value) -> Option<f64> {
     let name = effect["effect"].as_str()?;
     let (mut off, mut size) = (0.0, 0.0);
@@ -60,7 +60,7 @@ pub fn size_error(effect: &Value, cause: &Value) -> Option<f64> {
 }
 
 /// Error of the reported size of a true effect, in its standard deviations; positive where too large. None
-/// where mechanism and detector share no parameter, or no deviation is reported.
+/// where mechanism and detector have no parameter in common, or no deviation is reported.
 pub fn deviations(effect: &Value, cause: &Value) -> Option<f64> {
     let name = effect["effect"].as_str()?;
     let mut own = COMMON.iter().filter(|c| c.0 == name);

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use trials::cases::{Case, CaseSpec, draw, draw_hard, generate};
 
-/// Names of these thresholds.
+/// Names of the thresholds that are scaled.
 const NUMBERS: [&str; 10] = [
     "search.enough",
     "search.cost",
@@ -30,7 +30,7 @@ const NUMBERS: [&str; 10] = [
 /// Factors on each threshold.
 const FACTORS: [f64; 2] = [0.5, 2.0];
 
-/// Variant of the settings.
+/// Variant of the settings: one threshold scaled, or one rule off.
 #[derive(Clone, Debug)]
 struct Variant {
     name: String,
@@ -44,7 +44,7 @@ struct Variant {
 /// Variants that are tried beside the defaults.
 #[derive(Clone, Debug)]
 pub enum Trial {
-    /// The numbers that matter most, at half and at double.
+    /// Thresholds that matter most, at half and at double their value.
     Numbers,
     /// Special rules, each switched off alone.
     Off(Vec<Rule>),
@@ -55,9 +55,9 @@ pub enum Trial {
 /// Choice of the cases: every other one is hard.
 #[derive(Clone, Copy, Debug)]
 pub struct Cases {
-    /// Number of cases.
+    /// Number of cases to be drawn.
     pub count: u64,
-    /// Seed of the draw.
+    /// Seed from which the cases are drawn.
     pub seed: u64,
     /// Version of the generator.
     pub generator: u8,
@@ -97,7 +97,7 @@ struct Judged {
     headline: Headline,
 }
 
-/// All cases, as usual and with each variant.
+/// Scores of all cases, with the default settings and with each variant.
 pub struct Tried {
     usual: Vec<Judged>,
     variants: Vec<(Variant, Vec<Judged>)>,
@@ -204,7 +204,7 @@ fn variants(usual: &Options, trial: &Trial) -> Vec<Variant> {
 }
 
 impl Variant {
-    /// Folder of its reports.
+    /// Name of the folder for this variant's reports.
     fn folder(&self) -> String {
         match self.factor {
             Some(factor) => format!("{}_{factor}", self.name),

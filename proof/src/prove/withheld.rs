@@ -8,27 +8,27 @@ use serde_json::Value;
 /// Result of a diagnosis whose catalogue lacks the right candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instead {
-    /// The verdict is `unknown_effect`.
+    /// Answer with the verdict `unknown_effect`.
     Unknown,
-    /// The first structural cause is a stated confounder.
+    /// Answer whose first structural cause is a stated confounder.
     Confounder,
-    /// No structural cause is reported: parameters absorbed the effect, or it is too small.
+    /// Answer without a structural cause: parameters absorbed the effect, or it is too small.
     Parameters,
-    /// Another name, ahead of all others by at least `CLEAR` and without a rival that is a confounder.
+    /// Wrong name, ahead of all others by at least `CLEAR` and without a rival that is a confounder.
     Wrong,
-    /// Another name, ahead by less.
+    /// Wrong name that leads by less than `CLEAR`, or with a confounder as rival.
     Doubtful,
 }
 
 /// Lead in evidence over other names from which a name counts as stated, nats.
 const CLEAR: f64 = 11.0;
 
-/// Result of one case.
+/// Result of one case whose effect is out of the catalogue.
 #[derive(Clone, Copy, Debug)]
 pub struct LeftOut {
-    /// The withheld effect.
+    /// Effect that was withheld and taken out.
     pub effect: Effect,
-    /// Result of the diagnosis.
+    /// Kind of answer of the diagnosis.
     pub answer: Instead,
 }
 

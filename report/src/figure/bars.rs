@@ -52,13 +52,13 @@ impl Bars {
         }
     }
 
-    /// Digits after the point of the written values; default 2.
+    /// Sets the number of digits after the point of the written values; default 2.
     pub fn decimals(mut self, decimals: usize) -> Self {
         self.decimals = decimals;
         self
     }
 
-    /// A value for each category; `None` where there is none.
+    /// Adds a value for each category; `None` for a category without a value.
     pub fn series(mut self, name: &str, ink: Ink, values: &[Option<f64>]) -> Self {
         let bars = values.iter().map(|&value| Bar {
             value: value.filter(|v| v.is_finite()),

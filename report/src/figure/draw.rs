@@ -16,7 +16,7 @@ const SWATCH: f64 = 22.0;
 /// Names with their inks, flowed into lines of `width`; returns the entries' corners and the height.
 pub(super) struct Legend<'a> {
     entries: Vec<(f64, f64, &'a str, Ink)>,
-    /// Height of all lines, px.
+    /// Height of all lines of the legend, px.
     pub(super) height: f64,
 }
 

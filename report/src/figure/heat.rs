@@ -16,7 +16,7 @@ pub struct HeatMap {
 }
 
 impl HeatMap {
-    /// A chart without rows.
+    /// Heat map without any row.
     pub fn new(
         title: impl Into<String>,
         columns: impl IntoIterator<Item = impl Into<String>>,
@@ -29,13 +29,13 @@ impl HeatMap {
         }
     }
 
-    /// Digits after the point; default 2.
+    /// Sets the number of digits after the point; default 2.
     pub fn decimals(mut self, decimals: usize) -> Self {
         self.decimals = decimals;
         self
     }
 
-    /// A row with one value per column; `None` where there is none.
+    /// Adds a row with one value per column; `None` for a column without a value.
     pub fn row(mut self, name: impl Into<String>, values: &[Option<f64>]) -> Self {
         self.rows.push((name.into(), values.to_vec()));
         self

@@ -27,7 +27,7 @@ pub use waterfall::Waterfall;
 /// A drawn figure with its caption.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
-    /// The drawing, one `<svg>` element.
+    /// Drawing as one `<svg>` element.
     pub svg: String,
     /// Explanation of the figure and how to read it; plain text.
     pub caption: String,
@@ -38,15 +38,15 @@ pub struct Figure {
 /// Colour of a curve or bar, by meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// Measured values.
+    /// Colour of measured values.
     Measured,
-    /// Predictions of a model.
+    /// Colour of a model's predictions.
     Predicted,
-    /// Measured minus predicted.
+    /// Colour of residuals: measured minus predicted.
     Residual,
-    /// A reference that should not draw attention.
+    /// Colour of a reference that should not draw attention.
     Muted,
-    /// The n-th of several equals; six colours, then again from the first.
+    /// Colour of the n-th of several equals; six colours, then again from the first.
     Series(usize),
 }
 

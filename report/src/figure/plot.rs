@@ -51,7 +51,7 @@ enum Shape {
     /// Curves without a connection between them.
     Curves(Vec<Vec<(f64, f64)>>),
     Points(Vec<(f64, f64)>),
-    /// (x, low, high)
+    /// Band between two curves: (x, low, high).
     Band(Vec<(f64, f64, f64)>),
 }
 
@@ -220,7 +220,7 @@ impl Plot {
         self
     }
 
-    /// A logarithmic horizontal axis.
+    /// Makes the horizontal axis logarithmic.
     pub fn log_x(mut self) -> Self {
         self.log_x = true;
         self

@@ -79,7 +79,7 @@ impl Svg {
         self.body.push_str("\"/>");
     }
 
-    /// A filled outline.
+    /// Draws a filled outline.
     pub(super) fn area(&mut self, class: &str, outline: &[(f64, f64)]) {
         let _ = write!(self.body, "<path class=\"{class}\" d=\"");
         for (i, &(x, y)) in outline.iter().enumerate() {

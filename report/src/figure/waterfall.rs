@@ -28,7 +28,7 @@ impl Waterfall {
         }
     }
 
-    /// Digits after the point of the written values; default 3.
+    /// Sets the number of digits after the point of the written values; default 3.
     pub fn decimals(mut self, decimals: usize) -> Self {
         self.decimals = decimals;
         self

@@ -12,14 +12,14 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
-    /// Neither good nor bad.
+    /// Neutral: neither good nor bad.
     #[default]
     Neutral,
-    /// A value as it should be.
+    /// Good: a value as it should be.
     Good,
-    /// A value to be kept in mind.
+    /// Warning: a value to be kept in mind.
     Warning,
-    /// Wrong, or missing.
+    /// Bad: a value that is wrong or missing.
     Bad,
 }
 
@@ -67,7 +67,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// A page without content.
+    /// Page without any section.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -203,7 +203,7 @@ impl Section {
         }
     }
 
-    /// Adds a paragraph.
+    /// Adds a paragraph of text.
     pub fn paragraph(self, text: impl Into<String>) -> Self {
         self.with(Block::Paragraph { text: text.into() })
     }
@@ -222,7 +222,7 @@ impl Section {
         })
     }
 
-    /// A bulleted list.
+    /// Adds a bulleted list of items.
     pub fn list(self, items: impl IntoIterator<Item = impl Into<String>>) -> Self {
         let items = items.into_iter().map(Into::into).collect();
         self.with(Block::List { items })
@@ -244,7 +244,7 @@ impl Section {
         self.with(Block::Code { text: text.into() })
     }
 
-    /// Adds a table.
+    /// Adds a table to the section.
     pub fn table(self, table: Table) -> Self {
         self.with(Block::Table {
             table: table.html(),

@@ -8,9 +8,9 @@ use std::ops::Range;
 pub struct System {
     /// Columns, each over all rows.
     pub columns: Vec<Vec<f64>>,
-    /// Target over all rows.
+    /// Target of the fit over all rows.
     pub target: Vec<f64>,
-    /// Rows that follow each other.
+    /// Ranges of rows that follow each other.
     pub segments: Vec<Range<usize>>,
     /// Time between the rows of each segment, s.
     pub steps: Vec<f64>,
@@ -49,13 +49,13 @@ impl Default for Search {
 /// A delay with everything needed to judge it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delay {
-    /// Target behind columns, s.
+    /// Delay of the target after the columns, s.
     pub delay: f64,
     /// Standard deviation of the delay, s.
     pub std: f64,
     /// Number of blocks behind `std`.
     pub blocks: usize,
-    /// Coefficients at that delay.
+    /// Coefficients of the columns at the delay.
     pub coefficients: Vec<f64>,
 }
 

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use trials::channels::Fault;
 
-/// Schema of the JSON.
+/// Name and version of the JSON format.
 const SCHEMA: &str = "doctor/1";
 
 /// Runs the command.

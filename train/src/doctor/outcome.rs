@@ -16,9 +16,9 @@ use trials::channels::{ChannelCase, Fault, Wrong, against, generate};
 pub struct Figures {
     /// Schema of the file: `doctor/1`.
     pub schema: &'static str,
-    /// Seed of the run.
+    /// Seed of the simulated recordings.
     pub seed: u64,
-    /// Outcomes by kind of fault.
+    /// Outcomes of the recordings of each kind of fault.
     pub kinds: Vec<Counted>,
 }
 
@@ -27,18 +27,18 @@ pub struct Figures {
 pub enum Kind {
     /// Fault of the torque channel.
     Channel(Fault),
-    /// The channel is healthy, the description or the columns are not.
+    /// Wrong description or columns, while the channel is healthy.
     Description(Wrong),
 }
 
 impl Kind {
-    /// All kinds.
+    /// All kinds: faults of channels, then wrong descriptions.
     pub fn all() -> impl Iterator<Item = Self> {
         let channels = Fault::ALL.into_iter().map(Self::Channel);
         channels.chain(Wrong::ALL.into_iter().map(Self::Description))
     }
 
-    /// Name, as in JSON.
+    /// Name of the kind, as in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::Channel(fault) => fault.name(),
@@ -47,10 +47,10 @@ impl Kind {
     }
 }
 
-/// All recordings of a kind.
+/// Recordings of one kind with their outcomes.
 #[derive(Serialize)]
 pub struct Counted {
-    /// Name of the true fault.
+    /// Kind of the recordings: their true fault.
     #[serde(rename = "fault", serialize_with = "name")]
     pub kind: Kind,
     /// Number of recordings that were recognised; of healthy ones, those without a complaint; of wrong
@@ -71,12 +71,12 @@ pub struct Counted {
 pub struct Outcome {
     /// Index of the recording in the run.
     pub index: u64,
-    /// Joints that the fault is of, from 0.
+    /// Indices of the joints with the fault, from 0.
     pub joints: Vec<usize>,
     /// Whether the fault was recognised, on one of its joints at least and on no other; of a healthy recording,
     /// whether there was no complaint.
     pub right: bool,
-    /// Whether it is healthy behind its remedy; null where no line can mend it.
+    /// Whether the recording is healthy after the remedy; null where no line can mend it.
     pub mended: Option<bool>,
     /// Complaints of the doctor.
     pub complaints: Vec<Complaint>,
@@ -172,8 +172,8 @@ fn examined(robot: &Robot, recording: &Recording) -> Result<Vec<Complaint>, Fail
     Ok(doctor::examine(robot, recording, &prepared, &channel))
 }
 
-/// Complaints on the recording after the complaint's remedy is applied: the lines of the drive file, or gravity
-/// as on the command line. None where there is no remedy. Notes do not count: a sensor behind the gear is no
+/// Complaints on the recording after the complaint's remedy is applied: the lines of the drive file, or gravity as on
+/// the command line. None where the complaint has no remedy. Notes do not count: a sensor behind the gear is not a
 /// fault.
 fn left(case: &ChannelCase, complaint: &Complaint) -> Result<Option<Vec<Complaint>>, Failure> {
     let mut robot = case.robot.clone();

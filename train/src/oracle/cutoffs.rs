@@ -2,9 +2,9 @@
 
 use model::failure::Failure;
 
-/// Cut-offs tried beside the motion's own, Hz: the true equations need not do best where the model does.
+/// Cut-offs of the motion that are tried beside its own, Hz: the true equations need not do best where the model does.
 const CUTOFFS: [f64; 4] = [10.0, 15.0, 25.0, 40.0];
-/// Highest of them, relative to the recording's rate.
+/// Highest cut-off that is tried, relative to the recording's rate.
 const HIGHEST: f64 = 0.4;
 
 /// Result of `attempt` at the cut-off with its least score, and that cut-off, Hz (None: the motion's own

@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct Figures {
     /// Schema of the file: `oracle/1`.
     pub schema: &'static str,
-    /// Joint names.
+    /// Names of the joints, base first.
     pub joints: Vec<String>,
     /// Cut-off of the motion at which the true equations do best, Hz; none: the model's own.
     pub cutoff_hz: Option<f64>,
@@ -24,18 +24,18 @@ pub struct Figures {
     pub mechanisms: Vec<Left>,
 }
 
-/// Scores of one scope.
+/// Scores over the samples of one scope.
 #[derive(Serialize)]
 pub struct Scale {
-    /// Scope of the samples.
+    /// Scope: all samples, or those in motion.
     pub scope: Scope,
-    /// The torque that the plant exerted against the recorded one: the sensor's noise.
+    /// Scores of the torque that the plant exerted against the recorded one: the sensor's noise.
     pub floor: Scores,
-    /// The true equations on the recorded motion up to each sample, temperature unknown.
+    /// Scores of the true equations on the recorded motion up to each sample, temperature unknown.
     pub attainable: Scores,
-    /// The model's physics.
+    /// Scores of the model's physics alone.
     pub physics: Scores,
-    /// The whole model, where it has a compensator.
+    /// Scores of the whole model, where it has a compensator.
     pub whole: Option<Scores>,
     /// Share of (physics² − attainable²) that the compensator removes, by joint and over all joints.
     pub share: Option<Share>,

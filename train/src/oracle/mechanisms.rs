@@ -15,13 +15,14 @@ use trials::protocols::Effect;
 /// One effect on the held-out motion; per joint, N·m RMS.
 #[derive(Serialize)]
 pub struct Left {
-    /// The effect.
+    /// Effect of the simulated robot.
     pub effect: Effect,
-    /// Root mean square that it adds to viscous and Coulomb friction, by joint.
+    /// Root mean square torque that the effect adds to viscous and Coulomb friction, by joint, N·m.
     pub size: Vec<f64>,
-    /// Residual of it beside all columns of the joint's physics, by joint.
+    /// Root mean square residual of the effect beside all columns of the joint's physics, by joint, N·m.
     pub by_physics: Vec<f64>,
-    /// Residual beside these columns and the inputs of the joint's unit at the same sample, by joint; none without a unit.
+    /// Root mean square residual of the effect beside these columns and the inputs of the joint's unit at the same
+    /// sample, by joint, N·m; none without a unit.
     pub by_inputs: Vec<Option<f64>>,
 }
 

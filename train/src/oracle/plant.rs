@@ -13,11 +13,11 @@ use trials::protocols::{Effect, Machine, Protocol, cached};
 /// A simulated robot with the recording that its model is scored on.
 pub struct Plant {
     machine: Machine,
-    /// The held-out recording.
+    /// Held-out recording of the robot.
     pub recording: Recording,
     /// Torque of the plant without the sensor's noise, N·m, with its own states known, shape (samples, joints).
     pub exerted: Array2<f64>,
-    /// Ratio of the recorded motion to the true one.
+    /// Gain of the recorded motion over the true one.
     gain: f64,
 }
 
@@ -81,7 +81,7 @@ impl Plant {
         })
     }
 
-    /// Recorded torque, N·m.
+    /// Recorded torque, N·m, shape (samples, joints).
     pub fn recorded(&self) -> Array2<f64> {
         self.recording.tau.clone().unwrap_or_default()
     }

@@ -4,7 +4,7 @@ use super::figures::{Figures, Scale};
 use datasets::metrics::Scores;
 use report::{Cell, Column, Table, say, say_text};
 
-/// Prints all tables.
+/// Prints all tables of `train oracle`.
 pub fn print(figures: &Figures) {
     let cutoff = figures.cutoff_hz.map_or_else(
         || "the model's own cut-off".to_owned(),

@@ -10,7 +10,7 @@ use feedforward::network::{Architecture, Memory, Recurrent};
 use model::failure::Failure;
 use std::path::Path;
 
-/// Windows whose length is compared, samples; the published one is trained for Table 6.
+/// Lengths of windows that are compared, samples. The published length is trained for Table 6.
 const TIMESTEPS: [usize; 4] = [2, 3, 5, 10];
 
 /// Number of samples in the published window.
@@ -180,7 +180,7 @@ impl Comparisons<'_> {
         self.settings.nodes.iter().map(|&n| of(n)).collect()
     }
 
-    /// The published unit on torque smoothed by RLOESS (`smooth`), and on a split that deals out single
+    /// Results of the published unit on torque smoothed by RLOESS (`smooth`), and on a split that deals out single
     /// samples. There windows share samples with those held out, so that the score has leaked.
     pub fn papers_way(
         &self,

@@ -30,7 +30,7 @@ pub struct Run {
     moving: Array2<f32>,
     /// Measured torque, N·m, shape (samples, joints).
     pub tau: Array2<f64>,
-    /// Rows of each trajectory.
+    /// Range of the rows of each trajectory.
     pub segments: Vec<Range<usize>>,
     /// Motion that each trajectory executes.
     pub motions: Vec<usize>,
@@ -38,7 +38,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Samples of one joint.
+    /// Training samples of one joint.
     pub fn samples(&self, joint: usize) -> Result<Samples<'_>, Failure> {
         Samples::new(
             self.inputs.view(),
@@ -81,7 +81,7 @@ impl Run {
 
 /// The three recordings of the protocol.
 pub struct Data {
-    /// Joint names.
+    /// Names of the joints, base first.
     pub joints: Vec<String>,
     /// A thousand point-to-point moves: trained and tested on by whole trajectories.
     pub moves: Run,
@@ -180,7 +180,7 @@ pub fn part<'a>(set: &'a Simulated, name: &str) -> Result<&'a Recording, Failure
         .ok_or_else(|| Failure::other(format!("the simulation has no part {name}")))
 }
 
-/// Equation 27, percent.
+/// Relative error of all torques by equation 27 of Wang et al., percent.
 pub fn relative_error(tau: &Array2<f64>, error: impl Iterator<Item = f64>) -> f64 {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
     100.0 * norm(&mut { error }) / norm(&mut tau.iter().copied())

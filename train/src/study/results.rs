@@ -6,7 +6,7 @@ use serde::Serialize;
 #[derive(Serialize)]
 pub struct Variant<T> {
     pub value: T,
-    /// Mean over folds or over seeds.
+    /// RMSE of every joint as mean over folds or over seeds, N·m.
     pub rmse: Vec<f64>,
     /// Standard deviation of one seed's, where there are several; else empty.
     pub between_seeds: Vec<f64>,
@@ -51,7 +51,7 @@ pub struct Nodes {
     pub lstm: f64,
 }
 
-/// The published unit on a recording of high speed that nothing was fitted on.
+/// Errors of the published unit on a recording of high speed that nothing was fitted on.
 #[derive(Serialize)]
 pub struct Verification {
     pub max_torque: Vec<f64>,
@@ -80,7 +80,7 @@ pub struct Report {
     /// `physics`, `attention`, `no_attention`, `attainable` (the plant's own equations on the recorded motion); mean over folds of
     /// held-out trajectories.
     pub table_6: Vec<Variant<&'static str>>,
-    /// The paper's smoothing of the torque and its split by samples, which leaks, apart and together.
+    /// Results of the UR5 paper's smoothing of the torque and of its split by samples, which leaks, apart and together.
     pub papers_way: Vec<Variant<&'static str>>,
     pub inputs: Vec<Variant<&'static str>>,
     pub timesteps: Vec<Variant<usize>>,

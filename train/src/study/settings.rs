@@ -5,10 +5,11 @@ use compensator::training::{Fold, Training, UnitConfig, folds};
 use model::failure::Failure;
 use model::residual::ResidualError;
 
-/// Number of samples that RLOESS smooths over: a quarter of a second of the moves. The paper does not state its span.
+/// Number of samples that RLOESS smooths over: a quarter of a second of the moves. The UR5 paper does not state its
+/// span.
 pub const SPAN: usize = 15;
 
-/// Number of samples of which one is held out where they are dealt out singly: the paper's 80 to 20 %.
+/// Number of samples of which one is held out where they are dealt out singly: 80 to 20 %, as in the UR5 paper.
 pub const DEALT: usize = 5;
 
 /// Advice after an interruption.
@@ -16,7 +17,7 @@ pub const GO_ON: &str = "Run the same command again: what is trained is kept.";
 
 /// Settings that all trials share.
 pub struct Settings {
-    /// Folds that are run; the comparisons beside Table 6 run the first.
+    /// Folds that are run. The comparisons beside Table 6 run the first one alone.
     pub folds: Vec<Fold>,
     /// Width of encoder, attention and re-encoder.
     pub hidden: usize,
@@ -26,7 +27,7 @@ pub struct Settings {
     pub windows: usize,
     /// Settings of the training loop.
     pub training: Training,
-    /// Seed of the networks.
+    /// Seed of the networks' weights.
     pub seed: u64,
     /// Number of networks of different seeds that the comparisons on the first fold average.
     pub repeats: u64,

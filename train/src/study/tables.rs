@@ -3,7 +3,7 @@
 use super::results::{Report, Variant};
 use report::{Best, Cell, Column, Table};
 
-/// Table 6 of the paper, N·m: physical model, with attention, no attention.
+/// Table 6 of the UR5 paper, RMSE of each joint, N·m: physical model, with attention, without attention.
 const PAPER_6: [(&str, [f64; 6]); 3] = [
     ("paper: physics", [3.112, 2.958, 2.633, 0.417, 0.457, 0.444]),
     (
@@ -16,7 +16,7 @@ const PAPER_6: [(&str, [f64; 6]); 3] = [
     ),
 ];
 
-/// Table 8 of the paper: percent of the largest torque, physics and after compensation.
+/// Table 8 of the UR5 paper, error of each joint in percent of its largest torque: physics, and after compensation.
 const PAPER_8: [(&str, [f64; 6]); 2] = [
     ("paper: physics", [7.87, 4.20, 6.55, 8.42, 9.16, 9.06]),
     ("paper: compensated", [3.85, 2.47, 3.58, 5.86, 5.78, 5.24]),
@@ -57,7 +57,7 @@ pub fn inputs(report: &Report) {
     report::say_text!(by_joint(report, "inputs", &report.inputs, name).to_text());
 }
 
-/// Lengths of the window.
+/// Prints the comparison of lengths of the window.
 pub fn timesteps(report: &Report) {
     report::say!("\nTimestep of the window ({}), N·m", on_first(report));
     let name = |v: &usize| format!("T = {v}");
@@ -84,7 +84,7 @@ pub fn nodes(report: &Report) {
     report::say_text!(table.to_text());
 }
 
-/// The paper's smoothing and its split.
+/// Prints the results of the UR5 paper's smoothing and of its split.
 pub fn papers_way(report: &Report) {
     report::say!(
         "\nThe paper's way: torque smoothed by RLOESS and scored as smoothed; every fifth sample held out, which leaks: windows of training hold what is scored (first fold, one seed), N·m"
@@ -100,7 +100,7 @@ pub fn papers_way(report: &Report) {
     report::say_text!(by_joint(report, "model", &report.papers_way, name).to_text());
 }
 
-/// Tables 7 and 8.
+/// Prints Tables 7 and 8: relative errors.
 pub fn verification(report: &Report) {
     let Some(v) = &report.table_8 else { return };
     report::say!(

@@ -10,9 +10,9 @@ use model::failure::Failure;
 use model::residual::ResidualError;
 use std::path::Path;
 
-/// One kind of unit.
+/// Trial: one kind of unit on some folds.
 pub struct Trial<'a> {
-    /// Names it among the checkpoints.
+    /// Name of the trial among the checkpoints.
     pub name: String,
     /// Run for training, and run for scoring; they differ only where samples are dealt out singly.
     pub runs: [&'a Run; 2],
@@ -23,21 +23,21 @@ pub struct Trial<'a> {
     pub repeat: u64,
 }
 
-/// One joint's result.
+/// Result of a trial on one joint.
 pub struct Outcome {
     /// RMSE on the held-out trajectories of each fold, N·m.
     folds: Vec<f64>,
-    /// Unit of the first fold.
+    /// Unit that was trained on the first fold.
     pub unit: Unit,
 }
 
 impl Outcome {
-    /// Mean over folds, as the paper averages its five test sets.
+    /// Mean RMSE over folds, as the UR5 paper averages its five test sets.
     pub fn mean(&self) -> f64 {
         self.folds.iter().sum::<f64>() / self.folds.len() as f64
     }
 
-    /// The first fold's.
+    /// RMSE on the first fold, N·m.
     pub fn first(&self) -> f64 {
         self.folds[0]
     }
@@ -101,7 +101,7 @@ impl Trial<'_> {
         Ok(outcomes)
     }
 
-    /// The study's own seeds and those of its repeats never meet.
+    /// Seed of a network. The study's own seeds and those of its repeats never meet.
     fn seed(&self, joint: usize) -> u64 {
         let own = self.settings.seed.wrapping_add(joint as u64);
         own.wrapping_add(self.repeat << 32)

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 /// the first.
 pub const GENERATOR: u8 = 2;
 
-/// Random stream of this choice, which no attempt at a case uses, so that all other draws stay the same.
+/// Number of the random stream for repeats, which no attempt at a case uses, so that all other draws stay the same.
 const STREAM: u64 = u64::MAX;
 /// Part of the cases that repeat motions.
 const PART: f64 = 1.0 / 3.0;
@@ -16,9 +16,9 @@ const PART: f64 = 1.0 / 3.0;
 /// Order in which motions are executed twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Again {
-    /// A B C A B C
+    /// Rounds over all motions: A B C A B C.
     InRounds,
-    /// A A B B C C
+    /// Each motion twice in a row: A A B B C C.
     AtOnce,
 }
 

@@ -21,42 +21,42 @@ const CONTROL: f64 = 1e-3;
 pub struct Chosen {
     /// Name of the effect in the answers.
     pub name: &'static str,
-    /// Shape of the effect.
+    /// Shape of the effect, without its size.
     pub effect: Box<dyn Withheld>,
-    /// Size of the effect.
+    /// Size of the effect, in the unit of its mechanism.
     pub size: f64,
-    /// Joint on which the size was set.
+    /// Index of the joint on which the size was set.
     pub at: usize,
-    /// Share of that joint's torque that was meant.
+    /// Share of that joint's torque that the effect was meant to make.
     pub share: f64,
 }
 
 /// A run and its torque as noted.
 pub struct Run {
-    /// Trace of the run.
+    /// Motion and torque of the run, without errors of sensors.
     pub trace: Trace,
-    /// Torque as noted, without noise.
+    /// Torque as the channel notes it, without noise, N·m, row after row.
     pub noted: Vec<f64>,
 }
 
 /// One robot under one controller on one session.
 #[derive(Clone, Copy)]
 pub struct Experiment<'a> {
-    /// Model of the controller.
+    /// Arm as the controller's model has it.
     pub nominal: &'a Arm,
     /// The plant without effects.
     pub plain: &'a Arm,
-    /// Effects that a case withholds.
+    /// Effects that the case withholds.
     pub withheld: &'a [Chosen],
     /// Small additional effects of the plant that are not part of the answer; each is one mechanism.
     pub background: &'a [Chosen],
-    /// Commanded motion.
+    /// Commanded motion of the session.
     pub session: &'a Session,
     /// Errors of the controller's sensors.
     pub errors: &'a Errors,
     /// Position bandwidth of the controller, Hz.
     pub bandwidth: f64,
-    /// Rate of the trace, Hz.
+    /// Sampling rate of the trace, Hz.
     pub rate: f64,
 }
 
@@ -211,7 +211,8 @@ pub fn beyond(plain: &Arm, trace: &Trace, torque: &[f64]) -> Result<Vec<f64>, Ro
     Ok(all)
 }
 
-/// Integration step for an effect's stiffest part, or none where that is too stiff or too soft.
+/// Integration step for an effect's stiffest part, s. None where that part is too stiff to integrate, or too soft to be
+/// a gear.
 fn step_for(effect: &dyn Withheld, size: f64, arm: &Arm) -> Option<f64> {
     let yielding = effect.yielding().map(|part| (part, part.place()));
     let Some((part, Place::Gear(joint))) = yielding else {

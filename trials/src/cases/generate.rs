@@ -36,7 +36,7 @@ const HELD_OUT: [usize; 4] = [2, 5, 8, 11];
 /// Largest number of attempts at a case; about one in ten draws does not suit its effect.
 const ATTEMPTS: u64 = 200;
 
-/// Random key of a case.
+/// Random key of a case, from the seed, its index, and whether it is hard.
 pub(super) fn key(spec: &CaseSpec, seed: u64) -> [u8; 32] {
     let mut key = Sha256::new();
     key.update(if spec.hard {

@@ -9,9 +9,9 @@ use serde::Serialize;
 /// Difference between a case's recording and its model, besides small errors of the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Kind {
-    /// No difference.
+    /// No difference beside small errors of parameters.
     None,
-    /// One effect of the catalogue: an index into [`EFFECTS`].
+    /// Single effect of the catalogue: an index into [`EFFECTS`].
     Single(usize),
     /// Two effects of the catalogue.
     Two,
@@ -24,7 +24,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Name in the answers.
+    /// Name of the kind in the answers.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -37,16 +37,16 @@ impl Kind {
     }
 }
 
-/// A case to be generated.
+/// Specification of a case to be generated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct CaseSpec {
     /// Index of the case in the run.
     pub index: u64,
-    /// Kind of the case.
+    /// Kind of the case: its withheld effect.
     pub kind: Kind,
     /// Whether the case is drawn nearer to real recordings.
     pub hard: bool,
-    /// An effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
+    /// Effect that is not drawn, as before it entered the catalogue: an index into [`EFFECTS`].
     pub without: Option<usize>,
     /// Version of the generator, see [`GENERATOR`](super::GENERATOR). Cases drawn here have the first version.
     pub generator: u8,

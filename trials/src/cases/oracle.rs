@@ -15,28 +15,28 @@ use serde::Serialize;
 /// Held-out NRMSE per joint, or its mean, as [`datasets::metrics`] has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nrmse<T> {
-    /// The simulator's model untouched.
+    /// Error of the simulator's model as given.
     pub as_given: T,
-    /// The true plant without the effect.
+    /// Error of the true plant without the effect.
     pub without_effect: T,
-    /// The true plant with it.
+    /// Error of the true plant with the effect.
     pub with_effect: T,
-    /// The torque noise alone.
+    /// Error that is the torque's noise alone.
     pub noise_floor: T,
 }
 
-/// The best that can be had on a case, on motion low-passed at `cutoff_hz`.
+/// Least error that a model can have on a case, on motion low-passed at `cutoff_hz`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Oracle {
-    /// Cut-off of the zero-phase filter at which the true model does best, Hz.
+    /// Cut-off of the zero-phase low-pass at which the true model does best, Hz.
     pub cutoff_hz: f64,
-    /// Mean over joints; null where no joint has a figure.
+    /// Mean figures over joints; null where no joint has a figure.
     pub mean_nrmse: Nrmse<Option<f64>>,
-    /// Per joint; null for a joint that never moves.
+    /// Figures of each joint; null for a joint that never moves.
     pub nrmse: Nrmse<Vec<Option<f64>>>,
 }
 
-/// Cut-offs tried, Hz.
+/// Cut-offs of the motion's low-pass that are tried, Hz.
 const CUTOFFS: [f64; 4] = [10.0, 15.0, 25.0, 40.0];
 /// Softening of the sign in the model as given, rad/s: the most that docs/formats.md allows.
 const GIVEN_EPS: f64 = 0.005;
@@ -138,7 +138,7 @@ fn torque(robot: &Robot, motion: &Motion, friction: impl Fn(usize, f64) -> f64) 
 /// with `smooth_effect` the effect is filtered as the motion is.
 ///
 /// # Errors
-/// An arm is no possible robot; torques of other sizes than the recording.
+/// An arm is not a possible robot; torques of other sizes than the recording.
 pub fn oracle(
     nominal: &Arm,
     plant: &Arm,
@@ -219,7 +219,7 @@ const RANK: f64 = 1e-11;
 /// with the weights 1/`noise`.
 ///
 /// # Errors
-/// The arm is no possible robot.
+/// The arm is not a possible robot.
 pub fn unabsorbed(
     arm: &Arm,
     q: &[f64],
@@ -287,7 +287,7 @@ pub fn unabsorbed(
 /// viscous friction. The motion is low-passed at `cutoff` Hz.
 ///
 /// # Errors
-/// The arm is no possible robot.
+/// The arm is not a possible robot.
 #[cfg(test)]
 pub fn left_by_parameters(
     arm: &Arm,
@@ -301,7 +301,7 @@ pub fn left_by_parameters(
     Ok(unabsorbed(arm, &motion.q, &motion.qd, &motion.qdd, &equal, &[torque])?.remove(0))
 }
 
-/// Root mean square.
+/// Root mean square of the values `x`; zero where there are none.
 pub fn rms(x: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = x.fold((0.0, 0.0), |(s, c), v| (s + v * v, c + 1.0));
     if count == 0.0 {

@@ -222,8 +222,8 @@ impl Rehearsal {
         Ok(sum.iter().map(|s| (s / used).sqrt()).collect())
     }
 
-    /// The size at which the effect makes `share` of the torque of the joint where it is largest (all joints if
-    /// `joint` is none), and that joint. None where no plausible size comes near.
+    /// Size at which the effect makes `share` of the torque of the joint where it is largest (all joints if
+    /// `joint` is none), and that joint. None where no plausible size makes about that share.
     ///
     /// # Errors
     /// The effect makes the plant an impossible robot.

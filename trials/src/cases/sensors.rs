@@ -17,9 +17,9 @@ const WARMING: f64 = 110.0;
 /// Choice of a case's further sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sensors {
-    /// Encoders on the links.
+    /// Whether links have encoders of their own.
     pub links: bool,
-    /// A thermometer in every joint.
+    /// Whether every joint has a thermometer.
     pub temperatures: bool,
 }
 
@@ -52,13 +52,13 @@ fn columns(table: &mut Option<Array2<f64>>) -> impl Iterator<Item = ArrayViewMut
 
 /// An encoder on a link, mounted by hand.
 struct LinkEncoder {
-    /// Step of its count, rad (m).
+    /// Step of the encoder's count, rad (m).
     count: f64,
-    /// Deviation of its noise, steps.
+    /// Standard deviation of the encoder's noise, steps.
     noise: f64,
-    /// Offset of its zero, rad (m).
+    /// Offset of the encoder's zero, rad (m).
     zero: f64,
-    /// Error once a turn by its disc's eccentricity, rad, and its phase.
+    /// Error of the encoder once a turn by its disc's eccentricity, rad, and its phase.
     eccentric: [f64; 2],
 }
 
@@ -86,13 +86,13 @@ impl LinkEncoder {
 struct Thermometer {
     /// Temperature of the room, °C.
     room: f64,
-    /// Rise at the steady state, K.
+    /// Rise of the temperature at the steady state, K.
     rise: f64,
-    /// Time by which it is late, s.
+    /// Time constant by which the reading is late, s.
     lag: f64,
     /// Resolution of the reading, K.
     step: f64,
-    /// Deviation of its noise, K.
+    /// Standard deviation of the reading's noise, K.
     noise: f64,
 }
 

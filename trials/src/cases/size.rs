@@ -4,7 +4,7 @@ use super::experiment::{Chosen, Run};
 use super::oracle::{low_passed, rms};
 use std::ops::Range;
 
-/// Torque of effects that vibrate counts up to here, Hz.
+/// Frequency up to which the torque of effects that vibrate counts, Hz.
 const VIBRATION: f64 = 20.0;
 /// Smallest part of a joint's torque, and largest, that an effect may make.
 const SHARES: Range<f64> = 0.03..0.6;

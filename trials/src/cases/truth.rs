@@ -14,11 +14,11 @@ use serde_json::Value;
 /// The answer of a case, as `truth/ID.json` holds it.
 #[derive(Debug, Clone, Serialize)]
 pub struct Truth {
-    /// Name of the case.
+    /// Name of the case, as in its files.
     pub case: String,
     /// Name of its [`super::Kind`].
     pub kind: String,
-    /// Family of its robot.
+    /// Family from which the robot was drawn.
     pub robot: String,
     /// Seed of the run, index of the case, attempt that succeeded.
     pub seed: [u64; 3],
@@ -28,7 +28,7 @@ pub struct Truth {
     /// Whether motions are executed twice.
     #[serde(skip_serializing_if = "is_no")]
     pub repeats: bool,
-    /// Number of joints.
+    /// Number of joints of the robot.
     pub joints: usize,
     /// Withheld effects with their parameters.
     pub effects: Vec<TruthEffect>,
@@ -36,13 +36,13 @@ pub struct Truth {
     pub torque_rms: Vec<f64>,
     /// Root mean square torque of all effects together, by joint, N·m.
     pub effect_rms: Vec<f64>,
-    /// Root mean square of their torque beside base parameters, Coulomb and viscous friction, by joint, N·m.
+    /// Root mean square of the effects' torque beside base parameters, Coulomb and viscous friction, by joint, N·m.
     pub unabsorbed_rms: Vec<f64>,
-    /// Root mean square of the torque noise.
+    /// Root mean square of each joint's torque noise, N·m.
     pub noise_rms: Vec<f64>,
-    /// Speed below which the plant's friction is softened, rad/s.
+    /// Speed below which the plant's friction is softened, by joint, rad/s.
     pub v_eps: Vec<f64>,
-    /// The best that can be had on the held-out recording.
+    /// Least error that a model can have on the held-out recording.
     pub oracle: Oracle,
     /// The plant without the effect.
     pub plant: PlantTruth,
@@ -118,10 +118,10 @@ fn is_no(repeats: &bool) -> bool {
 pub struct PlantTruth {
     /// Standard parameters of each link (inertia about the joint's origin).
     pub inertias: Vec<Vec<f64>>,
-    /// Coulomb friction, N·m.
+    /// Coulomb friction of each joint, N·m.
     #[serde(rename = "Fc")]
     pub coulomb: Vec<f64>,
-    /// Viscous friction, N·m·s/rad.
+    /// Viscous friction of each joint, N·m·s/rad.
     #[serde(rename = "Fv")]
     pub viscous: Vec<f64>,
 }
@@ -137,20 +137,20 @@ impl PlantTruth {
     }
 }
 
-/// One withheld effect.
+/// Withheld effect in a case's answer.
 #[derive(Debug, Clone, Serialize)]
 pub struct TruthEffect {
-    /// Name in the contract's table; `unknown` for one outside it.
+    /// Name of the effect in the contract's table; `unknown` for one outside it.
     pub effect: String,
-    /// Mechanism that made it.
+    /// Name of the mechanism that made the torque.
     pub mechanism: String,
-    /// `joint` where it belongs to joints, `global` where it belongs to the arm.
+    /// Scope of the effect: `joint` where it belongs to joints, `global` where it belongs to the arm.
     pub scope: String,
-    /// Joints whose torque it changes.
+    /// Names of the joints whose torque the effect changes.
     pub joints: Vec<String>,
-    /// Joint on which its shares are taken.
+    /// Name of the joint on which the effect's shares are taken.
     pub reference_joint: String,
-    /// Size, in the unit of the mechanism.
+    /// Size of the effect, in the unit of its mechanism.
     pub level: f64,
     /// Parameters of the mechanism.
     pub parameters: Value,
@@ -158,9 +158,9 @@ pub struct TruthEffect {
     pub share: f64,
     /// Share after base parameters, Coulomb and viscous friction have absorbed what they can.
     pub share_after_reidentification: f64,
-    /// Root mean square of that part over the torque noise.
+    /// Ratio of the root mean square of the part that is left after re-identification to that of the torque's noise.
     pub snr_after_reidentification: f64,
-    /// Names of effects that no recording can tell from it.
+    /// Names of effects that no recording can tell from the effect.
     pub indistinguishable: Vec<String>,
 }
 

@@ -6,36 +6,36 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
-    /// No fault: motor torque, seen from the link.
+    /// Healthy channel: motor torque, seen from the link.
     None,
-    /// Torque without its sign.
+    /// Torque without its sign, as an absolute value.
     Absolute,
-    /// The sign of some joints is turned.
+    /// Torque whose sign is turned on some joints.
     Sign,
-    /// Motor current, A.
+    /// Motor current in place of a torque, A.
     Current,
-    /// Per cent of the rated torque.
+    /// Torque in per cent of the rated torque.
     Percent,
     /// Torque at the motor, before the gear.
     Motor,
-    /// Torque minus that of gravity by the maker's model.
+    /// Torque less that of gravity by the maker's model.
     GravityRemoved,
     /// Torque of sensors behind the gears.
     JointSensor,
     /// Torque command of the controller, not a sensor's value.
     Commanded,
-    /// Torque in coarse steps.
+    /// Torque rounded to coarse steps.
     Quantised,
-    /// Low-passed forwards and backwards before it was stored.
+    /// Torque that was low-passed forwards and backwards before it was stored.
     Filtered,
     /// A channel without signal.
     Dead,
-    /// Cut at a limit.
+    /// Torque cut at a limit.
     Saturated,
 }
 
 impl Fault {
-    /// All faults.
+    /// All faults, the healthy channel first.
     pub const ALL: [Self; 13] = [
         Self::None,
         Self::Absolute,
@@ -52,7 +52,7 @@ impl Fault {
         Self::Saturated,
     ];
 
-    /// Name, as in JSON.
+    /// Name of the fault, as in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",

@@ -29,11 +29,11 @@ use std::ops::Range;
 pub struct ChannelCase {
     /// The robot as described: inertials nearly right; friction, gear ratios and torque constants in some descriptions.
     pub robot: Robot,
-    /// The recording.
+    /// Recording whose torque came through the channel.
     pub recording: Recording,
-    /// Fault of its torque.
+    /// Fault of the recorded torque.
     pub fault: Fault,
-    /// The joints that it concerns, from 0.
+    /// Indices of the joints with the fault, from 0.
     pub joints: Vec<usize>,
     /// Data sheet: motor turns per joint turn, N·m/A at the motor, and rated torque on the link side in N·m.
     pub sheet: Vec<DataSheet>,
@@ -42,7 +42,7 @@ pub struct ChannelCase {
 /// Simulates the recording at `index` of the run with this seed and fault; it is the same on every machine and thread.
 ///
 /// # Errors
-/// No random robot followed its reference, or one is no possible robot.
+/// No random robot followed its reference, or one is not a possible robot.
 pub fn generate(fault: Fault, seed: u64, index: u64) -> Result<ChannelCase, SimulateError> {
     let mut key = Sha256::new();
     key.update(b"channel");

@@ -13,9 +13,9 @@ use rand_chacha::ChaCha8Rng;
 
 /// Torque on the clock of a trace, row after row.
 pub struct Fed {
-    /// Torque, N·m (N).
+    /// Torque that enters the channel, N·m (N).
     pub torque: Vec<f64>,
-    /// Whether the torque is no sensor's value, so that the channel adds no error.
+    /// Whether the torque is computed, not measured, so that the channel adds no error of a sensor.
     pub exact: bool,
     /// Whether gravity's torque varies on some joint as much as a fifth of that joint's.
     pub gravity_varies: bool,

@@ -11,20 +11,20 @@ use rand_chacha::ChaCha8Rng;
 /// Wrong input beside a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrong {
-    /// Masses, each link's by a factor of its own.
+    /// Masses that are each wrong by a factor of its own.
     Masses,
-    /// Masses, all by one factor.
+    /// Masses that are all wrong by one factor.
     MassesAlike,
-    /// Masses are placeholders.
+    /// Masses that are placeholders in the description.
     Placeholders,
-    /// The columns of two joints are exchanged.
+    /// Columns of two joints that are exchanged.
     Columns,
-    /// The description is another arm's with as many joints.
+    /// Description of another arm with as many joints.
     AnotherArm,
 }
 
 impl Wrong {
-    /// All wrong descriptions.
+    /// All kinds of wrong input.
     pub const ALL: [Self; 5] = [
         Self::Masses,
         Self::MassesAlike,
@@ -47,9 +47,9 @@ impl Wrong {
 
 /// Range of the factor between described and true masses in practice, in either direction.
 const FACTORS: [f64; 2] = [1.3, 2.0];
-/// A placeholder: kg, and kg·m².
+/// Placeholder for a link: mass, kg, and inertia, kg·m².
 const PLACEHOLDERS: [(f64, f64); 3] = [(0.01, 1e-3), (1.0, 1e-3), (1.0, 1.0)];
-/// Other robots that are tried for one with as many joints.
+/// Number of other robots among which one with as many joints is looked for.
 const OTHERS: u64 = 200;
 
 /// The healthy recording at `index` of the run with this seed, and a description that does not belong to it.

@@ -13,13 +13,13 @@ use serde_json::json;
 /// thrust bearing: the mean over both directions is unchanged.
 #[derive(Debug, Clone)]
 struct ThrustBearing {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     joint: usize,
     /// Half the difference of Coulomb friction, N·m; negative: higher backwards.
     coulomb: f64,
     /// Half the difference of viscous friction, N·m·s/rad.
     viscous: f64,
-    /// Softening of the sign, rad/s.
+    /// Speed over which the sign of velocity is softened, rad/s.
     v_eps: f64,
 }
 
@@ -33,18 +33,18 @@ impl Mechanism for ThrustBearing {
     }
 }
 
-/// Size: N·m at top speed.
+/// Friction that differs by direction. Its size is the extra torque at top speed, N·m.
 #[derive(Debug)]
 pub struct Asymmetry {
-    /// Index of the joint on which it acts.
+    /// Index of the joint on which the effect acts.
     pub joint: usize,
-    /// Coulomb part over the size.
+    /// Coulomb part over the size, without unit.
     pub coulomb: f64,
     /// Viscous part over the size, s/rad.
     pub viscous: f64,
 }
 
-/// Mostly dry, or mostly viscous.
+/// Random asymmetry, mostly dry or mostly viscous.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let (joint, sign) = (pick.any, pick.sign);
     let (coulomb, viscous) = if rng.random_bool(0.35) {

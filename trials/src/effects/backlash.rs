@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 struct GearPlay {
     /// Plant joint of the gear's deflection.
     joint: usize,
-    /// Half of the play, rad.
+    /// Half of the play between the flanks, rad.
     half: f64,
     /// Stiffness of a flank, N·m/rad.
     stiffness: f64,
@@ -46,7 +46,7 @@ impl Mechanism for GearPlay {
     }
 }
 
-/// Size: half of the play, rad.
+/// Play in a gear. Its size is half of the play, rad.
 #[derive(Debug)]
 struct Play {
     joint: usize,
@@ -54,7 +54,7 @@ struct Play {
     stiffness: f64,
 }
 
-/// Draws it on a joint whose rotor is separate from its link.
+/// Random play in a gear of a joint whose rotor is separate from its link.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.geared?;
     let stiffness = scene.inertia[joint] * (TAU * rng.random_range(25.0..40.0)).powi(2);

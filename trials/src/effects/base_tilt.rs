@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use std::f64::consts::TAU;
 
-/// Size: rad, about the level axis at this angle from x (rad).
+/// Tilt of the base. Its size is the angle, rad, about the level axis in `direction`, an angle from x, rad.
 #[derive(Debug)]
 struct Tilt {
     direction: f64,

@@ -9,7 +9,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: that of its spring.
+/// Counterbalance of a joint. Its size is that of its spring: see [`Spring`].
 #[derive(Debug)]
 struct Counterbalance {
     joint: usize,
@@ -19,13 +19,13 @@ struct Counterbalance {
 
 #[derive(Debug)]
 enum Spring {
-    /// Size: N at middle length. Volume over area, m.
+    /// Gas strut. Its size is the force at middle length, N; `volume` is the gas volume over the piston's area, m.
     Gas { volume: f64 },
-    /// Size: N/m. Length without force over the shortest distance of the pins.
+    /// Coil spring. Its size is the stiffness, N/m; the free length is over the shortest distance of the pins.
     Coil { free: f64 },
 }
 
-/// Draws it on a turning joint that gravity loads.
+/// Random counterbalance of a turning joint that gravity loads.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.heavy.filter(|&j| scene.turns(j))?;
     let base = rng.random_range(0.3..0.7);

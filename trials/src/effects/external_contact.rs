@@ -17,15 +17,15 @@ use serde_json::json;
 /// slip at `limit`.
 #[derive(Debug, Clone, Copy)]
 struct Grab {
-    /// Start time, s.
+    /// Time at which the contact begins, s.
     start: f64,
-    /// End time, s.
+    /// Time at which the contact ends, s.
     end: f64,
-    /// Stiffness, N/m.
+    /// Stiffness of the contact's spring, N/m.
     stiffness: f64,
-    /// Damping, N·s/m.
+    /// Damping of the contact, N·s/m.
     damping: f64,
-    /// Greatest force, N.
+    /// Force beyond which the grip slips, N.
     limit: f64,
 }
 
@@ -93,7 +93,7 @@ impl Mechanism for ToolContact {
     }
 }
 
-/// Size: scale of stiffness and force.
+/// Contacts of the tool with the surroundings. Their size is a factor on stiffness, damping and force.
 #[derive(Debug)]
 struct Contact {
     point: Vector3<f64>,

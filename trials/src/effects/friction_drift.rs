@@ -9,17 +9,17 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: extra friction of the cold gear over the warm one.
+/// Friction that fades as a gear warms up. Its size is the cold gear's extra friction over the warm gear's friction.
 #[derive(Debug)]
 struct WarmUp {
     joint: usize,
     /// Exponent of the viscosity at the steady state.
     fading: f64,
-    /// Time constant, s.
+    /// Time constant of the warming, s.
     time: f64,
     /// Part of Coulomb friction that warms along.
     coulomb: f64,
-    /// Mean power, W.
+    /// Mean power of the joint's friction, W.
     power: f64,
 }
 

@@ -8,7 +8,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
-/// Size: relative error; of each joint the part in Coulomb and the part in viscous friction.
+/// Wrong friction of some joints. The size is a relative error; each joint has a part of it in Coulomb and a part in
+/// viscous friction.
 #[derive(Debug)]
 struct FrictionError {
     joints: Vec<(usize, f64, f64)>,

@@ -25,13 +25,13 @@ enum Part {
 /// Torque on the driven joint by the motion of another.
 #[derive(Debug, Clone)]
 struct SharedPart {
-    /// Plant joint whose motion drives.
+    /// Index of the plant's joint whose motion drives.
     driver: usize,
-    /// Plant joint whose torque changes.
+    /// Index of the plant's joint whose torque changes.
     driven: usize,
-    /// N·m·s/rad, N·m, or kg·m².
+    /// Size of the part: N·m·s/rad, N·m, or kg·m², by its kind.
     size: f64,
-    /// Softening of the sign, rad/s.
+    /// Speed over which the sign of velocity is softened, rad/s.
     v_eps: f64,
     part: Part,
 }
@@ -50,7 +50,7 @@ impl Mechanism for SharedPart {
     }
 }
 
-/// Size: that of the shared part.
+/// Coupling of two joints by a shared part. Its size is that of the part.
 #[derive(Debug)]
 struct Coupling {
     driver: usize,
@@ -58,7 +58,7 @@ struct Coupling {
     part: Part,
 }
 
-/// Between two joints that both turn or both slide.
+/// Random coupling between two joints that both turn or both slide.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let driven = pick.any;
     let drivers: Vec<usize> = (0..scene.arm.dof())

@@ -19,7 +19,7 @@ struct Elasticity {
     ratio: f64,
 }
 
-/// Draws it on a joint whose rotor is separate from its link.
+/// Random elastic gear of a joint whose rotor is separate from its link.
 pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.geared?;
     let effect = Elasticity {

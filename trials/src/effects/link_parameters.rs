@@ -11,7 +11,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: relative error of mass; centre of mass (m) and inertia err along.
+/// Wrong inertial parameters of a link. The size is a factor on the relative errors of mass and inertia and on the
+/// shift of the centre of mass, m.
 #[derive(Debug)]
 struct LinkError {
     link: usize,
@@ -20,7 +21,7 @@ struct LinkError {
     inertia: f64,
 }
 
-/// Any link but the first, whose mass most arms cannot feel.
+/// Random errors of any link but the first, whose mass most arms cannot feel.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let n = scene.arm.dof();
     let link = rng.random_range(n.min(2) - 1..n);

@@ -8,14 +8,14 @@ use plant::mechanism::GearMesh;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: lost share of the transmitted torque.
+/// Friction of a gear that grows with the load. Its size is the lost share of the transmitted torque.
 #[derive(Debug)]
 pub struct LoadFriction {
-    /// Index of the joint on which it acts.
+    /// Index of the joint on which the effect acts.
     pub joint: usize,
 }
 
-/// Draws it on a joint that gravity loads, if there is one.
+/// Random load-dependent friction of a joint that gravity loads, if there is one.
 pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.heavy.unwrap_or(pick.any);
     Some(Shape::on(joint, LoadFriction { joint }, 0.05..0.2, rng))

@@ -45,7 +45,7 @@ pub use withheld::{Place, Withheld, joint_name};
 use rand_chacha::ChaCha8Rng;
 use scene::Pick;
 
-/// Draws a shape, or none if this arm has no joint for the effect.
+/// Function that draws an effect's random shape; none where the arm has no joint for the effect.
 type Draw = fn(&Scene, &Pick, &mut ChaCha8Rng) -> Option<Shape>;
 
 /// The effects of the catalogue with their names in reports. Their order determines which cases a seed gives.
@@ -101,7 +101,7 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// A mechanism that the catalogue does not list.
+    /// Effect outside the catalogue: a random mechanism that it does not list.
     pub const OUTSIDE: Self = Self {
         name: "unknown",
         draw: outside::draw,
@@ -125,7 +125,7 @@ impl Effect {
         Self { name, draw }
     }
 
-    /// A random shape, or none if this arm has no joint for the effect.
+    /// Random shape of this effect; none where the arm has no joint for it.
     pub fn draw(&self, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
         let pick = Pick::draw(scene, rng);
         (self.draw)(scene, &pick, rng)

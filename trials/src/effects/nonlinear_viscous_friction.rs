@@ -10,14 +10,14 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: N·m at top speed.
+/// Fluid friction of a joint. Its size is the drag at top speed, N·m.
 #[derive(Debug)]
 pub struct FluidFriction {
-    /// Index of the joint on which it acts.
+    /// Index of the joint on which the effect acts.
     pub joint: usize,
     /// Velocity up to which the fluid is Newtonian, rad/s.
     pub v_0: f64,
-    /// Top speed, rad/s.
+    /// Top speed of the joint, rad/s.
     pub v_top: f64,
     /// Law of the drag over speed.
     pub law: DragKind,

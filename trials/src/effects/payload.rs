@@ -10,7 +10,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: kg. Centre of mass (m, last joint's frame) and radius of gyration (m).
+/// Body on the last link. Its size is the mass, kg. Centre of mass (last joint's frame) and radius of gyration are in
+/// m.
 #[derive(Debug)]
 struct Payload {
     com: Vector3<f64>,

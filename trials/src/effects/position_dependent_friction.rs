@@ -22,7 +22,7 @@ enum Cause {
 /// Friction of a pair whose pressure changes over a turn, besides that of its mean.
 #[derive(Debug, Clone)]
 struct RunoutFriction {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     joint: usize,
     /// Friction at the tightest place over that of the mean pressure, N·m.
     size: f64,
@@ -32,7 +32,7 @@ struct RunoutFriction {
     order: f64,
     /// Position of the highest pressure, rad.
     phase: f64,
-    /// Softening of the sign, rad/s.
+    /// Speed over which the sign of velocity is softened, rad/s.
     v_eps: f64,
     cause: Cause,
 }
@@ -52,7 +52,7 @@ impl Mechanism for RunoutFriction {
     }
 }
 
-/// Size: N·m at the tightest place.
+/// Friction that changes over a turn of the joint. Its size is the extra friction at the tightest place, N·m.
 #[derive(Debug)]
 struct Runout {
     joint: usize,

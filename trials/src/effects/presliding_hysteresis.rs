@@ -10,14 +10,14 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use std::f64::consts::TAU;
 
-/// Size: deflection when sliding, rad.
+/// Presliding of a joint's friction. Its size is the bristles' deflection when sliding, rad.
 #[derive(Debug)]
 pub struct Presliding {
-    /// Index of the joint on which it acts.
+    /// Index of the joint on which the effect acts.
     pub joint: usize,
     /// Part of the deflection that is purely elastic, 0 to 1.
     pub elastic: f64,
-    /// Relative increase of Coulomb friction by it.
+    /// Relative increase of Coulomb friction that comes with the presliding.
     pub more: f64,
     /// Micro-damping of the bristles, N·m·s/rad.
     pub damping: f64,

@@ -58,7 +58,7 @@ impl Mechanism for Leaning {
     }
 }
 
-/// Size: mean force, N.
+/// Pushes of a person on the standing arm. Their size is the mean force, N.
 #[derive(Debug)]
 struct Leans {
     point: Vector3<f64>,

@@ -7,7 +7,7 @@ use plant::build::Build;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: kg·m² at the joint.
+/// Rotor inertia that the description lacks. Its size is the inertia seen at the joint, kg·m².
 #[derive(Debug)]
 struct Rotor {
     joint: usize,

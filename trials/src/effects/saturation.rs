@@ -7,7 +7,7 @@ use plant::build::Build;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: part of the greatest torque (N·m) that is cut off.
+/// Saturated torque of a joint. Its size is the part of the joint's greatest torque (N·m) that is cut off.
 #[derive(Debug)]
 struct Saturation {
     joint: usize,

@@ -11,13 +11,13 @@ use std::ops::Range;
 
 /// Robot and motion for which a shape is drawn.
 pub struct Scene<'a> {
-    /// The plain plant.
+    /// Plant without effects.
     pub arm: &'a Arm,
-    /// Session with its motion.
+    /// Session with the arm's motion.
     pub session: &'a Session,
-    /// Demand of its commanded motion on each joint.
+    /// Demand of the session's commanded motion on each joint.
     pub demand: &'a Demand,
-    /// Diagonal of its mass matrix in mid-region, kg·m².
+    /// Diagonal of the arm's mass matrix in mid-region, kg·m².
     pub inertia: &'a [f64],
 }
 
@@ -39,11 +39,11 @@ pub struct Demand {
     pub torque: Vec<f64>,
     /// Root mean square of gravity's torque, N·m.
     pub gravity: Vec<f64>,
-    /// Greatest torque, N·m.
+    /// Greatest torque of each joint, N·m.
     pub greatest: Vec<f64>,
     /// Root mean square velocity, rad/s.
     pub velocity: Vec<f64>,
-    /// Mean power of friction, W.
+    /// Mean power of each joint's friction, W.
     pub power: Vec<f64>,
 }
 
@@ -54,14 +54,14 @@ pub struct Pick {
     pub any: usize,
     /// Index of a joint that gravity loads; none without one.
     pub heavy: Option<usize>,
-    /// Index of a joint whose rotor inertia can be told from its link's; none without one.
+    /// Index of a joint whose rotor inertia can be told from its link's; none where the arm has no such joint.
     pub geared: Option<usize>,
-    /// 1 or −1.
+    /// Sign for effects that may have either: 1 or −1.
     pub sign: f64,
 }
 
 impl Pick {
-    /// Draws joints and sign.
+    /// Random joints and sign for a scene.
     pub fn draw(scene: &Scene, rng: &mut ChaCha8Rng) -> Self {
         let (n, demand) = (scene.arm.dof(), scene.demand);
         let loaded: Vec<usize> = (0..n)
@@ -83,11 +83,11 @@ impl Pick {
 
 /// A shape and where and how large it is to be.
 pub struct Shape {
-    /// The drawn effect.
+    /// Effect with its drawn shape, still without a size.
     pub effect: Box<dyn Withheld>,
-    /// Joint on which its size is set; none: where it is largest.
+    /// Index of the joint on which the effect's size is set; none for the joint where it is largest.
     pub joint: Option<usize>,
-    /// Share of that joint's torque.
+    /// Share of the joint's torque that the effect makes.
     pub share: f64,
 }
 

@@ -9,12 +9,12 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// Size: N·m at standstill.
+/// Extra friction of a joint that starts. Its size is the torque at standstill, N·m.
 #[derive(Debug)]
 pub struct StartingFriction {
-    /// Index of the joint on which it acts.
+    /// Index of the joint on which the effect acts.
     pub joint: usize,
-    /// Speed at which it has mostly gone, rad/s.
+    /// Speed at which the extra friction has mostly gone, rad/s.
     pub v_s: f64,
     /// Law of the fall with speed.
     pub law: StribeckKind,

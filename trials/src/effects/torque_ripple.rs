@@ -10,16 +10,16 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use std::f64::consts::TAU;
 
-/// Size: N·m of the first wave.
+/// Ripple of a joint: cogging and meshing. Its size is the amplitude of the first wave, N·m.
 #[derive(Debug)]
 pub struct CoggingWaves {
-    /// Index of the joint on which it acts.
+    /// Index of the joint on which the effect acts.
     pub joint: usize,
     /// Order (rad⁻¹), amplitude over the size and phase (rad) of each wave.
     pub waves: Vec<[f64; 3]>,
 }
 
-/// Two or three waves.
+/// Random ripple of a joint: two or three waves over its position.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let joint = pick.any;
     let first = rng.random_range(5.0..28.0) / scene.reach(joint);

@@ -14,7 +14,7 @@ pub trait Withheld: Debug + Send + Sync {
     /// The altered bodies make no possible robot.
     fn apply(&self, size: f64, build: &mut Build) -> Result<(), RobotError>;
 
-    /// Describes it in this size on an arm with `dof` joints.
+    /// Description of the effect in this size on an arm with `dof` joints.
     fn describe(&self, size: f64, dof: usize) -> Description;
 
     /// Largest size that is still plausible.
@@ -37,8 +37,8 @@ pub trait Withheld: Debug + Send + Sync {
         None
     }
 
-    /// Whether it acts through the plant's own vibration: then its torque is noted below 20 Hz only, as above that it
-    /// is the difference of two large torques.
+    /// Whether the effect acts through the plant's own vibration. Its torque is then noted below 20 Hz only, as above
+    /// that it is the difference of two large torques.
     fn vibrates(&self) -> bool {
         self.yielding().is_some()
     }
@@ -52,28 +52,28 @@ pub trait Yielding {
     /// Greatest stiffness, N·m/rad.
     fn stiffness(&self, size: f64) -> f64;
 
-    /// Static deflection, rad, under a torque, N·m, of which `usual` is the root mean square.
+    /// Static deflection under a torque (N·m), rad. `usual` is the root mean square of the torque on that joint, N·m.
     fn deflection(&self, size: f64, torque: f64, usual: f64) -> f64;
 }
 
 /// Place at which a robot yields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// Between this joint's rotor and its link.
+    /// Gear of this joint, between its rotor and its link.
     Gear(usize),
-    /// Below the whole arm, on a hinge that then is the plant's first joint.
+    /// Mount below the whole arm, a hinge that then is the plant's first joint.
     Mount,
 }
 
 /// Description of an effect beside its figures.
 pub struct Description {
-    /// Name of the mechanism.
+    /// Name of the mechanism in the answers.
     pub mechanism: &'static str,
     /// Joints that the effect belongs to; none: the whole arm.
     pub joints: Option<Vec<usize>>,
     /// Parameters of the mechanism.
     pub parameters: Value,
-    /// Names of effects that no recording can tell from it.
+    /// Names of effects that no recording can tell from the effect.
     pub indistinguishable: Vec<&'static str>,
 }
 

@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 struct WornGear {
     /// Plant joint of the gear's deflection.
     joint: usize,
-    /// Half of the play, rad.
+    /// Half of the play of the gear, rad.
     half: f64,
     /// Stiffness of the wind-up, N·m/rad.
     stiffness: f64,
@@ -86,17 +86,17 @@ struct Worn {
     joint: usize,
     sized: Sized,
     mechanism: &'static str,
-    /// Torque that the joint usually transmits, N·m.
+    /// Root mean square torque of the joint on the session's motion, N·m.
     usual: f64,
-    /// Ratio of half the play to the wind-up under the usual torque.
+    /// Ratio of half the play to the wind-up under the torque `usual`.
     play: f64,
     /// Stiffness where the play sets the size, N·m/rad.
     stiffness: f64,
-    /// Ratio of the friction between the teeth to the usual torque.
+    /// Ratio of the friction between the teeth to the torque `usual`.
     friction: f64,
     /// Damping ratio of the rotor on its gear.
     ratio: f64,
-    /// Ratio of the torque at which damping has doubled to the usual torque.
+    /// Ratio of the torque at which damping has doubled to the torque `usual`.
     doubling: f64,
 }
 

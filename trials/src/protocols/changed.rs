@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
-    /// No change.
+    /// No change between the days.
     None,
     /// A body of 1 to 4 kg on the last link.
     Payload,
@@ -35,7 +35,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// All changes.
+    /// All kinds of changes, none first.
     pub const ALL: [Self; 6] = [
         Self::None,
         Self::Payload,
@@ -58,16 +58,17 @@ impl Change {
     }
 }
 
-/// A change and its size.
+/// Change between two days, with its size.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Changed {
-    /// Kind of the change.
+    /// Kind of what was changed.
     pub change: Change,
     /// Name of its joint, where it has one.
     pub joint: Option<String>,
     /// The size: mass of the body, kg; factor on friction or on the recorded torque; angle of the tilt or of the zero, rad.
     pub size: f64,
-    /// Centre of mass of the body in the last joint's frame, m; rotation vector of the tilt, rad.
+    /// Vector of the change: centre of mass of the body in the last joint's frame, m, or rotation vector of the tilt,
+    /// rad.
     pub vector: Option<[f64; 3]>,
 }
 
@@ -76,11 +77,11 @@ pub struct Changed {
 pub struct Days {
     /// The arm as its description has it: inertials up to a fifth off, no friction.
     pub urdf: String,
-    /// Four excitations as it was.
+    /// Recording of four excitations before the change.
     pub before: Recording,
-    /// Four excitations afterwards.
+    /// Recording of four excitations after the change.
     pub after: Recording,
-    /// The true change.
+    /// True change between the two days.
     pub truth: Changed,
 }
 

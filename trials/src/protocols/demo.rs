@@ -22,17 +22,17 @@ const CENTRE: [f64; 3] = [0.02, 0.0, 0.09];
 const GYRATION: f64 = 0.05;
 /// Indices of the joints with increased Coulomb friction, and the factors on it.
 const RUBS: [(usize, f64); 2] = [(1, 1.8), (2, 1.6)];
-/// Change of the seed for the second day's noise and motion.
+/// Bits by which the seed differs for the second day's noise and motion.
 const OTHER_DAY: u64 = 0x9e37_79b9;
 
 /// An arm's description, and its recordings.
 #[derive(Debug, Clone)]
 pub struct Demo {
-    /// The arm as its description has it.
+    /// Robot as its description has it.
     pub robot: Robot,
-    /// The first day.
+    /// Recording of the first day.
     pub monday: Recording,
-    /// The second day.
+    /// Recording of the second day.
     pub friday: Recording,
 }
 

@@ -11,11 +11,11 @@ pub struct JointEffects {
     pub order: f64,
     /// Extra friction of a starting joint, N·m (Lorentz).
     pub stribeck: f64,
-    /// Speed at which half of it has gone, rad/s.
+    /// Speed at which half of that extra friction has gone, rad/s.
     pub stribeck_speed: f64,
     /// Drag of activated flow at 3 rad/s, N·m.
     pub flow: f64,
-    /// Lost share of the transmitted torque.
+    /// Share of the transmitted torque that is lost to friction.
     pub loss: f64,
     /// Deflection of the bristles that carry the Coulomb friction, rad.
     pub deflection: f64,
@@ -23,7 +23,7 @@ pub struct JointEffects {
     pub cold: f64,
 }
 
-/// One of [`JointEffects`].
+/// Kind of a joint's effect among [`JointEffects`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Effect {
@@ -33,16 +33,16 @@ pub enum Effect {
     Stribeck,
     /// Drag of a fluid by thermally activated flow (Eyring): it grows as asinh of the speed.
     Flow,
-    /// Friction by load.
+    /// Friction that grows with the load.
     Loss,
     /// Coulomb friction that bends before it slides.
     Presliding,
-    /// Friction by temperature.
+    /// Friction that falls with temperature.
     Temperature,
 }
 
 impl Effect {
-    /// All effects.
+    /// All effects of a protocol's joint.
     pub const ALL: [Self; 6] = [
         Self::Ripple,
         Self::Stribeck,

@@ -153,7 +153,8 @@ pub(super) fn motion_gain() -> f64 {
     )
 }
 
-/// Listing 1 of the paper: zero-phase Chebyshev low-pass of motion and torque, every 25th sample.
+/// Recording as the benchmark of Weigand et al. (2022) has it, after their listing 1: zero-phase Chebyshev low-pass of
+/// motion and torque, then every 25th sample.
 fn benchmark(raw: &Recording) -> Recording {
     let filter = TorqueFilter::KR300;
     let Ok(sections) =

@@ -22,10 +22,10 @@ use std::fs;
 use std::path::Path;
 
 impl Protocol {
-    /// The simulated robot, for who has other plans with it than the paper.
+    /// Simulated robot of the protocol, for other motions than those of its paper.
     ///
     /// # Errors
-    /// Its bodies make no possible robot.
+    /// Its bodies do not make a possible robot.
     pub fn machine(self) -> Result<Machine, SimulateError> {
         match self {
             Self::Ur5 => ur5::machine(),

@@ -18,10 +18,10 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Choice of the arm.
+/// Arm that is recorded with and without a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadedArm {
-    /// The UR5 of the uncertainty-compensation paper's protocol.
+    /// UR5 of the simulated protocol of the UR5 paper (uncertainty compensation).
     Ur5,
     /// A seven-joint arm of the family of simulated cases.
     Seven,
@@ -47,13 +47,13 @@ impl LoadedArm {
 /// Recordings of one arm without and with a body.
 #[derive(Debug, Clone)]
 pub struct Loaded {
-    /// The arm as its description has it.
+    /// Robot as its description has it.
     pub robot: Robot,
     /// Four excitations without the body.
     pub without: Recording,
     /// One excitation of 25 s with the body.
     pub with: Recording,
-    /// The body, in the last joint's frame.
+    /// Body on the last link, in the last joint's frame.
     pub body: Inertia,
     /// True factors on the recorded torque of each joint: ones, except for [`Loaded::with_wrong_drives`].
     pub gains: Vec<f64>,
@@ -100,7 +100,7 @@ pub(super) fn body(rng: &mut ChaCha8Rng) -> Inertia {
     Inertia::from_com(mass, com, about_com)
 }
 
-/// A seven-joint arm whose gears have the usual effects at a moderate size.
+/// Seven-joint arm whose gears have ripple and the friction effects of [`JointEffects`] at a moderate size.
 fn seven() -> Machine {
     let arm = families::panda_like7();
     let torque: Vec<f64> = arm.friction().iter().map(|c| 0.06 * c).collect();

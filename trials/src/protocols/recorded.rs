@@ -11,17 +11,17 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Protocol {
     /// UR5: two Fourier excitations run eight times at 100 Hz, a thousand point-to-point moves at 60 Hz (154,440
-    /// samples), and a verification run (the uncertainty-compensation paper).
+    /// samples), and a verification run, as in the UR5 paper (uncertainty compensation).
     Ur5,
-    /// KR300: 36 trajectories of 60.6 s run twice, 10 Hz behind a 2 Hz low-pass (the benchmark paper).
+    /// KR300: 36 trajectories of 60.6 s run twice, 10 Hz behind a 2 Hz low-pass (Weigand et al., 2022).
     Kr300,
-    /// Foxbot A05: Fourier series of order three up to 0.4 Hz at 100 Hz, friction with a power of speed (the iterative
-    /// identification paper).
+    /// Foxbot A05: Fourier series of order three up to 0.4 Hz at 100 Hz, friction with a power of speed (Han et al.,
+    /// 2020).
     FoxbotA05,
 }
 
 impl Protocol {
-    /// All protocols.
+    /// All protocols: one per source paper.
     pub const ALL: [Self; 3] = [Self::Ur5, Self::Kr300, Self::FoxbotA05];
 
     /// Name on the command line; that of the built-in robot.
@@ -56,7 +56,7 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// The part with this name.
+    /// Recording of the part with this name.
     pub fn part(&self, name: &str) -> Option<&Recording> {
         self.parts.iter().find(|p| p.0 == name).map(|p| &p.1)
     }

@@ -24,33 +24,33 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// One run: trajectories without a break of the clock.
 pub struct Plan {
-    /// Session that is run.
+    /// Session that is run without a break.
     pub session: Session,
-    /// Start of the session on the clock of the part, s.
+    /// Time at which the session starts on the clock of the part, s.
     pub offset: f64,
     /// Labels of its trajectories.
     pub labels: Vec<String>,
-    /// Times of the loop.
+    /// Times of the session's control loop.
     pub clock: Clock,
-    /// Part of the recording that it belongs to.
+    /// Index of the part of the recording that the run belongs to.
     pub part: usize,
 }
 
-/// An elastic gear.
+/// Elastic gear of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gear {
-    /// N·m/rad; it doubles at a deflection of 0.1 rad.
+    /// Stiffness of the gear, N·m/rad; it doubles at a deflection of 0.1 rad.
     pub stiffness: f64,
-    /// Damping, N·m·s/rad.
+    /// Damping of the gear, N·m·s/rad.
     pub damping: f64,
 }
 
 /// Simulated robot of a protocol.
 #[derive(Clone)]
 pub struct Machine {
-    /// The robot, friction included, both of its controller's model and of the plant.
+    /// Arm with friction, both of its controller's model and of the plant.
     pub arm: Arm,
-    /// Effects per joint.
+    /// Effects of each joint, base first.
     pub effects: Vec<JointEffects>,
     /// Warming: time constant, s, and power at the steady state of each joint, W.
     pub warm_up: (f64, Vec<f64>),
@@ -273,7 +273,7 @@ impl Machine {
     }
 }
 
-/// Runs one behind the other; none of no runs.
+/// Recording of all runs one behind the other; none without runs.
 fn joined(runs: &[&Recording]) -> Option<Recording> {
     let first = *runs.first()?;
     let mut whole = first.clone();

@@ -15,8 +15,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
-/// Table 6: RMSE of the paper's identified rigid + viscous + Coulomb model on the moves, N·m. The effects below
-/// are sized so that the same model has about the same error.
+/// RMSE of the rigid model with viscous and Coulomb friction on the moves of each joint, N·m: Table 6 of the UR5 paper.
+/// The effects below are sized so that the same model has about the same error.
 pub const TABLE_6: [f64; 6] = [3.112, 2.958, 2.633, 0.417, 0.457, 0.444];
 
 /// Moves: runs, moves in each, samples of each move at 60 Hz (20 · 50 · 154.44 = 154,440).
@@ -24,7 +24,7 @@ const RUNS: usize = 20;
 const MOVES: usize = 50;
 const SAMPLES: usize = 7722;
 const RATE: f64 = 60.0;
-/// Runs of each excitation.
+/// Number of runs of each excitation.
 const EXECUTIONS: usize = 8;
 
 pub(super) fn machine() -> Result<Machine, SimulateError> {

@@ -12,23 +12,23 @@ use rand_distr::{Distribution, StandardNormal};
 pub struct Channel {
     /// Filter of the current, by joint.
     pub lag: Vec<Lag>,
-    /// Shift beside the filter, s; positive: torque is logged later than motion.
+    /// Shift of the torque beside the filter, s; positive where torque is logged later than motion.
     pub shift: f64,
-    /// Logged over real torque; negative where the sign is turned.
+    /// Gain of each joint's channel: logged over real torque; negative where the sign is turned.
     pub gain: Vec<f64>,
-    /// Added to it, N·m as logged.
+    /// Offset that is added to each joint's torque, N·m as logged.
     pub offset: Vec<f64>,
-    /// Deviation of the white noise, N·m as logged.
+    /// Standard deviation of each joint's white noise, N·m as logged.
     pub noise: Vec<f64>,
-    /// Step of the logged number, N·m.
+    /// Step of each joint's logged number, N·m.
     pub quantum: Vec<f64>,
 }
 
 /// Torque on the clock of the trace, row after row.
 pub struct Noted {
-    /// Real torque through shift and filter alone.
+    /// Real torque through shift and filter alone, N·m.
     pub filtered: Vec<f64>,
-    /// Torque in the log, N·m.
+    /// Torque in the log, N·m (N).
     pub recorded: Vec<f64>,
 }
 

@@ -43,9 +43,9 @@ pub struct RawCase {
     pub id: String,
     /// The robot's description, inertials nearly right.
     pub urdf: String,
-    /// Recording to fit on.
+    /// Recording on which delay and gains are estimated.
     pub train: Recording,
-    /// Recording to test on.
+    /// Recording on which the estimates are tested.
     pub test: Recording,
     /// Truth about the recording.
     pub truth: RawTruth,
@@ -54,7 +54,7 @@ pub struct RawCase {
 /// Simulates the recording at `index` of the run with this seed; it is the same on every machine and thread.
 ///
 /// # Errors
-/// No random robot followed its reference, or one is no possible robot.
+/// No random robot followed its reference, or one is not a possible robot.
 pub fn generate(seed: u64, index: u64) -> Result<RawCase, SimulateError> {
     let mut key = Sha256::new();
     key.update(b"raw");

@@ -27,7 +27,7 @@ const GAP: f64 = 2.0;
 pub struct Drawn {
     /// The described robot; its friction is that of the controller's model.
     pub nominal: Arm,
-    /// The true robot without the mechanisms.
+    /// Real robot without the mechanisms.
     pub plain: Arm,
     /// Largest relative error of a described mass or inertia.
     pub inertial_error: f64,
@@ -157,11 +157,11 @@ pub fn session(arm: &Arm, run_in: f64, rng: &mut ChaCha8Rng) -> Session {
     Session::new(segments.collect(), GAP, arm.dof())
 }
 
-/// The motion and torque of the session at `rate_hz`; none if the robot does not follow its reference. Errors of the
-/// controller's own sensors are `coarse` times the usual ones.
+/// Motion and torque of the session at `rate_hz`. None if the robot does not follow its reference. `coarse` is a factor
+/// on the errors of the controller's own sensors.
 ///
 /// # Errors
-/// The drawn bodies make no possible robot.
+/// The drawn bodies do not make a possible robot.
 pub fn run(
     drawn: &Drawn,
     session: &Session,

@@ -14,9 +14,9 @@ use std::ops::Range;
 /// Sensors other than the torque's.
 #[derive(Debug, Clone)]
 pub struct Sensors {
-    /// Rate of the log, Hz.
+    /// Sampling rate of the log, Hz.
     pub rate_hz: f64,
-    /// Deviation of the time between samples over its mean; the stamps are right.
+    /// Standard deviation of the time between samples over its mean; the stamps are right.
     pub jitter: f64,
     /// Part of the samples that is lost.
     pub lost: f64,

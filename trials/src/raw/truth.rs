@@ -6,7 +6,7 @@ use plant::run::Trace;
 use serde::Serialize;
 use std::ops::Range;
 
-/// Shifts looked at, s.
+/// Smallest and largest shift of the torque that is tried, s.
 const SHIFTS: [f64; 2] = [-0.05, 0.25];
 
 /// Values that an estimator should find in the training part. Joints base first.
@@ -22,26 +22,26 @@ pub struct RawTruth {
     /// Delay of all joints: the shift that best maps the torque before the channel onto the torque behind filter and
     /// shift, squared errors in units of each joint's variance, s.
     pub delay: f64,
-    /// Delay of each joint, s.
+    /// Delay of each joint's torque, s.
     pub joint_delay: Vec<f64>,
-    /// Logged over real torque.
+    /// Gain of each joint's channel: logged over real torque.
     pub gain: Vec<f64>,
-    /// Added to it, N·m.
+    /// Offset that is added to the torque of each joint, N·m.
     pub offset: Vec<f64>,
 }
 
 /// Conditions of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setting {
-    /// Name of the recording.
+    /// Name of the recording's files.
     pub id: String,
-    /// Seed of the run.
+    /// Seed of the run of `simulate`.
     pub seed: u64,
-    /// Place in the run.
+    /// Index of the recording in the run.
     pub index: u64,
-    /// Family of the robot.
+    /// Family from which the robot was drawn.
     pub robot: String,
-    /// Rate of the log, Hz.
+    /// Sampling rate of the log, Hz.
     pub rate_hz: f64,
     /// Standard deviation of the time step over its mean.
     pub jitter: f64,

@@ -2,10 +2,10 @@
 
 use crate::Problem;
 
-/// A hole of more than this many median steps is not interpolated over.
+/// Number of median steps from which a hole between messages is not interpolated over.
 const HOLE_STEPS: i64 = 10;
 
-/// A topic's messages.
+/// Messages of one topic, as columns on their own clock.
 #[derive(Debug)]
 pub(super) struct Series {
     pub name: String,
@@ -14,9 +14,9 @@ pub(super) struct Series {
     pub columns: Vec<Vec<f64>>,
 }
 
-/// Interpolates the columns of `others` at the times of `base`, linearly between the messages on either side.
-/// Messages of `base` outside their time, or within a hole of theirs, are left out. Returns the number of
-/// messages left out.
+/// Interpolates the columns of `others` at the times of `base`, linearly between the messages on either side. Messages
+/// of `base` outside the time of the others, or within a hole in it, are left out. Returns the number of messages left
+/// out.
 ///
 /// # Errors
 /// The topics share no time.
@@ -50,7 +50,7 @@ pub(super) fn onto(base: &mut Series, others: &mut [Series]) -> Result<usize, Pr
     Ok(dropped)
 }
 
-/// Between a message and the next.
+/// Place of a time between two neighbouring messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     before: usize,

@@ -4,7 +4,7 @@
 pub(super) struct Bytes<'a>(pub &'a [u8]);
 
 impl<'a> Bytes<'a> {
-    /// The next `count` bytes.
+    /// Takes the next `count` bytes; none where fewer are left.
     pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let (taken, rest) = self.0.split_at_checked(count)?;
         self.0 = rest;
@@ -15,22 +15,22 @@ impl<'a> Bytes<'a> {
         self.take(N)?.try_into().ok()
     }
 
-    /// Unsigned, 8 bits.
+    /// Takes an unsigned number of 8 bits.
     pub fn u8(&mut self) -> Option<u8> {
         self.fixed::<1>().map(|[b]| b)
     }
 
-    /// Unsigned, 16 bits.
+    /// Takes an unsigned number of 16 bits.
     pub fn u16(&mut self) -> Option<u16> {
         self.fixed().map(u16::from_le_bytes)
     }
 
-    /// Unsigned, 32 bits.
+    /// Takes an unsigned number of 32 bits.
     pub fn u32(&mut self) -> Option<u32> {
         self.fixed().map(u32::from_le_bytes)
     }
 
-    /// Unsigned, 64 bits.
+    /// Takes an unsigned number of 64 bits.
     pub fn u64(&mut self) -> Option<u64> {
         self.fixed().map(u64::from_le_bytes)
     }

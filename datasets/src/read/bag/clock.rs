@@ -3,13 +3,13 @@
 use super::topic::Topic;
 use crate::Problem;
 
-/// A step back by more than this many median steps is a clock that was set anew; a shorter one is messages out of order.
+/// Number of median steps from which a step back is a clock that was set anew. A shorter one is messages out of order.
 const RESET_STEPS: i64 = 10;
 
 /// Times of the messages of each topic.
 #[derive(Debug)]
 pub(super) struct Times {
-    /// ns, topic by topic.
+    /// Times of the messages, ns, topic by topic.
     pub times: Vec<Vec<i64>>,
     /// Messages of the first topic at which the clock starts anew.
     pub resets: Vec<usize>,
@@ -21,7 +21,7 @@ pub(super) struct Times {
 enum Course {
     /// Increasing, but for the messages at which it starts anew.
     Runs(Vec<usize>),
-    /// Not increasing: index of the first message that is not later than the one before.
+    /// Clock that does not increase: index of the first message that is not later than the one before.
     Stands(usize),
 }
 

@@ -34,7 +34,7 @@ struct Reading {
 pub(super) struct Collected {
     /// The topic of the positions first.
     pub topics: Vec<Topic>,
-    /// Messages for the user.
+    /// Notes on the bag for the user.
     pub notes: Vec<String>,
 }
 

@@ -35,7 +35,7 @@ pub(super) enum Number {
 }
 
 impl Number {
-    /// Size, bytes.
+    /// Size of a number of this type, bytes.
     pub fn size(self) -> usize {
         match self {
             Self::U8 | Self::I8 => 1,
@@ -70,7 +70,7 @@ pub(super) enum Arity {
     Sequence,
 }
 
-/// Content of a field.
+/// Content of a message's field: number, text or nested fields.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     Number(Number),
@@ -80,7 +80,7 @@ pub(super) enum Content {
     Group(Vec<Field>),
 }
 
-/// A field of a message.
+/// Field of a message type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Field {
     pub name: String,

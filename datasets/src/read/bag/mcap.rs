@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::io::{Read, Take};
 
 const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
-/// Opcode and length.
+/// Length of a record's head, bytes: opcode and length.
 const HEAD: usize = 9;
 /// Largest chunk once unpacked, bytes: guards against one that claims to be huge.
 const LARGEST: u64 = 1 << 30;
@@ -200,7 +200,7 @@ fn checked(records: &[u8], checksum: u32, at: u64) -> Result<&[u8], Problem> {
     Ok(records)
 }
 
-/// A schema record.
+/// Schema record: the definition of a message type.
 struct Schema {
     name: String,
     definition: Definition,
@@ -213,7 +213,7 @@ struct Content<'a> {
 }
 
 impl Content<'_> {
-    /// The records of a chunk.
+    /// Reads the records of a chunk.
     fn records(&mut self, records: &[u8], at: u64) -> Result<(), Problem> {
         let mut rest = Bytes(records);
         while !rest.0.is_empty() {

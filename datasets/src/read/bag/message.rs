@@ -9,7 +9,7 @@ pub(super) enum Unreadable {
     Short,
     /// Encapsulation other than plain CDR, by its identifier.
     Encapsulation(u16),
-    /// A field of wide characters stands before one that is needed.
+    /// Field of wide characters that stands before a needed one.
     Wide,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Texts {
 }
 
 impl Texts {
-    /// Iterates over the texts.
+    /// Iterates over the texts, damaged characters replaced.
     pub fn iter(&self) -> impl Iterator<Item = std::borrow::Cow<'_, str>> {
         (0..self.ends.len()).map(|i| {
             let start = if i == 0 { 0 } else { self.ends[i - 1] };
@@ -72,7 +72,7 @@ impl Values {
     /// Reads the fields of a message that have a slot.
     ///
     /// # Errors
-    /// The bytes are no message of this type.
+    /// Bytes that are not a message of this type.
     pub fn read(&mut self, fields: &[Field], message: &[u8]) -> Result<(), Unreadable> {
         self.numbers.iter_mut().for_each(Vec::clear);
         self.texts.iter_mut().for_each(Texts::clear);

@@ -39,7 +39,7 @@ pub use topics::TopicSummary;
 /// Source of a bag: a path, or bytes in memory.
 #[derive(Clone, Copy)]
 pub(super) enum Input<'a> {
-    /// A file or folder.
+    /// Path of a file or folder.
     Path(&'a Path),
     /// An MCAP or SQLite file in memory.
     Bytes(&'a [u8]),
@@ -88,7 +88,7 @@ fn unfinished(path: &Path) -> bool {
     std::fs::metadata(log).is_ok_and(|log| log.len() > 0)
 }
 
-/// Reads a bag.
+/// Reads a recording from a bag.
 pub(super) fn read(
     input: Input<'_>,
     name: &Path,
@@ -109,7 +109,7 @@ pub(super) fn read(
     })
 }
 
-/// Topics of a bag.
+/// Summary of each topic of a bag.
 pub(super) fn topics(path: &Path) -> Result<Vec<TopicSummary>, ReadError> {
     contained("bag", path, || {
         let mut listing = Listing::default();

@@ -10,7 +10,7 @@ use crate::columns::Group;
 /// Slots that hold the header stamp.
 #[derive(Clone, Copy, Debug)]
 enum Stamp {
-    /// Seconds and nanoseconds.
+    /// Slots of seconds and nanoseconds.
     Parts(usize, usize),
     /// One number, with the nanoseconds of its unit.
     Number(usize, f64),
@@ -24,7 +24,7 @@ pub(super) struct Plan {
     /// Slot of the joints' names.
     pub names: Option<usize>,
     stamp: Option<Stamp>,
-    /// Slot of each column; none where a field that is not needed is not there.
+    /// Slot of each column; none where the messages lack a field that is not needed.
     pub slots: Vec<Option<usize>>,
 }
 
@@ -90,7 +90,7 @@ impl Plan {
             .map_err(|e| e.to_string())
     }
 
-    /// The stamp of the message that was read, ns; zero where there is none.
+    /// Stamp of the message that was read last, ns; zero where messages have no stamp.
     pub fn stamp(&self) -> i64 {
         let first = |slot: usize| self.values.numbers[slot].first().copied().unwrap_or(0.0);
         match self.stamp {
@@ -139,7 +139,7 @@ pub(super) fn describe(fields: &[Field], before: &str, into: &mut Vec<String>) {
     }
 }
 
-/// Slots given so far.
+/// Number of slots that are given so far, by kind of value.
 #[derive(Default)]
 struct Slots {
     numbers: usize,

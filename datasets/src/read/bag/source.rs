@@ -7,9 +7,9 @@ use crate::Problem;
 pub(super) struct Channel {
     /// Number by which messages refer to it, within one file.
     pub id: u64,
-    /// Name of the topic.
+    /// Name of the topic of the messages.
     pub topic: String,
-    /// Type as `package/Name`.
+    /// Type of the messages as `package/Name`.
     pub kind: String,
     /// Encoding of the messages; ROS 2 writes `cdr`.
     pub encoding: String,
@@ -24,13 +24,13 @@ pub(super) enum Definition {
     Ros2(String),
     /// A definition in another language, by the language's name.
     Other(String),
-    /// No definition.
+    /// No definition in the container.
     Missing,
 }
 
 /// Receiver of a container's content, in the order of the file.
 pub(super) trait Sink {
-    /// Another file begins: numbers of channels start anew.
+    /// Begin of another file, in which numbers of channels start anew.
     fn file(&mut self);
 
     /// A channel, before its first message; containers may repeat it.

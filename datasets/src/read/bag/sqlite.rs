@@ -7,21 +7,21 @@ use std::io::{Read, Seek, SeekFrom};
 const MAGIC: &[u8; 16] = b"SQLite format 3\0";
 /// Length of the file's header, at the start of the first page.
 const HEADER: usize = 100;
-/// Largest row, bytes.
+/// Largest size of a row that is read, bytes.
 const LARGEST: u64 = 1 << 30;
 
-/// A value of a row.
+/// Value of one column in a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Value<'a> {
     /// Missing, or a kind of number that rosbag2 does not write.
     Null,
     Integer(i64),
-    /// Text or bytes.
+    /// Bytes of a text or of a blob.
     Bytes(&'a [u8]),
 }
 
 impl Value<'_> {
-    /// The value as a text.
+    /// Value as a text; none for a number.
     pub fn text(self) -> Option<String> {
         match self {
             Self::Bytes(bytes) => Some(String::from_utf8_lossy(bytes).into_owned()),
@@ -29,7 +29,7 @@ impl Value<'_> {
         }
     }
 
-    /// The value as an integer.
+    /// Value as an integer; none for other values.
     pub fn integer(self) -> Option<i64> {
         match self {
             Self::Integer(value) => Some(value),
@@ -50,7 +50,7 @@ pub(super) struct Database<R> {
     tables: Vec<Table>,
 }
 
-/// A table of the schema.
+/// Table of the file's schema.
 #[derive(Clone, Debug)]
 struct Table {
     name: String,
@@ -112,7 +112,7 @@ impl<R: Read + Seek> Database<R> {
         Ok(database)
     }
 
-    /// Calls `take` with these columns of every row of a table; false where there is no such table.
+    /// Calls `take` with these columns of every row of a table; false where no table has that name.
     ///
     /// # Errors
     /// A column is missing, the file is cut or damaged, or what `take` refuses.

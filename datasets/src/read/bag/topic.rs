@@ -14,9 +14,9 @@ pub(super) struct Topic {
     pub wants: Vec<Want>,
     /// Columns, one for each want; NaN where a message leaves out an optional value.
     pub columns: Vec<Vec<f64>>,
-    /// Header stamps, ns; zero where there is none.
+    /// Header stamps of the messages, ns; zero without a header.
     pub stamps: Vec<i64>,
-    /// Times of the log, ns.
+    /// Times at which messages were logged, ns.
     pub logged: Vec<i64>,
     /// Number of messages, those of other joints included.
     pub messages: usize,
@@ -30,14 +30,14 @@ pub(super) struct Topic {
 struct Order {
     /// Joint names of the last message.
     names: Texts,
-    /// Element of each joint.
+    /// Element of the message's arrays for each joint; none for a joint that it leaves out.
     places: Vec<Option<usize>>,
-    /// Every name that was met.
+    /// Every joint name in the messages so far.
     met: Vec<String>,
 }
 
 impl Topic {
-    /// A topic without values.
+    /// Topic without any message so far.
     pub fn new(name: String, kind: String, wants: Vec<Want>) -> Self {
         Self {
             columns: vec![Vec::new(); wants.len()],
@@ -52,12 +52,12 @@ impl Topic {
         }
     }
 
-    /// Messages that were kept.
+    /// Number of messages whose values were kept.
     pub fn len(&self) -> usize {
         self.logged.len()
     }
 
-    /// The refusal of a topic none of whose messages names a joint that is needed.
+    /// Problem of a topic whose messages never name a needed joint.
     pub fn nobody(&self, joints: &[String]) -> Problem {
         Problem::MissingJoint {
             missing: list(joints.iter().map(String::as_str)),
@@ -65,7 +65,7 @@ impl Topic {
         }
     }
 
-    /// Takes a message.
+    /// Takes the values of one message, or remembers why not.
     pub fn take(
         &mut self,
         plan: &mut Plan,

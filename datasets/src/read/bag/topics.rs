@@ -8,14 +8,14 @@ use super::wanted::Wanted;
 use crate::{Problem, ReadOptions};
 use std::collections::HashMap;
 
-/// A topic of a bag.
+/// Summary of one topic of a bag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TopicSummary {
-    /// Name of the topic.
+    /// Name of the topic in the bag.
     pub topic: String,
     /// Type of its messages, as `package/Name`.
     pub kind: String,
-    /// Number of messages.
+    /// Number of messages of the topic.
     pub messages: usize,
     /// Messages per second between the first and the last by the clock of the log; `None` of fewer than two.
     pub rate_hz: Option<f64>,
@@ -55,7 +55,7 @@ impl Listing {
         self.topics.into_iter().map(summary).collect()
     }
 
-    /// Joint names of the only topic of joint states, or of the usual one among several; `None` without such a topic.
+    /// Joint names of the topic of joint states; of several, `/joint_states` goes first. `None` without such a topic.
     pub fn joints(self) -> Option<Vec<String>> {
         let states = |s: &Seen| s.summary.kind == JOINT_STATE_TYPE && s.summary.messages > 0;
         let mut found: Vec<TopicSummary> = self

@@ -8,12 +8,12 @@ use crate::{ColumnMap, ReadOptions};
 pub(super) struct Want {
     pub group: Group,
     pub joint: usize,
-    /// `None`: that of the joint states.
+    /// Topic of the column; `None` for the topic of the joint states.
     pub topic: Option<String>,
     pub field: String,
     /// Element of the field, from 0, where a drive file gives it.
     pub index: Option<usize>,
-    /// Whether the recording is refused without it.
+    /// Whether the recording is refused without the column.
     pub needed: bool,
 }
 
@@ -28,7 +28,7 @@ pub(super) struct Wanted {
     pub names: Option<String>,
     /// Field with the time, where a drive file gives it.
     pub time: Option<String>,
-    /// Seconds per unit of that field.
+    /// Seconds per unit of the time field.
     pub time_scale: f64,
 }
 

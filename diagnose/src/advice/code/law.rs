@@ -11,7 +11,7 @@ use physics::effects::{Coupling, FrictionShape, Harmonic, Phase, Sliding, Term};
 pub(super) struct Piece {
     /// Index of the joint, base first.
     pub(super) joint: usize,
-    /// Name of the effect.
+    /// Name of the effect that the term is of, as in the report.
     pub(super) effect: &'static str,
     /// Coefficient: torque is `size` times the term's column.
     pub(super) size: f64,
@@ -24,9 +24,9 @@ pub(super) struct Piece {
 pub(super) struct Law {
     /// Joints that the law reads or loads, by index of the arm; their order is that of the law's last axis.
     pub(super) joints: Vec<usize>,
-    /// Lines of the function.
+    /// Lines of Python that are the function's body.
     pub(super) lines: Vec<String>,
-    /// Number of states.
+    /// Number of states that the function carries from one call to the next.
     pub(super) memory: usize,
     /// Functions that the lines call, as source.
     pub(super) helpers: Vec<&'static str>,

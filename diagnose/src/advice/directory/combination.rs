@@ -10,7 +10,7 @@ use physics::effects::{
 };
 use physics::torque_model::WeightedTerm;
 
-/// One parameter: its given value and the coefficients that move it, each with its factor.
+/// Sum that gives one parameter: its given value and the coefficients that move it, each with its factor.
 #[derive(Clone, Debug, Default)]
 struct Sum {
     given: f64,
@@ -101,7 +101,7 @@ impl Combination {
         &mut list[at].1
     }
 
-    /// Adds a column with the coefficient of a variable. Columns that are no part of a torque model add nothing.
+    /// Adds a column with the coefficient of a variable. A column that a torque model cannot hold adds nothing.
     pub(super) fn add_column(&mut self, column: &Column, variable: usize) {
         let dof = self.terms.len();
         match &column.torque {

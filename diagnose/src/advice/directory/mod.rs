@@ -30,9 +30,9 @@ use recorded::Recorded;
 
 /// A model directory in memory.
 pub struct Directory {
-    /// `model.json`.
+    /// Contents of `model.json`: the torque model.
     pub file: ModelFile,
-    /// `metrics.json`.
+    /// Contents of `metrics.json`: its errors.
     pub metrics: Metrics,
     /// `compensator.safetensors`, where one was trained.
     pub compensator: Option<Vec<u8>>,

@@ -27,7 +27,7 @@ pub(super) struct Recorded {
 }
 
 impl Recorded {
-    /// From the fit of the last structural step.
+    /// Causes among the outcome's that belong to the recording or the base. `fit` is that of the last structural step.
     pub(super) fn new(given: &NominalModel, outcome: &Outcome, fit: &Fit) -> Self {
         let found = &outcome.findings;
         let file = given.file();

@@ -13,7 +13,8 @@ use physics::robot::{Inertia, PARAMETERS_PER_LINK};
 /// Most Newton steps for one part of the information.
 const STEPS: usize = 200;
 
-/// Growth of that part, from where the fit counts as one nat: a usual factor of barrier methods.
+/// Factor by which the weight of the data's information grows from one minimisation to the next. It starts where the
+/// misfit counts as one nat. Barrier methods use factors like it.
 const GROWTH: f64 = 10.0;
 
 /// Squared length of a Newton step, in its own metric, below which the minimum counts as reached.
@@ -194,7 +195,8 @@ impl Described {
             .fold(Matrix4::zeros(), |sum, (e, y)| sum + e * y)
     }
 
-    /// Divergence, nats, of the body with parameters `y`; none where that is no possible body.
+    /// Divergence of the body with parameters `y` from its description, nats. None where no body can have these
+    /// parameters.
     fn divergence(
         &self,
         bases: &[Matrix4<f64>; PARAMETERS_PER_LINK],

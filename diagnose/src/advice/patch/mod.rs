@@ -26,7 +26,7 @@ pub use patched::{Parts, parts, place};
 use patched::{Patched, joint, number, place_of};
 pub use values::Setting;
 
-/// Files of a patch.
+/// Patch: the files in which the accepted causes are written for a simulator.
 pub struct Patch {
     /// The URDF: inertials, damping and friction as fitted with the causes in place, base and joint zeros turned.
     pub urdf: String,

@@ -19,7 +19,7 @@ const LOAD_DENSITY: f64 = 1000.0;
 pub(super) struct Patched<'a> {
     /// Robot with its load: possible inertials, friction, rotor inertia.
     pub(super) robot: Robot,
-    /// Robot without the load.
+    /// Robot with causes and tilt, without the load.
     pub(super) unloaded: Robot,
     /// Load found at the robot; none without one.
     pub(super) load: Option<Load>,
@@ -30,11 +30,11 @@ pub(super) struct Patched<'a> {
 
 /// Corrected robot with and without its load.
 pub struct Parts {
-    /// Robot with its load.
+    /// Corrected robot with its load.
     pub whole: Robot,
-    /// Robot without its load.
+    /// Corrected robot without its load.
     pub unloaded: Robot,
-    /// Load, none without one.
+    /// Load found at the robot; none without one.
     pub load: Option<Load>,
 }
 
@@ -172,14 +172,14 @@ pub fn place(effect: Effect, mjcf: bool) -> Option<&'static str> {
     }
 }
 
-/// File of a patch that holds a cause. Unlike for its effect there is none where the cause depends on a
-/// quantity that no simulator has.
+/// Name of the file of a patch that holds a cause. None where no file has a place for its effect, or where the cause
+/// depends on a quantity that no simulator has.
 pub(super) fn place_of(cause: &Cause, mjcf: bool) -> Option<&'static str> {
     let coded = cause.effect.info().coded;
     place(cause.effect, mjcf).filter(|_| !coded || code::holds(cause))
 }
 
-/// Value of a cause's parameter; zero where it has none of this name.
+/// Value of a cause's parameter called `name`; zero where the cause has no such parameter.
 pub(super) fn number(cause: &Cause, name: &str) -> f64 {
     let found = cause.parameters.iter().find(|p| p.name == name);
     found.map_or(0.0, |p| p.value)

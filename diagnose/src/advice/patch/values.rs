@@ -11,21 +11,21 @@ const DRIVE: &str = "# Seen from the link, kg·m² (kg for a prismatic joint). M
 /// One number to be set, with its name in three simulators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// Name of the joint.
+    /// Name of the joint to which the value belongs.
     pub joint: String,
-    /// Name of the quantity.
+    /// Name of the quantity that is set, such as a friction coefficient.
     pub what: &'static str,
-    /// Value in the model as given.
+    /// Value in the model as given, in `unit`.
     pub given: f64,
-    /// Value to be set.
+    /// Value to be set in the simulator, in `unit`.
     pub value: f64,
-    /// Unit of both values.
+    /// Unit of `given` and `value`.
     pub unit: &'static str,
     /// Attribute of MuJoCo's `<joint>`.
     pub mujoco: &'static str,
     /// Property of Isaac's joint.
     pub isaac: &'static str,
-    /// Element of Gazebo's `<joint>`; empty where it has none.
+    /// Element of Gazebo's `<joint>`; empty where Gazebo has none.
     pub gazebo: &'static str,
 }
 

@@ -6,19 +6,19 @@ use crate::catalogue::{Shape, Unit};
 /// Least size from which an effect at one place would be accepted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visible {
-    /// Effect of the catalogue.
+    /// Effect of the catalogue whose visibility is stated.
     pub effect: Effect,
-    /// Joints that it is named on.
+    /// Indices of the joints that the effect is named on.
     pub joints: Vec<usize>,
-    /// Driving joint of a coupling.
+    /// Index of the driving joint; none but for a coupling.
     pub driver: Option<usize>,
     /// Name of the quantity whose size is stated.
     pub quantity: &'static str,
-    /// Unit of the size.
+    /// Unit of the size `from`.
     pub unit: Unit,
-    /// Least size; none where no plausible size is accepted.
+    /// Least size at which the effect is accepted, in `unit`; none where no plausible size is.
     pub from: Option<f64>,
-    /// Root mean square of its torque at that size on the joint where it is strongest, N·m.
+    /// Root mean square torque of the effect at the size `from`, on the joint where it is strongest, N·m.
     pub torque: Option<f64>,
     /// Shape parameters for which the least size is smallest.
     pub shape: Vec<Shape>,
@@ -27,7 +27,7 @@ pub struct Visible {
 /// A coefficient of a candidate.
 #[derive(Clone, Copy)]
 pub(super) struct Choice {
-    /// Index of the candidate.
+    /// Index of the candidate that the coefficient belongs to.
     pub candidate: usize,
     /// Index of its coefficient.
     pub place: usize,

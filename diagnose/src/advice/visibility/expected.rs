@@ -51,7 +51,8 @@ pub(super) struct Judge<'a> {
     model: NominalModel,
     /// Indices of the fine samples that are rows.
     picked: Vec<usize>,
-    /// What is scored of each fold, and what lies near it; the latter empty where nothing does.
+    /// Sums of products of the rows on which each fold is scored. In `near`, those of the rows near a fold, which are
+    /// not fitted where it is scored; empty where no fold has such rows.
     scored: Vec<Part>,
     near: Vec<Part>,
     /// Variance of the noise on a row, (N·m)², by joint.
@@ -142,9 +143,9 @@ impl<'a> Judge<'a> {
 /// Some rows with the base's columns, which every candidate has beside its own.
 struct Part {
     rows: Vec<usize>,
-    /// Roots of the rows' weights, by joint.
+    /// Square roots of the rows' weights, by joint.
     root: Vec<Array1<f64>>,
-    /// Columns times these roots, and their products.
+    /// Columns of the base times the roots in `root`; in `products`, their sums of products.
     base: Vec<Array2<f64>>,
     products: Vec<JointGram>,
 }

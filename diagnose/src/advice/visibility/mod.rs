@@ -80,7 +80,7 @@ pub fn visible(
         .collect()
 }
 
-/// Most coefficients of a candidate for which each is tried; with more, the first alone.
+/// Largest number of coefficients of a candidate for which each is tried; with more, the first alone.
 const FEW: usize = 2;
 
 /// Sampling rate of a motion, Hz.

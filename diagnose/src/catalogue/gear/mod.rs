@@ -33,11 +33,11 @@ const TOLD: f64 = 0.3;
 /// Finding of a joint's link encoder about its gear.
 #[derive(Clone, Debug)]
 pub enum Link {
-    /// None: no encoder was recorded, or it shows its own noise.
+    /// Unknown: no link encoder was recorded, or it shows its own noise.
     Unknown,
     /// Stiff: the link follows the motor.
     Stiff,
-    /// The gear gives way.
+    /// Compliant: the gear gives way, with the flanks found.
     Gives(Gear),
 }
 

@@ -11,7 +11,7 @@ use report::{Cell, Column, Section, Table};
 /// Number of candidates listed beside the causes.
 const TRIED: usize = 12;
 
-/// Section with the causes.
+/// Section of the page with the causes and their evidence.
 pub(super) fn section(outcome: &Outcome) -> Section {
     let d = &outcome.diagnosis;
     if d.causes.is_empty() {

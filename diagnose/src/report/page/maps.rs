@@ -9,7 +9,7 @@ use report::{Cell, Column, Figure, Section, Table};
 
 /// Number of joints whose maps are drawn, those with the largest gap.
 const MAPS: usize = 3;
-/// Number of bins of a map.
+/// Number of bins of a map over its coordinate.
 const BINS: usize = 40;
 
 /// Section with shares by joint and coordinate.

@@ -19,7 +19,7 @@ pub fn sentence(cause: &Cause) -> String {
     format!("{} on {}{size}{remark}", what(cause), place(cause))
 }
 
-/// Plain name of a cause.
+/// Name of a cause's effect in plain words.
 fn what(cause: &Cause) -> &'static str {
     if cause.parameters.iter().any(|p| p.name == REFERENCE) {
         "friction that goes with the joint's temperature"
@@ -37,7 +37,7 @@ pub(super) fn place(cause: &Cause) -> String {
     format!("{}{driver}", cause.joints.join(", "))
 }
 
-/// Part of the gap that it closes, and the confidence of its name, as text.
+/// Part of the gap that the cause closes, and the confidence of its name, as text.
 pub fn closes(cause: &Cause) -> String {
     let interval = cause
         .gap_closed_interval

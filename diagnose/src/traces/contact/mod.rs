@@ -33,16 +33,16 @@ use windows::{WINDOW, adjacent, windows};
 const SMOOTH: f64 = 0.012;
 const PASSES: usize = 2;
 
-/// One burst of a residual.
+/// Burst of a residual: a stretch in which some joint's torque is far above its level in the recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Burst {
-    /// Recorded samples.
+    /// Range of recorded samples that the burst takes.
     pub samples: Range<usize>,
-    /// Last joint that it loads.
+    /// Index of the last joint that the burst loads.
     pub last_joint: usize,
-    /// Height: largest torque over the joint's usual level.
+    /// Height of the burst: largest torque over the joint's level in this recording.
     pub height: f64,
-    /// Whether a joint that it loads was at rest.
+    /// Whether a joint that the burst loads was at rest.
     pub at_rest: bool,
 }
 
@@ -53,7 +53,7 @@ pub struct Contact {
     pub bursts: Vec<Burst>,
     /// Torque of the pushes, N·m (N), shape (samples, joints); zero outside bursts.
     pub torque: Array2<f64>,
-    /// Size: sum over joints of this torque's mean square over the variance of the measured torque.
+    /// Size of the contact: sum over joints of the mean square of `torque` over the variance of the measured torque.
     pub size: f64,
     /// Whether some push came while a joint was at rest.
     pub at_rest: bool,

@@ -5,7 +5,7 @@ use ndarray::Array2;
 use std::ops::Range;
 
 /// Whether another execution of the motion of a burst (`samples`) shows a part `again` of it as well.
-/// `departure` at the recorded samples, shape (samples, joints); `usual` is the usual level of each joint.
+/// `departure` at the recorded samples, shape (samples, joints); `usual` is the residual's typical size on each joint.
 pub(super) fn repeats(
     frame: &Frame,
     departure: &Array2<f64>,
@@ -46,7 +46,7 @@ pub(super) fn repeats(
     })
 }
 
-/// Other executions of a trajectory's motion. `pairs` link each execution with the next one.
+/// Executions of the same motion as execution `of`, without itself. `pairs` link each execution with the next one.
 fn executions(pairs: &[(usize, usize)], of: usize) -> Vec<usize> {
     let mut found = vec![of];
     let mut k = 0;

@@ -3,7 +3,7 @@
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Part of the bursts' squared torque, relative to the joints' usual level, in the means over pieces of at most
+/// Part of the bursts' squared torque, relative to the joints' levels in `usual`, in the means over pieces of at most
 /// `piece` samples. A force that is held while the robot moves under it loads each joint in either direction,
 /// but changes slowly. `bursts`: samples and last loaded joint of each; `torque` of shape (samples, joints).
 pub(super) fn steadiness(

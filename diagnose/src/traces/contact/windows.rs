@@ -5,7 +5,7 @@ use crate::motion::standing::{Judged, State};
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Length of a window, s.
+/// Length of a window of the residual, s.
 pub(super) const WINDOW: f64 = 0.12;
 
 /// Windows of all trajectories with the mean residual of each joint; none where the joint reverses or stops.
@@ -71,8 +71,8 @@ pub(super) fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
     }
 }
 
-/// Samples of the part `part` of the windows outside `skipped` with the largest residual, relative to the
-/// joints' usual level. There a force from outside may have bent the fit.
+/// Samples of the loudest windows outside `skipped`: a part `part` of all, by the residual over each joint's typical
+/// level. There a force from outside may have bent the fit.
 pub fn suspected(frame: &Frame, left: &Judged, skipped: &[bool], part: f64) -> Vec<bool> {
     let windows = windows(frame, left, true);
     let levels: Vec<f64> = (0..frame.dof())

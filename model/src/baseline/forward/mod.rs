@@ -21,16 +21,16 @@ use ndarray::{Array2, ArrayView2};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A linear state space from normalised torque to normalised position.
+/// Linear state space from normalised torque to normalised position.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinearForward {
-    /// Settings of its fit.
+    /// Settings with which the state space was fitted.
     pub settings: ForwardSettings,
     /// Normalisation of the torque τ.
     pub input: Normalisation,
     /// Normalisation of the position q.
     pub output: Normalisation,
-    /// The model; all its eigenvalues lie within the unit circle.
+    /// State space between the normalised channels; all its eigenvalues lie within the unit circle.
     pub system: StateSpace,
 }
 

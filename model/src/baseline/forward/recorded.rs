@@ -24,15 +24,15 @@ const SAME_RATE: f64 = 0.05;
 pub struct ForwardBaseline {
     /// Sampling rate of the model, Hz, about 10.
     pub rate_hz: f64,
-    /// Fitted model.
+    /// Fitted state space with its normalisations.
     pub model: LinearForward,
 }
 
 /// Positions of a recording at the model's rate.
 pub struct Simulated {
-    /// Measured positions, rad (m), shape (samples at that rate, joints).
+    /// Measured positions, rad (m), shape (samples at the model's rate, joints).
     pub measured: Array2<f64>,
-    /// Simulated positions, rad (m), shape (samples at that rate, joints).
+    /// Simulated positions, rad (m), shape (samples at the model's rate, joints).
     pub simulated: Array2<f64>,
     /// Index of the recording's sample for each row.
     pub source: Vec<usize>,
@@ -83,7 +83,8 @@ impl Thinned {
 }
 
 impl ForwardBaseline {
-    /// Fits the paper's state space (12 states for six joints) to the recordings with the sampling rate of the longest.
+    /// Fits the state space of the KR300 benchmark paper (12 states for six joints) to the recordings with the sampling
+    /// rate of the longest.
     ///
     /// # Errors
     /// No torque, or too few samples in unbroken stretches.

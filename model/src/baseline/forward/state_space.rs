@@ -7,18 +7,18 @@ use std::ops::Range;
 /// x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k); matrices as lists of rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StateSpace {
-    /// System matrix, n × n.
+    /// System matrix A, n × n with n states.
     pub a: Vec<Vec<f64>>,
-    /// Input matrix, n × inputs.
+    /// Input matrix B, n × inputs.
     pub b: Vec<Vec<f64>>,
-    /// Output matrix, outputs × n.
+    /// Output matrix C, outputs × n.
     pub c: Vec<Vec<f64>>,
-    /// Feedthrough matrix, outputs × inputs.
+    /// Feedthrough matrix D, outputs × inputs.
     pub d: Vec<Vec<f64>>,
 }
 
 impl StateSpace {
-    /// Number of states.
+    /// Number of states n.
     pub fn order(&self) -> usize {
         self.a.len()
     }

@@ -15,7 +15,7 @@ use faer::{Mat, MatRef, Scale};
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Singular values below this part of the largest are rounding.
+/// Singular value, relative to the largest, below which the value counts as rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// Spectral radius from which A counts as unstable.
@@ -161,7 +161,7 @@ fn spectral_radius(a: &Mat<f64>) -> Result<f64, BaselineError> {
 mod tests {
     use super::*;
 
-    /// Γ of an A and C.
+    /// Extended observability matrix Γ of A and C, with `blocks` blocks of rows C·Aⁱ.
     fn observability(a: &Mat<f64>, c: &Mat<f64>, blocks: usize) -> Mat<f64> {
         let mut block = c.clone();
         let mut gamma = Mat::zeros(blocks * c.nrows(), a.ncols());

@@ -7,7 +7,7 @@ use ::identify::least_squares::{Prior, SolveOptions};
 use physics::effects::Term;
 use serde::{Deserialize, Serialize};
 
-/// Estimator.
+/// Estimator of the parameters by least squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Estimator {
@@ -16,7 +16,7 @@ pub enum Estimator {
     /// Weighted least squares: rows weighted by the inverse standard deviation of their joint's residual.
     #[default]
     Wls,
-    /// As `Wls`, with rows reweighted by their own residual until outliers have no influence.
+    /// Weighted least squares as `Wls`, with rows reweighted by their own residual until outliers have no influence.
     Irls,
     /// The iterative approach of Han et al. (2020): covariance between joints, outliers, and on joints whose friction
     /// is viscous and Coulomb alone the exponent of speed.
@@ -27,12 +27,12 @@ pub enum Estimator {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lmi {
-    /// Never imposed.
+    /// Condition never imposed.
     #[default]
     Off,
     /// Imposed in the last step.
     Last,
-    /// Imposed in every step.
+    /// Condition imposed in every step.
     Every,
 }
 
@@ -50,9 +50,9 @@ pub struct EstimatorOptions {
     pub estimator: Estimator,
     /// Weight function of [`Estimator::Irls`] and [`Estimator::Iterative`]. Default: hard, 3 standard deviations.
     pub weight: Weight,
-    /// Physical feasibility. Default off.
+    /// Condition on possible links. Default off.
     pub lmi: Lmi,
-    /// Parameters towards which the ridge pulls. Default none: zero.
+    /// Prior parameters towards which the ridge pulls. Default none: zero.
     pub prior: Option<Known>,
     /// Ridge relative to the norm of each column. Default 3e-5, with a prior 0.1.
     pub ridge: Option<f64>,

@@ -10,7 +10,7 @@ use physics::robot::Robot;
 pub struct Known {
     /// Name of the earlier model.
     pub name: String,
-    /// Base parameters.
+    /// Values of the base parameters.
     base: Vec<f64>,
     /// Terms of each joint with their parameters.
     terms: Vec<Vec<(Term, f64)>>,

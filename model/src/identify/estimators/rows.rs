@@ -13,7 +13,7 @@ use faer::Mat;
 use ndarray::Array2;
 use physics::effects::{Sliding, Term};
 
-/// Most memory for rows, bytes: longer recordings are thinned.
+/// Largest memory for rows, bytes: longer recordings are thinned.
 const MEMORY: usize = 1 << 30;
 
 pub(super) fn solve(
@@ -88,7 +88,7 @@ fn is_viscous(term: &Term) -> bool {
     *term == Term::Sliding(Sliding::Viscous)
 }
 
-/// Rows of all joints.
+/// Weighted rows of all joints, kept in memory.
 struct Rows {
     problem: Problem,
     /// Whether each row is used, shape (samples, joints).

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct EstimatorReport {
     /// Estimator that was used.
     pub estimator: Estimator,
-    /// Condition on possible links.
+    /// Condition on possible links that was imposed.
     pub lmi: Lmi,
     /// Ridge relative to the norm of each column.
     pub ridge: f64,
@@ -31,15 +31,15 @@ pub struct EstimatorReport {
     pub solutions: usize,
     /// Whether every loop ended by its tolerance.
     pub converged: bool,
-    /// Step between samples that were used.
+    /// Step between the samples that were used.
     pub every: usize,
 }
 
 /// An estimate of all parameters: base parameters, then each joint's terms.
 pub struct Solution {
-    /// The estimate; that of possible links where these were required.
+    /// Estimate of the parameters; that of possible links where these were required.
     pub estimate: Estimate,
-    /// Parameters of the last step without that condition.
+    /// Parameters of the last step without the condition of possible links.
     pub free: Vec<f64>,
     /// Terms of each joint; those given, except for exponents found.
     pub terms: Vec<Vec<Term>>,
@@ -47,7 +47,7 @@ pub struct Solution {
     pub residual_std: Vec<f64>,
     /// Triangle of the weighted rows.
     pub triangle: Triangle,
-    /// The possible links, where required: standard parameters, then terms.
+    /// Standard parameters of the possible links, then terms; none where these were not required.
     pub feasible: Option<Feasible>,
     /// Report of the estimation.
     pub report: EstimatorReport,

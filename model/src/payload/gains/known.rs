@@ -14,10 +14,10 @@ pub struct KnownBody {
     count: usize,
 }
 
-/// Reason why numbers are no known body.
+/// Reason why numbers do not describe a known body.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KnownBodyError {
-    /// The text is no list of 1, 4 or 10 numbers.
+    /// Text that is not a list of 1, 4 or 10 numbers.
     #[error(
         "{0:?} is no known body: MASS, MASS,X,Y,Z or MASS,X,Y,Z,Ixx,Ixy,Iyy,Ixz,Iyz,Izz (kg, m, kg·m² about the centre of mass) is needed"
     )]
@@ -25,7 +25,7 @@ pub enum KnownBodyError {
     /// The mass is not above zero.
     #[error("a known body of {0} kg: its mass has to be above zero")]
     Mass(String),
-    /// No possible body has these parameters.
+    /// Parameters that no possible body has.
     #[error("no body of positive density has the inertia given")]
     Impossible,
 }

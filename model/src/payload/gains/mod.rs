@@ -32,7 +32,7 @@ use serde::Serialize;
 /// Settings of [`estimate`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct GainOptions {
-    /// Cut-off of the motion's low-pass instead of the model's own, Hz.
+    /// Cut-off of the motion's low-pass, Hz, in place of the model's own.
     pub cutoff_hz: Option<f64>,
     /// Largest relative standard deviation of a gain that is reported. Default 0.1.
     pub widest: f64,
@@ -50,19 +50,19 @@ impl Default for GainOptions {
 /// Factors on the recorded torque of each joint that make it N·m (N).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DriveGains {
-    /// `drive_gains/1`.
+    /// Name and version of the format: `drive_gains/1`.
     pub schema: &'static str,
-    /// Joint names.
+    /// Names of the robot's joints, base first.
     pub joints: Vec<String>,
     /// Number of samples of the recordings without and with the body.
     pub samples: [usize; 2],
     /// Known standard parameters of the body in the last joint's frame.
     pub known: KnownBody,
-    /// Gains by total least squares; none where they are not determined.
+    /// Gain of each joint by total least squares; none where it is not determined.
     pub gain: Vec<Option<Figure>>,
-    /// Gains by ordinary least squares, which are too small where noise is large beside the body's torque.
+    /// Gain of each joint by ordinary least squares, which is too small where noise is large beside the body's torque.
     pub ordinary: Vec<Option<f64>>,
-    /// Gains by total least squares among robots whose links are possible bodies.
+    /// Gain of each joint by total least squares among robots whose links are possible bodies.
     pub possible: Vec<Option<f64>>,
     /// Root mean square residual over both recordings, N·m (N) after the gain.
     pub rmse: Vec<Option<f64>>,
@@ -70,7 +70,7 @@ pub struct DriveGains {
     pub notes: Vec<String>,
 }
 
-/// Most passes; each takes the noise from the residual of the one before.
+/// Largest number of passes. Each takes the noise from the residual of the one before.
 const PASSES: usize = 30;
 /// Relative change of all gains below which the passes have converged.
 const STILL: f64 = 1e-5;

@@ -13,7 +13,7 @@ use physics::effects::Term;
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use physics::torque_model::{TorqueModel, WeightedTerm};
 
-/// Most blocks of time of both recordings together, for standard deviations.
+/// Largest number of blocks of time of both recordings together, for standard deviations.
 const BLOCKS: usize = 96;
 /// Size below which a shape counts as zero, N·m (N).
 const SMALLEST: f64 = 1e-6;
@@ -24,7 +24,7 @@ const SMALLEST: f64 = 1e-6;
 pub(super) struct Rows {
     /// Columns of each joint without that of its gain, shape (samples, width of the joint), the loaded recording last.
     exact: Vec<Array2<f64>>,
-    /// Indices of these columns among all.
+    /// Indices of the joint's columns among all.
     places: Vec<Vec<usize>>,
     /// Known torque, shape (samples, joints).
     known: Array2<f64>,
@@ -117,10 +117,11 @@ impl Rows {
         }
     }
 
-    /// Prior of each joint's shapes about zero, as rows of unit noise. `size` of a joint, N·m (N), is one standard deviation.
+    /// Prior of each joint's shapes about zero, as rows of unit noise. `size` of a joint, N·m (N), is one standard
+    /// deviation.
     ///
     /// # Errors
-    /// A size that is no number.
+    /// A size that is NaN or infinite.
     pub(super) fn held(&self, chosen: &[usize], size: &[f64]) -> Result<Gram, LeastSquaresError> {
         let total = self.width + chosen.len();
         let first = self.width - SHAPES * size.len();

@@ -6,9 +6,10 @@ use datasets::channel::Estimate95;
 use rayon::prelude::*;
 use signal::delay::{Search, profile, student_975};
 
-/// Least log-likelihood gain of a delay over none, nats, for it to be considered: one in twenty is left …
+/// Least gain in log-likelihood of a delay over none, nats, for it to be considered: a chance of one in twenty is left
+/// …
 const NOT_NOISE: f64 = 3.0;
-/// … of the independent rows, whose number is this part of all, since the low-pass correlates them.
+/// … of the independent rows. Their number is this part of all rows, since the low-pass correlates them.
 const OWN: f64 = 0.3;
 
 /// Delay with the least Σ log of squared errors over all joints, each joint's model fitted freely, s. None
@@ -50,9 +51,9 @@ pub(super) fn guess(systems: &Systems) -> f64 {
 
 /// Common value of the joints, and the variance between them.
 pub(super) struct Common {
-    /// Mean; NaN where no joint's value is known.
+    /// Mean over the joints; NaN where no joint's value is known.
     pub mean: f64,
-    /// Half width of its 95 % interval.
+    /// Half width of the mean's 95 % interval.
     half: f64,
     /// Variance between the joints beyond their own variances.
     pub between: f64,

@@ -106,7 +106,8 @@ pub(super) fn all(robot: &Robot, systems: &Systems, start: f64) -> Option<Fitted
 struct Sizes {
     /// Sizes of the links' standard parameters.
     inertials: Vec<f64>,
-    /// Size of each joint's rotor inertia where it is unknown: the described robot's inertia about that axis, kg·m².
+    /// Size of each joint's rotor inertia where it is unknown: the described robot's inertia about the joint's axis,
+    /// kg·m².
     rotors: Vec<f64>,
 }
 
@@ -148,7 +149,7 @@ struct Posterior {
     x: Mat<f64>,
     starts: Vec<usize>,
     scale_of_shared: Vec<f64>,
-    /// Scale k in the products k·δ, by joint.
+    /// Scale k of each joint's torque in the products k·δ.
     k: Vec<f64>,
 }
 

@@ -28,7 +28,7 @@ const WIDEST_SCALE: f64 = 1.0;
 
 /// Least part of a joint's described torque from the last link for which a scale may be due to a tool.
 const CARRIED: f64 = 0.5;
-/// Largest scale that a tool can cause.
+/// Largest scale, recorded over described torque, that a tool can cause.
 const TOOL: f64 = 30.0;
 
 /// Estimates the channel of a recording of `robot`, whose described inertials are taken as nearly right.

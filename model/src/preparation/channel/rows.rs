@@ -19,9 +19,9 @@ pub(super) struct Rows {
     pub shared: usize,
     /// Number of own columns without the derivative by the delay.
     pub own: usize,
-    /// Number of all columns.
+    /// Number of columns, shared, own and derivative.
     pub width: usize,
-    /// Whether the derivative by the delay is among them, as the last.
+    /// Whether the derivative by the delay is among the columns, as the last.
     pub slope: bool,
     /// Weight of a row: one over residual variance and correlation time.
     pub weight: f64,

@@ -17,7 +17,7 @@ const RATE: f64 = 100.0;
 /// All that passes is sampled well in both, and hardly any noise of q̈ passes. Where the preparation's cut-off
 /// is lower, it applies to the torque as well.
 const BAND: [f64; 2] = [0.15, 0.3];
-/// Most rows that are used: minutes of motion suffice.
+/// Largest number of rows that are used: minutes of motion suffice.
 const ROWS: usize = 12_000;
 
 /// Assignment of a recording's columns to the joints, and sign of each position.
@@ -75,15 +75,15 @@ pub(in crate::preparation) struct Systems {
 pub(in crate::preparation) struct Joint {
     /// Torque per standard parameter of the links, 10 N columns; empty where it is zero throughout.
     pub standard: Vec<Vec<f64>>,
-    /// Torque of the robot as described, counterbalance included.
+    /// Torque of the robot as described, counterbalance included, N·m (N).
     pub rigid: Vec<f64>,
-    /// Part of that torque that comes from the last link, by root mean square.
+    /// Part of the described torque that comes from the last link, by root mean square.
     pub carried: f64,
-    /// Acceleration, the column of rotor inertia.
+    /// Acceleration of the joint, the column of rotor inertia.
     pub rotor: Vec<f64>,
-    /// Columns of offset (the first) and friction.
+    /// Columns of offset (the first) and friction on the joint.
     pub friction: Vec<Vec<f64>>,
-    /// Recorded torque, N·m (N).
+    /// Recorded torque of the joint, low-passed, N·m (N).
     pub torque: Vec<f64>,
 }
 
@@ -286,7 +286,8 @@ struct Grids {
     stride: usize,
     rate_hz: f64,
     cutoff_hz: f64,
-    /// Whether the preparation's cut-off of the motion is no higher than that.
+    /// Whether the cut-off of the prepared motion is already as low as the rows need, so that no further low-pass is
+    /// due.
     motion_is_smooth: bool,
     segments: Vec<Range<usize>>,
     steps: Vec<f64>,

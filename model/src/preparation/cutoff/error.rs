@@ -9,9 +9,9 @@ pub enum CutoffError {
     /// A recording cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
-        /// Name of the recording.
+        /// Name of the recording that cannot be prepared.
         file: String,
-        /// Cause.
+        /// Reason why it cannot be prepared.
         source: PrepareError,
     },
     /// The basic model cannot be fitted.

@@ -24,9 +24,10 @@ use unseen::{Search, Unseen};
 const RANGE_HZ: [f64; 2] = [1.5, 100.0];
 /// Ratio of neighbouring cut-offs in the first search.
 const RATIO: f64 = 1.5;
-/// Errors count as equal up to this many standard errors of their difference; of such a stretch of cut-offs the middle is taken.
+/// Number of standard errors of their difference up to which two errors count as equal. Of a stretch of cut-offs with
+/// equal errors the middle is taken.
 const CHANCE: f64 = 1.0;
-/// Most samples that are used: whole trajectories, evenly spread.
+/// Largest number of samples that are used: whole trajectories, evenly spread.
 const SAMPLES: usize = 40_000;
 /// Autocorrelation time of a residual, s: rows closer to a fold are not fitted.
 const MEMORY: f64 = 0.5;
@@ -34,13 +35,13 @@ const MEMORY: f64 = 0.5;
 /// One cut-off that was tried.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tried {
-    /// Cut-off, Hz.
+    /// Cut-off that was tried, Hz.
     pub cutoff_hz: f64,
     /// Mean over joints of the NRMSE of rigid body and friction on rows left out.
     pub error: f64,
 }
 
-/// Choice of the cut-off.
+/// Chosen cut-off, and all that were tried.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CutoffChoice {
     /// Cut-offs that were tried, lowest first, with recorded velocity fused in where it fits.

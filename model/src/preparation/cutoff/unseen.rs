@@ -18,7 +18,7 @@ use ndarray::{Array2, Axis};
 use physics::effects::Term;
 use physics::robot::Robot;
 
-/// Most rows that are fitted.
+/// Largest number of rows that are fitted.
 const ROWS: usize = 5000;
 /// Number of folds of the search.
 const FOLDS: usize = 6;
@@ -38,7 +38,7 @@ pub(super) struct Search<'a> {
 pub(super) struct Unseen(Array2<f64>);
 
 impl Unseen {
-    /// Mean NRMSE over joints.
+    /// Mean over joints of the NRMSE out of fold.
     pub(super) fn error(&self) -> f64 {
         let joints = self.0.sum_axis(Axis(0));
         joints.mapv(f64::sqrt).mean().unwrap_or(f64::NAN)
@@ -70,7 +70,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Out-of-fold error for one preparation; `None` where no rows can be left out or fitted.
+    /// Out-of-fold error for one preparation; `None` where there are no rows to leave out or to fit.
     pub(super) fn unseen(&self, options: &PrepareOptions) -> Result<Option<Unseen>, CutoffError> {
         let prepared = |r: &&Recording| {
             prepare(r, &for_recording(options, r)).map_err(|source| CutoffError::Prepare {

@@ -4,7 +4,8 @@ use signal::cholesky;
 
 /// Blocks of rows that are left out in turn.
 const BLOCKS: usize = 8;
-/// What is added to the products of columns of unit norm, so that columns that are combinations of others do no harm.
+/// Ridge that is added to the products of columns of unit norm, so that columns which are combinations of others do no
+/// harm.
 const RIDGE: f64 = 1e-7;
 
 /// Products of columns and target, block by block.
@@ -14,7 +15,7 @@ pub(super) struct Blocks {
     products: Vec<Vec<f64>>,
 }
 
-/// A number with its deviation.
+/// Estimate of a number with its standard deviation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Estimate {
     pub value: f64,
@@ -22,7 +23,7 @@ pub(super) struct Estimate {
 }
 
 impl Blocks {
-    /// Of rows of `width` columns each.
+    /// Blocks of consecutive rows, each of `width` columns, with their `target`.
     pub fn new(rows: &[f64], target: &[f64], width: usize) -> Self {
         let count = target.len();
         let p = width + 1;
@@ -83,18 +84,19 @@ impl Blocks {
         x.iter().zip(&scale).map(|(x, s)| x / s).collect()
     }
 
-    /// Coefficients of some columns alone.
+    /// Coefficients of some columns in a fit of these alone.
     pub fn coefficients(&self, columns: &[usize]) -> Vec<f64> {
         self.solved(&self.sum(None), columns)
     }
 
-    /// Squared errors that some columns leave.
+    /// Squared error of each block that a fit of some columns leaves.
     pub fn left(&self, columns: &[usize]) -> f64 {
         let sum = self.sum(None);
         self.error(&sum, columns, &self.solved(&sum, columns))
     }
 
-    /// The same of each block with coefficients of the others: columns that fit by chance leave more of it, not less.
+    /// Squared error of each block with the coefficients of a fit to the other blocks: columns that fit by chance leave
+    /// more of it, not less.
     pub fn left_out(&self, columns: &[usize]) -> Vec<f64> {
         let blocks = self.products.iter().enumerate();
         blocks

@@ -13,10 +13,12 @@ use datasets::prepare::Prepared;
 use rayon::prelude::*;
 use signal::delay::{Search, rows_at};
 
-/// Rows that a reading is judged on, and fewer, on which readings are first looked through: there are many.
+/// Number of rows on which a reading is judged, and a smaller one with which readings are first looked through: there
+/// are many.
 const ROWS: usize = 4000;
 const FIRST: usize = 2000;
-/// Least part of a torque's variance that any model leaves: none is right to three hundredths of the deviation.
+/// Least part of a torque's variance that any model leaves: none is right to three hundredths of the torque's
+/// deviation.
 const LEAST: f64 = 1e-3;
 /// Gain of another reading, Σ ln of the joints' squared errors: as if it halved those of three joints.
 const GAIN: f64 = 3.0 * std::f64::consts::LN_2;
@@ -88,12 +90,12 @@ fn neighbours(from: &Reading) -> Vec<Reading> {
 struct Left(Vec<Vec<f64>>);
 
 impl Left {
-    /// Σ ln over the joints. What predicts worse than nothing does tells nothing.
+    /// Sum over the joints of the logarithm of what is left. A prediction worse than none counts like none.
     fn sum(&self) -> f64 {
         self.without(None)
     }
 
-    /// The same without a stretch.
+    /// Sum as [`Self::sum`] without one stretch.
     fn without(&self, stretch: Option<usize>) -> f64 {
         let of = |parts: &Vec<f64>| {
             let own = parts
@@ -107,7 +109,8 @@ impl Left {
         self.0.iter().map(of).sum()
     }
 
-    /// How much less another reading leaves, with the deviation by the jackknife over stretches.
+    /// Difference of the logarithm of what this reading leaves to that of the other, summed over joints. Its deviation
+    /// is by the jackknife over stretches.
     fn over(&self, other: &Self) -> Estimate {
         let count = self.0.first().map_or(0, Vec::len);
         let each = (0..count).map(|b| self.without(Some(b)) - other.without(Some(b)));

@@ -17,22 +17,25 @@ use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use signal::delay::{Search, System, rows_at};
 use signal::quantile::median;
 
-/// Described torques are right to about a tenth of their deviation: squared error below this part of the variance tells nothing.
+/// Part of a torque's variance below which a squared error tells nothing: described torques are right to about a tenth
+/// of their deviation.
 pub(super) const LEAST: f64 = 0.01;
-/// Factor by which described friction is off as a matter of course.
+/// Factor by which described friction is commonly wrong.
 const FRICTION: f64 = 1.5;
-/// Factor by which described masses are off, where they are.
+/// Factor by which described masses are wrong, where they are.
 pub(super) const MASSES: f64 = 1.6;
-/// Deviations above zero at which a factor is known to a half.
+/// Number of deviations above zero at which a factor is known to a half.
 const KNOWN: f64 = 2.0;
-/// Log-odds that decide: one in twenty is left.
+/// Log-odds from which a decision is made: one in twenty is then wrong.
 pub(super) const DECIDES: f64 = 3.0;
-/// What each kind of evidence counts at most: none of them is beyond doubt, for the model behind it is wrong.
+/// Bound on what each kind of evidence counts, as a log likelihood ratio: the model behind it is wrong, so none is
+/// beyond doubt.
 pub(super) const MOST: f64 = 6.0;
 /// Mean misfit over the joints, see [`Table::misfit`], from which the described shape is another robot's.
 const ANOTHER: f64 = 1.1;
 
-/// A complaint about the size of the torque beside what else it may be: itself, the description in its place, or both.
+/// Complaint about the size of the torque, weighed against other explanations: itself, one about the description in its
+/// place, or both.
 pub(super) fn weighed(
     mut found: Complaint,
     patient: &Patient,
@@ -68,7 +71,7 @@ pub(super) fn weighed(
     vec![found, description]
 }
 
-/// Why the masses are nobody's measurement, where they are not.
+/// Reason why the masses are placeholders that nobody measured; none where they are not.
 fn placeholder(robot: &Robot) -> Option<String> {
     let bodies: Vec<_> = robot.joints().iter().map(|j| &j.link.inertia).collect();
     let first = bodies.first()?;
@@ -100,13 +103,13 @@ struct Odds {
     friction: Option<f64>,
     shape: f64,
     usual: f64,
-    /// The described torque fits in shape, whatever its size.
+    /// Whether the described torque fits in shape, whatever its size.
     fits: bool,
     /// Factor of all masses that explains the torque, where links of their own do no better.
     factor: Option<f64>,
     /// Factor of each link's mass that explains the torque; none where the torque hardly depends on it.
     masses: Vec<Option<f64>>,
-    /// A load at the last link explains it as well.
+    /// Whether a load at the last link explains the torque as well.
     load: bool,
 }
 
@@ -206,7 +209,7 @@ impl Odds {
     }
 }
 
-/// What each joint's torque is compared with.
+/// Products of the columns with which each joint's torque is compared, one table per joint.
 fn tables(patient: &Patient, prepared: &Prepared, channel: &ChannelEstimate) -> Option<Vec<Table>> {
     let systems = Systems::new(patient.robot, patient.recording, prepared)?;
     let delay = channel.delay.value.unwrap_or(0.0);
@@ -229,7 +232,7 @@ fn tables(patient: &Patient, prepared: &Prepared, channel: &ChannelEstimate) -> 
     Some(tables)
 }
 
-/// Log-odds by described friction: what the recorded one is of it, beside the joint's scale.
+/// Log-odds of a wrong unit by the ratio of recorded to described friction, beside the joint's scale.
 fn friction(tables: &[Table], scales: &[f64]) -> Option<f64> {
     let known: Vec<f64> = tables
         .iter()
@@ -247,7 +250,7 @@ fn friction(tables: &[Table], scales: &[f64]) -> Option<f64> {
 /// Products of one joint: columns are the links' described torques, the last link's standard parameters, the whole described torque,
 /// the rotor, offset and friction, and the described friction.
 struct Table {
-    /// Against the torque, and against what the described robot leaves of it.
+    /// Products with the recorded torque as target; in `rest`, with what the described robot leaves of it.
     whole: Blocks,
     rest: Blocks,
     joint: usize,
@@ -345,7 +348,7 @@ impl Table {
         self.dof + PARAMETERS_PER_LINK
     }
 
-    /// Rotor, offset and friction: free in every explanation.
+    /// Indices of the columns of rotor, offset and friction, which are free in every explanation.
     fn own(&self) -> Vec<usize> {
         let first = self.rigid() + 1;
         (first..first + 1 + self.frictions).collect()
@@ -357,7 +360,7 @@ impl Table {
         columns
     }
 
-    /// Recorded over described torque, rotor and friction beside it.
+    /// Ratio of recorded to described torque, with rotor and friction fitted beside it.
     fn scale(&self) -> f64 {
         self.whole.coefficients(&self.with_scale())[0]
     }
@@ -371,7 +374,8 @@ impl Table {
         }
     }
 
-    /// Recorded over described friction; none where none is described or it is not known to a half.
+    /// Ratio of recorded to described friction; none where no friction is described or the ratio is not known to a
+    /// half.
     fn friction_scale(&self) -> Option<f64> {
         let described = self.rigid() + 2 + self.frictions;
         let columns = [self.rigid(), self.rigid() + 1, self.rigid() + 2, described];

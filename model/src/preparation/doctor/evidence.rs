@@ -11,66 +11,67 @@ use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use signal::delay::{Search, rows_at};
 
-/// Part of the samples below zero from which on a torque has its sign.
+/// Part of the samples below zero from which a torque counts as having its sign.
 pub(super) const FEW: f64 = 0.002;
-/// Friction of a joint but the offset: viscous, Coulomb, two bends.
+/// Number of columns of a joint's friction beside the offset: viscous, Coulomb, two bends.
 const FRICTION: usize = 4;
-/// Deviations by which a torque of gravity is there, and the part of the described torque that is rounding.
+/// Number of deviations by which a torque of gravity is certain, and the part of the described torque that counts as
+/// rounding.
 const SHOWS: f64 = 3.0;
 const ROUNDING: f64 = 1e-9;
-/// By how much a centre of mass is described wrongly as a matter of course, m.
+/// Error of a described centre of mass that is common, m.
 const MISPLACED: f64 = 0.01;
 
-/// One joint.
+/// Evidence on one joint's torque.
 pub(super) struct Evidence {
-    /// The numbers.
+    /// Numbers of the torque channel itself, without a model.
     pub numbers: Numbers,
-    /// Delay, scale, offset and sign.
+    /// Delay, scale, offset and sign of the torque.
     pub channel: JointChannel,
-    /// What the model says; none for a joint that never moves or whose torque keeps one value.
+    /// Fit of the model to the torque; none for a joint that never moves or whose torque keeps one value.
     pub fitted: Option<Fitted>,
 }
 
-/// What a rigid body with friction, fitted to this joint alone, says of its torque. Everything is of rows that are
-/// low-passed.
+/// Fit of a rigid body with friction to one joint's torque alone. All figures are of low-passed rows.
 pub(super) struct Fitted {
     /// Part of the torque's variance that is explained.
     pub explained: f64,
-    /// Squared error with gravity over that without.
+    /// Ratio of the squared error with gravity to that without.
     pub gravity: f64,
-    /// Part of the described torque's deviation that gravity makes.
+    /// Part of the described torque's deviation that comes from gravity.
     pub loaded: f64,
-    /// Recorded over described torque beside friction: with the rotor's inertia in it, which makes it larger.
+    /// Ratio of recorded to described torque beside friction. The rotor's inertia is in it and makes it larger.
     pub scale: Estimate,
-    /// Recorded over described inertia, each torque's gravity beside it as one: the rotor counts as inertia, and friction is free. None
-    /// where gravity does not show.
+    /// Ratio of recorded to described inertia, over the same ratio of gravity; the rotor counts as inertia, and
+    /// friction is free. None where gravity does not show.
     pub inertia: Option<Estimate>,
-    /// Power of friction over deviation of torque and velocity: positive where it takes energy.
+    /// Power of friction over the deviations of torque and velocity: positive where friction takes energy.
     pub friction: Estimate,
-    /// Deviation of the described torque.
+    /// Standard deviation of the described torque, N·m (N).
     pub described: f64,
-    /// Part of it that small errors of the described bodies would make: from 1 on the described torque is no measure of
-    /// scale or sign.
+    /// Part of that deviation that small errors of the described bodies would make. From 1 on the described torque is
+    /// useless as a measure of scale or sign.
     pub doubt: f64,
-    /// Squared error over that of the folded torque, unfolded by the model's sign.
+    /// Ratio of the squared error of |torque| with the model's sign put before it to that of the torque itself.
     pub folded: f64,
-    /// A limit that the torque may be cut at.
+    /// Limit at which the torque may be cut.
     pub limit: Limit,
 }
 
-/// How the largest torques lie.
+/// Limit at which the largest torques of a joint may be cut.
 pub(super) struct Limit {
-    /// Their level, in the unit of the recording.
+    /// Level of the largest torques, in the unit of the recording.
     pub level: f64,
-    /// Part of the rows that lie at it.
+    /// Part of the rows at which the torque lies at the level.
     pub share: f64,
-    /// Part of the rows at which the model, fitted to smaller torques, goes beyond it while the torque keeps it.
+    /// Part of the rows at which a model of the smaller torques goes beyond the level, while the torque stays at it.
     pub beyond: f64,
-    /// Separate stretches of such rows.
+    /// Number of separate stretches of such rows.
     pub visits: usize,
-    /// Rows at the level over rows as far below it as is usual.
+    /// Ratio of the rows at the level to the rows in an equally wide band a tenth below the level.
     pub crowd: f64,
-    /// Part of the rows at the level that the model of the smaller torques brings there itself: a weight at its farthest.
+    /// Part of the rows at the level that the model of the smaller torques brings there itself, such as a weight held
+    /// far out.
     pub made: f64,
 }
 
@@ -186,7 +187,8 @@ fn fit(
     })
 }
 
-/// Recorded over described inertia, over the same of gravity: of the described torque's two parts, offset and friction beside them.
+/// Ratio of recorded to described inertia, over the same ratio of gravity: a fit of the described torque's two parts,
+/// offset and friction beside them.
 fn inertia(rows: &Rows, parts: [&[f64]; 2], offset: usize) -> Option<Estimate> {
     // An axis that is upright up to rounding.
     if parts
@@ -224,8 +226,8 @@ fn doubt(joint: &Joint, parameters: &[f64]) -> f64 {
 /// Rounds in which a sign is found.
 const ROUNDS: usize = 10;
 
-/// Squared error left of the torque's size with the model's sign, over what the torque as it stands leaves: the sign that
-/// the model itself would have, from some first guesses.
+/// Ratio of the squared error of |torque| with the model's sign put before it to that of the torque itself. The sign is
+/// that of the model fitted so, found from some first guesses.
 fn folded(rows: &Rows, model: &[usize], rigid: &[f64], speed: &[f64], left: f64) -> f64 {
     let (r, v) = (
         rms(rigid).max(f64::MIN_POSITIVE),
@@ -261,15 +263,16 @@ fn predicted(rows: &Rows, model: &[usize], x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Part of the largest torques that a limit may be.
+/// Quantile of |torque| that counts as the level of a limit.
 const TOP: f64 = 0.98;
-/// Torque below this part of the limit is fitted; above it the model has to be to count as beyond.
+/// Part of the limit below which torque is fitted, and the part above which the model counts as beyond the limit.
 const INSIDE: f64 = 0.95;
 const OUTSIDE: f64 = 1.05;
-/// Where the model goes beyond, the torque lies within these parts of the limit.
+/// Range of |torque|, as parts of the limit, in which the torque counts as kept at the limit while the model goes
+/// beyond.
 const KEEPS: [f64; 2] = [0.85, 1.1];
 
-/// Bands of |torque|, as parts of the limit, whose rows are compared: at it and below it, equally wide.
+/// Bands of |torque|, as parts of the limit, whose numbers of rows are compared: at the limit, and as wide below it.
 const AT: [f64; 2] = [0.97, 1.03];
 const BELOW: [f64; 2] = [0.87, 0.93];
 

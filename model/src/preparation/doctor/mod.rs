@@ -26,8 +26,9 @@ use datasets::prepare::Prepared;
 use patient::Patient;
 use physics::robot::{Masses, Robot};
 
-/// Complaints about the torque of a recording of `robot`, worst first; none about a torque of the drives in N·m (N) on the
-/// link, and none without torque. `prepared` and `channel` come from the same recording.
+/// Complaints about the torque of a recording of `robot`, worst first. The list is empty where the torque is that of
+/// the drives in N·m (N) on the link, and where none is recorded. `prepared` and `channel` come from the same
+/// recording.
 pub fn examine(
     robot: &Robot,
     recording: &Recording,
@@ -92,7 +93,7 @@ pub fn examine(
     found
 }
 
-/// Two complaints that both want `torque_scale` get one line between them.
+/// Complaints with one line in place of two, where both want `torque_scale`.
 fn merged(found: &mut [Complaint]) {
     let scales = |c: &Complaint| -> Option<Vec<f64>> {
         let inside = c.drive.as_ref()?.strip_prefix("torque_scale = [")?;

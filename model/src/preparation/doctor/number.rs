@@ -5,29 +5,29 @@ use datasets::check::{moves, plateau};
 use signal::quantile::{median, quantile};
 use std::ops::Range;
 
-/// Orders of differences by which noise is told: the higher, the less of the motion passes.
+/// Orders of the differences from which the noise is estimated: the higher, the less of the motion passes.
 const ORDERS: Range<usize> = 3..8;
 /// Order of the differences that show a corner.
 const CORNER: usize = 6;
-/// Numbers lie on a grid where this part of the gaps between neighbours is a whole number of steps …
+/// Part of the gaps between neighbouring numbers that must be a whole number of steps for a grid …
 const ON_GRID: f64 = 0.97;
-/// … to this part of a step.
+/// … and the part of a step up to which a gap counts as a whole number of steps.
 const OFF_GRID: f64 = 0.02;
-/// Speed, as a part of the joint's largest, above which it moves.
+/// Speed above which a joint moves, as a part of its largest speed.
 const MOVING: f64 = 0.05;
 
 /// The numbers of one joint's torque.
 #[derive(Clone, Debug)]
 pub(super) struct Numbers {
-    /// Root mean square about the mean.
+    /// Root mean square of the torque about its mean, in the recorded unit.
     pub spread: f64,
-    /// Largest absolute value.
+    /// Largest absolute value of the torque, in the recorded unit.
     pub largest: f64,
     /// Step of the grid that they lie on, where they lie on one.
     pub step: Option<f64>,
-    /// Deviation of what no smooth signal has.
+    /// Standard deviation of the torque's noise: of what a smooth signal does not have.
     pub noise: f64,
-    /// Largest difference of high order on the scale of that deviation: how sharp the sharpest corner is.
+    /// Largest difference of high order, on the scale of the deviation `noise`: sharpness of the sharpest corner.
     pub corner: f64,
     /// Part of the samples at a flat top of |τ|, where there is one.
     pub flat: f64,
@@ -38,7 +38,7 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// Of one joint; none where no torque is recorded.
+    /// Numbers of one joint's torque; none where no torque is recorded.
     pub fn of(recording: &Recording, joint: usize) -> Option<Self> {
         let values = recording.tau.as_ref()?.column(joint).to_vec();
         let count = values.len() as f64;

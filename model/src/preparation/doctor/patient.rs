@@ -13,18 +13,18 @@ pub(super) struct Patient<'a> {
 }
 
 impl Patient<'_> {
-    /// Joints with a model beside their torque, by index.
+    /// Joints with a model fitted to their torque, with their indices.
     pub fn fitted(&self) -> impl Iterator<Item = (usize, &Evidence, &Fitted)> {
         let all = self.joints.iter().enumerate();
         all.filter_map(|(j, e)| Some((j, e, e.fitted.as_ref()?)))
     }
 
-    /// Every joint.
+    /// Indices of all joints.
     pub fn all(&self) -> Vec<usize> {
         (0..self.joints.len()).collect()
     }
 
-    /// Names of some joints.
+    /// Names of these joints, joined; "all joints" where they are all.
     pub fn names(&self, joints: &[usize]) -> String {
         if joints.len() == self.joints.len() && joints.len() > 1 {
             return "all joints".to_owned();
@@ -34,7 +34,7 @@ impl Patient<'_> {
     }
 }
 
-/// A complaint without lines of a drive file.
+/// Complaint without lines of a drive file.
 pub(super) fn complaint(
     ailment: Ailment,
     severity: Severity,
@@ -52,13 +52,13 @@ pub(super) fn complaint(
     }
 }
 
-/// A list of one value per joint for a drive file.
+/// Line of a drive file with one value per joint.
 pub(super) fn list(key: &str, values: &[f64]) -> String {
     let each: Vec<String> = values.iter().map(|v| short(*v)).collect();
     format!("{key} = [{}]", each.join(", "))
 }
 
-/// Four significant digits.
+/// Number as text, with four significant digits.
 pub(super) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".to_owned();

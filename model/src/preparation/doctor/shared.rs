@@ -47,7 +47,8 @@ pub(super) fn shared(
     }
 }
 
-/// What is left of the normal equations of some columns when `own` are fitted beside them.
+/// Normal equations of `columns` after `own` columns are fitted beside them: matrix, right-hand side, and squares of
+/// the target.
 pub(super) fn reduce(
     blocks: &Blocks,
     columns: &[usize],

@@ -6,7 +6,7 @@ use super::signal::is_dead;
 use super::unit::{CLEAR, scale};
 use datasets::check::{Ailment, Complaint, Severity};
 
-/// Part of a torque's deviation that friction has to take before its sign counts.
+/// Least part of a torque's deviation that friction must make for its sign to count.
 const FRICTION: f64 = 0.05;
 
 /// Joints whose torque has the opposite sign of the motion's.
@@ -53,7 +53,8 @@ pub(super) fn turned(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// Friction decides where it takes or gives energy for certain; the described torque where it does neither.
+/// Whether a joint's torque has the wrong sign: by friction where it takes or gives energy for certain, else by the
+/// described torque.
 fn is_turned(evidence: &Evidence) -> bool {
     let Some(fitted) = &evidence.fitted else {
         return false;

@@ -4,14 +4,15 @@ use super::evidence::{Evidence, Limit};
 use super::patient::{Patient, complaint, short};
 use datasets::check::{Ailment, Complaint, Severity};
 
-/// A channel whose variance the model explains less than this part of has no signal.
+/// Part of a torque's variance below which a model's explanation means that the channel has no signal.
 const EXPLAINED: f64 = 0.25;
-/// One value over this part of the time in motion, and for so many seconds, is no signal either …
+/// Part of the time in motion, and seconds, over which one constant value means that a channel has no signal …
 const FROZEN: (f64, f64) = (0.15, 2.0);
-/// … but over these parts where the torque comes in coarse steps, or stands at a limit.
+/// … but over these parts where the torque comes in coarse steps (this one) or stands at a limit (the next).
 const FROZEN_COARSE: f64 = 0.6;
 const FROZEN_CUT: f64 = 0.25;
-/// Steps, as a part of the torque's deviation, that add 3 % to the error of any model: their deviation is 1/√12 of them.
+/// Size of the steps, as a part of the torque's deviation, from which they are coarse. They add 3 % to the error of any
+/// model, as their deviation is 1/√12 of a step.
 const COARSE: f64 = 0.1;
 /// A torque is cut where the model goes beyond its largest values more than once, in this part of the rows, and more of
 /// them lie at the limit than a little below it …
@@ -43,7 +44,7 @@ pub(super) fn is_dead(evidence: &Evidence) -> bool {
     evidence.numbers.spread == 0.0 || still || noise
 }
 
-/// Joints without signal.
+/// Complaint about joints without a signal.
 pub(super) fn dead(patient: &Patient) -> Option<Complaint> {
     let joints: Vec<usize> = (0..patient.joints.len())
         .filter(|&j| is_dead(&patient.joints[j]))

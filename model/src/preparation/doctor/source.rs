@@ -11,25 +11,26 @@ use datasets::TorqueFilter;
 use datasets::check::{Ailment, Complaint, Severity};
 use signal::quantile::{median, quantile};
 
-/// A torque without sign leaves at most this part of its squared error when the model's sign is put before it.
+/// Largest part of its squared error that a torque without sign leaves when the model's sign is put before it.
 const FOLDED: f64 = 0.5;
-/// Gravity's part of a joint's described torque, and what that is of the deviation of the recorded one, from which it has
-/// to show.
+/// Least part of gravity in a joint's described torque, and over the deviation of the recorded one, from which gravity
+/// must show.
 const LOADED: (f64, f64) = (0.2, 0.25);
-/// Squared error with gravity over that without it, from which gravity does not show: of every loaded joint, and in
-/// the median.
+/// Ratio of the squared error with gravity to that without, from which gravity does not show: of every loaded joint,
+/// and in the median.
 const WEIGHTLESS: (f64, f64) = (0.4, 0.75);
-/// Friction's part of torque, in (just below) the median of the joints, below which it is not that of a motor and its gear.
+/// Quantile over the joints, just below the median, and the part of friction in the torque below which it is not that
+/// of a motor with its gear.
 const FRICTIONLESS: (f64, f64) = (0.45, 0.1);
-/// Deviation of that part, in the median of the joints, from which nothing is known of it.
+/// Deviation of friction's part of the torque, in the median of the joints, from which the part is unknown.
 const UNSURE: f64 = 0.05;
-/// Noise over deviation, in the median of the joints, that no sensor is below.
+/// Noise over the torque's deviation, in the median of the joints, that every sensor exceeds.
 const NOISELESS: f64 = 2.5e-3;
-/// Sharpest corner over deviation, of the joint that has the sharpest, below which a torque without noise was smoothed:
-/// friction turns round, encoders have counts.
+/// Sharpness of the sharpest corner over the torque's deviation, of the joint with the sharpest one. Below it a torque
+/// without noise was smoothed: friction turns round, encoders have counts.
 const CORNER: f64 = 3e-3;
 
-/// A torque without sign: nowhere below zero, and explained with the model's sign before it.
+/// Complaint about a torque without sign: nowhere below zero, and explained with the model's sign before it.
 pub(super) fn absolute(patient: &Patient) -> Option<Complaint> {
     let alive = || patient.fitted().filter(|(_, e, _)| !is_dead_number(e));
     let never = alive().all(|(_, e, _)| e.numbers.negative < FEW);
@@ -59,12 +60,14 @@ pub(super) fn absolute(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// A folded torque is hardly explained, so that only its numbers tell whether it is one.
+/// Whether a joint's torque keeps one value throughout. A folded torque is judged by that alone: a model hardly
+/// explains it.
 fn is_dead_number(evidence: &Evidence) -> bool {
     evidence.numbers.spread == 0.0
 }
 
-/// A torque from which gravity's is taken off: on every joint that carries weight a model without gravity does as well.
+/// Complaint about a torque from which gravity's is taken off: on every joint that carries weight a model without
+/// gravity does as well.
 pub(super) fn weightless(patient: &Patient) -> Option<Complaint> {
     let loaded: Vec<(usize, f64)> = patient
         .fitted()
@@ -97,7 +100,7 @@ pub(super) fn weightless(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// A torque that holds an arm's weight and does not move it: gravity shows, and of the inertia of a moving arm there is nothing.
+/// Complaint about a torque that holds an arm's weight and does not move it: gravity shows, and inertia does not.
 pub(super) fn of_weight_alone(patient: &Patient) -> Option<Complaint> {
     let shown: Vec<Estimate> = patient
         .fitted()
@@ -149,7 +152,7 @@ fn weight_alone(shown: &Estimate) -> f64 {
         .clamp(-MOST, MOST)
 }
 
-/// A torque that knows no friction of motor and gear: it takes little energy, and that is certain, on most joints.
+/// Complaint about a torque without the friction of motor and gear: on most joints it takes little energy for certain.
 pub(super) fn behind_the_gear(patient: &Patient) -> Option<Complaint> {
     let alive = || patient.fitted().filter(|(_, e, _)| !is_dead(e));
     let parts = alive().map(|(_, _, f)| f.friction.value).collect();
@@ -175,7 +178,8 @@ pub(super) fn behind_the_gear(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// A torque without any sensor's noise: commanded or computed where it has corners, filtered where it has none.
+/// Complaint about a torque without any sensor's noise. It is commanded or computed where it has corners, filtered
+/// where it is smooth.
 pub(super) fn noiseless(patient: &Patient) -> Option<Complaint> {
     let recording = patient.recording;
     if let Some(declared) = recording.torque_filter {

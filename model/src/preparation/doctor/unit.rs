@@ -6,21 +6,23 @@ use super::signal::{is_cut, is_dead};
 use datasets::check::{Ailment, Complaint, Severity};
 use signal::quantile::median;
 
-/// Scales that a described robot and a nominal torque constant leave open.
+/// Range of scales, recorded over described torque, that errors of a description and of a nominal torque constant
+/// explain.
 const USUAL: [f64; 2] = [0.75, 1.3];
-/// A scale below this is a unit's.
+/// Scale, recorded over described torque, below which the unit must be another.
 const SMALL: f64 = 1.0 / 3.0;
-/// Gravity's part of a described torque that bounds a single joint's scale.
+/// Least part of gravity in a described torque for the joint's scale to have a bound.
 const LOADED: f64 = 0.2;
-/// Deviations by which a scale has to be clear of a border.
+/// Number of deviations by which a scale must be clear of a border.
 pub(super) const CLEAR: f64 = 3.0;
-/// Largest per cents of a motion, how far apart they are on its joints at most, and how far apart scales then are at least.
+/// Range of the joints' largest numbers in per cent. In the next two constants: largest ratio of these numbers, and
+/// least ratio of the scales then.
 const PER_CENTS: [f64; 2] = [30.0, 400.0];
 const ALIKE: f64 = 5.0;
 const UNLIKE: f64 = 1.6;
 
-/// Interval of a joint's scale, recorded over described, and its middle; as much wider as the described torque is in doubt,
-/// and none where that may be nothing at all.
+/// Scale of a joint, recorded over described torque, with its interval, which is wider the more the described torque is
+/// in doubt. None where all of the described torque may be an error.
 pub(super) fn scale(evidence: &Evidence) -> Option<(f64, [f64; 2])> {
     let doubt = evidence.fitted.as_ref()?.doubt;
     if doubt >= 1.0 {
@@ -34,15 +36,15 @@ pub(super) fn scale(evidence: &Evidence) -> Option<(f64, [f64; 2])> {
     Some((value, [low, high]))
 }
 
-/// What a joint's scale is at most: with the inertia of its rotor it would only be less.
+/// Upper bound of a joint's scale, recorded over described torque. The rotor's inertia would only lower it.
 fn at_most(evidence: &Evidence) -> Option<f64> {
     let fitted = evidence.fitted.as_ref()?;
     let most = fitted.scale.value.abs() + CLEAR * fitted.scale.std;
     (fitted.doubt < 1.0).then(|| most / (1.0 - fitted.doubt))
 }
 
-/// Whether gravity makes enough of a joint's described torque to bound its scale by: where it is all acceleration, the noise of
-/// that makes any scale too small.
+/// Whether gravity makes enough of a joint's described torque for the scale to have a bound. Where all is acceleration,
+/// its noise makes any scale too small.
 fn is_loaded(evidence: &Evidence) -> bool {
     let fitted = evidence.fitted.as_ref();
     fitted.is_some_and(|f| f.loaded > LOADED)
@@ -58,7 +60,7 @@ fn size(evidence: &Evidence) -> Option<f64> {
     .filter(|s| *s > 0.0)
 }
 
-/// Whether the scale is that of another unit; none where nothing is known.
+/// Whether a joint's scale is that of another unit; none where it is unknown.
 fn odd(evidence: &Evidence) -> Option<bool> {
     if is_small(evidence) {
         return Some(true);
@@ -66,21 +68,21 @@ fn odd(evidence: &Evidence) -> Option<bool> {
     is_outside(evidence)
 }
 
-/// Whether the scale is at most that of another unit.
+/// Whether a joint's scale is so small that its unit must be another.
 fn is_small(evidence: &Evidence) -> bool {
     at_most(evidence).is_some_and(|most| most < SMALL)
 }
 
-/// Whether all of the scale's interval is outside what is usual; none without one.
+/// Whether the whole interval of a joint's scale lies outside [`USUAL`]; none without an interval.
 fn is_outside(evidence: &Evidence) -> Option<bool> {
     let (_, [a, b]) = scale(evidence)?;
     let (low, high) = if b < 0.0 { (-b, -a) } else { (a, b) };
     Some(low > USUAL[1] || high < USUAL[0])
 }
 
-/// Whether the scale that joints have in common is outside what is usual: the mean of their scales by the precision of each, less
-/// precise by as much as they differ more than their intervals let expect (Birge, "The calculation of errors by the method of least
-/// squares", Physical Review 40, 1932).
+/// Whether the scale that joints have in common is outside [`USUAL`]: the mean of their scales by the precision of
+/// each, less precise by as much as they differ more than their intervals let expect (Birge, "The calculation of errors
+/// by the method of least squares", Physical Review 40, 1932).
 fn is_together_outside(patient: &Patient, alive: &[usize]) -> bool {
     let known: Vec<(f64, f64)> = alive
         .iter()
@@ -103,7 +105,7 @@ fn is_together_outside(patient: &Patient, alive: &[usize]) -> bool {
     mean > 0.0 && (mean - half > USUAL[1] || mean + half < USUAL[0])
 }
 
-/// A logarithm that is normal: its mean and deviation.
+/// Normal distribution of a logarithm: mean and deviation.
 struct Usual(f64, f64);
 
 impl Usual {
@@ -112,30 +114,31 @@ impl Usual {
         Self(middle.ln(), within.ln())
     }
 
-    /// Logarithm of how likely a value is, but for a constant.
+    /// Log-likelihood of a value, up to a constant.
     fn likely(&self, value: f64) -> f64 {
         -0.5 * ((value.ln() - self.0) / self.1).powi(2) - self.1.ln()
     }
 }
 
-/// What joints show of their unit, in the median but for the last.
+/// Sizes of the torque that hint at its unit: medians over the joints, the peaks joint by joint.
 struct Shown {
-    /// N·m on the link per unit.
+    /// Torque on the link per unit of the recorded number, N·m.
     per_unit: f64,
-    /// The same per unit over gear ratio, and over gear ratio and torque constant, where both are known.
+    /// Torque per unit over the gear ratio; in `per_current`, also over the torque constant. None where these are
+    /// unknown.
     at_motor: Option<f64>,
     per_current: Option<f64>,
-    /// Largest number of each joint: per cents are alike on all of them, torques and currents are not.
+    /// Largest number of each joint. Per cents are alike on all joints, torques and currents are not.
     peaks: Vec<f64>,
 }
 
-/// How precisely a data sheet and a described robot agree on a scale, as a factor.
+/// Factor within which a data sheet and a described robot agree on a scale.
 const SHEET: f64 = 1.25;
-/// Log-likelihood, two figures together, below which no unit is named.
+/// Log-likelihood, of two figures together, below which no unit is named.
 const NO_UNIT: f64 = -9.0;
 
-/// The likeliest unit, by what drives of robot arms have: gears of 50 to 160, 0.05 to 0.3 N·m/A, currents of some A, motors of
-/// some N·m, and motions that go to about nine tenths of what is rated.
+/// Likeliest unit by what drives of robot arms have: gears of 50 to 160, 0.05 to 0.3 N·m/A, currents of some A, motors
+/// of some N·m, and motions that go to about nine tenths of what is rated.
 fn unit(shown: &Shown) -> Option<Ailment> {
     let peak = |middle: f64, within: f64| {
         let usual = Usual::around(middle, within);
@@ -163,7 +166,7 @@ fn unit(shown: &Shown) -> Option<Ailment> {
     (best.1 > NO_UNIT).then_some(best.0)
 }
 
-/// Whether the numbers look like per cents: alike on joints whose torques are not.
+/// Whether the numbers look like per cents: alike on joints whose torques differ.
 fn alike(patient: &Patient, alive: &[usize]) -> bool {
     let ratio = |values: &[f64]| {
         let most = values.iter().copied().fold(0.0, f64::max);
@@ -183,8 +186,9 @@ fn alike(patient: &Patient, alive: &[usize]) -> bool {
     inside && ratio(&peaks) < ALIKE && sizes.len() > 1 && ratio(&sizes) > UNLIKE
 }
 
-/// A torque in another unit than N·m on the link, on most joints; or another scale of single ones. Where the torque is
-/// `smeared` by a filter that nobody declared, a scale says little: only another order of magnitude counts.
+/// Complaint about a torque in another unit than N·m on the link, on most joints; or another scale of single ones.
+/// Where the torque is `smeared` by a filter that nobody declared, a scale says little: only another order of magnitude
+/// counts.
 pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
     let alive: Vec<usize> = (0..patient.joints.len())
         .filter(|&j| !is_dead(&patient.joints[j]))
@@ -302,7 +306,7 @@ fn of_unit(patient: &Patient, alive: &[usize]) -> Complaint {
     }
 }
 
-/// What a data sheet would add to scales that the recording shows.
+/// Sentence on the settings of a drive file that a data sheet would give more exactly than the recording shows.
 fn sheet(patient: &Patient, ailment: Ailment, guessed: &[usize]) -> String {
     let exact = match ailment {
         Ailment::Motor => "units.torque = \"motor\" and gear_ratio",

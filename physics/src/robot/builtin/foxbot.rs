@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_PI_2;
 /// Identification of Industrial Robots" (IEEE Transactions on Robotics 36(5), 2020), Table I: a₂ = 0.075 m,
 /// a₃ = 0.27 m, a₄ = 0.11 m, d₄ = 0.306 m, spherical wrist.
 ///
-/// **Everything else is assumed**, because the paper publishes no nominal values: masses and centres of mass of a
+/// **Everything else is assumed**, because the authors publish no nominal values: masses and centres of mass of a
 /// 5 kg-payload arm of about 30 kg, links as solid cylinders, rotor inertias, limits and ratios of
 /// common harmonic drives. Use it for simulation, not as a model of a real Foxbot.
 pub(super) fn robot() -> Robot {

@@ -14,19 +14,19 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Builtin {
-    /// Universal Robots UR5.
+    /// Universal Robots UR5 arm.
     Ur5,
-    /// KUKA KR300 R2500 ultra SE of the benchmark.
+    /// KUKA KR300 R2500 ultra SE, the robot of the benchmark of Weigand et al. (2022).
     Kr300,
-    /// Foxbot A05.
+    /// Foxbot A05 arm of Han et al. (2020).
     #[serde(rename = "foxbot_a05")]
     FoxbotA05,
-    /// Unimation PUMA 560.
+    /// Unimation PUMA 560 arm.
     Puma560,
 }
 
 impl Builtin {
-    /// All built-in robots.
+    /// All robots that are built in.
     pub const ALL: [Self; 4] = [Self::Ur5, Self::Kr300, Self::FoxbotA05, Self::Puma560];
 
     /// Name on the command line.

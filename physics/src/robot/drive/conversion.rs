@@ -8,9 +8,9 @@ use std::f64::consts::TAU;
 /// Recorded value to SI on the link side: value · `scale` + `offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conversion {
-    /// Factor on the recorded value.
+    /// Factor on the recorded value, to the SI unit on the link side.
     pub scale: f64,
-    /// Added afterwards, SI.
+    /// Offset that is added after scaling, SI unit.
     pub offset: f64,
 }
 

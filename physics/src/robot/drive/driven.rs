@@ -5,7 +5,7 @@ use crate::robot::Robot;
 /// A joint or axis with a motor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenAxis {
-    /// Name, for messages.
+    /// Name of the axis, for messages.
     pub name: String,
     /// Whether its position is an angle.
     pub rotates: bool,
@@ -15,9 +15,9 @@ pub struct DrivenAxis {
     pub torque_constant: Option<f64>,
 }
 
-/// Something with driven axes: a [`Robot`], or a machine that is no serial chain.
+/// Machine with driven axes: a [`Robot`], or one that is not a serial chain.
 pub trait Driven {
-    /// Name, for messages.
+    /// Name of the machine, for messages.
     fn name(&self) -> &str;
 
     /// The axes in the order of a recording's columns.

@@ -55,32 +55,32 @@ const HIGHEST_ORDER: usize = 16;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drive {
-    /// Motor turns per joint turn (motor rad per m for a prismatic joint).
+    /// Motor turns per joint turn of each joint (motor rad per m for a prismatic joint).
     pub gear_ratio: Option<Vec<f64>>,
-    /// Motor torque per current, N·m/A.
+    /// Motor torque per current of each joint, N·m/A.
     pub torque_constant: Option<Vec<f64>>,
-    /// Rated (continuous) current of the motor, A.
+    /// Rated (continuous) current of each motor, A.
     pub rated_current: Option<Vec<f64>>,
     /// Travel of a linear axis per turn of its screw (of its pulley: 2π times the radius), m; the gear ratio is then motor
     /// turns per turn of the screw, 1 where none is given. Zero for a joint without screw.
     pub screw_lead: Option<Vec<f64>>,
     /// Inertia of motor and gear seen from the link, kg·m² or kg.
     pub rotor_inertia: Option<Vec<f64>>,
-    /// Sign (1 or −1) of recorded motion and torque against the URDF's.
+    /// Sign (1 or −1) of each joint's recorded motion and torque against the URDF's.
     pub direction: Option<Vec<f64>>,
-    /// Factor on the recorded torque, beside its unit; negative where its sign is not the motion's.
+    /// Factor on each joint's recorded torque, beside its unit; negative where its sign is not the motion's.
     pub torque_scale: Option<Vec<f64>>,
-    /// Joint zeros, rad or m: q = direction·recorded + zero.
+    /// Zero of each joint, rad or m: q = direction·recorded + zero.
     pub zero: Option<Vec<f64>>,
     /// Whole cycles of the controller by which an additive torque is sent late, to meet a motion that follows its command late.
     pub torque_delay: Option<Vec<u32>>,
-    /// Largest additive torque that the controller sends, N·m or N.
+    /// Largest additive torque of each joint that the controller sends, N·m or N.
     pub torque_threshold: Option<Vec<f64>>,
     /// The recording's own name of a column (`tau3`) or of a group of columns (`tau`), of `time` and of
     /// `trajectory`; `{}` is replaced by the joint's number, from 1.
     #[serde(default)]
     pub columns: BTreeMap<String, String>,
-    /// Units of the recording.
+    /// Units of the recording's columns.
     #[serde(default)]
     pub units: Units,
     /// Low-pass that the recorded torque has been through.
@@ -93,7 +93,7 @@ pub struct Drive {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TorqueFilter {
-    /// Order of one pass.
+    /// Order of one pass of the filter.
     pub order: usize,
     /// Edge of the pass band, Hz.
     pub cutoff_hz: f64,
@@ -105,7 +105,7 @@ impl Drive {
     /// Reads a drive file for `robot`.
     ///
     /// # Errors
-    /// The file cannot be read, is no drive file, or does not fit the robot.
+    /// The file cannot be read, is not a drive file, or does not fit the robot.
     pub fn from_file(path: impl AsRef<Path>, robot: &impl Driven) -> Result<Self, RobotError> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|source| RobotError::Read {

@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Units of a recording.
+/// Units of a recording's columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Units {
-    /// Unit of `time`.
+    /// Unit of the `time` column.
     pub time: TimeUnit,
     /// Unit of positions, velocities and accelerations of rotating joints.
     pub angle: AngleUnit,
@@ -14,29 +14,29 @@ pub struct Units {
     pub torque: TorqueUnit,
 }
 
-/// Unit of time.
+/// Unit of a time column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TimeUnit {
-    /// Seconds, the default.
+    /// Seconds, the default unit of time.
     #[default]
     S,
-    /// Milliseconds.
+    /// Milliseconds as unit of time.
     Ms,
-    /// Microseconds.
+    /// Microseconds as unit of time.
     Us,
-    /// Nanoseconds.
+    /// Nanoseconds as unit of time.
     Ns,
 }
 
-/// Unit of angles.
+/// Unit of position, velocity and acceleration columns of joints that turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AngleUnit {
-    /// Radians, the default.
+    /// Radians, the default unit of angles.
     #[default]
     Rad,
-    /// Degrees.
+    /// Degrees as unit of angles.
     Deg,
 }
 
@@ -58,7 +58,7 @@ pub enum TorqueUnit {
 }
 
 impl TorqueUnit {
-    /// Fraction of the rated current per unit of the column; 1 where the column is no such fraction.
+    /// Fraction of the rated current per unit of the column; 1 where the unit does not refer to a rated current.
     pub(super) fn part_of_rated(self) -> f64 {
         match self {
             Self::Rated => 1e-3,
@@ -67,7 +67,7 @@ impl TorqueUnit {
         }
     }
 
-    /// Name in the drive file.
+    /// Name of the unit in the drive file.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Link => "link",

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// A load that a description gets as a body of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// Index of the joint whose link carries it.
+    /// Index of the joint whose link carries the load.
     pub link: usize,
     /// Inertia in that link's frame.
     pub inertia: Inertia,
@@ -26,7 +26,7 @@ pub struct Changed<'a> {
 }
 
 impl<'a> Changed<'a> {
-    /// New numbers alone.
+    /// Numbers of `robot` alone, without new zeros, tilt or load.
     pub fn of(robot: &'a Robot) -> Self {
         Self {
             robot,

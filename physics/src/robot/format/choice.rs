@@ -6,7 +6,7 @@ use crate::robot::RobotError;
 /// A joint of a description.
 pub(super) struct Candidate<'a> {
     pub name: &'a str,
-    /// Index of the nearest joint, of any kind, that carries it.
+    /// Index of the nearest joint, of any kind, that carries this joint.
     pub above: Option<usize>,
     /// Whether the joint turns about or slides along one axis.
     pub scalar: bool,

@@ -24,9 +24,9 @@ pub const MACHINES: [&str; 5] = ["rotary_axis", "linear_axis", "scara4", "delta3
 /// Description of a robot as the user has it, into which new numbers can be written.
 #[derive(Clone, Debug)]
 pub enum Description {
-    /// A URDF description.
+    /// Text of a URDF.
     Urdf(Urdf),
-    /// Files of an MJCF.
+    /// Files of an MJCF model.
     Mjcf(Mjcf),
 }
 
@@ -48,10 +48,10 @@ impl Chains {
         }
     }
 
-    /// The chains of a file; none of a built-in robot.
+    /// Chains of joints in a file; empty for a built-in robot.
     ///
     /// # Errors
-    /// The file cannot be read, or is no description.
+    /// The file cannot be read, or is not a description.
     pub fn load(name_or_path: &str) -> Result<Self, RobotError> {
         let path = Path::new(name_or_path);
         if Robot::builtin(name_or_path).is_some() {

@@ -13,10 +13,12 @@ const THINNEST: f64 = 1e-6;
 const STEPS: usize = 200;
 const REACHED: f64 = 1e-18;
 
-/// Inertias of `bodies`, all in the link's frame, that together make `whole`: of all that do, those nearest to what the bodies are.
+/// Inertias of `bodies`, all in the link's frame, that together make `whole`: among all such inertias the ones nearest
+/// to `bodies`.
 ///
-/// The distance is Σ tr(J₀⁻¹J) − ln det(J₀⁻¹J) of the pseudo-inertias J (Lee, Wensing and Park, "Geometric robot dynamic
-/// identification: a convex programming approach", IEEE T-RO 36(2), 2020), infinite where a body ends to be one. Where `whole` is no body, nothing shares it: the heaviest takes what the others leave.
+/// The distance is Σ tr(J₀⁻¹J) − ln det(J₀⁻¹J) of the pseudo-inertias J (Lee, Wensing and Park, "Geometric robot
+/// dynamic identification: a convex programming approach", IEEE T-RO 36(2), 2020), infinite at the border of possible
+/// bodies. Where no body can have `whole`, the heaviest body takes what the others leave.
 pub(super) fn share(whole: &Inertia, bodies: &[Inertia]) -> Vec<Inertia> {
     let mut shared = nearest(whole, bodies).unwrap_or_else(|| bodies.to_vec());
     let heaviest = (0..bodies.len()).max_by(|&a, &b| bodies[a].mass.total_cmp(&bodies[b].mass));
@@ -92,7 +94,7 @@ fn nearest(whole: &Inertia, bodies: &[Inertia]) -> Option<Vec<Inertia>> {
     Some(back.collect())
 }
 
-/// A pseudo-inertia with a little thickness where it has none.
+/// Pseudo-inertia with a least thickness along every axis, which rods and plates do not have.
 fn thick(j: &Matrix4<f64>) -> Matrix4<f64> {
     let mut axes = j.symmetric_eigen();
     let least = THINNEST * axes.eigenvalues.amax();

@@ -12,17 +12,17 @@ use super::{Inertia, Joint};
 use nalgebra::{Matrix3, Vector3};
 use std::fmt;
 
-/// Density of the heaviest metal in use, tungsten, kg/m³.
+/// Density of the heaviest metal in use, tungsten, kg/m³: a denser body is doubted.
 const HEAVIEST: f64 = 19_300.0;
 
-/// Density of air, kg/m³.
+/// Density of air, kg/m³: a body that is lighter is doubted.
 const AIR: f64 = 1.2;
 
 /// A body of a description as it is written, before bodies fixed to each other are merged.
 pub(super) struct Body {
     /// Name of the link or body.
     pub name: String,
-    /// Name of the joint that carries it.
+    /// Name of the joint that carries the body.
     pub joint: String,
     /// Inertia in a frame of its own.
     pub inertia: Inertia,
@@ -31,19 +31,19 @@ pub(super) struct Body {
 /// State of the masses in a description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Masses {
-    /// Masses of bodies.
+    /// Masses that are those of real bodies.
     #[default]
     Described,
     /// Placeholder numbers in place of masses: a comparison with them means nothing.
     Placeholders,
-    /// No masses: bodies of 1 kg are substituted, which serve as a scale and nothing else.
+    /// Missing masses: bodies of 1 kg are substituted, which serve as a scale and nothing else.
     Missing,
 }
 
 /// A doubt about a description, and the elements that it concerns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// The doubt.
+    /// Doubt that was found.
     pub doubt: Doubt,
     /// Names of joints, or of links and bodies where these are meant.
     pub names: Vec<String>,
@@ -52,7 +52,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// A doubt about a joint.
+    /// Finding of a doubt about one joint.
     pub(super) fn of_joint(doubt: Doubt, joint: &str) -> Self {
         Self {
             doubt,
@@ -84,17 +84,17 @@ impl Finding {
 /// Doubt about a description.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Doubt {
-    /// No link has a mass.
+    /// Description in which no link has a mass.
     NoMasses,
-    /// Different links have one mass (kg) and one inertia.
+    /// Different links with one mass (kg) and one inertia.
     Placeholders(f64),
-    /// Bodies of different shape all have this mass, kg.
+    /// Bodies of different shape that all have this mass, kg.
     EqualMasses(f64),
-    /// No distribution of mass has a link's inertia: one principal moment exceeds the sum of the others.
+    /// Link whose inertia no distribution of mass has: one principal moment exceeds the sum of the others.
     NoDistribution,
     /// Mass and inertia together ask for this density, kg/m³, which no solid has.
     NoMaterial(f64),
-    /// A link's mass and that of the link that carries it, kg.
+    /// Mass of a light link, and that of the link that carries it, kg.
     Light(f64, f64),
     /// Distance of the nearest part of a body from its joint, and the longest link of the arm, m.
     FarAway(f64, f64),
@@ -108,7 +108,7 @@ pub enum Doubt {
     AxisLength(f64),
     /// Viscous torque at the speed (second number) and the drive's limit (third).
     ServoDamping([f64; 3]),
-    /// Every joint has this damping and this friction.
+    /// Damping and friction that every joint has.
     EqualFriction(f64, f64),
 }
 
@@ -223,7 +223,7 @@ pub(super) fn masses(findings: &[Finding], joints: &[Joint]) -> Masses {
     }
 }
 
-/// Bodies for a description that has none: balls of 1 kg that span half of each link, which serve as a scale.
+/// Bodies for a description without masses: balls of 1 kg that span half of each link, which serve as a scale.
 pub(super) fn stand_ins(joints: &[Joint]) -> Vec<Inertia> {
     /// Radius where a description has no length at all, m.
     const RADIUS: f64 = 0.1;

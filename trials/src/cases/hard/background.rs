@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Part of its joint's torque that each makes.
+/// Range of the part of its joint's torque that each background effect makes.
 const SHARES: Range<f64> = 0.01..0.04;
 /// Probability of each background effect on each joint.
 const CHANCE: f64 = 0.5;
@@ -63,9 +63,9 @@ pub fn draw(
 /// Result of setting the background's sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Settled {
-    /// All are small effects.
+    /// Sizes as meant: all effects are small.
     Well,
-    /// Some were corrected.
+    /// Sizes of which some were corrected, so that the robot has to be simulated again.
     Again,
 }
 

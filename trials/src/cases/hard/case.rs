@@ -34,12 +34,12 @@ const OF_A_GEAR: [&str; 8] = [
 ];
 /// Largest number of draws until two effects meet on one joint.
 const MEETINGS: usize = 80;
-/// Further rounds for the background.
+/// Number of further rounds in which the background is simulated again.
 const MORE: usize = 2;
 /// Shortest rest in which a push occurs, s.
 const REST: f64 = 0.8;
 
-/// A case, or none where this draw does not suit its kind.
+/// Hard case of a kind; none where the robot that was drawn does not suit the kind.
 pub fn attempt(
     kind: Kind,
     id: &str,

@@ -9,29 +9,29 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Torque channel between torque and log, by joint.
 pub struct Channel {
-    /// Filter of the current.
+    /// Filter of each joint's current.
     pub lag: Vec<Lag>,
     /// Whether the filter is the same on all joints.
     pub same: bool,
-    /// Deviation of the noise, N·m.
+    /// Standard deviation of each joint's noise, N·m.
     pub noise: Vec<f64>,
-    /// Correlation of the noise from one sample of the trace to the next.
+    /// Correlation of the noise from one sample of the trace to the next, 0 to 1.
     pub colour: f64,
-    /// Step of the logged number, N·m.
+    /// Step of each joint's logged number, N·m.
     pub quantum: Vec<f64>,
     /// Index of the joint with a bias, and the bias, N·m.
     pub bias: (usize, f64),
-    /// Outliers in a minute, over all joints.
+    /// Number of outliers in a minute, over all joints.
     pub outliers: f64,
-    /// Size of the outliers, N·m.
+    /// Size of each joint's outliers, N·m.
     spike: Vec<f64>,
 }
 
 /// Torque at the stages of a channel, row after row, N·m.
 pub struct Logged {
-    /// Torque after the filter and with the bias.
+    /// Torque after the filter and with the bias, without noise, N·m.
     pub clean: Vec<f64>,
-    /// Torque in the log.
+    /// Torque in the log, with noise, outliers and steps.
     pub recorded: Vec<f64>,
 }
 
@@ -100,7 +100,7 @@ impl Channel {
         Logged { clean, recorded }
     }
 
-    /// First moment of each joint's filter, s: how late it makes a slow torque.
+    /// Lateness of a slow torque behind each joint's filter, s: the filter's first moment.
     pub fn lateness(&self) -> Vec<f64> {
         self.lag.iter().map(|l| l.first_moment()).collect()
     }

@@ -7,20 +7,20 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
-/// Role of a trajectory.
+/// Role of a trajectory in a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// Training.
+    /// Training: effects are fitted on it.
     Train,
-    /// Test.
+    /// Test: it is held out.
     Test,
 }
 
 /// A session with the roles of its trajectories.
 pub struct Day {
-    /// Session with the motion.
+    /// Session with the motion of the day.
     pub session: Session,
-    /// Role of each trajectory.
+    /// Role of each trajectory of the session.
     pub roles: Vec<Role>,
 }
 

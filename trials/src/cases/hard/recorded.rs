@@ -24,17 +24,17 @@ use std::ops::Range;
 
 /// A simulated robot on its way into files.
 pub struct Recorded<'a> {
-    /// Kind of the case.
+    /// Kind of the case: its withheld effect.
     pub kind: Kind,
-    /// Name of the case.
+    /// Name of the case's files.
     pub id: &'a str,
     /// The described robot and the real one.
     pub drawn: &'a Drawn,
     /// Trajectories of the first day and, where there is one, of the other.
     pub days: &'a [Day],
-    /// The first day.
+    /// Experiment of the first day.
     pub experiment: Experiment<'a>,
-    /// File that holds the pushes while the arm stands.
+    /// Role of the file that holds the pushes while the arm stands.
     pub pushed: Role,
 }
 
@@ -108,7 +108,7 @@ impl Recorded<'_> {
         }))
     }
 
-    /// The run of another day.
+    /// Run of the same experiment on another day, with the arm and the session of that day.
     fn run_again(
         &self,
         plain: &Arm,

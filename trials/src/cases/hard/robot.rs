@@ -10,19 +10,19 @@ use rand_chacha::ChaCha8Rng;
 
 /// A robot in the simulator's model, and the true one.
 pub struct Drawn {
-    /// Model for the simulator; joints may lack friction.
+    /// Robot as the simulator's model has it; joints may lack friction.
     pub given: Arm,
-    /// The plant without any effect.
+    /// Real robot without any effect.
     pub plain: Arm,
     /// Largest relative error of most described inertials; a few links are off by twice as much.
     pub inertial_width: f64,
     /// Largest factor between described and real friction.
     pub friction_width: f64,
-    /// Joints whose friction is not described.
+    /// Indices of the joints whose friction is not described.
     pub no_friction: Vec<usize>,
 }
 
-/// Draws both around `nominal`.
+/// Random robot around `nominal`: as described, and as it really is.
 pub fn draw(nominal: &Arm, rng: &mut ChaCha8Rng) -> Drawn {
     let inertial_width = [0.03, 0.1, 0.25][rng.random_range(0..3)];
     let friction_width = [1.1, 2.0, 3.0][rng.random_range(0..3)];

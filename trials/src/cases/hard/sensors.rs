@@ -13,16 +13,16 @@ use std::ops::Range;
 /// Irregularity of the sampling times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Jitter {
-    /// No irregularity.
+    /// Regular sampling times with exact stamps.
     None,
-    /// Samples are even, their stamps are not.
+    /// Even sampling times with irregular stamps.
     Stamps,
-    /// Sampling is irregular, and the stamps are right.
+    /// Irregular sampling times with right stamps.
     Sampling,
 }
 
 impl Jitter {
-    /// Name in the answers.
+    /// Name of the irregularity in the answers.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -34,7 +34,7 @@ impl Jitter {
 
 /// Sampling of motion and torque in the log.
 pub struct Log {
-    /// Sampling rate, Hz.
+    /// Sampling rate of the log, Hz.
     pub rate: f64,
     /// Irregularity of the sampling times.
     pub jitter: Jitter,
@@ -44,7 +44,7 @@ pub struct Log {
     pub velocity: bool,
 }
 
-/// A random log.
+/// Random properties of a log.
 pub fn draw(rng: &mut ChaCha8Rng) -> Log {
     let rate = [50.0, 100.0, 250.0][rng.random_range(0..3)];
     let jitter = match rng.random_range(0..10) {

@@ -5,29 +5,29 @@ use serde::Serialize;
 /// An effect on a joint, and the part of its torque that it makes.
 #[derive(Debug, Clone, Serialize)]
 pub struct NamedShare {
-    /// Name of the effect.
+    /// Name of the effect on the joint.
     pub effect: &'static str,
-    /// Name of the joint.
+    /// Name of the joint that has the effect.
     pub joint: String,
     /// Root mean square of the effect's torque over that of the joint's torque.
     pub share: f64,
 }
 
-/// A bias of the torque.
+/// Bias of one joint's torque.
 #[derive(Debug, Clone, Serialize)]
 pub struct Bias {
-    /// Name of the joint.
+    /// Name of the joint with the bias.
     pub joint: String,
     /// Bias over the root mean square of the joint's torque, without unit.
     pub share: f64,
 }
 
-/// Filters of the current.
+/// Filters of the joints' currents before the log.
 #[derive(Debug, Clone, Serialize)]
 pub struct LowPass {
     /// Whether all joints have the same filter.
     pub same: bool,
-    /// First moment of each, ms.
+    /// First moment of each joint's filter, ms.
     pub lag_ms: Vec<f64>,
 }
 
@@ -38,9 +38,9 @@ pub struct HardTruth {
     pub inertial_width: f64,
     /// Largest factor between described and real friction.
     pub friction_width: f64,
-    /// Joints whose friction is not described.
+    /// Names of the joints whose friction is not described.
     pub no_friction: Vec<String>,
-    /// Law by which friction comes to rest.
+    /// Name of the law by which friction comes to rest.
     pub rest: String,
     /// Number of trajectories to fit on.
     pub train: usize,
@@ -48,7 +48,7 @@ pub struct HardTruth {
     pub test: usize,
     /// Length of the trajectories, s.
     pub duration: f64,
-    /// Sampling rate, Hz.
+    /// Sampling rate of the log, Hz.
     pub rate: f64,
     /// Irregularity of the sampling times.
     pub jitter: &'static str,
@@ -56,13 +56,13 @@ pub struct HardTruth {
     pub velocity: bool,
     /// Whether the held-out trajectories are of another day.
     pub other_day: bool,
-    /// File that alone has pushes (`train` or `heldout`).
+    /// Name of the file that alone has pushes (`train` or `heldout`).
     pub contact: Option<&'static str>,
-    /// Filters of the current.
+    /// Filters that the currents went through.
     pub lowpass: LowPass,
-    /// Bias of the torque.
+    /// Bias of one joint's torque.
     pub bias: Bias,
-    /// Outliers per minute.
+    /// Outliers of the torque per minute, over all joints.
     pub outliers: f64,
     /// Small effects on the joints.
     pub background: Vec<NamedShare>,

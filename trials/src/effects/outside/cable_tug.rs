@@ -13,9 +13,9 @@ use serde_json::json;
 /// A cable over two joints that is slack in part of the region and pulls on both in the other part.
 #[derive(Debug, Clone)]
 struct CableTug {
-    /// Indices of the plant's joints on which it acts.
+    /// Indices of the plant's joints on which the mechanism acts.
     joints: [usize; 2],
-    /// Positions at which the cable is straight.
+    /// Positions of both joints at which the cable is straight, rad.
     centre: [f64; 2],
     /// Ratio of the second joint's lever arm to the first's.
     ratio: f64,
@@ -37,7 +37,7 @@ impl Mechanism for CableTug {
     }
 }
 
-/// Size: N·m per squared relative length.
+/// Cable over two joints. Its size is the torque per squared relative length, N·m.
 #[derive(Debug)]
 struct Cable {
     joints: [usize; 2],

@@ -12,9 +12,9 @@ use serde_json::json;
 /// Each joint is braked in proportion to its own speed times the other's.
 #[derive(Debug, Clone)]
 struct CrossDrag {
-    /// Indices of the plant's joints on which it acts.
+    /// Indices of the plant's joints on which the mechanism acts.
     joints: [usize; 2],
-    /// Torque on each at 1 rad/s of both, N·m.
+    /// Torque on each joint at 1 rad/s of both, N·m.
     size: [f64; 2],
 }
 
@@ -26,7 +26,8 @@ impl Mechanism for CrossDrag {
     }
 }
 
-/// Size: N·m on the second joint at 1 rad/s of both.
+/// Drag on two joints by the product of their speeds. Its size is the torque on the second joint at 1 rad/s of both,
+/// N·m.
 #[derive(Debug)]
 struct Drag {
     joints: [usize; 2],

@@ -13,11 +13,11 @@ use serde_json::json;
 /// The losses of one joint's drive.
 #[derive(Debug, Clone)]
 struct Dropouts {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     joint: usize,
     /// Lost share of the torque.
     depth: f64,
-    /// Start and end of each loss, s, in order.
+    /// Start and end of each loss of torque, s, in order.
     times: Vec<(f64, f64)>,
 }
 
@@ -30,7 +30,7 @@ impl Mechanism for Dropouts {
     }
 }
 
-/// Size: lost share.
+/// Drive that loses torque at random for short times. Its size is the share that it loses.
 #[derive(Debug)]
 struct Drive {
     joint: usize,

@@ -15,11 +15,11 @@ use std::f64::consts::PI;
 /// Spring and damper of one joint towards zero.
 #[derive(Debug, Clone)]
 struct SpringDamper {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     joint: usize,
-    /// Stiffness, N·m/rad.
+    /// Stiffness of the spring, N·m/rad.
     stiffness: f64,
-    /// Damping, N·m·s/rad.
+    /// Damping of the damper, N·m·s/rad.
     damping: f64,
 }
 
@@ -37,10 +37,10 @@ impl Mechanism for SpringDamper {
     }
 }
 
-/// Size: rad/N·m about a level hinge below the base.
+/// Flexible mount of the arm: a level hinge below the base. Its size is the compliance, rad/(N·m).
 #[derive(Debug)]
 struct Mount {
-    /// Direction of the hinge.
+    /// Direction of the hinge, a level unit vector.
     axis: Vector3<f64>,
     /// Distance of the hinge below the base, m.
     below: f64,

@@ -14,13 +14,13 @@ use std::f64::consts::TAU;
 /// Vibration of fixed frequency that comes and goes.
 #[derive(Debug, Clone)]
 struct FloorHum {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     joint: usize,
-    /// Amplitude, N·m.
+    /// Amplitude of the hum's torque, N·m.
     size: f64,
-    /// Frequency, Hz.
+    /// Frequency of the hum, Hz.
     frequency: f64,
-    /// Period of its coming and going, s.
+    /// Period with which the hum comes and goes, s.
     swell: f64,
 }
 

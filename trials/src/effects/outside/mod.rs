@@ -29,7 +29,7 @@ const MECHANISMS: [Draw; 8] = [
     worn_sector::draw,
 ];
 
-/// Any one of them.
+/// Random mechanism among those outside the catalogue, with a random shape.
 pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let n = scene.arm.dof();
     let other = (pick.any + rng.random_range(1..n)) % n;

@@ -5,7 +5,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
-/// Share of the joint's torque.
+/// Range of the share of the joint's torque that a mechanism makes.
 pub const SHARES: Range<f64> = 0.1..0.35;
 
 /// A place of joint `j` away from the ends of its region, rad.

@@ -14,17 +14,17 @@ use std::f64::consts::TAU;
 /// The liquid as a mass on a weak spring, shaken by the joint's acceleration.
 #[derive(Debug, Clone)]
 struct SloshingTank {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     joint: usize,
     /// Inertia of the liquid about the joint, kg·m².
     inertia: f64,
-    /// Natural frequency, Hz.
+    /// Natural frequency of the liquid, Hz.
     frequency: f64,
     /// Damping ratio of the liquid.
     damping: f64,
     /// Angle of the liquid against the tank, rad.
     angle: f64,
-    /// Rate of that angle, rad/s.
+    /// Rate of the liquid's angle against the tank, rad/s.
     rate: f64,
 }
 

@@ -15,15 +15,15 @@ use std::f64::consts::PI;
 /// Half cosines between random knots.
 #[derive(Debug, Clone)]
 struct WanderingOffset {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     joint: usize,
     /// Root mean square of the knots, N·m.
     size: f64,
-    /// First knot, s.
+    /// Time of the first knot, s.
     start: f64,
-    /// Distance of knots, s.
+    /// Time between knots, s.
     step: f64,
-    /// Values at the knots, of unit deviation.
+    /// Values of the torque at the knots, of unit deviation.
     knots: Vec<f64>,
 }
 

@@ -13,15 +13,15 @@ use serde_json::json;
 /// Friction within part of a joint's range.
 #[derive(Debug, Clone)]
 struct WornSector {
-    /// Index of the plant's joint on which it acts.
+    /// Index of the plant's joint on which the mechanism acts.
     joint: usize,
-    /// Friction torque, N·m.
+    /// Friction torque within the sector, N·m.
     size: f64,
     /// Middle of the sector, rad.
     centre: f64,
-    /// Half of its width, rad.
+    /// Half of the sector's width, rad.
     half: f64,
-    /// Softening of the sign, rad/s.
+    /// Speed over which the sign of velocity is softened, rad/s.
     v_eps: f64,
 }
 

@@ -20,7 +20,7 @@ pub(super) use rows::{Flanks, Rows};
 
 /// Initial gaps, relative to the departure's range. Last a start without gap is tried: a spring.
 const STARTS: [f64; 4] = [0.1, 0.3, 0.6, 0.85];
-/// Most steps from one start.
+/// Largest number of steps of the fit from one start.
 const STEPS: usize = 14;
 /// Radii over which friction between the teeth reverses, relative to the deflection's root mean square.
 const TEETH: [f64; 2] = [0.1, 0.3];

@@ -29,16 +29,16 @@ pub struct Rows {
     /// Measured torque, N·m, and whether each row is counted; rows without weight are not.
     pub torque: Vec<f64>,
     pub counts: Vec<bool>,
-    /// Rows of each trajectory.
+    /// Ranges of the rows of each trajectory.
     pub trajectories: Vec<Range<usize>>,
     /// Rate of the rows, Hz.
     pub rate_hz: f64,
 }
 
-/// Flanks of a gear.
+/// Flanks of a joint's gear as fitted to the departure of link from motor.
 #[derive(Clone, Copy, Debug)]
 pub struct Flanks {
-    /// Departure at which each flank begins, rad; equal where there is no gap.
+    /// Departure of link from motor at which each flank begins, rad; equal where there is no gap.
     pub at: [f64; 2],
     /// Stiffness at the flanks and its standard deviation, N·m/rad; none where they are too stiff to tell.
     pub stiffness: Option<[f64; 2]>,
@@ -93,7 +93,7 @@ impl Rows {
     }
 }
 
-/// Root mean square.
+/// Root mean square of the values `x`; zero where there are none.
 pub(super) fn rms(x: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = x.fold((0.0, 0usize), |(s, n), x| (s + x * x, n + 1));
     (sum / n.max(1) as f64).sqrt()

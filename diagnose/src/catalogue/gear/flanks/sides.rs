@@ -13,7 +13,7 @@ const EITHER: f64 = 0.05;
 const SPREADS: f64 = 0.35;
 /// Least mean number of rows of a stay on one side: noise of a sensor that counts in steps stays nowhere.
 const STAYS: f64 = 5.0;
-/// Most iterations until the sides converge.
+/// Largest number of iterations until the sides converge.
 const STEPS: usize = 20;
 
 /// The two sides, where the departure has two and the torque pushes towards the one at which the link stands.

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
-    /// Control law.
+    /// Control law of all drives.
     pub kind: ControllerKind,
     /// Gain on the position error: see [`Key::Kp`].
     pub kp: Option<PerJoint>,
@@ -51,10 +51,10 @@ pub struct Controller {
     /// Relative tolerance (one standard deviation) of the given values.
     #[serde(default)]
     pub tolerance: Tolerance,
-    /// Keys whose value is not known: a value given for them is at most a start of the fit.
+    /// Keys whose values are unknown. A value given for them is at most a start of the fit.
     #[serde(default)]
     pub free: Vec<Key>,
-    /// Time between commands, s; none: taken from the recording.
+    /// Period of the commands, s; taken from the recording where it is not given.
     pub period: Option<f64>,
     /// Set point of the drive between two commands.
     #[serde(default)]
@@ -79,7 +79,7 @@ pub enum ControllerKind {
 }
 
 impl ControllerKind {
-    /// Name in the drive file.
+    /// Name of the law in the drive file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pd => "pd",
@@ -99,7 +99,7 @@ impl ControllerKind {
         }
     }
 
-    /// Whether a key means anything to it.
+    /// Whether the law uses a key.
     fn has(self, key: Key) -> bool {
         matches!(key, Key::Limit | Key::Delay) || self.keys().0.contains(&key)
     }

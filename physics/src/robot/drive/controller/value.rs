@@ -15,7 +15,7 @@ pub enum Key {
     Ki,
     /// Torque per error of velocity of a cascade, N·m·s/rad (N·s/m).
     KpVelocity,
-    /// Torque per integral of that error, N·m/rad (N/m).
+    /// Torque of a cascade per integral of the velocity error, N·m/rad (N/m).
     KiVelocity,
     /// Torque at standstill per error, N·m/rad (N/m).
     TorquePerError,
@@ -23,7 +23,7 @@ pub enum Key {
     BackEmf,
     /// Torque at standstill under the full supply voltage, N·m (N).
     Voltage,
-    /// Largest torque, N·m (N).
+    /// Largest torque that the drive gives, N·m (N).
     Limit,
     /// Time by which commands reach the drive late, s.
     Delay,
@@ -51,7 +51,7 @@ pub enum PerJoint {
 pub enum Tolerance {
     /// Tolerance of every value.
     All(f64),
-    /// Tolerance by key; the other values are exact.
+    /// Tolerance of each key; values of other keys are exact.
     ByKey(BTreeMap<Key, f64>),
 }
 
@@ -65,7 +65,7 @@ impl Default for Tolerance {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {
-    /// The last command holds.
+    /// Last command, held until the next one.
     #[default]
     Hold,
     /// Straight lines from command to command.
@@ -79,9 +79,9 @@ pub enum Interpolation {
     expecting = "gravity_compensation is true, false or \"unknown\""
 )]
 pub enum GravityCompensation {
-    /// On or off.
+    /// Known state: on or off.
     Known(bool),
-    /// Not known.
+    /// Unknown state, to be found from a recording.
     Unknown(Unknown),
 }
 
@@ -89,7 +89,7 @@ pub enum GravityCompensation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unknown {
-    /// The word itself: `"unknown"`.
+    /// Literal word `"unknown"`.
     Unknown,
 }
 
@@ -110,7 +110,7 @@ impl GravityCompensation {
 }
 
 impl Key {
-    /// All keys.
+    /// All keys of the controller with one number per joint.
     pub const ALL: [Self; 10] = [
         Self::Kp,
         Self::Kd,
@@ -124,7 +124,7 @@ impl Key {
         Self::Delay,
     ];
 
-    /// Name in the drive file.
+    /// Name of the key in the drive file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Kp => "kp",
@@ -140,7 +140,7 @@ impl Key {
         }
     }
 
-    /// Whether zero is no value of it: a gain or limit of zero moves nothing.
+    /// Whether values of this key must be above zero: a gain or limit of zero moves nothing.
     pub(super) fn positive(self) -> bool {
         !matches!(
             self,

@@ -13,24 +13,24 @@ use crate::robot::{Robot, RobotError};
 /// the joint gains are multiplied by the square of the gear, forces by the gear.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
-    /// Name of the actuator; that of its joint where it has none.
+    /// Name of the actuator; without one, that of its joint.
     pub name: String,
-    /// Law of the actuator.
+    /// Law of the actuator's force.
     pub kind: ActuatorKind,
     /// Joint force per force of the actuator. A control is compared with `gear` times the joint's position.
     pub gear: f64,
-    /// Range of its force, N·m (N); none where it is not limited.
+    /// Range of the actuator's force, N·m (N); none where it is not limited.
     pub force: Option<[f64; 2]>,
-    /// Range of its control: rad (m) for position servos, N·m (N) for motors; none where it is not limited.
+    /// Range of the actuator's control: rad (m) for position servos, N·m (N) for motors; none where it is not limited.
     pub control: Option<[f64; 2]>,
-    /// Time constant by which it smooths its control, s.
+    /// Time constant by which the actuator smooths its control, s.
     pub lag: Option<f64>,
-    /// Time by which its control reaches it late, s.
+    /// Delay with which the control reaches the actuator, s.
     pub delay: Option<f64>,
 }
 
 impl Actuator {
-    /// Gains at the joint, N·m/rad and N·m·s/rad (N/m and N·s/m); none where it is no servo of position.
+    /// Gains at the joint, N·m/rad and N·m·s/rad (N/m and N·s/m); none where it does not servo a position.
     pub fn gains(&self) -> Option<[f64; 2]> {
         let square = self.gear * self.gear;
         match self.kind {
@@ -62,7 +62,7 @@ pub(super) fn through(range: [f64; 2], factor: f64) -> [f64; 2] {
 pub(super) struct Found<'c, 'd, 't> {
     pub attributes: Attributes<'c, 'd, 't>,
     pub actuator: Actuator,
-    /// Whether its kv follows from a damping ratio, and so from the model's inertias.
+    /// Whether the servo's kv follows from a damping ratio, and so from the model's inertias.
     pub by_ratio: bool,
 }
 

@@ -5,11 +5,11 @@ use super::scene::{Kind, Scene};
 use crate::robot::{Inertia, Robot, RobotError};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Unit, Vector3};
 
-/// Inertia at each joint, rotor included, when the other joints are free, all at their reference: 1/(M⁻¹)ᵢᵢ in kg·m² (kg). So
-/// has MuJoCo 4.0.0, except that joints which were not chosen stand still here.
+/// Inertia at each joint, rotor included, when the other joints are free, all at their reference: 1/(M⁻¹)ᵢᵢ in kg·m²
+/// (kg). So has MuJoCo 4.0.0, except that joints which were not chosen stand still here.
 ///
 /// # Errors
-/// A `ref` that is no number.
+/// A `ref` that is not a number.
 pub(super) fn inertias(
     scene: &Scene<'_, '_, '_>,
     chain: &Chain,

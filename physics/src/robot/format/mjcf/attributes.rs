@@ -5,7 +5,7 @@ use super::source::Element;
 use crate::robot::RobotError;
 use std::collections::HashMap;
 
-/// Attributes that fewer values than there are change in part.
+/// Attributes of which a shorter list of values changes only the first ones.
 const PARTIAL: [&str; 5] = ["size", "gear", "gainprm", "biasprm", "dynprm"];
 
 /// Ways to write an orientation beside `quat`; one displaces the other.
@@ -28,7 +28,7 @@ pub(super) const ACTUATORS: [&str; 13] = [
     "plugin",
 ];
 
-/// Under which name a class keeps the tag of its actuators' defaults; no attribute has a blank in its name.
+/// Key under which a class keeps the tag of its actuators' defaults. Names of attributes have no blank, so it is free.
 const ACTUATOR_TAG: &str = "actuator tag";
 
 /// Attributes that a class gives to one kind of element.
@@ -126,7 +126,7 @@ fn nested_of<'d, 't>(
     list.collect()
 }
 
-/// Under which name defaults of an element stand.
+/// Name under which the defaults of an element with this tag stand.
 fn kind(tag: &str) -> &'static str {
     match tag {
         "joint" => "joint",
@@ -163,7 +163,7 @@ fn over(below: &str, above: &str) -> String {
 /// Attributes of one element.
 #[derive(Clone, Copy)]
 pub(super) struct Attributes<'c, 'd, 't> {
-    /// The element itself.
+    /// Element whose attributes they are.
     pub element: Element<'d, 't>,
     given: Option<&'c Given>,
 }
@@ -177,7 +177,7 @@ impl<'d, 't> Attributes<'_, 'd, 't> {
         }
     }
 
-    /// Text of an attribute.
+    /// Text of an attribute: the element's own, else the default.
     pub fn get(&self, name: &str) -> Option<String> {
         let own = self.element.get(name);
         let below = self.given.and_then(|g| g.get(name));

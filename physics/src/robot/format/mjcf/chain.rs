@@ -10,7 +10,7 @@ use crate::robot::judgement;
 use crate::robot::{Inertia, Joint, JointKind, Limits, Link, Passive, Robot, RobotError, Spring};
 use nalgebra::{Matrix3, Rotation3, Unit};
 
-/// Stiffness (N·m/rad) and parts of a weight beyond this belong to no robot.
+/// Largest stiffness (N·m/rad), and part of a weight, that is accepted.
 const LARGEST: f64 = 1e9;
 
 /// Difference below which two fractions of compensated weight count as equal.
@@ -74,7 +74,7 @@ impl Chain {
         links.filter(move |(_, l)| **l == link + 1).map(|(b, _)| b)
     }
 
-    /// The robot of the chain.
+    /// Robot with the joints of the chain.
     pub fn robot(&self, scene: &Scene<'_, '_, '_>) -> Result<Robot, RobotError> {
         self.supported(scene)?;
         let mut joints = Vec::new();

@@ -9,11 +9,11 @@ use crate::robot::RobotError;
 
 /// A tendon or equality constraint.
 struct Coupling {
-    /// Name in messages.
+    /// Name of the coupling in messages.
     label: String,
-    /// Joints that it acts on.
+    /// Indices of the joints that the coupling acts on.
     joints: Vec<usize>,
-    /// Bodies that it ties to each other.
+    /// Indices of the bodies that the coupling ties to each other.
     bodies: Vec<usize>,
 }
 
@@ -87,7 +87,7 @@ impl Couplings {
 /// An actuator with the model in which it stands.
 pub(super) struct Actuator<'c, 'd, 't> {
     pub attributes: Attributes<'c, 'd, 't>,
-    /// The joint that it drives.
+    /// Index of the joint that the actuator drives.
     pub joint: Option<usize>,
 }
 

@@ -8,8 +8,8 @@ use super::scene::Scene;
 use super::write::words;
 use crate::robot::{Robot, RobotError};
 
-/// Changes at the drive of one joint, all at the joint: the gear is taken out when they are written. A value of
-/// none stays as it is.
+/// Changes at the drive of one joint, all at the joint: the gear is taken out when they are written. A value that is
+/// `None` stays as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveEdit {
     /// Torque per error of position, N·m/rad (N/m).

@@ -170,7 +170,7 @@ impl Edited {
         Ok(written)
     }
 
-    /// Names of the changed files; none of the others.
+    /// Name of each changed file in the output; none for a file that is unchanged.
     fn names(&self, out: &Path, changed: &HashSet<usize>) -> Vec<Option<String>> {
         let stem = out.file_stem().map(|s| s.to_string_lossy().into_owned());
         let stem = stem.unwrap_or_default();

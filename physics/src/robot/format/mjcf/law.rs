@@ -8,26 +8,26 @@ use crate::robot::RobotError;
 pub enum ActuatorKind {
     /// `<position>`: kp·(u − l) − kv·l̇.
     Position {
-        /// Stiffness, N·m/rad (N/m).
+        /// Stiffness of the servo at the actuator, N·m/rad (N/m).
         kp: f64,
-        /// Damping, N·m·s/rad (N·s/m).
+        /// Damping of the servo at the actuator, N·m·s/rad (N·s/m).
         kv: f64,
     },
-    /// `<general>` with the same law.
+    /// Servo of position by `<general>`: kp·(u − l) − kv·l̇.
     Pd {
-        /// Stiffness, N·m/rad (N/m).
+        /// Stiffness of the servo at the actuator, N·m/rad (N/m).
         kp: f64,
-        /// Damping, N·m·s/rad (N·s/m).
+        /// Damping of the servo at the actuator, N·m·s/rad (N·s/m).
         kv: f64,
     },
-    /// kv·(u − l̇).
+    /// Servo of velocity: force = kv·(u − l̇).
     Velocity {
         /// Gain on the velocity error, N·m·s/rad (N·s/m).
         kv: f64,
     },
-    /// Force = u.
+    /// Motor: force = u.
     Motor,
-    /// Any other law, in words.
+    /// Law beyond these, in words.
     Other(String),
 }
 

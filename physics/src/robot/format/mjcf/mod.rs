@@ -85,7 +85,7 @@ impl Mjcf {
     /// gravity where they differ, everything else untouched to the byte.
     ///
     /// A link's inertia is written to the body that its joint moves, less the inertias of the bodies fixed to
-    /// it. Where the difference is no possible body, those become lighter. A payload becomes a body of its own.
+    /// it. Where no body can have that difference, those become lighter. A payload becomes a body of its own.
     ///
     /// # Errors
     /// As [`Mjcf::robot`], or a robot with other joints.

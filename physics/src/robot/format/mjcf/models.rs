@@ -6,7 +6,7 @@ use super::settings::Settings;
 use super::source::Element;
 use crate::robot::RobotError;
 
-/// Deepest chain of models that attach models.
+/// Largest depth to which attached models may attach others.
 const DEEPEST: usize = 16;
 
 /// A model with its own defaults and compiler settings.

@@ -11,7 +11,7 @@ use crate::robot::{Inertia, RobotError};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{HashMap, HashSet};
 
-/// Deepest nesting of bodies and frames.
+/// Largest depth to which bodies and frames may nest.
 const DEEPEST: usize = 256;
 
 /// Elements in a body that bring bodies, joints or forces of their own.
@@ -25,13 +25,13 @@ pub(super) struct Body<'c, 'd, 't> {
     pub name: String,
     /// Element of the body; none for the world.
     pub element: Option<Element<'d, 't>>,
-    /// Index of the body that carries it; the world's own is 0.
+    /// Index of the body that carries the body; the world's own is 0.
     pub parent: usize,
     /// The model in which it stands.
     model: usize,
     /// Orientation and origin in that body where every joint is at its reference.
     pub pose: Pose,
-    /// Origin as written.
+    /// Origin of the body as written, m.
     written: Vector3<f64>,
     pub inertial: Option<Attributes<'c, 'd, 't>>,
     pub geoms: Vec<Geom<'c, 'd, 't>>,
@@ -64,18 +64,18 @@ pub(super) enum Kind {
     Other,
 }
 
-/// A joint of the scene.
+/// Joint of the scene, as an MJCF has it.
 pub(super) struct Joint<'c, 'd, 't> {
     pub name: String,
-    /// Index of the body that it moves.
+    /// Index of the body that the joint moves.
     pub body: usize,
-    /// Radians per unit of angle, and whether a range alone makes a limit, where it stands.
+    /// Radians per unit of angle in the joint's model; in `autolimits`, whether a range alone makes a limit there.
     pub angle: f64,
     pub autolimits: bool,
     pub kind: Kind,
     /// Point of the axis in the body.
     pub anchor: Vector3<f64>,
-    /// Axis in the body.
+    /// Axis of the joint in the body's frame.
     pub axis: Vector3<f64>,
     pub attributes: Attributes<'c, 'd, 't>,
 }
@@ -84,16 +84,16 @@ pub(super) struct Joint<'c, 'd, 't> {
 pub(super) struct Scene<'c, 'd, 't> {
     pub name: String,
     pub root: Element<'d, 't>,
-    /// The main model's, whose options hold for all.
+    /// Settings of the main model, whose options hold for all.
     pub settings: &'c Settings,
     models: &'c Models<'d, 't>,
-    /// The main model, and each that was attached.
+    /// Main model, and each model that was attached.
     instances: Vec<Instance>,
-    /// Parents before children.
+    /// Bodies of the scene, parents before children.
     pub bodies: Vec<Body<'c, 'd, 't>>,
     /// Joints; those of one body in the order in which they act.
     pub joints: Vec<Joint<'c, 'd, 't>>,
-    /// Body of each site.
+    /// Index of the body that holds each site, by the site's name.
     pub sites: HashMap<String, usize>,
 }
 

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
 /// Largest gravity that is accepted, m/s².
 const STRONGEST: f64 = 1e6;
 
-/// Length below which a vector has no direction.
+/// Length of a vector below which it has no direction.
 const SHORTEST: f64 = 1e-14;
 
 /// Cases in which a body's inertia follows from its geoms.
@@ -19,11 +19,11 @@ pub(super) enum FromGeoms {
     Never,
     /// Always, whatever its `<inertial>`.
     Always,
-    /// If the body has no `<inertial>`.
+    /// Inertia from geoms where the body has no `<inertial>`.
     Missing,
 }
 
-/// Settings of a model.
+/// Settings that hold for all of a model.
 pub(super) struct Settings {
     /// Radians per unit of angle.
     pub angle: f64,
@@ -31,17 +31,17 @@ pub(super) struct Settings {
     euler: [char; 3],
     /// Whether a range alone makes a limit.
     pub autolimits: bool,
-    /// Inertia from geoms.
+    /// Rule for inertia from geoms.
     pub from_geoms: FromGeoms,
-    /// Lowest and highest group of the geoms that count for it.
+    /// Lowest and highest group of the geoms that count for a body's inertia.
     pub groups: [f64; 2],
     /// Whether impossible principal moments are replaced by their mean.
     pub balance: bool,
-    /// Least mass of a body, kg.
+    /// Least mass that bodies get, kg.
     pub least_mass: f64,
-    /// Least principal moment, kg·m².
+    /// Least principal moment that bodies get, kg·m².
     pub least_inertia: f64,
-    /// Gravity, m/s².
+    /// Gravity in the world frame, m/s².
     pub gravity: Vector3<f64>,
     /// Whether a flag switches gravity off, whatever its vector.
     pub weightless: bool,
@@ -49,7 +49,7 @@ pub(super) struct Settings {
     pub medium: [f64; 2],
     /// Whether springs, dampers and dry friction act.
     pub springs: bool,
-    /// Whether dampers act.
+    /// Whether dampers act in the model.
     pub dampers: bool,
     /// Whether dry friction acts.
     pub friction: bool,
@@ -239,7 +239,7 @@ impl Settings {
     }
 }
 
-/// A vector of length one.
+/// Unit vector along `vector`, an attribute of that name.
 pub(super) fn direction(
     a: &Attributes<'_, '_, '_>,
     name: &str,

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// Density of a geom that gives neither mass nor density, kg/m³.
 const WATER: f64 = 1000.0;
 
-/// Moments beyond this, kg·m², are refused anyway.
+/// Largest moment of inertia that is accepted, kg·m².
 const LARGEST: f64 = 1e12;
 
 /// A geom of a body with the pose of the frame that it stands in.
@@ -113,7 +113,7 @@ fn from_geoms(
     }))
 }
 
-/// Mass of one geom in the frame of its body; none of a geom that never has any.
+/// Mass of one geom in the frame of its body; none for kinds of geoms that never have a mass.
 fn geom_mass(
     body: &str,
     geom: &Geom<'_, '_, '_>,
@@ -204,8 +204,8 @@ fn placed(
     Ok((size, pose))
 }
 
-/// Volume (surface of a shell) and the principal moments of a mass of one, z along the geom's own axis; none of a shape that
-/// has no formula here.
+/// Volume (surface of a shell) and the principal moments of a mass of one, z along the geom's own axis; none for a
+/// shape that has no formula here.
 fn solid(kind: &str, [a, b, c]: [f64; 3], shell: bool) -> Option<(f64, Vector3<f64>)> {
     let round = |content: f64, across: f64, along: f64| {
         Some((content, Vector3::new(across, across, along)))

@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 /// Largest number of files of one model.
 const MOST_FILES: usize = 1000;
 
-/// One file of the model.
+/// File of the model, with its text.
 #[derive(Clone, Debug)]
 pub(super) struct File {
     /// Path of the file; empty for a text without a file.
     pub path: PathBuf,
-    /// The file that includes it; none for the main one.
+    /// Index of the file that includes the file; none for the main one.
     pub parent: Option<usize>,
-    /// Text of the file.
+    /// Text of the file as it is on disk.
     pub text: String,
     /// The text as a parser of XML accepts it, every byte in its place.
     readable: String,
@@ -33,7 +33,7 @@ impl File {
         }
     }
 
-    /// This file with another text.
+    /// Same file with another text.
     pub fn with_text(&self, text: String) -> Self {
         Self::new(&self.path, self.parent, text)
     }
@@ -47,7 +47,7 @@ pub(super) struct Sources {
 
 impl Sources {
     /// Reads a file and the files that it includes. As in MuJoCo, the path of an included file is relative to
-    /// the main file or, where there is none, to the file that includes it. No file may be included twice.
+    /// the main file or, if no such file exists, to the file that includes it. No file may be included twice.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
         let mut files = vec![File::new(path, None, text_of(path)?)];
         let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
@@ -87,7 +87,7 @@ impl Sources {
         }
     }
 
-    /// Parses every file.
+    /// Parses all files of the model.
     pub fn documents(&self) -> Result<Documents<'_>, RobotError> {
         let documents: Vec<Document<'_>> =
             self.files.iter().map(parse).collect::<Result<_, _>>()?;
@@ -145,7 +145,7 @@ fn included(file: &File) -> Result<Vec<(String, bool)>, RobotError> {
         .collect()
 }
 
-/// Parsed files.
+/// Parsed files of a model, linked by their includes.
 pub(super) struct Documents<'t> {
     documents: Vec<Document<'t>>,
     /// Index of the file that an element refers to, by the element's file and its position in the text.
@@ -153,7 +153,7 @@ pub(super) struct Documents<'t> {
 }
 
 impl<'t> Documents<'t> {
-    /// Root of the main file.
+    /// Root element of the main file.
     pub fn root(&self) -> Element<'_, 't> {
         Element {
             documents: self,
@@ -190,12 +190,12 @@ pub(super) struct Element<'d, 't> {
 }
 
 impl<'d, 't> Element<'d, 't> {
-    /// Tag of the element.
+    /// Tag of the element, such as `joint`.
     pub fn tag(&self) -> &'t str {
         self.node.tag_name().name()
     }
 
-    /// An attribute's text.
+    /// Text of an attribute, where the element has it.
     pub fn get(&self, name: &str) -> Option<&'d str> {
         self.node.attribute(name)
     }
@@ -232,7 +232,7 @@ impl<'d, 't> Element<'d, 't> {
         })
     }
 
-    /// The children with a tag.
+    /// Children of the element with this tag.
     pub fn tagged(&self, tag: &str) -> Vec<Self> {
         let mut children = self.children();
         children.retain(|c| c.tag() == tag);

@@ -9,13 +9,14 @@ use roxmltree::Node;
 /// Length below which an axis has no direction.
 const SHORTEST_AXIS: f64 = 1e-6;
 
-/// Departure of an axis's length from one that is rounding: axes are written with at least six digits.
+/// Deviation from 1 of an axis's length up to which it counts as rounding: axes are written with at least six digits.
 const AXIS_ROUNDING: f64 = 1e-5;
 
-/// Size from which a limit counts as none (rad, m, rad/s, m/s, N·m or N); it is written where the format demands a number.
+/// Limit from which a joint counts as unlimited (rad, m, rad/s, m/s, N·m or N). It is written where the format demands
+/// a number.
 pub(super) const UNLIMITED: f64 = 1e9;
 
-/// Orientation and origin.
+/// Orientation and origin of a frame in its parent, m.
 pub(super) type Pose = (Matrix3<f64>, Vector3<f64>);
 
 /// A link of the description.
@@ -29,9 +30,9 @@ pub(super) struct LinkElement<'a> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Motion {
     Fixed,
-    /// About or along one axis.
+    /// Motion about or along one axis.
     Axis(JointKind),
-    /// `floating` or `planar`.
+    /// Motion with several axes: `floating` or `planar`.
     Other,
 }
 
@@ -45,7 +46,7 @@ pub(super) struct Mimic<'a> {
 /// A joint of the description.
 pub(super) struct JointElement<'a> {
     pub name: &'a str,
-    /// `type` as written.
+    /// Text of the attribute `type`, as written.
     pub kind: &'a str,
     pub motion: Motion,
     pub parent: &'a str,
@@ -57,7 +58,7 @@ pub(super) struct JointElement<'a> {
     pub damping: f64,
     pub friction: f64,
     pub mimic: Option<Mimic<'a>>,
-    /// Doubts about the joint.
+    /// Doubts about the joint's description.
     pub findings: Vec<Finding>,
 }
 
@@ -69,7 +70,7 @@ pub(super) fn tagged<'a, 'd>(
     node.children().filter(move |n| n.has_tag_name(tag))
 }
 
-/// The only element with a tag, or none.
+/// Only child element with a tag; none where the tag does not occur.
 fn one<'a, 'd>(node: Node<'a, 'd>, tag: &'static str) -> Result<Option<Node<'a, 'd>>, RobotError> {
     let mut found = tagged(node, tag);
     match (found.next(), found.next()) {

@@ -24,12 +24,12 @@ pub struct Urdf {
 }
 
 impl Urdf {
-    /// Takes a text. `joints` names the joints of the robot, base first, or a frame at the end of its chain;
+    /// Description from a text. `joints` names the joints of the robot, base first, or a frame at the end of its chain;
     /// empty for the only chain. `NAME=POSITION` (rad or m) holds a joint that is not the robot's at that
     /// position.
     ///
     /// # Errors
-    /// A position that is no number.
+    /// A position that is not a number.
     pub fn new(text: impl Into<String>, joints: &[String]) -> Result<Self, RobotError> {
         Ok(Self {
             text: text.into(),
@@ -37,7 +37,7 @@ impl Urdf {
         })
     }
 
-    /// Text of the description.
+    /// Text of the description, as given.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -56,7 +56,7 @@ impl Urdf {
     /// Text with the numbers of a changed robot, everything else untouched to the byte.
     ///
     /// A link's inertia is written to the link that its joint moves, less the inertias of the links fixed to
-    /// it. Where the difference is no possible body, those become lighter. A payload becomes a link of its own.
+    /// it. Where no body can have that difference, those become lighter. A payload becomes a link of its own.
     ///
     /// # Errors
     /// As [`Urdf::robot`], or a robot with other joints.
@@ -88,11 +88,11 @@ impl Urdf {
     }
 }
 
-/// `urdf` with the inertias, damping and friction of `robot`, everything else untouched to the byte: [`Urdf::with`] for the
-/// joints of `robot`.
+/// Text of `urdf` with the inertias, damping and friction of `robot`, everything else untouched to the byte:
+/// [`Urdf::with`] for the joints of `robot`.
 ///
 /// # Errors
-/// `urdf` is no URDF, or not that of this robot's joints.
+/// `urdf` is not a URDF, or not that of this robot's joints.
 pub fn urdf_with(urdf: &str, robot: &Robot) -> Result<String, RobotError> {
     let all = Urdf::new(urdf, &[])?.chains()?;
     if let Some(name) = robot

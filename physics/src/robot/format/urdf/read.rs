@@ -15,7 +15,7 @@ use std::collections::HashMap;
 pub(super) struct Model<'a> {
     name: &'a str,
     links: HashMap<&'a str, LinkElement<'a>>,
-    /// Every one after the joints that carry it.
+    /// Joints of the tree, every one after those that carry it.
     joints: Vec<JointElement<'a>>,
     /// Index of the joint that carries the parent link, for each joint.
     above: Vec<Option<usize>>,
@@ -29,9 +29,9 @@ pub(super) struct Model<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Placed<'a> {
     pub name: &'a str,
-    /// Number of chosen joints that carry it.
+    /// Number of chosen joints that carry the link.
     pub carriers: usize,
-    /// Pose in the frame of the last chosen joint that carries it; in the base frame where none does.
+    /// Pose of the link in the frame of the last chosen joint that carries it; in the base frame where none does.
     pub pose: Pose,
 }
 
@@ -50,7 +50,7 @@ impl<'a> Model<'a> {
         Ok(model)
     }
 
-    /// Reads the tree.
+    /// Reads the tree of links and joints.
     pub fn tree(document: &'a Document<'_>) -> Result<Self, RobotError> {
         let root = document.root_element();
         unexpanded(root)?;
