@@ -9,7 +9,8 @@ use crate::parameter::{Kind, Parameter};
 pub struct Given {
     /// Arm and drives with the given values.
     pub arm: Arm,
-    /// Parameters that are known within a tolerance (relative; the deviation of the logarithm).
+    /// Parameters that are known within a tolerance, each with its standard deviation relative to the given value; that
+    /// of the logarithm where the parameter is searched by it.
     pub tolerances: Vec<(Parameter, f64)>,
     /// Parameters of which nothing is known: they are fitted, and are no cause.
     pub free: Vec<Parameter>,

@@ -31,7 +31,8 @@ pub enum Kind {
     Load,
     /// Rotor inertia.
     Armature,
-    /// Part of gravity that the drives compensate.
+    /// Part of the gravity torque of the given description, without a payload, that each drive adds to its own torque:
+    /// one value for the arm, from 0 (none) to 1 (all of it).
     GravityCompensation,
     /// Mass and first moment of a payload.
     Payload(usize),

@@ -182,7 +182,8 @@ pub struct Controller {
     pub limit: Vec<Option<f64>>,
     /// What the drive adds to its command, rad.
     pub command_zero: Vec<f64>,
-    /// Part of gravity that the drive compensates.
+    /// Part of the gravity torque of the given description, without a payload, that each drive adds to its own torque:
+    /// one value for the arm, from 0 (none) to 1 (all of it).
     pub gravity_compensation: f64,
 }
 

@@ -12,7 +12,7 @@ use ndarray::Array2;
 
 /// Torques for the share of one cause, N·m (N), all of shape (samples, joints).
 pub struct Removed<'a> {
-    /// Gap to the model as given.
+    /// Gap: measured torque less that of the model as given.
     pub gap: &'a Array2<f64>,
     /// Torque of all causes together.
     pub all: &'a Array2<f64>,

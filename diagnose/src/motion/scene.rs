@@ -57,7 +57,8 @@ impl Scale {
     }
 }
 
-/// One recording with the present model evaluated on it. Tables have shape (samples, joints).
+/// Motion of one recording with the torque that the present model predicts on it; no measured torque. Tables have
+/// shape (samples of the fine rate, joints).
 pub struct Scene<'a> {
     /// Robot with the parameters of the present model.
     pub robot: &'a Robot,
