@@ -243,7 +243,7 @@ mod tests {
         let time = vec![0.0, 0.3, 1.1, 2.0];
         let table = |k: usize| Array2::from_shape_fn((4, 1), |(row, _)| q(time[row])[k]);
         let waypoints = Motion {
-            segments: vec![0..4],
+            segments: std::iter::once(0..4).collect(),
             q: table(0),
             qd: table(1),
             qdd: table(2),

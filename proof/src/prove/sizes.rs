@@ -82,7 +82,7 @@ pub fn covered(deviations: f64) -> bool {
 /// Part of the cases that must be found for a share to count as detected.
 const FOUND: f64 = 0.8;
 
-/// Smallest share of a joint's torque from which on [`FOUND`] of the cases are found. `cases` holds (share, found).
+/// Smallest share of a joint's torque from which on `FOUND` of the cases are found. `cases` holds (share, found).
 pub fn detected_from(mut cases: Vec<(f64, bool)>) -> Option<f64> {
     cases.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut found = 0.0;
