@@ -20,7 +20,7 @@ const STEPS: [f64; 3] = [0.1, 0.25, 0.5];
 /// Part of the range that ramps and holds use.
 const PART: f64 = 0.8;
 
-/// Postures of the holds: from both sides, so that friction and droop under gravity part.
+/// Postures of the holds: from both sides, so that friction and droop under gravity can be told apart.
 const POSTURES: [f64; 6] = [-0.5, 0.25, -0.25, 0.5, 0.0, -0.75];
 
 /// Length of the sweep and its frequencies, s and Hz. An arm's drives follow commands up to some Hz.
@@ -51,6 +51,15 @@ pub fn commands(
         .zip(&home)
         .map(|(l, h)| (l.upper - h).min(h - l.lower).max(0.0))
         .collect();
+    if let Some(j) = room.iter().position(|room| *room <= 0.0) {
+        return Err(Failure::input(
+            format!(
+                "{} cannot move: {} is at an end of its range",
+                names[j], home[j]
+            ),
+            "Give a posture inside the limits with --home.",
+        ));
+    }
     let mut out = Vec::new();
     for (j, name) in names.iter().enumerate() {
         let mut path = Path::new(&home, &limits, rate);
@@ -140,8 +149,8 @@ impl<'a> Path<'a> {
             .extend(std::iter::repeat_n(self.at.clone(), count));
     }
 
-    /// Goes straight to `to`, at rest at both ends, within `seconds` or as slowly as the limits ask.
-    fn go(&mut self, to: &[f64], seconds: f64) {
+    /// Straight motion to a posture, as quick as the limits allow, at rest at both ends.
+    fn step(&mut self, to: &[f64]) {
         // Of the polynomial of fifth order that rests at both ends the speed is 15/8 of the mean one and the acceleration 5.774.
         let needed = to
             .iter()
@@ -153,7 +162,7 @@ impl<'a> Path<'a> {
                     .max((5.774 * way / l.acceleration).sqrt())
                     .max((60.0 * way / l.jerk).cbrt())
             });
-        let time = needed.fold(seconds, f64::max);
+        let time = needed.fold(0.0, f64::max);
         let count = (time * self.rate).ceil() as usize;
         let from = self.at.clone();
         for k in 1..=count {
@@ -163,11 +172,6 @@ impl<'a> Path<'a> {
             self.rows.push(row.collect());
         }
         self.at = to.to_vec();
-    }
-
-    /// As quickly as the limits allow.
-    fn step(&mut self, to: &[f64]) {
-        self.go(to, 0.0);
     }
 
     /// One joint at one speed, which it takes up and leaves within a tenth of the way.

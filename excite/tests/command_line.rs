@@ -414,4 +414,8 @@ fn commands_for_a_replay_say_what_they_show() {
         &["regions of the tool", "--position"],
     );
     folder.refused(&["--replay", "--plan"], &["cannot be used with"]);
+    folder.refused(
+        &["--replay", "--position=-1:1", "--home=1,0,0,0,0,0"],
+        &["shoulder_pan_joint cannot move", "--home"],
+    );
 }

@@ -12,6 +12,9 @@ use signal::spline::Spline;
 /// a network's windows tolerate.
 const EVEN: f64 = 0.01;
 
+/// Most samples between the waypoints of a plan. A sample of a six-axis arm takes 200 bytes; a plan with more has wrong times.
+const MOST: f64 = 5e6;
+
 /// Part of a sample by which a trajectory's length may fall short of whole samples by rounding.
 const ROUNDING: f64 = 1e-6;
 
@@ -26,13 +29,25 @@ pub fn period(plan: &Recording) -> Option<f64> {
 
 /// The motion between waypoints, sampled `period` apart: of fifth order, with the positions, velocities and accelerations of
 /// the waypoints at either end, as ros2_control's joint_trajectory_controller moves.
-pub fn between(waypoints: &Motion, period: f64) -> Motion {
+///
+/// # Errors
+/// A plan that lasts more than [`MOST`] periods.
+pub fn between(waypoints: &Motion, period: f64) -> Result<Motion, Failure> {
     let n = waypoints.q.ncols();
     let (mut time, mut segments) = (Vec::new(), Vec::new());
     let mut columns: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::new());
     for segment in &waypoints.segments {
         let stamps = &waypoints.time[segment.clone()];
         let (first, last) = (stamps[0], stamps[stamps.len() - 1]);
+        if last - first > MOST * period {
+            return Err(Failure::input(
+                format!(
+                    "the plan lasts {} s, more than {MOST} samples of {period} s",
+                    last - first
+                ),
+                "Times count from the start of a plan, in s.",
+            ));
+        }
         let samples = ((last - first) / period + ROUNDING).floor() as usize + 1;
         segments.push(time.len()..time.len() + samples);
         for k in 0..samples {
@@ -53,13 +68,13 @@ pub fn between(waypoints: &Motion, period: f64) -> Motion {
     }
     let shape = (time.len(), n);
     let [q, qd, qdd] = columns.map(|c| Array2::from_shape_fn(shape, |(k, j)| c[k * n + j]));
-    Motion {
+    Ok(Motion {
         time,
         segments,
         q,
         qd,
         qdd,
-    }
+    })
 }
 
 /// Position, velocity and acceleration at time `t` of the polynomial of fifth order between two ends; beyond them those
@@ -249,7 +264,9 @@ mod tests {
             qdd: table(2),
             time: time.clone(),
         };
-        let fine = between(&waypoints, 0.01);
+        let refused = between(&waypoints, 1e-7).unwrap_err();
+        assert!(refused.status == 2 && refused.message.contains("lasts 2 s"));
+        let fine = between(&waypoints, 0.01).unwrap();
         assert_eq!(fine.segments.first(), Some(&(0..201)));
         for (row, t) in fine.time.iter().enumerate() {
             for (found, wanted) in [&fine.q, &fine.qd, &fine.qdd].iter().zip(q(*t)) {

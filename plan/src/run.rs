@@ -36,7 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let motion = if sampled {
         waypoints.clone()
     } else {
-        motion::between(&waypoints, model.period())
+        motion::between(&waypoints, model.period())?
     };
     let mut torque = torque::along(&mut model, &motion);
     if let Some(broken) = limits::broken(&robot, &motion, &torque) {

@@ -1,6 +1,6 @@
 //! Bags that the reference packages wrote (`fixtures/bags/make.py`): values, order by name, and each way to be wrong.
 
-use datasets::read::{Format, TopicSummary, read_bytes, topics};
+use datasets::read::{Format, TopicSummary, planned_trajectories, read_bytes, topics};
 use datasets::{Problem, ReadError, ReadOptions, Recording, read};
 use std::path::{Path, PathBuf};
 
@@ -334,4 +334,21 @@ fn topics_are_listed() {
     assert!(topics(&path("empty.mcap")).unwrap().is_empty());
     let e = topics(Path::new("run.csv")).unwrap_err();
     assert!(matches!(e.problem, Problem::NoTopics));
+}
+
+/// A plan that the reference package wrote, by `make.py`.
+#[test]
+fn waypoints_of_a_joint_trajectory() {
+    let names = ["shoulder", "elbow"].map(String::from);
+    let plan = planned_trajectories(&path("trajectory.mcap"), &names);
+    let plan = plan.unwrap().expect("a plan");
+    let of = |by: f64| ndarray::Array2::from_shape_fn((4, 2), |(i, j)| j as f64 + i as f64 * by);
+    assert_eq!(plan.time, [0.0, 0.1, 0.25, 1.5]);
+    assert_eq!((plan.q, plan.qd), (of(0.125), Some(of(-0.25))));
+    assert_eq!(plan.qdd, Some(of(0.5)));
+    let names = ["shoulder", "wrist"].map(String::from);
+    let e = planned_trajectories(&path("trajectory.mcap"), &names).unwrap_err();
+    assert!(e.to_string().contains("`wrist` is missing"), "{e}");
+    let none = planned_trajectories(&path("zstd.mcap"), &names).unwrap();
+    assert!(none.is_none(), "joint states are no plan");
 }

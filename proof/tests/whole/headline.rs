@@ -1,7 +1,8 @@
 //! The headline is guarded: verdict, names and joints of some sealed cases are what they were when somebody last looked.
 //!
-//! The cases are those of the first plain ones of a seed whose arms have few joints, and some of larger arms, so that the whole is done
-//! in a minute or two. Where a change of the search changes an answer on purpose, `RESIDYN_ACCEPT=1 cargo test --release --workspace
+//! The cases are from the ablation of the special rules (docs/diagnosis-proof.md): arms of three and four joints, six cases hard, so
+//! chosen that each of the strongest rules changes an answer when it is switched off. They guard against change and are no measure of
+//! accuracy. Where a change of the search changes an answer on purpose, `RESIDYN_ACCEPT=1 cargo test --release --workspace
 //! --test whole headline` writes the file anew; what that changes is read like any other change. `diagnose thresholds --off all
 //! --headline proof/tests/whole/headline.json` says which special rules it notices.
 
