@@ -1,9 +1,9 @@
-//! Decides which hypotheses a set of data supports, by one rule: posterior odds = evidence × prior odds.
+//! Bayesian comparison of sets of hypotheses on one set of data: posterior odds = ratio of evidences × prior odds.
 //!
-//! A hypothesis says that some parameters differ from their given values; what it frees has a Gaussian prior, everything
-//! else keeps its value. The log likelihood is quadratic about a fit ([`Quadratic`]), so that the evidence of every
-//! set of hypotheses is in closed form (Laplace's method; MacKay, 2003, chapter 28). Nothing here knows of
-//! robots, torque or motion.
+//! A hypothesis says that some parameters differ from their given values. Under it these parameters have a Gaussian
+//! prior, and all others keep their given values. The log likelihood is quadratic about a fit ([`Quadratic`]). The
+//! evidence of every set of hypotheses therefore has a closed form (Laplace approximation; MacKay, 2003, chapter 28).
+//! Nothing here knows of robots, torque or motion.
 #![forbid(unsafe_code)]
 
 mod quadratic;

@@ -1,55 +1,58 @@
-//! A quadratic log likelihood, and its evidence where some parameters are free.
+//! Quadratic log likelihood, and the evidence of a model in which some of its parameters are free.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Gaussian prior of a parameter; a deviation of zero pins it to the mean.
+/// Gaussian prior of one parameter where it is free. Where it is fixed, it has the value `mean`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {
-    /// Mean: the given value.
+    /// Mean of the prior, in the parameter's unit: the given value. A fixed parameter has this value.
     pub mean: f64,
-    /// Standard deviation.
+    /// Standard deviation of the prior, in the parameter's unit, above zero.
     pub deviation: f64,
-    /// Whether only values from zero on are possible.
+    /// Whether the parameter cannot be negative. The search fixes it at zero where its posterior mean would be
+    /// negative.
     pub positive: bool,
 }
 
-/// Negative log likelihood ½ (x − x₀)ᵀ H (x − x₀) + gᵀ (x − x₀), nats, up to a constant.
+/// Quadratic expansion of the negative log likelihood in P parameters x: ½ (x − x₀)ᵀ H (x − x₀) + gᵀ (x − x₀), in nats,
+/// up to a constant.
 #[derive(Debug, Clone)]
 pub struct Quadratic {
-    /// x₀, P values.
+    /// Point x₀ of the expansion: the value of each of the P parameters there.
     pub at: Vec<f64>,
-    /// g, P values.
+    /// Gradient g of the negative log likelihood at x₀, P values.
     pub gradient: DVector<f64>,
-    /// H, P × P, positive semidefinite.
+    /// Hessian H of the negative log likelihood, P × P, positive semidefinite (Gauss-Newton or Fisher information).
     pub information: DMatrix<f64>,
 }
 
-/// Posterior of the free parameters.
+/// Gaussian posterior of the free parameters of one model, and the model's evidence.
 #[derive(Debug, Clone)]
 pub struct Mode {
-    /// Log evidence, nats, up to the constant of the likelihood.
+    /// Log evidence of the model, nats: the likelihood integrated over the prior, up to the likelihood's constant.
     pub log_evidence: f64,
-    /// Indices of the free parameters.
+    /// Indices of the free parameters among all P, in the order of `x`.
     pub free: Vec<usize>,
-    /// Their posterior means.
+    /// Posterior mean of each free parameter, in the order of `free`.
     pub x: DVector<f64>,
-    /// Cholesky factor of their posterior precision.
+    /// Cholesky factor of the posterior precision matrix (inverse covariance) of the free parameters.
     precision: Cholesky<f64, Dyn>,
 }
 
 impl Mode {
-    /// Posterior covariance of the free parameters.
+    /// Posterior covariance matrix of the free parameters, in the order of `free`.
     pub fn covariance(&self) -> DMatrix<f64> {
         self.precision.inverse()
     }
 }
 
 impl Quadratic {
-    /// Posterior and evidence where the parameters `free` have their `priors` (P of them) and all others are at their priors'
-    /// means. None where the posterior is improper.
+    /// Posterior and evidence of the model with the parameters `free`. All others stay at their priors' means. `priors`
+    /// has one entry for each of the P parameters. None where the posterior precision is not positive definite or the
+    /// evidence not finite.
     ///
-    /// With d = means − x₀ and y = x − means, the exponent is ½ yᵀ (H + Λ) y + yᵀ (g + H d) + const; its integral over y
-    /// against the prior N(0, Λ⁻¹) is the evidence.
+    /// With d = means − x₀ and y = x − means, the exponent is ½ yᵀ (H + Λ) y + yᵀ (g + H d) + const. Λ is the diagonal
+    /// matrix of prior precisions. The evidence is the integral over y against the prior N(0, Λ⁻¹).
     pub fn mode(&self, free: &[usize], priors: &[Prior]) -> Option<Mode> {
         let p = self.at.len();
         let d = DVector::from_iterator(p, (0..p).map(|i| priors[i].mean - self.at[i]));

@@ -1,30 +1,35 @@
-//! Search over sets of hypotheses: add, drop and swap, one or a whole family, until no neighbour is more probable.
+//! Search for the set of hypotheses with the highest posterior probability.
+//!
+//! Each step adds, drops or swaps one hypothesis, or takes or drops a whole family. The search ends where no such
+//! neighbour is more probable.
 
 use crate::quadratic::{Prior, Quadratic};
 
-/// A hypothesis: parameters that differ from their given values.
+/// Hypothesis that some parameters differ from their given values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypothesis {
-    /// Indices of the parameters that it frees.
+    /// Indices of the parameters that the hypothesis frees.
     pub parameters: Vec<usize>,
-    /// Index of the family that it belongs to: the same mechanism at another place.
+    /// Index of the hypothesis's family. A family is one mechanism; its members are that mechanism at different places.
     pub family: usize,
 }
 
-/// A mechanism, which may act at several places.
+/// Family of hypotheses: one mechanism, which may act at several places. It sets their prior odds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Family {
-    /// Prior odds that it acts at all.
+    /// Prior odds that the mechanism acts. They are for each place where `independent`, and for any place at all
+    /// otherwise.
     pub odds: f64,
-    /// Number of places where it can act.
+    /// Number of places at which the mechanism can act, which is the number of hypotheses of the family.
     pub places: usize,
-    /// Whether each place is independent of the others. Otherwise what acts at one place is likely to act at more: every
-    /// number of places is as probable as every other, and so is every set of that many.
+    /// Whether places are independent in the prior. Otherwise every number of places, from one to all, has equal prior
+    /// probability, and so has every set of that many.
     pub independent: bool,
 }
 
 impl Family {
-    /// Logarithm of the prior odds of acting at a set of `k` places.
+    /// Natural logarithm of the prior odds of one set of `k` places of this family against the empty set; 0 where `k`
+    /// is 0.
     fn log_prior(&self, k: usize) -> f64 {
         if k == 0 {
             return 0.0;
@@ -40,33 +45,35 @@ impl Family {
     }
 }
 
-/// A hypothesis that could stand in another's place.
+/// Alternative to one member of the found set: another hypothesis in its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swap {
-    /// Index of the hypothesis outside of the set.
+    /// Index of the other hypothesis, which is not in the set.
     pub other: usize,
-    /// Posterior probability of the set with it in place of the listed one, relative to the set as it is.
+    /// Posterior probability of the set after the swap, divided by that of the set itself; at most 1.
     pub weight: f64,
 }
 
-/// Outcome of a decision between sets of hypotheses.
+/// Result of the search: the found set of hypotheses and how probable each hypothesis is.
 #[derive(Debug, Clone)]
 pub struct Decision {
-    /// The most probable set found, indices increasing.
+    /// Indices of the hypotheses of the most probable set found, increasing.
     pub set: Vec<usize>,
-    /// Posterior inclusion probability of each hypothesis, over the set and its neighbours.
+    /// Posterior inclusion probability of each hypothesis, 0 to 1: average over the set and its neighbours, weighted by
+    /// posterior.
     pub inclusion: Vec<f64>,
-    /// For each member of the set (same order), what could stand in its place.
+    /// Alternatives to each member of the set, in the order of `set`, most probable first.
     pub swaps: Vec<Vec<Swap>>,
-    /// Log posterior of the set, nats, up to a constant.
+    /// Log posterior of the set, nats: log evidence plus log prior odds, up to a constant.
     pub log_posterior: f64,
 }
 
-/// Decides between all sets of `hypotheses`. `always` are parameters free under every one (their tolerance is given).
+/// Searches all sets of `hypotheses` for the most probable one, from the set `start` on. The parameters `always` are
+/// free under every set.
 ///
-/// The neighbours of a set are those with one hypothesis more, less, or another in its place, and those with a family at all
-/// of its places or at none. A set of n hypotheses among m has about n·m neighbours; each costs one Cholesky factor of what is
-/// free.
+/// The neighbours of a set have one hypothesis more, less, or another in its place. Further neighbours have a family at
+/// all of its places or at none. A set of n hypotheses among m has about n·m neighbours. Each costs one Cholesky
+/// factorisation of its free parameters' precision.
 pub fn decide(
     quadratic: &Quadratic,
     priors: &[Prior],
@@ -87,15 +94,15 @@ pub fn decide(
         let neighbours = space.neighbours(&set);
         let weighed = neighbours.into_iter().map(|s| (space.log_posterior(&s), s));
         match weighed.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            // Rounding alone must not keep the search going.
+            // Margin of 1e-9 nats: differences by rounding must not keep the search going.
             Some((v, next)) if v > best + 1e-9 => (set, best) = (next, v),
             _ => return space.about(set, best),
         }
     }
 }
 
-/// What is decided where the set is settled by other means: inclusion over it and its neighbours, none of which counts for more
-/// than the set itself.
+/// Inclusion probabilities and alternatives about a `set` that was chosen by other means; nothing is searched. A
+/// neighbour more probable than the set counts only as much as the set.
 pub fn about(
     quadratic: &Quadratic,
     priors: &[Prior],
@@ -115,7 +122,7 @@ pub fn about(
     space.about(set.to_vec(), best)
 }
 
-/// Logarithm of the prior odds of a set.
+/// Natural logarithm of the prior odds of `set` against the empty set: the sum over all families.
 pub fn log_prior(hypotheses: &[Hypothesis], families: &[Family], set: &[usize]) -> f64 {
     let acting = |f: usize| set.iter().filter(|&&h| hypotheses[h].family == f).count();
     families
@@ -125,17 +132,23 @@ pub fn log_prior(hypotheses: &[Hypothesis], families: &[Family], set: &[usize]) 
         .sum()
 }
 
-/// Sets of hypotheses among which is decided, and what weighs them.
+/// Problem of the search: the likelihood, the priors and the hypotheses that can be combined.
 struct Space<'a> {
+    /// Quadratic expansion of the negative log likelihood in P parameters.
     quadratic: &'a Quadratic,
+    /// Prior of each of the P parameters.
     priors: &'a [Prior],
+    /// Indices of the parameters that are free under every set.
     always: &'a [usize],
+    /// Hypotheses that can be combined.
     hypotheses: &'a [Hypothesis],
+    /// Families to which the hypotheses belong by their index.
     families: &'a [Family],
 }
 
 impl Space<'_> {
-    /// Log posterior of a set, or its positions that stand at their bounds with all that they free.
+    /// Log posterior of a set, nats. An error lists positions in `set` of hypotheses whose parameters all stand at the
+    /// bound zero; it is empty where the posterior is improper.
     fn value(&self, set: &[usize]) -> Result<f64, Vec<usize>> {
         let mut free: Vec<usize> = self.always.to_vec();
         for &h in set {
@@ -149,11 +162,13 @@ impl Space<'_> {
         possible(self.quadratic, self.priors, free, &listed).map(|log| log + prior)
     }
 
+    /// Log posterior of a set, nats; −∞ where a hypothesis of it frees nothing or the posterior is improper.
     fn log_posterior(&self, set: &[usize]) -> f64 {
         self.value(set).unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// The start without what stands at its bound: a neighbour may hold another such.
+    /// Largest part of `start` under which every hypothesis still frees something, with its log posterior. Hypotheses
+    /// whose parameters all stand at the bound zero are dropped.
     fn possible_part(&self, start: &[usize]) -> (Vec<usize>, f64) {
         let mut set = start.to_vec();
         set.sort_unstable();
@@ -169,6 +184,7 @@ impl Space<'_> {
         }
     }
 
+    /// Neighbours of a set, each with increasing indices: those that [`decide`] compares with it.
     fn neighbours(&self, set: &[usize]) -> Vec<Vec<usize>> {
         let all: Vec<usize> = (0..self.hypotheses.len()).collect();
         let outside = || all.iter().filter(|&&h| !set.contains(&h));
@@ -178,7 +194,8 @@ impl Space<'_> {
             out.extend(outside().map(|&h| with(&rest, h)));
             out.push(rest);
         }
-        // One place more or less may be less probable where all or none are more so.
+        // Families as a whole: one place more or less can be less probable although all places or none are more
+        // probable.
         for family in 0..self.families.len() {
             let own = |h: &usize| self.hypotheses[*h].family == family;
             let acting = set.iter().filter(|h| own(h)).count();
@@ -196,7 +213,8 @@ impl Space<'_> {
         out
     }
 
-    /// Inclusion over a set of log posterior `best` and its neighbours.
+    /// Decision about a set with log posterior `best`: inclusion probabilities and swaps from the set and its
+    /// neighbours.
     fn about(&self, set: Vec<usize>, best: f64) -> Decision {
         let mut total = 1.0;
         let mut inclusion = vec![0.0; self.hypotheses.len()];
@@ -236,9 +254,12 @@ impl Space<'_> {
     }
 }
 
-/// Log evidence of what is free, where positive parameters stay so: one that the data draw below zero stands at zero. Where
-/// that leaves hypotheses (their parameters in `listed`) with nothing, so that the set without them says the same, these; none
-/// of them where the posterior is improper.
+/// Log evidence, nats, of the model with the parameters `free`, where positive parameters stay at zero or above. A
+/// positive parameter of a hypothesis whose posterior mean is negative is fixed at zero. `listed` holds each
+/// hypothesis's parameters.
+///
+/// # Errors
+/// Positions in `listed` of hypotheses whose parameters are all fixed; none of them where the posterior is improper.
 fn possible(
     quadratic: &Quadratic,
     priors: &[Prior],
@@ -271,6 +292,7 @@ fn possible(
     }
 }
 
+/// Set with hypothesis `h` added, indices increasing.
 fn with(set: &[usize], h: usize) -> Vec<usize> {
     let mut out = set.to_vec();
     out.push(h);
@@ -278,6 +300,7 @@ fn with(set: &[usize], h: usize) -> Vec<usize> {
     out
 }
 
+/// Set with hypothesis `h` removed.
 fn without(set: &[usize], h: usize) -> Vec<usize> {
     set.iter().copied().filter(|&k| k != h).collect()
 }

@@ -1,104 +1,111 @@
-//! The simulated arm under its drives: every value that a replay depends on.
+//! Simulated arm with its drives: every value that a replay depends on. Units hold for rotary joints.
 
 use crate::parameter::{Kind, Parameter};
 use physics::robot::{PARAMETERS_PER_LINK, Robot, RobotError};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Integral action of a drive.
+/// Error that a drive integrates (its I part).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Integral {
-    /// No integral action.
+    /// None: the drive has no integral action.
     #[default]
     None,
-    /// Integral of the position error (PID).
+    /// Position error (PID controller).
     Position,
-    /// Integral of the velocity error (cascade). Its set point is the output of the position loop.
+    /// Velocity error (cascade controller), whose set point is the output of the position loop.
     Velocity,
 }
 
-/// Drive of one joint. With e = command + offset − q and e_v = commanded velocity − q̇:
-/// u = kp·e + kd·e_v + ki·z, cut at `drive_limit`; torque = u − back_emf·q̇, cut at `limit`.
+/// Drive of one joint: a controller that turns commands into torque, with its limits.
+///
+/// With e = command + offset − q and e_v = commanded velocity − q̇, the control output is u = kp·e + kd·e_v + ki·z,
+/// limited to ±`drive_limit`. The torque is u + gravity compensation − back_emf·q̇, limited to ±`limit`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Servo {
-    /// Torque per error of position, N·m/rad (N/m).
+    /// Proportional gain: torque per position error, N·m/rad (N/m). In a cascade it is the product of both loops'
+    /// gains.
     pub kp: f64,
-    /// Torque per error of velocity, N·m·s/rad (N·s/m).
+    /// Derivative gain: torque per velocity error, N·m·s/rad (N·s/m). In a cascade it is the gain of the velocity loop.
     pub kd: f64,
-    /// Torque per integral z of the error.
+    /// Integral gain: torque per integral z of the error that `integral` names.
     pub ki: f64,
-    /// Error of which z is the integral.
+    /// Error of which z is the integral. z stands still while a limit acts.
     pub integral: Integral,
-    /// Torque lost per velocity behind the cut of the voltage, N·m·s/rad.
+    /// Torque lost per velocity by back EMF, N·m·s/rad. It acts after the limit of the voltage.
     pub back_emf: f64,
-    /// Largest torque at standstill that the voltage allows, N·m; infinite where none is known.
+    /// Limit of the control output u, N·m: the largest torque at standstill that the voltage allows. Infinite where
+    /// none is known.
     pub drive_limit: f64,
-    /// Largest torque, N·m.
+    /// Limit of the torque, N·m, equal in both directions; infinite where none is known.
     pub limit: f64,
-    /// Time by which commands reach this drive later than the others, s.
+    /// Delay of this drive's commands beyond the arm's common `delay`, s.
     pub delay: f64,
-    /// Time constant by which the drive smooths its command, s.
+    /// Time constant of the first-order low-pass filter on the drive's command, s; 0 for no filter.
     pub lag: f64,
-    /// What the drive adds to its command, rad.
+    /// Constant that the drive adds to its commanded position, rad.
     pub offset: f64,
 }
 
-/// Friction and rotor of one joint.
+/// Friction and rotor inertia of one joint, and its unknown torque.
+///
+/// Dry friction is `coulomb` + `stribeck`·exp(−(q̇/`stribeck_velocity`)²) + `load`·|torque of the drive|.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
-    /// Viscous friction, N·m·s/rad.
+    /// Viscous friction coefficient, N·m·s/rad.
     pub damping: f64,
     /// Coulomb friction, N·m.
     pub coulomb: f64,
-    /// Friction beyond Coulomb's at standstill, N·m.
+    /// Dry friction at standstill beyond Coulomb friction, N·m.
     pub stribeck: f64,
-    /// Velocity over which it falls, rad/s.
+    /// Velocity over which the Stribeck friction falls off, rad/s.
     pub stribeck_velocity: f64,
-    /// Friction per torque of the drive.
+    /// Dry friction per torque of the drive, without unit.
     pub load: f64,
-    /// Rotor inertia seen from the link, kg·m².
+    /// Rotor inertia reflected to the joint, kg·m².
     pub armature: f64,
-    /// Coefficients of a smooth torque that no mechanism explains, N·m.
+    /// Coefficients of the smooth functions that stand for an unknown torque, N·m; see `unknown`.
     pub unknown: [f64; UNKNOWN],
 }
 
-/// Longest step of integration of a motion that is scored, s.
+/// Longest integration step of a simulation that is scored, s.
 pub const STEP: f64 = 1e-3;
 
-/// Number of functions that stand for an unknown effect on a joint.
+/// Number of smooth functions that stand for an unknown torque on a joint.
 pub const UNKNOWN: usize = 8;
 
-/// A simulated arm: rigid bodies, joints, drives.
+/// Simulated arm: rigid bodies, joints and drives. [`Arm::get`] and [`Arm::set`] reach every parameter that can be
+/// fitted.
 #[derive(Debug, Clone)]
 pub struct Arm {
-    /// The description that the simulator has.
+    /// Robot of the given description. Drives that compensate gravity compute with it.
     pub given: Robot,
-    /// The same with payload, scaled links and tilt: what is simulated.
+    /// Robot that is simulated: the given one with payload, scaled links and tilted gravity.
     pub robot: Robot,
-    /// Friction and rotor of each joint.
+    /// Friction and rotor inertia of each joint.
     pub joints: Vec<Joint>,
     /// Drive of each joint.
     pub servos: Vec<Servo>,
-    /// Time by which commands reach every drive late, s.
+    /// Common delay of the commands of all drives, s.
     pub delay: f64,
-    /// Part of the given description's gravity that the drive compensates by itself.
+    /// Part of the gravity torque of `given` that each drive adds to its own torque, from 0 (none) to 1 (all).
     pub gravity_compensation: f64,
-    /// Body at the last link, in its joint frame: mass (kg) and first moment (kg·m).
+    /// Payload at the last link, in that link's joint frame: mass (kg) and first moment along x, y and z (kg·m).
     pub payload: [f64; 4],
-    /// Factors on the links' inertial parameters.
+    /// Factor on all inertial parameters of each link; 1 for the given ones.
     pub link_scale: Vec<f64>,
-    /// Rotation of gravity about the base's x and y, rad.
+    /// Rotation of gravity about the base's x and y axes, rad.
     pub tilt: [f64; 2],
-    /// Offset of each joint, rad: recorded position plus offset is the true position.
+    /// Encoder offset of each joint, rad: recorded position plus offset is the true position.
     pub zero: Vec<f64>,
-    /// Damping of each joint's drive where only its sum with viscous friction is known. This much of the sum counts
-    /// as the drive's, and the drive's limit cuts it. Zero where both are known apart.
+    /// Given damping gain of each joint's drive where only its sum with viscous friction can be fitted, else 0. Of that
+    /// sum, so much counts as the drive's `kd`, and the rest is viscous friction.
     pub shared: Vec<f64>,
-    /// Longest step of integration, s.
+    /// Longest integration step, s.
     pub step: f64,
 }
 
 impl Arm {
-    /// An arm as described, with these drives.
+    /// Arm of the described robot with these drives: no payload, no tilt, no offsets and no common delay.
     pub fn new(robot: Robot, servos: Vec<Servo>) -> Self {
         let joints = robot
             .joints()
@@ -107,7 +114,8 @@ impl Arm {
                 damping: j.damping,
                 coulomb: j.friction,
                 stribeck: 0.0,
-                // Sliding has begun at a tenth of a revolution per minute of a small gear motor's output.
+                // Velocity at which sliding has begun: a small gear motor's, about one revolution per minute of its
+                // output.
                 stribeck_velocity: 0.1,
                 load: 0.0,
                 armature: j.rotor_inertia,
@@ -136,17 +144,18 @@ impl Arm {
         self.joints.len()
     }
 
-    /// Time by which commands reach joint `j` late in all, s.
+    /// Total delay of the command of joint `j`, s: common delay, its own delay and the time constant of its filter.
     pub fn late(&self, j: usize) -> f64 {
         self.delay + self.servos[j].delay + self.servos[j].lag
     }
 
-    /// Whether a change of joint `j`'s viscous friction is one of its drive's damping.
+    /// Whether all of joint `j`'s shared damping counts as its drive's. A change of viscous friction then changes the
+    /// drive's gain.
     pub(crate) fn damped_by_drive(&self, j: usize) -> bool {
         self.shared[j] > 0.0 && self.joints[j].damping == 0.0
     }
 
-    /// Value of a parameter.
+    /// Value of a parameter. For viscous friction that is shared with the drive it is the sum of both.
     pub fn get(&self, p: Parameter) -> f64 {
         let (s, j) = (&self.servos[p.joint], &self.joints[p.joint]);
         match p.kind {
@@ -174,10 +183,10 @@ impl Arm {
         }
     }
 
-    /// Sets parameters and puts the robot together again where it changes.
+    /// Sets parameters to values, and assembles the robot again where rigid bodies or gravity change.
     ///
     /// # Errors
-    /// Inertial parameters that do not fit the robot.
+    /// Inertial parameters that make no valid robot.
     pub fn set(&mut self, values: &[(Parameter, f64)]) -> Result<(), RobotError> {
         let mut bodies = false;
         for &(p, value) in values {
@@ -216,6 +225,7 @@ impl Arm {
         Ok(())
     }
 
+    /// Assembles `robot` from `given`, the factors on its links, the payload and the tilt.
     fn assemble(&mut self) -> Result<(), RobotError> {
         let mut parameters = self.given.parameters();
         for (link, scale) in parameters
@@ -239,21 +249,22 @@ impl Arm {
     }
 }
 
-/// Radius of gyration about the joint's origin that a payload's mass is given, m: its inertia hardly shows beside its weight,
-/// and with a fixed one the body is linear in what is fitted.
+/// Radius of gyration that a payload is given about the joint's origin, m. A payload's inertia hardly shows beside its
+/// weight. With a fixed radius the body is linear in the fitted values.
 const GYRATION: f64 = 0.1;
 
-/// Inertial parameters of a payload from mass and first moment.
+/// Inertial parameters (mass, first moment, inertia) of a payload, from its mass and first moment.
 pub(crate) fn payload(fitted: &[f64; 4]) -> [f64; PARAMETERS_PER_LINK] {
     let [m, x, y, z] = *fitted;
     let i = m * GYRATION * GYRATION;
     [m, x, y, z, i, 0.0, i, 0.0, 0.0, i]
 }
 
-/// Value of the smooth functions of an unknown torque at position, velocity and command (rad, rad/s), each of size one:
-/// two harmonics of position, and saturating functions of velocity and of the command's rate of change.
+/// Values of the smooth functions of an unknown torque, each of size about one. Arguments are position (rad), velocity
+/// and rate of change of the command (rad/s). The functions are a constant, two harmonics of position, and saturating
+/// functions of velocity and command rate.
 pub(crate) fn unknown(q: f64, qd: f64, command_rate: f64) -> [f64; UNKNOWN] {
-    // Walking speed of a joint: velocities beyond it count as fast.
+    // Velocity, rad/s, at which the saturating functions reach half of their limit.
     let slow = 0.2;
     let v = qd / (qd.abs() + slow);
     let r = command_rate / (command_rate.abs() + slow);

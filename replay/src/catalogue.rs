@@ -1,4 +1,5 @@
-//! Effects as hypotheses: which parameters each frees, at which place, and how large they may be.
+//! Catalogue of effects that a simulator may lack, as hypotheses: the parameters that each frees and their prior
+//! deviations.
 
 use crate::arm::UNKNOWN;
 use crate::given::Given;
@@ -7,41 +8,41 @@ use crate::tracks::Replayed;
 use nalgebra::{DMatrix, DVector};
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix};
 
-/// An effect that a simulator may lack, by its name in the report.
+/// Effect that a simulator may lack or hold with wrong values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Effect {
-    /// Torque per error of the drive.
+    /// Proportional gain of the joint's drive differs from the given one.
     ServoGain,
-    /// Damping by the drive.
+    /// Derivative gain of the joint's drive differs from the given one.
     ServoDamping,
-    /// Commands reach the joints late.
+    /// Commands reach the drives after a delay, or through a low-pass filter.
     CommandDelay,
-    /// The torque is cut at a limit.
+    /// Limit of the torque of the joint's drive differs from the given one.
     EffortLimit,
-    /// The drive compensates gravity, or does not.
+    /// Drives add another part of the gravity torque than given.
     GravityCompensation,
-    /// Viscous and Coulomb friction.
+    /// Viscous and Coulomb friction of the joint differ from the given values.
     FrictionParameters,
-    /// Higher friction near standstill.
+    /// Dry friction of the joint is higher near standstill.
     StribeckFriction,
-    /// Friction that grows with torque.
+    /// Dry friction of the joint grows with the torque that its gear transmits.
     LoadDependentFriction,
-    /// Rotor inertia.
+    /// Rotor inertia of the joint differs from the given one.
     RotorInertia,
-    /// Masses of links.
+    /// Inertial parameters of the joint's link are off by a common factor.
     LinkParameters,
-    /// A body at the last link.
+    /// Body that the description lacks is attached to the last link.
     Payload,
-    /// Zero of a joint or of its command.
+    /// Zero of the joint's encoder, or of its command, is shifted.
     EncoderOffset,
-    /// Gravity's direction.
+    /// Direction of gravity in the base frame differs, because the base is tilted.
     BaseTilt,
-    /// A smooth torque that no other effect explains.
+    /// Smooth torque on the joint that no other effect explains.
     Unknown,
 }
 
 impl Effect {
-    /// All that are looked for by name.
+    /// All effects but the unknown torque: those that the search compares by name.
     pub const ALL: [Self; 13] = [
         Self::ServoGain,
         Self::ServoDamping,
@@ -58,7 +59,7 @@ impl Effect {
         Self::BaseTilt,
     ];
 
-    /// Name in the report.
+    /// Name of the effect in the report, such as `servo_gain`.
     pub fn name(self) -> &'static str {
         match self {
             Self::ServoGain => "servo_gain",
@@ -78,7 +79,7 @@ impl Effect {
         }
     }
 
-    /// Plain words for the report.
+    /// Words for the effect in texts that a person reads.
     pub fn words(self) -> &'static str {
         match self {
             Self::ServoGain => "gain of the servo",
@@ -99,43 +100,46 @@ impl Effect {
     }
 }
 
-/// A parameter of a hypothesis with the size that the effect may have.
+/// Parameter of a hypothesis with its prior standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sized {
-    /// The parameter that the hypothesis frees.
+    /// Parameter that the hypothesis frees.
     pub parameter: Parameter,
-    /// Standard deviation of its coordinate about the given value.
+    /// Prior standard deviation of the parameter's coordinate (see [`Scale`](crate::parameter::Scale)) about the given
+    /// value.
     pub deviation: f64,
 }
 
-/// An effect at a place.
+/// Effect at one place (a joint or the whole arm) as a hypothesis of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mechanism {
-    /// Effect.
+    /// Effect that acts there.
     pub effect: Effect,
-    /// Joint; none for effects of the whole arm.
+    /// Index of the joint; none for an effect of the whole arm.
     pub joint: Option<usize>,
-    /// Parameters that the effect frees, with the size each may have.
+    /// Parameters that the hypothesis frees, each with its prior standard deviation.
     pub parameters: Vec<Sized>,
 }
 
-/// Sizes of torque, inertia and speed of each joint, from which an effect's size follows.
+/// Typical torque, inertia and speed of each joint in the recorded motion. Prior deviations of effects are multiples of
+/// them.
 #[derive(Debug, Clone)]
 pub struct Sizes {
-    /// Torque that the joint needs for gravity and acceleration, N·m.
+    /// Typical torque of each joint, N·m: RMS of gravity together with acceleration to its RMS speed within 0.25 s. It
+    /// is at least a tenth of the largest joint's.
     pub torque: Vec<f64>,
-    /// Inertia that the joint moves, kg·m².
+    /// Mean inertia that each joint moves, kg·m²: diagonal entry of the mass matrix plus rotor inertia.
     pub inertia: Vec<f64>,
-    /// Root mean square of its velocity, rad/s.
+    /// RMS velocity of each joint, rad/s, at least 0.001.
     pub speed: Vec<f64>,
-    /// Mass of all links, kg.
+    /// Mass of all links of the given description together, kg.
     pub mass: f64,
-    /// Median time between commands, s.
+    /// Median time between samples of the recording, s, which stands for the period of its commands.
     pub period: f64,
 }
 
 impl Sizes {
-    /// Sizes over the recorded motion.
+    /// Typical sizes of the given arm over the recorded motion.
     pub fn of(given: &Given, replayed: &Replayed) -> Self {
         let arm = &given.arm;
         let n = arm.dof();
@@ -151,7 +155,7 @@ impl Sizes {
                     *speed += ((track.q[(row, j)] - track.q[(row - 1, j)]) / dt).powi(2);
                 }
                 count += 1.0;
-                // Gravity and inertia change slowly.
+                // Gravity and inertia change slowly, so that every twentieth sample is enough.
                 if row % 20 != 1 {
                     continue;
                 }
@@ -169,11 +173,11 @@ impl Sizes {
         for j in 0..n {
             speed[j] = (speed[j] / count).sqrt().max(1e-3);
             inertia[j] /= count;
-            // Acceleration at the motion's speed within a quarter of a second: a joint's own time.
+            // Acceleration to the joint's RMS speed within a quarter of a second, a typical time of a joint.
             let accelerating = inertia[j] * speed[j] / 0.25;
             torque[j] = ((torque[j] / count) + accelerating.powi(2)).sqrt();
         }
-        // A joint without gravity load has motors of its neighbours' kind.
+        // Lower bound for joints without gravity load: their motors are of a kind with their neighbours'.
         let largest = torque.iter().copied().fold(0.0, f64::max);
         for t in &mut torque {
             *t = t.max(0.1 * largest);
@@ -192,10 +196,11 @@ impl Sizes {
     }
 }
 
-/// Standard deviation of the logarithm of a gain, a limit or a mass that is wrong: a factor of about e.
+/// Prior standard deviation of the logarithm of a wrong gain or limit: a factor of about e.
 const FACTOR: f64 = 1.0;
 
-/// All mechanisms that could explain the motion of these drives.
+/// All mechanisms that could explain the motion of this arm. Parameters that are free in any case (`Given::free`) are
+/// left out, and so are joints that do not move.
 pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mechanism> {
     let arm = &given.arm;
     let n = arm.dof();
@@ -218,7 +223,7 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
             });
         }
     };
-    // A drive misses about two of its command's periods at most before its user notices.
+    // Prior deviation of a delay: two periods of the commands, or 20 ms. A user notices longer ones.
     let late = (2.0 * sizes.period).max(0.02);
     add(Effect::CommandDelay, None, &[(Kind::CommonDelay, late)]);
     add(
@@ -270,7 +275,7 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
             &[(Kind::Stribeck, 0.5 * torque)],
         );
         add(Effect::LoadDependentFriction, Some(j), &[(Kind::Load, 0.3)]);
-        // On its way to the drive, or by the drive's own filter.
+        // Delay of the joint: on the way to the drive, or by the drive's own filter.
         add(
             Effect::CommandDelay,
             Some(j),
@@ -290,7 +295,8 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
     all
 }
 
-/// The flexible hypothesis of a joint: a smooth torque of position, velocity and command.
+/// Hypothesis of an unknown torque on a joint: a smooth function of position, velocity and command with free
+/// coefficients.
 pub fn unknown(joint: usize, sizes: &Sizes) -> Mechanism {
     let deviation = sizes.torque[joint] / (UNKNOWN as f64).sqrt();
     Mechanism {
@@ -305,7 +311,7 @@ pub fn unknown(joint: usize, sizes: &Sizes) -> Mechanism {
     }
 }
 
-/// Correlations of a covariance matrix.
+/// Correlation matrix of a covariance matrix.
 pub fn correlations(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let deviation = DVector::from_iterator(
         covariance.nrows(),

@@ -1,30 +1,33 @@
-//! The commanded motion of one joint as a function of time.
+//! Commanded signal of one joint as a function of time.
 
-/// How the drive fills the time between two commands.
+/// Value of a command between two recorded commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Interpolation {
-    /// The last command holds until the next.
+    /// Last command, held until the next.
     #[default]
     Hold,
-    /// Straight lines between commands.
+    /// Straight line from each command to the next.
     Linear,
 }
 
-/// A commanded signal over one trajectory, with its running integral.
+/// Commanded position or velocity of one joint over one trajectory, with its running integral.
 ///
-/// A simulation step needs the command's mean over the step: with it a delay that is no multiple of the step acts
-/// continuously, and has a derivative even where commands are held.
+/// A simulation step uses the mean of the command over the step. A delay that is no multiple of the step then acts
+/// continuously. It also has a derivative where commands are held.
 #[derive(Debug, Clone)]
 pub struct Command {
+    /// Times of the recorded commands, s, increasing.
     time: Vec<f64>,
+    /// Recorded command at each time.
     value: Vec<f64>,
-    /// Integral from the first stamp to each stamp.
+    /// Integral of the command from the first time to each time.
     integral: Vec<f64>,
+    /// Value between two recorded commands.
     interpolation: Interpolation,
 }
 
 impl Command {
-    /// From stamps (s, increasing) and values at them, at least one.
+    /// Command with the values `value` at the times `time` (s, increasing, at least one).
     pub fn new(time: &[f64], value: Vec<f64>, interpolation: Interpolation) -> Self {
         let mut integral = vec![0.0; time.len()];
         for k in 1..time.len() {
@@ -42,7 +45,8 @@ impl Command {
         }
     }
 
-    /// Index of the last stamp at or before `t`, looked for from `hint` on; none before the first.
+    /// Index of the last recorded command at or before time `t`; none before the first. The search begins at index
+    /// `hint`, which becomes the result.
     fn before(&self, t: f64, hint: &mut usize) -> Option<usize> {
         if t < self.time[0] {
             return None;
@@ -58,7 +62,7 @@ impl Command {
         Some(k)
     }
 
-    /// Value and integral at `t`; the first command holds before its stamp, the last one after.
+    /// Value and running integral at time `t`. The first command also holds before its time, and the last one after it.
     fn at(&self, t: f64, hint: &mut usize) -> (f64, f64) {
         let Some(k) = self.before(t, hint) else {
             return (self.value[0], self.value[0] * (t - self.time[0]));
@@ -75,14 +79,15 @@ impl Command {
         )
     }
 
-    /// Mean over [t, t + h] and the mean's rate of change (its derivative with respect to t).
+    /// Mean of the command over [t, t + h], and the derivative of that mean with respect to t. `hint` speeds up
+    /// successive calls.
     pub fn mean(&self, t: f64, h: f64, hint: &mut usize) -> (f64, f64) {
         let (from, below) = self.at(t, hint);
         let (to, above) = self.at(t + h, hint);
         ((above - below) / h, (to - from) / h)
     }
 
-    /// Value that holds at `t`.
+    /// Value of the command at time `t`.
     pub fn value(&self, t: f64) -> f64 {
         let last = self.time.partition_point(|stamp| *stamp <= t);
         self.at(t, &mut last.saturating_sub(1)).0

@@ -1,4 +1,4 @@
-//! Command line of `replay`.
+//! Command line of the program `replay`.
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
@@ -49,7 +49,8 @@ pub struct Arguments {
     fast: bool,
 }
 
-/// Makes the diagnosis that the arguments ask for; the program's exit status.
+/// Makes the diagnosis that the arguments ask for, prints it and writes its files. Returns the exit status: 2 for input
+/// that cannot be used, 1 for a file that cannot be written.
 pub fn run(arguments: &Arguments) -> ExitCode {
     match diagnosed(arguments) {
         Ok(()) => ExitCode::SUCCESS,
@@ -60,6 +61,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     }
 }
 
+/// Diagnosis, printed and written to the files that were asked for.
 fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     check_outputs(arguments)?;
     let job = Job {
@@ -113,7 +115,7 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     Ok(())
 }
 
-/// Refuses outputs whose folder does not exist, before work begins.
+/// Refuses output files in folders that do not exist, before any work begins.
 fn check_outputs(arguments: &Arguments) -> Result<(), ReplayError> {
     let outputs = [&arguments.json, &arguments.html, &arguments.patch];
     for path in outputs.into_iter().flatten() {

@@ -1,5 +1,5 @@
-//! Fit of an arm's parameters to recorded motion: prediction error of positions, replayed from the recorded start of each
-//! block, with the given values as prior.
+//! Fit of an arm's parameters to recorded motion. It minimises the prediction error of positions, simulated from the
+//! recorded start of each block, with the given values as Gaussian prior.
 
 use crate::arm::Arm;
 use crate::parameter::{Parameter, Scale};
@@ -7,17 +7,18 @@ use crate::simulate::{Track, Unstable, replay};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// A parameter that is fitted, with what is known of it before.
+/// Free parameter of a fit, with its prior. The fit works on its coordinate: the logarithm for [`Scale::Log`], else the
+/// value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Free {
-    /// The parameter that is fitted.
+    /// Parameter that is fitted.
     pub parameter: Parameter,
-    /// Mean and standard deviation of its coordinate (the logarithm for [`Scale::Log`]); none where nothing is known.
+    /// Prior mean and standard deviation of the coordinate; none for a flat prior.
     pub prior: Option<(f64, f64)>,
 }
 
 impl Free {
-    /// Value of the coordinate.
+    /// Value of the parameter at coordinate `x`.
     pub fn value(&self, x: f64) -> f64 {
         match self.parameter.kind.scale() {
             Scale::Log => x.exp(),
@@ -26,7 +27,7 @@ impl Free {
         }
     }
 
-    /// Coordinate of a value.
+    /// Coordinate of the parameter at a value.
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.parameter.kind.scale() {
             Scale::Log => value.ln(),
@@ -34,7 +35,7 @@ impl Free {
         }
     }
 
-    /// Change of the value with its coordinate.
+    /// Derivative of the value with respect to the coordinate, at coordinate `x`.
     fn slope(&self, x: f64) -> f64 {
         match self.parameter.kind.scale() {
             Scale::Log => x.exp(),
@@ -43,22 +44,24 @@ impl Free {
     }
 }
 
-/// Sums of one block: by joint the squared error, its products with the sensitivities, and theirs.
+/// Sums over the samples of a block, or of a trajectory: squared error r², and its first and second order terms in P
+/// parameters. J is the sensitivity of the simulated position, and r the simulated less the recorded position.
 #[derive(Debug, Clone)]
 pub struct Sums {
-    /// Index of the trajectory.
+    /// Index of the trajectory that the samples belong to.
     pub trajectory: usize,
-    /// Samples.
+    /// Number of samples.
     pub samples: f64,
-    /// Sum of squared errors by joint, rad².
+    /// Sum Σ r² of squared errors of each joint, rad² (m²).
     pub squared: Vec<f64>,
-    /// Gradient Σ J r of each joint, P values.
+    /// Sum Σ J r of each joint, P values: half the gradient of its squared error in the parameters' values.
     pub gradient: Vec<DVector<f64>>,
-    /// Gauss-Newton matrix Σ J Jᵀ of each joint, P × P.
+    /// Gauss-Newton matrix Σ J Jᵀ of each joint, P × P: half the Hessian of its squared error.
     pub hessian: Vec<DMatrix<f64>>,
 }
 
 impl Sums {
+    /// Sums over no samples.
     fn zeros(trajectory: usize, joints: usize, parameters: usize) -> Self {
         Self {
             trajectory,
@@ -69,7 +72,7 @@ impl Sums {
         }
     }
 
-    /// Adds those of another block.
+    /// Adds the sums of another block.
     pub fn add(&mut self, other: &Self) {
         self.samples += other.samples;
         for j in 0..self.squared.len() {
@@ -80,47 +83,49 @@ impl Sums {
     }
 }
 
-/// Noise of one joint: the floor under its mean squared error, and how many samples make an independent one.
+/// Noise model of one joint's error in the likelihood.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// Variance that no model explains (the encoder's quantum), rad².
+    /// Variance that is added to the mean squared error, rad² (m²): that of the encoder's quantisation.
     pub floor: f64,
-    /// Integrated autocorrelation time of the error, in samples, at least 1.
+    /// Integrated autocorrelation time of the error, in samples, at least 1. So many samples count as one independent
+    /// sample.
     pub correlation: f64,
 }
 
-/// How thoroughly a fit is made.
+/// Limits on the effort of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// Most iterations.
+    /// Largest number of iterations.
     pub iterations: usize,
-    /// Gain of the objective, nats, below which it ends.
+    /// Decrease of the objective in one iteration, nats, below which the fit ends.
     pub gain: f64,
-    /// Longest step of integration, s.
+    /// Longest integration step during the fit, s.
     pub step: f64,
 }
 
-/// Result of a fit.
+/// Result of a fit: the arm at the optimum, and the expansion of the likelihood there.
 #[derive(Debug, Clone)]
 pub struct Fitted {
-    /// The arm with the fitted values.
+    /// Arm with the fitted values.
     pub arm: Arm,
-    /// Coordinates of the free parameters.
+    /// Fitted coordinate of each of the P free parameters.
     pub x: Vec<f64>,
-    /// Objective: negative log likelihood and prior, nats.
+    /// Objective at the optimum, nats: negative log likelihood plus negative log prior, up to constants.
     pub objective: f64,
-    /// Gauss-Newton information of the likelihood alone in the coordinates, P × P.
+    /// Gauss-Newton Hessian of the negative log likelihood in the coordinates, without the prior, P × P.
     pub information: DMatrix<f64>,
-    /// Sums of each block.
+    /// Sums of each block at the optimum.
     pub blocks: Vec<Sums>,
-    /// Noise by joint, with the fit's own autocorrelation.
+    /// Noise model of each joint: the one that the fit's likelihood used. The search replaces it by one from the last
+    /// fit's errors.
     pub noise: Vec<Noise>,
 }
 
-/// Sums of all blocks, in parallel; the same whatever the number of threads.
+/// Sums of each block, computed in parallel. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// A drive that is unstable.
+/// Drive that is unstable.
 pub fn sums(arm: &Arm, blocks: &[Track], parameters: &[Parameter]) -> Result<Vec<Sums>, Unstable> {
     blocks
         .par_iter()
@@ -154,10 +159,10 @@ pub fn sums(arm: &Arm, blocks: &[Track], parameters: &[Parameter]) -> Result<Vec
         .collect()
 }
 
-/// Errors q_sim − q of a track, samples × joints, row by row.
+/// Simulated less recorded positions of a track, samples × joints, row by row.
 ///
 /// # Errors
-/// A drive that is unstable.
+/// Drive that is unstable.
 pub fn errors(arm: &Arm, track: &Track) -> Result<Vec<f64>, Unstable> {
     let mut out = Vec::with_capacity(track.q.len());
     replay(arm, track, &[], &mut |row, q, _| {
@@ -166,11 +171,11 @@ pub fn errors(arm: &Arm, track: &Track) -> Result<Vec<f64>, Unstable> {
     Ok(out)
 }
 
-/// Noise of each joint by the errors of all blocks: the integrated autocorrelation time up to its first zero
-/// crossing (initial positive sequence; Geyer, 1992).
+/// Noise model of each joint from the errors of this arm on all blocks. `floors` are the variances to add, by joint.
+/// The autocorrelation time counts lags up to the first zero crossing (initial positive sequence; Geyer, 1992).
 ///
 /// # Errors
-/// A drive that is unstable.
+/// Drive that is unstable.
 pub fn noise(arm: &Arm, blocks: &[Track], floors: &[f64]) -> Result<Vec<Noise>, Unstable> {
     let n = arm.dof();
     let all: Vec<Vec<f64>> = blocks
@@ -191,7 +196,8 @@ pub fn noise(arm: &Arm, blocks: &[Track], floors: &[f64]) -> Result<Vec<Noise>, 
         .collect())
 }
 
-/// Integrated autocorrelation time 1 + 2 Σ ρ_k over positive ρ_k, in samples.
+/// Integrated autocorrelation time 1 + 2 Σ ρ_k of some series together, in samples. Lags k count up to the first ρ_k
+/// that is not positive.
 fn integrated(series: &[Vec<f64>]) -> f64 {
     let product = |lag: usize| -> f64 {
         let each = series.iter().map(|s| {
@@ -213,8 +219,10 @@ fn integrated(series: &[Vec<f64>]) -> f64 {
     time
 }
 
-/// Negative log likelihood, nats: ½ Σ n ln(mean squared error + floor) over joints and trajectories, n independent samples
-/// each. What the model lacks shows in fast motions more than in slow ones, so that every trajectory has a variance of its own.
+/// Negative log likelihood, nats, up to a constant: ½ Σ n ln(mean squared error + floor) over joints and trajectories.
+/// n is the number of independent samples.
+///
+/// Each trajectory has a variance of its own, because model errors are larger in fast motions than in slow ones.
 fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
     let of = |total: &Sums| -> f64 {
         let each = total.squared.iter().zip(noise).map(|(s, noise)| {
@@ -225,6 +233,7 @@ fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
     trajectories.iter().map(of).sum()
 }
 
+/// Negative log prior of the coordinates `x`, nats, up to a constant.
 fn prior(free: &[Free], x: &[f64]) -> f64 {
     let each = free.iter().zip(x).filter_map(|(f, x)| {
         let (mean, deviation) = f.prior?;
@@ -233,10 +242,11 @@ fn prior(free: &[Free], x: &[f64]) -> f64 {
     each.sum()
 }
 
-/// Fit by Levenberg and Marquardt with bounds at zero, from the arm's own values, with the expansion about it.
+/// Maximum a posteriori fit by Levenberg and Marquardt, from the values of the arm `start`, with the expansion about
+/// its optimum. Parameters of [`Scale::Positive`] stay at zero or above.
 ///
 /// # Errors
-/// The arm as given is unstable.
+/// Arm at the start that is unstable.
 pub fn fit(
     start: &Arm,
     free: &[Free],
@@ -259,10 +269,10 @@ pub fn fit(
     })
 }
 
-/// Negative log posterior of an arm, nats, up to a constant.
+/// Negative log posterior of an arm in its free parameters, nats, up to a constant.
 ///
 /// # Errors
-/// The arm is unstable.
+/// Arm that is unstable.
 pub fn objective(
     arm: &Arm,
     free: &[Free],
@@ -277,10 +287,10 @@ pub fn objective(
     Ok(likelihood(&total, noise) + prior(free, &x))
 }
 
-/// The arm at the lowest objective that is found, with its coordinates.
+/// Arm at the lowest objective that the descent finds, with its coordinates. This is [`fit`] without the expansion.
 ///
 /// # Errors
-/// The arm as given is unstable.
+/// Arm at the start that is unstable.
 pub fn descend(
     start: &Arm,
     free: &[Free],
@@ -342,7 +352,7 @@ pub fn descend(
     }
 }
 
-/// Sums by trajectory.
+/// Sums of each trajectory, from those of its blocks.
 pub fn by_trajectory(blocks: &[Sums]) -> Vec<Sums> {
     let mut totals: Vec<Sums> = Vec::new();
     for block in blocks {
@@ -354,7 +364,7 @@ pub fn by_trajectory(blocks: &[Sums]) -> Vec<Sums> {
     totals
 }
 
-/// Gradient and Gauss-Newton information of the likelihood in the coordinates.
+/// Gradient (P values) and Gauss-Newton Hessian (P × P) of the negative log likelihood in the coordinates `x`.
 pub fn local(
     trajectories: &[Sums],
     noise: &[Noise],
@@ -381,7 +391,8 @@ pub fn local(
     (gradient, information)
 }
 
-/// Damped step; what a bound holds stays there.
+/// Coordinates after one Levenberg-Marquardt step with damping `lambda`. `slope` and `curved` are gradient and Hessian
+/// of the objective. A coordinate at its bound zero that would cross it stays there.
 fn proposal(
     curved: &DMatrix<f64>,
     slope: &DVector<f64>,
@@ -395,7 +406,7 @@ fn proposal(
         .map(|i| curved[(i, i)] == 0.0 || (bounded(i) && x[i] <= 0.0 && slope[i] > 0.0))
         .collect();
     let mut next = x.to_vec();
-    // What would pass its bound is held there, and the others are solved for again.
+    // Coordinates that would pass their bound are set on it, and the others are solved for again.
     for _ in 0..=p {
         let open: Vec<usize> = (0..p).filter(|&i| !fixed[i]).collect();
         let m = open.len();
@@ -406,7 +417,7 @@ fn proposal(
             for (c, &k) in open.iter().enumerate() {
                 a[(r, c)] = curved[(i, k)];
             }
-            // Steps to a bound that are part of this proposal bend the others.
+            // Steps of the fixed coordinates to their bound change the right-hand side of the others.
             for k in (0..p).filter(|&k| fixed[k]) {
                 b[r] -= curved[(i, k)] * (next[k] - x[k]);
             }
@@ -418,7 +429,7 @@ fn proposal(
         for (r, &i) in open.iter().enumerate() {
             next[i] = x[i] + step[r];
             match free[i].parameter.kind.scale() {
-                // A factor of e at most in one step.
+                // Change of a logarithm by at most 1 in one step, so a factor of e.
                 Scale::Log => next[i] = next[i].clamp(x[i] - 1.0, x[i] + 1.0),
                 Scale::Positive if next[i] < 0.0 => {
                     next[i] = 0.0;

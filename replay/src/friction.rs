@@ -1,18 +1,18 @@
-//! Dry friction that sticks: one step of a chain whose joints may rest.
+//! Dry friction with sticking: one implicit step of a chain whose joints can rest.
 
-/// How a joint moves during a step.
+/// State of a joint's dry friction during a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slip {
-    /// At rest: friction takes what is needed.
+    /// Joint at rest: friction takes whatever torque holds it, up to its limit.
     Stick,
-    /// Moving in positive direction.
+    /// Joint moving in the positive direction: friction is at its limit, against the motion.
     Forward,
-    /// Moving in negative direction.
+    /// Joint moving in the negative direction: friction is at its limit, against the motion.
     Backward,
 }
 
 impl Slip {
-    /// 1, −1, or 0 at rest.
+    /// Sign of the joint's motion: 1, −1, or 0 at rest.
     pub fn sign(self) -> f64 {
         match self {
             Self::Stick => 0.0,
@@ -22,26 +22,29 @@ impl Slip {
     }
 }
 
-/// Solver for A v + f = b with |f_i| ≤ limit_i, f_i = limit_i·sign(v_i) where v_i ≠ 0: velocities and friction after an
-/// implicit step. A is symmetric positive definite, so that the solution is unique (a box-constrained linear
-/// complementarity problem; Cottle, Pang and Stone, 1992, theorem 3.1.6).
+/// Solver for velocities v and friction f after an implicit step: A v + f = b with |f_i| ≤ limit_i, and f_i =
+/// limit_i·sign(v_i) where v_i ≠ 0.
+///
+/// A is symmetric positive definite, so that the solution is unique (a box-constrained linear complementarity problem;
+/// Cottle, Pang and Stone, 1992, theorem 3.1.6).
 #[derive(Debug, Clone)]
 pub struct Friction {
+    /// Number N of joints.
     n: usize,
-    /// What each joint did in the last step; the next one starts from it.
+    /// State of each joint's friction in the last step, from which the next solution starts.
     pub slip: Vec<Slip>,
-    /// Velocities, N values.
+    /// Joint velocities v after the last step, N values.
     pub velocity: Vec<f64>,
-    /// Friction, N values, in the unit of b.
+    /// Friction f of each joint in the last step, N values, in the unit of b (an impulse).
     pub force: Vec<f64>,
-    /// Cholesky factor of A over the joints that slip, row-major with N columns.
+    /// Lower Cholesky factor of A over the joints that slip, row-major with N columns.
     factor: Vec<f64>,
-    /// Joints that slip.
+    /// Indices of the joints that slip, increasing.
     moving: Vec<usize>,
 }
 
 impl Friction {
-    /// For a chain of `n` joints, all at rest.
+    /// Solver for a chain of `n` joints, all at rest.
     pub fn new(n: usize) -> Self {
         Self {
             n,
@@ -53,15 +56,17 @@ impl Friction {
         }
     }
 
-    /// The joints that slip after [`Friction::solve`].
+    /// Indices of the joints that slip after [`Friction::solve`].
     pub fn moving(&self) -> &[usize] {
         &self.moving
     }
 
-    /// Solves; `false` where A is not positive definite or no consistent set was found.
+    /// Solves one step and stores the result. False where A is not positive definite or no consistent set of slipping
+    /// joints was found.
     pub fn solve(&mut self, a: &[f64], b: &[f64], limit: &[f64]) -> bool {
         let n = self.n;
-        // All wrong joints change at once while that helps, then one at a time (Murty's least index, which ends).
+        // Joints whose state contradicts their solution all change at once in the first rounds. Later they change one
+        // at a time (Murty's least index), which always ends.
         for round in 0..8 * n + 8 {
             if !self.slide(a, b, limit) {
                 return false;
@@ -84,7 +89,8 @@ impl Friction {
         false
     }
 
-    /// What joint `i` should do by its velocity and friction.
+    /// State that joint `i` must change to by its present velocity and friction; its own state where that is
+    /// consistent.
     fn next(&self, i: usize, limit: f64) -> Slip {
         match self.slip[i] {
             Slip::Stick if self.force[i] > limit => Slip::Forward,
@@ -97,7 +103,7 @@ impl Friction {
         }
     }
 
-    /// Velocities and friction for the present set.
+    /// Velocities and friction for the present states of the joints. False where A is not positive definite.
     fn slide(&mut self, a: &[f64], b: &[f64], limit: &[f64]) -> bool {
         let n = self.n;
         self.moving.clear();
@@ -148,8 +154,8 @@ impl Friction {
         true
     }
 
-    /// Solves A x = rhs over the joints that slip for many right-hand sides at once; rows of joints at rest become zero.
-    /// `rhs` is row-major, N rows of `columns` values.
+    /// Solves A x = rhs over the joints that slip, for many right-hand sides at once and in place. Rows of joints at
+    /// rest become zero. `rhs` is row-major, N rows of `columns` values.
     #[inline(always)]
     pub fn back_substitute(&self, rhs: &mut [f64], columns: usize) {
         let n = self.n;
@@ -184,7 +190,7 @@ impl Friction {
     }
 }
 
-/// Row `to` less `factor` times row `from`.
+/// Subtracts `factor` times row `from` from row `to`.
 #[inline(always)]
 fn subtract(rows: &mut [f64], columns: usize, to: usize, from: usize, factor: f64) {
     let (low, high) = (to.min(from), to.max(from));
@@ -199,6 +205,7 @@ fn subtract(rows: &mut [f64], columns: usize, to: usize, from: usize, factor: f6
     }
 }
 
+/// Multiplies one row by `factor`.
 #[inline(always)]
 fn scale(rows: &mut [f64], columns: usize, row: usize, factor: f64) {
     for v in &mut rows[row * columns..][..columns] {

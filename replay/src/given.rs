@@ -1,54 +1,55 @@
-//! The simulator as given: an arm under its drives, with how far each given value is trusted.
+//! Simulator as given: an arm with its drives, and how far each given value is trusted.
 
 use crate::arm::Arm;
 use crate::command::Interpolation;
 use crate::parameter::{Kind, Parameter};
 
-/// The simulator's model and controller, as they stand.
+/// Simulator as given: model, controller and how well each of their values is known.
 #[derive(Debug, Clone)]
 pub struct Given {
     /// Arm and drives with the given values.
     pub arm: Arm,
-    /// Parameters that are known within a tolerance, each with its standard deviation relative to the given value; that
-    /// of the logarithm where the parameter is searched by it.
+    /// Parameters that are known within a tolerance. The number is the standard deviation relative to the given value;
+    /// for a parameter fitted as its logarithm, the standard deviation of that.
     pub tolerances: Vec<(Parameter, f64)>,
-    /// Parameters of which nothing is known: they are fitted, and are no cause.
+    /// Parameters of which no value is known. They are fitted under every set of hypotheses and are never a cause.
     pub free: Vec<Parameter>,
     /// Whether the user states the position servos' gains (kp, kd) as exact: without tolerance, and not fitted.
     pub stated: bool,
-    /// How the drive fills the time between commands.
+    /// Command that the drive follows between two recorded commands: the last one, or a straight line.
     pub interpolation: Interpolation,
-    /// What the drive is called in the report (`pd`, `pid`, `cascade`, `dc_servo`).
+    /// Name of the drives' controller in the report: `pd`, `pid`, `cascade` or `dc_servo`.
     pub controller: &'static str,
-    /// What was assumed or changed, for the reader.
+    /// Notes for the reader of the report: assumptions about the simulator and changes to its description.
     pub notes: Vec<String>,
-    /// What earlier recordings of the robot say, where it is given by them.
+    /// Result of the fit to earlier recordings, where the simulator stands for the robot at that time; none otherwise.
     pub earlier: Option<Earlier>,
 }
 
-/// What a fit to earlier recordings leaves open.
+/// Uncertainty and error that remain after a fit to earlier recordings.
 #[derive(Debug, Clone)]
 pub struct Earlier {
-    /// Parameters with the deviations of their coordinates.
+    /// Parameters that were fitted, each with the posterior standard deviation of its coordinate.
     pub open: Vec<(Parameter, f64)>,
-    /// By joint the unexplained part of the earlier recordings; none of a joint that never moved.
+    /// Ratio, by joint, of RMS simulation error to RMS of command less position on the earlier recordings. None for a
+    /// joint that never moved.
     pub unexplained: Vec<Option<f64>>,
 }
 
 impl Given {
-    /// Tolerance of a parameter; 0 where its value stands as it is.
+    /// Relative tolerance of a parameter; 0 where its given value is taken as exact.
     pub fn tolerance(&self, parameter: Parameter) -> f64 {
         let own = self.tolerances.iter().find(|(p, _)| *p == parameter);
         own.map_or(0.0, |(_, t)| *t)
     }
 
-    /// Whether nothing is known of a parameter.
+    /// Whether no value of the parameter is known, so that it is fitted in any case.
     pub fn is_free(&self, parameter: Parameter) -> bool {
         self.free.contains(&parameter)
     }
 
-    /// The same simulator where no velocities are commanded: the drive's damping and viscous friction then are one number,
-    /// which is held as viscous friction.
+    /// Simulator for recordings without commanded velocities. The drive's damping and the viscous friction of a joint
+    /// then only show as their sum, which is fitted as viscous friction. Joints under a cascade controller keep both.
     pub fn without_rates(&self) -> Self {
         let mut out = self.clone();
         let merges: Vec<bool> = out
@@ -58,7 +59,7 @@ impl Given {
             .map(|s| s.integral != crate::arm::Integral::Velocity)
             .collect();
         for (j, servo) in out.arm.servos.iter().enumerate() {
-            // Of a simulator that is given by earlier recordings they are merged already.
+            // In a simulator from earlier recordings they are merged already.
             if self.earlier.is_none() {
                 out.arm.shared[j] = if merges[j] { servo.kd } else { 0.0 };
             }
@@ -73,7 +74,8 @@ impl Given {
         out
     }
 
-    /// The kind of the parameter that cuts the torque of these drives.
+    /// Kind of the parameter that limits the torque of these drives: the voltage limit for `dc_servo`, else the torque
+    /// limit.
     pub fn limit(&self) -> Kind {
         if self.controller == "dc_servo" {
             Kind::DriveLimit

@@ -1,4 +1,4 @@
-//! From a robot, its drive file and recordings to what is diagnosed.
+//! Input of a diagnosis: the simulator as given, from a robot and its drive file, and prepared recordings.
 
 use crate::arm::{Arm, Integral, Servo};
 use crate::check::Unusable;
@@ -12,59 +12,60 @@ use physics::robot::drive::{Controller, ControllerKind, Interpolation as Filled,
 use physics::robot::{Actuator, Description, RobotError};
 use std::path::{Path, PathBuf};
 
-/// What a drive's gain is taken to be at first where it is not known, N·m/rad per kg·m² of what the joint moves: a natural
+/// First guess of an unknown proportional gain, N·m/rad per kg·m² of the inertia that the joint moves. It is a natural
 /// frequency of 5 Hz, as arms under position control have.
 const STIFFNESS: f64 = 1000.0;
 
-/// Why nothing could be diagnosed.
+/// Reason why the input cannot be diagnosed.
 #[derive(Debug, thiserror::Error)]
 pub enum InputError {
-    /// Robot, drive file or recording.
+    /// Robot, drive file or recording that cannot be read.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The robot alone.
+    /// Description whose actuators cannot be read.
     #[error(transparent)]
     Robot(#[from] RobotError),
-    /// A recording that cannot be replayed.
+    /// Recording that cannot be replayed.
     #[error(transparent)]
     Unusable(#[from] Unusable),
-    /// No controller.
+    /// Robot without any statement about the controller of its drives.
     #[error(
         "{robot} says nothing of the drives' controller; write it into a drive file and give that by --drive:\n\n{block}"
     )]
     NoController {
-        /// Robot.
+        /// Name of the robot.
         robot: String,
-        /// The block to write.
+        /// Text of the block `[controller]` that the user can complete.
         block: String,
     },
-    /// An actuator follows a law that is not known here.
+    /// Actuator of the MJCF that is no position servo.
     #[error(
         "joint {joint} is driven by {law}, which is no position servo; say by [controller] in a drive file how its torque \
          follows from its command"
     )]
     Law {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Law of the actuator.
+        /// Control law of the actuator, in words.
         law: String,
     },
 }
 
-/// Robot, drives and description, read.
+/// Robot to diagnose: its description, and the simulator as given.
 #[derive(Debug)]
 pub struct Subject {
-    /// Robot and the way its recordings are read.
+    /// Robot, description and drive file, with the columns and units of its recordings.
     pub setup: Setup,
-    /// The simulator as given.
+    /// Simulator as given, with the drives of the drive file or else of the description.
     pub given: Given,
 }
 
 impl Subject {
-    /// Reads robot and drive file.
+    /// Reads the description of `robot` (path or built-in name) and the drive file. `joints` empty: all of the
+    /// description.
     ///
     /// # Errors
-    /// They cannot be used, or say nothing of the controller.
+    /// Files that cannot be used, or that do not describe the controller.
     pub fn read(
         robot: &str,
         joints: &[String],
@@ -84,19 +85,19 @@ impl Subject {
         Ok(Self { setup, given })
     }
 
-    /// Reads recordings of one kind (fitted or held out).
+    /// Reads recordings for one purpose: to be fitted or held out.
     ///
     /// # Errors
-    /// One of them cannot be read.
+    /// Recording that cannot be read.
     pub fn recordings(&self, paths: &[PathBuf], part: Part) -> Result<Vec<Recording>, InputError> {
         let read = |path: &PathBuf| Ok(self.setup.read_one(path, part, false)?);
         paths.iter().map(read).collect()
     }
 
-    /// Prepares recordings, at least one, for a replay of all of them together.
+    /// Prepares recordings, at least one, to be replayed together.
     ///
     /// # Errors
-    /// One of them cannot be replayed.
+    /// Recording that cannot be replayed.
     pub fn prepared(&self, recordings: &[Recording]) -> Result<Replayed, InputError> {
         let mut out: Option<Replayed> = None;
         let mut first = 0;
@@ -112,7 +113,7 @@ impl Subject {
     }
 }
 
-/// A servo that does nothing.
+/// Drive without gains, limits and delays.
 fn idle() -> Servo {
     Servo {
         kp: 0.0,
@@ -128,7 +129,7 @@ fn idle() -> Servo {
     }
 }
 
-/// Drives by the block of the drive file.
+/// Simulator with the drives that the block `[controller]` of the drive file describes.
 fn by_block(setup: &Setup, block: &Controller) -> Given {
     let robot = &setup.robot;
     let n = robot.dof();
@@ -156,7 +157,7 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
         };
     let zero = |_: usize| 0.0;
     let gain = |j: usize| start[j];
-    // Critical damping at the first guess of the gain.
+    // Critical damping for the first guess of the gain.
     let damped = |j: usize| 2.0 * start[j] / STIFFNESS.sqrt();
     match block.kind {
         ControllerKind::Pd | ControllerKind::Pid => {
@@ -170,7 +171,8 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
             });
         }
         ControllerKind::Cascade => {
-            // Torque = kp_velocity (kp e + e_v) + …: a gain of kp·kp_velocity on the position's error.
+            // Gains of the cascade: torque = kp_velocity (kp e + e_v) + …, so that kp·kp_velocity acts on the position
+            // error.
             set(Key::KpVelocity, Kind::ServoDamping, &damped, &mut |j, v| {
                 servos[j].kd = v
             });
@@ -191,7 +193,7 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
             set(Key::BackEmf, Kind::Damping, &zero, &mut |j, v| {
                 servos[j].back_emf = v
             });
-            // Full voltage at an error of a tenth of a radian, until the motion says more.
+            // First guess: full voltage at a position error of 0.1 rad.
             set(
                 Key::Voltage,
                 Kind::DriveLimit,
@@ -206,10 +208,10 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
     set(Key::Delay, Kind::CommonDelay, &zero, &mut |j, v| {
         servos[j].delay = v
     });
-    // One delay of all joints is one number.
+    // Common delay: a free or tolerated delay is one parameter for all joints.
     free.retain(|p| p.kind != Kind::CommonDelay || p.joint == 0);
     tolerances.retain(|(p, _)| p.kind != Kind::CommonDelay || p.joint == 0);
-    // What is the same for all is one number.
+    // Part of the delays that all joints share: it becomes the common delay.
     let common = servos.iter().map(|s| s.delay).fold(f64::INFINITY, f64::min);
     servos.iter_mut().for_each(|s| s.delay -= common);
     let mut arm = Arm::new(robot.clone(), servos);
@@ -242,7 +244,7 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
     }
 }
 
-/// First guess of each gain, N·m/rad.
+/// First guess of each joint's proportional gain, N·m/rad, from the inertia that it moves in the middle of its range.
 fn starts(robot: &physics::robot::Robot) -> Vec<f64> {
     let n = robot.dof();
     let mut workspace = physics::dynamics::Workspace::new(robot);
@@ -261,7 +263,7 @@ fn starts(robot: &physics::robot::Robot) -> Vec<f64> {
         .collect()
 }
 
-/// Drives by the actuators of an MJCF.
+/// Simulator with the drives that the actuators of an MJCF describe.
 fn by_actuators(setup: &Setup) -> Result<Given, InputError> {
     let Description::Mjcf(mjcf) = &setup.description else {
         return Err(no_controller(setup));
@@ -286,6 +288,7 @@ fn by_actuators(setup: &Setup) -> Result<Given, InputError> {
     })
 }
 
+/// Drive of a joint from its position servo in the MJCF.
 fn servo(setup: &Setup, joint: &str, actuator: &Actuator) -> Result<Servo, InputError> {
     use physics::robot::ActuatorKind;
     let law = match &actuator.kind {
@@ -313,7 +316,8 @@ fn servo(setup: &Setup, joint: &str, actuator: &Actuator) -> Result<Servo, Input
     })
 }
 
-/// With the block to write: of its recipe where the robot is known.
+/// Error for a missing controller, with the block to complete. The block is that of the recipe where the robot is
+/// known.
 fn no_controller(setup: &Setup) -> InputError {
     let n = setup.robot.dof();
     let list = |v: f64| format!("[{}]", vec![format!("{v}"); n].join(", "));

@@ -1,4 +1,4 @@
-//! A diagnosis of motion from files: what the program and the Python package both run.
+//! Diagnosis of motion from files, as the program and the Python package both run it.
 
 use crate::catalogue::Effect;
 use crate::diagnosis::{Outcome, diagnose, earlier};
@@ -12,73 +12,75 @@ use datasets::Part;
 use model::preparation::setup::refuse_overlap;
 use std::path::{Path, PathBuf};
 
-/// What is asked for.
+/// Request for a diagnosis: the files to read and the options.
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// URDF or MJCF, or the name of a built-in robot.
+    /// Path of a URDF or MJCF file, or the name of a built-in robot.
     pub robot: String,
-    /// Joints of the robot, base first; none: all.
+    /// Names of the joints that were recorded, base first; empty for all joints of the description.
     pub joints: Vec<String>,
-    /// Recordings to fit.
+    /// Paths of the recordings to which the parameters are fitted.
     pub data: Vec<PathBuf>,
-    /// Recording on which every figure is measured.
+    /// Path of the held-out recording, on which all figures of the report are measured.
     pub heldout: PathBuf,
-    /// Earlier recordings of the same robot: what has changed since is looked for; none: what the simulator lacks.
+    /// Paths of earlier recordings of the same robot. The simulator is fitted to them first, so that the causes are
+    /// changes since then. Empty for a diagnosis of the simulator as given.
     pub before: Vec<PathBuf>,
-    /// Drive file.
+    /// Path of the drive file: controller, and names and units of columns. None where the description alone says
+    /// enough.
     pub drive: Option<PathBuf>,
-    /// Gravity in the base frame, m/s².
+    /// Gravity in the base frame, m/s²; none for that of the description.
     pub gravity: Option<[f64; 3]>,
-    /// Shorten the fits without one cause each, by which shares are measured.
+    /// Whether fits that leave one cause out, which measure the causes' shares, end early.
     pub fast: bool,
 }
 
-/// Why there is no diagnosis.
+/// Reason why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// Robot, drive file or recording.
+    /// Robot, drive file or recording that cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// Drives that no simulation follows.
+    /// Simulator that diverges, or has a drive too stiff to simulate.
     #[error(transparent)]
     Unstable(#[from] Unstable),
-    /// A corrected model that its format cannot hold.
+    /// Corrected model that its file format cannot hold.
     #[error(transparent)]
     Patch(#[from] PatchError),
-    /// A file that cannot be written.
+    /// File that cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
-    /// An output without a folder.
+    /// Output file in a folder that does not exist.
     #[error("{}: its folder does not exist; make it first", .0.display())]
     Folder(PathBuf),
-    /// A recording on both sides.
+    /// Held-out recording that is also among the recordings to fit.
     #[error("--heldout {} is among --data: what is measured on it says nothing; give a recording of its own", .0.display())]
     NotHeldOut(PathBuf),
 }
 
 impl ReplayError {
-    /// Whether the input is at fault.
+    /// Whether the user's input is at fault, not the writing of a file. The program then exits with status 2.
     pub fn is_input(&self) -> bool {
         !matches!(self, Self::Write(_))
     }
 }
 
-/// A diagnosis with what it was made of.
+/// Diagnosis together with the robot and the held-out recording that it was made from.
 #[derive(Debug)]
 pub struct Done {
-    /// Robot and drives.
+    /// Robot and the simulator that was diagnosed.
     pub subject: Subject,
-    /// The held-out recording.
+    /// Held-out recording, prepared for replay.
     pub heldout: Replayed,
-    /// The diagnosis.
+    /// Outcome of the diagnosis: its report and the corrected simulators.
     pub outcome: Outcome,
 }
 
 impl Job {
-    /// Reads and diagnoses; `stage` hears what is under way.
+    /// Reads the files and makes the diagnosis. `stage` is called with the name of each step as it begins.
     ///
     /// # Errors
-    /// Input that cannot be used.
+    /// Input that cannot be used, or a simulator that is unstable.
     pub fn run(&self, mut stage: impl FnMut(&str)) -> Result<Done, ReplayError> {
         let canonical = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_owned());
         let held = canonical(&self.heldout);
@@ -116,13 +118,13 @@ impl Job {
 }
 
 impl Done {
-    /// The report of the schema `replay/1`.
+    /// Report as JSON text, in the schema `replay/1`.
     pub fn json(&self) -> String {
         let report = serde_json::to_string_pretty(&self.outcome.report);
         report.expect("a report is plain data") + "\n"
     }
 
-    /// What the program prints.
+    /// Report as lines of text for a terminal.
     pub fn lines(&self) -> Vec<String> {
         let title = |name: &str| {
             let effect = Effect::ALL.iter().find(|e| e.name() == name);
@@ -131,23 +133,24 @@ impl Done {
         words::lines(&self.outcome.report, title)
     }
 
-    /// The report as a self-contained page.
+    /// Report as a self-contained HTML page.
     pub fn page(&self) -> String {
         let name = self.subject.setup.robot.name();
         page::page(&self.outcome, &self.heldout, &format!("Replay of {name}"))
     }
 
-    /// The corrected model as it would stand at `out`, with what lies beside it.
+    /// Corrected model as text, to be written to `out`, with the drive files beside it. Nothing is written here.
     ///
     /// # Errors
-    /// A corrected robot that the format cannot hold.
+    /// Corrected robot that the format cannot hold.
     pub fn patch(&self, out: &Path) -> Result<Patch, PatchError> {
         let subject = &self.subject;
         patch(&subject.setup, &subject.given, &self.outcome.held, out)
     }
 }
 
-/// Commanded velocities are used of all recordings or of none: without them a drive's damping is another number.
+/// Removes the commanded velocities of all recordings unless every one has them. A drive's damping would otherwise
+/// differ between them, as without commanded velocities it includes viscous friction.
 fn alike(all: [&mut Replayed; 3]) {
     if all
         .iter()

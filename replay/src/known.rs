@@ -1,6 +1,6 @@
-//! Robots whose drives are known by their recipes.
+//! Robots whose drives are known from recipes in the repository.
 
-/// Parts of a robot's name, and the recipe that says how its drives follow their commands.
+/// Parts of robot names, lower case, and the text of the recipe that describes their drives.
 const KNOWN: [(&[&str], &str); 4] = [
     (
         &["so101", "so_101", "so-101", "so100", "so_arm"],
@@ -14,7 +14,8 @@ const KNOWN: [(&[&str], &str); 4] = [
     (&["piper"], include_str!("../../recipes/replay/piper.toml")),
 ];
 
-/// The block `[controller]` of the recipe of a robot of this name, for so many joints; none where there is no recipe.
+/// Text of the block `[controller]` from the recipe of a robot of this name, with gains for `joints` joints. None where
+/// there is no recipe.
 pub(crate) fn controller(robot: &str, joints: usize) -> Option<String> {
     let name = robot.to_lowercase();
     let known = |(parts, _): &&(&[&str], &str)| parts.iter().any(|p| name.contains(p));
@@ -25,7 +26,8 @@ pub(crate) fn controller(robot: &str, joints: usize) -> Option<String> {
     Some(block.join("\n"))
 }
 
-/// Line of a recipe with its list of gains cut, or its last gain repeated, to one per joint (a gripper may count).
+/// Line of a recipe with its list of gains cut or extended to one value for each joint. The last value is repeated, as
+/// the description may count a gripper. Other lines stay as they are.
 fn resized(line: &str, joints: usize) -> String {
     match line.split_once(" = [") {
         Some((key, list)) if key.starts_with('k') => {

@@ -1,5 +1,6 @@
-//! The gap in motion: recorded commands are replayed on the robot's simulator, the simulated motion is compared with the
-//! recorded one, and the effects that the simulator lacks are found from the difference. No torque is needed.
+//! Discrepancy in motion between a robot and its simulator. Recorded commands are replayed on the simulator, and the
+//! simulated motion is compared with the recorded one. The effects that the simulator lacks are found from the
+//! difference. No torque is needed.
 #![forbid(unsafe_code)]
 
 pub mod arm;

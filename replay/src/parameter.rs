@@ -1,69 +1,72 @@
-//! What may be fitted: one number of one joint, or of the whole arm.
+//! Parameters that can be fitted: one number of one joint, or of the whole arm.
 
-/// What a parameter is.
+/// Kind of a parameter: which number of a joint, its drive or the arm it is. Units hold for a rotary joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
-    /// Torque per error of position of the drive.
+    /// Proportional gain of the joint's drive: torque per position error, N·m/rad.
     Gain,
-    /// Torque per error of velocity of the drive.
+    /// Derivative gain of the joint's drive: torque per velocity error, N·m·s/rad.
     ServoDamping,
-    /// Integral gain.
+    /// Integral gain of the joint's drive: torque per integral of the error.
     Integral,
-    /// Largest torque at standstill that the voltage allows.
+    /// Limit of the drive's control output before losses by back EMF, N·m: the voltage limit as a torque at standstill.
     DriveLimit,
-    /// Largest torque.
+    /// Limit of the drive's torque, N·m, equal in both directions.
     Limit,
-    /// Delay of one joint's commands.
+    /// Delay of one joint's commands beyond the common delay, s.
     Delay,
-    /// One delay of all joints' commands.
+    /// Delay that the commands of all joints share, s.
     CommonDelay,
-    /// Time constant of the drive's command filter.
+    /// Time constant of the first-order low-pass filter on the drive's command, s.
     Lag,
-    /// What the drive adds to its command.
+    /// Constant that the joint's drive adds to its commanded position, rad.
     Offset,
-    /// Viscous friction.
+    /// Viscous friction coefficient of the joint, N·m·s/rad. Where only the sum with the drive's damping is known, it
+    /// is that sum.
     Damping,
-    /// Coulomb friction.
+    /// Coulomb friction of the joint, N·m.
     Coulomb,
-    /// Friction at standstill beyond Coulomb's.
+    /// Dry friction at standstill beyond Coulomb friction, N·m. It falls off with velocity (Stribeck effect).
     Stribeck,
-    /// Friction per torque.
+    /// Dry friction per torque that the joint's gear transmits, a number without unit.
     Load,
-    /// Rotor inertia.
+    /// Rotor inertia of the joint's motor, reflected to the joint, kg·m².
     Armature,
-    /// Part of the gravity torque of the given description, without a payload, that each drive adds to its own torque:
-    /// one value for the arm, from 0 (none) to 1 (all of it).
+    /// Part of the gravity torque of the given description, without a payload, that each drive adds to its own torque.
+    /// It is one value for the arm, from 0 (none) to 1 (all of it).
     GravityCompensation,
-    /// Mass and first moment of a payload.
+    /// Payload at the last link: index 0 is its mass, kg; 1 to 3 are its first moment along x, y and z of that link's
+    /// joint frame, kg·m.
     Payload(usize),
-    /// Factor on a link's inertial parameters.
+    /// Factor on all inertial parameters (mass, first moment, inertia) of the joint's link.
     LinkScale,
-    /// Tilt of the base about x and y.
+    /// Rotation of gravity about the base's x axis (index 0) or y axis (1), rad.
     Tilt(usize),
-    /// Zero of a joint.
+    /// Encoder offset of the joint, rad: recorded position plus offset is the true position.
     Zero,
-    /// Smooth torque that no mechanism explains.
+    /// Coefficient, N·m, of one of the smooth functions that stand for an unknown torque on the joint; the index
+    /// selects the function.
     Unknown(usize),
 }
 
-/// How a parameter is searched for.
+/// Coordinate in which a parameter is fitted, and the range of values that it allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Its logarithm: it is positive and known by its order of magnitude.
+    /// Natural logarithm of the value, so that the value stays positive and steps are relative.
     Log,
-    /// The value itself, kept at zero or above.
+    /// Value itself, with a lower bound at zero.
     Positive,
-    /// The value itself, of either sign.
+    /// Value itself, of either sign.
     Free,
 }
 
 impl Kind {
-    /// Whether it changes the rigid bodies or gravity.
+    /// Whether the parameter changes the rigid bodies or gravity, so that the robot has to be assembled again.
     pub fn is_body(self) -> bool {
         matches!(self, Self::Payload(_) | Self::LinkScale | Self::Tilt(_))
     }
 
-    /// Whether it belongs to the whole arm.
+    /// Whether the parameter belongs to the whole arm, not to one joint.
     pub fn is_common(self) -> bool {
         matches!(
             self,
@@ -71,7 +74,7 @@ impl Kind {
         )
     }
 
-    /// How it is searched for.
+    /// Coordinate in which a parameter of this kind is fitted.
     pub fn scale(self) -> Scale {
         match self {
             Self::Gain | Self::DriveLimit | Self::Limit | Self::LinkScale => Scale::Log,
@@ -96,17 +99,17 @@ impl Kind {
     }
 }
 
-/// A parameter at its place; `joint` is 0 for those of the whole arm.
+/// Parameter that can be fitted: a kind at a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Parameter {
     /// Kind of the parameter.
     pub kind: Kind,
-    /// Index of the joint.
+    /// Index of the joint, from 0 at the base; 0 for parameters of the whole arm.
     pub joint: usize,
 }
 
 impl Parameter {
-    /// A parameter of a joint.
+    /// Parameter of this kind at the joint with this index.
     pub fn new(kind: Kind, joint: usize) -> Self {
         Self { kind, joint }
     }

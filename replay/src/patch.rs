@@ -1,4 +1,4 @@
-//! The corrected simulator, written back: model, drives, and what other simulators need.
+//! Corrected simulator as files: the model with its drives, and the values for other simulators.
 
 use crate::arm::Arm;
 use crate::given::Given;
@@ -7,10 +7,10 @@ use physics::robot::{Changed, Description, DriveEdit, Robot, RobotError};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Why nothing could be written.
+/// Reason why the corrected simulator cannot be turned into files.
 #[derive(Debug, thiserror::Error)]
 pub enum PatchError {
-    /// The corrected robot, or its description.
+    /// Corrected robot that is invalid, or that the description's format cannot hold.
     #[error("the corrected model cannot be written: {0}")]
     Robot(#[from] RobotError),
 }
@@ -18,17 +18,17 @@ pub enum PatchError {
 /// Files of a corrected simulator.
 #[derive(Debug, Clone)]
 pub struct Patch {
-    /// Path and text of each, the model first.
+    /// Path and text of each file, the model first.
     pub files: Vec<(PathBuf, String)>,
-    /// What has no place in the model's format.
+    /// Corrections in words that the model's format has no place for.
     pub left_out: Vec<String>,
 }
 
-/// Writes the corrected arm into the description that it came from, with the drives, and beside it the values for Isaac Lab
-/// and Newton.
+/// Files of the corrected arm: the description with its values, a drive file, and the values for Isaac Lab and Newton.
+/// `out` is the path of the description, and the others are named after it. Nothing is written here.
 ///
 /// # Errors
-/// A corrected robot that the format cannot hold.
+/// Corrected robot that the format cannot hold.
 pub fn patch(setup: &Setup, given: &Given, arm: &Arm, out: &Path) -> Result<Patch, PatchError> {
     let robot = corrected(arm)?;
     let mut left_out = outside(given, arm);
@@ -47,7 +47,7 @@ pub fn patch(setup: &Setup, given: &Given, arm: &Arm, out: &Path) -> Result<Patc
     Ok(Patch { files, left_out })
 }
 
-/// The robot with its fitted bodies, friction and rotor inertia.
+/// Robot with the arm's rigid bodies, viscous and Coulomb friction, and rotor inertia.
 fn corrected(arm: &Arm) -> Result<Robot, RobotError> {
     let each =
         |f: fn(&crate::arm::Joint) -> f64| -> Vec<f64> { arm.joints.iter().map(f).collect() };
@@ -57,7 +57,8 @@ fn corrected(arm: &Arm) -> Result<Robot, RobotError> {
         .with_rotor_inertia(&each(|j| j.armature))
 }
 
-/// New gains of position servos; motors hold none, theirs stand in the drive file.
+/// New gains and force limit of each joint's actuator in the MJCF. It is empty for actuators without gains (motors),
+/// whose gains stand in the drive file.
 fn edits(arm: &Arm, mjcf: &physics::robot::Mjcf) -> Result<Vec<DriveEdit>, RobotError> {
     let actuators = mjcf.actuators()?;
     Ok(arm
@@ -78,7 +79,8 @@ fn edits(arm: &Arm, mjcf: &physics::robot::Mjcf) -> Result<Vec<DriveEdit>, Robot
         .collect())
 }
 
-/// What neither the model nor its actuators hold.
+/// Corrections in words that neither the model nor its actuators can hold: delays, command offsets, friction by load or
+/// at standstill, gravity compensation.
 fn outside(given: &Given, arm: &Arm) -> Vec<String> {
     let mut out = Vec::new();
     let names = arm.robot.joint_names();
@@ -114,12 +116,13 @@ fn outside(given: &Given, arm: &Arm) -> Vec<String> {
     out
 }
 
+/// Numbers as a TOML list.
 fn list(values: impl Iterator<Item = f64>) -> String {
     let words: Vec<String> = values.map(|v| format!("{v:.6}")).collect();
     format!("[{}]", words.join(", "))
 }
 
-/// The block `[controller]` with the fitted values.
+/// Drive file with the block `[controller]` and the arm's drives as its values.
 fn drive_file(given: &Given, arm: &Arm) -> String {
     let s = &arm.servos;
     let mut text = String::from("[controller]\n");
@@ -165,7 +168,8 @@ fn drive_file(given: &Given, arm: &Arm) -> String {
     text
 }
 
-/// Actuators of Isaac Lab: one configuration by joint, its delay in physics steps left to the reader's step.
+/// Actuators for Isaac Lab as Python text, one configuration for each joint. Delays are in seconds; the reader turns
+/// them into physics steps.
 fn isaac_lab(arm: &Arm) -> String {
     let mut text = String::from(
         "\"\"\"Actuators for Isaac Lab by joint. For a delay use DelayedPDActuatorCfg with round(delay / dt) steps.\"\"\"\n\n\
@@ -198,7 +202,8 @@ fn isaac_lab(arm: &Arm) -> String {
     text
 }
 
-/// Joint attributes of Newton, by joint, per radian (its USD attribute for damping is per degree).
+/// Joint attributes for Newton as JSON text, by joint name, per radian. Newton's USD attribute for damping is per
+/// degree.
 fn newton(arm: &Arm) -> String {
     let mut joints = serde_json::Map::new();
     for ((name, s), j) in arm

@@ -1,16 +1,18 @@
-//! Where the gap lies: joint by joint, over velocity, position, direction, time and time since the last command.
+//! Regions of motion in which the simulation error is concentrated, by joint: ranges of velocity, position, direction,
+//! time, and time since the last command.
 
 use crate::schema::Place;
 use crate::score::Errors;
 use crate::tracks::Replayed;
 
-/// Regions into which a coordinate is dealt, equally many samples each.
+/// Number of regions that a coordinate is divided into, with equally many samples each.
 const REGIONS: usize = 4;
 
-/// Places that are listed.
+/// Largest number of regions that the report lists.
 const LISTED: usize = 12;
 
-/// Regions with a larger share of the gap than of the time, largest share first.
+/// Regions that hold more of the squared error than of the time, largest share of the error first. For each joint and
+/// coordinate at most one region is listed. `all` are errors of a roll-out; `rotates` says which joints are rotary.
 pub fn places(
     all: &Errors,
     replayed: &Replayed,
@@ -46,7 +48,7 @@ pub fn places(
             let Some((part, share)) = best else { continue };
             let own = squared[j] * weight(j) / total;
             let time = part.len() as f64 / samples.len() as f64;
-            // Where the error is spread evenly the coordinate says nothing.
+            // Margin of a fifth: where the error is spread evenly, the coordinate says nothing.
             if share > own * time * 1.2 {
                 out.push(Place {
                     joint: joints[j].clone(),
@@ -64,6 +66,7 @@ pub fn places(
     out
 }
 
+/// Name and unit of each coordinate of a joint.
 fn coordinates(rotates: bool) -> [(&'static str, &'static str); 5] {
     let (position, velocity) = if rotates {
         ("rad", "rad/s")
@@ -79,7 +82,8 @@ fn coordinates(rotates: bool) -> [(&'static str, &'static str); 5] {
     ]
 }
 
-/// Stretches of sorted samples: by direction two, else equally long ones.
+/// Regions as ranges of indices of samples sorted by the coordinate: two for the direction, else `REGIONS` with equally
+/// many samples.
 fn regions(samples: &[(f64, f64)], coordinate: &str) -> Vec<std::ops::Range<usize>> {
     let n = samples.len();
     if coordinate == "direction" {
@@ -94,7 +98,8 @@ fn regions(samples: &[(f64, f64)], coordinate: &str) -> Vec<std::ops::Range<usiz
         .collect()
 }
 
-/// Coordinate and squared error of each sample of a joint.
+/// Coordinate and squared error of each sample of a joint. Samples without velocity have no direction and are left out
+/// there.
 fn samples(all: &Errors, replayed: &Replayed, joint: usize, coordinate: &str) -> Vec<(f64, f64)> {
     let n = replayed.tracking.len();
     let mut out = Vec::new();

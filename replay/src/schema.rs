@@ -1,199 +1,214 @@
-//! The report as the JSON file has it (schema `replay/1`).
+//! Report of a diagnosis of motion, as the JSON file has it (schema `replay/1`).
+//!
+//! Lists by joint are in the order of `Report::joints`. The held-out recording is that on which all figures are
+//! measured.
 
 use crate::score::Figures;
 use serde::Serialize;
 
-/// A diagnosis of motion.
+/// Report of a diagnosis of motion: verdict, causes with their values, the corrected simulator, and what stays open.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
-    /// `replay/1`
+    /// Name and version of the schema: `replay/1`.
     pub schema: &'static str,
-    /// Joint names, base first.
+    /// Names of the joints, base first.
     pub joints: Vec<String>,
-    /// `no_gap`, `explained`, `partly_explained`, `unknown_effect` or `cannot_tell`.
+    /// Verdict on the simulator: `no_gap`, `explained`, `partly_explained`, `unknown_effect` or `cannot_tell`.
     pub verdict: &'static str,
-    /// Why nothing can be said.
+    /// Reason in words why nothing can be said; none unless the verdict is `cannot_tell`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// The recordings that the simulator as given stands for, where what has changed since is asked for.
+    /// Earlier recordings to which the simulator was fitted first. None where the simulator as given was diagnosed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
-    /// How far the gap shrinks, step by step, on the held-out recording.
+    /// Errors on the held-out recording as the causes are added one by one: first the simulator as given, last with all
+    /// causes.
     pub ladder: Vec<Step>,
-    /// What the written model file leaves by itself: it holds no friction by load or at standstill.
+    /// Errors and drives of the corrected model file alone, whose format holds no friction by load or at standstill.
     pub file_alone: FileAlone,
-    /// Where the gap lies.
+    /// Regions of motion that hold more than their part of the squared error of the simulator as given, largest share
+    /// first.
     #[serde(rename = "where")]
     pub places: Vec<Place>,
-    /// Listed effects, largest share first.
+    /// Causes: effects more probable than not. Confirmed ones stand first; among equals the larger share of the gap
+    /// does.
     pub causes: Vec<Cause>,
-    /// What was weighed and not listed, most probable first.
+    /// Effects with an inclusion probability between 0.01 and 0.5, which are not listed as causes; most probable first.
     pub candidates: Vec<Candidate>,
-    /// What this motion cannot show.
+    /// Quantities that this motion does not determine, each with the reason.
     pub not_identifiable: Vec<NotIdentifiable>,
-    /// Joints on which something is left that no effect of the catalogue explains, with its probability.
+    /// Joints on which an unknown torque, beside the causes, is more probable than not.
     pub unknown: Vec<UnknownJoint>,
-    /// The drives as fitted.
+    /// Drives of the corrected simulator.
     pub controller: Controller,
-    /// The joints as fitted.
+    /// Friction and rotor inertia of the joints of the corrected simulator.
     pub joint_parameters: JointParameters,
-    /// What was assumed and what is odd.
+    /// Notes for the reader in words: assumptions, and oddities of the description.
     pub notes: Vec<String>,
 }
 
-/// A comparison of two days.
+/// Comparison of the robot with itself at an earlier time.
 #[derive(Debug, Clone, Serialize)]
 pub struct Compared {
-    /// Recordings of the first.
+    /// Paths of the earlier recordings.
     pub before: Vec<String>,
 }
 
-/// A step of the ladder.
+/// Step of the ladder: the simulator with one more cause than at the step before.
 #[derive(Debug, Clone, Serialize)]
 pub struct Step {
-    /// `as_given` or an effect.
+    /// Name of the step: `as_given` for the first, `tolerances` where only values within their tolerance changed, else
+    /// the added effect.
     pub step: String,
-    /// Figures of this step on the held-out recording.
+    /// Errors of this step's simulator on the held-out recording.
     #[serde(flatten)]
     pub figures: Figures,
 }
 
-/// A region where the gap lies.
+/// Region of one joint's motion that holds more than its part of the squared error.
 #[derive(Debug, Clone, Serialize)]
 pub struct Place {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// `velocity`, `position`, `direction`, `time` or `command_time`.
+    /// Coordinate that the region is a range of: `velocity` (magnitude), `position`, `direction`, `time` or
+    /// `command_time` (time since the command last changed).
     pub coordinate: &'static str,
-    /// Lower and upper end of the region.
+    /// Lowest and highest value of the coordinate in the region.
     pub range: [f64; 2],
-    /// Unit of the range.
+    /// Unit of `range`.
     pub unit: &'static str,
-    /// Share of the squared unexplained part, over all joints.
+    /// Part, 0 to 1, of the squared error over all joints that lies in the region. Each joint's error is taken relative
+    /// to its RMS of command less position.
     pub share_of_gap: f64,
-    /// Share of the samples.
+    /// Part, 0 to 1, of the joint's samples that lie in the region.
     pub share_of_time: f64,
 }
 
-/// A parameter of a cause.
+/// Value of one parameter of a cause, as given and as fitted.
 #[derive(Debug, Clone, Serialize)]
 pub struct Value {
-    /// Name.
+    /// Name of the parameter, such as `kp` or `coulomb`.
     pub name: &'static str,
-    /// Joint, where it belongs to one.
+    /// Name of the joint; none for a parameter of the whole arm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
-    /// Value that the simulator has.
+    /// Value in the simulator as given, in `unit`.
     pub given: f64,
-    /// Value that the motion shows.
+    /// Fitted value, in `unit`.
     pub value: f64,
-    /// Standard deviation.
+    /// Standard deviation of the fitted value, in `unit`; none where it was not fitted or has no finite one.
     pub std: Option<f64>,
-    /// Unit.
+    /// Unit of the values and the standard deviation; `1` for a pure number.
     pub unit: &'static str,
 }
 
-/// A listed effect.
+/// Cause of the gap: an effect more probable than not, on one or more joints.
 #[derive(Debug, Clone, Serialize)]
 pub struct Cause {
-    /// Effect.
+    /// Name of the effect, such as `servo_gain`.
     pub effect: &'static str,
-    /// `parameter` or `structure`.
+    /// Kind of the effect: `parameter` for values of friction and links, `structure` for all others.
     pub kind: &'static str,
-    /// Joints that it touches.
+    /// Names of the joints that the effect acts on; all joints for an effect of the whole arm.
     pub joints: Vec<String>,
-    /// Posterior inclusion probability, of its least certain joint.
+    /// Posterior inclusion probability of the effect, 0 to 1; that of the least probable joint where there are several.
     pub confidence: f64,
-    /// Part of what all causes remove.
+    /// Share, 0 to 1, of this cause in the squared error that the causes remove on the held-out recording. Each cause's
+    /// part is the error that returns without it; the shares sum to 1.
     pub share_of_gap: f64,
-    /// Part of its joints' squared error that it removes.
+    /// Part of the squared error of its joints that the cause removes on the held-out recording, against a fit without
+    /// the cause.
     pub gap_closed: f64,
-    /// 90 % interval of the same.
+    /// Lower and upper end of the 90 % confidence interval of `gap_closed`.
     pub gap_closed_interval: [f64; 2],
-    /// Whether the interval excludes zero.
+    /// Whether the whole interval of `gap_closed` lies above zero, so that the held-out recording confirms the cause.
     pub confirmed: bool,
-    /// Always null: the decision is by evidence.
+    /// Always null: the decision is by posterior probability, not by a test.
     pub p_value: Option<f64>,
-    /// Sizes.
+    /// Values of the effect's parameters. Parameters at their lower bound zero are left out.
     pub parameters: Vec<Value>,
-    /// Effects that this motion cannot tell from it.
+    /// Names of other effects that explain this motion about as well in this one's place.
     pub ambiguous_with: Vec<&'static str>,
 }
 
-/// An effect that was weighed.
+/// Effect that was considered and not listed as a cause.
 #[derive(Debug, Clone, Serialize)]
 pub struct Candidate {
-    /// Effect.
+    /// Name of the effect.
     pub effect: &'static str,
-    /// Joints.
+    /// Name of the joint that it would act on; all joints for an effect of the whole arm.
     pub joints: Vec<String>,
-    /// Posterior inclusion probability.
+    /// Posterior inclusion probability, 0.01 to 0.5.
     pub probability: f64,
 }
 
-/// What this motion cannot show.
+/// Quantity that this motion does not determine.
 #[derive(Debug, Clone, Serialize)]
 pub struct NotIdentifiable {
-    /// Effect.
+    /// Name of the effect that the quantity belongs to; none where it is a parameter of no listed cause.
     pub effect: Option<&'static str>,
-    /// Joints.
+    /// Names of the joints concerned.
     pub joints: Vec<String>,
-    /// Why.
+    /// Reason in words: too little motion, a value at its bound, or two values that only their sum or difference is
+    /// known of.
     pub reason: String,
 }
 
-/// A joint with an unknown effect.
+/// Joint on which an unknown effect acts: a torque that no effect of the catalogue explains.
 #[derive(Debug, Clone, Serialize)]
 pub struct UnknownJoint {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Posterior probability.
+    /// Posterior inclusion probability of the unknown torque, 0.5 to 1.
     pub probability: f64,
 }
 
-/// What the written model file does, fitted for itself.
+/// Corrected model file alone: the simulator without effects that the file's format cannot hold, fitted again without
+/// them.
 #[derive(Debug, Clone, Serialize)]
 pub struct FileAlone {
-    /// What it leaves on the held-out recording.
+    /// Errors of this simulator on the held-out recording.
     #[serde(flatten)]
     pub figures: Figures,
-    /// Its drives, of which no deviations are estimated.
+    /// Drives of this simulator; their standard deviations are null.
     pub controller: Controller,
 }
 
-/// The drives as fitted, by joint.
+/// Drives of a simulator. Each list has one value for each joint; units hold for rotary joints.
 #[derive(Debug, Clone, Serialize)]
 pub struct Controller {
-    /// `pd`, `pid`, `cascade` or `dc_servo`.
+    /// Kind of the controller: `pd`, `pid`, `cascade` or `dc_servo`.
     pub kind: &'static str,
-    /// Torque per error of position, N·m/rad.
+    /// Proportional gain: torque per position error, N·m/rad.
     pub kp: Vec<f64>,
-    /// Its standard deviation; null where it is the given value.
+    /// Standard deviation of `kp`, N·m/rad; null where `kp` was not fitted.
     pub kp_std: Vec<Option<f64>>,
-    /// Torque per error of velocity, N·m·s/rad.
+    /// Derivative gain: torque per velocity error, N·m·s/rad.
     pub kd: Vec<f64>,
-    /// Its standard deviation.
+    /// Standard deviation of `kd`, N·m·s/rad; null where `kd` was not fitted.
     pub kd_std: Vec<Option<f64>>,
-    /// Delay of commands, s.
+    /// Delay from command to drive, s: common delay, delay of the joint and time constant of the command filter
+    /// together.
     pub delay: Vec<f64>,
-    /// Its standard deviation.
+    /// Standard deviation of the delay, s: that of the filter's time constant, else of the common delay; null where
+    /// neither was fitted.
     pub delay_std: Vec<Option<f64>>,
-    /// Limit of the torque, N·m; null where there is none.
+    /// Limit of the drive's torque, N·m, equal in both directions; null where there is none.
     pub limit: Vec<Option<f64>>,
-    /// What the drive adds to its command, rad.
+    /// Constant that the drive adds to its commanded position, rad.
     pub command_zero: Vec<f64>,
-    /// Part of the gravity torque of the given description, without a payload, that each drive adds to its own torque:
-    /// one value for the arm, from 0 (none) to 1 (all of it).
+    /// Part of the gravity torque of the given description, without a payload, that each drive adds to its own torque.
+    /// It is one value for the arm, from 0 (none) to 1 (all of it).
     pub gravity_compensation: f64,
 }
 
-/// The joints as fitted.
+/// Friction and rotor inertia of the fitted joints, one value for each joint. Units hold for rotary joints.
 #[derive(Debug, Clone, Serialize)]
 pub struct JointParameters {
-    /// Viscous friction, N·m·s/rad.
+    /// Viscous friction coefficient, N·m·s/rad.
     pub damping: Vec<f64>,
     /// Coulomb friction, N·m.
     pub frictionloss: Vec<f64>,
-    /// Rotor inertia, kg·m².
+    /// Rotor inertia reflected to the joint, kg·m².
     pub armature: Vec<f64>,
 }

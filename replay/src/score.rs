@@ -1,4 +1,4 @@
-//! Figures of a replay: one uninterrupted roll-out over each trajectory, from its recorded start.
+//! Errors of a roll-out: one uninterrupted simulation over each trajectory, from its recorded start.
 
 use crate::arm::Arm;
 use crate::fit::errors;
@@ -7,26 +7,27 @@ use crate::tracks::Replayed;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Errors of a roll-out by trajectory: samples × joints, row by row.
+/// Simulated less recorded positions of a roll-out, rad (m). For each trajectory: samples × joints, row by row.
 pub type Errors = Vec<Vec<f64>>;
 
-/// Figures of one step of the ladder; null for a joint that never moves.
+/// Errors of one simulator over all trajectories, by joint. A joint that never moves, or has no tracking error, has
+/// none (null).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figures {
-    /// RMS(q_sim − q), rad (m).
+    /// RMS of simulated less recorded position, rad (m).
     pub rmse: Vec<Option<f64>>,
-    /// RMS(q_ref − q), rad (m).
+    /// RMS of command less recorded position, rad (m).
     pub tracking: Vec<Option<f64>>,
-    /// `rmse / tracking`.
+    /// Ratio `rmse / tracking`: 0 for a perfect simulator, 1 for one that only repeats the commands.
     pub unexplained: Vec<Option<f64>>,
-    /// Mean over joints.
+    /// Mean of `unexplained` over the joints that have one; none where no joint has.
     pub mean_unexplained: Option<f64>,
 }
 
-/// Rolls out every trajectory.
+/// Errors of a roll-out of every whole trajectory.
 ///
 /// # Errors
-/// A drive that is unstable.
+/// Drive that is unstable.
 pub fn roll_out(arm: &Arm, replayed: &Replayed) -> Result<Errors, Unstable> {
     replayed
         .whole
@@ -35,7 +36,7 @@ pub fn roll_out(arm: &Arm, replayed: &Replayed) -> Result<Errors, Unstable> {
         .collect()
 }
 
-/// Figures of a roll-out.
+/// Errors of a roll-out as figures by joint.
 pub fn figures(all: &Errors, replayed: &Replayed) -> Figures {
     let n = replayed.tracking.len();
     let samples: usize = all.iter().map(|e| e.len() / n).sum();
@@ -56,7 +57,7 @@ pub fn figures(all: &Errors, replayed: &Replayed) -> Figures {
     }
 }
 
-/// Sum of squared errors by joint.
+/// Sum of squared errors of each of `n` joints, over all trajectories.
 pub fn by_joint(all: &Errors, n: usize) -> Vec<f64> {
     let mut squared = vec![0.0; n];
     for e in all {
@@ -67,12 +68,13 @@ pub fn by_joint(all: &Errors, n: usize) -> Vec<f64> {
     squared
 }
 
-/// Length of a stretch over which errors are taken together for an interval, s: longer than they remember; and how many
-/// stretches a short trajectory is dealt into all the same.
+/// Length of a stretch, s, over which squared errors are summed for a confidence interval. It is longer than the
+/// errors' autocorrelation.
 const STRETCH: f64 = 5.0;
+/// Least number of stretches that a trajectory is divided into, however short it is.
 const FEWEST: usize = 4;
 
-/// Squared errors of some joints by stretch of a few seconds.
+/// Sum of squared errors of the listed joints over each stretch of about five seconds.
 pub fn by_stretch(all: &Errors, replayed: &Replayed, joints: &[usize]) -> Vec<f64> {
     let n = replayed.tracking.len();
     let mut out = Vec::new();
@@ -91,8 +93,9 @@ pub fn by_stretch(all: &Errors, replayed: &Replayed, joints: &[usize]) -> Vec<f6
     out
 }
 
-/// Part of the squared error that is removed, (before − after)/before, with its 90 % interval by stretches left out
-/// (jackknife; the interval is that of a normal distribution).
+/// Part of the squared error that is removed, (before − after)/before, with its 90 % confidence interval. `before` and
+/// `after` hold squared errors of the same stretches. The interval is a jackknife over stretches with a normal
+/// distribution.
 pub fn closed(before: &[f64], after: &[f64]) -> (f64, [f64; 2]) {
     let part = |b: f64, a: f64| if b > 0.0 { (b - a) / b } else { 0.0 };
     let (b, a): (f64, f64) = (before.iter().sum(), after.iter().sum());

@@ -1,4 +1,4 @@
-//! From a recording to what is replayed.
+//! Preparation of recordings for replay: checks, trajectories to score and blocks to fit.
 
 use crate::check::{Unusable, check, range};
 use crate::command::{Command, Interpolation};
@@ -7,30 +7,31 @@ use datasets::Recording;
 use ndarray::{Array2, Axis, Slice};
 use std::ops::Range;
 
-/// Length of a block that a fit replays from its recorded start, s. Longer than any joint remembers, and short enough that
-/// two cores and the intervals have blocks to share.
+/// Length of a block, s. A fit restarts the simulation from the recorded state at the start of every block. A block is
+/// longer than a joint's transients, and short enough that a recording has enough blocks for parallel work and a
+/// jackknife.
 const BLOCK: f64 = 5.0;
 
-/// Seconds of recording that are fitted; of longer ones blocks are left out evenly.
+/// Longest total length of the blocks that a fit uses, s. Of longer recordings, evenly spread blocks are left out.
 const FITTED: f64 = 120.0;
 
-/// The trajectories of a recording as they are replayed.
+/// Recordings prepared for replay: trajectories and blocks, with facts about each joint.
 #[derive(Debug, Clone)]
 pub struct Replayed {
-    /// Whole trajectories: what is scored.
+    /// Whole trajectories. Errors are scored on them.
     pub whole: Vec<Track>,
-    /// Blocks of them: what is fitted.
+    /// Blocks of the trajectories, of about five seconds. Parameters are fitted to them.
     pub blocks: Vec<Track>,
-    /// By joint RMS(q_ref − q), rad (m).
+    /// RMS of command less recorded position of each joint, rad (m). Simulation errors are taken relative to it.
     pub tracking: Vec<f64>,
-    /// By joint the smallest step of its positions, rad; 0 where they are continuous.
+    /// Quantisation step of each joint's recorded position, rad (m); 0 where positions are not quantised.
     pub quantum: Vec<f64>,
-    /// Whether each joint moves.
+    /// Whether the position or the command of each joint changes at all.
     pub moves: Vec<bool>,
 }
 
 impl Replayed {
-    /// Adds another recording: its trajectories are fitted and scored beside the first one's.
+    /// Adds another recording, to be fitted and scored together with this one.
     pub fn join(&mut self, other: Self) {
         let rows = |all: &[Track]| all.iter().map(|t| t.time.len()).sum::<usize>() as f64;
         let (own, more) = (rows(&self.whole), rows(&other.whole));
@@ -47,10 +48,11 @@ impl Replayed {
     }
 }
 
-/// Prepares a recording. Trajectories keep their numbers from `first` on, so that several recordings can be fitted together.
+/// Checks a recording and prepares it. Its trajectories are numbered from `first` on, so that several recordings can be
+/// fitted together.
 ///
 /// # Errors
-/// What makes a replay impossible or meaningless, with what to do.
+/// Fault of the recording that makes a replay impossible or meaningless.
 pub fn prepare(
     recording: &Recording,
     interpolation: Interpolation,
@@ -100,7 +102,7 @@ pub fn prepare(
     })
 }
 
-/// Every k-th block, where there are more than are fitted.
+/// Evenly spread selection of the blocks, as many as together have the length `FITTED`; all where they are no more.
 fn thinned(blocks: Vec<Track>) -> Vec<Track> {
     let most = (FITTED / BLOCK) as usize;
     let (count, most) = (blocks.len(), most.max(1));
@@ -113,6 +115,7 @@ fn thinned(blocks: Vec<Track>) -> Vec<Track> {
         .collect()
 }
 
+/// Track over the rows `part` of the trajectory with number `number`. Its commands cover the whole trajectory.
 fn track(
     recording: &Recording,
     command: &Array2<f64>,
@@ -122,7 +125,7 @@ fn track(
     number: usize,
 ) -> Track {
     let n = recording.dof();
-    // Commands before the part are known, as a delay needs them.
+    // Commands of the whole trajectory: with a delay, those before the part act within it.
     let stamps = &recording.time[trajectory.clone()];
     let commands = |table: &Array2<f64>| -> Vec<Command> {
         (0..n)
@@ -147,7 +150,7 @@ fn track(
     }
 }
 
-/// A joint's values in some rows.
+/// Values of one joint's column in some rows of a table.
 fn part_of(table: &Array2<f64>, joint: usize, rows: &Range<usize>) -> Vec<f64> {
     table
         .column(joint)
@@ -158,10 +161,12 @@ fn part_of(table: &Array2<f64>, joint: usize, rows: &Range<usize>) -> Vec<f64> {
         .collect()
 }
 
-/// Time on either side of a start over which its velocity is taken, s: a joint's acceleration hardly changes within it.
+/// Time before and after a start from which samples are used for the velocity there, s. The acceleration is nearly
+/// constant within it.
 const AROUND: f64 = 0.02;
 
-/// Slope at the start of the parabola through the samples around it, five at least; a recorded velocity may be of another filter.
+/// Velocity of a joint at row `at`, rad/s (m/s): slope there of the parabola through the samples around it, at least
+/// two on either side. Recorded velocities are not used because their filter is unknown.
 fn start_velocity(
     recording: &Recording,
     trajectory: &Range<usize>,
@@ -186,7 +191,8 @@ fn start_velocity(
         .map_or(0.0, |c| c.solve(&right)[1] / AROUND)
 }
 
-/// Smallest difference between successive positions of a joint; 0 where hardly any are equal, as then none is quantised.
+/// Quantisation step of a joint's positions, rad (m): the smallest difference other than zero between successive
+/// samples. It is 0 where fewer than a twentieth of the differences vanish.
 fn quantum(recording: &Recording, joint: usize) -> f64 {
     let steps: Vec<f64> = recording
         .segments()
@@ -202,7 +208,7 @@ fn quantum(recording: &Recording, joint: usize) -> f64 {
     if equal * 20 < steps.len() {
         return 0.0;
     }
-    // Rounding of the file stands below any encoder.
+    // Differences below 1e-9 are rounding of the file, not an encoder's step.
     let least = steps
         .into_iter()
         .filter(|s| *s > 1e-9)

@@ -1,8 +1,8 @@
-//! The report in words, for a terminal and for the page.
+//! Report in words, for a terminal and for the page.
 
 use crate::schema::{Cause, Report, Step, Value};
 
-/// What the verdict says, in one sentence.
+/// Verdict of the report in one sentence, with the error as given and as corrected.
 pub fn verdict(report: &Report) -> String {
     let part = |step: Option<&Step>| step.and_then(|s| s.figures.mean_unexplained);
     let (first, last) = (part(report.ladder.first()), part(report.ladder.last()));
@@ -41,7 +41,7 @@ pub fn verdict(report: &Report) -> String {
     format!("{figures}: {meaning}.")
 }
 
-/// A cause in one line.
+/// Cause in one line: joints, part of the squared error removed, and probability. `words` names the effect.
 pub fn cause(cause: &Cause, words: &str) -> String {
     let [low, high] = cause.gap_closed_interval;
     let confirmed = if cause.confirmed {
@@ -59,7 +59,7 @@ pub fn cause(cause: &Cause, words: &str) -> String {
     )
 }
 
-/// A value in one line: from what the simulator has to what the motion shows.
+/// Value of a parameter in one line: given value, fitted value, standard deviation and unit.
 pub fn value(value: &Value) -> String {
     let place = value
         .joint
@@ -77,7 +77,7 @@ pub fn value(value: &Value) -> String {
     )
 }
 
-/// Three significant digits.
+/// Number with three significant digits.
 pub fn number(v: f64) -> String {
     if v == 0.0 || !v.is_finite() {
         return format!("{v}");
@@ -90,7 +90,7 @@ pub fn number(v: f64) -> String {
     }
 }
 
-/// The report for a terminal.
+/// Report as lines for a terminal. `words` turns an effect's name into plain words.
 pub fn lines(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<String> {
     let mut out = vec![verdict(report)];
     for (k, c) in report.causes.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Sealed cases, drawn and simulated.
+//! Sealed cases for the proof of `replay`: drawn at random, simulated and recorded.
 
 use super::MotionError;
 use super::effects::{OUTSIDE, SINGLES, Scene, Shape, Truth, Withheld, draw};
@@ -17,39 +17,42 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Part of the departure from the commands that an effect must change on its own joint, or on some joint.
+/// Least ratio of the change of motion by an effect to the tracking error, both RMS, so that a case shows the effect.
+/// It holds for the effect's joint, or for some joint.
 const SEEN: f64 = 0.1;
 
-/// Answer of a case: its withheld effects and true values.
+/// Sealed answer of a case: the withheld effects and the true values.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Sealed {
-    /// Kind of the case: `none`, `two`, `outside`, or the name of the one effect.
+    /// Kind of the case: `none`, `two`, `outside`, or the name of the one effect withheld.
     pub kind: String,
-    /// Name of the simulator of the motion: `plant` or `mujoco`.
+    /// Name of the simulator that made the motion: `plant` or `mujoco`.
     pub simulator: String,
-    /// Effects that the case withholds.
+    /// Effects that the real robot has and the handed-out description lacks; empty in cases of the kinds `none` and
+    /// `outside`.
     pub withheld: Vec<Withheld>,
-    /// True value of every gain and delay.
+    /// True gains and delay of each joint's drive.
     pub drives: Vec<Truth>,
-    /// Tolerance with which the gains were stated.
+    /// Tolerance with which the drive file states the gains: relative standard deviation.
     pub tolerance: f64,
-    /// Period of the commands, s.
+    /// Time between two commands, s.
     pub period: f64,
 }
 
-/// A case as it is handed out, and what it withheld.
+/// Case of the proof: the files handed out, and the sealed answer.
 pub struct Case {
-    /// Description of the robot, as a URDF.
+    /// Description of the robot without the withheld effects, as URDF text.
     pub urdf: String,
-    /// Drive file with the stated gains.
+    /// Drive file with the stated gains, as TOML text.
     pub drive: String,
-    /// Recordings of the case: one to fit, one to measure on.
+    /// Recordings of the real robot: the first to fit, the second held out.
     pub recordings: [Recording; 2],
     /// Sealed answer of the case.
     pub sealed: Sealed,
 }
 
-/// Kind of case `i`: of thirteen three withhold nothing, one two effects, one something outside, and eight a single one each.
+/// Kind of the case with index `i`. Of every thirteen cases three withhold nothing, one withholds two effects, one an
+/// effect outside the catalogue, and eight a single effect each.
 pub fn kind(i: u64) -> &'static str {
     let slot = i % 13;
     let singles = (i / 13) * 8;
@@ -64,10 +67,11 @@ pub fn kind(i: u64) -> &'static str {
     }
 }
 
-/// Draws and simulates case `i` of a seed; the same arguments make the same case. `joints`: most of them.
+/// Draws and simulates the case with index `i` of a seed, with at most `joints` joints. The same arguments give the
+/// same case.
 ///
 /// # Errors
-/// No case of this kind is found, or its bodies make no robot.
+/// Kind of case that no draw fulfils, or bodies that make no robot.
 pub fn make(i: u64, seed: u64, joints: usize) -> Result<Case, MotionError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1_000_003).wrapping_add(i));
     for _ in 0..60 {
@@ -78,6 +82,8 @@ pub fn make(i: u64, seed: u64, joints: usize) -> Result<Case, MotionError> {
     Err(MotionError::None(i))
 }
 
+/// Case of a kind from one draw of robot, motions and effects. None where the robot does not follow its commands, or
+/// does not show the effect.
 fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Case>, MotionError> {
     let mut arm = relative(rng);
     while arm.dof() > joints {
@@ -111,7 +117,7 @@ fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     let torque = demand(&nominal, &sessions[..2])?;
     nominal.limit = torque.iter().map(|t| 3.0 * t).collect();
     let tolerance = [0.0, 0.1, 0.3][rng.random_range(0..3)];
-    // The real robot without what is withheld: gains off by what is admitted.
+    // Real robot without the withheld effects: its gains differ from the stated ones within the tolerance.
     let mut base = nominal.clone();
     for gain in base.kp.iter_mut().chain(&mut base.kd) {
         let z: f64 = StandardNormal.sample(rng);
@@ -183,7 +189,8 @@ fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     }))
 }
 
-/// Inertia that each joint's drive is tuned to, kg·m²: between that with all other joints held and that with all free.
+/// Inertia that each joint's drive is tuned to, kg·m²: geometric mean of that with all other joints held and with all
+/// free.
 fn felt(arm: &Arm) -> Result<Vec<f64>, MotionError> {
     let robot = arm.robot()?;
     let n = robot.dof();
@@ -199,7 +206,8 @@ fn felt(arm: &Arm) -> Result<Vec<f64>, MotionError> {
         .collect())
 }
 
-/// Two trajectories to fit and two to measure on: fast and slow in turn, and moves with rests.
+/// Motions of a case: two trajectories to fit and two held out. Of each two, one is a multisine and one a sequence of
+/// moves with rests.
 fn sessions(real: &Real, rng: &mut ChaCha8Rng) -> Vec<Session> {
     let arm = &real.arm;
     let n = arm.dof();
@@ -220,7 +228,7 @@ fn sessions(real: &Real, rng: &mut ChaCha8Rng) -> Vec<Session> {
         .collect()
 }
 
-/// Largest torque of each joint on the commanded motion, N·m.
+/// Largest torque of each joint along the commanded motion, N·m: inverse dynamics and friction.
 fn demand(real: &Real, sessions: &[Session]) -> Result<Vec<f64>, MotionError> {
     let robot = real.arm.robot()?;
     let n = robot.dof();
@@ -247,7 +255,8 @@ fn demand(real: &Real, sessions: &[Session]) -> Result<Vec<f64>, MotionError> {
     Ok(most)
 }
 
-/// The effect on top of `real` in a size that is seen beside `base`; none where it never is.
+/// Robot `real` with the effect, and the effect's true values. Its size is the smallest tried one that changes the
+/// motion of `base` enough to be seen; none where no size does.
 fn sized(
     shape: &Shape,
     base: &Real,
@@ -256,7 +265,7 @@ fn sized(
     period: f64,
 ) -> Result<Option<(Real, Withheld)>, MotionError> {
     let alone = moved(base, sessions, period)?;
-    // The stated limits are never met: a drive that is not tuned to its arm is no case.
+    // Cases in which a stated limit acts are dropped: a drive that is not tuned to its arm is no case.
     let Some(alone) = alone.filter(|all| all.iter().all(|m| !m.cut)) else {
         return Ok(None);
     };
@@ -272,6 +281,7 @@ fn sized(
     Ok(None)
 }
 
+/// Motions of a robot along each session; none where it does not follow its commands.
 fn moved(
     real: &Real,
     sessions: &[Session],
@@ -281,8 +291,8 @@ fn moved(
     Ok(all?)
 }
 
-/// Ratio of the RMS of the change to the RMS of the departure from the commands: of a joint, or of the one where it is
-/// largest.
+/// Ratio of the RMS change of motion to the RMS tracking error without the effect. It is that of `joint`, or the
+/// largest over all joints.
 fn seen(without: &[Moved], with: &[Moved], joint: Option<usize>) -> f64 {
     let n = without[0].q.ncols();
     let part = |j: usize| {

@@ -1,4 +1,4 @@
-//! Command line of `replay`.
+//! Command line of the program `replay`, with the subcommands of its proof.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use super::{MotionError, Score, calibration, kinds, misses, prove, rates, score};
@@ -70,6 +70,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
+/// Runs a subcommand of the proof and prints the tables of its scores.
 fn run(proof: Proof) -> Result<(), MotionError> {
     let bar = ProgressBar::new(0);
     let scores = match proof {
@@ -98,6 +99,7 @@ fn run(proof: Proof) -> Result<(), MotionError> {
     Ok(())
 }
 
+/// Prints the tables of the scores.
 fn say(scores: &[Score]) {
     report::say!("{}", kinds(scores).to_text());
     report::say!("{}", rates(scores).to_text());

@@ -1,4 +1,4 @@
-//! What a case withholds: each effect as a change of the robot that really moves.
+//! Effects that a case withholds, each as a change of the robot that really moves.
 
 use super::real::{Extra, Real};
 use nalgebra::Vector3;
@@ -10,7 +10,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// Names in the report of the effects that are withheld one at a time.
+/// Names of the effects that are withheld one at a time. `joint_delay` appears as `command_delay` of a joint in the
+/// report.
 pub const SINGLES: [&str; 14] = [
     "servo_gain",
     "servo_damping",
@@ -28,42 +29,47 @@ pub const SINGLES: [&str; 14] = [
     "link_parameters",
 ];
 
-/// Effects that no hypothesis of the catalogue describes.
+/// Names of effects that are outside the catalogue, so that the report can only call them unknown.
 pub const OUTSIDE: [&str; 3] = ["detent", "winding", "slack_belt"];
 
-/// True value of a parameter.
+/// True value of a parameter of the real robot.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Truth {
     /// Name of the parameter in the report.
     pub name: String,
-    /// Name of the joint; none for the whole arm.
+    /// Name of the joint; none for a parameter of the whole arm.
     pub joint: Option<String>,
     /// True value, in the parameter's unit.
     pub value: f64,
 }
 
-/// An effect that was withheld.
+/// Effect that the real robot has and the handed-out description lacks.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Withheld {
     /// Name of the effect in the report.
     pub effect: String,
-    /// Name of the joint; none for the whole arm.
+    /// Name of the joint; none for an effect of the whole arm.
     pub joint: Option<String>,
-    /// Parameters that the effect set, with their true values.
+    /// Parameters that the effect changes, with their true values.
     pub parameters: Vec<Truth>,
 }
 
-/// Effect at its place, to be set in any size. Size 1 is the common one.
+/// Effect at a joint or on the whole arm, whose size is still open.
 pub struct Shape {
+    /// Name of the effect, one of [`SINGLES`] or [`OUTSIDE`].
     name: &'static str,
+    /// Index of the joint; none for the whole arm.
     joint: Option<usize>,
+    /// Change of the robot that makes the effect.
     change: Box<Change>,
 }
 
+/// Function that gives a robot the effect in a relative size (1 is the common one). It returns names and true values of
+/// the changed parameters.
 type Change = dyn Fn(&mut Real, f64) -> Result<Vec<(&'static str, f64)>, RobotError>;
 
 impl Shape {
-    /// The robot with the effect, and what was withheld.
+    /// Robot `real` with the effect in a relative size (1 is the common one), and the sealed answer for it.
     ///
     /// # Errors
     /// Bodies that make no robot.
@@ -98,19 +104,19 @@ impl Shape {
     }
 }
 
-/// Facts of a case that an effect's draw may depend on.
+/// Facts of a case on which the draw of an effect depends.
 pub struct Scene<'a> {
     /// Robot without the effect.
     pub real: &'a Real,
-    /// Largest torque of each joint on the case's motions, N·m.
+    /// Largest torque of each joint along the commanded motions of the case, N·m.
     pub torque: &'a [f64],
     /// Relative tolerance of the stated gains.
     pub tolerance: f64,
-    /// Period of the commands, s.
+    /// Time between two commands, s.
     pub period: f64,
 }
 
-/// Draws an effect; none where this robot cannot have it.
+/// Draws joint and details of the effect with this name; none where this robot cannot have it.
 pub fn draw(name: &'static str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
     let real = scene.real;
     let n = real.arm.dof();
@@ -135,7 +141,7 @@ pub fn draw(name: &'static str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<S
         })
     };
     match name {
-        // Beyond what the stated tolerance makes of it.
+        // Change of a gain beyond the stated tolerance.
         "servo_gain" => on(Box::new(move |r, s| {
             r.kp[j] *= (side * (0.45 * usual * s + 2.5 * tolerance)).exp();
             Ok(vec![("kp", r.kp[j])])

@@ -1,4 +1,4 @@
-//! What a sealed case hands out: recordings, drive file.
+//! Files that a sealed case hands out: recordings and drive file.
 
 use super::MotionError;
 use super::effects::Truth;
@@ -11,7 +11,8 @@ use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Recording of trajectories with counts, noise and jitter of the stamps.
+/// Recording of some trajectories as a logger would make it: positions with noise and quantisation, and times with
+/// jitter. `rates`: whether commanded velocities are recorded.
 pub(super) fn record(
     moved: &[Moved],
     period: f64,
@@ -58,6 +59,7 @@ pub(super) fn record(
     Ok(recording)
 }
 
+/// Drive file as TOML text, with the gains of the robot `nominal` and their tolerance.
 pub(super) fn drive_file(nominal: &Real, tolerance: f64, period: f64) -> String {
     let list = |values: &[f64]| {
         let each: Vec<String> = values.iter().map(|v| format!("{v:.6e}")).collect();
@@ -80,6 +82,7 @@ pub(super) fn drive_file(nominal: &Real, tolerance: f64, period: f64) -> String 
     text
 }
 
+/// True gains and delays of all drives.
 pub(super) fn drives(real: &Real) -> Vec<Truth> {
     let mut out = Vec::new();
     for (j, joint) in real.arm.joints.iter().enumerate() {

@@ -1,7 +1,7 @@
-//! The proof of `replay`: sealed cases of motion under a drive, diagnosed and scored.
+//! Proof of `replay`: sealed cases of motion under drives are diagnosed, and the reports are scored.
 //!
-//! The robot that really moves is the project's plant, with mechanisms other than the fitted ones; cases by another simulator
-//! are scored from a folder of the same layout.
+//! The robot that really moves is the project's plant, with mechanisms other than the fitted ones. Cases of another
+//! simulator are scored from a folder with the same layout.
 
 mod case;
 mod command_line;
@@ -27,7 +27,7 @@ use std::time::Instant;
 /// Reason why a proof of `replay` cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum MotionError {
-    /// No robot found that follows its commands and shows the withheld effect.
+    /// Case for which no robot was found that follows its commands and shows the effect; the number is its index.
     #[error(
         "no robot was found that shows what case {0} withholds; take another --seed or more --joints"
     )]
@@ -35,13 +35,13 @@ pub enum MotionError {
     /// Bodies that make no robot.
     #[error(transparent)]
     Robot(#[from] physics::robot::RobotError),
-    /// A recording that cannot be written.
+    /// Recording that cannot be written.
     #[error(transparent)]
     Recording(#[from] datasets::WriteError),
-    /// A file that cannot be written.
+    /// File that cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
-    /// A file or folder that cannot be read or made.
+    /// File or folder that cannot be read or made.
     #[error("{}: {error}", path.display())]
     File {
         /// Path of the file or folder.
@@ -55,15 +55,15 @@ pub enum MotionError {
     /// Case that `replay` refuses.
     #[error("case {case}: {error}")]
     Refused {
-        /// Name of the case that is refused.
+        /// Name of the case.
         case: String,
         /// Reason of the refusal.
         error: Box<InputError>,
     },
-    /// A case whose simulator as given is unstable.
+    /// Case whose simulator as given is unstable.
     #[error("case {case}: {error}")]
     Unstable {
-        /// Name of the case that is unstable.
+        /// Name of the case.
         case: String,
         /// Instability that was found.
         error: Unstable,
@@ -71,6 +71,7 @@ pub enum MotionError {
 }
 
 impl MotionError {
+    /// Error for a file or folder.
     fn file(path: &Path, error: std::io::Error) -> Self {
         Self::File {
             path: path.to_owned(),
@@ -79,10 +80,11 @@ impl MotionError {
     }
 }
 
-/// Draws cases, writes them into `folder`, runs `replay` on them, and scores its reports.
+/// Draws cases, writes them into `folder`, diagnoses them and scores the reports. Cases that are there already are
+/// kept. `done` is called with the name of each scored case.
 ///
 /// # Errors
-/// The first case that fails.
+/// First case that fails.
 pub fn prove(
     cases: u64,
     seed: u64,
@@ -101,14 +103,16 @@ pub fn prove(
     score_named(folder, &names, done)
 }
 
+/// Name of the case with index `i`.
 fn name(i: u64) -> String {
     format!("motion-{i:04}")
 }
 
-/// Scores every case of a folder. Reports go into `folder/reports`; a report that is there already is scored as it is.
+/// Scores of all cases of a folder, sorted by name. Reports go into `folder/reports`; a report that is there already is
+/// scored as it is. `done` is called with the name of each scored case.
 ///
 /// # Errors
-/// The first case that fails.
+/// First case that fails.
 pub fn score(folder: &Path, done: impl Fn(&str) + Sync) -> Result<Vec<Score>, MotionError> {
     let entries = std::fs::read_dir(folder.join("truth"));
     let entries = entries.map_err(|error| MotionError::file(&folder.join("truth"), error))?;
@@ -130,6 +134,7 @@ pub fn score(folder: &Path, done: impl Fn(&str) + Sync) -> Result<Vec<Score>, Mo
     score_named(folder, &names, done)
 }
 
+/// Scores of the named cases of a folder.
 fn score_named(
     folder: &Path,
     names: &[String],
@@ -145,6 +150,7 @@ fn score_named(
     names.par_iter().map(of).collect()
 }
 
+/// Score of one case, whose report is made and written unless it is there.
 fn one(folder: &Path, name: &str) -> Result<Score, MotionError> {
     let read = |path: &Path| -> Result<String, MotionError> {
         std::fs::read_to_string(path).map_err(|error| MotionError::file(path, error))
@@ -172,7 +178,7 @@ fn one(folder: &Path, name: &str) -> Result<Score, MotionError> {
     ))
 }
 
-/// Report of `replay` on a case.
+/// Report of `replay` on the case in the folder `case`.
 fn said(case: &Path, name: &str) -> Result<replay::schema::Report, MotionError> {
     let refused = |error| MotionError::Refused {
         case: name.to_owned(),
@@ -200,7 +206,7 @@ fn said(case: &Path, name: &str) -> Result<replay::schema::Report, MotionError> 
 /// Writes `cases/ID/{robot.urdf,drive.toml,train.parquet,test.parquet}` and `truth/ID.json` into `folder`.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// File that cannot be written.
 pub fn write(case: &Case, id: &str, folder: &Path) -> Result<(), MotionError> {
     let (open, sealed) = (folder.join("cases").join(id), folder.join("truth"));
     for path in [&open, &sealed] {

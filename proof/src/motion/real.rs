@@ -1,4 +1,4 @@
-//! The robot that really moves in a sealed case, under a drive of its own.
+//! Real robot of a sealed case: the one whose motion is recorded, under drives of its own.
 
 use ndarray::Array2;
 use physics::dynamics::{Workspace, inverse_dynamics};
@@ -8,87 +8,88 @@ use plant::build::Build;
 use plant::mechanism::{GearMesh, Instant, Mechanism, Ripple, Stribeck, StribeckKind, soft_sign};
 use plant::reference::{Command, Session};
 
-/// Integration step of the plant, s.
+/// Integration step of the real robot's simulation, s.
 const STEP: f64 = 2.5e-4;
 
-/// Time under the drive before a trajectory is recorded, s: at rest, then led into the motion.
+/// Time under the drives before a trajectory is recorded, s. The commands are at rest first, then lead into the motion.
 const BEFORE: f64 = 2.0;
 
-/// Length of a trajectory, s.
+/// Length of a recorded trajectory, s.
 pub(super) const LENGTH: f64 = 12.0;
 
-/// Farthest that a joint may be from its command, rad (m). A case with a joint beyond that is discarded.
+/// Largest distance of a joint from its command, rad (m). A case with a joint beyond it is discarded.
 const FARTHEST: f64 = 1.5;
 
-/// Further mechanism that only some robots have, on some joint.
+/// Further mechanism of a joint, which only some robots have.
 #[derive(Debug, Clone)]
 pub enum Extra {
-    /// Boundary friction of a starting joint.
+    /// Dry friction that is higher near standstill.
     Stribeck(Stribeck),
-    /// Friction that grows with the load of a gear's mesh.
+    /// Friction that grows with the load on a gear's mesh.
     Mesh(GearMesh),
-    /// Torque of magnets that repeats over the position (detents).
+    /// Magnetic torque that repeats over the position (detent, cogging).
     Detent(Ripple),
-    /// Belt with slack behind the motor: half of the slack, rad, and its stiffness, N·m/rad.
+    /// Belt with slack between motor and joint.
     Belt {
-        /// Index of the joint whose motor drives the belt.
+        /// Index of the joint.
         joint: usize,
-        /// Half of the slack of the belt, rad.
+        /// Half of the belt's slack, rad at the joint.
         half: f64,
         /// Stiffness of the tight belt, N·m/rad.
         stiffness: f64,
     },
-    /// Winding whose torque saturates: it bends down towards a largest torque, N·m.
+    /// Motor winding whose torque saturates smoothly.
     Winding {
-        /// Index of the joint whose motor has the winding.
+        /// Index of the joint.
         joint: usize,
-        /// Torque that the winding saturates at, N·m.
+        /// Largest torque that the winding approaches, N·m.
         torque: f64,
     },
 }
 
-/// Numbers of the real robot on which its motion depends.
+/// Real robot: all values on which its motion depends. Lists have one value for each joint.
 #[derive(Debug, Clone)]
 pub struct Real {
-    /// Bodies and friction of the robot.
+    /// Bodies and friction.
     pub arm: Arm,
-    /// Rotor inertias that no description counts, kg·m².
+    /// Rotor inertias that the description lacks, reflected to the joints, kg·m².
     pub armature: Vec<f64>,
-    /// Gain of each drive on the position error, N·m/rad.
+    /// Proportional gain of each drive: torque per position error, N·m/rad.
     pub kp: Vec<f64>,
-    /// Gain of each drive on the velocity error, N·m·s/rad.
+    /// Derivative gain of each drive: torque per velocity error, N·m·s/rad.
     pub kd: Vec<f64>,
-    /// Whether the drives are sent velocities, too.
+    /// Whether the drives also receive commanded velocities, which are then recorded.
     pub rates: bool,
-    /// Largest torque of each drive, N·m.
+    /// Limit of each drive's torque, N·m, equal in both directions.
     pub limit: Vec<f64>,
-    /// Delay of the commands on the bus to each joint, s.
+    /// Delay of the commands to each drive, s.
     pub late: Vec<f64>,
-    /// Part of the stated model's gravity that the drive adds.
+    /// Part of the stated model's gravity torque that the drives add, from 0 (none) to 1 (all).
     pub gravity_compensation: f64,
-    /// Bodies of the model that the drive knows.
+    /// Robot of the handed-out description. Drives that compensate gravity compute with it.
     pub stated: Robot,
-    /// Error of each encoder's zero, rad.
+    /// Error of each encoder's zero, rad: shown less true position.
     pub zero: Vec<f64>,
     /// Further mechanisms that only some robots have.
     pub extras: Vec<Extra>,
 }
 
-/// Commands and true positions at the stamps of one trajectory, rows × joints.
+/// Motion of one trajectory at the times of its samples; tables are samples × joints.
 #[derive(Debug, Clone)]
 pub struct Moved {
     /// Commanded positions, rad (m).
     pub q_ref: Array2<f64>,
     /// Commanded velocities, rad/s (m/s).
     pub qd_ref: Array2<f64>,
-    /// Positions as a perfect encoder would count them.
+    /// Positions that the encoders show, before noise and quantisation, rad (m).
     pub q: Array2<f64>,
-    /// Whether some drive's torque reached its limit.
+    /// Whether the torque of some drive reached its limit.
     pub cut: bool,
 }
 
 impl Real {
-    /// Runs a trajectory of the session, sampled every `period` s; none where the robot does not follow.
+    /// Motion of the robot along the first trajectory of the session, sampled every `period` s. None where a joint does
+    /// not follow its command.
     ///
     /// # Errors
     /// Bodies that make no robot.
@@ -167,7 +168,7 @@ impl Real {
         Ok(Some(out))
     }
 
-    /// Torque that the winding gives where `wanted` is asked for.
+    /// Torque that joint `joint`'s winding gives where the drive asks for `wanted`, N·m.
     fn wound(&self, joint: usize, wanted: f64) -> f64 {
         let own = self.extras.iter().find_map(|e| match e {
             Extra::Winding { joint: j, torque } if *j == joint => Some(*torque),
@@ -176,6 +177,7 @@ impl Real {
         own.map_or(wanted, |torque| torque * (wanted / torque).tanh())
     }
 
+    /// Simulation of the robot with all its mechanisms.
     fn build(&self) -> Build {
         let mut build = Build::plain(&self.arm);
         build.armature.clone_from(&self.armature);
@@ -184,7 +186,8 @@ impl Real {
                 Extra::Stribeck(s) => build.add(s.clone()),
                 Extra::Mesh(m) => build.add(m.clone()),
                 Extra::Detent(r) => build.add(r.clone()),
-                // Joints behind it would count on; it comes last.
+                // Belts come last: they add a joint, which would shift the indices of others. Windings are part of the
+                // drive.
                 Extra::Belt { .. } | Extra::Winding { .. } => {}
             }
         }
@@ -208,7 +211,8 @@ impl Real {
         build
     }
 
-    /// Boundary friction of a joint by a law other than the fitted one.
+    /// Dry friction of a joint that is higher near standstill by up to `size`, N·m. The law `kind` differs from the
+    /// fitted one.
     pub fn boundary(&self, joint: usize, size: f64, v_s: f64, kind: StribeckKind) -> Extra {
         Extra::Stribeck(Stribeck {
             joint,
@@ -221,15 +225,20 @@ impl Real {
     }
 }
 
-/// A belt with slack on the joint that [`Build::split`] adds.
+/// Belt with slack on the joint that [`Build::split`] adds between motor and link.
 struct Belt {
+    /// Index of the added joint.
     joint: usize,
+    /// Half of the slack, rad.
     half: f64,
+    /// Stiffness of the tight belt, N·m/rad.
     stiffness: f64,
+    /// Damping of the tight belt, N·m·s/rad.
     damping: f64,
 }
 
 impl Belt {
+    /// Stretch of the belt beyond its slack, rad, at angle `x` between motor and link.
     fn stretch(&self, x: f64) -> f64 {
         x - x.clamp(-self.half, self.half)
     }

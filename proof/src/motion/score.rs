@@ -1,45 +1,48 @@
-//! What a report says against what was withheld.
+//! Score of a report of `replay` against the sealed answer of its case.
 
 use super::case::Sealed;
 use super::effects::Truth;
 use serde_json::Value;
 
-/// Quantile of a standard normal deviate beyond which, on either side together, a tenth lies.
+/// Half width of the 90 % interval of a normal distribution, in standard deviations.
 const NINETY: f64 = 1.645;
 
-/// Score of a report on one case.
+/// Score of the report on one case.
 #[derive(Debug, Clone)]
 pub struct Score {
-    /// Name of the case that is scored.
+    /// Name of the case.
     pub id: String,
-    /// Answer of the case: its withheld effects.
+    /// Sealed answer of the case.
     pub sealed: Sealed,
-    /// Name of the first cause of the report.
+    /// Effect and joints of the report's first cause; empty where there is none.
     pub first: String,
-    /// Whether the first cause was withheld (of two: one of them). In a case without an effect, whether no cause is
-    /// listed.
+    /// Whether the report is right. With one or two withheld effects its first cause must be one of them, or be
+    /// ambiguous with it. With none, no cause may be listed. With one outside the catalogue, something unknown must be
+    /// reported.
     pub right: bool,
-    /// Listed causes that were not withheld.
+    /// Listed causes that were not withheld: effect and joints.
     pub extra: Vec<String>,
-    /// Withheld effects that are not listed.
+    /// Withheld effects that are not listed: effect and joint.
     pub missed: Vec<String>,
-    /// Confidence of each listed cause, and whether it was withheld.
+    /// Confidence of each listed cause, 0 to 1, and whether it was withheld.
     pub said: Vec<(f64, bool)>,
-    /// True values that have a 90 % interval in the report: name, and whether the interval holds the value.
+    /// True values for which the report has a standard deviation: name of the parameter, and whether the 90 % interval
+    /// holds the value.
     pub covered: Vec<(String, bool)>,
-    /// Largest error of a delay, s.
+    /// Largest absolute error of a drive's delay, s; not a number where there is none.
     pub delay_error: f64,
-    /// Largest relative error of a gain that the report states to be known within 2 %.
+    /// Largest relative error of a drive's proportional gain; none where the report or the answer has no gains.
     pub gain_error: Option<f64>,
-    /// Part of the held-out motion error that is unexplained, as given and corrected.
+    /// Mean ratio of simulation error to tracking error on the held-out recording: at the first and the last step of
+    /// the ladder.
     pub unexplained: [f64; 2],
     /// Verdict of the report.
     pub verdict: String,
-    /// Wall time that the report took, s.
+    /// Wall time of the diagnosis, s; not a number where the report was there already.
     pub seconds: f64,
 }
 
-/// Score of a report against the sealed answer of its case.
+/// Score of a report (JSON) against the sealed answer of its case. `seconds` is the wall time of the diagnosis.
 pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
     let none = Vec::new();
     let causes = report["causes"].as_array().unwrap_or(&none);
@@ -60,7 +63,7 @@ pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
             .iter()
             .any(|w| cause["effect"] == w.effect.as_str() && on(cause, &w.joint))
     };
-    // Inseparable effects count where the report itself says that the true one may stand in the cause's place.
+    // Ambiguous effects: the first cause is right where the report names the withheld effect as ambiguous with it.
     let first_right = causes.first().is_some_and(|c| {
         was(c)
             || sealed
@@ -118,16 +121,19 @@ pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
     }
 }
 
+/// Whether the true value is inside the 90 % interval of a value; none where value or standard deviation is null.
 fn inside(value: &Value, std: &Value, truth: f64) -> Option<bool> {
     let (value, std) = (value.as_f64()?, std.as_f64()?);
     Some((value - truth).abs() <= NINETY * std)
 }
 
+/// Index of a joint in the report, by its name.
 fn joint_index(report: &Value, joint: &str) -> Option<usize> {
     report["joints"].as_array()?.iter().position(|j| j == joint)
 }
 
-/// Values of right causes, and every gain that has an interval.
+/// Coverage of 90 % intervals: the parameters of causes that were withheld, and every gain that has a standard
+/// deviation.
 fn covered(
     sealed: &Sealed,
     causes: &[Value],
@@ -164,7 +170,8 @@ fn covered(
     out
 }
 
-/// Largest absolute and relative error of a drive's value.
+/// Largest absolute and largest relative error, over the joints, of the drives' value `name`; none where no joint has
+/// one.
 fn drive_error(sealed: &Sealed, report: &Value, name: &str) -> Option<(f64, f64)> {
     let each = sealed
         .drives
@@ -178,9 +185,8 @@ fn drive_error(sealed: &Sealed, report: &Value, name: &str) -> Option<(f64, f64)
     each.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
 }
 
-/// Power to which the odds of the reports' confidences are to be raised, so that causes of confidence p are right in a
-/// part p of the cases. It maximises the log score over the causes in `said`: confidence, and whether the cause is
-/// right. None where all of them or none are right.
+/// Exponent for the odds of the causes' confidences that maximises their log score; below 1, the confidences were too
+/// high. `said` holds the confidence of each cause and whether it is right. None where all of them or none are right.
 pub fn tempering(said: &[(f64, bool)]) -> Option<f64> {
     let right = said.iter().filter(|s| s.1).count();
     if right == 0 || right == said.len() {
@@ -194,6 +200,7 @@ pub fn tempering(said: &[(f64, bool)]) -> Option<f64> {
     grid.max_by(|a, b| score(*a).total_cmp(&score(*b)))
 }
 
+/// Probability of the outcome `was` where the odds of probability `p` are raised to `power`.
 fn tempered(p: f64, power: f64, was: bool) -> f64 {
     let p = p.clamp(1e-6, 1.0 - 1e-6);
     let odds = (p / (1.0 - p)).powf(power);

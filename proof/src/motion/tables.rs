@@ -1,17 +1,18 @@
-//! Scores as tables.
+//! Tables of scores over many cases.
 
 use super::score::{Score, tempering};
 use report::{Cell, Column, Table};
 use signal::proportion::interval;
 use signal::quantile::median;
 
-/// Probability that the interval of a rate does not contain the true rate.
+/// Probability that the confidence interval of a rate does not contain the true rate.
 const OUTSIDE: f64 = 0.05;
 
-/// Kinds that withhold no single effect.
+/// Kinds of case that do not withhold a single effect of the catalogue.
 const NO_SINGLE: [&str; 3] = ["none", "two", "outside"];
 
-/// Table by kind of case: number of cases, how many are right, further causes, and how far the gap shrinks.
+/// Table by kind of case: number of cases, right reports, false causes, and median unexplained ratio as given and
+/// corrected.
 pub fn kinds(scores: &[Score]) -> Table {
     let mut names: Vec<&str> = scores.iter().map(|s| s.sealed.kind.as_str()).collect();
     names.sort_unstable();
@@ -42,7 +43,7 @@ pub fn kinds(scores: &[Score]) -> Table {
     table
 }
 
-/// Rates with their intervals, by simulator and together.
+/// Table of success rates with their 95 % intervals, for each simulator.
 pub fn rates(scores: &[Score]) -> Table {
     let mut table = Table::new([
         Column::text("simulator"),
@@ -113,7 +114,7 @@ pub fn rates(scores: &[Score]) -> Table {
     table
 }
 
-/// Table of the cases in which report and answer differ: listed and withheld effects.
+/// Table of the cases whose report is wrong, lists a false cause or misses an effect.
 pub fn misses(scores: &[Score]) -> Table {
     let mut table = Table::new(
         [
@@ -151,7 +152,7 @@ pub fn misses(scores: &[Score]) -> Table {
     table
 }
 
-/// Table of how often causes of some confidence were withheld, and the tempering that would make both equal.
+/// Table of how often causes of some confidence were withheld, and the exponent for their odds (see [`tempering`]).
 pub fn calibration(scores: &[Score]) -> (Table, Option<f64>) {
     let said: Vec<(f64, bool)> = scores.iter().flat_map(|s| s.said.iter().copied()).collect();
     let mut table = Table::new([

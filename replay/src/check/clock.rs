@@ -1,4 +1,4 @@
-//! Whether commands and positions are stamped by one clock.
+//! Check that commands and positions are stamped by one clock.
 
 use super::follows::{FINEST, FOLLOWED, Follows, SLOWEST};
 use super::unusable::Unusable;
@@ -6,11 +6,16 @@ use datasets::Recording;
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Parts of a trajectory in which a delay is taken by itself, and the length that each needs, s.
+/// Number of parts of a trajectory whose delays are compared.
 const PARTS: usize = 6;
+/// Least length of each part, s.
 const PART: f64 = 5.0;
 
-/// Refuses commands whose clock is not that of the positions, or runs apart from it: by the median delay over joints.
+/// Refuses commands whose clock is shifted against that of the positions, or runs at another rate. The delay is the
+/// median over the listed joints.
+///
+/// # Errors
+/// Delay that no drive has, or that grows evenly with time.
 pub(super) fn clock(
     recording: &Recording,
     command: &Array2<f64>,
@@ -34,7 +39,7 @@ pub(super) fn clock(
         let cut = |k: usize| rows.start + rows.len() * k / PARTS;
         let parts: Option<Vec<f64>> = (0..PARTS).map(|k| late(&(cut(k)..cut(k + 1)))).collect();
         if let Some([first, last]) = parts.as_deref().and_then(|p| drift(p, step)) {
-            // The parts' middles lie five of six parts of the whole apart.
+            // Time between the middles of the first and last part: five of six parts of the whole.
             let rate = (last - first) / (span * (PARTS - 1) as f64 / PARTS as f64);
             return Err(Unusable::Drift {
                 source_name: source_name(),
@@ -53,8 +58,9 @@ pub(super) fn clock(
     }
 }
 
-/// First and last of delays that grow evenly: by more than a twentieth of a second and two samples, with ten times as much growth as scatter
-/// about its line. A drive's own delay changes with speed, not evenly with time.
+/// First and last delay on the line through the delays of successive parts, s; none where they do not grow evenly.
+/// Growth must exceed 0.05 s, two samples, and ten times the scatter about the line. A drive's own delay changes with
+/// speed, not with time.
 fn drift(parts: &[f64], step: f64) -> Option<[f64; 2]> {
     let n = parts.len() as f64;
     let (mean, middle) = (parts.iter().sum::<f64>() / n, 0.5 * (n - 1.0));

@@ -1,38 +1,42 @@
-//! How a joint's positions follow its commands.
+//! Correlation of a joint's positions with its commands at various delays.
 
 use datasets::Recording;
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Longest delay of a drive that is believed, s.
+/// Longest delay from command to position that a drive is believed to have, s.
 pub(super) const SLOWEST: f64 = 0.5;
 
-/// Delays that are tried, s; and the shortest step between them: no clock is found more exactly than a drive's own delay is known.
+/// Largest delay that is tried in either direction, s.
 const FARTHEST: f64 = 2.0;
+/// Shortest step between the delays that are tried, s. Clocks need not be compared more exactly than a drive's delay is
+/// known.
 pub(super) const FINEST: f64 = 0.01;
 
-/// Correlation below which two signals have little to do with each other, and above which one follows the other.
+/// Correlation below which positions do not go with commands.
 pub(super) const RELATED: f64 = 0.5;
+/// Correlation above which positions follow commands.
 pub(super) const FOLLOWED: f64 = 0.8;
 
-/// How a joint's positions follow its commands over some rows: delay (s) and correlation.
+/// Correlation of positions with earlier commands, over the delays that are tried.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Follows {
-    /// Largest correlation at any delay.
+    /// Delay of the positions after the commands (s) at the largest correlation, and that correlation.
     pub(super) best: (f64, f64),
-    /// Largest and smallest correlation at a delay that a drive may have.
+    /// Largest and smallest correlation at the delays that a drive may have, 0 to `SLOWEST`.
     pub(super) drive: [f64; 2],
 }
 
 impl Follows {
-    /// Over the longest trajectory.
+    /// Correlation over the longest trajectory, for a pair of joints: the commanded one and the one whose position is
+    /// taken.
     pub(super) fn of(recording: &Recording, command: &Array2<f64>, pair: [usize; 2]) -> Self {
         let longest = recording.trajectories.iter().max_by_key(|t| t.range.len());
         let range = longest.map_or(0..0, |t| t.range.clone());
         Self::over(recording, command, pair, &range)
     }
 
-    /// How the positions of joint `moved` follow the commands of joint `commanded`.
+    /// Correlation of the positions of joint `moved` with the commands of joint `commanded`, over some rows.
     pub(super) fn over(
         recording: &Recording,
         command: &Array2<f64>,
@@ -68,7 +72,8 @@ impl Follows {
     }
 }
 
-/// Where between its neighbours a peak's parabola has its top, in steps.
+/// Offset of the maximum from index `at`, in steps, −0.5 to 0.5: that of the parabola through the value and its
+/// neighbours.
 fn peak(values: &[f64], at: usize) -> f64 {
     let (Some(before), Some(after)) = (at.checked_sub(1).map(|i| values[i]), values.get(at + 1))
     else {
@@ -82,7 +87,7 @@ fn peak(values: &[f64], at: usize) -> f64 {
     }
 }
 
-/// Correlation of `a` with `b` `lag` samples later; 0 where one of them stands.
+/// Correlation of `a` with the values of `b` that are `lag` samples later; 0 where one of them is constant.
 fn correlation(a: &[f64], b: &[f64], lag: isize) -> f64 {
     let pairs = || {
         let later = |(i, x): (usize, &f64)| {

@@ -1,4 +1,4 @@
-//! Whether commands and positions of a recording can be those of one robot on one clock, in one unit and order.
+//! Check that commands and positions of a recording are those of one robot: on one clock, in one unit and in one order.
 
 mod clock;
 mod follows;
@@ -11,7 +11,7 @@ use ndarray::Array2;
 use std::f64::consts::PI;
 pub use unusable::Unusable;
 
-/// Range of a column: largest less smallest value.
+/// Range of a joint's column: largest less smallest value.
 pub(crate) fn range(table: &Array2<f64>, joint: usize) -> f64 {
     let column = table.column(joint);
     let (low, high) = column
@@ -22,14 +22,15 @@ pub(crate) fn range(table: &Array2<f64>, joint: usize) -> f64 {
     high - low
 }
 
-/// Range of commands through which dry friction of a geared drive may hold a joint, rad: a hobby servo's holds through three
-/// degrees.
+/// Largest range of commands, rad, during which dry friction may hold a joint still. A hobby servo's holds it through
+/// three degrees.
 const HELD: f64 = 0.1;
 
-/// Refuses what makes a replay impossible or meaningless, with what to do. `quantum`: the encoders' steps, rad; 0 where there are none.
+/// Refuses recordings whose replay is impossible or meaningless. `quantum` is the quantisation step of each joint's
+/// positions, rad; 0 for none.
 ///
 /// # Errors
-/// The first fault found.
+/// First fault found, with what to do about it.
 pub(crate) fn check(
     recording: &Recording,
     command: &Array2<f64>,
@@ -82,11 +83,11 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// Samples by which a copied position may stand earlier or later in the log.
+/// Largest number of samples by which copied positions may be shifted.
 const SHIFTED: isize = 10;
 
-/// Whether a joint's commands are its positions, some samples earlier or later, to half an encoder's step (or the rounding of single
-/// precision); how far apart they are, in words.
+/// Shift, in words, by which a joint's commands equal its own positions: the log then holds copies instead of goals.
+/// None where they differ. Equality is to half a quantisation step, or single precision.
 fn echo(recording: &Recording, command: &Array2<f64>, j: usize, quantum: f64) -> Option<String> {
     let (q, c) = (recording.q.column(j), command.column(j));
     let near = (0.5 * quantum).max(1e-6);
@@ -112,9 +113,10 @@ fn echo(recording: &Recording, command: &Array2<f64>, j: usize, quantum: f64) ->
     })
 }
 
-/// Refuses commands in other joints' columns: in a ring of joints each command has much more to do with the next joint's positions
-/// than with its own: it is less than half as far from them, or they follow it and its own do not. Bad drives alone make no
-/// ring: of two joints under one command both would have to follow better than the other.
+/// Refuses commands in other joints' columns. That is a ring of joints in which each command belongs to the next
+/// joint's positions rather than its own. It is less than half as far from them, or only they follow it.
+///
+/// Bad drives alone make no ring: of two joints, each would have to follow the other's command better.
 fn order(
     recording: &Recording,
     command: &Array2<f64>,
@@ -165,13 +167,14 @@ fn order(
     })
 }
 
-/// Ratios of a commanded range to that of the positions that are a change of unit.
+/// Ratios of the commands' range to the positions' range that a wrong unit makes, with their meaning.
 const UNITS: [(f64, &str); 3] = [
     (180.0 / PI, "degrees beside radians"),
     (PI / 180.0, "a conversion from degrees applied twice"),
     (1000.0, "millimetres beside metres"),
 ];
 
+/// Refuses commands of joint `j` with the opposite sign, or in another unit.
 fn unit_and_sign(
     recording: &Recording,
     command: &Array2<f64>,
@@ -186,7 +189,7 @@ fn unit_and_sign(
         });
     }
     let ratio = deviation(command, j) / deviation(&recording.q, j);
-    // A drive that follows at all keeps its range within half and twice the command's.
+    // Tolerance of a factor 2: the range of a drive that follows is within half and twice the command's.
     let unit = UNITS
         .iter()
         .find(|(u, _)| (0.5..2.0).contains(&(ratio / u)));
@@ -205,12 +208,13 @@ fn unit_and_sign(
     }
 }
 
-/// Whether all values end at ±100.
+/// Whether the largest magnitude in the table is 99 to 100, so that values are per cent.
 fn percent(table: &Array2<f64>) -> bool {
     let most = table.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     (99.0..=100.0).contains(&most)
 }
 
+/// Standard deviation of a joint's column.
 fn deviation(table: &Array2<f64>, j: usize) -> f64 {
     let column = table.column(j);
     let mean = column.mean().unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! The likelihood about an arm in all parameters of the mechanisms, and what is decided on it.
+//! Quadratic expansion of the likelihood about an arm in the parameters of all mechanisms, and decisions on it.
 
 use super::free::Entry;
 use crate::arm::Arm;
@@ -10,20 +10,21 @@ use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
 use evidence::{Decision, Family, Hypothesis, Prior, Quadratic, decide};
 
-/// Prior odds of an effect anywhere on the arm: of the dozen effects of the catalogue one is expected.
+/// Prior odds that an effect acts anywhere on the arm: of the dozen effects in the catalogue, one is expected.
 pub(super) const ODDS: f64 = 0.1;
 
-/// Prior odds that a gain which the user states without tolerance is wrong: one typing error in a thousand.
+/// Prior odds that a gain which the user states as exact is wrong: one typing error in a thousand.
 pub(super) const STATED: f64 = 0.001;
 
-/// Smallest lag with which a command filter can be differentiated, s.
+/// Smallest time constant of a command filter about which the likelihood is expanded, s. At 0 it has no derivative.
 pub(super) const LEAST_LAG: f64 = 5e-4;
 
-/// Families of mechanisms: an effect, apart by whether it is of a joint or of the whole arm.
+/// Family of a mechanism: its effect, and whether it acts on one joint or on the whole arm.
 pub(super) fn family(m: &Mechanism) -> (Effect, bool) {
     (m.effect, m.joint.is_some())
 }
 
+/// Families of the mechanisms, sorted, each once.
 pub(super) fn kinds(mechanisms: &[Mechanism]) -> Vec<(Effect, bool)> {
     let mut out: Vec<(Effect, bool)> = mechanisms.iter().map(family).collect();
     out.sort_unstable();
@@ -31,6 +32,8 @@ pub(super) fn kinds(mechanisms: &[Mechanism]) -> Vec<(Effect, bool)> {
     out
 }
 
+/// Families of the mechanisms with their prior odds, in the order of [`kinds`]. Gains stated as exact have odds of
+/// their own, and their joints are independent.
 pub(super) fn families(given: &Given, mechanisms: &[Mechanism]) -> Vec<Family> {
     let of = |kind: (Effect, bool)| {
         let places = mechanisms.iter().filter(|m| family(m) == kind).count();
@@ -44,16 +47,23 @@ pub(super) fn families(given: &Given, mechanisms: &[Mechanism]) -> Vec<Family> {
     kinds(mechanisms).into_iter().map(of).collect()
 }
 
-/// Expansion of the likelihood about an arm in all parameters of the mechanisms.
+/// Expansion of the likelihood about an arm, with the hypotheses to be compared on it.
 pub(super) struct Expanded {
+    /// Negative log likelihood about the arm, in P entries. A physical parameter has one entry for each reason to
+    /// differ.
     pub(super) quadratic: Quadratic,
+    /// Prior of each of the P entries.
     pub(super) priors: Vec<Prior>,
+    /// Indices of the entries that are free under every set.
     pub(super) always: Vec<usize>,
+    /// One hypothesis for each mechanism, in their order.
     pub(super) hypotheses: Vec<Hypothesis>,
+    /// Families of the hypotheses.
     pub(super) families: Vec<Family>,
 }
 
 impl Expanded {
+    /// Most probable set of mechanisms, searched from the set `start` on.
     pub(super) fn decide(&self, start: &[usize]) -> Decision {
         decide(
             &self.quadratic,
@@ -65,6 +75,7 @@ impl Expanded {
         )
     }
 
+    /// Inclusion probabilities about a given set of mechanisms, without a search.
     pub(super) fn about(&self, set: &[usize]) -> Decision {
         evidence::about(
             &self.quadratic,
@@ -77,7 +88,7 @@ impl Expanded {
     }
 }
 
-/// Hypotheses with their families; what they free is numbered by whoever expands.
+/// One hypothesis for each mechanism with its family; the entries that it frees are left empty.
 pub(super) fn hypotheses(mechanisms: &[Mechanism]) -> Vec<Hypothesis> {
     let kinds = kinds(mechanisms);
     let of = |m: &Mechanism| Hypothesis {
@@ -87,6 +98,11 @@ pub(super) fn hypotheses(mechanisms: &[Mechanism]) -> Vec<Hypothesis> {
     mechanisms.iter().map(of).collect()
 }
 
+/// Expansion of the likelihood about `arm` in the parameters of `mechanisms` and of `always`. `noises` is the noise
+/// model of each joint.
+///
+/// # Errors
+/// Arm that is unstable.
 pub(super) fn expand(
     given: &Given,
     mechanisms: &[Mechanism],
@@ -133,7 +149,8 @@ pub(super) fn expand(
         })
         .collect();
     let p = entries.len();
-    // Of a number with several reasons the deviation at the fit belongs to the first; together they make it up.
+    // Point of the expansion: of several entries for one parameter the first has the fitted value, and the others have
+    // the given one.
     let mut seen = std::collections::HashSet::new();
     let at = place
         .iter()
@@ -165,7 +182,11 @@ pub(super) fn expand(
     })
 }
 
-/// Joints on which a smooth unknown torque is more probable than not, beside the set, with its probability.
+/// Joints on which an unknown torque, beside the mechanisms of `set`, has an inclusion probability of at least 0.5,
+/// with that probability.
+///
+/// # Errors
+/// Arm that is unstable.
 #[allow(clippy::too_many_arguments)]
 pub(super) fn beside(
     given: &Given,

@@ -1,4 +1,4 @@
-//! What a fit frees, and how far from its given value.
+//! Free parameters of a fit, and the prior deviation of each from its given value.
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::{Mechanism, Sizes};
@@ -8,23 +8,26 @@ use crate::parameter::{Kind, Parameter};
 use crate::tracks::Replayed;
 use std::collections::BTreeMap;
 
-/// A parameter as the decision sees it: several entries may be the same physical number with different reasons to differ.
+/// Reason for a parameter to differ from its given value. Several entries may name one parameter; their variances add
+/// up.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
-    /// The parameter that may differ.
+    /// Parameter that may differ.
     pub parameter: Parameter,
-    /// Deviation of its coordinate for this reason.
+    /// Prior standard deviation of the parameter's coordinate for this reason.
     pub deviation: f64,
 }
 
-/// Relative uncertainty of what any simulator's values mean: the description's masses, to which all torques are scaled, are
-/// known to some per cent, and so is what an integrator makes of a gain.
+/// Relative uncertainty of any simulator's values. Masses of a description, to which all torques are scaled, are known
+/// to some per cent. Another integrator changes the effect of a gain by as much.
 pub const RELATIVE: f64 = 0.03;
 
-/// Part of Coulomb friction by which two simulators' laws of friction at standstill differ (a soft constraint creeps).
+/// Prior deviation of friction at standstill, as a part of Coulomb friction. Simulators differ by so much there,
+/// because a soft constraint creeps.
 pub(super) const STANDSTILL: f64 = 0.1;
 
-/// Parameters that are free under every hypothesis, with their deviations.
+/// Parameters that are free under every set of hypotheses, with their prior deviations. They are small model errors,
+/// given tolerances, what earlier recordings leave uncertain, and unknown values.
 pub(super) fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {
     let mut out = Vec::new();
     let mut add = |kind: Kind, joint: usize, deviation: f64| {
@@ -47,7 +50,7 @@ pub(super) fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {
         add(Kind::Stribeck, j, STANDSTILL * joint.coulomb);
         add(Kind::Armature, j, RELATIVE * joint.armature);
     }
-    // Two integrators place a force within a step of their own.
+    // Common delay of up to a step: integrators differ in when within a step a force acts.
     add(Kind::CommonDelay, 0, STEP);
     for &(parameter, t) in given.tolerances.iter().filter(|(_, t)| *t > 0.0) {
         let log = parameter.kind.scale() == crate::parameter::Scale::Log;
@@ -71,7 +74,7 @@ pub(super) fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {
     out
 }
 
-/// Size of a parameter of which only its nature is known.
+/// Typical size of a parameter whose value is not known, as a deviation of its coordinate.
 pub(super) fn spread(parameter: Parameter, sizes: &Sizes) -> f64 {
     let (torque, j) = (sizes.torque[parameter.joint], parameter.joint);
     match parameter.kind {
@@ -85,7 +88,8 @@ pub(super) fn spread(parameter: Parameter, sizes: &Sizes) -> f64 {
     }
 }
 
-/// Free parameters of a fit: those of the set and those free under every one, each with the sum of its variances.
+/// Free parameters of a fit: those that the hypotheses `set` free and those free under every set. Each has the given
+/// value as prior mean, and the sum of its entries' variances.
 pub fn free(given: &Given, mechanisms: &[Mechanism], set: &[usize], always: &[Entry]) -> Vec<Free> {
     let mut variance: BTreeMap<Parameter, f64> = BTreeMap::new();
     let listed = set.iter().flat_map(|&m| &mechanisms[m].parameters);
@@ -108,19 +112,19 @@ pub fn free(given: &Given, mechanisms: &[Mechanism], set: &[usize], always: &[En
         .collect()
 }
 
-/// Free parameters that a tolerance or a missing value leaves open.
+/// Parameters that are free under every set of hypotheses (see `always`), with sizes taken from the recorded motion.
 pub fn tolerated(given: &Given, replayed: &Replayed) -> Vec<Entry> {
     always(given, &Sizes::of(given, replayed))
 }
 
-/// The given arm with the fitted values of what is free.
+/// Given arm in which only the free parameters have their fitted values.
 pub fn pinned(given: &Given, fitted: &Arm, free: &[Free]) -> Arm {
     let mut arm = given.arm.clone();
     let values: Vec<(Parameter, f64)> = free
         .iter()
         .map(|f| (f.parameter, fitted.get(f.parameter)))
         .collect();
-    // What was simulated once can be put together again.
+    // Fallback that is not expected: values that were simulated before make a valid robot.
     if arm.set(&values).is_err() {
         return fitted.clone();
     }

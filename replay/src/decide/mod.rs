@@ -1,4 +1,4 @@
-//! Which effects the motion shows: fits, expansion about them, and the decision by evidence.
+//! Decision which effects the motion shows: fits, expansions of the likelihood about them, and posterior probabilities.
 
 mod expand;
 mod free;
@@ -17,44 +17,46 @@ use evidence::Decision;
 use expand::{ODDS, beside, expand, families, hypotheses};
 use free::{always, pinned};
 
-/// Step of fits whose values are a start for others, or stand for what a cause removes, s.
+/// Integration step, s, of fits that only give start values or measure a cause's share.
 pub const COARSE: f64 = 4e-3;
 
-/// The first fit from the given values, and fits from a neighbouring set. A tenth of a nat changes nothing that is said.
+/// Effort of the first fit, from the given values.
 const FIRST: Effort = Effort {
     iterations: 25,
     gain: 0.5,
     step: COARSE,
 };
 
+/// Effort of a fit that starts at the optimum of a similar set of hypotheses. A tenth of a nat changes no conclusion.
 const NEXT: Effort = Effort {
     iterations: 10,
     gain: 0.1,
     step: STEP,
 };
 
-/// Rounds of fit and decision; the set is stable after three in most cases.
+/// Largest number of rounds of fit and decision; the set is stable after three in most cases.
 const ROUNDS: usize = 5;
 
-/// The state of a diagnosis: what is free under the causes found.
+/// Result of the search: the most probable set of mechanisms, the fit with it, and signs of unknown torques.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// Mechanisms that were compared.
+    /// All mechanisms that were compared. Other indices point into this list.
     pub mechanisms: Vec<Mechanism>,
-    /// Those that are listed, with their inclusion probabilities.
+    /// Most probable set of mechanisms, by index, with all inclusion probabilities and the alternatives to each member.
     pub decision: Decision,
-    /// Fit with the listed mechanisms.
+    /// Fit in which the mechanisms of the set are free.
     pub fitted: Fitted,
-    /// Its free parameters.
+    /// Free parameters of that fit, in the order of its coordinates.
     pub free: Vec<Free>,
-    /// Joints on which something unknown is more probable than not, beside the listed mechanisms.
+    /// Joints on which an unknown torque, beside the set, is more probable than not: index of the joint and
+    /// probability.
     pub unknown: Vec<(usize, f64)>,
 }
 
-/// Finds the effects that explain the motion of `replayed`.
+/// Finds the set of effects that explains the motion of `replayed` best. `stage` is called with the name of each step.
 ///
 /// # Errors
-/// The simulator as given is unstable.
+/// Simulator as given that is unstable.
 pub fn find(
     given: &Given,
     replayed: &Replayed,
@@ -77,7 +79,7 @@ pub fn find(
         .iter()
         .map(|&floor| Noise {
             floor,
-            // A quarter of a second, until the fit shows its own.
+            // Autocorrelation time of a quarter of a second, until the first fit's errors show their own.
             correlation: (0.25 / sizes.period).max(1.0),
         })
         .collect();
@@ -112,7 +114,8 @@ pub fn find(
             fitted,
         });
     }
-    // Where rounds lead from set to set, each expansion says another; then each set's own fit decides.
+    // Comparison of all fitted sets, each by its own fit. Where rounds alternate between sets, their expansions
+    // disagree.
     let mut best = (f64::NEG_INFINITY, 0);
     let mut values = Vec::new();
     let families = families(given, &mechanisms);
@@ -138,7 +141,7 @@ pub fn find(
     fitted.noise.clone_from(&noises);
     let expanded = expand(given, &mechanisms, &always, &fitted.arm, blocks, &noises)?;
     let mut decision = expanded.about(&set);
-    // What a set that was fitted has beside this one is as probable as that fit says.
+    // Inclusion probability from the fits: a fitted set that disagrees about a mechanism counts by its own evidence.
     for m in 0..mechanisms.len() {
         let disputed = others
             .iter()
@@ -148,7 +151,7 @@ pub fn find(
             decision.inclusion[m] = if set.contains(&m) { 1.0 - own } else { own };
         }
     }
-    // What the fit leaves at nothing is no cause.
+    // Mechanisms whose parameters stay at their given values are no cause.
     let acts = |m: usize| {
         let own = mechanisms[m].parameters.iter();
         let mut own = own.map(|s| s.parameter);
@@ -179,15 +182,18 @@ pub fn find(
     })
 }
 
-/// A set that was fitted.
+/// Set of mechanisms that was fitted in a round of the search.
 struct Visited {
+    /// Indices of the mechanisms of the set.
     set: Vec<usize>,
+    /// Free parameters of the fit.
     free: Vec<Free>,
+    /// Result of the fit.
     fitted: Fitted,
 }
 
 impl Visited {
-    /// Log evidence by Laplace's method at the set's own fit, nats, up to a constant.
+    /// Log evidence of the set, nats, up to a constant: Laplace approximation at the set's own fit.
     fn log_evidence(&self, blocks: &[Track], noises: &[Noise]) -> Result<f64, Unstable> {
         let value = objective(&self.fitted.arm, &self.free, blocks, noises)?;
         let mut precision = self.fitted.information.clone();
@@ -205,10 +211,12 @@ impl Visited {
     }
 }
 
-/// Parts of a given limit at which a cut is tried: a limit that is never reached has no derivative.
+/// Parts of a given torque limit that are tried as lower limits. A limit that is never reached has no derivative, so
+/// that a fit cannot find it.
 const PARTS: [f64; 5] = [0.7, 0.5, 0.35, 0.25, 0.18];
 
-/// Limits, joint by joint, that are set lower where that fits better than by their odds; the mechanisms of those.
+/// Lowers torque limits of the arm `about`, joint by joint, where that improves the objective by more than the prior
+/// odds of the effect cost. Returns the indices of those joints' limit mechanisms.
 fn cut(
     given: &Given,
     about: &mut Arm,
@@ -246,7 +254,7 @@ fn cut(
     Ok(out)
 }
 
-/// What the first fit frees: a drive and a joint as every servo has them.
+/// Whether the first fit frees the mechanism: gains, friction, rotor inertia, common delay and encoder offsets.
 fn is_core(m: &Mechanism) -> bool {
     let lag = m.effect == Effect::CommandDelay && m.joint.is_some();
     let core = [

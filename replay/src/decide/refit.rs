@@ -1,4 +1,4 @@
-//! A found set with other mechanisms, fitted again.
+//! Fit of another set of mechanisms, started from the fit of the found set.
 
 use super::Found;
 use super::free::{free, pinned, tolerated};
@@ -10,11 +10,12 @@ use crate::simulate::Unstable;
 use crate::tracks::Replayed;
 use nalgebra::{DMatrix, DVector};
 
-/// The set with other mechanisms, fitted again from where the whole set's fit stands: with what is dropped at its given
-/// value, and what stays either as it was or moved as the whole set's expansion says, whichever is better.
+/// Arm fitted with the mechanisms `set` instead of the found ones. Parameters that are not free in it have their given
+/// values. The fit starts from the found fit's values, or from those that its expansion predicts, whichever has the
+/// lower objective.
 ///
 /// # Errors
-/// The simulator as given is unstable.
+/// Simulator that is unstable.
 pub fn refit(
     given: &Given,
     replayed: &Replayed,
@@ -44,7 +45,8 @@ pub fn refit(
     Ok(descend(&start, &free, blocks, noise, effort)?.0)
 }
 
-/// `start`, a fit's arm with some parameters elsewhere, with all others where the fit's expansion then has its optimum.
+/// Arm `start` with its free parameters moved to the optimum of the found fit's expansion, given those that differ from
+/// that fit. None where the expansion has no optimum.
 pub(super) fn moved(start: &Arm, found: &Found, free: &[Free]) -> Option<Arm> {
     let all = &found.free;
     let shift: Vec<f64> = all

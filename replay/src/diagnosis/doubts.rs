@@ -1,4 +1,5 @@
-//! What the motion does not tell apart, and what was weighed and not listed.
+//! Doubts of a diagnosis: effects that could stand in a cause's place, unlisted candidates, and values the motion does
+//! not show.
 
 use super::spread::Spread;
 use super::values::named;
@@ -8,12 +9,15 @@ use crate::parameter::{Parameter, Scale};
 use crate::schema::{Candidate, NotIdentifiable};
 use crate::tracks::Replayed;
 
-/// Posterior correlation beyond which two values are named inseparable.
+/// Magnitude of the posterior correlation of two values beyond which they are reported as inseparable.
 pub(super) const INSEPARABLE: f64 = 0.95;
 
-/// Weight of another effect in a cause's place from which both are named.
+/// Least weight of a swap for which another effect is reported as ambiguous with a cause. The weight is the posterior
+/// of the swapped set relative to the found set.
 pub(super) const AMBIGUOUS: f64 = 0.1;
 
+/// Names of the effects that this motion can hardly tell from `effect`. `members` are indices of its mechanisms in the
+/// found set.
 pub(super) fn ambiguous(
     found: &Found,
     effect: Effect,
@@ -32,7 +36,7 @@ pub(super) fn ambiguous(
             names.push(found.mechanisms[swap.other].effect.name());
         }
     }
-    // Without commanded velocities the drive's damping and viscous friction are one number.
+    // Drive's damping and viscous friction: without commanded velocities only their sum shows.
     if data.whole.iter().any(|t| t.rates.is_none()) {
         match effect {
             Effect::FrictionParameters => names.push(Effect::ServoDamping.name()),
@@ -46,7 +50,7 @@ pub(super) fn ambiguous(
     names
 }
 
-/// Effects that were weighed and are not listed, from a probability of one in a hundred on.
+/// Effects with an inclusion probability between 0.01 and 0.5, most probable first.
 pub(super) fn candidates(found: &Found, joints: &[String]) -> Vec<Candidate> {
     let mut out: Vec<Candidate> = (0..found.mechanisms.len())
         .filter(|m| found.decision.inclusion[*m] < 0.5 && found.decision.inclusion[*m] > 0.01)
@@ -63,6 +67,8 @@ pub(super) fn candidates(found: &Found, joints: &[String]) -> Vec<Candidate> {
     out
 }
 
+/// Quantities that this motion does not determine, each with its reason: joints that never move, values not told from
+/// zero, inseparable values, and values whose prior deviation is not halved.
 pub(super) fn not_identifiable(
     found: &Found,
     spread: &Spread,
@@ -94,7 +100,7 @@ pub(super) fn not_identifiable(
         }
     };
     let mut out = Vec::new();
-    // Parameters of one name that the motion hardly shows are one line.
+    // Parameters whose prior deviation is not halved; those of one name are reported together.
     let mut faint: Vec<Parameter> = Vec::new();
     for j in (0..joints.len()).filter(|&j| !data.moves[j]) {
         out.push(NotIdentifiable {

@@ -1,4 +1,4 @@
-//! The simulator as earlier recordings of the same robot have it: what departs from it has changed since.
+//! Simulator of the robot at an earlier time, from earlier recordings. Differences from it are changes since then.
 
 use super::spread::Spread;
 use crate::decide::find;
@@ -7,11 +7,12 @@ use crate::score::{figures, roll_out};
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
 
-/// Fits the simulator to earlier recordings with every cause that they show. What they leave open stays open within its deviation, and
-/// what they leave unexplained is no change.
+/// Fits the simulator to earlier recordings with every cause that they show. The result is the simulator as given for a
+/// diagnosis of later recordings. Fitted values stay free within their posterior deviation. Errors that remain do not
+/// count as a change.
 ///
 /// # Errors
-/// The simulator as given is unstable.
+/// Simulator as given that is unstable.
 pub fn earlier(
     given: &Given,
     before: &Replayed,

@@ -1,4 +1,4 @@
-//! A diagnosis of motion from the simulator as given, a recording to fit and one that measures.
+//! Diagnosis of motion from the simulator as given, a recording to fit and a held-out one.
 
 mod doubts;
 mod earlier;
@@ -25,7 +25,7 @@ use crate::tracks::Replayed;
 use physics::robot::JointKind;
 use std::collections::BTreeMap;
 
-/// Fits without a cause, by which shares are measured, and of what a file holds. A nat is one standard deviation of one
+/// Effort of fits that leave one cause out, which measure the causes' shares. A nat is one standard deviation of one
 /// parameter.
 const LONG: Effort = Effort {
     iterations: 8,
@@ -33,40 +33,43 @@ const LONG: Effort = Effort {
     step: COARSE,
 };
 
+/// Effort of the fits that leave one cause out where a fast diagnosis is asked for.
 const SHORT: Effort = Effort {
     iterations: 2,
     ..LONG
 };
 
+/// Effort of the fit of what a model file can hold.
 const HELD: Effort = Effort {
     gain: 0.1,
     step: STEP,
     ..LONG
 };
 
-/// The step of the ladder at which values stand that are known within a tolerance, or not at all; of its own where no cause is listed.
+/// Name of the ladder's step with fitted values of parameters that have a tolerance. It is there only where no cause is
+/// listed.
 pub const TOLERANCES: &str = "tolerances";
 
-/// What a diagnosis comes to.
+/// Outcome of a diagnosis: the report, and the simulators that it compares.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// The report.
+    /// Report of the diagnosis.
     pub report: Report,
-    /// The simulator as given.
+    /// Simulator as given.
     pub given: Arm,
-    /// The simulator with every listed cause.
+    /// Simulator with every listed cause, fitted.
     pub corrected: Arm,
-    /// The simulator that a model file can hold: friction without load or standstill, fitted for itself.
+    /// Simulator that a model file can hold: without friction by load or at standstill, fitted again without it.
     pub held: Arm,
-    /// Errors of the first two on the held-out recording.
+    /// Errors on the held-out recording of the simulator as given and of the corrected one, in this order.
     pub errors: [Errors; 2],
 }
 
-/// Diagnoses the motion: effects are found on `data`, all figures are measured on `heldout`. `fast` shortens the fits
-/// without one cause each, by which shares are measured.
+/// Diagnoses the motion. Effects are found on `data`, and all figures are measured on `heldout`. `fast` shortens the
+/// fits that leave one cause out. `stage` is called with the name of each step.
 ///
 /// # Errors
-/// The simulator as given is unstable.
+/// Simulator as given that is unstable.
 pub fn diagnose(
     given: &Given,
     data: &Replayed,
@@ -131,7 +134,7 @@ pub fn diagnose(
         cause.share_of_gap = if sum > 0.0 { loss.max(0.0) / sum } else { 0.0 };
     }
     let mut order: Vec<usize> = (0..causes.len()).collect();
-    // What the held-out recording does not confirm never stands first.
+    // Order: causes that the held-out recording confirms come first.
     order.sort_by(|&a, &b| {
         let key = |i: usize| (causes[i].confirmed, causes[i].share_of_gap);
         key(b)
@@ -211,7 +214,7 @@ pub fn diagnose(
     })
 }
 
-/// Sum over joints of squared unexplained parts.
+/// Sum over joints of the squared ratio of simulation error to tracking error.
 fn unexplained(errors: &Errors, replayed: &Replayed) -> f64 {
     figures(errors, replayed)
         .unexplained
@@ -221,7 +224,7 @@ fn unexplained(errors: &Errors, replayed: &Replayed) -> f64 {
         .sum()
 }
 
-/// The arm with other mechanisms than the found ones.
+/// Arm fitted with the mechanisms `set` instead of the found ones.
 fn without(
     given: &Given,
     data: &Replayed,
@@ -232,8 +235,8 @@ fn without(
     refit(given, data, found, set, if fast { SHORT } else { LONG })
 }
 
-/// The arm with the causes that a model file can hold; what stands in for friction by load or at standstill is Coulomb and
-/// viscous friction of the same joints.
+/// Arm with the causes that a model file can hold. Friction by load or at standstill is replaced by Coulomb and viscous
+/// friction of the same joints.
 fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> {
     let outside = |m: usize| {
         let effect = found.mechanisms[m].effect;
@@ -264,7 +267,7 @@ fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> 
     refit(given, data, found, &kept, HELD)
 }
 
-/// Listed mechanisms by effect.
+/// Mechanisms of the found set with an inclusion probability of at least 0.5, by effect. Each group becomes one cause.
 fn groups(found: &Found) -> Vec<(Effect, Vec<usize>)> {
     let mut out: BTreeMap<Effect, Vec<usize>> = BTreeMap::new();
     for &m in &found.decision.set {
@@ -275,6 +278,7 @@ fn groups(found: &Found) -> Vec<(Effect, Vec<usize>)> {
     out.into_iter().collect()
 }
 
+/// Indices of the joints that these mechanisms act on; all `n` where one acts on the whole arm.
 fn touched(found: &Found, members: &[usize], n: usize) -> Vec<usize> {
     if members.iter().any(|&m| found.mechanisms[m].joint.is_none()) {
         return (0..n).collect();
@@ -287,6 +291,7 @@ fn touched(found: &Found, members: &[usize], n: usize) -> Vec<usize> {
     joints
 }
 
+/// Smallest inclusion probability of these mechanisms.
 fn confidence(found: &Found, members: &[usize]) -> f64 {
     members
         .iter()
@@ -294,6 +299,7 @@ fn confidence(found: &Found, members: &[usize]) -> f64 {
         .fold(1.0, f64::min)
 }
 
+/// Kind of an effect in the report: `parameter` or `structure`.
 fn kind(effect: Effect) -> &'static str {
     match effect {
         Effect::FrictionParameters | Effect::LinkParameters => "parameter",

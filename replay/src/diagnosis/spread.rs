@@ -5,15 +5,19 @@ use crate::decide::{Found, RELATIVE};
 use crate::parameter::{Kind, Parameter, Scale};
 use nalgebra::{DMatrix, DVector};
 
-/// Standard deviations and correlations of the fitted coordinates.
+/// Uncertainty of the coordinates of the found fit, P free parameters.
 pub(super) struct Spread {
+    /// Posterior standard deviation of each coordinate, at most the prior one.
     pub(super) deviation: Vec<f64>,
+    /// Prior standard deviation of each coordinate; infinite for a flat prior.
     pub(super) prior: Vec<f64>,
+    /// Posterior correlation matrix, P × P.
     pub(super) correlation: DMatrix<f64>,
 }
 
 impl Spread {
-    /// The posterior's covariance, or the spread of fits with one block left out, whichever is wider.
+    /// Uncertainty of the found fit: the deviation from the posterior covariance or from the jackknife over blocks,
+    /// whichever is larger.
     pub(super) fn of(found: &Found) -> Self {
         let p = found.free.len();
         let prior: Vec<f64> = found
@@ -46,7 +50,8 @@ impl Spread {
     }
 }
 
-/// Deviations by one Newton step from the fit to that without each block; none of fewer than four blocks.
+/// Jackknife standard deviation of each coordinate. The fit without a block is taken as one Newton step from the full
+/// fit. None for fewer than four blocks. `precision` is the posterior precision matrix.
 pub(super) fn jackknife(found: &Found, precision: &DMatrix<f64>) -> Option<Vec<f64>> {
     let blocks = &found.fitted.blocks;
     let m = blocks.len();
@@ -86,7 +91,7 @@ pub(super) fn jackknife(found: &Found, precision: &DMatrix<f64>) -> Option<Vec<f
     Some((0..p).map(|i| (factor * square(i)).sqrt()).collect())
 }
 
-/// Whether a value is a torque per something, so that its scale is that of the description's masses.
+/// Whether values of this kind scale with the description's masses, because they are torques per something.
 pub(super) fn is_torque(kind: Kind) -> bool {
     matches!(
         kind,
@@ -103,7 +108,8 @@ pub(super) fn is_torque(kind: Kind) -> bool {
     )
 }
 
-/// Standard deviation of a fitted value; none where it is given.
+/// Standard deviation of a parameter's fitted value, in its unit, with the uncertainty of the masses. None where the
+/// parameter was not fitted.
 pub(super) fn deviation(found: &Found, spread: &Spread, parameter: Parameter) -> Option<f64> {
     let at = found.free.iter().position(|f| f.parameter == parameter)?;
     let value = found.fitted.arm.get(parameter);

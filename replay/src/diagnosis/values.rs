@@ -1,4 +1,4 @@
-//! Fitted values by their names and units.
+//! Values of causes and drives for the report, with their names and units.
 
 use super::spread::{Spread, deviation};
 use crate::arm::Arm;
@@ -8,7 +8,7 @@ use crate::parameter::{Kind, Parameter, Scale};
 use crate::schema::{Controller, Value};
 use physics::robot::JointKind;
 
-/// Name and unit of a parameter in the report.
+/// Name and unit of a parameter in the report. `rotates`: whether its joint is rotary.
 pub(super) fn named(kind: Kind, rotates: bool) -> (&'static str, &'static str) {
     let unit = |r: &'static str, t: &'static str| if rotates { r } else { t };
     match kind {
@@ -38,6 +38,7 @@ pub(super) fn named(kind: Kind, rotates: bool) -> (&'static str, &'static str) {
     }
 }
 
+/// Given and fitted values of the parameters that these mechanisms free.
 pub(super) fn values(
     given: &Given,
     found: &Found,
@@ -50,13 +51,13 @@ pub(super) fn values(
         for sized in &found.mechanisms[m].parameters {
             let p = sized.parameter;
             let value = found.fitted.arm.get(p);
-            // A number at its bound is no estimate.
+            // Values at their bound zero are no estimates.
             if p.kind.scale() == Scale::Positive && value <= 0.0 {
                 continue;
             }
             let kind = given.arm.robot.joints()[p.joint].kind;
             let (name, unit) = named(p.kind, kind != JointKind::Prismatic);
-            // First moments are fitted; a reader wants the centre of mass.
+            // Centre of mass, for the reader, from the fitted first moment.
             let mass = found.fitted.arm.payload[0];
             let per = match p.kind {
                 Kind::Payload(1..) if mass > 0.0 => mass,
@@ -78,7 +79,7 @@ pub(super) fn values(
     out
 }
 
-/// The drives of an arm, with deviations where they are those that were found.
+/// Drives of an arm for the report. Standard deviations are those of `fit`; without it they are null.
 pub(super) fn controller(given: &Given, arm: &Arm, fit: Option<(&Found, &Spread)>) -> Controller {
     let n = arm.dof();
     let of = |p: Parameter| fit.and_then(|(found, spread)| deviation(found, spread, p));

@@ -1,11 +1,12 @@
-//! What is left of the gap.
+//! Verdict of a diagnosis, from the errors that are left.
 
 use crate::given::Given;
 use crate::schema::{Cause, UnknownJoint};
 use crate::score::{Errors, figures};
 use crate::tracks::Replayed;
 
-/// Noise of each joint's positions: by third differences, in which smooth motion vanishes, and no less than the quantum's.
+/// Noise of each joint's positions, standard deviation in rad (m), at least that of the quantisation. It is taken from
+/// third differences, in which smooth motion vanishes.
 fn floors(replayed: &Replayed) -> Vec<f64> {
     (0..replayed.tracking.len())
         .map(|j| {
@@ -17,20 +18,21 @@ fn floors(replayed: &Replayed) -> Vec<f64> {
                     count += 1.0;
                 }
             }
-            // Of white noise third differences have 20 times the variance.
+            // Third differences of white noise have 20 times its variance.
             let noise: f64 = (sum / f64::max(count, 1.0) / 20.0).sqrt();
             noise.max(replayed.quantum[j] / 12.0_f64.sqrt())
         })
         .collect()
 }
 
-/// Largest multiple of the floor, and largest unexplained part, at which a joint has no gap.
+/// Largest RMS error of a joint without a gap, as a multiple of its noise.
 const AT_FLOOR: f64 = 1.5;
 
+/// Largest ratio of simulation error to tracking error of a joint without a gap.
 const SMALL: f64 = 0.05;
 
-/// The verdict, from the errors as given and corrected. Where the simulator is given by earlier recordings, what it left of them is small,
-/// and what no cause explains was so before.
+/// Verdict in one word, from the errors on the held-out recording of the simulator as given and the corrected one.
+/// Where the simulator was fitted to earlier recordings, errors as large as on those count as no gap.
 pub(super) fn verdict(
     [before, after]: [&Errors; 2],
     heldout: &Replayed,

@@ -1,4 +1,4 @@
-//! How the motion follows its commands: lag and droop by joint, and answers to steps laid over each other.
+//! Section of the page on how motion follows commands: lag and steady error of each joint, and responses to steps.
 
 use crate::diagnosis::Outcome;
 use crate::simulate::Track;
@@ -7,28 +7,34 @@ use report::figure::{Ink, Panel, Plot};
 use report::{Cell, Column, Section, Table};
 use std::ops::Range;
 
-/// Delays that are tried, s, and their step.
+/// Longest lag that is tried, s.
 const SLOWEST: f64 = 0.5;
+/// Difference between successive lags that are tried, s.
 const STEP: f64 = 0.005;
 
-/// Time before a step in which its command has to hold, and after; and how much of the answer is shown, s.
+/// Time for which a command must be constant before a step, s.
 const BEFORE: f64 = 0.2;
+/// Time for which a command must be constant after a step, s.
 const AFTER: f64 = 0.3;
+/// Time after the start of a step that is shown, s.
 const SHOWN: f64 = 1.0;
 
-/// Longest time over which a command may change and be called a step, s.
+/// Longest time over which a command may change and count as one step, s.
 const LONGEST: f64 = 0.3;
 
-/// Least part of a joint's commanded range that is called a step.
+/// Least size of a step, as a part of the range of the joint's commands.
 const LEAST: f64 = 0.05;
 
-/// Motion of one kind: measured, simulated as given, corrected.
+/// Motion that a curve or number is about.
 #[derive(Clone, Copy)]
 enum Motion {
+    /// Recorded motion.
     Measured,
+    /// Simulated motion: index 0 by the simulator as given, 1 by the corrected one.
     Simulated(usize),
 }
 
+/// Name, motion and colour of the curves.
 const MOTIONS: [(&str, Motion, Ink); 3] = [
     ("measured", Motion::Measured, Ink::Measured),
     ("as given", Motion::Simulated(0), Ink::Series(1)),
@@ -36,7 +42,7 @@ const MOTIONS: [(&str, Motion, Ink); 3] = [
 ];
 
 impl Motion {
-    /// Positions of joint `j` over trajectory `k`.
+    /// Positions of joint `j` over the whole trajectory `k`.
     fn of(self, outcome: &Outcome, heldout: &Replayed, k: usize, j: usize) -> Vec<f64> {
         let (q, n) = (heldout.whole[k].q.column(j), heldout.tracking.len());
         match self {
@@ -49,7 +55,7 @@ impl Motion {
     }
 }
 
-/// Lag and droop of each joint, and its answers to steps where there are some.
+/// Section with lag and steady error of each joint that moves, and its step responses where there are steps.
 pub(super) fn following(outcome: &Outcome, heldout: &Replayed) -> Section {
     let joints = &outcome.report.joints;
     let mut table = Table::new([
@@ -86,7 +92,8 @@ pub(super) fn following(outcome: &Outcome, heldout: &Replayed) -> Section {
     figures.fold(section, Section::figure)
 }
 
-/// Lag (s; none where the motion does not follow) and mean of command less position, rad (m).
+/// Lag of joint `j`'s motion behind its command, s, and mean of command less position, rad (m). The lag is none where
+/// the shifted command leaves more than half of the position's variance.
 fn lag_and_droop(
     outcome: &Outcome,
     heldout: &Replayed,
@@ -96,7 +103,7 @@ fn lag_and_droop(
     let motions: Vec<Vec<f64>> = (0..heldout.whole.len())
         .map(|k| motion.of(outcome, heldout, k, j))
         .collect();
-    // Mean and variance of command less position, and the position's variance.
+    // Mean and variance of command less position at a lag, and variance of the position.
     let apart = |lag: f64| {
         let [mut n, mut sum, mut square, mut q_sum, mut q_square] = [0.0; 5];
         for (track, q) in heldout.whole.iter().zip(&motions) {
@@ -124,7 +131,7 @@ fn lag_and_droop(
     }
 }
 
-/// Answers to the steps of a joint's command, each scaled from 0 to 1; none where there is no step.
+/// Responses to the steps of joint `j`'s command, each scaled from 0 to 1; none where the command has no steps.
 fn answers(outcome: &Outcome, heldout: &Replayed, j: usize) -> Option<Panel> {
     let mut panel = Panel::new("part of the step");
     let mut any = false;
@@ -147,15 +154,19 @@ fn answers(outcome: &Outcome, heldout: &Replayed, j: usize) -> Option<Panel> {
     any.then_some(panel)
 }
 
-/// A step of a command.
+/// Step of a joint's command.
 struct Step {
+    /// Time at which the command begins to change, s.
     time: f64,
+    /// Command before the step, rad (m).
     from: f64,
+    /// Command after the step, rad (m).
     to: f64,
+    /// Rows of the track that are shown, from just before the step on.
     rows: Range<usize>,
 }
 
-/// Steps of a joint's command: it holds before and after, for some time.
+/// Steps of joint `j`'s command: quick changes between two times at which it is constant for long enough.
 fn steps(track: &Track, j: usize) -> Vec<Step> {
     let time = &track.time;
     let values: Vec<f64> = time.iter().map(|&t| track.commands[j].value(t)).collect();
@@ -164,7 +175,7 @@ fn steps(track: &Track, j: usize) -> Vec<Step> {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
             (a.min(*v), b.max(*v))
         });
-    // Changes that follow each other closely are one: some drives and recorders take a step in parts.
+    // Changes within a short time count as one, as some drives and recorders take a step in parts.
     let mut changes: Vec<Range<usize>> = Vec::new();
     for row in (1..values.len()).filter(|&r| values[r] != values[r - 1]) {
         match changes.last_mut() {

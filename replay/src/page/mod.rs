@@ -1,4 +1,4 @@
-//! The report as a page.
+//! Report of a diagnosis as an HTML page.
 
 mod following;
 
@@ -11,10 +11,10 @@ use crate::words;
 use report::figure::{Ink, Panel, Plot, Waterfall};
 use report::{Cell, Column, Figure, KeyFigure, Page, Section, Table, Tone};
 
-/// Length of the curves that are shown, s.
+/// Length of the piece of motion that is shown, s.
 const SHOWN: f64 = 8.0;
 
-/// The page of a diagnosis.
+/// Page of a diagnosis as self-contained HTML text.
 pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
     let report = &outcome.report;
     let tone = match report.verdict {
@@ -44,6 +44,7 @@ pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
         .render()
 }
 
+/// Words for the effect with this name in the report; empty for other names.
 fn title(name: &str) -> &'static str {
     Effect::ALL
         .iter()
@@ -51,6 +52,7 @@ fn title(name: &str) -> &'static str {
         .map_or("", |e| e.words())
 }
 
+/// Section with the causes and their values.
 fn causes(report: &Report) -> Section {
     let mut section = Section::new("What is missing");
     if report.causes.is_empty() {
@@ -88,7 +90,8 @@ fn causes(report: &Report) -> Section {
     section.table(table)
 }
 
-/// Command, measured, simulated as given and corrected, joint by joint, over the seconds with the largest gap.
+/// Section with the motion of each joint over the seconds with the largest error: commanded, measured, simulated as
+/// given and corrected.
 fn curves(outcome: &Outcome, heldout: &Replayed) -> Section {
     let section = Section::new("Motion: commanded, measured, simulated");
     let Some((which, rows)) = worst(outcome, heldout) else {
@@ -126,6 +129,7 @@ fn curves(outcome: &Outcome, heldout: &Replayed) -> Section {
     figures.fold(section, Section::figure)
 }
 
+/// Figure with the curves of one joint.
 fn figure(joint: &str, panel: Panel) -> Figure {
     Plot::new(joint, "time / s")
         .zoomable()
@@ -135,7 +139,8 @@ fn figure(joint: &str, panel: Panel) -> Figure {
         ))
 }
 
-/// Trajectory and rows with the largest error of the simulator as given, over what the joints depart from their commands.
+/// Index of the trajectory, and rows, with the largest squared error of the simulator as given. Each joint's error is
+/// taken relative to its tracking error.
 fn worst(outcome: &Outcome, heldout: &Replayed) -> Option<(usize, std::ops::Range<usize>)> {
     let n = heldout.tracking.len();
     let mut best: Option<(f64, usize, std::ops::Range<usize>)> = None;
@@ -155,7 +160,7 @@ fn worst(outcome: &Outcome, heldout: &Replayed) -> Option<(usize, std::ops::Rang
     best.map(|(_, k, part)| (k, part))
 }
 
-/// Stretches of the shown length, one after another.
+/// Successive ranges of rows, each of the length that is shown.
 fn windows(track: &Track) -> Vec<std::ops::Range<usize>> {
     let mut out = Vec::new();
     let mut from = 0;
@@ -169,6 +174,7 @@ fn windows(track: &Track) -> Vec<std::ops::Range<usize>> {
     out
 }
 
+/// Section with the error after each step of the ladder.
 fn ladder(report: &Report) -> Section {
     let mut waterfall = Waterfall::new("How far the gap shrinks", "unexplained").decimals(3);
     let mut columns = vec![Column::text("step"), Column::number("mean")];
@@ -201,6 +207,7 @@ fn ladder(report: &Report) -> Section {
         .paragraph(file_alone(report))
 }
 
+/// Sentence on the error that the model file alone leaves.
 fn file_alone(report: &Report) -> String {
     let part = report.file_alone.figures.mean_unexplained.unwrap_or(0.0);
     format!(
@@ -209,6 +216,7 @@ fn file_alone(report: &Report) -> String {
     )
 }
 
+/// Section with the regions in which the error is concentrated.
 fn places(report: &Report) -> Section {
     let mut table = Table::new([
         Column::text("joint"),
@@ -233,6 +241,7 @@ fn places(report: &Report) -> Section {
     Section::new("Where the gap lies").table(table)
 }
 
+/// Section with the drives and joints of the corrected simulator.
 fn drives(report: &Report) -> Section {
     let mut table = Table::new([
         Column::text("joint"),
@@ -258,6 +267,7 @@ fn drives(report: &Report) -> Section {
     Section::new("The corrected simulator").table(table)
 }
 
+/// Section with the quantities that the motion does not determine, and the notes.
 fn limits(report: &Report) -> Section {
     let section = Section::new("What this motion cannot show");
     let section = if report.not_identifiable.is_empty() {

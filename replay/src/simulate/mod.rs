@@ -1,8 +1,9 @@
-//! Closed-loop forward simulation of the arm under recorded commands, with the sensitivities of its motion.
+//! Closed-loop forward simulation of the arm under recorded commands, with the sensitivities of its motion to
+//! parameters.
 //!
-//! Steps are semi-implicit: forces of position at the start of a step, damping and dry friction at its end (a joint rests
-//! exactly where friction holds it). Positions stand at the steps, velocities between them, so that commands are
-//! taken as their mean over the step around it and no half step of delay arises.
+//! Steps are semi-implicit. Forces by position act from the start of a step, damping and dry friction at its end, so
+//! that a joint can rest exactly. Positions are held at the steps and velocities between them. Commands are taken as
+//! their mean over the step around it, so that no half step of delay arises.
 
 mod bodies;
 mod step;
@@ -17,36 +18,37 @@ use ndarray::{Array2, ArrayView1};
 use physics::dynamics::{Derivatives, Workspace, mass_matrix};
 use physics::robot::{PARAMETERS_PER_LINK, Robot};
 
-/// Steps after which the rigid bodies' derivatives are taken anew: they change with the posture, hardly within milliseconds.
+/// Number of steps between two evaluations of the rigid bodies' derivatives. They depend on posture and hardly change
+/// within milliseconds.
 const RENEWED: usize = 4;
 
-/// Shortest step to which a stiff drive shortens it, s.
+/// Shortest integration step that a stiff drive may need, s; below it the drive is refused.
 const SHORTEST: f64 = 5e-5;
 
-/// Largest position that counts as motion of an arm, rad or m. Beyond it the simulation has diverged.
+/// Largest simulated position, rad or m. Beyond it the simulation has diverged.
 const FARTHEST: f64 = 1e3;
 
-/// One trajectory as it is replayed.
+/// Trajectory, or a block of one, to be replayed: recorded positions and the commands that led to them.
 #[derive(Debug, Clone)]
 pub struct Track {
-    /// Index of the trajectory that it is, or is cut from: each has an error of its own size.
+    /// Index of the trajectory. Blocks of one trajectory share a variance in the likelihood.
     pub trajectory: usize,
-    /// Stamps, s.
+    /// Times of the samples, s.
     pub time: Vec<f64>,
-    /// Recorded positions, (samples, joints), rad or m.
+    /// Recorded positions, samples × joints, rad or m.
     pub q: Array2<f64>,
-    /// Velocity at the start.
+    /// Velocity of each joint at the first sample, rad/s (m/s), from which the simulation starts.
     pub start_velocity: Vec<f64>,
-    /// Commanded positions by joint.
+    /// Commanded positions of each joint. They cover the whole trajectory, also before a block.
     pub commands: Vec<Command>,
-    /// Commanded velocities by joint, where they are recorded.
+    /// Commanded velocities of each joint; none where they are not recorded.
     pub rates: Option<Vec<Command>>,
 }
 
-/// Why a replay ended early.
+/// Reason why a simulation ended early.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unstable {
-    /// The drive's gain is too high for its inertia.
+    /// Drive whose gain is too high for its inertia at any allowed step.
     #[error(
         "the drive of joint {joint} cannot be simulated: {gain} N·m/rad on {inertia:.2e} kg·m² oscillates faster than \
          a step of 50 µs follows; check kp and the link's inertia or armature"
@@ -54,28 +56,28 @@ pub enum Unstable {
     Stiff {
         /// Number of the joint, from 1.
         joint: usize,
-        /// Its gain.
+        /// Proportional gain of its drive, N·m/rad.
         gain: f64,
-        /// Its inertia.
+        /// Inertia that the joint moves while all others are free, kg·m².
         inertia: f64,
     },
-    /// The motion left all bounds.
+    /// Motion that leaves all bounds.
     #[error(
         "the simulated joint {joint} leaves all bounds after {time:.2} s: its drive is unstable as given"
     )]
     Diverged {
         /// Number of the joint, from 1.
         joint: usize,
-        /// Time since the start, s.
+        /// Time since the start of the track, s.
         time: f64,
     },
 }
 
-/// Replays `track` from its recorded start; `observe` gets every sample's row, the positions (N values) and their sensitivities
-/// (N rows of one value per parameter).
+/// Simulates `track` from its recorded start. For every sample, `observe` gets its row, the positions (N values) and
+/// their sensitivities. These are N rows of one derivative for each of `parameters`.
 ///
 /// # Errors
-/// A drive that is too stiff or unstable.
+/// Drive that is too stiff or unstable.
 pub fn replay(
     arm: &Arm,
     track: &Track,
@@ -108,7 +110,8 @@ pub fn replay(
     Ok(())
 }
 
-/// Step with which every drive's oscillation is resolved: h² kp ≤ inertia that the joint meets, all others free.
+/// Longest step, s, that resolves the oscillation of every drive: h² kp ≤ inertia. The inertia is the one that the
+/// joint moves at position `q` while all others are free.
 fn longest_step(arm: &Arm, q: &ArrayView1<'_, f64>) -> Result<f64, Unstable> {
     let n = arm.dof();
     let mut mass = vec![0.0; n * n];
@@ -136,87 +139,132 @@ fn longest_step(arm: &Arm, q: &ArrayView1<'_, f64>) -> Result<f64, Unstable> {
     Ok(h)
 }
 
+/// State of a simulation with its sensitivities and buffers, for N joints and P parameters.
 struct State<'a> {
+    /// Arm that is simulated.
     arm: &'a Arm,
+    /// Track whose commands it follows.
     track: &'a Track,
+    /// Parameters whose sensitivities are computed.
     parameters: &'a [Parameter],
+    /// Buffers of the rigid-body dynamics.
     workspace: Workspace,
+    /// Derivatives of the inverse dynamics with respect to positions and velocities, renewed every few steps.
     derivatives: Derivatives,
+    /// Derivatives of the compensated gravity torque with respect to positions; none where drives compensate no
+    /// gravity.
     gravity: Option<Derivatives>,
-    /// Whether the drives' own torque against gravity is needed.
+    /// Whether the gravity torque that drives compensate has to be computed.
     compensates: bool,
-    /// Steps taken.
+    /// Number of steps taken.
     count: usize,
+    /// Vector instructions of this processor.
     arch: pulp::Arch,
+    /// Solver for velocities and dry friction of a step.
     friction: Friction,
+    /// Whether some parameter changes the rigid bodies or gravity.
     bodies: bool,
-    /// The robot under gravity turned about the base's x and y, where a tilt is asked for.
+    /// Robot under the derivative of gravity with respect to a tilt about the base's x and y axes; empty where no tilt
+    /// is among the parameters.
     tilted: Vec<Robot>,
-    /// Inertial parameters of the given description.
+    /// Inertial parameters of the given description, ten for each link.
     given: Vec<f64>,
+    /// Joint torques by inertial parameters, N rows of ten values for each link.
     regressor: Vec<f64>,
+    /// Simulated positions as an encoder shows them, N values, rad (m).
     q: Vec<f64>,
+    /// Simulated velocities, N values, rad/s (m/s).
     v: Vec<f64>,
-    /// Smoothed commands, and integrals of errors.
+    /// Commands after the drives' low-pass filters, N values.
     smooth: Vec<f64>,
+    /// Integral of the error in each drive, N values.
     integral: Vec<f64>,
-    /// Sensitivities of all four: N rows of P values each.
+    /// Sensitivities of `q`, N rows of P values.
     dq: Vec<f64>,
+    /// Sensitivities of `v`, N rows of P values.
     dv: Vec<f64>,
+    /// Sensitivities of `smooth`, N rows of P values.
     dsmooth: Vec<f64>,
+    /// Sensitivities of `integral`, N rows of P values.
     dintegral: Vec<f64>,
-    /// Right-hand side of the sensitivities' step, and those of the drives' torque.
+    /// Right-hand side of the linear equation for the next `dv`, N rows of P values.
     rhs: Vec<f64>,
+    /// Sensitivities of the drives' torques, N rows of P values.
     dtau: Vec<f64>,
+    /// Index of the last used command of each joint, for position and velocity.
     hints: Vec<[usize; 2]>,
-    // Of one step, N values each.
+    /// True positions of the bodies in this step, `q` plus encoder offsets, N values.
     body: Vec<f64>,
+    /// Buffer for joint torques by a tilt, N values.
     zero: Vec<f64>,
+    /// Zeros, N values: velocity and acceleration of a robot at rest.
     still: Vec<f64>,
+    /// Accelerations of this step, N values.
     acceleration: Vec<f64>,
+    /// Torques by gravity, Coriolis and centrifugal forces and passive springs in this step, N values.
     bias: Vec<f64>,
+    /// Gravity torque of the given description, of which the drives add a part, N values.
     held: Vec<f64>,
+    /// Mass matrix without rotor inertias, N × N.
     mass: Vec<f64>,
+    /// Matrix A of the implicit step, N × N: mass matrix, rotor inertia, and damping times the step.
     a: Vec<f64>,
+    /// Right-hand side b of the implicit step, N values: momentum after the step without dry friction and implicit
+    /// damping.
     b: Vec<f64>,
+    /// Dry friction limit of each joint times the step, N values.
     limits: Vec<f64>,
+    /// Torque of each joint's drive in this step, with its derivatives.
     drives: Vec<Drive>,
 }
 
-/// What a drive does in one step.
+/// Torque of one drive in one step, with its derivatives. The torque is `torque` − `damping`·velocity at the end of the
+/// step.
 #[derive(Debug, Clone, Copy, Default)]
 struct Drive {
-    /// Torque apart from what is implicit in the velocity, and the factor of that.
+    /// Torque without its part by the velocity at the step's end, N·m. It includes the joint's unknown torque.
     torque: f64,
+    /// Torque lost per velocity at the step's end, N·m·s/rad: `kd` plus back EMF. Only back EMF counts where
+    /// `drive_limit` acts, and it is 0 where `limit` acts.
     damping: f64,
-    /// Torque by the start's velocity: what the gear transmits.
+    /// Torque at the velocity of the step's start, N·m, which the gear transmits: load-dependent friction grows with
+    /// it.
     transmitted: f64,
-    /// Derivatives of the torque: by command (equally by −position), by integral; 0 where cut.
+    /// Derivative of the torque with respect to the command, or to −position; 0 where a limit acts.
     by_error: f64,
+    /// Derivative of the torque with respect to the integral of the error; 0 where a limit acts.
     by_integral: f64,
-    /// Errors of position and velocity.
+    /// Position error: filtered command plus offset less position, rad.
     error: f64,
+    /// Velocity error: commanded less simulated velocity, rad/s.
     velocity_error: f64,
-    /// Direction in which voltage or torque is cut, 0 where they are not.
+    /// Direction, ±1, in which the control output is at `drive_limit`; 0 where it is below.
     drive_cut: f64,
+    /// Direction, ±1, in which the torque is at `limit`; 0 where it is below.
     cut: f64,
-    /// Command, its change with later time, and the share that the filter takes over.
+    /// Rate of change of the step's mean command with time, rad/s.
     command_rate: f64,
+    /// Share of the distance to its input that the command filter covers in the step; 1 without a filter.
     take: f64,
+    /// Change of the filtered command in the step, rad.
     to_smooth: f64,
+    /// Rate of change of the step's mean commanded velocity with time, rad/s².
     commanded_velocity_rate: f64,
+    /// Whether the integral of the error changes in the step: the drive has one, and no limit acts.
     integrates: bool,
+    /// Part of the Stribeck friction that is left at this velocity, 0 to 1.
     stribeck: f64,
 }
 
 impl Drive {
-    /// 1, or 0 where the torque is cut: then nothing changes it.
+    /// 1 where the torque changes with the drive's inputs, 0 where `limit` holds it.
     fn free(&self) -> f64 {
         f64::from(self.cut == 0.0)
     }
 }
 
 impl<'a> State<'a> {
+    /// State at the start of the track: recorded positions, start velocities, filters at rest and sensitivities zero.
     fn new(arm: &'a Arm, track: &'a Track, parameters: &'a [Parameter]) -> Self {
         let (n, p) = (arm.dof(), parameters.len());
         let start = |i: usize| track.q[(0, i)];

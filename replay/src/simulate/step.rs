@@ -1,11 +1,11 @@
-//! One step of the closed loop.
+//! One step of the closed-loop simulation.
 
 use super::{Drive, State};
 use crate::arm::{Integral, unknown};
 use physics::dynamics::{inverse_dynamics, mass_matrix};
 
 impl State<'_> {
-    /// Takes the arm from `t` over `h` seconds.
+    /// Advances the simulation from time `t` by `h` seconds, with the sensitivities where parameters are given.
     pub(super) fn step(&mut self, t: f64, h: f64) {
         let n = self.arm.dof();
         for i in 0..n {
@@ -56,11 +56,12 @@ impl State<'_> {
             }
             self.a[i * n + i] += h * (joint.damping + drive.damping);
         }
-        // A set that contradicts itself by rounding is as good as its neighbour.
+        // Inconsistent sets of slipping joints, which rounding can cause, are accepted: they differ little from the
+        // solution.
         self.friction.solve(&self.a, &self.b, &self.limits);
         if !self.parameters.is_empty() {
             self.renew(h);
-            // The widest vectors of this processor; the sums keep their order.
+            // Vector instructions of this processor; sums keep their order.
             let arch = self.arch;
             arch.dispatch(|| self.tangents(h));
         }
@@ -80,7 +81,7 @@ impl State<'_> {
         }
     }
 
-    /// The drive of joint `i` over a step.
+    /// Torque of the drive of joint `i` in the step from `t` over `h` seconds, with its derivatives.
     fn drive(&mut self, i: usize, t: f64, h: f64) -> Drive {
         let servo = &self.arm.servos[i];
         let mut out = Drive::default();

@@ -1,4 +1,4 @@
-//! Sensitivities of the motion, carried along with it.
+//! Sensitivities of the simulated motion to parameters, integrated along with it.
 
 use super::{RENEWED, State};
 use crate::arm::{Integral, UNKNOWN, unknown};
@@ -7,7 +7,7 @@ use crate::parameter::Kind;
 use physics::dynamics::inverse_dynamics_derivatives;
 
 impl State<'_> {
-    /// Acceleration of the step, and now and then the rigid bodies' derivatives at it.
+    /// Computes the step's accelerations, and every few steps the derivatives of the rigid-body dynamics.
     pub(super) fn renew(&mut self, h: f64) {
         for i in 0..self.arm.dof() {
             self.acceleration[i] = (self.friction.velocity[i] - self.v[i]) / h;
@@ -35,7 +35,7 @@ impl State<'_> {
         }
     }
 
-    /// Sensitivities after the step from those before it, by the derivative of the step's own equation.
+    /// Advances the sensitivities by one step. They satisfy the derivative of the step's own equation.
     #[inline(always)]
     pub(super) fn tangents(&mut self, h: f64) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
@@ -47,7 +47,7 @@ impl State<'_> {
             let drive = self.drives[i];
             let joint = &self.arm.joints[i];
             let servo = &self.arm.servos[i];
-            // Torque of the drive: by command, integral and position.
+            // Derivative of the drive's torque by command, integral and position.
             let dtau = &mut self.dtau[i * p..][..p];
             if drive.by_error != 0.0 {
                 axpy(dtau, drive.by_error, &self.dsmooth[i * p..][..p]);
@@ -89,7 +89,7 @@ impl State<'_> {
                 }
                 if i == j {
                     mass += joint.armature + h * pressed * drive.damping;
-                    // Stribeck's fall with velocity.
+                    // Fall of the Stribeck friction with velocity.
                     mass += h * sign * joint.stribeck * drive.stribeck * 2.0 * self.v[i]
                         / joint.stribeck_velocity.powi(2);
                 }
@@ -106,13 +106,15 @@ impl State<'_> {
         }
     }
 
-    /// Part of a change of the drive's torque that friction by load takes: it presses on the gear as it drives.
+    /// Derivative of joint `i`'s load-dependent friction, with its sign, with respect to the torque of the drive. That
+    /// share of a change of the torque is lost in the gear.
     pub(super) fn pressed(&self, i: usize) -> f64 {
         let sign = self.friction.slip[i].sign();
         sign * self.arm.joints[i].load * self.drives[i].transmitted.signum()
     }
 
-    /// The commands that the drives see, by delay and smoothing.
+    /// Adds the derivatives of the filtered commands, and of the torques by commanded velocity, by delays and filter
+    /// time constants.
     #[inline(always)]
     fn commands_by_parameters(&mut self) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
@@ -139,7 +141,7 @@ impl State<'_> {
         }
     }
 
-    /// The drives' torque by their own parameters.
+    /// Adds the derivatives of the drives' torques with respect to their own parameters.
     fn drives_by_parameters(&mut self) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         for (k, parameter) in self.parameters.iter().enumerate() {
@@ -171,7 +173,7 @@ impl State<'_> {
         }
     }
 
-    /// Friction and rotor of a joint.
+    /// Adds the derivatives by friction and rotor inertia to the right-hand side. A joint at rest has none.
     fn joints_by_parameters(&mut self, h: f64) {
         let p = self.parameters.len();
         for (k, parameter) in self.parameters.iter().enumerate() {
@@ -194,6 +196,7 @@ impl State<'_> {
     }
 }
 
+/// Adds `a` times `x` to `y`.
 #[inline(always)]
 fn axpy(y: &mut [f64], a: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
