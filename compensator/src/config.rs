@@ -22,9 +22,9 @@ pub enum Loss {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind", deny_unknown_fields)]
 pub enum Schedule {
-    /// A constant learning rate.
+    /// Constant learning rate.
     Constant,
-    /// Half a cosine over all epochs, from the rate to `end` times the rate.
+    /// Learning rate that falls along half a cosine over all steps, from the full rate to `end` times it.
     Cosine {
         /// Last learning rate over the first.
         end: f32,
@@ -131,6 +131,7 @@ pub struct UnitConfig {
     pub training: Training,
 }
 
+/// Recurrent architecture on windows of `timestep` samples, with `width` units in encoder, attention and re-encoder.
 fn recurrent(width: usize, timestep: usize) -> Architecture {
     Architecture::Recurrent(Recurrent {
         encoder: width,

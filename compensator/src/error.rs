@@ -6,25 +6,25 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The tables do not fit together.
+    /// Tables of samples that do not fit together, with the reason.
     #[error("training data: {0}")]
     Samples(String),
-    /// A value that is not finite.
+    /// Value of the training data that is not finite.
     #[error(
         "training data: {table} is not finite in row {row}, column {column}; remove or repair that sample"
     )]
     NotFinite {
-        /// `input`, `target` or `weight`.
+        /// Name of the table: `input`, `target` or `weight`.
         table: &'static str,
         /// Row of the value, from 0.
         row: usize,
         /// Column of the value, from 0.
         column: usize,
     },
-    /// Too few trajectories, or only trajectories without weight.
+    /// Too few trajectories, or only trajectories without weight, with the reason.
     #[error("{0}")]
     TooLittleData(String),
-    /// A setting out of its range.
+    /// Setting out of its range.
     #[error("setting `{setting}`: {problem}")]
     Config {
         /// Name of the setting's field.
@@ -32,28 +32,28 @@ pub enum Error {
         /// Problem with the setting's value.
         problem: String,
     },
-    /// A quantity of the training left the finite numbers; no step was taken on it.
+    /// Training in which a quantity is no longer finite; no step was taken with it.
     #[error(
         "training diverged in epoch {epoch}: the {what} is not finite; lower the learning rate"
     )]
     Diverged {
         /// Epoch in which the training diverged, from 1.
         epoch: usize,
-        /// `loss`, `gradient` or `validation error`.
+        /// Name of the quantity: `loss`, `gradient` or `validation error`.
         what: &'static str,
     },
-    /// The cancellation flag was raised; a checkpoint lies where one was asked for.
+    /// Training that was cancelled. A checkpoint was written where one was asked for.
     #[error("interrupted")]
     Interrupted,
-    /// A checkpoint of other data, settings or seed.
+    /// Checkpoint of other data, settings or seed.
     #[error("{path}: the checkpoint belongs to other {what}; start afresh without it")]
     OtherCheckpoint {
         /// Path of the other checkpoint.
         path: PathBuf,
-        /// `settings`, or `data or another seed`.
+        /// Difference in words: `settings`, or `data or another seed`.
         what: &'static str,
     },
-    /// A checkpoint in the format of another version.
+    /// Checkpoint in the format of another version.
     #[error(
         "{path}: checkpoint of format {found}, this program reads {supported}; start afresh without it, or go on with the program that wrote it"
     )]
@@ -65,7 +65,7 @@ pub enum Error {
         /// Format that this build reads and writes.
         supported: u32,
     },
-    /// A checkpoint that cannot be read.
+    /// Checkpoint that cannot be read.
     #[error("{path}: unusable checkpoint ({problem}); start afresh without it")]
     BadCheckpoint {
         /// Path of the checkpoint.
@@ -73,7 +73,7 @@ pub enum Error {
         /// Problem with its content.
         problem: String,
     },
-    /// The file could not be read or written.
+    /// File that cannot be read or written.
     #[error("{path}: {source}")]
     Io {
         /// Path of the file.
@@ -81,16 +81,16 @@ pub enum Error {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The trained unit was refused by the run-time.
+    /// Trained unit that the run-time refuses, with the reason.
     #[error("trained unit: {0}")]
     Unit(String),
-    /// The linear system of the closed form had no solution.
+    /// Ridge regression whose normal equations cannot be solved.
     #[error("ridge regression: the normal equations could not be solved")]
     Singular,
     /// Boosted trees that cannot be grown or used.
     #[error("boosted trees: {0}")]
     Trees(String),
-    /// A build without the feature `networks`.
+    /// Build without the feature `networks`, which cannot train networks.
     #[error("this program was built without the training of networks")]
     Networks,
     /// Missing GPU, or a build without GPU support.

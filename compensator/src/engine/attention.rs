@@ -22,23 +22,28 @@ pub(crate) struct Weights<V> {
 /// Intermediate results of the attention's forward pass, kept for the backward pass.
 #[derive(Debug)]
 pub(crate) struct Attention<T> {
+    /// Width of queries and keys.
     width: usize,
+    /// Width of the encoder states.
     encoder: usize,
+    /// Number of rows of the batch.
     batch: usize,
     /// Longest range of states that one step attends to.
     reach: usize,
     /// Keys W_h h_u + b_a of each state, batch × width, and later their gradient.
     keys: Vec<T>,
+    /// Gradient of the keys, in their layout.
     key_gradient: Vec<T>,
-    /// Query W_s s_{t−1} of each row, batch × width, and later its gradient.
+    /// Query W_s s_{t−1} of each row in the present step, batch × width. In the backward pass, its gradient.
     asked: Vec<T>,
-    /// Activations tanh(W_s s + W_h h_u + b_a) for each step, row and attended state, (width).
+    /// Activation tanh(W_s s + W_h h_u + b_a) for each step, row and attended state; each has `width` values.
     bent: Vec<T>,
     /// Attention weight α_u for each step, row and attended state.
     alpha: Vec<T>,
 }
 
 impl<T: Real> Attention<T> {
+    /// Attention without values, for encoder states of width `encoder`.
     pub(crate) fn new(encoder: usize, width: usize) -> Self {
         let empty = Vec::new;
         Self {
@@ -54,7 +59,7 @@ impl<T: Real> Attention<T> {
         }
     }
 
-    /// Makes room and computes the keys of all `states` (steps blocks of batch × encoder).
+    /// Starts a forward pass: sets the sizes and computes the keys of all `states` (steps blocks of batch × encoder).
     pub(crate) fn begin(
         &mut self,
         batch: usize,
@@ -124,15 +129,16 @@ impl<T: Real> Attention<T> {
         });
     }
 
-    /// Starts the backward pass.
+    /// Starts the backward pass over `steps` steps: sets the gradient of the keys to zero.
     pub(crate) fn begin_back(&mut self, steps: usize) {
         self.key_gradient.clear();
         self.key_gradient
             .resize(steps * self.batch * self.width, T::ZERO);
     }
 
-    /// Backward through V_t, ∂L/∂V_t being `context[row·stride..]`: adds to the gradients of the states and of
-    /// w_a, and keeps those of the keys and of W_s s_{t−1} for the two methods below.
+    /// Backward pass through the context vector V_t, with ∂L/∂V_t as `context[row·stride..]`. It adds to the gradients
+    /// of the states and of w_a. It keeps those of the keys and of the query for [`Self::end_back`] and
+    /// [`Self::ask_back`].
     pub(crate) fn context_back(
         &mut self,
         arch: Arch,
@@ -212,6 +218,7 @@ impl<T: Real> Attention<T> {
     }
 }
 
+/// Sizes of one step of the attention.
 #[derive(Clone, Copy)]
 struct Sizes {
     width: usize,
@@ -220,6 +227,7 @@ struct Sizes {
     reach: usize,
 }
 
+/// Arguments of [`Attention::context`], to be run with the processor's vector instructions.
 struct Context<'a, T> {
     sizes: Sizes,
     attended: Range<usize>,
@@ -270,7 +278,7 @@ impl<T: Real> WithSimd for Context<'_, T> {
     }
 }
 
-/// Activation tanh(key + asked), element by element.
+/// Writes the activation tanh(key + asked), element by element, to `bent`.
 #[inline(always)]
 fn bend<T: Real>(key: &[T], asked: &[T], bent: &mut [T]) {
     for j in 0..bent.len() {
@@ -278,6 +286,7 @@ fn bend<T: Real>(key: &[T], asked: &[T], bent: &mut [T]) {
     }
 }
 
+/// Arguments of [`Attention::context_back`], to be run with the processor's vector instructions.
 struct ContextBack<'a, T> {
     sizes: Sizes,
     attended: Range<usize>,
@@ -340,7 +349,7 @@ impl<T: Real> WithSimd for ContextBack<'_, T> {
     }
 }
 
-/// Adds e·w_a∘(1 − bent²), the gradient before the tanh, to `key` and to `asked`.
+/// Adds the gradient before the tanh, e·w_a∘(1 − bent²), to the gradients of the key and of the query.
 #[inline(always)]
 fn unbend<T: Real>(e: T, score: &[T], bent: &[T], key: &mut [T], asked: &mut [T]) {
     for j in 0..key.len() {

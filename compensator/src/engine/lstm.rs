@@ -11,27 +11,33 @@ use super::real::{Real, add_rows};
 /// Widths of an LSTM layer: inputs and hidden units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Widths {
+    /// Number of inputs of the layer.
     pub(crate) input: usize,
+    /// Number of hidden units.
     pub(crate) hidden: usize,
 }
 
 /// Intermediate results of an LSTM layer's forward pass, kept for the backward pass.
 #[derive(Debug)]
 pub(crate) struct Lstm<T> {
+    /// Numbers of inputs and hidden units.
     pub(crate) widths: Widths,
+    /// Number of rows of the batch.
     batch: usize,
-    /// (steps + 1) blocks of batch × (input + hidden): z_t, and h of the last step.
+    /// Inputs z_t = [x_t; h_{t−1}] of each step, (steps + 1) blocks of batch × (input + hidden). The last block holds
+    /// the final h.
     joined: Vec<T>,
-    /// Steps blocks of batch × 4·hidden: activated gates; after the backward step their gradients before
+    /// Activated gates, steps blocks of batch × 4·hidden. After a backward step, that step's gradients before
     /// activation.
     gates: Vec<T>,
-    /// (steps + 1) blocks of batch × hidden: c_{t−1}.
+    /// Cell state c_{t−1} before each step, (steps + 1) blocks of batch × hidden.
     cell: Vec<T>,
-    /// Steps blocks of batch × hidden: tanh c_t.
+    /// Values tanh c_t after each step, steps blocks of batch × hidden.
     bent: Vec<T>,
 }
 
 impl<T: Real> Lstm<T> {
+    /// Layer of these widths without values.
     pub(crate) fn new(widths: Widths) -> Self {
         Self {
             widths,
@@ -43,7 +49,7 @@ impl<T: Real> Lstm<T> {
         }
     }
 
-    /// Makes room and sets the state before the first step to zero.
+    /// Starts a forward pass: sets the sizes, and the state before the first step to zero.
     pub(crate) fn begin(&mut self, batch: usize, steps: usize) {
         let Widths { input, hidden } = self.widths;
         self.batch = batch;
@@ -58,6 +64,7 @@ impl<T: Real> Lstm<T> {
         self.cell[..batch * hidden].fill(T::ZERO);
     }
 
+    /// Number of columns of z_t: inputs and hidden units.
     fn width(&self) -> usize {
         self.widths.input + self.widths.hidden
     }

@@ -54,6 +54,7 @@ pub(crate) struct ViewMut<'a, T> {
 }
 
 impl<'a, T> ViewMut<'a, T> {
+    /// Row-major destination over `data`, with `stride` elements from row to row.
     pub(crate) fn new(data: &'a mut [T], rows: usize, columns: usize, stride: usize) -> Self {
         assert!(columns <= stride, "rows overlap");
         assert!(
@@ -79,6 +80,7 @@ pub(crate) fn multiply_add<T: Real>(c: ViewMut<T>, a: View<T>, b: View<T>) {
     product(c, a, b, true);
 }
 
+/// Matrix product c = a·b, or c += a·b with `accumulate`.
 fn product<T: Real>(c: ViewMut<T>, a: View<T>, b: View<T>, accumulate: bool) {
     assert!(
         a.columns == b.rows && c.rows == a.rows && c.columns == b.columns,

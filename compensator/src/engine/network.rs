@@ -26,6 +26,7 @@ impl<T: Real> Network<T> {
         })
     }
 
+    /// Starts a pass of this size.
     pub(crate) fn begin(&mut self, span: Span) {
         match self {
             Self::Recurrent(net) => net.begin(span),
@@ -41,6 +42,7 @@ impl<T: Real> Network<T> {
         }
     }
 
+    /// Forward pass: writes one normalised output for each output step and row to `outputs`.
     pub(crate) fn forward(
         &mut self,
         parameters: &[T],
@@ -53,6 +55,7 @@ impl<T: Real> Network<T> {
         }
     }
 
+    /// Backward pass: adds the gradient of Σ outputs·`output_gradient` with respect to the parameters to `gradient`.
     pub(crate) fn backward(
         &mut self,
         parameters: &[T],

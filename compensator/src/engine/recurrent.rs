@@ -10,9 +10,13 @@ use super::span::{Dropout, Span};
 
 /// Parameters of the recurrent network, or their gradients, in the order of the flat vector.
 struct Parts<V> {
+    /// Weight matrix and bias of the encoder LSTM.
     encoder: (V, V),
+    /// Weights of the attention; none without one.
     attention: Option<Weights<V>>,
+    /// Weight matrix and bias of the re-encoder LSTM.
     reencoder: (V, V),
+    /// Weight and bias of the dense output.
     output: (V, V),
 }
 
@@ -43,18 +47,22 @@ pub(crate) struct Recurrent<T> {
     attention: Option<Attention<T>>,
     reencoder: Lstm<T>,
     span: Span,
-    /// Encoder states after dropout, one block of batch × encoder per step, and ∂L/∂ them.
+    /// Encoder states after dropout, one block of batch × encoder for each step.
     states: Vec<T>,
+    /// Gradient of `states`, in their layout.
     state_gradient: Vec<T>,
     /// Re-encoder states after dropout, one block of batch × re-encoder per output step.
     heads: Vec<T>,
-    /// ∂L/∂h, ∂L/∂c and ∂L/∂z of the step at hand.
+    /// Gradient ∂L/∂h of the hidden state in the present backward step.
     hidden_gradient: Vec<T>,
+    /// Gradient ∂L/∂c of the cell state in the present backward step.
     cell_gradient: Vec<T>,
+    /// Gradient ∂L/∂z of the layer's inputs in the present backward step.
     joined_gradient: Vec<T>,
 }
 
 impl<T: Real> Recurrent<T> {
+    /// Network of this shape for `inputs` input columns. `tensors` lays out its parameters.
     pub(crate) fn new(shape: &Shape, inputs: usize, tensors: Vec<Tensor>) -> Self {
         let merged = if shape.attention.is_some() {
             2 * shape.encoder
@@ -86,7 +94,7 @@ impl<T: Real> Recurrent<T> {
         }
     }
 
-    /// Makes room for a batch of this size.
+    /// Starts a pass of this size.
     pub(crate) fn begin(&mut self, span: Span) {
         self.span = span;
         self.encoder.begin(span.batch, span.steps);
@@ -98,6 +106,7 @@ impl<T: Real> Recurrent<T> {
         self.encoder.input_mut(t, row)
     }
 
+    /// Tensors of the network as parts of the flat vector `parameters`.
     fn parts<'a>(&self, parameters: &'a [T]) -> Parts<&'a [T]> {
         let mut tensors = self.tensors.iter();
         Parts::collect(self.attention.is_some(), || {
@@ -107,6 +116,7 @@ impl<T: Real> Recurrent<T> {
         })
     }
 
+    /// Gradients of the tensors as parts of the flat vector `gradient`.
     fn parts_mut<'a>(&self, mut gradient: &'a mut [T]) -> Parts<&'a mut [T]> {
         let mut tensors = self.tensors.iter();
         Parts::collect(self.attention.is_some(), || {
@@ -125,6 +135,7 @@ impl<T: Real> Recurrent<T> {
         }
     }
 
+    /// Largest number of states that a step attends to.
     fn reach(&self) -> usize {
         match self.memory {
             Memory::Window { .. } => self.span.steps,
@@ -327,11 +338,13 @@ impl<T: Real> Recurrent<T> {
     }
 }
 
+/// Sets a buffer to `size` zeros.
 fn clear<T: Real>(buffer: &mut Vec<T>, size: usize) {
     buffer.clear();
     buffer.resize(size, T::ZERO);
 }
 
+/// Multiplies values by the factors of dropout, element by element.
 fn scale<T: Real>(values: &mut [T], mask: &[T]) {
     for (v, &m) in values.iter_mut().zip(mask) {
         *v = *v * m;

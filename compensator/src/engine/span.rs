@@ -6,11 +6,14 @@ use rand_chacha::rand_core::Rng;
 
 use super::real::Real;
 
-/// Size of one pass: outputs exist for the steps `first..steps`.
+/// Size of one forward or backward pass.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Span {
+    /// Number of rows (windows or chunks).
     pub(crate) batch: usize,
+    /// Number of steps of each row.
     pub(crate) steps: usize,
+    /// First step that has an output; all later ones have one, too.
     pub(crate) first: usize,
 }
 
@@ -24,8 +27,11 @@ impl Span {
 /// Inverted dropout: factors 0 or 1/(1 − p) on the encoder's states and on the inputs of the dense output.
 #[derive(Debug, Default)]
 pub(crate) struct Dropout<T> {
+    /// Factors on the encoder's states, steps blocks of batch × encoder.
     pub(crate) encoder: Vec<T>,
+    /// Factors on the inputs of the dense output.
     pub(crate) output: Vec<T>,
+    /// Random bytes from which the factors were drawn, two for each.
     random: Vec<u8>,
 }
 

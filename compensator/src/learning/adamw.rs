@@ -1,8 +1,8 @@
 //! AdamW (Kingma & Ba 2015; Loshchilov & Hutter 2019) as an optimiser of burn in one pass over memory.
 //!
-//! burn's own AdamW goes over the parameters some fifteen times, which is a tenth of a step of the published
-//! unit and more of a small one. This one does the same arithmetic in the same order, so that both give the
-//! same bits, and keeps burn's state, so that both read each other's records.
+//! burn's own AdamW goes over the parameters some fifteen times. That takes a tenth of a step of the published unit,
+//! and more of a small one. This one does the same arithmetic in the same order, so that both give the same bits. It
+//! keeps burn's state, so that each reads the other's records.
 
 use burn::backend::flex::FlexTensor;
 use burn::backend::tensor::FloatTensor;
@@ -16,18 +16,21 @@ use pulp::{Arch, Simd, WithSimd};
 use super::operation::values;
 use crate::config::Training;
 
+/// Decay of the first moment (mean gradient) per step.
 const BETA_1: f32 = 0.9;
+/// Decay of the second moment (mean squared gradient) per step.
 const BETA_2: f32 = 0.999;
+/// Constant added to the root of the second moment, against division by zero.
 const EPSILON: f32 = 1e-8;
 
-/// The optimiser of a training on the CPU; the gradients are clipped before.
+/// AdamW of this crate for training on the CPU. Gradients must be clipped before.
 pub(super) fn optimizer(training: &Training) -> ModuleOptimizer {
     ModuleOptimizer::from(AdamW {
         weight_decay: training.weight_decay,
     })
 }
 
-/// AdamW in burn's operations, for any device.
+/// AdamW in burn's own operations, for training on any device.
 pub(super) fn composed_optimizer(training: &Training) -> ModuleOptimizer {
     AdamWConfig::new()
         .with_beta_1(BETA_1)
@@ -37,8 +40,10 @@ pub(super) fn composed_optimizer(training: &Training) -> ModuleOptimizer {
         .init()
 }
 
+/// AdamW optimiser in one pass over memory.
 #[derive(Debug, Clone)]
 struct AdamW {
+    /// Decoupled weight decay per step, relative to the learning rate.
     weight_decay: f32,
 }
 
@@ -53,10 +58,10 @@ struct Factors {
     corrections: (f32, f32),
 }
 
-/// AdamW step on a backend of burn.
+/// Backend of burn that has an AdamW step in one pass.
 #[backend_extension(Flex)]
 trait AdamStep: Backend {
-    /// Parameters and both moments after the step.
+    /// Parameters, first and second moment after one step.
     fn adam_step(
         parameters: FloatTensor<Self>,
         gradient: FloatTensor<Self>,
@@ -86,6 +91,7 @@ impl AdamStep for Flex {
     }
 }
 
+/// Arguments of one AdamW step, to be run with the processor's vector instructions.
 struct Step<'a> {
     parameters: &'a mut [f32],
     gradient: &'a [f32],

@@ -3,7 +3,7 @@
 use crate::config::Loss;
 use crate::engine::{Dropout, Network, Span, dot};
 
-/// One batch: inputs in the network's buffers, targets beside them.
+/// Batch of one training step: inputs in the network's buffers, and targets.
 #[derive(Debug)]
 pub(crate) struct Batch {
     /// Network with its inputs and the forward pass's intermediate results.
@@ -12,15 +12,18 @@ pub(crate) struct Batch {
     pub(crate) dropout: Option<Dropout<f32>>,
     /// Normalised target and weight of every output, in the network's order.
     pub(crate) targets: Vec<(f32, f32)>,
+    /// Loss of one residual in the cost.
     loss: Loss,
+    /// Number of rows and steps.
     span: Span,
+    /// Outputs of the last forward pass; after the gradient's computation, their gradients.
     outputs: Vec<f32>,
 }
 
-/// Cost of a batch and its gradient's size.
+/// Cost of a batch, and the size of its gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cost {
-    /// Weighted sum of the costs.
+    /// Sum of the samples' costs times their weights.
     pub(crate) sum: f64,
     /// Sum of the samples' weights.
     pub(crate) weight: f64,
@@ -29,6 +32,7 @@ pub(crate) struct Cost {
 }
 
 impl Batch {
+    /// Batch without samples.
     pub(crate) fn new(network: Network<f32>, loss: Loss) -> Self {
         Self {
             network,
@@ -40,7 +44,7 @@ impl Batch {
         }
     }
 
-    /// Makes room; inputs and targets are to be written next.
+    /// Starts a batch of this size; inputs and targets are to be written next.
     pub(crate) fn begin(&mut self, span: Span) {
         self.network.begin(span);
         self.span = span;
@@ -63,7 +67,7 @@ impl Batch {
         self.targets.iter().map(|&(_, w)| f64::from(w)).sum()
     }
 
-    /// Outputs without dropout, and targets.
+    /// Outputs of a forward pass without dropout, and the targets with their weights.
     pub(crate) fn outputs(&mut self, parameters: &[f32]) -> (&[f32], &[(f32, f32)]) {
         self.network.forward(parameters, None, &mut self.outputs);
         (&self.outputs, &self.targets)

@@ -16,10 +16,12 @@ use super::weights::Weights;
 use crate::config::Loss;
 use crate::engine::{Dropout, Span};
 
-/// Composed operations by which a learner computes its cost in place of the kernels.
+/// Cost computed by burn's plain tensor operations instead of the kernels, and what that needs.
 #[derive(Debug, Clone)]
 pub(crate) struct Means {
+    /// Device on which the operations run.
     pub(crate) tensors: Tensors,
+    /// Architecture of the network.
     pub(crate) architecture: Architecture,
     /// Number of input columns of the network.
     pub(crate) inputs: usize,
@@ -59,12 +61,15 @@ impl Means {
     }
 }
 
-/// A unit on burn's tensors.
+/// Network composed of burn's plain tensor operations.
 pub(super) struct Composed<'a> {
+    /// Architecture of the network.
     architecture: &'a Architecture,
-    /// Number of input columns of the unit.
+    /// Number of input columns of the network.
     inputs: usize,
+    /// Parameters by name.
     parameters: BTreeMap<String, Tensor<2>>,
+    /// Device on which the operations run.
     on: &'a Tensors,
 }
 
@@ -72,7 +77,7 @@ pub(super) struct Composed<'a> {
 type State = (Tensor<2>, Tensor<2>);
 
 impl<'a> Composed<'a> {
-    /// `flat` are all parameters, laid out by [`Architecture::tensors`].
+    /// Network with the parameters `flat`, which [`Architecture::tensors`] lays out.
     pub(super) fn new(
         architecture: &'a Architecture,
         inputs: usize,
@@ -108,6 +113,7 @@ impl<'a> Composed<'a> {
         self.mean_cost(batch.loss(), residual, &weights, batch.weight())
     }
 
+    /// Weighted mean of the loss of all residuals. `total` is the sum of the weights.
     fn mean_cost(&self, loss: Loss, residual: Tensor<2>, weights: &[f32], total: f64) -> Tensor<1> {
         let size = residual.abs();
         let linear = match loss {
@@ -176,17 +182,19 @@ impl<'a> Composed<'a> {
         }
     }
 
-    /// A parameter that the architecture has.
+    /// Parameter of the network by its name.
     fn parameter(&self, name: &str) -> Tensor<2> {
         self.parameters[name].clone()
     }
 
+    /// Dense layer: x·W + b.
     fn dense(&self, x: Tensor<2>, layer: &str) -> Tensor<2> {
         x.matmul(self.parameter(&format!("{layer}.weight")))
             + self.parameter(&format!("{layer}.bias"))
     }
 
-    /// Gates in the order input, forget, cell, output, on [x; h].
+    /// Step of an LSTM layer: hidden and cell state after the input `x`. The gates of [x; h] are in the order input,
+    /// forget, cell, output.
     fn lstm(&self, layer: &str, x: Tensor<2>, (h, c): State) -> State {
         let width = c.dims()[1];
         let gates = self.dense(Tensor::cat(vec![x, h], 1), layer);
@@ -195,7 +203,7 @@ impl<'a> Composed<'a> {
         (sigmoid(gate(3)) * c.clone().tanh(), c)
     }
 
-    /// Σ_u α_u h_u over the attended states, of which there is at least one.
+    /// Context vector Σ_u α_u h_u of the attention over `states`, at least one, for the re-encoder state `s`.
     fn context(&self, states: &[Tensor<2>], s: &Tensor<2>) -> Tensor<2> {
         let score = self.parameter("attention.score");
         let width = score.dims().iter().product::<usize>();

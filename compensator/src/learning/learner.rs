@@ -15,22 +15,29 @@ use super::schedule::rates;
 use super::weights::Weights;
 use crate::config::Training;
 
-/// State that changes from step to step.
+/// Network under training: parameters, optimiser and schedule, which change from step to step.
 pub(crate) struct Learner {
+    /// Parameters of the network.
     weights: Weights,
-    /// Largest norm of a gradient, and burn's clipping of longer ones.
+    /// Largest norm of a gradient; longer ones are shortened to it.
     clip: f32,
+    /// Operation of burn that shortens gradients.
     clipping: GradientClipping,
+    /// Optimiser with its moments.
     optimizer: ModuleOptimizer,
+    /// Schedule of the learning rate.
     rates: ModuleLrScheduler,
-    /// Operations of burn in place of the kernels; none with the kernels.
+    /// Tensor operations that compute the cost; none where the kernels do.
     means: Option<Means>,
 }
 
-/// burn's records of a learner.
+/// State of a learner as burn's records, for a checkpoint.
 pub(crate) struct Records {
+    /// Record of the parameters.
     pub(crate) weights: Bytes,
+    /// Record of the optimiser.
     pub(crate) optimizer: Bytes,
+    /// Record of the schedule.
     pub(crate) schedule: Bytes,
 }
 
@@ -71,14 +78,15 @@ impl Learner {
         })
     }
 
+    /// Parameters of the network.
     pub(crate) fn weights(&self) -> &Weights {
         &self.weights
     }
 
-    /// Forward, cost, backward, clipping, AdamW.
+    /// Takes one training step on a batch: forward and backward pass, clipping, AdamW.
     ///
     /// # Errors
-    /// Cost or gradient left the finite numbers; no step was taken.
+    /// Cost or gradient that is not finite; no step was taken.
     pub(crate) fn step(&mut self, batch: &mut Batch) -> Result<Cost, NotFinite> {
         let (mut gradients, cost) = match &self.means {
             Some(means) => means.gradients(&self.weights, batch)?,
@@ -101,15 +109,15 @@ impl Learner {
         Ok(cost)
     }
 
-    /// Passes over a batch that no sample counts in.
+    /// Advances the schedule over a batch without weighted samples.
     pub(crate) fn skip(&mut self) {
         self.rates.step();
     }
 
-    /// State on which all further steps depend.
+    /// State of the learner, on which all further steps depend.
     ///
     /// # Errors
-    /// burn could not write a record.
+    /// Record that burn could not write.
     pub(crate) fn records(&self) -> Result<Records, RecordError> {
         Ok(Records {
             weights: self.weights.record()?,
@@ -118,11 +126,11 @@ impl Learner {
         })
     }
 
-    /// Learner with the same settings in the state of the records.
+    /// Learner with these settings in the recorded state.
     ///
     /// # Errors
-    /// Records of another learner. burn drops state that does not fit without a word, so what was read is
-    /// compared with what it would write.
+    /// Records of another learner. burn drops state that does not fit without an error. The restored state is therefore
+    /// written again and compared.
     pub(crate) fn restore(self, records: Records) -> Result<Self, String> {
         let is_gpu = self.means.as_ref().is_some_and(|m| m.tensors.is_gpu);
         // A program with support for a GPU has it as burn's default device.

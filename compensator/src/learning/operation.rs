@@ -15,7 +15,7 @@ use burn::tensor::{Tensor, TensorData};
 
 use super::batch::{Batch, Cost};
 
-/// A quantity of a step that left the finite numbers.
+/// Quantity of a training step that is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NotFinite {
     /// Cost of the batch that is NaN or infinite.
@@ -24,24 +24,24 @@ pub(crate) enum NotFinite {
     Gradient,
 }
 
-/// The kernels on a backend that executes them.
+/// Backend of burn on which this crate's kernels run.
 pub(super) trait UnitKernels: Backend {
-    /// Mean cost (1), its gradient (as the parameters) and the sums behind it.
+    /// Mean cost (shape 1), its gradient (shape of the parameters) and the cost's sums.
     fn cost_and_gradient(
         parameters: FloatTensor<Self>,
         batch: &mut Batch,
     ) -> (FloatTensor<Self>, FloatTensor<Self>, Cost);
 
-    /// The gradient times the slope (1) from above.
+    /// Gradient times the slope (shape 1) of the later operations: the chain rule.
     fn chain(gradient: FloatTensor<Self>, slope: FloatTensor<Self>) -> FloatTensor<Self> {
         Self::float_mul(gradient, slope)
     }
 }
 
-/// Operation in burn with the graph or without it.
+/// Backend of burn with the cost of a batch as one operation, with or without automatic differentiation.
 #[backend_extension(Flex, Autodiff)]
 pub(super) trait UnitCost: Backend {
-    /// Mean cost (1) of a batch, and the sums behind it.
+    /// Mean cost (shape 1) of a batch, and its sums.
     fn unit_cost(parameters: FloatTensor<Self>, batch: &mut Batch) -> (FloatTensor<Self>, Cost);
 }
 
@@ -85,7 +85,7 @@ impl UnitCost for Flex {
     }
 }
 
-/// Backward pass: the state is the gradient.
+/// Backward pass of the cost. Its state is the gradient, which the forward pass has computed.
 #[derive(Debug)]
 struct Slope;
 

@@ -7,10 +7,10 @@ use burn::lr_scheduler::sequential::SequentialLrSchedulerConfig;
 
 use crate::config::{Schedule, Training};
 
-/// The rates of `steps` steps.
+/// Schedule of the learning rate over `steps` steps.
 ///
 /// # Errors
-/// burn's own words on a rate out of range, or no step at all.
+/// Rate out of range, or no step, in burn's words.
 pub(super) fn rates(training: &Training, steps: usize) -> Result<ModuleLrScheduler, String> {
     let rate = f64::from(training.learning_rate);
     let fall = |end: f32, steps: usize| {

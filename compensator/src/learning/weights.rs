@@ -9,10 +9,11 @@ use rand_chacha::ChaCha8Rng;
 
 use super::tensors::Tensors;
 
-/// Name of the parameter: records are equal byte for byte only where it is the same; burn draws one by default.
+/// Name of the parameter vector in burn's records. A fixed one makes records equal byte for byte; burn draws a random
+/// one.
 const NAME: u64 = 1;
 
-/// One flat vector, laid out by [`Architecture::tensors`].
+/// Parameters of a network as one flat vector, laid out by [`Architecture::tensors`].
 #[derive(Module, Debug)]
 pub(crate) struct Weights {
     flat: Param<Tensor<1>>,
@@ -25,7 +26,7 @@ impl Weights {
         Self::on(&Device::flex().autodiff(), values)
     }
 
-    /// Parameters to be trained on a device, which has its graph.
+    /// Parameters on a device, with automatic differentiation.
     fn on(device: &Device, values: Vec<f32>) -> Self {
         let size = [values.len()];
         let tensor = Tensor::from_data(TensorData::new(values, size), device);
@@ -34,11 +35,11 @@ impl Weights {
         }
     }
 
-    /// Uniform in ±1/√(inputs of a unit); LSTM forget biases start at 1 so that gradients reach back, and
-    /// the output starts at `level`.
+    /// Random initial parameters, uniform in ±1/√(inputs of the layer). Forget biases of LSTM layers start at 1, so
+    /// that gradients reach far back. The output starts at `level`.
     ///
-    /// burn's initialisers draw from one generator of the whole process; these are drawn from `rng`, so that
-    /// the same seed gives the same bytes whatever else is trained.
+    /// They are drawn from `rng`, so that one seed gives the same parameters whatever else is trained. burn's own
+    /// initialisers share one generator in the whole process.
     pub(crate) fn initial(
         architecture: &Architecture,
         inputs: usize,
@@ -97,18 +98,18 @@ impl Weights {
         data.iter::<f32>().collect()
     }
 
-    /// burn's record of them.
+    /// Record of the parameters, in burn's format.
     ///
     /// # Errors
-    /// burn could not write it.
+    /// Record that burn could not write.
     pub(crate) fn record(&self) -> Result<Bytes, RecordError> {
         self.clone().into_record().into_bytes()
     }
 
-    /// The recorded parameters in place of these.
+    /// Recorded parameters in place of these.
     ///
     /// # Errors
-    /// Not a record, or one of another shape, type or parameter.
+    /// Bytes that are no record, or one of another shape, type or parameter.
     pub(crate) fn restore(self, record: Bytes) -> Result<Self, String> {
         let size = self.len();
         let restored = ModuleRecord::from_bytes(record)

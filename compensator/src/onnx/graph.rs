@@ -13,29 +13,39 @@ pub const OUTPUT: &str = "torque";
 /// Version of the operators.
 pub const OPSET: i64 = 17;
 
+/// Node of the graph: an operator with its inputs and outputs by name.
 struct Operation {
+    /// Name of the operator.
     name: &'static str,
+    /// Names of the inputs.
     inputs: Vec<String>,
+    /// Names of the outputs.
     outputs: Vec<String>,
+    /// Attributes of whole numbers.
     integers: Vec<(&'static str, Vec<i64>)>,
 }
 
-/// A graph under construction.
+/// ONNX graph under construction.
 #[derive(Default)]
 pub(super) struct Graph {
+    /// Nodes in the order of execution.
     operations: Vec<Operation>,
+    /// Constants: name, shape and values.
     constants: Vec<(String, Vec<i64>, Vec<f32>)>,
+    /// Constant index lists: name, shape and values.
     indices: Vec<(String, Vec<i64>, Vec<i64>)>,
+    /// Number of names that were given out.
     values: usize,
 }
 
 impl Graph {
+    /// New name of a value.
     fn fresh(&mut self) -> String {
         self.values += 1;
         format!("v{}", self.values)
     }
 
-    /// A constant of the given shape.
+    /// Adds a constant of the given shape; returns its name.
     pub(super) fn constant(&mut self, shape: &[usize], values: Vec<f32>) -> String {
         let name = self.fresh();
         self.constants.push((
@@ -46,23 +56,23 @@ impl Graph {
         name
     }
 
-    /// An operator with one output.
+    /// Adds an operator with one output; returns the output's name.
     pub(super) fn op(&mut self, name: &'static str, inputs: &[&str]) -> String {
         self.push(name, inputs, Vec::new(), 1).swap_remove(0)
     }
 
-    /// Concatenation or splitting along the columns.
+    /// Adds a concatenation along the columns; returns the output's name.
     pub(super) fn concatenate(&mut self, inputs: &[&str]) -> String {
         self.push("Concat", inputs, vec![("axis", vec![1])], 1)
             .swap_remove(0)
     }
 
-    /// Equal parts along the columns.
+    /// Adds a split into equal parts along the columns; returns the names of the parts.
     pub(super) fn split(&mut self, input: &str, parts: usize) -> Vec<String> {
         self.push("Split", &[input], vec![("axis", vec![1])], parts)
     }
 
-    /// Reduction over the columns that keeps them as one.
+    /// Adds a reduction over the columns, which leaves one column; returns the output's name. `name` is the operator.
     pub(super) fn reduce(&mut self, name: &'static str, input: &str) -> String {
         self.push(
             name,
@@ -73,23 +83,24 @@ impl Graph {
         .swap_remove(0)
     }
 
-    /// Softmax over the columns.
+    /// Adds a softmax over the columns; returns the output's name.
     pub(super) fn softmax(&mut self, input: &str) -> String {
         self.push("Softmax", &[input], vec![("axis", vec![1])], 1)
             .swap_remove(0)
     }
 
-    /// Sample t of the window, (batch × columns).
+    /// Adds the choice of sample `t` of the window, (batch × columns); returns its name.
     pub(super) fn step(&mut self, t: usize) -> String {
         self.gather(INPUT, Vec::new(), vec![t as i64])
     }
 
-    /// Some columns of a sample, (batch × columns).
+    /// Adds the choice of some columns of a sample, (batch × columns); returns the output's name.
     pub(super) fn select(&mut self, sample: &str, columns: &[usize]) -> String {
         let places: Vec<i64> = columns.iter().map(|&c| c as i64).collect();
         self.gather(sample, vec![places.len() as i64], places)
     }
 
+    /// Adds the choice of the entries `places` along the second axis; returns the output's name.
     fn gather(&mut self, from: &str, shape: Vec<i64>, places: Vec<i64>) -> String {
         let index = self.fresh();
         self.indices.push((index.clone(), shape, places));
@@ -97,6 +108,7 @@ impl Graph {
             .swap_remove(0)
     }
 
+    /// Adds an operator with a number of outputs; returns their names.
     fn push(
         &mut self,
         name: &'static str,

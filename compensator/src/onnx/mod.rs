@@ -128,6 +128,7 @@ fn scale(g: &mut Graph, unit: &Unit, x: &str) -> String {
     g.op("Mul", &[&x, &inverse])
 }
 
+/// Inputs held within the range of the training data, as [`feedforward::network::Bounds::hold`] does it.
 fn hold(g: &mut Graph, unit: &Unit, x: &str) -> String {
     let d = unit.columns.len();
     let ends = |far: f32| (0..d).map(|j| unit.bounds.hold(j, far)).collect();
@@ -137,7 +138,7 @@ fn hold(g: &mut Graph, unit: &Unit, x: &str) -> String {
     g.op("Min", &[&x, &high])
 }
 
-/// The bend of [`feedforward::network::Bounds::clamp`].
+/// Torque limited smoothly to the largest training torque, as [`feedforward::network::Bounds::clamp`] does it.
 fn limit(g: &mut Graph, unit: &Unit, torque: &str) -> String {
     let limit = unit.bounds.limit();
     let knee_value = 0.9 * limit;
@@ -164,7 +165,8 @@ fn limit(g: &mut Graph, unit: &Unit, torque: &str) -> String {
     g.op("Mul", &[&size, &sign])
 }
 
-/// The weight of [`feedforward::network::Bounds::weight`], (batch × 1).
+/// Weight of the torque, (batch × 1), which fades to 0 outside the training data; see
+/// [`feedforward::network::Bounds::weight`].
 fn fade(g: &mut Graph, unit: &Unit, x: &str) -> String {
     let d = unit.columns.len();
     let b = &unit.bounds;
@@ -196,7 +198,7 @@ fn fade(g: &mut Graph, unit: &Unit, x: &str) -> String {
     g.op("Mul", &[&range, &ellipsoid])
 }
 
-/// 1 − s³(6s² − 15s + 10) of s = (excess − start)/(end − start) held in [0, 1].
+/// Smooth step from 1 to 0 as `excess` goes from the fade's start to its end: 1 − s³(6s² − 15s + 10).
 fn smooth(g: &mut Graph, unit: &Unit, excess: &str) -> String {
     let fade = unit.bounds.fade();
     let number = |g: &mut Graph, v: f32| g.constant(&[1], vec![v]);
@@ -223,7 +225,7 @@ fn smooth(g: &mut Graph, unit: &Unit, excess: &str) -> String {
     g.op("Sub", &[&one, &p])
 }
 
-/// L⁻ᵀ, so that (x − mean)·L⁻ᵀ has the Mahalanobis norm.
+/// Matrix L⁻ᵀ, d × d, of the lower Cholesky factor `l`. The norm of (x − mean)·L⁻ᵀ is the Mahalanobis distance.
 fn inverse_transposed(l: &[f32], d: usize) -> Vec<f32> {
     let mut out = vec![0.0; d * d];
     for column in 0..d {

@@ -4,19 +4,22 @@ use feedforward::network::{Architecture, Recurrent, Tensor};
 
 use super::graph::Graph;
 
-/// Parameters of one member by position.
+/// Parameters of one network of a unit, by tensor.
 struct Member<'a> {
+    /// Layout of the parameters.
     tensors: Vec<Tensor>,
+    /// All parameters as one flat vector.
     parameters: &'a [f32],
 }
 
 impl Member<'_> {
+    /// Adds tensor `i` as a constant; returns its name.
     fn constant(&self, g: &mut Graph, i: usize) -> String {
         let t = &self.tensors[i];
         g.constant(&t.shape, self.parameters[t.range.clone()].to_vec())
     }
 
-    /// The transposed tensor of one row: a column vector.
+    /// Adds tensor `i`, which has one row, as a column vector; returns its name.
     fn column(&self, g: &mut Graph, i: usize) -> String {
         let t = &self.tensors[i];
         g.constant(
@@ -58,6 +61,7 @@ pub(super) fn output(
 /// State of an LSTM layer; none before the first step, when the state is zero.
 type State = Option<(String, String)>;
 
+/// Output (batch × 1) of a recurrent network, unrolled over the samples of the window.
 fn recurrent(g: &mut Graph, shape: &Recurrent, member: &Member, samples: &[String]) -> String {
     let tail = member.tensors.len() - 4;
     let encoder = (member.constant(g, 0), member.constant(g, 1));
@@ -119,7 +123,7 @@ pub(super) fn zeros(g: &mut Graph, x: &str, width: usize, columns: usize) -> Str
     g.op("MatMul", &[x, &nothing])
 }
 
-/// Equations 14–18; gives (h, c).
+/// Step of an LSTM layer (equations 14–18): names of hidden and cell state after it.
 fn lstm(
     g: &mut Graph,
     x: &str,

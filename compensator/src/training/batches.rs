@@ -8,17 +8,18 @@ use super::samples::Samples;
 use crate::config::Training;
 use crate::engine::{Network, Real, Span};
 
-/// Row of a batch: a window or a chunk.
+/// Row of a batch: one window or chunk of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Item {
     /// Row of the newest sample of a window, or of the first sample of a chunk.
     row: u32,
-    /// First row of its trajectory, and the row after the last.
+    /// First row of its trajectory.
     start: u32,
+    /// Row after the last one of its trajectory.
     end: u32,
 }
 
-/// Layout of rows as sequences.
+/// Layout of samples as rows of a batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {
     /// Windows of this many samples, one output each.
@@ -29,6 +30,7 @@ pub(super) enum Layout {
 }
 
 impl Layout {
+    /// Layout that an architecture needs: chunks for carried state, else windows.
     pub(super) fn new(architecture: &Architecture, training: &Training) -> Self {
         match architecture {
             Architecture::Recurrent(Recurrent {
@@ -42,6 +44,7 @@ impl Layout {
         }
     }
 
+    /// Size of a pass over `batch` rows.
     pub(super) fn span(self, batch: usize) -> Span {
         match self {
             Self::Windows(steps) => Span {
@@ -124,14 +127,20 @@ impl Layout {
     }
 }
 
-/// Gathers, scales and holds inputs; scales targets.
+/// Source of batches: it gathers, normalises and limits inputs, and normalises targets.
 #[derive(Debug)]
 pub(super) struct Gatherer<'a, 'd> {
+    /// Samples of the unit.
     pub(super) samples: Samples<'d>,
+    /// Indices of the input columns.
     pub(super) columns: &'a [usize],
+    /// Normalisation of the inputs.
     pub(super) input: &'a Normaliser,
+    /// Normalisation of the target.
     pub(super) target: &'a Normaliser,
+    /// Range of the training inputs, within which inputs are held.
     pub(super) bounds: &'a Bounds,
+    /// Layout of samples as rows of a batch.
     pub(super) layout: Layout,
 }
 

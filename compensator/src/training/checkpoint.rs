@@ -16,12 +16,13 @@ use crate::Error;
 use crate::config::UnitConfig;
 use crate::learning::Records;
 
+/// Key of the header in the metadata of a checkpoint file.
 const KEY: &str = "residyn-checkpoint";
 
 /// Version of a checkpoint's format. Version 1 held bare vectors.
 const VERSION: u32 = 2;
 
-/// Origin to which a checkpoint must belong.
+/// Data, settings and seed to which a checkpoint must belong.
 #[derive(Debug)]
 pub(super) struct Origin<'a> {
     /// Digest of data, settings and seed: resuming under others would not give the same weights.
@@ -30,31 +31,38 @@ pub(super) struct Origin<'a> {
     pub(super) config: &'a UnitConfig,
 }
 
+/// Header of a checkpoint, in the metadata of its file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Header {
+    /// Version of the format.
     version: u32,
+    /// Digest of data, settings and seed.
     fingerprint: String,
+    /// Settings of the unit.
     config: UnitConfig,
+    /// Position of the training loop.
     progress: Position,
     /// SHA-256 of the records, since burn's format has no checksum of its own.
     sha256: String,
 }
 
-/// The part of a header that every version has in common.
+/// Part of a header that the formats of all versions have.
 #[derive(Deserialize)]
 struct Version {
     #[serde(default = "first")]
     version: u32,
 }
 
+/// Version of a header that names none.
 fn first() -> u32 {
     1
 }
 
-/// burn's records by name; the last is that of the best weights so far.
+/// Names of burn's records in a checkpoint. The last is that of the best weights so far.
 const NAMES: [&str; 4] = ["weights", "optimizer", "schedule", "best"];
 
+/// SHA-256 of the records, in hexadecimal.
 fn digest<'a>(records: impl Iterator<Item = &'a [u8]>) -> String {
     let mut hash = Sha256::new();
     records.for_each(|r| hash.update(r));
@@ -79,6 +87,7 @@ pub(super) fn save(path: &Path, origin: &Origin, state: &State) -> Result<(), Er
         })
 }
 
+/// Bytes of a checkpoint file.
 fn content(origin: &Origin, state: &State) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let Records {
         weights,
@@ -103,11 +112,11 @@ fn content(origin: &Origin, state: &State) -> Result<Vec<u8>, Box<dyn std::error
     Ok(safetensors::serialize(views, Some(metadata))?)
 }
 
-/// Puts the state of a checkpoint in place of a fresh one.
+/// State of a training from its checkpoint. `fresh` is the state at the start, with the settings.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::CheckpointVersion`], [`Error::OtherCheckpoint`] or [`Error::BadCheckpoint`], and the
-/// file stays as it is.
+/// [`Error::Io`]; [`Error::CheckpointVersion`], [`Error::OtherCheckpoint`] or [`Error::BadCheckpoint`], and the file
+/// stays as it is.
 pub(super) fn load(path: &Path, origin: &Origin, fresh: State) -> Result<State, Error> {
     let bad = |problem: String| Error::BadCheckpoint {
         path: path.to_owned(),

@@ -15,7 +15,7 @@ use super::trainer::Trainer;
 use crate::Error;
 
 impl Prepared<'_, '_> {
-    /// Cost of an epoch, samples × parameters, which its time is proportional to; and the largest number of epochs of a
+    /// Cost of an epoch, samples × parameters, to which its time is proportional, and the largest number of epochs of a
     /// network.
     fn cost(&self) -> (f64, usize) {
         let config = &self.job.config;
@@ -24,7 +24,8 @@ impl Prepared<'_, '_> {
         (cost, config.training.epochs)
     }
 
-    /// Best weights of one network, and how it went.
+    /// Trains one network; returns its best weights and the position at which the training ended. `report` is called
+    /// after every epoch, and with true for the state of a checkpoint.
     fn network(
         &self,
         member: usize,
@@ -75,7 +76,7 @@ impl Prepared<'_, '_> {
     }
 }
 
-/// Weights of a network and where its training ended.
+/// Best weights of a network, and the position at which its training ended.
 type Ended = Result<(Vec<f32>, Position), Error>;
 
 /// Trains every job; the result does not depend on the number of threads.

@@ -2,18 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Position of the training loop.
+/// Position of the training loop of one network.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Position {
-    /// Finished batches of the running epoch and their summed cost and weight.
+    /// Number of finished batches of the running epoch.
     pub(super) batch: usize,
+    /// Weighted sum of the costs in these batches.
     pub(super) loss: f64,
+    /// Sum of the weights in these batches.
     pub(super) weight: f64,
+    /// Errors after each finished epoch.
     pub(super) history: Vec<Epoch>,
+    /// Index of the epoch with the smallest validation error, from 0.
     pub(super) best_epoch: usize,
     /// Number of epochs since the best one.
     pub(super) stale: usize,
+    /// Whether the training has ended.
     pub(super) finished: bool,
 }
 

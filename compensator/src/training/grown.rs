@@ -68,15 +68,20 @@ pub fn grow_trees(job: &Job, count: usize) -> Result<(Trees, Option<f64>), Error
     Ok((trees, Some(judged.with)))
 }
 
-/// Windows of the samples that count, column by column.
+/// Windows of the samples with weight, as the table that trees are grown on.
 struct Table {
+    /// Inputs of the windows, column by column.
     values: Vec<f64>,
+    /// Target of each window, N·m.
     targets: Vec<f64>,
+    /// Weight of each window.
     weights: Vec<f64>,
+    /// Number of columns: input columns × samples of a window.
     columns: usize,
 }
 
 impl Table {
+    /// Table of the windows of some trajectories.
     fn new(job: &Job, trajectories: &[usize]) -> Self {
         let samples = &job.samples;
         let places: Vec<(usize, usize)> = trajectories
@@ -106,6 +111,7 @@ impl Table {
         }
     }
 
+    /// Inputs in the form that the library takes.
     fn matrix(&self) -> Matrix<'_, f64> {
         Matrix::new(&self.values, self.targets.len(), self.columns)
     }

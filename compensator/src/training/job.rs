@@ -19,9 +19,9 @@ use crate::learning::Tensors;
 /// Training job of one unit: data, split and settings.
 #[derive(Debug, Clone)]
 pub struct Job<'a> {
-    /// Joint whose residual torque the target is.
+    /// Index of the joint whose residual torque is the target.
     pub joint: usize,
-    /// Input columns the unit sees: its input control module.
+    /// Indices of the input columns of the unit.
     pub columns: Vec<usize>,
     /// Samples for training and validation.
     pub samples: Samples<'a>,
@@ -29,7 +29,7 @@ pub struct Job<'a> {
     pub split: Split,
     /// Settings of the unit and of its training.
     pub config: UnitConfig,
-    /// Seed of the first member; the others follow.
+    /// Seed of the unit's first network; the others count on from it.
     pub seed: u64,
 }
 
@@ -45,7 +45,8 @@ pub struct Control<'a> {
     pub cancel: Option<&'a AtomicBool>,
     /// Function that is called after every epoch of every network, from any thread.
     pub progress: Option<&'a (dyn Fn(&Progress) + Sync)>,
-    /// Device of burn's operations in place of the kernels; the only control that changes the result, by rounding.
+    /// Device of burn's tensor operations; none for the kernels. It is the only control that changes the result, by
+    /// rounding.
     #[cfg(feature = "networks")]
     pub tensors: Option<&'a Tensors>,
 }
@@ -66,13 +67,14 @@ impl Default for Control<'_> {
 /// Report of a unit's training.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Every epoch of every network.
+    /// Errors after every epoch, for each network of the unit.
     pub history: Vec<Vec<Epoch>>,
-    /// Epoch whose weights were kept, per network, from 0.
+    /// Index of the epoch whose weights were kept, for each network, from 0.
     pub best_epoch: Vec<usize>,
-    /// Validation error with the unit, N·m; bounds and averaging included.
+    /// Weighted RMS error on the validation trajectories with the unit, N·m, after averaging and limits. None without
+    /// such trajectories.
     pub validation_rmse: Option<f64>,
-    /// Validation error without the unit, N·m.
+    /// Weighted RMS error on the validation trajectories without the unit, N·m. None without such trajectories.
     pub validation_rmse_off: Option<f64>,
 }
 
@@ -85,19 +87,28 @@ pub struct Trained {
     pub report: Report,
 }
 
-/// A job with the data that all its networks share.
+/// Training job with the data that all its networks share.
 pub(super) struct Prepared<'a, 'd> {
+    /// Training job.
     pub(super) job: &'a Job<'d>,
+    /// Normalisation of the inputs.
     pub(super) input: Normaliser,
+    /// Normalisation of the target.
     pub(super) target: Normaliser,
+    /// Range of the training inputs and largest training torque.
     pub(super) bounds: Bounds,
+    /// Windows or chunks that are fitted.
     pub(super) train: Vec<Item>,
+    /// Windows or chunks that decide when training stops.
     pub(super) validation: Vec<Item>,
+    /// Mean of the normalised training target, at which the output starts.
     pub(super) level: f32,
+    /// Digest of data and settings, for checkpoints.
     pub(super) fingerprint: String,
 }
 
 impl<'a, 'd> Prepared<'a, 'd> {
+    /// Checks a job, and derives normalisation and bounds from its training samples.
     pub(super) fn new(job: &'a Job<'d>) -> Result<Self, Error> {
         let (samples, config) = (&job.samples, &job.config);
         config.check()?;
@@ -167,7 +178,8 @@ impl<'a, 'd> Prepared<'a, 'd> {
         }
     }
 
-    /// Scores the unit on the validation trajectories and switches it off where it does not help.
+    /// Scores the unit on the validation trajectories, and switches it off where it does not help. Returns it with the
+    /// errors with and without it, N·m; none without such trajectories.
     pub(super) fn judge(&self, mut unit: Unit) -> Result<(Unit, Option<f64>, Option<f64>), Error> {
         let job = self.job;
         if job.split.validation.is_empty() {
@@ -180,11 +192,11 @@ impl<'a, 'd> Prepared<'a, 'd> {
     }
 }
 
-/// Scores a unit on the validation trajectories of `job`, which it need not have been trained by, and switches it off where it
-/// does not help.
+/// Scores a unit on the validation trajectories of `job`, and switches it off where it does not help. The unit need not
+/// have been trained by this job.
 ///
 /// # Errors
-/// As training.
+/// As [`super::train`].
 pub fn judge(job: &Job, unit: Unit) -> Result<Trained, Error> {
     let on = Unit {
         enabled: true,

@@ -3,10 +3,11 @@
 use super::samples::Samples;
 use crate::config::UnitConfig;
 
-/// A prediction on the validation trajectories of a job.
+/// Errors on the validation trajectories with and without a prediction.
 pub(super) struct Judged {
-    /// Weighted RMS error with the prediction, N·m; in `without`, that of the target alone.
+    /// Weighted RMS error with the prediction, N·m.
     pub with: f64,
+    /// Weighted RMS error without the prediction, N·m: that of the target alone.
     pub without: f64,
     /// Whether the prediction lowers the error by enough, and by more than chance, to be used.
     pub helps: bool,

@@ -41,6 +41,7 @@ pub fn predict(unit: &Unit, samples: &Samples, trajectories: &[usize]) -> Result
     Ok(torque)
 }
 
+/// Writes the residual torque of every sample of the trajectories, N·m, to `torque`. Windows are evaluated in batches.
 fn windows(
     unit: &Unit,
     samples: &Samples,

@@ -4,7 +4,7 @@ use super::epoch::{Epoch, Position};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// State of one network, and an estimate for all of them.
+/// Progress of one network's training, with the time left for all networks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     /// Index of the training job.
@@ -19,33 +19,34 @@ pub struct Progress {
     pub epochs: usize,
     /// Errors after the last finished epoch.
     pub last: Epoch,
-    /// Smallest validation error so far, N·m.
+    /// Smallest validation error so far, N·m; none without validation trajectories.
     pub best_validation_rmse: Option<f64>,
-    /// Whether this network is done.
+    /// Whether the training of this network has ended.
     pub finished: bool,
     /// Time left for all networks, if every one trains to its last epoch.
     pub remaining: Duration,
 }
 
-/// One network of a training.
+/// Amount of work of one network's training.
 struct Network {
-    /// Relative cost of an epoch.
+    /// Cost of an epoch: samples × parameters.
     cost: f64,
     /// Largest number of epochs.
     epochs: usize,
+    /// Number of epochs left.
     left: usize,
     /// Number of epochs trained in this run, not taken from a checkpoint.
     done: usize,
 }
 
-/// Estimates the time left from epochs done, each weighted by samples × parameters.
+/// Estimate of the time that a training still takes, from the epochs done.
 pub struct Clock {
     started: Instant,
     networks: Mutex<Vec<Network>>,
 }
 
 impl Clock {
-    /// Progress from each network's cost of an epoch and its most epochs.
+    /// Estimate for networks with these costs of an epoch and largest numbers of epochs.
     pub fn new(networks: impl Iterator<Item = (f64, usize)>) -> Self {
         let networks = networks.map(|(cost, epochs)| Network {
             cost,

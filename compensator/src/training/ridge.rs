@@ -41,6 +41,7 @@ pub fn fit_ridge(job: &Job, ridge: f64) -> Result<Trained, Error> {
     Equations::of(&job)?.solve(ridge)
 }
 
+/// Ridge parameter with the least validation error, and the unit fitted with it.
 fn best(job: &Job) -> Result<(f64, Trained), Error> {
     let job = linear(job);
     let equations = Equations::of(&job)?;
@@ -73,14 +74,18 @@ fn linear<'a>(job: &Job<'a>) -> Job<'a> {
     job
 }
 
-/// Normal equations of a linear unit.
+/// Normal equations of a linear unit over the training windows.
 struct Equations<'a, 'd> {
+    /// Job with its normalisation.
     prepared: Prepared<'a, 'd>,
+    /// Weighted products XᵀWX of the columns.
     normal: Mat<f64>,
+    /// Weighted products XᵀWy of columns and target.
     moment: Mat<f64>,
 }
 
 impl<'a, 'd> Equations<'a, 'd> {
+    /// Normal equations of a job.
     fn of(job: &'a Job<'d>) -> Result<Self, Error> {
         let prepared = Prepared::new(job)?;
         let timestep = job.config.architecture.timestep();
@@ -92,6 +97,7 @@ impl<'a, 'd> Equations<'a, 'd> {
         })
     }
 
+    /// Unit with the solution for a ridge parameter, relative to the mean diagonal of the normal matrix.
     fn solve(&self, ridge: f64) -> Result<Trained, Error> {
         let n = self.moment.nrows() - 1;
         let scale = (0..n).map(|j| self.normal[(j, j)]).sum::<f64>() / n as f64;
@@ -112,7 +118,7 @@ impl<'a, 'd> Equations<'a, 'd> {
     }
 }
 
-/// XᵀWX and XᵀWy over windows with a constant last column, summed sample by sample in f64.
+/// Products XᵀWX and XᵀWy over windows with a constant last column, summed in double precision.
 fn normal_equations(prepared: &Prepared, timestep: usize) -> (Mat<f64>, Mat<f64>) {
     let job = prepared.job;
     let d = job.columns.len();

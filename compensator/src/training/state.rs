@@ -3,11 +3,15 @@
 use super::epoch::Position;
 use crate::learning::{Learner, Weights};
 
-/// State of a training. With the settings, the data and the seed it determines all further steps, so a
-/// checkpoint holds nothing else. Random numbers are drawn afresh from (seed, epoch, batch), so the generator
-/// has no state of its own.
+/// State of one network's training, which is the content of a checkpoint.
+///
+/// With settings, data and seed it determines all further steps. Random numbers are drawn from (seed, epoch, batch), so
+/// that no generator state is needed.
 pub(super) struct State {
+    /// Parameters, optimiser and schedule.
     pub(super) learner: Learner,
+    /// Parameters with the smallest validation error so far.
     pub(super) best: Weights,
+    /// Position of the training loop.
     pub(super) progress: Position,
 }

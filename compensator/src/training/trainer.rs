@@ -15,19 +15,27 @@ use crate::config::Training;
 use crate::engine::Network;
 use crate::learning::{Batch, Learner, Means, NotFinite, Tensors, Weights};
 
-/// One network under training.
+/// Training of one network.
 pub(super) struct Trainer<'a, 'd> {
+    /// Source of the batches.
     gather: &'a Gatherer<'a, 'd>,
+    /// Architecture of the network.
     architecture: &'a Architecture,
+    /// Settings of the training loop.
     settings: &'a Training,
+    /// Seed of all random numbers of this network.
     seed: u64,
+    /// Windows or chunks that are fitted.
     train: &'a [Item],
+    /// Windows or chunks that decide when training stops.
     validation: &'a [Item],
+    /// Buffers of one batch.
     batch: Batch,
+    /// State that changes from step to step.
     pub(super) state: State,
 }
 
-/// Independent generator for each purpose and moment.
+/// Random generator for one purpose, epoch and batch; all of them are independent.
 fn generator(seed: u64, purpose: u8, epoch: usize, batch: usize) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -37,14 +45,14 @@ fn generator(seed: u64, purpose: u8, epoch: usize, batch: usize) -> ChaCha8Rng {
     ChaCha8Rng::from_seed(key)
 }
 
-/// Samples that an epoch visits, and the steps that it takes.
+/// Number of samples that an epoch visits, and number of steps that it takes.
 fn epoch_size(settings: &Training, samples: usize) -> (usize, usize) {
     let visited = (samples as f32 * settings.share).ceil() as usize;
     (visited, visited.div_ceil(settings.batch))
 }
 
 impl<'a, 'd> Trainer<'a, 'd> {
-    /// A fresh network whose output starts at `level` (normalised), trained by the kernels or by `tensors`.
+    /// Training of a new network whose output starts at `level` (normalised), by the kernels or by `tensors`.
     ///
     /// # Errors
     /// Settings that cannot work.
@@ -90,9 +98,10 @@ impl<'a, 'd> Trainer<'a, 'd> {
         })
     }
 
-    /// Trains until the epochs are done or patience is out; `after` sees every finished epoch.
+    /// Trains until all epochs are done, or none of the last ones improved the validation error. `after` is called
+    /// after every epoch.
     ///
-    /// A raised `cancel` stops between batches; the state then stands where it stopped.
+    /// A raised `cancel` ends the training between batches, and the state stays as it is there.
     pub(super) fn run(
         &mut self,
         cancel: Option<&AtomicBool>,

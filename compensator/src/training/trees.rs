@@ -21,6 +21,7 @@ pub struct Trees {
     pub(super) timestep: usize,
     /// Torque before the first tree, N·m.
     pub(super) base: f64,
+    /// Nodes of each tree, the root first.
     pub(super) trees: Vec<Vec<Node>>,
 }
 
@@ -87,6 +88,7 @@ impl Trees {
 }
 
 impl Node {
+    /// Whether the node is a leaf: it has no children.
     fn is_leaf(self) -> bool {
         self.2 == 0 && self.3 == 0
     }

@@ -1,4 +1,4 @@
-//! Conditions on a trial for its cause to be accepted.
+//! Conditions under which a candidate that was tried is accepted as a cause.
 
 use super::select::{CandidateScore, Search};
 use crate::algebra::fit::Fit;
@@ -15,28 +15,31 @@ const RULES: [Rule; 4] = [
     Rule::LargeGain,
 ];
 
-/// Error that a trial removes.
+/// Improvement that a candidate makes when it is added to a fit.
 struct Removed {
-    /// Gain without other evidence, nats.
+    /// Fall of the criterion J by the candidate's own columns, nats, without evidence from a trace or another sensor.
     gain: f64,
-    /// Whether the removed error is visible on some joint and in the whole error that parameters leave.
+    /// Whether the removed error is visible on some joint, and large beside the error that parameters alone leave.
     misfit: bool,
-    /// Part of the squared error of its joints together, see [`fraction`].
+    /// Part of the squared error of the candidate's joints that it removes, all of these joints together; see
+    /// [`fraction`].
     whole: f64,
-    /// The same of a delay, see [`late_fraction`].
+    /// Part of the squared error that a delay removes, by [`late_fraction`]: on the median joint where that is more.
     late: f64,
 }
 
 impl Search<'_> {
-    /// Whether a trial explains enough to be accepted. Either it lowers J by far, or by less while the error
-    /// that it removes is visible on some joint and in the whole error that parameters leave.
+    /// Whether a candidate that was tried on top of `fit` explains enough to be accepted. It must lower J by far. A
+    /// smaller fall of J is enough where the removed error is visible on some joint, and large beside what parameters
+    /// leave.
     pub(super) fn worth(&self, fit: &Fit, tried: &CandidateScore, others: &[usize]) -> bool {
         let s = self.objective.settings;
         let c = &self.candidates[tried.candidate];
         if self.by_trace(tried.candidate, others) {
             return tried.gain >= s.enough;
         }
-        // What else speaks for a candidate helps it against other names; it has to pay by itself.
+        // Evidence of traces and other sensors ranks candidates; the candidate's own columns must still lower J by
+        // enough.
         let gain = tried.gain - c.evidence;
         if gain < s.enough || (!c.effect.info().parameter && gain <= self.chance) {
             return false;
@@ -88,7 +91,8 @@ impl Search<'_> {
         if part < least && !sure {
             return false;
         }
-        // Shapes of friction are what a wrong sign at reversals looks like; what acts with load, gravity or inertia is not.
+        // Required gain by effect: a wrong velocity sign at reversals looks like friction, but not like effects of
+        // load, gravity or inertia.
         let clear = match c.effect {
             _ if !by_effect => s.enough_unseen * s.enough,
             effect if effect.info().memory && is_narrow(c, s) && part < s.plainly => {
@@ -102,17 +106,17 @@ impl Search<'_> {
         (trial.misfit && !memory) || trial.gain > clear
     }
 
-    /// Whether a trace in the residual names a candidate by itself. A joint's blows shake its neighbours: where
-    /// the same effect is accepted at another place, the candidate must pay like every other.
+    /// Whether a trace in the residual identifies a candidate without the criterion J. It does not where `others`, the
+    /// accepted causes, have the same effect at another place: impacts of one joint shake its neighbours.
     pub(super) fn by_trace(&self, candidate: usize, others: &[usize]) -> bool {
         let c = &self.candidates[candidate];
         let same = |other: &usize| self.candidates[*other].effect == c.effect;
         c.shown.is_some() && !others.iter().any(same)
     }
 
-    /// Part of its joints' squared error that a candidate must remove. Effects that parameters can absorb need
-    /// none: they may spare the parameters a bend instead. A wrong sign of the filtered velocity at reversals
-    /// looks like memory over less than a milliradian, or like friction that falls at once. These effects must
+    /// Least part of its joints' squared error that a candidate must remove. Effects that parameters can absorb have
+    /// none, as without them the parameters would deviate instead. A wrong sign of the filtered velocity at reversals
+    /// looks like memory over less than a milliradian, or like friction that falls off at once. These effects must
     /// remove a larger part.
     fn least_fraction(&self, candidate: &Candidate, others: &[usize]) -> f64 {
         let s = self.objective.settings;
@@ -124,20 +128,21 @@ impl Search<'_> {
         match candidate.effect {
             Effect::StribeckFriction if abrupt() => s.plainly,
             effect if effect.info().memory && is_narrow(candidate, s) => s.narrow_part,
-            // One joint alone that is late, where no other is, is rather friction of another law, or a spring.
+            // A delay of one joint alone, where no other has one, is more likely friction of another law, or a spring.
             effect if effect.info().late => {
                 let alone = candidate.joints.len() == 1 && !others.iter().any(late);
                 if alone { s.late_alone } else { s.late_part }
             }
-            // Another sensor saw it.
+            // No least part where another sensor has measured the effect.
             _ if !candidate.sizes.is_empty() => f64::NEG_INFINITY,
-            // Vibration of whatever kind is a spring's, for a part of its error.
+            // Elasticity must remove a larger part, as a spring explains some of any vibration.
             Effect::JointElasticity => s.plainly,
             effect => effect.info().least_fraction,
         }
     }
 
-    /// Whether a trial removes so large a part of its own joints' error that it cannot be a leftover of another cause.
+    /// Whether a candidate removes so large a part of its own joints' error that it cannot be a leftover of another
+    /// cause.
     pub(super) fn plain(&self, fit: &Fit, tried: &CandidateScore) -> bool {
         let before = self.objective.relative(&fit.error());
         let after = self.objective.relative(&tried.error);
@@ -146,8 +151,8 @@ impl Search<'_> {
         fraction(&before, &after, joints) > s.plain_part && tried.gain > s.plain_gain
     }
 
-    /// Gain that a further cause must exceed, given the gains of earlier ones, nats. A large effect of another
-    /// form leaves a residual that looks like a small effect, most of all like the same effect on a
+    /// Gain, nats, that a further candidate must exceed beside the `accepted` causes with these `gains`. A large effect
+    /// of another form leaves a residual that looks like a small effect. It looks most like the same effect on a
     /// neighbouring joint.
     pub(super) fn relative_price(
         &self,
@@ -159,7 +164,7 @@ impl Search<'_> {
         let new = &self.candidates[candidate];
         let price = |(&a, &gain): (&usize, &f64)| {
             let earlier = &self.candidates[a];
-            // A delay is worth something on every joint, and leaves something on each.
+            // Gain of a delay per joint, as it removes error and leaves a residual on every joint.
             let gain = if earlier.effect.info().late {
                 gain / earlier.joints.len() as f64
             } else {
@@ -179,21 +184,23 @@ impl Search<'_> {
     }
 }
 
-/// Part of the joints' squared error, relative to their torque, that a trial removes.
+/// Part of the squared error of `joints` together that a candidate removes. `before` and `after` are RMS errors
+/// relative to each joint's torque.
 fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
     let squares = |e: &[f64]| joints.iter().map(|&j| e[j] * e[j]).sum::<f64>();
     1.0 - squares(after) / squares(before).max(1e-300)
 }
 
-/// Part of the squared error that a delay of several joints removes: of all joints together, or on the median
-/// joint where that is more. One joint that errs by far for another reason would hide the delay in the sum.
+/// Part of the squared error that a delay of several joints removes: of all joints together, or on the median joint
+/// where that is more. One joint with a large error of another cause would hide the delay in the sum.
 fn late_fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
     let own = |&j: &usize| fraction(before, after, &[j]);
     let middle = median(joints.iter().map(own).collect()).unwrap_or(0.0);
     fraction(before, after, joints).max(middle)
 }
 
-/// Whether a candidate's memory is as short as that which a wrong sign at reversals imitates.
+/// Whether the memory of a candidate's friction is over so short a displacement that a wrong velocity sign at reversals
+/// imitates it.
 fn is_narrow(candidate: &Candidate, settings: &SearchSettings) -> bool {
     let shape = candidate.shape.first();
     shape.is_some_and(|s| s.value < settings.narrow)

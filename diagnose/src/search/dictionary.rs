@@ -9,17 +9,18 @@ use physics::batch::regressor_columns;
 use physics::robot::PARAMETERS_PER_LINK;
 use rayon::prelude::*;
 
-/// Number of columns that are in memory at the fine rate together; the inertial ones, which one pass over the
-/// motion gives, come beside them.
+/// Number of columns that are in memory at the fine rate at the same time. Inertial columns come in addition: one pass
+/// over the motion gives all of them.
 const BATCH: usize = 16;
 
-/// Number of columns that the low-pass filters in one call.
+/// Number of columns that one call of the low-pass filters.
 const TOGETHER: usize = 8;
 
-/// Columns of the base and the candidates, without duplicates.
+/// Columns of the regression: torque per unit of each parameter of the base and of the candidates, each column once.
 pub struct Dictionary {
+    /// Columns by their number: those of the base first.
     columns: Vec<Column>,
-    /// Column numbers of each candidate.
+    /// Numbers of the columns of each candidate.
     pub members: Vec<Vec<usize>>,
 }
 
@@ -105,13 +106,13 @@ impl Dictionary {
         out
     }
 
-    /// Joints that each column touches.
+    /// Joints on whose torque each column acts.
     pub fn layout(&self, dof: usize) -> Layout {
         let joints: Vec<Vec<usize>> = self.columns.iter().map(|c| c.joints.clone()).collect();
         Layout::new(dof, &joints)
     }
 
-    /// Column numbers from `first` on in batches: the inertial ones, then the others by [`BATCH`].
+    /// Column numbers from `first` on in batches to evaluate together: the inertial ones, then the others by [`BATCH`].
     pub(super) fn batches(&self, dof: usize, first: usize) -> Vec<Vec<usize>> {
         let (inertial, others): (Vec<usize>, Vec<usize>) =
             (first..self.len()).partition(|&c| c < PARAMETERS_PER_LINK * dof);
@@ -140,7 +141,8 @@ impl Dictionary {
     }
 }
 
-/// Columns `wanted` of inertial parameters at the fine rate. A link's parameters act on its own joint and all before it.
+/// Columns `wanted` of inertial parameters at the fine rate: (column, joint, torque per unit). A link's parameters act
+/// on its own joint and all joints before it.
 fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
     let entries: Vec<(usize, usize)> = wanted
         .iter()

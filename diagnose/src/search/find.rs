@@ -1,4 +1,5 @@
-//! The diagnosis, step by step: recording → gap → first fit → catalogue → causes.
+//! Search for the causes of a recording: torque gap, first fit of the parameters, candidates of the catalogue, accepted
+//! causes.
 
 use crate::algebra::fit::Variable;
 use crate::algebra::folds::Fold;
@@ -31,14 +32,14 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// An accepted cause and its place in the fit.
+/// Accepted cause with its place in the fit.
 #[derive(Clone, Debug)]
 pub struct Accepted {
     /// Index of the accepted candidate in the catalogue.
     pub candidate: usize,
     /// Indices of its variables in the fit.
     pub variables: Range<usize>,
-    /// All candidates tried in its place, best first.
+    /// Scores of all candidates tried in the cause's place, best first.
     pub tried: Vec<CandidateScore>,
     /// Comparison of the cause with a free refit of the parameters.
     pub against: Comparison,
@@ -48,31 +49,33 @@ pub struct Accepted {
 pub struct Findings {
     /// State shared with other searches of the recording.
     pub session: Arc<Session>,
-    /// Candidates of the catalogue, with those picked from this recording's torque.
+    /// Candidates of the catalogue, and those that were derived from this recording's torque, such as its periodic
+    /// lines.
     pub candidates: Vec<Candidate>,
     /// Columns of the candidates.
     pub dictionary: Dictionary,
     /// Values of the dictionary's columns on the fitted rows.
     pub tables: Tables,
-    /// Sums of products over the fitted recording.
+    /// Sums of products of the columns and the gap over the fitted rows, by fold.
     pub grams: Grams,
-    /// Number of base variables, first in every fit.
+    /// Number of base variables (the parameters of the given model), which are the first in every fit.
     pub base: usize,
     /// Causes in the order of acceptance.
     pub accepted: Vec<Accepted>,
-    /// Variables and coefficients of the fit with the base near the given parameters.
+    /// Variables and coefficients of the final fit, in which the base stays near the given parameters.
     pub tight: (Vec<Variable>, Array1<f64>),
-    /// Standard deviations of these coefficients, see [`Fit::deviations`](crate::algebra::fit::Fit::deviations).
+    /// Standard deviations of the coefficients in `tight`; see
+    /// [`Fit::deviations`](crate::algebra::fit::Fit::deviations).
     pub std: Array1<f64>,
-    /// Candidates that were not accepted, best first.
+    /// Scores of the candidates tried beside the accepted causes, best first.
     pub rest: Vec<CandidateScore>,
-    /// Factor on the tolerances within which parameters are identified again.
+    /// Factor on the tolerances of the given parameters where they are identified again beside the accepted causes.
     pub freedom: f64,
     /// Thresholds of the diagnosis.
     pub settings: Settings,
 }
 
-/// The gap: measured minus predicted torque at the recorded samples, shape (samples, joints).
+/// Torque gap: measured minus predicted torque at the recorded samples, N·m (N), shape (samples, joints).
 pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
     &frame.tau - &model.predicted(frame, scale)
 }
@@ -81,7 +84,7 @@ pub fn gap(model: &NominalModel, frame: &Frame, scale: &Scale) -> Array2<f64> {
 pub struct Columns(Vec<(usize, usize, Array1<f64>)>);
 
 impl Columns {
-    /// Evaluates columns on a frame. `scene` must show its motion.
+    /// Evaluates the columns of `variables` on a recording. `scene` must hold the motion of `frame`.
     pub fn new(
         dictionary: &Dictionary,
         scene: &Scene,
@@ -133,11 +136,12 @@ impl Columns {
     }
 }
 
-/// Finds the causes among `effects`. A candidate whose gain is at most `chance` (nats) is not accepted.
-/// `session` is that of an earlier search of the same frames.
+/// Finds the causes among `effects`. A candidate whose gain is at most `chance` (nats) is not accepted. `weight` has
+/// the weight of each fitted row, shape (rows, joints). `session` is that of an earlier search of the same frames,
+/// where there was one.
 ///
 /// # Errors
-/// None beyond those of the model's own numbers.
+/// Model of the first fit that is invalid.
 pub fn find(
     model: &NominalModel,
     frames: &Frames,
@@ -181,7 +185,8 @@ pub fn find(
         };
         let orders = lines(on_time.column(j), torque_ripple::LINES);
         let mut seen = torque_ripple::candidates(j, &orders);
-        // What resists the motion turns with it.
+        // Friction lines: friction changes sign with velocity, so its lines are searched in residual times the sign of
+        // velocity.
         let resisting = &on_time.column(j) * &qd.mapv(|v| (v / scale.softness[j]).tanh());
         let orders = lines(resisting.view(), position_dependent_friction::LINES);
         seen.extend(position_dependent_friction::candidates(&scene, j, &orders));
@@ -208,7 +213,7 @@ pub fn find(
     }
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let tables = session.tables.further(&dictionary, &scene, data);
-    // Its derivatives need not stay in memory beside the products.
+    // Derivatives of the scene are freed before the sums of products take their memory.
     drop(scene);
     let grams = tables.grams(&y, weight, folds);
     let objective = Objective::new(&grams, scale, &settings.search);
@@ -295,8 +300,8 @@ fn first_fit(
 }
 
 impl Findings {
-    /// Effect of the tight fit's variables on the model's parameters (10 N inertial, N viscous, N Coulomb):
-    /// variable, parameter, change per unit.
+    /// Parameters of the model (10 N inertial, N viscous, N Coulomb) that the final fit's variables change. Each entry
+    /// has variable, parameter, and change of the parameter per unit of the variable.
     pub fn parameter_map(&self) -> Vec<(usize, usize, f64)> {
         let variables = self.tight.0.iter().enumerate();
         let mut map: Vec<(usize, usize, f64)> = variables
@@ -327,12 +332,13 @@ impl Findings {
         out
     }
 
-    /// Gain of a candidate's own columns, nats, without the evidence of a trace or another sensor.
+    /// Fall of J by a candidate's own columns, nats, without evidence from a trace or another sensor.
     pub fn earned(&self, tried: &CandidateScore) -> f64 {
         tried.gain - self.candidates[tried.candidate].evidence
     }
 
-    /// Gain of each accepted cause, nats, without parameters and causes that a trace names by itself.
+    /// Fall of J by each accepted cause's own columns, nats. Parameters, and causes that a trace identifies, are left
+    /// out.
     fn each_earned(&self) -> impl Iterator<Item = f64> {
         self.accepted.iter().filter_map(|a| {
             let mut tried = a.tried.iter();
@@ -343,28 +349,28 @@ impl Findings {
         })
     }
 
-    /// Least gain of the accepted causes, nats. Parameters, and causes that a trace names by itself, do not count.
-    /// Infinite without causes.
+    /// Smallest fall of J, nats, by an accepted cause's own columns. Parameters, and causes that a trace identifies, do
+    /// not count. Infinite without causes.
     pub fn least_earned(&self) -> f64 {
         self.each_earned().fold(f64::INFINITY, f64::min)
     }
 
-    /// Largest gain of the accepted causes, nats. Parameters, and causes that a trace names by itself, do not count.
-    /// Zero without causes.
+    /// Largest fall of J, nats, by an accepted cause's own columns. Parameters, and causes that a trace identifies, do
+    /// not count. Zero without causes.
     pub fn most_earned(&self) -> f64 {
         self.each_earned().fold(0.0, f64::max)
     }
 
-    /// Whether a trace names an accepted cause by itself, as in
-    /// [`Search::by_trace`](crate::search::select::Search). It does not where the same effect is accepted at
-    /// another place.
+    /// Whether a trace identifies the accepted cause without the criterion J, as in
+    /// [`Search::by_trace`](crate::search::select::Search). It does not where the same effect is accepted at another
+    /// place.
     pub fn by_trace(&self, cause: usize) -> bool {
         let c = self.candidate(cause);
         let same = |other: usize| other != cause && self.candidate(other).effect == c.effect;
         c.shown.is_some() && !(0..self.accepted.len()).any(same)
     }
 
-    /// The candidate behind an accepted cause.
+    /// Candidate of the accepted cause with this index.
     pub fn candidate(&self, cause: usize) -> &Candidate {
         &self.candidates[self.accepted[cause].candidate]
     }

@@ -1,4 +1,4 @@
-//! The search for causes: from the catalogue to those that explain.
+//! Search for causes: from the candidates of the catalogue to those that explain the recording.
 
 mod acceptance;
 pub(crate) mod dictionary;

@@ -19,10 +19,10 @@ use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-/// Largest number of searches at each width of the tolerances, each with one more cause barred.
+/// Largest number of searches at each factor on the tolerances. Each further one bars one more cause.
 const ROUNDS: usize = 6;
 
-/// Causes that the search accepted, and their comparison with the free refit.
+/// Causes that the search accepted, and their comparison with the free refit of the parameters.
 pub struct Answer<'a> {
     /// Accepted causes and their fit.
     pub selection: Selection<'a>,
@@ -40,13 +40,14 @@ pub struct Answer<'a> {
 /// and for parameters.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Comparison {
-    /// Ratio of the squared error with the cause to that of the free refit without it.
+    /// Ratio of the squared error with the cause to that of the free refit without it, below 1 where the cause is
+    /// better.
     pub over_refit: Option<f64>,
     /// Largest factor on the given parameters' tolerances under which the cause is found. None where it is found under all.
     pub within: Option<f64>,
 }
 
-/// Model comparison over one catalogue.
+/// Comparison of models over one catalogue: it chooses the simplest causes that explain as much as a free refit.
 pub struct Simplest<'a> {
     /// Criterion J by which causes are compared.
     pub objective: &'a Objective<'a>,
@@ -56,23 +57,26 @@ pub struct Simplest<'a> {
     pub members: &'a [Vec<usize>],
     /// Model as given, to which the gap is measured.
     pub model: &'a NominalModel,
-    /// Gain that chance reaches on this recording, nats.
+    /// Gain that a cause reaches by chance on this recording, nats.
     pub chance: f64,
 }
 
-/// Result of one run of the forward search.
+/// Result of one forward search under given tolerances.
 struct Run<'a> {
+    /// Search that was run.
     search: Search<'a>,
+    /// Accepted causes and their fit.
     selection: Selection<'a>,
+    /// Ratio of each accepted cause's squared error to the free refit's; none for causes that parameters cannot absorb.
     over_refit: Vec<Option<f64>>,
-    /// Factor on the free refit's error above which a cause is beaten.
+    /// Ratio to the free refit's squared error above which a cause is rejected.
     rivalled: f64,
-    /// Whether no joint is left on which a free refit has a far lower error.
+    /// Whether no joint's error is far above that of a free refit.
     enough: bool,
 }
 
 impl<'a> Simplest<'a> {
-    /// The simplest causes that are not beaten by the free refit.
+    /// Simplest causes whose error is not above the free refit's by more than the allowed ratio.
     pub fn answer(&self) -> Answer<'a> {
         let settings = self.objective.settings;
         // A recording of few joints says little of the tolerance: then the stated one stands.
@@ -106,7 +110,8 @@ impl<'a> Simplest<'a> {
                 if tried.stands() {
                     return tried.answer(|_| None);
                 }
-                // Where no single one is beaten, all of them leave too much together.
+                // Causes to bar: those above the refit's error, or all absorbable ones where only their total error is
+                // too high.
                 let mut instead = tried.beaten();
                 if instead.is_empty() {
                     instead = tried.single();
@@ -122,8 +127,8 @@ impl<'a> Simplest<'a> {
             .answer(|_| None)
     }
 
-    /// Widest factor on the tolerances under which a cause of the same effect and joints is found; none where
-    /// that is the widest of all.
+    /// Largest factor on the tolerances under which a cause of the same effect and joints is found. None where it is
+    /// found under the largest of all, or under none.
     fn within(&self, found: &[(f64, Vec<usize>)], cause: usize) -> Option<f64> {
         let alike = self.alike(&[cause]);
         let has = |accepted: &[usize]| accepted.iter().any(|c| alike.contains(c));
@@ -148,8 +153,8 @@ impl<'a> Simplest<'a> {
         likeliest.map_or(links, |(friction, _)| friction)
     }
 
-    /// Search without the full parameter sets of links, where it needs fewer coefficients than the search with
-    /// them and is not beaten by the refit. Else the search with them.
+    /// Result of the search without candidates that free all ten parameters of a link. It counts where it needs fewer
+    /// coefficients and is not above the refit's error. Otherwise the result with these candidates.
     fn fewer(&self, freedom: Freedom) -> Run<'a> {
         let full = self.run(freedom, HashSet::new());
         let many = |c: usize| self.is_many(c);
@@ -190,7 +195,7 @@ impl<'a> Simplest<'a> {
             && self.members[candidate].len() == PARAMETERS_PER_LINK
     }
 
-    /// Candidates with the same effect and joints as one of `some`.
+    /// Indices of the candidates with the same effect and joints as one of `some`.
     fn alike(&self, some: &[usize]) -> Vec<usize> {
         let same = |c: &usize| {
             some.iter().any(|&s| {
@@ -215,6 +220,7 @@ impl<'a> Simplest<'a> {
         }
     }
 
+    /// Forward search under tolerances times `freedom`, without the `barred` candidates, compared with the free refit.
     fn run(&self, freedom: Freedom, barred: HashSet<usize>) -> Run<'a> {
         let search = self.search(self.objective.base(self.model, freedom), barred);
         let selection = search.run();
@@ -253,8 +259,8 @@ impl<'a> Simplest<'a> {
         self.objective.relative_variance(&fit.error())
     }
 
-    /// Relative squared error by joint of the free refit with some causes in place, at the freedom with the
-    /// least error on `joints`.
+    /// Squared error of each joint, relative to its squared torque, of a free refit of the parameters beside `causes`.
+    /// The factor on the tolerances is the one with the least error on `joints`.
     fn refit(&self, search: &Search, causes: &[usize], joints: &[usize]) -> Vec<f64> {
         let sum = |e: &[f64]| joints.iter().map(|&j| e[j]).sum::<f64>();
         let of = |freedom: f64| {
@@ -295,7 +301,7 @@ impl<'a> Simplest<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Accepted causes whose error is above `rivalled` times the free refit's.
+    /// Accepted causes whose squared error is above `rivalled` times the free refit's.
     fn beaten(&self) -> Vec<usize> {
         let each = self.selection.accepted.iter().zip(&self.over_refit);
         each.filter(|(_, r)| r.is_some_and(|r| r > self.rivalled))
@@ -303,15 +309,15 @@ impl<'a> Run<'a> {
             .collect()
     }
 
-    /// Accepted causes that parameters can absorb.
+    /// Accepted causes that parameters can absorb, whose error was compared with the refit's.
     fn single(&self) -> Vec<usize> {
         let each = self.selection.accepted.iter().zip(&self.over_refit);
         each.filter(|(_, r)| r.is_some()).map(|(&c, _)| c).collect()
     }
 
-    /// Negative log-likelihood of the recording under the tolerances and causes, nats, up to a constant: J plus
-    /// the penalty of wide tolerances. A cause that parameters can absorb must pay against wider tolerances,
-    /// too. A body on the last link pays per joint: their number limits how many of its ten coefficients show.
+    /// Negative log-likelihood of the recording under the tolerances and causes, nats, up to a constant: J plus the
+    /// penalty of wide tolerances. A cause that parameters can absorb pays an extra price, as wider tolerances could
+    /// explain it. A body on the last link pays per joint, whose number limits how many of its ten coefficients show.
     fn surprise(&self) -> f64 {
         let Selection { accepted, fit } = &self.selection;
         let search = &self.search;
@@ -333,11 +339,13 @@ impl<'a> Run<'a> {
         search.objective.of_fit(fit, 0) + search.charge(accepted) + base.width() + names
     }
 
-    /// Whether no cause is beaten and no joint's error is far above a free refit's.
+    /// Whether no cause has an error above the allowed ratio, and no joint's error is far above a free refit's.
     fn stands(&self) -> bool {
         self.enough && self.beaten().is_empty()
     }
 
+    /// Answer with the causes of this run. `within` gives the largest factor on the tolerances under which a cause is
+    /// found.
     fn answer(self, within: impl Fn(usize) -> Option<f64>) -> Answer<'a> {
         let (steps, rest) = self.search.alternatives(&self.selection);
         let each = self.selection.accepted.iter().zip(&self.over_refit);

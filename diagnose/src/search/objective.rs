@@ -1,9 +1,9 @@
-//! The criterion J by which one set of causes is compared with another.
+//! Criterion J, in nats, by which one set of causes is compared with another; smaller is better.
 //!
-//! J = ½ Σ_j n_j log(MSE_j + floor_j²) + ½ Σ λ (β − m)² + cost · coefficients, in nats, smaller is better. MSE_j is the
-//! leave-one-fold-out mean squared error of joint j; n_j counts independent samples, not rows; the second term
-//! is what the given parameters must be bent for the explanation to hold, so that an explanation by few
-//! parameters beats the same torque explained by bending many.
+//! J = ½ Σ_j n_j log(MSE_j + floor_j²) + ½ Σ λ (β − m)² + cost · coefficients. MSE_j is the leave-one-fold-out mean
+//! squared error of joint j, and n_j its number of independent samples. The second term penalises deviations of the
+//! parameters from their given values. A cause with few coefficients is therefore preferred to many changed parameters
+//! that explain the same torque.
 
 use crate::algebra::fit::{Fit, Variable, left_out_error};
 use crate::algebra::gram::Grams;
@@ -38,6 +38,7 @@ pub struct Objective<'a> {
     pub grams: &'a Grams,
     /// Settings of the search, such as its penalties.
     pub settings: &'a SearchSettings,
+    /// Typical torque of each joint, N·m (N), to which errors are relative.
     torque: Vec<f64>,
     /// Number of rows per independent sample of each joint's residual.
     correlated: Vec<f64>,
@@ -86,6 +87,7 @@ impl<'a> Objective<'a> {
         self.relative(&self.grams.total.iter().map(|g| g.yy).collect::<Vec<_>>())
     }
 
+    /// Number of independent samples of a joint's residual.
     fn independent(&self, joint: usize) -> f64 {
         self.grams.total[joint].samples / self.correlated[joint]
     }
@@ -117,7 +119,7 @@ impl<'a> Objective<'a> {
         each.map(|(v, rows)| 1.0 / (rows * v)).collect()
     }
 
-    /// Fits variables, the joints' weights found in three passes.
+    /// Fit of some variables. The weights of the joints depend on their errors, and are found in three passes.
     pub fn fit(&self, variables: Vec<Variable>) -> Fit<'a> {
         let mut error: Vec<f64> = self.grams.total.iter().map(|g| g.yy).collect();
         for _ in 0..3 {
@@ -126,13 +128,14 @@ impl<'a> Objective<'a> {
         Fit::new(self.grams, variables, self.weights(&error))
     }
 
-    /// Variable of a candidate's column with a wide prior: at one standard deviation its torque is a multiple of the joint's.
+    /// Variable of a candidate's column with a wide prior about zero. At one standard deviation its RMS torque is a
+    /// multiple of the joint's typical torque.
     pub fn wide(&self, column: usize) -> Variable {
         let size = self.grams.column_rms(column, &self.torque);
         Variable::about_zero(column, (size / self.settings.wide).powi(2).max(1e-12))
     }
 
-    /// Variables of a suspected link's ten inertial parameters, with wide priors about the given values.
+    /// Variables of the ten inertial parameters of a link that may be wrong, with wide priors about the given values.
     pub fn freed_link(&self, robot: &Robot, link: usize) -> Vec<Variable> {
         let first = PARAMETERS_PER_LINK * link;
         let sizes = link_sizes(&robot.joints()[link]);
@@ -142,11 +145,10 @@ impl<'a> Objective<'a> {
         sizes.into_iter().enumerate().map(variable).collect()
     }
 
-    /// Base variables: priors are the given parameters' tolerances, `freedom` times as wide. A friction
-    /// coefficient that is zero in the model counts as missing, joint by joint, and is free: nobody claimed
-    /// that it is zero. A coefficient that was identified as zero counts as zero. Inertial parameters that the
-    /// check of the description doubts get the prior of suspected ones. Without masses in the description they
-    /// get a prior by torque.
+    /// Base variables: changes of the model's parameters, whose prior deviations are the tolerances times `freedom`. A
+    /// friction coefficient that is zero in the model counts as missing and is free. One that was identified as zero
+    /// counts as zero. Links that the check of the description doubts get wide priors. A description without masses
+    /// gets priors by torque.
     pub fn base(&self, model: &NominalModel, freedom: impl Into<Freedom>) -> Vec<Variable> {
         let (s, freedom) = (self.settings, freedom.into());
         let sizes = model.sizes();

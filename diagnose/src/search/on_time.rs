@@ -6,9 +6,9 @@ use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2, ArrayView1};
 
-/// Residual without the error of a delay of each joint's torque, at the recorded samples, shape (samples,
-/// joints). Errors of a few milliseconds at every reversal hide a periodic line over position. `weight` of the
-/// fitted rows, shape (rows, joints).
+/// Residual from which the error of a delayed torque is removed, joint by joint, at the recorded samples, shape
+/// (samples, joints). Errors of a delay of a few milliseconds at every reversal would hide periodic lines over
+/// position. `weight` is that of the fitted rows, shape (rows, joints).
 pub(super) fn on_time(
     scene: &Scene,
     data: &Frame,

@@ -12,19 +12,20 @@ use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
 /// Number of candidates that are scored on folds left out when an accepted cause may be exchanged for a better one.
+/// They are the best on the fitted rows.
 const CONTENDERS: usize = 40;
 
 /// Number of a body's first parameters that are mass and first moments.
 const MOMENTS: usize = 4;
 
-/// Score of a candidate that is tried on top of a fit.
+/// Score of a candidate that is added to a fit.
 #[derive(Clone, Debug)]
 pub struct CandidateScore {
     /// Index of the candidate in the catalogue.
     pub candidate: usize,
-    /// Fall of the criterion J by the candidate, nats.
+    /// Fall of the criterion J by the candidate, nats: the larger, the better.
     pub gain: f64,
-    /// Leave-one-fold-out squared error by joint.
+    /// Leave-one-fold-out squared error of each joint with the candidate, (N·m)², summed over rows.
     pub error: Vec<f64>,
     /// Penalty Σ λ (β − m)² of the whole fit with the candidate.
     pub penalty: f64,
@@ -40,7 +41,7 @@ pub struct Selection<'a> {
     pub fit: Fit<'a>,
 }
 
-/// Forward selection over one dictionary.
+/// Forward search for causes over one dictionary of columns.
 pub struct Search<'a> {
     /// Criterion J by which causes are compared.
     pub objective: &'a Objective<'a>,
@@ -54,11 +55,11 @@ pub struct Search<'a> {
     pub base: Vec<Variable>,
     /// Candidates that must not be accepted.
     pub barred: HashSet<usize>,
-    /// Gain that chance reaches on this recording, nats: a cause beyond parameters has to earn more.
+    /// Gain that a cause reaches by chance on this recording, nats. Causes other than wrong parameters must exceed it.
     pub chance: f64,
-    /// Reference of a cause's share: squared error relative to the torque, summed over joints. It is the gap as
-    /// given or the base fit's residual, whichever is less. Friction that the model lacks altogether would else
-    /// hide how much a cause explains.
+    /// Squared error relative to the torque, summed over joints, of which a cause must explain a part. It is that of
+    /// the gap as given or of the base fit's residual, whichever is less. Friction that the model lacks would otherwise
+    /// make every cause's part small.
     pub missing: OnceLock<f64>,
 }
 
@@ -68,7 +69,7 @@ impl<'a> Search<'a> {
         self.objective.settings.off.holds(rule)
     }
 
-    /// Reference of a cause's share, relative squared error summed over joints; see [`Self::missing`].
+    /// Squared error of which a cause must explain a part; see the field `missing`.
     pub(super) fn missing(&self) -> f64 {
         *self.missing.get_or_init(|| {
             let sum = |relative: Vec<f64>| relative.iter().map(|r| r * r).sum::<f64>();
@@ -77,7 +78,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Variables of a candidate with wide priors, or with priors from what is known of its coefficients.
+    /// Variables of a candidate's columns, with wide priors, or with priors from what is known of its coefficients.
     pub fn variables(&self, candidate: usize) -> Vec<Variable> {
         let c = &self.candidates[candidate];
         let wide = self.members[candidate]
@@ -118,15 +119,15 @@ impl<'a> Search<'a> {
         self.objective.fit(variables)
     }
 
-    /// Number of coefficients that a candidate pays for. A recording shows little more of a body on the last
-    /// link than two moments, those about the last axis. The rest is tied to the given values and the link's
-    /// size. Wrong parameters of the last link are the same columns at the same price.
+    /// Number of coefficients that a candidate is charged for. A recording shows little more of a body on the last link
+    /// than two moments about the last axis. Priors tie its other parameters. Wrong parameters of the last link have
+    /// the same columns at the same price.
     fn price(&self, candidate: usize) -> usize {
         let c = &self.candidates[candidate];
         let all = self.members[candidate].len();
         let shown = self.objective.settings.last_link_price;
         match c.effect {
-            // Its trace has paid for it.
+            // Candidates that a trace identifies are charged for none.
             _ if c.shown.is_some() => 0,
             _ if self.off(Rule::LastLink) => all,
             Effect::Payload => shown,
@@ -135,7 +136,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Penalty of some causes for their coefficients and the number of places, nats.
+    /// Penalty of some causes in J, nats: for their coefficients, and for the number of places at which each effect was
+    /// searched.
     pub fn charge(&self, accepted: &[usize]) -> f64 {
         let places = self.places();
         let each = accepted.iter().map(|&c| {
@@ -145,7 +147,7 @@ impl<'a> Search<'a> {
         each.sum()
     }
 
-    /// Number of accepted causes beyond parameters.
+    /// Number of accepted causes that are not wrong parameters.
     fn named(&self, accepted: &[usize]) -> usize {
         accepted
             .iter()
@@ -153,13 +155,14 @@ impl<'a> Search<'a> {
             .count()
     }
 
-    /// All admissible candidates tried on top of a fit, best first.
+    /// Scores of all admissible candidates on top of a fit, best first.
     pub fn tried(&self, fit: &Fit, accepted: &[usize]) -> Vec<CandidateScore> {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
         self.judged(fit, accepted, &all, Scored::LeftOut)
     }
 
-    /// Best candidates on top of a fit, scored on folds left out: those that are best on the fitted rows, and `own` in any case.
+    /// Scores, on folds left out, of the candidates that are best on the fitted rows, and of `own` in any case. Best
+    /// first.
     fn contenders(&self, fit: &Fit, accepted: &[usize], own: usize) -> Vec<CandidateScore> {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
         let seen = self.judged(fit, accepted, &all, Scored::Fitted);
@@ -168,7 +171,7 @@ impl<'a> Search<'a> {
         self.judged(fit, accepted, &few, Scored::LeftOut)
     }
 
-    /// Admissible candidates of `some` tried on top of a fit, best first.
+    /// Scores of the admissible candidates among `some` on top of a fit, best first.
     fn judged(
         &self,
         fit: &Fit,
@@ -209,8 +212,8 @@ impl<'a> Search<'a> {
         !self.barred.contains(&candidate) && !accepted.iter().any(|a| self.excludes(*a, candidate))
     }
 
-    /// Gain of a candidate: fall of J by its trial, nats. None where its coefficients are out of bounds. Prior:
-    /// each effect is equally likely, and so is each of its `places`.
+    /// Fall of J by a candidate's trial, nats; none where its coefficients are out of bounds. `before` is J without it.
+    /// The prior is equal for all effects, and for all `places` of one effect.
     pub fn gain_among(
         &self,
         candidate: usize,
@@ -328,6 +331,7 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Drops accepted causes that are no longer worth it beside the others.
     fn drop_superfluous(&self, accepted: &mut Vec<usize>) {
         let mut i = 0;
         while i < accepted.len() {
@@ -343,7 +347,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The accepted causes without the `i`-th.
+/// Accepted causes without the one at position `i`.
 pub(crate) fn without(accepted: &[usize], i: usize) -> Vec<usize> {
     accepted
         .iter()
@@ -353,6 +357,7 @@ pub(crate) fn without(accepted: &[usize], i: usize) -> Vec<usize> {
         .collect()
 }
 
+/// Whether a coefficient is within its bound.
 fn allowed(gamma: f64, bound: Bound) -> bool {
     match bound {
         Bound::Free => gamma.is_finite(),

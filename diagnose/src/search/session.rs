@@ -10,15 +10,15 @@ use crate::search::tables::Tables;
 use ndarray::Array2;
 use physics::robot::Robot;
 
-/// The catalogue's candidates and columns on one recording, delayed as the torque of its scene.
+/// Candidates and columns of the catalogue on one recording, which all its searches share.
 pub struct Session {
-    /// The model with the parameters of the first fit; columns that depend on a model are computed with it.
+    /// Robot with the parameters of the first fit, with which columns that depend on a model are computed.
     pub present: Robot,
-    /// Finding of each joint's link encoder about its gear.
+    /// Compliance of each joint's gear as its link encoder shows it: unknown, stiff, or compliant with its flanks.
     pub links: Vec<Link>,
     /// Candidates that do not depend on the recorded torque.
     pub candidates: Vec<Candidate>,
-    /// Values of their columns on the fitted rows.
+    /// Values of these candidates' columns on the fitted rows.
     pub tables: Tables,
 }
 

@@ -13,13 +13,14 @@ use crate::search::select::{CandidateScore, Search, Selection};
 use crate::settings::LadderSettings;
 use std::collections::HashSet;
 
-/// Folds of each piece: consecutive folds are joined until a piece has about `least` rows.
+/// Folds of each piece of a short recording. Consecutive folds are joined until a piece has about `least` rows; `rows`
+/// has the number of each fold.
 pub(super) fn pieces(rows: &[usize], least: f64) -> Vec<Vec<usize>> {
     let mut out: Vec<Vec<usize>> = Vec::new();
     let mut length = f64::INFINITY;
     for (fold, &rows) in rows.iter().enumerate() {
         match out.last_mut() {
-            // Half a row is what cutting in time loses.
+            // Tolerance: cutting in time loses half a row of each fold.
             Some(last) if length + 0.5 * last.len() as f64 <= 0.95 * least => {
                 last.push(fold);
                 length += rows as f64;
@@ -34,8 +35,8 @@ pub(super) fn pieces(rows: &[usize], least: f64) -> Vec<Vec<usize>> {
 }
 
 impl<'a> Simplest<'a> {
-    /// The answer plus candidates that halve a joint's error on each piece. Parameters are left out, and so are
-    /// effects that only a longer recording tells from parameters.
+    /// Answer with further candidates, each of which halves a joint's error on every piece. Parameters are left out,
+    /// and so are effects that only a longer recording tells from parameters.
     pub fn halving(
         &self,
         answer: Answer<'a>,
@@ -66,7 +67,7 @@ impl<'a> Simplest<'a> {
         }
     }
 
-    /// Best candidate that halves a joint's error beside the accepted causes.
+    /// Best candidate that halves a joint's error beside the accepted causes; none where no candidate does.
     fn halves(
         &self,
         search: &Search,
@@ -82,7 +83,7 @@ impl<'a> Simplest<'a> {
         let before: Vec<Vec<f64>> = fit.errors().map(<[f64]>::to_vec).collect();
         let before = by_piece(&before, pieces);
         let whole = fit.error();
-        // Nor may parameters that are as free as in any refit do as well.
+        // Comparison with a free refit: the candidate must also halve the error that the refit leaves.
         let freedoms = self.objective.settings.freedoms;
         let refits = freedoms.map(|freedom| {
             let mut variables = self.objective.base(self.model, freedom);
@@ -116,14 +117,14 @@ impl<'a> Simplest<'a> {
         tried.iter().find(halves).map(|t| t.candidate)
     }
 
-    /// Whether a few seconds suffice to tell a candidate from parameters.
+    /// Whether a few seconds of recording are enough to tell a candidate from wrong parameters.
     fn may(&self, candidate: usize) -> bool {
         let info = self.candidates[candidate].effect.info();
         let long = [Need::Minute, Need::Reversals];
         !info.parameter && !info.absorbable && !info.needs.iter().any(|n| long.contains(n))
     }
 
-    /// Whether a trial removes a visible error on some joint.
+    /// Whether a candidate removes a visible error on some joint.
     fn visible(&self, fit: &Fit, tried: &CandidateScore) -> bool {
         let objective: &Objective = self.objective;
         let before = objective.relative(&fit.error());
@@ -136,7 +137,7 @@ impl<'a> Simplest<'a> {
     }
 }
 
-/// Squared error by piece and joint, from that by fold and joint.
+/// Squared error of each piece and joint, from that of each fold and joint.
 fn by_piece(errors: &[Vec<f64>], pieces: &[Vec<usize>]) -> Vec<Vec<f64>> {
     let of = |folds: &Vec<usize>| {
         let joints = errors.first().map_or(0, Vec::len);

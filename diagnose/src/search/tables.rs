@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Sums of products of the columns and a fit's residual, by stretch of time.
+/// Sums of products of the columns with a fit's residual, for each stretch of time.
 pub struct Stretches {
     /// Index of the fold to which each stretch belongs.
     pub fold: Vec<usize>,
@@ -18,13 +18,13 @@ pub struct Stretches {
     pub products: Vec<Array2<f64>>,
     /// Σ w r² of the residual, shape (stretches, joints).
     pub squares: Array2<f64>,
-    /// Parts of stretches that lie near another fold.
+    /// Parts of stretches that are near another fold.
     pub near: Vec<Near>,
-    /// Σ w x r on the parts in `near`, by joint, shape (active columns, parts).
+    /// Σ w x r over the parts in `near`, by joint, shape (active columns, parts).
     pub near_products: Vec<Array2<f64>>,
 }
 
-/// Part of a stretch that lies so near another fold that it is not fitted where that fold is scored.
+/// Part of a stretch that is so close in time to another fold that it is not fitted where that fold is scored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Near {
     /// Index of the fold near which the part lies.
@@ -33,15 +33,17 @@ pub struct Near {
     pub stretch: usize,
 }
 
-/// Values of all columns on the fitted rows. They take most of a search's memory and time, and do not depend on
-/// the rows' weights. Searches of one recording share the columns of the catalogue; each adds those that it
-/// picked from the torque.
+/// Values of all columns on the fitted rows. They take most of a search's memory and time, and do not depend on the
+/// rows' weights. Searches of one recording share the catalogue's columns; each adds those that it derived from the
+/// torque.
 pub struct Tables {
+    /// Joints on which each column acts.
     layout: Layout,
     /// Number of shared columns, the first ones.
     common: usize,
-    /// Values by joint, shape (columns that touch it, rows): the shared columns, then this search's own.
+    /// Values of the shared columns by joint, shape (columns that act on it, rows).
     shared: Arc<Vec<Array2<f64>>>,
+    /// Values of this search's own columns by joint, shape (columns that act on it, rows).
     own: Vec<Array2<f64>>,
 }
 
@@ -59,7 +61,8 @@ impl Tables {
         }
     }
 
-    /// Values of a dictionary that begins with the shared columns: these are reused.
+    /// Values of the columns of a larger dictionary that begins with the shared columns. Those are reused, and the
+    /// others computed.
     pub fn further(&self, dictionary: &Dictionary, scene: &Scene, frame: &Frame) -> Self {
         let layout = dictionary.layout(scene.dof());
         Self {
@@ -70,7 +73,7 @@ impl Tables {
         }
     }
 
-    /// Values of the columns that touch a joint, in the order of [`Layout::active`].
+    /// Values of the columns that act on a joint, in the order of [`Layout::active`].
     fn columns(&self, joint: usize) -> impl ExactSizeIterator<Item = ArrayView1<'_, f64>> {
         let (shared, own) = (&self.shared[joint], &self.own[joint]);
         let first = shared.nrows();
@@ -169,7 +172,7 @@ fn near<'a>(
     })
 }
 
-/// Values of the columns from `first` on, by joint, shape (columns that touch it, rows).
+/// Values of the columns with numbers from `first` on, by joint, shape (columns that act on it, rows).
 fn shown(
     dictionary: &Dictionary,
     layout: &Layout,

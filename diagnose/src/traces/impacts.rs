@@ -1,12 +1,14 @@
-//! Blows of a transmission with play: bursts of vibration right after a sign change of the transmitted torque.
+//! Impacts (blows) in a transmission with backlash: bursts of vibration right after a sign change of the transmitted
+//! torque.
 //!
-//! A gap is crossed when the link no longer presses on its flank. Each crossing ends with a blow on the other
-//! flank, which rings for some hundredths of a second, above the band of most torques of motion. The time of a
-//! blow depends on the play, and its ringing on much that a model does not know; that it follows the sign
-//! change does not. So the vibration after sign changes is compared with that before them and elsewhere.
-//! Reversals of the motion, where friction jumps, are left out. The chance level comes from sign changes
-//! shifted circularly in time. Confounders: ripple of a fast joint, which vibrates before the change as much as
-//! after it; delay, whose error is smooth.
+//! The gap is crossed when the link no longer presses on its tooth flank. Each crossing ends with an impact on the
+//! other flank. It rings for some hundredths of a second, above the band of most torques of motion. Its exact time and
+//! form depend on much that a model does not know, but it always follows the sign change.
+//!
+//! The vibration after sign changes is therefore compared with that before them and elsewhere. Reversals of the motion,
+//! where friction jumps, are left out. The chance level comes from sign changes shifted circularly in time.
+//! Confounders: ripple of a fast joint, which vibrates before the change as much as after it; delay, whose error is
+//! smooth.
 
 use crate::motion::frame::Frame;
 use crate::settings::BlowSettings;
@@ -18,13 +20,13 @@ use signal::filter::filtfilt;
 use signal::sos::{Section, butterworth};
 use std::ops::Range;
 
-/// Band of the vibration, Hz.
+/// Band of the vibration in which impacts are searched, Hz.
 const BAND: (f64, f64) = (12.0, 40.0);
-/// Lowest upper end of the vibration's band, Hz.
+/// Lowest upper end of the vibration's band, Hz, with which impacts can be searched.
 const LOWEST: f64 = 15.0;
-/// Window around a sign change in which a blow is looked for, s before and after.
+/// Window around a sign change in which an impact is searched, s before and after.
 const AFTER: (f64, f64) = (0.016, 0.12);
-/// Window before a sign change that must be quiet, s.
+/// Window before a sign change whose vibration is the reference, s.
 const BEFORE: f64 = 0.15;
 /// Window around the joint's own reversal that is left out, s before and after.
 const OWN: (f64, f64) = (0.04, 0.08);
@@ -32,34 +34,36 @@ const OWN: (f64, f64) = (0.04, 0.08);
 const OTHER: (f64, f64) = (0.024, 0.048);
 /// Time left out at each end of a trajectory, s.
 const EDGE: f64 = 0.1;
-/// Number of circular shifts of the sign changes for the chance level, and their seed.
+/// Number of circular shifts of the sign changes by which the chance level is computed.
 const MOVED: u64 = 199;
+/// Seed of the random shifts.
 const SEED: u64 = 0xB10;
 
-/// Vibration of one joint after sign changes of its torque.
+/// Vibration of one joint after sign changes of its torque, compared with its vibration otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impacts {
     /// Index of the joint whose torque changes its sign.
     pub joint: usize,
-    /// Ratio of the vibration's power to that before the changes or elsewhere, whichever is greater.
+    /// Ratio of the vibration's power after sign changes to that before them or elsewhere, whichever is greater.
     pub ratio: f64,
-    /// Root mean square of the blows while they last, over the deviation of the joint's torque.
+    /// RMS of the vibration in excess after sign changes, relative to the standard deviation of the joint's torque.
     pub size: f64,
-    /// Number of sign changes that were seen.
+    /// Number of sign changes after which enough samples can be used.
     pub changes: usize,
-    /// Part of the sign changes after which the vibration is stronger than its typical level.
+    /// Part of these sign changes after which the vibration is stronger than its typical level.
     pub followed: f64,
 }
 
 impl Impacts {
-    /// Strength of the evidence, nats: log-likelihood ratio of as many variances.
+    /// Evidence for impacts, nats: log-likelihood ratio of the vibration's variance with and without them.
     fn weight(&self) -> f64 {
         0.5 * self.changes as f64 * self.ratio.ln()
     }
 }
 
-/// Signals of one joint in which blows are searched.
+/// Signals of one joint in which impacts are searched.
 struct Listened {
+    /// Index of the joint.
     joint: usize,
     /// Band-passed residual at the recorded samples.
     vibration: Array1<f64>,
@@ -72,7 +76,7 @@ struct Listened {
 }
 
 impl Listened {
-    /// Vibration after some sign changes; none where fewer than `fewest` are seen.
+    /// Vibration after the sign changes `changes`; none where fewer than `fewest` can be used.
     fn after(&self, changes: &[usize], rate: f64, fewest: usize) -> Option<Impacts> {
         let seen = contrast(&self.vibration, &self.usable, changes, rate, fewest)?;
         Some(Impacts {
@@ -85,17 +89,21 @@ impl Listened {
     }
 }
 
-/// Search for blows on all joints of a recording.
+/// Search for impacts on all joints of a recording.
 pub struct Blows<'a> {
+    /// Signals of each joint.
     joints: Vec<Listened>,
+    /// Ranges of samples of each trajectory.
     segments: &'a [Range<usize>],
+    /// Sampling rate, Hz.
     rate: f64,
+    /// Thresholds of the search.
     settings: &'a BlowSettings,
 }
 
 impl<'a> Blows<'a> {
-    /// `residual` and `load`, the torque that a joint's link needs, at the recorded samples, shape (samples,
-    /// joints). None where the sampling rate is too low for vibration.
+    /// Prepares the search in a fit's residual. `residual`, and the torque `load` that each joint's link needs, have
+    /// the shape (samples, joints). None where the sampling rate is too low for the vibration.
     pub fn new(
         frame: &'a Frame,
         residual: &Array2<f64>,
@@ -104,7 +112,7 @@ impl<'a> Blows<'a> {
     ) -> Option<Self> {
         let rate = frame.report().rate_hz;
         let (foot, top) = heard(rate)?;
-        // A lower band smears steps of friction further.
+        // Windows are widened with a lower band, as its filters spread steps of friction over a longer time.
         let wider = BAND.0 / foot;
         let (low, high) = (
             butterworth(2, foot, rate).ok()?,
@@ -147,7 +155,7 @@ impl<'a> Blows<'a> {
                 usable: usable(true),
                 changes,
             };
-            // Where other joints turn round all the time, their reversals must be borne with.
+            // Reversals of other joints are only left out where enough samples remain without them.
             if one.after(&one.changes, rate, settings.fewest).is_none() {
                 one.usable = usable(false);
             }
@@ -161,11 +169,13 @@ impl<'a> Blows<'a> {
         })
     }
 
-    /// Joint with the strongest evidence of blows, if any passes the thresholds.
+    /// Joint with the strongest evidence of impacts; none where no joint passes the thresholds.
     pub fn clearest(&self) -> Option<Impacts> {
         self.following(|joint| joint.after(&joint.changes, self.rate, self.settings.fewest))
     }
 
+    /// Joint with the strongest evidence among those that pass the thresholds. `after` gives the vibration of a joint
+    /// after its sign changes.
     fn following(&self, after: impl Fn(&Listened) -> Option<Impacts>) -> Option<Impacts> {
         let each = self.joints.iter().filter_map(after);
         let s = self.settings;
@@ -173,8 +183,8 @@ impl<'a> Blows<'a> {
             .max_by(|a, b| a.weight().total_cmp(&b.weight()))
     }
 
-    /// Chance of blows as clear as `seen` where vibration follows nothing: (1 + number of clearer shifts)/(1 +
-    /// [`MOVED`]). The sign changes of each trajectory are shifted circularly by a random part of its length.
+    /// Probability (p-value) of impacts as clear as `seen` by chance: (1 + number of clearer shifts)/(1 + [`MOVED`]).
+    /// In each shift, the sign changes of every trajectory move circularly by a random time.
     pub fn chance(&self, seen: &Impacts) -> f64 {
         let as_clear = |number: u64| {
             let mut rng = ChaCha8Rng::seed_from_u64(SEED);
@@ -193,14 +203,14 @@ impl<'a> Blows<'a> {
     }
 }
 
-/// Band of vibration that a recording of a sampling rate holds, Hz; none where it is too narrow. A slow
-/// recording gets a lower band, which holds the first part of the ringing, too.
+/// Band of vibration, Hz, that can be evaluated at a sampling rate; none where it is too low. A slow recording gets a
+/// lower band, which holds the first part of the ringing, too.
 fn heard(rate: f64) -> Option<(f64, f64)> {
     let top = BAND.1.min(0.35 * rate);
     (top >= LOWEST).then(|| (BAND.0.min(0.4 * top), top))
 }
 
-/// Samples shifted circularly within their segments.
+/// Sample indices `at` shifted circularly within their segments, by the number of samples `by` of each segment.
 fn moved(at: &[usize], segments: &[Range<usize>], by: &[usize]) -> Vec<usize> {
     let each = segments.iter().zip(by).flat_map(|(s, by)| {
         let own = at.iter().filter(|i| s.contains(i));
@@ -209,19 +219,21 @@ fn moved(at: &[usize], segments: &[Range<usize>], by: &[usize]) -> Vec<usize> {
     each.collect()
 }
 
-/// Power of the vibration after sign changes against that before them or elsewhere, whichever is greater.
+/// Vibration after sign changes compared with that before them or elsewhere, whichever is greater.
 struct Contrast {
+    /// Ratio of the vibration's power after sign changes to the reference.
     ratio: f64,
-    /// Root mean square of the vibration in excess of that before the changes or elsewhere.
+    /// RMS of the vibration in excess of the reference, N·m (N).
     excess: f64,
-    /// Number of sign changes that are seen.
+    /// Number of sign changes after which enough samples can be used.
     changes: usize,
-    /// Part of the sign changes after which the vibration is stronger than its typical level. One loud passage makes
-    /// that part small, blows make it large.
+    /// Part of these sign changes after which the vibration is stronger than the reference. Impacts make it large; one
+    /// passage of strong vibration does not.
     followed: f64,
 }
 
-/// Contrast of the vibration after some sign changes; none where fewer than `fewest` are seen.
+/// Contrast of the vibration after the sign changes `at`; none where fewer than `fewest` can be used. `usable` tells
+/// the samples away from reversals and ends.
 fn contrast(
     vibration: &Array1<f64>,
     usable: &[bool],
@@ -281,11 +293,13 @@ pub(super) fn changes(x: impl Iterator<Item = f64>, segments: &[Range<usize>]) -
         .collect()
 }
 
-/// Whole number of samples in a time, s. A rate that the stamps give slightly too low is rounded up.
+/// Number of samples in a time, s, at a rate in Hz. A rate that the time stamps give slightly too low does not lose a
+/// sample.
 fn count(time: f64, rate: f64) -> usize {
     (time * rate + 0.01) as usize
 }
 
+/// Sets `flags` to `value` in a window around each sample of `at`; `reach` is in s before and after.
 fn mark(flags: &mut [bool], at: &[usize], reach: (f64, f64), rate: f64, value: bool) {
     let (before, after) = (count(reach.0, rate), count(reach.1, rate));
     let n = flags.len();
@@ -294,7 +308,7 @@ fn mark(flags: &mut [bool], at: &[usize], reach: (f64, f64), rate: f64, value: b
     }
 }
 
-/// Band-pass: difference of two low-passes.
+/// Band-pass of a signal within each segment: difference of two zero-phase low-passes.
 fn band(x: &[f64], segments: &[Range<usize>], low: &[Section], high: &[Section]) -> Array1<f64> {
     let mut out = Array1::zeros(x.len());
     for s in segments {

@@ -1,4 +1,5 @@
-//! Traces that a residual shows by itself: pushes, blows, periodic lines over position, structure.
+//! Traces: patterns in a residual that identify an effect without a fit. They are pushes, impacts, periodic lines and
+//! structure.
 
 pub(crate) mod contact;
 pub(crate) mod impacts;

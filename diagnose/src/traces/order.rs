@@ -1,32 +1,40 @@
-//! Periodogram of a residual over a joint's position. Orders need not be whole numbers.
+//! Periodogram of a residual over a joint's position. An order is an angular frequency over position, 1/rad (1/m); it
+//! need not be a whole number.
 
 use crate::algebra::cholesky::Cholesky;
 use ndarray::{Array1, Array2, ArrayView1};
 use std::f64::consts::{PI, TAU};
 
-/// Least number of cycles over the recorded range.
+/// Least number of cycles that a line must have over the recorded range of positions.
 const FEWEST_CYCLES: f64 = 2.5;
-/// Largest number of cycles over the recorded range.
+/// Largest number of cycles that are searched over the recorded range of positions.
 const MOST_CYCLES: f64 = 320.0;
-/// Largest frequency of a line at the joint's root mean square velocity, relative to the sampling rate.
+/// Largest frequency in time of a line at the joint's RMS velocity, as a part of the sampling rate.
 const RATE_SHARE: f64 = 0.33;
-/// Number of bins after which sine and cosine are evaluated anew, against rounding.
+/// Number of bins after which sine and cosine are computed anew, so that rounding errors do not add up.
 const ANEW: usize = 64;
 
-/// A residual summed over bins of position, with slow torques of position removed.
+/// Residual of a joint, summed over bins of its position, from which slow torques of position are removed.
 pub struct Orders {
+    /// Sum of the residual in each bin, N·m (N).
     sum: Vec<f64>,
+    /// Number of samples in each bin.
     count: Vec<f64>,
+    /// Lowest recorded position, rad (m).
     low: f64,
+    /// Range of the recorded positions, rad (m).
     range: f64,
-    /// Least and most order, 1/rad (1/m).
+    /// Least and largest order that the recording resolves, 1/rad (1/m).
     pub span: [f64; 2],
 }
 
-/// Sine and cosine of one order, and the squared error that they remove.
+/// Periodic line of one order: its sine and cosine coefficients, and the squared error that it removes.
 struct Line {
+    /// Coefficient of the sine, N·m (N).
     sine: f64,
+    /// Coefficient of the cosine, N·m (N).
     cosine: f64,
+    /// Squared error that the line removes, summed over samples, (N·m)².
     gain: f64,
 }
 
@@ -87,12 +95,13 @@ impl Orders {
         self.range / self.count.len() as f64
     }
 
+    /// Position at the middle of a bin, rad (m).
     fn place(&self, bin: usize) -> f64 {
         self.low + (bin as f64 + 0.5) * self.width()
     }
 
-    /// Calls `f` with each bin and the sine and cosine of an order there. They are rotated from bin to bin, and
-    /// evaluated anew every [`ANEW`] bins so that rounding does not add up.
+    /// Calls `f` with each bin, and the sine and cosine of order `k` at its middle. Both are rotated from bin to bin,
+    /// and computed anew every [`ANEW`] bins so that rounding errors do not add up.
     fn turning(&self, k: f64, mut f: impl FnMut(usize, f64, f64)) {
         let (turn_s, turn_c) = (k * self.width()).sin_cos();
         for start in (0..self.count.len()).step_by(ANEW) {
@@ -114,13 +123,13 @@ impl Orders {
             .collect()
     }
 
-    /// Strongest order, 1/rad (1/m), and the squared error that it removes.
+    /// Order that removes most squared error, 1/rad (1/m), and that squared error; none where no order is resolved.
     pub fn strongest(&self) -> Option<(f64, f64)> {
         let all = self.periodogram().into_iter();
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The strongest orders, 1/rad (1/m), at most `most`, fitted together.
+    /// Strongest orders, 1/rad (1/m), at most `most`, fitted together.
     pub fn lines(mut self, most: usize) -> Vec<f64> {
         let mut found: Vec<(f64, Line)> = Vec::new();
         for _ in 0..most {
@@ -128,7 +137,7 @@ impl Orders {
                 break;
             };
             found.push(self.taken(best));
-            // Uneven coverage makes the lines lean on each other: each is fitted again without the rest.
+            // Lines overlap where positions are unevenly covered, so each is fitted again with the others removed.
             for l in (0..found.len()).chain(0..found.len()) {
                 let (k, line) = &found[l];
                 self.add(*k, line, 1.0);
@@ -138,7 +147,7 @@ impl Orders {
         found.into_iter().map(|(k, _)| k).collect()
     }
 
-    /// Removes the line nearest to an order from the sums, and returns it.
+    /// Line whose order is the best near `order`, with that order. The line is removed from the sums.
     fn taken(&mut self, order: f64) -> (f64, Line) {
         let k = self.refined(order);
         let line = self.line(k);
@@ -146,6 +155,7 @@ impl Orders {
         (k, line)
     }
 
+    /// Order near `k` at which a line removes most squared error.
     fn refined(&self, mut k: f64) -> f64 {
         let gain = |k: f64| self.line(k).gain;
         for width in [self.step() / 2.0, self.step() / 8.0, self.step() / 32.0] {
@@ -157,6 +167,7 @@ impl Orders {
         k
     }
 
+    /// Adds a line of order `k` times `sign` to the sums.
     fn add(&mut self, k: f64, line: &Line, sign: f64) {
         let mut sum = std::mem::take(&mut self.sum);
         let count = &self.count;
@@ -166,7 +177,7 @@ impl Orders {
         self.sum = sum;
     }
 
-    /// Least-squares sine and cosine of one order.
+    /// Line of one order, by least squares.
     fn line(&self, k: f64) -> Line {
         let (mut ss, mut sc, mut cc, mut sy, mut cy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         self.turning(k, |b, s, c| {
@@ -194,7 +205,8 @@ impl Orders {
     }
 }
 
-/// Removes a polynomial of degree four over the range from the sums: slow torques of position leak into low orders.
+/// Removes a polynomial of degree four over position from the sums. Slow torques of position would otherwise appear as
+/// low orders.
 fn remove_trend(sum: &mut [f64], count: &[f64]) {
     const TERMS: usize = 5;
     let powers = |b: usize| {

@@ -29,24 +29,25 @@ use steady::steadiness;
 pub use windows::suspected;
 use windows::{WINDOW, adjacent, windows};
 
-/// Half width of the running means that follow a burst, s, and the number of passes.
+/// Half width of the running mean that smooths the torque within a burst, s.
 const SMOOTH: f64 = 0.012;
+/// Number of passes of that running mean.
 const PASSES: usize = 2;
 
-/// Burst of a residual: a stretch in which some joint's torque is far above its level in the recording.
+/// Burst of a residual: a stretch of time in which some joint's residual is far above its level in the recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Burst {
-    /// Range of recorded samples that the burst takes.
+    /// Range of the recorded samples that are in the burst.
     pub samples: Range<usize>,
-    /// Index of the last joint that the burst loads.
+    /// Index of the outermost joint that the burst loads: a force on its link loads this joint and those before it.
     pub last_joint: usize,
-    /// Height of the burst: largest torque over the joint's level in this recording.
+    /// Largest residual in the burst, relative to the joint's level in this recording.
     pub height: f64,
     /// Whether a joint that the burst loads was at rest.
     pub at_rest: bool,
 }
 
-/// Bursts of a recording and the torque of the pushes.
+/// Pushes of a recording: bursts of the residual that a force from outside made, and their torque.
 #[derive(Clone, Debug)]
 pub struct Contact {
     /// Bursts in the order of the samples.
@@ -59,9 +60,9 @@ pub struct Contact {
     pub at_rest: bool,
 }
 
-/// Detects pushes in a residual at the recorded samples. For joints in motion only with `moving`: then the
-/// motion does not explain the residual. `load` is the torque that the links need, shape (samples, joints).
-/// None where no burst stands out, or too many do.
+/// Detects pushes in a residual at the recorded samples. Joints in motion count only with `moving`, where the motion
+/// does not explain the residual. `load` is the torque that the links need, shape (samples, joints). None where no
+/// burst stands out, or bursts take too much of the time.
 pub fn detect(
     frame: &Frame,
     left: &Judged,
@@ -102,8 +103,8 @@ pub fn detect(
         b.clone()
             .any(|w| (0..dof).any(|j| loaded(w, j) && windows.standing[[w, j]]))
     };
-    // A rest that is pushed was quiet before and is again afterwards; how a joint comes to rest is no push. Whoever pushes a standing joint
-    // hard makes it budge, and it stands again a little later.
+    // Bursts at rest count where the joint was quiet before and is so again afterwards: a joint that comes to rest is
+    // no push. A hard push moves a joint a little, and it stands again soon.
     let budging = ((settings.budging / WINDOW).round() as usize).max(1);
     let between = |b: &Range<usize>| {
         let pushed = |j: &usize| {
@@ -118,7 +119,8 @@ pub fn detect(
         before.any(|w| adjacent(&windows.samples, w, b.start) && quiet(w))
             && after.any(|w| adjacent(&windows.samples, b.end - 1, w) && quiet(w))
     };
-    // Friction of a joint that gave way a little holds it there: against a push, motor torque and way are opposite.
+    // Friction can hold a joint that was pushed away a little: against a push, motor torque and displacement are
+    // opposite.
     let unheld = |w: usize, j: usize| {
         let of = windows.samples[w].clone();
         let mean = of.clone().map(|i| left.beyond[[i, j]]).sum::<f64>() / of.len() as f64;
@@ -147,15 +149,15 @@ pub fn detect(
     let samples = |b: &Range<usize>| windows.samples[b.start].start..windows.samples[b.end - 1].end;
     let time = &frame.samples().time;
     let last = windows.samples[n - 1].end;
-    // What has not ended, or presses on and on, is a load.
+    // Bursts that have not ended, or are very long, are loads and no pushes.
     bursts.retain(|b| {
         let s = samples(b);
         s.end < last && time[s.end - 1] - time[s.start] <= settings.longest
     });
-    // What comes again with the motion is the robot's own.
+    // Bursts that recur with the motion are the robot's own.
     bursts.retain(|b| !repeats(frame, &left.departure, &samples(b), &usual, settings.again));
     let inside: usize = bursts.iter().map(Range::len).sum();
-    // How well the motion is explained says nothing of pushes at rest.
+    // Joints in motion do not count where all bursts are at rest: the residual in motion tells nothing of those.
     let resting = bursts.iter().all(at_rest);
     let counts = |w: usize, j: &usize| !resting || windows.standing[[w, *j]];
     let energy = |w: usize| {
@@ -232,8 +234,8 @@ pub fn detect(
     })
 }
 
-/// Part of the bursts' load in bursts of which no joint bears more than the part `alone`. Load: squared mean
-/// torques relative to the joints' torques.
+/// Part of the bursts' load that lies in bursts of which no joint bears more than the part `alone`. The load is the
+/// squared mean torque relative to the joint's torque variance.
 fn together(torque: &Array2<f64>, bursts: &[Burst], frame: &Frame, alone: f64) -> f64 {
     let (mut several, mut all) = (0.0, 0.0);
     for burst in bursts {
@@ -253,7 +255,8 @@ fn together(torque: &Array2<f64>, bursts: &[Burst], frame: &Frame, alone: f64) -
     several / all
 }
 
-/// Residual of a joint inside a burst, smoothed by running means that shorten towards its ends.
+/// Writes a joint's residual in the range `samples`, smoothed by running means that shorten towards its ends, to
+/// `torque`.
 fn follow(
     residual: ArrayView1<f64>,
     samples: Range<usize>,
@@ -288,13 +291,13 @@ impl Contact {
             .collect()
     }
 
-    /// Joints that the pushes load.
+    /// Indices of the joints that the pushes load.
     pub fn loaded(&self) -> Vec<usize> {
         let last = self.bursts.iter().map(|b| b.last_joint).max();
         (0..=last.unwrap_or(0)).collect()
     }
 
-    /// The pushes for the report; `recording` is `data` or `heldout`.
+    /// Pushes for the report; `recording` is `data` or `heldout`.
     pub fn pushes(&self, recording: &'static str, robot: &Robot, frame: &Frame) -> Vec<Push> {
         let motion = frame.samples();
         let one = |b: &Burst| {

@@ -1,4 +1,4 @@
-//! Windows of a residual: its mean on each joint, in motion and at rest.
+//! Windows of time with the mean residual of each joint, in motion and at rest.
 
 use crate::motion::frame::Frame;
 use crate::motion::standing::{Judged, State};
@@ -8,15 +8,19 @@ use std::ops::Range;
 /// Length of a window of the residual, s.
 pub(super) const WINDOW: f64 = 0.12;
 
-/// Windows of all trajectories with the mean residual of each joint; none where the joint reverses or stops.
+/// Windows of all trajectories, one after another, with each joint's mean residual.
 pub(super) struct Windows {
+    /// Range of the recorded samples of each window.
     pub samples: Vec<Range<usize>>,
+    /// Mean residual, N·m (N), shape (windows, joints); none where the joint reverses or stops in the window.
     pub mean: Array2<Option<f64>>,
+    /// Whether the joint stands throughout the window, shape (windows, joints).
     pub standing: Array2<bool>,
 }
 
 impl Windows {
-    /// Usual size of a joint's window means, in motion or at rest: robust standard deviation, at least `least`.
+    /// Typical magnitude of a joint's window means, in motion or at rest, N·m (N): robust standard deviation, at least
+    /// `least`.
     pub fn usual(&self, joint: usize, standing: bool, least: f64) -> f64 {
         let of = |w: usize| self.mean[[w, joint]].filter(|_| self.standing[[w, joint]] == standing);
         let mut size: Vec<f64> = (0..self.samples.len())
@@ -33,6 +37,7 @@ pub(super) fn adjacent(samples: &[Range<usize>], a: usize, b: usize) -> bool {
     a <= b && (a..b).all(|w| samples[w].end == samples[w + 1].start)
 }
 
+/// Windows of a residual. Joints in motion have means only with `moving`.
 pub(super) fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
     let length = ((WINDOW * frame.report().rate_hz).round() as usize).max(2);
     let samples: Vec<Range<usize>> = frame
@@ -47,7 +52,7 @@ pub(super) fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
         |w: usize, j: usize, state: State| samples[w].clone().all(|i| left.state[[i, j]] == state);
     let shape = (samples.len(), frame.dof());
     let standing = Array2::from_shape_fn(shape, |(w, j)| all(w, j, State::Standing));
-    // What happens while a joint turns round is friction's.
+    // Windows with a reversal are left out, as friction makes their residual.
     let qd = &frame.samples().qd;
     let mean = Array2::from_shape_fn(shape, |(w, j)| {
         let turns = || {
@@ -71,8 +76,8 @@ pub(super) fn windows(frame: &Frame, left: &Judged, moving: bool) -> Windows {
     }
 }
 
-/// Samples of the loudest windows outside `skipped`: a part `part` of all, by the residual over each joint's typical
-/// level. There a force from outside may have bent the fit.
+/// Whether each sample is in one of the windows with the largest residuals, which a force from outside may have made.
+/// They are the part `part` of all windows outside `skipped`, by residual relative to each joint's typical level.
 pub fn suspected(frame: &Frame, left: &Judged, skipped: &[bool], part: f64) -> Vec<bool> {
     let windows = windows(frame, left, true);
     let levels: Vec<f64> = (0..frame.dof())
