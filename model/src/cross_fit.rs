@@ -13,7 +13,7 @@ use signal::cholesky;
 /// Ridge relative to the columns' norms, as in the identification.
 const RIDGE: f64 = 3e-5;
 
-/// Normal equations over all parameters.
+/// Normal equations over all parameters of the physics.
 #[derive(Clone)]
 struct Normal {
     products: Array2<f64>,
@@ -21,6 +21,7 @@ struct Normal {
 }
 
 impl Normal {
+    /// Normal equations without rows.
     fn empty(size: usize) -> Self {
         Self {
             products: Array2::zeros((size, size)),

@@ -70,7 +70,7 @@ pub enum FitError {
     Model(#[from] physics::torque_model::TorqueModelError),
 }
 
-/// A fitted model with its intermediate results.
+/// Fitted model of the physics with its intermediate results.
 pub struct Fit {
     /// Fitted model as `model.json` holds it.
     pub file: ModelFile,
@@ -216,6 +216,7 @@ impl Fit {
     }
 }
 
+/// Quality of an identification: conditioning, residual tests and possible links.
 fn diagnose(
     robot: &Robot,
     identified: &Identified,
@@ -260,6 +261,7 @@ fn diagnose(
     })
 }
 
+/// Record of the identified physics, for `model.json`.
 fn record(robot: &Robot, identified: &Identified) -> TorqueModelRecord {
     let base = identified.base.len();
     let estimate = &identified.estimate;

@@ -11,12 +11,14 @@ pub(super) const FILE: &str = "covariance.json";
 /// Version of the file that this program writes and reads.
 const SCHEMA: &str = "covariance/1";
 
+/// Contents of `covariance.json`, to be written.
 #[derive(Serialize)]
 struct Written<'a> {
     schema: &'static str,
     covariance: &'a [Vec<f64>],
 }
 
+/// Contents of `covariance.json`, as read.
 #[derive(Deserialize)]
 struct Stored {
     schema: String,

@@ -300,6 +300,7 @@ impl ModelFile {
         self.base_parameters.len() + terms.filter(|w| w.term.passive().is_none()).count()
     }
 
+    /// Whether the covariance has a row and a column for each fitted parameter.
     fn covariance_fits(&self) -> bool {
         let size = self.fitted_parameters();
         self.covariance.len() == size && self.covariance.iter().all(|row| row.len() == size)

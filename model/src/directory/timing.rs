@@ -66,10 +66,10 @@ impl Timing {
         Ok(Some(timing))
     }
 
-    /// Writes it into a model directory.
+    /// Writes the timing into a model directory.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// File that cannot be written.
     pub fn save(&self, directory: &Path) -> Result<(), DirectoryError> {
         Ok(report::write_atomic(&directory.join(FILE), json(self))?)
     }

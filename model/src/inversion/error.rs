@@ -8,7 +8,7 @@ use physics::torque_model::TorqueModelError;
 /// Reason why positions cannot be computed from torque.
 #[derive(Debug, thiserror::Error)]
 pub enum InversionError {
-    /// No trajectory from which to learn motions.
+    /// Recordings without any trajectory from which motions can be learned.
     #[error("there is no trajectory of six samples or more to learn motions from")]
     NoTrajectory,
     /// Too few trajectories of one length for that many shapes.
@@ -23,31 +23,31 @@ pub enum InversionError {
         /// Number of trajectories needed.
         needed: usize,
     },
-    /// A joint that does not move.
+    /// Joint that does not move.
     #[error("a joint never moves: where it stands cannot be learned from torque")]
     Still,
-    /// A recording without torque.
+    /// Recording without torque, with its name.
     #[error("`{0}` has no torque")]
     NoTorque(String),
-    /// A recording of another rate, or with longer trajectories.
+    /// Recording of another rate or with longer trajectories, with its name.
     #[error("`{0}` has another rate than the motions that were learned, or longer trajectories")]
     Other(String),
-    /// Cancelled before the end.
+    /// Search that was cancelled.
     #[error("interrupted")]
     Interrupted,
-    /// The decomposition did not converge.
+    /// Matrix decomposition that did not converge.
     #[error("the decomposition of the motions did not converge")]
     Decomposition,
-    /// A model that does not fit together.
+    /// Model whose parts do not fit together.
     #[error(transparent)]
     Model(#[from] TorqueModelError),
-    /// Files of the model directory.
+    /// File of the model directory that cannot be read or written.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
-    /// The motion found cannot be prepared.
+    /// Motion that was found but cannot be prepared.
     #[error(transparent)]
     Prepare(#[from] PrepareError),
-    /// The compensator cannot be used.
+    /// Compensator that cannot be used.
     #[error(transparent)]
     Residual(#[from] ResidualError),
 }

@@ -1,7 +1,7 @@
-//! Torque of a motion as a smooth function of the sample, for the solver's derivatives.
+//! Smooth law from motion to torque, whose derivatives the solver needs.
 //!
-//! Rigid body and springs are the identified model's own. Its friction has memory; here it is replaced by a
-//! curve over speed. The curve is fitted to the training torque in motion minus that of rigid body and springs.
+//! Rigid body and springs are those of the identified model. Its friction has memory, and is replaced here by a curve
+//! over velocity. The curve is fitted to the training torque in motion, less that of rigid body and springs.
 
 use super::error::InversionError;
 use datasets::metrics::MOVING;
@@ -12,19 +12,20 @@ use physics::torque_model::TorqueModel;
 use serde::{Deserialize, Serialize};
 use signal::cholesky;
 
-/// Velocity over which the curved friction rises, in RMS speeds of the joint.
+/// Velocity over which the curved part of friction rises, in RMS speeds of the joint.
 const CURVED: f64 = 1.0;
-/// Velocity of softening of friction's sign in the fit, in RMS speeds.
+/// Velocity over which friction's sign is softened in the fit, in RMS speeds of the joint.
 pub(super) const SOFTNESS: f64 = 0.02;
-/// Step of numerical derivatives, rad (rad/s).
+/// Step of numerical derivatives, rad or rad/s.
 const STEP: f64 = 1e-6;
 /// Number of columns of a joint's friction.
 const COLUMNS: usize = 5;
-/// Ridge on the friction columns, relative to their squares.
+/// Ridge on the friction columns, relative to their squared sums.
 const RIDGE: f64 = 1e-9;
 
-/// Torque added to rigid body and springs on one joint, N·m (N): offset + inertia·q̈ + viscous·q̇ +
-/// coulomb·tanh(q̇/soft) + curved·tanh(q̇/speed).
+/// Friction of one joint as a function of its velocity: torque in addition to rigid body and springs, N·m (N).
+///
+/// It is offset + inertia·q̈ + viscous·q̇ + coulomb·tanh(q̇/soft) + curved·tanh(q̇/speed).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointFriction {
     /// Coefficients of offset, inertia, viscous, coulomb and curved.
@@ -37,7 +38,7 @@ pub struct JointFriction {
     pub standing: f64,
 }
 
-/// Columns, and their derivatives by velocity.
+/// Columns of a joint's friction, and their derivatives with respect to velocity.
 fn columns(qd: f64, qdd: f64, soft: f64, curved: f64) -> [[f64; COLUMNS]; 2] {
     let (sign, bend) = ((qd / soft).tanh(), (qd / curved).tanh());
     [
@@ -53,7 +54,8 @@ fn columns(qd: f64, qdd: f64, soft: f64, curved: f64) -> [[f64; COLUMNS]; 2] {
 }
 
 impl JointFriction {
-    /// Least-squares fit over the samples in motion. `left` is the torque minus that of rigid body and springs, N·m (N).
+    /// Friction by least squares over the samples in motion; none where there are too few. `left` is the torque less
+    /// that of rigid body and springs, N·m (N).
     fn fit(left: &[f64], qd: ArrayView1<f64>, qdd: ArrayView1<f64>) -> Option<Self> {
         let moves = |k: &usize| qd[*k].abs() > MOVING;
         let moving: Vec<usize> = (0..left.len()).filter(moves).collect();
@@ -97,23 +99,33 @@ impl JointFriction {
     }
 }
 
-/// Smooth law: rigid body and springs of an identified model, with a friction curve for each joint.
+/// Smooth law from motion to torque: rigid body and springs of an identified model, and a friction curve for each
+/// joint.
 pub(super) struct Law {
+    /// Robot with the identified parameters.
     robot: Robot,
+    /// Springs and counterbalances, each with its factor.
     passive: Vec<(f64, Passive)>,
+    /// Friction of each joint.
     pub friction: Vec<JointFriction>,
 }
 
-/// Torque of a sample and its derivatives by position, velocity and acceleration, each N × N, row-major.
+/// Torque of one sample with its derivatives, and buffers for them.
 pub(super) struct Derived {
+    /// Torque of each joint, N·m (N).
     pub torque: Vec<f64>,
+    /// Derivatives of the torque with respect to position, velocity and acceleration; each N × N, row-major.
     pub by: [Vec<f64>; 3],
+    /// Buffers of the rigid-body dynamics.
     workspace: Workspace,
+    /// Buffer for a position or velocity with one value changed.
     moved: Vec<f64>,
+    /// Buffer for the torque there.
     other: Vec<f64>,
 }
 
 impl Derived {
+    /// Buffers for a robot.
     pub(super) fn new(robot: &Robot) -> Self {
         let n = robot.dof();
         let square = || vec![0.0; n * n];
@@ -128,6 +140,7 @@ impl Derived {
 }
 
 impl Law {
+    /// Law of a model with the given friction.
     pub(super) fn new(model: &TorqueModel, friction: Vec<JointFriction>) -> Self {
         let terms = model.terms().iter().flatten();
         let passive = terms.filter_map(|w| Some((w.value, w.term.passive()?)));
@@ -138,10 +151,10 @@ impl Law {
         }
     }
 
-    /// Fits the friction to torque and motion, tables of shape (samples, joints).
+    /// Law of a model with friction fitted to torque and motion, tables of shape (samples, joints).
     ///
     /// # Errors
-    /// A joint that hardly moves.
+    /// Joint that hardly moves.
     pub(super) fn fit(
         model: &TorqueModel,
         q: &Array2<f64>,
@@ -168,17 +181,20 @@ impl Law {
         Ok(law)
     }
 
+    /// Robot with the identified parameters.
     pub(super) fn robot(&self) -> &Robot {
         &self.robot
     }
 
+    /// Adds the torque of springs and counterbalances at position `q` to `torque`.
     fn springs(&self, q: &[f64], torque: &mut [f64]) {
         for (value, passive) in &self.passive {
             torque[passive.joint()] += value * passive.torque(q[passive.joint()]);
         }
     }
 
-    /// Torque of one sample and its derivatives; `softness` is the velocity of softening of friction's sign, in RMS speeds.
+    /// Writes torque and derivatives of one sample to `at`. `softness` is the velocity over which friction's sign is
+    /// softened, in RMS speeds of the joint.
     pub(super) fn derive(
         &self,
         q: &[f64],

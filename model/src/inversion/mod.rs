@@ -28,23 +28,24 @@ use signal::Motion;
 use solve::{Solved, Trajectory};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Name of its rows of scores.
+/// Name of the scores of positions that were found from torque by the identified model.
 pub const PHYSICS_FORWARD: &str = "physics_forward";
 
-/// Learned prior and friction with which positions are found, beside the identified model.
+/// Inversion of an identified model, from torque to positions: the prior and the friction that it needs besides the
+/// model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inversion {
     /// Prior on motions, learned from the training trajectories.
     pub prior: MotionPrior,
-    /// Friction of each joint as a curve over speed.
+    /// Friction of each joint as a function of velocity.
     pub friction: Vec<JointFriction>,
 }
 
 impl Inversion {
-    /// Learns from recordings and their motion at the samples.
+    /// Learns prior and friction from recordings and their motion at the samples.
     ///
     /// # Errors
-    /// Recordings without torque, too few motions, a joint that hardly moves.
+    /// Recordings without torque, too few motions, or a joint that hardly moves.
     pub fn learn(
         model: &TorqueModel,
         data: &[(&Recording, &Motion)],
@@ -73,14 +74,15 @@ impl Inversion {
         })
     }
 
-    /// Positions of a recording from its torque and the first position of each trajectory, shape (samples, joints).
+    /// Positions of a recording from its torque and the first position of each trajectory, rad (m), shape (samples,
+    /// joints).
     ///
-    /// The motion is first found with the smooth law alone. Then the difference between the whole model and
-    /// that law on this motion is subtracted from the recorded torque, and it is found again. Raising `cancel`
-    /// ends it early.
+    /// The motion is first found with the smooth law alone. The difference between the whole model and that law on this
+    /// motion is then subtracted from the recorded torque, and the motion is found again. Raising `cancel` ends the
+    /// search.
     ///
     /// # Errors
-    /// A recording without torque, of another rate, or with longer trajectories than those that were learned; the interruption.
+    /// Recording without torque, of another rate, or with longer trajectories than the learned ones; cancellation.
     pub fn positions(
         &self,
         whole: &Loaded,
@@ -103,7 +105,7 @@ impl Inversion {
         Ok(found.q)
     }
 
-    /// Finds the motion of every trajectory with `find`.
+    /// Motion of every trajectory, found by `find`.
     fn each(
         &self,
         law: &Law,
@@ -150,14 +152,17 @@ impl Inversion {
     }
 }
 
-/// Motions of a recording and the torque of the smooth law, tables of shape (samples, joints).
+/// Motion found for a recording.
 struct Found {
+    /// Positions, rad (m), shape (samples, joints).
     q: Array2<f64>,
+    /// Torque of the smooth law, N·m (N), shape (samples, joints).
     torque: Array2<f64>,
+    /// Coefficients of the shapes, for each trajectory.
     coefficients: Vec<Vec<f64>>,
 }
 
-/// Torque of the whole model for a recording with the positions `q`.
+/// Torque of the whole model, N·m (N), for a recording with the positions `q` in place of its own.
 fn torque_at(
     whole: &Loaded,
     recording: &Recording,

@@ -9,17 +9,19 @@ use serde::{Deserialize, Serialize};
 use signal::spline::Spline;
 use std::collections::BTreeMap;
 
-/// Largest part of the squared motion that the shapes may fail to describe.
+/// Largest part of the squared motion that the shapes may leave undescribed.
 const LEFT: f64 = 1e-5;
-/// Fewest joint motions per shape: with fewer the shapes would be those very motions.
+/// Least number of recorded joint motions for each shape. With fewer, the shapes would be those very motions.
 const MOTIONS_BY_SHAPE: usize = 4;
 /// Fewest samples for a quintic spline.
 const LEAST: usize = 6;
 /// Largest relative difference at which two sampling rates count as the same.
 const SAME_RATE: f64 = 0.01;
 
-/// Shapes of motion with their scale. The position of a joint minus its start, over the samples of a
-/// trajectory, is `scale` · Σ coefficient · shape. Coefficients have the standard deviation `deviation`.
+/// Prior on motions: shapes over time, learned from the training trajectories.
+///
+/// The position of a joint less its start is `scale` · Σ coefficient · shape. The coefficients are independent, with
+/// mean 0 and the standard deviation `deviation`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionPrior {
     /// Sampling rate of the shapes, Hz.
@@ -30,7 +32,7 @@ pub struct MotionPrior {
     pub shapes: Vec<Vec<f64>>,
     /// Standard deviation of each shape's coefficient over motions and joints.
     pub deviation: Vec<f64>,
-    /// Share of the motions at standstill, by sample.
+    /// Share of the training motions that are at standstill, for each sample of a trajectory.
     pub standing: Vec<f64>,
 }
 

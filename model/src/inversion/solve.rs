@@ -1,10 +1,11 @@
 //! Solution of one trajectory: the motion whose torque is nearest to the recorded one, under the prior on motions.
 //!
-//! The unknowns are the coefficients of the shapes of every joint. Levenberg–Marquardt steps (Marquardt 1963)
-//! minimise torque errors and coefficients, each over its standard deviation. A gravity torque can belong to
-//! several branches of a pose. So the window of samples grows from the start, where the position is known, and
-//! each window begins from the solution of the one before. Then friction's sign is sharpened, and large errors
-//! lose weight as under Student's t.
+//! The unknowns are the coefficients of every joint's shapes. Levenberg–Marquardt steps (Marquardt 1963) minimise
+//! torque errors and coefficients, each over its standard deviation.
+//!
+//! One gravity torque can belong to several postures. The window of samples therefore grows from the start, where the
+//! position is known, and each window begins from the solution of the one before. At the end, friction's sign is
+//! sharpened, and large errors get less weight, as under Student's t.
 
 use super::law::{Derived, Law, SOFTNESS};
 use super::prior::{MotionPrior, Shapes};
@@ -15,76 +16,89 @@ use rand_distr::StandardNormal;
 use signal::cholesky;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// First window, s, and factor by which each window grows.
+/// Length of the first window, s.
 const FIRST: f64 = 6.0;
+/// Time by which each window is longer than the one before, s.
 const GROWS: f64 = 1.5;
 /// Number of random draws for each pair of neighbouring joints.
 const DRAWS: usize = 8;
-/// Correlation length of torque errors, samples. One sample in that many counts.
+/// Correlation length of torque errors, samples. So many samples count as one.
 const TOGETHER: f64 = 10.0;
 /// Degrees of freedom of Student's t for torque errors.
 const STUDENT: f64 = 6.0;
-/// Factor on the error's deviation in motion while the window grows, and part of it added at rest times the
-/// share of motions at rest.
+/// Deviation of torque errors while the window grows. The first number is a factor on the deviation in motion. The
+/// second is the part of the deviation at rest that is added, times the share of motions at rest.
 const WIDER: [f64; 2] = [3.0, 0.5];
 /// Velocity below which friction at rest takes over, rad/s (m/s).
 const RESTING: f64 = 0.01;
-/// Relative decrease of the cost at which a stage ends.
+/// Relative decrease of the cost in one step below which a stage ends.
 const ENOUGH: f64 = 1e-4;
-/// Damping of the steps: initial value, factor, lower and upper bound.
+/// Damping of the Levenberg–Marquardt steps: initial value, factor between trials, lower and upper bound.
 const DAMPING: [f64; 4] = [1e-2, 6.0, 1e-9, 1e8];
 
 /// Weighting of torque errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Weights {
-    /// Weights from the prior's share of motions at rest, while the motion itself is still far off.
+    /// Weights by the prior's share of motions at rest, used while the motion itself is not yet known.
     Schedule,
-    /// Weights from the motion's own velocity, lower for large errors.
+    /// Weights by the motion's own velocity, lower for large errors.
     Robust,
 }
 
-/// One stage of the solution.
+/// Stage of the solution: a window of samples, and how torque errors are weighted in it.
 #[derive(Clone, Copy, Debug)]
 struct Stage {
+    /// Velocity over which friction's sign is softened, in RMS speeds of the joint.
     softness: f64,
+    /// Weighting of torque errors.
     weights: Weights,
+    /// Largest number of steps.
     steps: usize,
-    /// Number of samples in the window.
+    /// Number of samples in the window, which begins at the start.
     until: usize,
 }
 
-/// Motion of one trajectory, tables of shape (samples, joints).
+/// Motion found for one trajectory, with its torque.
 #[derive(Clone, Debug)]
 pub(super) struct Solved {
+    /// Coefficient of each shape, joint by joint.
     pub coefficients: Vec<f64>,
+    /// Positions, rad (m), shape (samples, joints).
     pub q: Array2<f64>,
+    /// Torque of the smooth law, N·m (N), shape (samples, joints).
     pub torque: Array2<f64>,
 }
 
-/// Known quantities of a trajectory.
+/// Trajectory whose motion is to be found.
 pub(super) struct Trajectory<'a> {
+    /// Smooth law from motion to torque.
     pub law: &'a Law,
+    /// Prior on motions.
     pub prior: &'a MotionPrior,
+    /// Shapes of the prior at the samples.
     pub shapes: &'a Shapes,
     /// Recorded torque minus the part that the law does not describe, N·m (N), shape (samples, joints).
     pub torque: ArrayView2<'a, f64>,
     /// Position at the start, rad (m), by joint.
     pub start: &'a [f64],
-    /// Flag that cancels the search; the motion found then is of no use.
+    /// Flag that cancels the search; the motion found then must not be used.
     pub cancel: &'a AtomicBool,
 }
 
-/// Cost at some coefficients, and the normal equations of the next step.
+/// State of the search: cost at some coefficients, and the normal equations of the next step.
 struct State {
+    /// Cost: squared torque errors and coefficients, each over its variance.
     cost: f64,
-    /// Products Jᵀ·W·J and Jᵀ·W·r of the torque alone, without the prior.
+    /// Product Jᵀ·W·J of the torque errors, without the prior.
     products: Array2<f64>,
+    /// Product Jᵀ·W·r of the torque errors, without the prior.
     moments: Array1<f64>,
+    /// Motion of the coefficients.
     solved: Solved,
 }
 
 impl Trajectory<'_> {
-    /// Motion from the start position alone.
+    /// Motion of the trajectory, found from its start position alone.
     pub(super) fn solve(&self) -> Solved {
         let all = self.torque.nrows();
         let samples = |s: f64| (s * self.prior.rate_hz).round().max(1.0) as usize;
@@ -110,8 +124,8 @@ impl Trajectory<'_> {
         self.refine(best.solved.coefficients)
     }
 
-    /// Searches another branch of the pose: draws the motion of two neighbouring joints at random, descends
-    /// from there, and keeps the lower cost.
+    /// Search for a lower cost at other postures. The motion of two neighbouring joints is drawn at random, the cost is
+    /// lowered from there, and the better result is kept.
     fn redraw(&self, mut best: State, stage: Stage) -> State {
         let (joints, kept) = (self.torque.ncols(), self.prior.shapes.len());
         let mut random = ChaCha8Rng::seed_from_u64(0);
@@ -136,7 +150,7 @@ impl Trajectory<'_> {
         best
     }
 
-    /// Motion from coefficients near the solution.
+    /// Motion found from coefficients that are near the solution.
     pub(super) fn refine(&self, mut x: Vec<f64>) -> Solved {
         let sharp = |softness, steps| Stage {
             softness,
@@ -148,15 +162,17 @@ impl Trajectory<'_> {
         self.descend(x, sharp(SOFTNESS, 30))
     }
 
+    /// Number of coefficients of all joints.
     fn unknowns(&self) -> usize {
         self.torque.ncols() * self.prior.shapes.len()
     }
 
-    /// Motion after the steps of one stage.
+    /// Motion after one stage from the coefficients `x`.
     fn descend(&self, x: Vec<f64>, stage: Stage) -> Solved {
         self.lower(x, stage).solved
     }
 
+    /// State after one stage of Levenberg–Marquardt steps from the coefficients `x`.
     fn lower(&self, x: Vec<f64>, stage: Stage) -> State {
         let [mut damping, factor, least, most] = DAMPING;
         let mut state = self.state(x, stage);
@@ -197,11 +213,13 @@ impl Trajectory<'_> {
         Some(std::iter::zip(x, change).map(|(x, d)| x + d).collect())
     }
 
+    /// Prior precision (inverse variance) of a coefficient.
     fn precision(&self, unknown: usize) -> f64 {
         self.prior.deviation[unknown % self.prior.shapes.len()].powi(-2)
     }
 
-    /// Motion of the coefficients over the whole trajectory; cost and its derivatives over the window.
+    /// State at the coefficients `x`: motion over the whole trajectory, cost and its derivatives over the stage's
+    /// window.
     fn state(&self, x: Vec<f64>, stage: Stage) -> State {
         let (all, n, kept) = (
             self.torque.nrows(),

@@ -8,6 +8,7 @@ use std::path::Path;
 /// Version of the file that this program writes and reads.
 const SCHEMA: &str = "forward/1";
 
+/// Contents of `forward.json`.
 #[derive(Serialize, Deserialize)]
 struct Stored<T> {
     schema: String,
@@ -54,6 +55,7 @@ impl Inversion {
         Ok(Some(inversion))
     }
 
+    /// Whether all lists have the lengths that a robot with `joints` joints needs.
     fn fits(&self, joints: usize) -> bool {
         let prior = &self.prior;
         let tables = self.friction.len() == joints
@@ -69,10 +71,10 @@ impl Inversion {
             && self.friction.iter().all(of_joint)
     }
 
-    /// Writes it into the directory of its model, whose `model.json` has the checksum `model_sha256`.
+    /// Writes the inversion into the directory of its model, whose `model.json` has the checksum `model_sha256`.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// File that cannot be written.
     pub fn save(&self, directory: &Path, model_sha256: &str) -> Result<(), DirectoryError> {
         let stored = Stored {
             schema: SCHEMA.into(),

@@ -22,14 +22,16 @@ const FEWEST: usize = 5;
 /// Number of blocks into which a recording of few trajectories is cut.
 const BLOCKS: usize = 20;
 
-/// Stretches of a recording that are drawn as a whole.
+/// Stretches of a recording that the bootstrap draws as wholes: trajectories, or blocks of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stretches {
+    /// Ranges of samples.
     ranges: Vec<Range<usize>>,
+    /// Whether they are blocks rather than trajectories.
     blocks: bool,
 }
 
-/// Method of the intervals, for a reader.
+/// Description of the bootstrap intervals of a leaderboard.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Intervals {
     /// Level: part of the draws within an interval.
@@ -46,7 +48,7 @@ pub struct Intervals {
     pub seed: u64,
 }
 
-/// Scores with their intervals; an interval that does not exist is `None` (null in JSON).
+/// Scores with their bootstrap intervals. An interval is none (null in JSON) where it does not exist.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judged {
     /// Scores of the model.
@@ -127,6 +129,7 @@ impl Judged {
         }
     }
 
+    /// Scores with intervals from the scores of drawn recordings.
     fn with(scores: Scores, drawn: &[Scores]) -> Self {
         let figure = |of: &dyn Fn(&Scores) -> Option<f64>| ends(drawn.iter().filter_map(of));
         let joints = 0..scores.nrmse.len();

@@ -19,7 +19,7 @@ use feedforward::{Feedforward, LoadError};
 use ndarray::{Array2, Axis};
 use std::path::{Path, PathBuf};
 
-/// Models to compare, and the recording.
+/// Request for a comparison: the models, and the recording to score them on.
 #[derive(Clone, Copy, Debug)]
 pub struct Contest<'a> {
     /// Model directories, of one robot.
@@ -32,7 +32,7 @@ pub struct Contest<'a> {
     pub cutoff_hz: Option<f64>,
 }
 
-/// Scores every model as `eval` does, and measures its costs.
+/// Leaderboard of the models: each is scored as by `eval`, and its costs are measured.
 ///
 /// # Errors
 /// Models of different robots, or what `eval` refuses.
@@ -97,24 +97,34 @@ fn one_robot(given: &[(&Path, ModelFile)]) -> Result<(), LeaderboardError> {
     }
 }
 
-/// Name, torque (samples, joints) and number of weights or leaves.
+/// Yardstick of a model: its name, its torque (samples, joints), and its number of weights or leaves.
 type Yardstick = (&'static str, Array2<f64>, usize);
 
-/// A model with its scores on the recording.
+/// Model to be compared, with its scores on the recording.
 struct Contestant<'a> {
     /// Model directory, as given.
     name: String,
+    /// Path of the model directory.
     directory: &'a Path,
+    /// Contents of `model.json`.
     file: &'a ModelFile,
+    /// Evaluation of the model on the recording.
     scored: &'a Evaluation,
+    /// Recorded torque, N·m (N), shape (samples, joints).
     measured: &'a Array2<f64>,
+    /// Compensator of the model; none without one.
     compensator: Option<Compensator>,
+    /// Wall time of the training; none where it was not stored.
     timing: Option<Timing>,
     /// Whether the model was fitted on this recording.
     fitted_on_it: bool,
 }
 
 impl<'a> Contestant<'a> {
+    /// Model of a directory with its scores.
+    ///
+    /// # Errors
+    /// Recording without torque, or a file of the directory that cannot be read.
     fn new(
         directory: &'a Path,
         file: &'a ModelFile,
@@ -224,6 +234,7 @@ impl<'a> Contestant<'a> {
         Ok(Some(self.entry(PHYSICS_FORWARD, judged)))
     }
 
+    /// Row of a leaderboard for this model, with scores over all samples and in motion.
     fn entry(&self, model: &str, judged: [Judged; 2]) -> Entry {
         Entry {
             fitted_on_it: self.fitted_on_it,

@@ -1,4 +1,4 @@
-//! The body's parameters from the rows, and which of them are determined.
+//! Parameters of a body from the rows of the payload estimate, and which of them are determined.
 
 use super::size::Size;
 use ::identify::least_squares::{
@@ -9,7 +9,7 @@ use ndarray::{Array1, Array2};
 use physics::robot::{Inertia, PARAMETERS_PER_LINK};
 use serde::Serialize;
 
-/// A value with its standard deviation.
+/// Value with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figure {
     /// Estimated value of the parameter, in its SI unit.
@@ -18,7 +18,7 @@ pub struct Figure {
     pub std: f64,
 }
 
-/// Parameters of the body; none for a parameter that the motion does not determine.
+/// Parameters of the body on the last link. A parameter is none where the motion does not determine it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Body {
     /// Mass of the body, kg.
@@ -34,26 +34,28 @@ pub struct Body {
     pub possible: Option<bool>,
 }
 
-/// Result of one pass of the estimation.
+/// Result of one pass of the payload estimate.
 pub(super) struct Settled {
-    /// The body's parameters with standard deviations.
+    /// Determined parameters of the body, with standard deviations.
     pub(super) body: Body,
-    /// Ten standard parameters of the body. Undetermined ones are those of a plausible body.
+    /// Ten standard parameters of the body. Undetermined ones have the values of a plausible body.
     pub(super) parameters: [f64; PARAMETERS_PER_LINK],
     /// Values of all unknowns of the pass.
     pub(super) unknowns: Vec<f64>,
 }
 
-/// Largest standard deviation of a determined mass or moment, relative to the largest that the robot could carry.
+/// Largest standard deviation of a mass or first moment that counts as determined, relative to the largest that the
+/// robot could carry.
 const TOLD: f64 = 0.05;
-/// Largest standard deviation of a determined inertia, relative to that of a plausible body.
+/// Largest standard deviation of an inertia that counts as determined, relative to that of a plausible body.
 const TOLD_INERTIA: f64 = 0.1;
-/// Radius of gyration of a plausible body: part of the distance of its centre of mass, and least value, m.
+/// Radius of gyration of a plausible body: as a part of the distance of its centre of mass, and at least so many m.
 const GYRATION: (f64, f64) = (0.5, 0.1);
 /// Number of passes that take the plausible inertia from the estimated centre of mass.
 const PLAUSIBLE: usize = 3;
 
-/// Solves with all parameters free, decides which are determined, and holds the others at a plausible body.
+/// Parameters of the body. They are first estimated without constraint. Those that are not determined are then held
+/// near the values of a plausible body.
 pub(super) fn settle(
     triangle: &Triangle,
     blocks: &[Gram],
@@ -108,6 +110,7 @@ pub(super) fn settle(
     })
 }
 
+/// Estimate under a prior, with its covariance by the jackknife over blocks.
 fn solved(
     triangle: &Triangle,
     blocks: &[Gram],
@@ -127,6 +130,7 @@ fn solved(
     estimate.with_covariance(covariance)
 }
 
+/// Ten standard parameters of the body, the first of the unknowns.
 fn ten(unknowns: &[f64]) -> [f64; PARAMETERS_PER_LINK] {
     std::array::from_fn(|i| unknowns[i])
 }

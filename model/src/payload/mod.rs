@@ -192,6 +192,7 @@ pub fn estimate(
     })
 }
 
+/// Refuses a recording with another number of joints than the model.
 fn refuse_joints(file: &ModelFile, recording: &Recording) -> Result<(), PayloadError> {
     if recording.dof() == file.joints.len() {
         return Ok(());
@@ -226,6 +227,7 @@ fn left(
     Ok(tau - &predicted[0])
 }
 
+/// Root mean square of each column.
 fn rms(table: &Array2<f64>) -> Vec<f64> {
     let of = |column: ndarray::ArrayView1<f64>| {
         (column.dot(&column) / column.len().max(1) as f64).sqrt()
@@ -233,6 +235,7 @@ fn rms(table: &Array2<f64>) -> Vec<f64> {
     table.columns().into_iter().map(of).collect()
 }
 
+/// Conditions of the figures, as text.
 fn notes(body: &Body, frame: &str) -> Vec<String> {
     let mut notes = vec![
         format!(

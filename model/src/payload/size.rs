@@ -2,7 +2,7 @@
 
 use physics::robot::Robot;
 
-/// Size of the largest body that the robot could carry: prior deviation of undetermined parameters.
+/// Size of the largest body that the robot could carry. It is the prior deviation of the body's parameters.
 pub(super) struct Size {
     /// Mass of the largest body, kg.
     pub(super) mass: f64,

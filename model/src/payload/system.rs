@@ -24,9 +24,10 @@ const LOSS: f64 = 0.1;
 /// Number of columns for each joint's error beside the stored parameters: gain, loss, shapes of position and direction.
 const EXTRA: usize = 2 + SHAPES;
 
-/// Columns of every joint: the body's ten parameters, then the model's error in directions of unit deviation.
-/// Then, by unit deviation too, gain and loss of each joint, which need a first estimate of the body. Last its
-/// torque's error by position and direction, which needs a residual.
+/// Columns of every joint for the payload estimate. All but the body's parameters have unit prior deviation.
+///
+/// They are the body's ten parameters, and the stored model's error. Then come gain and loss of each joint, which need
+/// a first estimate of the body. Last is the torque's error by position and direction, which needs a residual.
 pub(super) struct System {
     /// Columns by joint, shape (samples, 10 + directions + [`EXTRA`] N).
     joints: Vec<Array2<f64>>,
@@ -76,7 +77,8 @@ impl System {
         }
     }
 
-    /// Sets the columns by which each joint passes more or less of a body's torque, and loses more or less of it in friction.
+    /// Sets the columns of each joint's gain and loss. Gain is the part of a body's torque that passes the joint, loss
+    /// its friction per load.
     pub(super) fn allow(&mut self, body: &[f64; PARAMETERS_PER_LINK]) {
         let carried = self.torque(body);
         let first = self.width() - EXTRA * self.joints.len();
@@ -150,10 +152,12 @@ impl System {
         Ok((Triangle::stack(&parts)?, blocks))
     }
 
+    /// Number of columns.
     fn width(&self) -> usize {
         self.joints.first().map_or(0, Array2::ncols)
     }
 
+    /// Torque by the unknowns, N·m (N), shape (samples, joints).
     fn of(&self, unknowns: &[f64]) -> Array2<f64> {
         let x = Array1::from(unknowns.to_vec());
         let columns: Vec<Array1<f64>> = self.joints.iter().map(|c| c.dot(&x)).collect();

@@ -104,8 +104,8 @@ pub fn check_recording(
     Ok(report)
 }
 
-/// Adds the torque channel of a recording to its report, with sentences on what is remarkable. Facts that the doctor
-/// finds more exactly are left to his complaints.
+/// Adds the torque channel of a recording to its report, with findings on it. Findings that the examination of the
+/// torque ([`doctor`]) makes more exactly are left to its complaints.
 pub fn add_channel(
     report: &mut CheckReport,
     robot: &Robot,
@@ -124,7 +124,7 @@ pub fn add_channel(
     report.channel = Some(channel);
 }
 
-/// Adds findings and takes those away that the doctor does not confirm.
+/// Adds findings, and removes those on scale and limit that the examination of the torque does not confirm.
 fn judge(report: &mut CheckReport, found: Vec<Finding>, complaints: &[Complaint]) {
     report.add(found);
     report.findings.retain(|f| match f.kind {
@@ -134,8 +134,7 @@ fn judge(report: &mut CheckReport, found: Vec<Finding>, complaints: &[Complaint]
     });
 }
 
-/// Whether a flat top of a torque may be a limit's: the doctor knows whether the motion itself makes it, but where it does not know
-/// which torque it looks at.
+/// Whether the examination of the torque leaves open or confirms that a flat top is a limit, not made by the motion.
 fn is_cut(complaints: &[Complaint], joint: Option<usize>) -> bool {
     let mut all = complaints.iter();
     all.any(|c| match c.ailment {
@@ -145,7 +144,8 @@ fn is_cut(complaints: &[Complaint], joint: Option<usize>) -> bool {
     })
 }
 
-/// Whether the doctor, whose model includes friction, finds a wrong scale or sign. A torque without gravity or sign has no scale.
+/// Whether the examination of the torque, whose model includes friction, finds a wrong scale or sign. A torque without
+/// gravity or sign has no scale.
 fn is_confirmed(complaints: &[Complaint], joint: Option<usize>) -> bool {
     let scaled = |c: &&Complaint| {
         use Ailment::{Current, Motor, PerMille, Percent, Scale, Sign};
@@ -163,12 +163,14 @@ fn thinned(recording: &Recording) -> impl Iterator<Item = usize> + use<> {
     (0..recording.len()).step_by(recording.len().div_ceil(SAMPLES).max(1))
 }
 
+/// Root mean square of some values.
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0usize), |(s, n), v| (s + v * v, n + 1));
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// Finding on parameters of rigid body and basic friction that the motion does not separate.
+/// Finding on parameters of rigid body and basic friction that this motion does not separate; none where it separates
+/// all.
 fn told_apart(
     robot: &Robot,
     recording: &Recording,
@@ -218,7 +220,7 @@ fn told_apart(
     conditioning(&base, &whole)
 }
 
-/// Finding on columns that the motion does not separate from others.
+/// Finding on columns that are nearly combinations of others; none where there are none.
 fn conditioning(
     base: &BaseParameters,
     triangle: &Triangle,

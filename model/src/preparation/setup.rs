@@ -267,6 +267,7 @@ impl Setup {
         Ok(recording)
     }
 
+    /// Whether the drive file says that positions are in degrees.
     fn declares_degrees(&self) -> bool {
         let unit = self.drive.as_ref().map(|drive| drive.units.angle);
         unit == Some(AngleUnit::Deg)
@@ -336,6 +337,10 @@ pub fn known(filter: TorqueFilter, rate_hz: f64) -> DeclaredFilter {
     }
 }
 
+/// Map from a recording's columns to quantities in SI units: names, scales and offsets of the drive file.
+///
+/// # Errors
+/// Drive file that cannot convert torque.
 fn column_map(drive: &Drive, robot: &Robot) -> Result<ColumnMap, SetupError> {
     let affine = |list: Vec<Conversion>| -> Vec<Affine> {
         list.into_iter()

@@ -4,7 +4,7 @@ use datasets::Recording;
 use physics::robot::Robot;
 use std::f64::consts::{PI, TAU};
 
-/// The line of a drive file that declares degrees.
+/// Line of a drive file that declares degrees.
 const LINE: &str = "units.angle = \"deg\"";
 
 /// Positions of rotating joints that can only be degrees, or percentages of a range.
@@ -35,6 +35,7 @@ pub struct Degrees {
     pub percent: bool,
 }
 
+/// Explanation of the positions' unit, with what to do about it.
 fn means(percent: bool) -> String {
     if percent {
         "the numbers end at ±100, so they are per cent of each motor's range, which no description turns into angles; record in degrees (in \

@@ -8,7 +8,7 @@ use feedforward::network::Compensator;
 use physics::robot::JointKind;
 use serde::Serialize;
 
-/// A graph and its description.
+/// ONNX graph of a compensator, with its description.
 pub struct Exported {
     /// Contents of the ONNX file.
     pub graph: Vec<u8>,
@@ -38,10 +38,10 @@ pub struct Description {
     pub joints: Vec<Column>,
 }
 
-/// A column in the unit of the graph's input or output: scaling and bounds are inside the graph.
+/// Column of the graph's input or output, in the unit of its values: scaling and bounds are inside the graph.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Column {
-    /// Name of the column, to be read.
+    /// Name of the column, for a reader.
     pub name: String,
     /// Unit of the column's values.
     pub unit: String,

@@ -11,7 +11,7 @@ use ndarray::Array2;
 /// Results of the units on the folds held back; empty where there is one fold only.
 #[derive(Default)]
 pub(super) struct Trial {
-    /// Network and ridge regression of each job on the same inputs, trained without the folds held back.
+    /// Network and ridge regression of each job on the same inputs, both trained without the folds held back.
     pub units: Vec<(Trained, Trained)>,
     /// Errors of these networks on the folds held back at their last epoch, N·m; that epoch was not chosen there.
     pub last_epoch: Vec<Option<f64>>,

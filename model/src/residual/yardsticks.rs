@@ -25,31 +25,31 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Version of `yardsticks.json`.
 const SCHEMA: &str = "yardsticks/1";
 
-/// Ridge regression and boosted trees of every joint.
+/// Ridge regression and boosted trees of every joint, to compare the compensator's networks with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yardsticks {
-    /// Their errors and the units' on the folds held back.
+    /// Errors of yardsticks and networks on the folds held back, by joint.
     pub held_back: Vec<HeldBack>,
-    /// The ridge regression, linear units.
+    /// Ridge regression of each joint, stored as a linear unit.
     pub ridge: Compensator,
-    /// The trees; empty where the build that trained had none.
+    /// Boosted trees of each joint; empty where the build that trained had none.
     pub trees: Vec<Trees>,
 }
 
-/// Weighted RMS errors of one joint on the folds held back, N·m.
+/// Weighted RMS errors of one joint on the folds held back, N·m; none where there is no such error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeldBack {
     /// Name of the joint that is judged.
     pub joint: String,
     /// Error of the physics alone.
     pub physics: Option<f64>,
-    /// Error with one network at its best epoch, which was chosen on these folds.
+    /// Error of the physics with one network at its best epoch, which was chosen on these folds.
     pub unit: Option<f64>,
     /// Error with the same network at its last epoch, which was not chosen on these folds.
     pub unit_at_last_epoch: Option<f64>,
-    /// Error with the ridge regression.
+    /// Error of the physics with the ridge regression.
     pub ridge: Option<f64>,
-    /// Error with the boosted trees.
+    /// Error of the physics with the boosted trees.
     pub trees: Option<f64>,
     /// Chosen ridge, relative to the mean diagonal of the normal matrix.
     pub ridge_parameter: f64,
@@ -57,10 +57,13 @@ pub struct HeldBack {
     pub tree_count: usize,
 }
 
-/// Splits of the trajectories for choosing, judging and fitting.
+/// Splits of the trajectories for choosing, judging and fitting the yardsticks.
 pub(super) struct Splits {
+    /// Split on which ridge parameter and number of trees are chosen.
     choose: Split,
+    /// Split on which the chosen yardsticks are judged.
     judge: Split,
+    /// Split in which all trajectories are fitted.
     everything: Split,
 }
 
@@ -146,6 +149,8 @@ pub(super) fn train(
     Ok(made)
 }
 
+/// Yardsticks of one joint: chosen, judged, and fitted to everything. `figures` makes the errors from those of ridge
+/// and trees, the ridge parameter and the number of trees.
 fn joint(
     [choose, judge, fit]: [&Job; 3],
     figures: impl FnOnce(Option<f64>, Option<f64>, f64, usize) -> HeldBack,
@@ -184,15 +189,19 @@ fn trees(_: [&Job; 3]) -> Result<Option<(Trees, Option<f64>)>, ResidualError> {
     Ok(None)
 }
 
+/// Contents of `yardsticks.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stored {
+    /// Name and version of the format.
     schema: String,
     /// SHA-256 of the file of the compensator to which the yardsticks were compared.
     compensator_sha256: String,
     /// SHA-256 of the ridge regression's file.
     ridge_sha256: String,
+    /// Errors on the folds held back, by joint.
     held_back: Vec<HeldBack>,
+    /// Boosted trees of each joint.
     trees: Vec<Trees>,
 }
 

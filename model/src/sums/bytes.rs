@@ -6,8 +6,10 @@ use ::identify::least_squares::Triangle;
 use physics::robot::Robot;
 use serde::{Deserialize, Serialize};
 
+/// Name and version of the format.
 const SCHEMA: &str = "sums/1";
 
+/// Description of the sums at the start of the bytes.
 #[derive(Serialize, Deserialize)]
 struct Head {
     schema: String,

@@ -8,8 +8,11 @@ use physics::robot::{PARAMETERS_PER_LINK, Robot};
 /// Columns of all joints of a robot, whatever its recordings: base parameters that act on the joint, then its terms.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
+    /// Robot whose columns they are.
     pub robot: Robot,
+    /// Base parameters of the robot.
     pub base: BaseParameters,
+    /// Terms of each joint.
     pub terms: Vec<Vec<Term>>,
 }
 

@@ -118,6 +118,7 @@ impl Sums {
         self.stack(other.places.clone())
     }
 
+    /// Adds factors to those in the same places.
     fn stack(&mut self, places: BTreeMap<usize, Vec<Triangle>>) -> Result<(), SumsError> {
         for (place, joints) in places {
             match self.places.get_mut(&place) {
@@ -149,6 +150,7 @@ fn which(robot: &Robot) -> String {
     hex(&Sha256::digest(crate::directory::json(&record)))
 }
 
+/// Bytes as hexadecimal text.
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }

@@ -24,7 +24,8 @@ use std::collections::BTreeMap;
 
 /// Number of stretches of a recording: neighbours are joined in pairs as long as 24 blocks are left.
 pub(super) const STRETCHES: usize = 32;
-/// Number of groups of recordings.
+/// Number of groups into which recordings are divided. Stretches with the same number in one group share a place, and
+/// are left out together.
 pub(super) const GROUPS: usize = 4;
 
 /// Triangular factors of one recording, by place and joint.

@@ -13,9 +13,11 @@ use faer::Mat;
 use ndarray::Array2;
 use physics::effects::{Sliding, Term};
 
-/// Largest memory for rows, bytes: longer recordings are thinned.
+/// Largest memory for the rows, bytes. Longer recordings are thinned.
 const MEMORY: usize = 1 << 30;
 
+/// Estimates base parameters and terms by reweighted or iterative least squares. Where exponents of viscous friction
+/// are found, the terms are changed to them and fitted again.
 pub(super) fn solve(
     data: &Data,
     mut terms: Vec<Vec<Term>>,
@@ -84,22 +86,27 @@ pub(super) fn solve(
     })
 }
 
+/// Whether a term is viscous friction.
 fn is_viscous(term: &Term) -> bool {
     *term == Term::Sliding(Sliding::Viscous)
 }
 
-/// Weighted rows of all joints, kept in memory.
+/// Rows of all joints, kept in memory.
 struct Rows {
+    /// Least-squares problem of the rows.
     problem: Problem,
     /// Whether each row is used, shape (samples, joints).
     kept: Array2<bool>,
+    /// Number of samples used.
     samples: usize,
+    /// Step between the samples that are used.
     every: usize,
-    /// Viscous columns with a free exponent.
+    /// Viscous columns whose exponent is free; none where no joint has one.
     law: Option<PowerLaw>,
 }
 
 impl Rows {
+    /// Rows of the recordings with these terms.
     fn new(data: &Data, terms: &[Vec<Term>], load: &[Array2<f64>]) -> Result<Self, IdentifyError> {
         let n = terms.len();
         let (firsts, total) = offsets(data.base.len(), terms);
@@ -171,6 +178,7 @@ impl Rows {
         })
     }
 
+    /// Solves the problem with the options of the estimator.
     fn identify(
         &mut self,
         data: &Data,

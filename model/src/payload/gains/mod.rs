@@ -155,6 +155,10 @@ pub fn estimate(
     })
 }
 
+/// Recorded torque of a recording that fits the model.
+///
+/// # Errors
+/// Recording without torque, of another robot, or in degrees.
 fn torque<'a>(file: &ModelFile, recording: &'a Recording) -> Result<&'a Array2<f64>, PayloadError> {
     refuse_joints(file, recording)?;
     refuse_degrees(&file.physics.nominal()?, recording)?;
@@ -162,6 +166,7 @@ fn torque<'a>(file: &ModelFile, recording: &'a Recording) -> Result<&'a Array2<f
     recording.tau.as_ref().ok_or_else(none)
 }
 
+/// Recording prepared as for the model's training.
 fn prepare(
     file: &ModelFile,
     recording: &Recording,
@@ -176,20 +181,26 @@ fn prepare(
     })
 }
 
-/// Estimate of the gains of the chosen joints, in their order.
+/// Estimated gains of the chosen joints, in their order.
 struct Fit {
+    /// Gain of each joint by total least squares.
     gain: Vec<f64>,
+    /// Standard deviation of each gain.
     std: Vec<f64>,
+    /// Gain of each joint by ordinary least squares.
     ordinary: Vec<f64>,
+    /// RMS residual of each joint, N·m (N).
     rmse: Vec<f64>,
-    /// Sums of all rows with the weights of the last pass, and the noise of the gains' columns in the same units.
+    /// Sums of all rows with the weights of the last pass.
     whole: Gram,
+    /// Noise of the gains' columns, in the units of these sums.
     noise: Vec<f64>,
     /// Total-least-squares solution of these sums.
     total: Total,
 }
 
 impl Fit {
+    /// Gains of the joints `chosen`, in passes that take the noise from the residual of the one before.
     fn new(
         rows: &Rows,
         blocks: &[Block],
@@ -319,6 +330,7 @@ fn deviations(
 /// Bound of all unknowns but links, relative to their estimate.
 const GENEROUS: f64 = 100.0;
 
+/// Conditions of the figures, as text.
 fn notes(file: &ModelFile, chosen: &[usize], body: &KnownBody) -> Vec<String> {
     let mut notes = vec![
         "The recorded torque (or current times the torque constant of the drive file) times the gain is the torque in N·m (N); a \

@@ -18,9 +18,10 @@ const BLOCKS: usize = 96;
 /// Size below which a shape counts as zero, N·m (N).
 const SMALLEST: f64 = 1e-6;
 
-/// Rows −Y β − F φ − Y_u p_u − S m + τ g = Y_k p_k of every joint: base parameters, friction, unknown part of
-/// the body, shapes of position and direction for the joint's error with the body alone, gains. On the right:
-/// the known part of the body, and springs, which are known. Torque in N·m (N), τ as recorded.
+/// Rows −Y β − F φ − Y_u p_u − S m + τ g = Y_k p_k of every joint, in N·m (N), with the recorded torque τ.
+///
+/// The unknowns are base parameters β, friction φ, unknown parameters p_u of the body, and gains g. Shapes with sizes m
+/// describe the joint's error with the body. The right-hand side is the known part of the body, and springs.
 pub(super) struct Rows {
     /// Columns of each joint without that of its gain, shape (samples, width of the joint), the loaded recording last.
     exact: Vec<Array2<f64>>,
@@ -36,7 +37,7 @@ pub(super) struct Rows {
     pub(super) width: usize,
 }
 
-/// Sums of one joint over one block, at rest and in motion, over its own columns and its gain.
+/// Sums of each joint over one block of time, at rest and in motion, over its own columns and its gain.
 pub(super) struct Block(Vec<[Gram; 2]>);
 
 impl Rows {
@@ -148,6 +149,7 @@ impl Rows {
             .collect()
     }
 
+    /// Sums of each joint over some rows.
     fn block(&self, rows: std::ops::Range<usize>) -> Result<Block, LeastSquaresError> {
         let joint = |j: usize| {
             let width = self.exact[j].ncols() + 1;

@@ -6,15 +6,13 @@ use datasets::channel::Estimate95;
 use rayon::prelude::*;
 use signal::delay::{Search, profile, student_975};
 
-/// Least gain in log-likelihood of a delay over none, nats, for it to be considered: a chance of one in twenty is left
-/// …
+/// Least gain in log-likelihood of a delay over none, nats: by chance one recording in twenty reaches it.
 const NOT_NOISE: f64 = 3.0;
-/// … of the independent rows. Their number is this part of all rows, since the low-pass correlates them.
+/// Number of independent rows as a part of all rows, which the low-pass correlates.
 const OWN: f64 = 0.3;
 
-/// Delay with the least Σ log of squared errors over all joints, each joint's model fitted freely, s. None
-/// where noise would give as small an error, for the number of delays tried: a fit that starts there would
-/// never come back.
+/// First guess of the common delay, s: the one with the least Σ log of squared errors over all joints, each joint's
+/// model fitted freely. It is 0 where chance could give as small an error, given the number of delays tried.
 pub(super) fn guess(systems: &Systems) -> f64 {
     let search = Search::default();
     let each: Vec<Vec<(f64, f64)>> = systems
@@ -49,7 +47,7 @@ pub(super) fn guess(systems: &Systems) -> f64 {
     })
 }
 
-/// Common value of the joints, and the variance between them.
+/// Mean of a value over the joints, and the variance of that value between joints.
 pub(super) struct Common {
     /// Mean over the joints; NaN where no joint's value is known.
     pub mean: f64,
@@ -60,16 +58,16 @@ pub(super) struct Common {
 }
 
 impl Common {
-    /// Mean with a 95 % interval that includes a systematic error of about `apart`.
+    /// Mean with its 95 % interval, widened by a systematic error of about `apart`.
     pub fn estimate(&self, apart: f64) -> Estimate95 {
         let half = self.half.hypot(apart);
         Estimate95::new(self.mean, [self.mean - half, self.mean + half])
     }
 }
 
-/// Mean of the joints weighted by precision, with the variance between joints beyond their own variances
-/// (DerSimonian and Laird 1986) and an interval from their differences (Hartung and Knapp 2001). A model error
-/// that differs from joint to joint shows in that variance.
+/// Mean over the joints, weighted by precision, with the variance between joints beyond their own variances
+/// (DerSimonian and Laird 1986). The interval follows from the joints' differences (Hartung and Knapp 2001). That
+/// variance holds model errors that differ from joint to joint.
 pub(super) fn common(joints: &[Moments], blocks: usize) -> Common {
     let known: Vec<(f64, f64)> = joints
         .iter()

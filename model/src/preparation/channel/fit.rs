@@ -1,14 +1,15 @@
-//! Joint fit of delay, scale and offset of all joints.
+//! Joint fit of delay, scale and offset of the torque of all joints.
 //!
-//! τ_j(t) = k_j (r_j + Σ_i Y_ji δ_i) + a_j q̈_j + friction + offset + e, all of it at t − d_j,
+//! τ_j(t) = k_j (r_j + Σ_i Y_ji δ_i) + a_j q̈_j + friction + offset + e, all of it at t − d_j.
 //!
-//! with the described robot's torque r, the regressor Y of its standard parameters and their errors δ, which
-//! all joints share: δ_i ~ N(0, (T s_i)²) with the size s_i of each parameter and one tolerance T. T is
-//! determined by the evidence (MacKay 1992), and results for all tolerances are averaged with it. k_j and d_j
-//! have no prior. So a joint whose described torque hardly varies, or varies as its friction and rotor do, gets
-//! no scale, and one whose torque hardly changes with the delay no delay. Residuals are correlated in time:
+//! Here r is the described robot's torque, Y the regressor of its standard parameters, and δ their errors, which all
+//! joints share. Their prior is δ_i ~ N(0, (T s_i)²) with the size s_i of each parameter and one tolerance T. T is
+//! determined by the evidence (MacKay 1992), and results for all tolerances are averaged with it.
+//!
+//! k_j and d_j have no prior. A joint gets no scale where its described torque hardly varies, or varies as its friction
+//! and rotor do. It gets no delay where its torque hardly changes with the delay. Residuals are correlated in time:
 //! each row counts as one over their correlation time. Standard deviations are the larger ones of posterior and
-//! sandwich over blocks of time.
+//! sandwich estimator over blocks of time.
 
 use super::rows::Rows;
 use super::systems::Systems;
@@ -19,36 +20,43 @@ use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use signal::delay::{Search, student_975};
 
-/// Relative errors of the described inertials that are compared by the evidence. No description is better than the first.
+/// Relative errors of the described inertials that are compared by evidence. No description is better than the first.
 const TOLERANCES: [f64; 5] = [0.02, 0.04, 0.08, 0.16, 0.32];
 /// Number of Gauss–Newton iterations.
 const ROUNDS: usize = 6;
-/// Longest step of a delay in one iteration, s.
+/// Largest change of a delay in one iteration, s.
 const STEP: f64 = 0.02;
-/// Shortest block of the sandwich: in s, and in correlation times of the residual.
+/// Shortest block for the sandwich estimator, in s and in correlation times of the residual; the longer one counts.
 const BLOCK: [f64; 2] = [1.0, 4.0];
-/// Index of the offset among a joint's own columns: scale and rotor come first, then offset and friction, then
-/// the derivative by the delay.
+/// Index of the offset among a joint's own columns. Their order is scale, rotor, offset, friction, derivative by the
+/// delay.
 const OFFSET: usize = 2;
 
-/// A value with its variance.
+/// Value with its variance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moments {
+    /// Estimated value.
     pub value: f64,
+    /// Variance of the value.
     pub variance: f64,
 }
 
-/// Estimates of one joint: delay in s, scale, offset in N·m (N).
+/// Estimated torque channel of one joint.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
+    /// Delay of the torque after the motion, s.
     pub delay: Moments,
+    /// Ratio of recorded to described torque.
     pub scale: Moments,
+    /// Offset of the recorded torque, N·m (N).
     pub offset: Moments,
 }
 
-/// Estimates of all joints, and the number of blocks on which their deviations rest.
+/// Estimated torque channels of all joints.
 pub(super) struct Fitted {
+    /// Channel of each joint; none where it cannot be estimated.
     pub joints: Vec<Option<Found>>,
+    /// Number of blocks of time from which the deviations come.
     pub blocks: usize,
 }
 
@@ -102,16 +110,16 @@ pub(super) fn all(robot: &Robot, systems: &Systems, start: f64) -> Option<Fitted
     None
 }
 
-/// Sizes of the parameters with a prior.
+/// Typical sizes of the parameters that have a prior.
 struct Sizes {
-    /// Sizes of the links' standard parameters.
+    /// Size of each standard parameter of the links, in its unit.
     inertials: Vec<f64>,
-    /// Size of each joint's rotor inertia where it is unknown: the described robot's inertia about the joint's axis,
-    /// kg·m².
+    /// Size of each joint's rotor inertia, kg·m²: the described robot's inertia about the joint's axis.
     rotors: Vec<f64>,
 }
 
 impl Sizes {
+    /// Sizes for the described robot.
     fn of(robot: &Robot) -> Self {
         let n = robot.dof();
         let masses = || robot.joints().iter().map(|j| j.link.inertia.mass);
@@ -141,20 +149,27 @@ impl Sizes {
     }
 }
 
-/// Posterior for one tolerance. Unknowns: δ over tolerance and size, then each joint's own.
+/// Gaussian posterior for one tolerance. The unknowns are δ over tolerance and size, then the coefficients of each
+/// joint's own columns.
 struct Posterior {
+    /// Relative error of the described inertials.
     tolerance: f64,
+    /// Log evidence of the tolerance, nats, up to a constant.
     evidence: f64,
+    /// Cholesky factor of the posterior precision.
     factor: Llt<f64>,
+    /// Posterior mean of the unknowns.
     x: Mat<f64>,
+    /// Index of the first unknown of each joint's own columns.
     starts: Vec<usize>,
+    /// Prior deviation of each shared parameter, in its unit.
     scale_of_shared: Vec<f64>,
-    /// Scale k of each joint's torque in the products k·δ.
+    /// Scale k of each joint's torque, as of the iteration before, in the products k·δ.
     k: Vec<f64>,
 }
 
 impl Posterior {
-    /// Coefficients of one joint's columns.
+    /// Coefficients of one joint's columns: shared ones times its scale, then its own.
     fn of_joint(&self, joint: usize, rows: &Rows, k: &[f64]) -> Vec<f64> {
         let shared = (0..rows.shared).map(|i| k[joint] * self.scale_of_shared[i] * self.x[(i, 0)]);
         let own = (0..rows.width - rows.shared).map(|i| self.x[(self.starts[joint] + i, 0)]);
@@ -162,7 +177,7 @@ impl Posterior {
     }
 }
 
-/// Posterior of all joints at one tolerance.
+/// Posterior of all joints for one tolerance; none where it is improper.
 fn posterior(rows: &[Option<Rows>], sizes: &Sizes, tolerance: f64, k: &[f64]) -> Option<Posterior> {
     let shared = sizes.inertials.len();
     let scale_of_shared: Vec<f64> = sizes.inertials.iter().map(|s| tolerance * s).collect();
@@ -225,7 +240,8 @@ fn posterior(rows: &[Option<Rows>], sizes: &Sizes, tolerance: f64, k: &[f64]) ->
     })
 }
 
-/// Means and standard deviations over all tolerances, weighted by their evidence; deviations are at least those of the sandwich.
+/// Means and standard deviations over all tolerances, weighted by evidence. Deviations are at least those of the
+/// sandwich estimator.
 fn mixed(
     rows: &[Option<Rows>],
     each: &[Posterior],

@@ -38,6 +38,7 @@ impl Reading {
         }
     }
 
+    /// Motion with its columns in this order and with these signs.
     fn motion(&self, motion: &Motion) -> Motion {
         let table = |t: &Array2<f64>| {
             let mut own = t.select(Axis(1), &self.order);
@@ -57,7 +58,7 @@ impl Reading {
     }
 }
 
-/// Columns and torque of all joints.
+/// Columns and torque of all joints, on common rows.
 #[derive(Clone)]
 pub(in crate::preparation) struct Systems {
     /// Base parameters of the robot with its rotors.
@@ -278,22 +279,28 @@ fn built_up(q: &[f64], qd: &[f64], segments: &[Range<usize>], way: f64) -> Vec<f
     out
 }
 
-/// Grid of the rows: every `stride`-th sample of the fine motion.
+/// Rows of the systems on the prepared motion: every `stride`-th sample of its fine grid.
 struct Grids {
-    /// Trajectories that are used, and their ranges of the fine motion.
+    /// Indices of the trajectories that are used.
     trajectories: Vec<usize>,
+    /// Ranges of these trajectories on the fine grid.
     fine: Vec<Range<usize>>,
+    /// Number of fine samples from row to row.
     stride: usize,
+    /// Rate of the rows, Hz.
     rate_hz: f64,
+    /// Cut-off of the low-pass of motion and torque, Hz.
     cutoff_hz: f64,
-    /// Whether the cut-off of the prepared motion is already as low as the rows need, so that no further low-pass is
-    /// due.
+    /// Whether the prepared motion is already low-passed at or below the cut-off of the rows.
     motion_is_smooth: bool,
+    /// Range of the rows of each trajectory.
     segments: Vec<Range<usize>>,
+    /// Time between the rows of each trajectory, s.
     steps: Vec<f64>,
 }
 
 impl Grids {
+    /// Rows of a recording, about `most` of them; none where its rate is unknown.
     fn new(recording: &Recording, prepared: &Prepared, most: usize) -> Option<Self> {
         let fine_hz = prepared.report.fine_hz;
         let stride = ((fine_hz / RATE).floor() as usize).max(1);
@@ -323,10 +330,12 @@ impl Grids {
         })
     }
 
+    /// Number of rows.
     fn rows(&self) -> usize {
         self.segments.last().map_or(0, |s| s.end)
     }
 
+    /// Values low-passed at the cut-off of the rows; `rate_hz` is their rate.
     fn low_passed(&self, x: &[f64], rate_hz: f64) -> Vec<f64> {
         // The cut-off is below half of either rate by construction.
         smoother::low_pass(x, self.cutoff_hz, rate_hz).unwrap_or_else(|_| x.to_vec())

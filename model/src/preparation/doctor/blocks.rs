@@ -1,24 +1,26 @@
-//! Least squares whose deviations come from leaving blocks of time out.
+//! Least squares with standard deviations by the jackknife over blocks of time.
 
 use signal::cholesky;
 
-/// Blocks of rows that are left out in turn.
+/// Number of blocks that are left out in turn.
 const BLOCKS: usize = 8;
-/// Ridge that is added to the products of columns of unit norm, so that columns which are combinations of others do no
-/// harm.
+/// Ridge on columns of unit norm, so that linearly dependent columns do no harm.
 const RIDGE: f64 = 1e-7;
 
 /// Products of columns and target, block by block.
 pub(super) struct Blocks {
+    /// Number of columns.
     width: usize,
-    /// Lower triangles of the products of all columns, the target last, one per block.
+    /// Lower triangle of the products of all columns and the target (last), for each block.
     products: Vec<Vec<f64>>,
 }
 
-/// Estimate of a number with its standard deviation.
+/// Estimated value with its standard deviation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Estimate {
+    /// Estimated value.
     pub value: f64,
+    /// Standard deviation of the value.
     pub std: f64,
 }
 
@@ -46,12 +48,13 @@ impl Blocks {
         Self { width, products }
     }
 
-    /// Products of a row of columns and the target, which has the number of columns, over all blocks.
+    /// Function that gives the product of two columns over all blocks; the target has the index after the last column.
     pub fn product(&self) -> impl Fn(usize, usize) -> f64 {
         let (sum, p) = (self.sum(None), self.width + 1);
         move |i, j| sum[i.max(j) * p + i.min(j)]
     }
 
+    /// Products over all blocks but `without`.
     fn sum(&self, without: Option<usize>) -> Vec<f64> {
         let mut all = vec![0.0; (self.width + 1).pow(2)];
         for (b, own) in self.products.iter().enumerate() {
@@ -62,6 +65,7 @@ impl Blocks {
         all
     }
 
+    /// Least-squares coefficients of some columns, from products.
     fn solved(&self, sum: &[f64], columns: &[usize]) -> Vec<f64> {
         let p = self.width + 1;
         let of = |i: usize, j: usize| sum[i.max(j) * p + i.min(j)];
@@ -89,14 +93,14 @@ impl Blocks {
         self.solved(&self.sum(None), columns)
     }
 
-    /// Squared error of each block that a fit of some columns leaves.
+    /// Squared error of a fit of some columns, summed over all blocks.
     pub fn left(&self, columns: &[usize]) -> f64 {
         let sum = self.sum(None);
         self.error(&sum, columns, &self.solved(&sum, columns))
     }
 
-    /// Squared error of each block with the coefficients of a fit to the other blocks: columns that fit by chance leave
-    /// more of it, not less.
+    /// Squared error of each block with the coefficients of a fit to the other blocks. Columns that only fit by chance
+    /// make it larger.
     pub fn left_out(&self, columns: &[usize]) -> Vec<f64> {
         let blocks = self.products.iter().enumerate();
         blocks
@@ -104,6 +108,7 @@ impl Blocks {
             .collect()
     }
 
+    /// Squared error of the coefficients `x` of some columns, from products.
     fn error(&self, sum: &[f64], columns: &[usize], x: &[f64]) -> f64 {
         let p = self.width + 1;
         let of = |i: usize, j: usize| sum[i.max(j) * p + i.min(j)];
@@ -117,7 +122,7 @@ impl Blocks {
         left.max(0.0)
     }
 
-    /// A function of the coefficients of some columns, with its deviation by the jackknife over blocks.
+    /// Function `of` of the coefficients of some columns, with its standard deviation by the jackknife over blocks.
     pub fn estimate(&self, columns: &[usize], of: impl Fn(&[f64]) -> f64) -> Estimate {
         let value = of(&self.coefficients(columns));
         let others: Vec<f64> = (0..BLOCKS)
@@ -128,7 +133,7 @@ impl Blocks {
 }
 
 impl Estimate {
-    /// A value with the deviation that its values without each block in turn give.
+    /// Estimate of a value with the standard deviation that its values `without` each block in turn give.
     pub fn of_jackknife(value: f64, without: &[f64]) -> Self {
         let count = without.len() as f64;
         let mean = without.iter().sum::<f64>() / count;

@@ -1,7 +1,8 @@
-//! Columns that are another joint's, or that count backwards.
+//! Columns that belong to another joint, or that count in the opposite direction.
 //!
-//! Rigid body and friction are fitted to each joint alone, whatever the described inertials and the unit of its torque. Read as the
-//! recording means them the columns are explained; read otherwise they are not, for gravity and coupling follow the positions.
+//! Rigid body and friction are fitted to each joint alone, whatever the described inertials and the unit of its torque.
+//! With the right reading of the columns the torque is explained. With another one it is not, as gravity and coupling
+//! depend on the positions.
 
 use super::blocks::{Blocks, Estimate};
 use super::patient::{Patient, complaint};
@@ -13,17 +14,17 @@ use datasets::prepare::Prepared;
 use rayon::prelude::*;
 use signal::delay::{Search, rows_at};
 
-/// Number of rows on which a reading is judged, and a smaller one with which readings are first looked through: there
-/// are many.
+/// Number of rows on which a reading is finally judged.
 const ROWS: usize = 4000;
+/// Number of rows on which the many readings are compared first.
 const FIRST: usize = 2000;
-/// Least part of a torque's variance that any model leaves: none is right to three hundredths of the torque's
-/// deviation.
+/// Least part of a torque's variance that any model leaves unexplained: none is right to less than three hundredths of
+/// the torque's deviation.
 const LEAST: f64 = 1e-3;
-/// Gain of another reading, Σ ln of the joints' squared errors: as if it halved those of three joints.
+/// Least gain of another reading, Σ ln of the joints' squared errors: as if the errors of three joints were halved.
 const GAIN: f64 = 3.0 * std::f64::consts::LN_2;
 
-/// Whether columns that are read wrongly may look like it.
+/// Whether a wrong reading of the columns can look like this fault.
 pub(super) fn could_be(ailment: Ailment) -> bool {
     use Ailment::{Current, Dead, GravityRemoved, Motor, PerMille, Percent, Scale, Sign};
     matches!(
@@ -32,7 +33,7 @@ pub(super) fn could_be(ailment: Ailment) -> bool {
     )
 }
 
-/// The complaint about the columns where another reading of them explains the torque far better.
+/// Complaint about the columns, where another reading of them explains the torque far better; none otherwise.
 pub(super) fn otherwise(
     patient: &Patient,
     prepared: &Prepared,
@@ -43,7 +44,7 @@ pub(super) fn otherwise(
     let judge = |reading: &Reading, rows| judged(patient, prepared, reading, delay, rows);
     let plain = Reading::plain(n);
     let first = judge(&plain, FIRST)?;
-    // Where so little is left that no reading could gain enough, none is tried.
+    // Shortcut: so little is unexplained that no reading could gain enough.
     if first.sum() - n as f64 * LEAST.ln() < GAIN {
         return None;
     }
@@ -68,7 +69,7 @@ pub(super) fn otherwise(
     (gain.value >= GAIN.max(CLEAR * gain.std)).then(|| said(patient, &best, gain.value))
 }
 
-/// Readings that differ from one by an exchange of two columns or by a turn.
+/// Readings that differ from `from` by the exchange of two columns, or by one opposite direction.
 fn neighbours(from: &Reading) -> Vec<Reading> {
     let n = from.order.len();
     let mut all = Vec::new();
@@ -85,17 +86,17 @@ fn neighbours(from: &Reading) -> Vec<Reading> {
     all
 }
 
-/// Variance of each joint's torque that a reading leaves unexplained, as parts: one for each stretch, predicted by a
-/// model fitted to the other stretches.
+/// Unexplained part of each joint's torque variance under one reading, by joint and stretch of time. Each stretch is
+/// predicted by a model fitted to the others.
 struct Left(Vec<Vec<f64>>);
 
 impl Left {
-    /// Sum over the joints of the logarithm of what is left. A prediction worse than none counts like none.
+    /// Sum over the joints of the logarithm of the unexplained part, which counts as at most 1.
     fn sum(&self) -> f64 {
         self.without(None)
     }
 
-    /// Sum as [`Self::sum`] without one stretch.
+    /// Same sum without one stretch.
     fn without(&self, stretch: Option<usize>) -> f64 {
         let of = |parts: &Vec<f64>| {
             let own = parts
@@ -109,8 +110,8 @@ impl Left {
         self.0.iter().map(of).sum()
     }
 
-    /// Difference of the logarithm of what this reading leaves to that of the other, summed over joints. Its deviation
-    /// is by the jackknife over stretches.
+    /// Difference of [`Self::sum`] between this reading and the other, with its standard deviation by the jackknife
+    /// over stretches.
     fn over(&self, other: &Self) -> Estimate {
         let count = self.0.first().map_or(0, Vec::len);
         let each = (0..count).map(|b| self.without(Some(b)) - other.without(Some(b)));
@@ -118,6 +119,7 @@ impl Left {
     }
 }
 
+/// Unexplained parts under a reading, on about `rows` rows; none where the joints cannot be fitted.
 fn judged(
     patient: &Patient,
     prepared: &Prepared,
@@ -141,6 +143,7 @@ fn judged(
     Some(Left(all))
 }
 
+/// Complaint about the columns, with the lines that would correct them.
 fn said(patient: &Patient, reading: &Reading, gain: f64) -> Complaint {
     let n = patient.joints.len();
     let exchanged: Vec<usize> = (0..n).filter(|&j| reading.order[j] != j).collect();

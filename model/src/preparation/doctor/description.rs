@@ -1,9 +1,10 @@
-//! Whether it is the torque that has another size, or the description.
+//! Decision whether the torque or the description has the wrong size.
 //!
-//! What changes all joints alike may be the unit of the torque, or the masses of the description. Three things tell them apart, each a
-//! logarithm of odds: described friction, which a unit scales and a mass does not; the shape over the joints, for a link's mass acts on
-//! all joints before it and a joint's unit on itself; and how far off descriptions and units usually are. A description that does not
-//! even fit in shape decides nothing. Where the three leave it open, both are said and nothing is there to paste.
+//! A change that all joints share may be another unit of the torque, or other masses of the description. Three kinds of
+//! evidence tell them apart, each as log-odds. A unit scales described friction, and a mass does not. A link's mass
+//! acts on all joints before it, and a joint's unit on that joint alone. Descriptions and units are usually wrong by
+//! different amounts. A description that does not even fit in shape decides nothing. Where the evidence is not enough,
+//! both are reported, without a line for the drive file.
 
 use super::blocks::Blocks;
 use super::patient::{Patient, complaint, short};
@@ -20,22 +21,21 @@ use signal::quantile::median;
 /// Part of a torque's variance below which a squared error tells nothing: described torques are right to about a tenth
 /// of their deviation.
 pub(super) const LEAST: f64 = 0.01;
-/// Factor by which described friction is commonly wrong.
+/// Factor by which described friction is usually wrong.
 const FRICTION: f64 = 1.5;
-/// Factor by which described masses are wrong, where they are.
+/// Factor by which wrong described masses are usually wrong.
 pub(super) const MASSES: f64 = 1.6;
-/// Number of deviations above zero at which a factor is known to a half.
+/// Number of standard deviations above zero from which a factor counts as known.
 const KNOWN: f64 = 2.0;
-/// Log-odds from which a decision is made: one in twenty is then wrong.
+/// Log-odds from which a decision is made: one in twenty of them is wrong.
 pub(super) const DECIDES: f64 = 3.0;
-/// Bound on what each kind of evidence counts, as a log likelihood ratio: the model behind it is wrong, so none is
-/// beyond doubt.
+/// Largest log-odds that one kind of evidence can have. The model behind it is wrong, so that none is beyond doubt.
 pub(super) const MOST: f64 = 6.0;
-/// Mean misfit over the joints, see [`Table::misfit`], from which the described shape is another robot's.
+/// Mean misfit over the joints, see [`Table::misfit`], from which the description does not fit in shape.
 const ANOTHER: f64 = 1.1;
 
-/// Complaint about the size of the torque, weighed against other explanations: itself, one about the description in its
-/// place, or both.
+/// Complaints in place of one about the size of the torque: that one, one about the description, or both. Other
+/// complaints are returned unchanged.
 pub(super) fn weighed(
     mut found: Complaint,
     patient: &Patient,
@@ -85,6 +85,7 @@ fn placeholder(robot: &Robot) -> Option<String> {
     })
 }
 
+/// Complaint about a description whose masses are placeholders, for the reason `why`.
 fn of_placeholder(patient: &Patient, why: String) -> Complaint {
     complaint(
         Ailment::Description,
@@ -98,22 +99,27 @@ fn of_placeholder(patient: &Patient, why: String) -> Complaint {
     )
 }
 
-/// Log-odds of a unit over the description.
+/// Log-odds of another unit over wrong masses of the description, and what the masses would be.
 struct Odds {
+    /// Log-odds by friction; none where no described friction is known well enough.
     friction: Option<f64>,
+    /// Log-odds by the shape over the joints.
     shape: f64,
+    /// Log-odds by the usual size of errors of a description.
     usual: f64,
     /// Whether the described torque fits in shape, whatever its size.
     fits: bool,
-    /// Factor of all masses that explains the torque, where links of their own do no better.
+    /// Common factor of all masses that explains the torque; none where separate factors of the links explain it
+    /// better.
     factor: Option<f64>,
     /// Factor of each link's mass that explains the torque; none where the torque hardly depends on it.
     masses: Vec<Option<f64>>,
-    /// Whether a load at the last link explains the torque as well.
+    /// Whether a load at the last link explains the torque better than other masses.
     load: bool,
 }
 
 impl Odds {
+    /// Log-odds for a recording. `joints` are those whose scale is unusual.
     fn of(
         patient: &Patient,
         prepared: &Prepared,
@@ -156,11 +162,13 @@ impl Odds {
         })
     }
 
+    /// Sum of the log-odds. It is not above zero where the description does not fit in shape.
     fn total(&self) -> f64 {
         let sum = self.friction.unwrap_or(0.0) + self.shape + self.usual;
         if self.fits { sum } else { sum.min(0.0) }
     }
 
+    /// Complaint about the description. `alone`: whether it replaces the complaint `found`.
     fn said(&self, patient: &Patient, found: &Complaint, alone: bool) -> Complaint {
         let each: Vec<String> = patient
             .robot
@@ -209,7 +217,7 @@ impl Odds {
     }
 }
 
-/// Products of the columns with which each joint's torque is compared, one table per joint.
+/// Tables of all joints that can be compared.
 fn tables(patient: &Patient, prepared: &Prepared, channel: &ChannelEstimate) -> Option<Vec<Table>> {
     let systems = Systems::new(patient.robot, patient.recording, prepared)?;
     let delay = channel.delay.value.unwrap_or(0.0);
@@ -232,7 +240,8 @@ fn tables(patient: &Patient, prepared: &Prepared, channel: &ChannelEstimate) -> 
     Some(tables)
 }
 
-/// Log-odds of a wrong unit by the ratio of recorded to described friction, beside the joint's scale.
+/// Log-odds of another unit by the ratio of recorded to described friction, given the joints' scales; none where no
+/// ratio is known.
 fn friction(tables: &[Table], scales: &[f64]) -> Option<f64> {
     let known: Vec<f64> = tables
         .iter()
@@ -247,21 +256,27 @@ fn friction(tables: &[Table], scales: &[f64]) -> Option<f64> {
     (!known.is_empty()).then(|| known.iter().sum::<f64>().clamp(-MOST, MOST))
 }
 
-/// Products of one joint: columns are the links' described torques, the last link's standard parameters, the whole described torque,
-/// the rotor, offset and friction, and the described friction.
+/// Products of one joint's columns with its torque. The columns are the links' described torques, the last link's
+/// standard parameters, the whole described torque, rotor, offset and friction, and described friction.
 struct Table {
-    /// Products with the recorded torque as target; in `rest`, with what the described robot leaves of it.
+    /// Products with the recorded torque as target.
     whole: Blocks,
+    /// Products with the recorded less the described torque as target.
     rest: Blocks,
+    /// Index of the joint.
     joint: usize,
+    /// Number of joints.
     dof: usize,
+    /// Number of columns of offset and friction.
     frictions: usize,
+    /// Whether the description has friction for the joint.
     described_friction: bool,
-    /// Squared error below which differences say nothing.
+    /// Squared error below which differences tell nothing.
     floor: f64,
 }
 
 impl Table {
+    /// Table of one joint with the torque moved by `delay`, s.
     fn new(
         robot: &Robot,
         systems: &Systems,
@@ -336,14 +351,17 @@ impl Table {
         Some(table)
     }
 
+    /// Indices of the columns of the links' described torques.
     fn links(&self) -> Vec<usize> {
         (0..self.dof).collect()
     }
 
+    /// Indices of the columns of the last link's standard parameters.
     fn last(&self) -> Vec<usize> {
         (self.dof..self.dof + PARAMETERS_PER_LINK).collect()
     }
 
+    /// Index of the column of the whole described torque.
     fn rigid(&self) -> usize {
         self.dof + PARAMETERS_PER_LINK
     }
@@ -354,6 +372,7 @@ impl Table {
         (first..first + 1 + self.frictions).collect()
     }
 
+    /// Indices of the columns of a fit by one scale: the described torque and the joint's own.
     fn with_scale(&self) -> Vec<usize> {
         let mut columns = vec![self.rigid()];
         columns.extend(self.own());
@@ -365,7 +384,8 @@ impl Table {
         self.whole.coefficients(&self.with_scale())[0]
     }
 
-    /// Squared error with a scale, of joints that have one; of the others with the described torque as it is.
+    /// Squared error of the joint: with a free scale where it is among `joints`, else with the described torque as it
+    /// is.
     fn left_by_scale(&self, joints: &[usize]) -> f64 {
         if joints.contains(&self.joint) {
             self.whole.left(&self.with_scale())
@@ -374,8 +394,7 @@ impl Table {
         }
     }
 
-    /// Ratio of recorded to described friction; none where no friction is described or the ratio is not known to a
-    /// half.
+    /// Ratio of recorded to described friction; none where none is described or the ratio is not known well enough.
     fn friction_scale(&self) -> Option<f64> {
         let described = self.rigid() + 2 + self.frictions;
         let columns = [self.rigid(), self.rigid() + 1, self.rigid() + 2, described];
@@ -392,12 +411,13 @@ impl Table {
     }
 }
 
+/// Mean of some values.
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
     sum / f64::max(count, 1.0)
 }
 
-/// Fits columns that all joints share beside what each has of its own.
+/// Fit of columns whose coefficients all joints share, beside the joints' own columns. `of` names products and columns.
 fn of_all<'a>(
     tables: &'a [Table],
     solve: impl Fn(&DMatrix<f64>, &DVector<f64>) -> DVector<f64>,

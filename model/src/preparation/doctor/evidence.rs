@@ -1,4 +1,4 @@
-//! What is known of each joint's torque before anything is said of it.
+//! Evidence on each joint's torque: its numbers, its channel, and a fit of rigid body and friction.
 
 use super::blocks::{Blocks, Estimate};
 use super::number::Numbers;
@@ -11,67 +11,69 @@ use physics::robot::{PARAMETERS_PER_LINK, Robot};
 use rayon::prelude::*;
 use signal::delay::{Search, rows_at};
 
-/// Part of the samples below zero from which a torque counts as having its sign.
+/// Part of the samples below zero above which a torque counts as having a sign.
 pub(super) const FEW: f64 = 0.002;
 /// Number of columns of a joint's friction beside the offset: viscous, Coulomb, two bends.
 const FRICTION: usize = 4;
-/// Number of deviations by which a torque of gravity is certain, and the part of the described torque that counts as
-/// rounding.
+/// Number of standard deviations by which gravity's coefficient must differ from zero to count as certain.
 const SHOWS: f64 = 3.0;
+/// Part of the described torque below which its gravity or inertia counts as rounding.
 const ROUNDING: f64 = 1e-9;
-/// Error of a described centre of mass that is common, m.
+/// Common error of a described centre of mass, m.
 const MISPLACED: f64 = 0.01;
 
 /// Evidence on one joint's torque.
 pub(super) struct Evidence {
-    /// Numbers of the torque channel itself, without a model.
+    /// Statistics of the recorded numbers, without a model.
     pub numbers: Numbers,
-    /// Delay, scale, offset and sign of the torque.
+    /// Estimated delay, scale, offset and sign of the torque channel.
     pub channel: JointChannel,
     /// Fit of the model to the torque; none for a joint that never moves or whose torque keeps one value.
     pub fitted: Option<Fitted>,
 }
 
-/// Fit of a rigid body with friction to one joint's torque alone. All figures are of low-passed rows.
+/// Fit of a rigid body with friction to one joint's torque alone, on low-passed rows.
 pub(super) struct Fitted {
-    /// Part of the torque's variance that is explained.
+    /// Part of the torque's variance that the fit explains.
     pub explained: f64,
-    /// Ratio of the squared error with gravity to that without.
+    /// Squared error of the fit over that of a fit without gravity. It is near 1 where gravity does not show.
     pub gravity: f64,
-    /// Part of the described torque's deviation that comes from gravity.
+    /// Part of the standard deviation of the described torque that comes from gravity.
     pub loaded: f64,
-    /// Ratio of recorded to described torque beside friction. The rotor's inertia is in it and makes it larger.
+    /// Ratio of recorded to described torque, with friction fitted beside it. Rotor inertia, which is not described,
+    /// raises it.
     pub scale: Estimate,
-    /// Ratio of recorded to described inertia, over the same ratio of gravity; the rotor counts as inertia, and
-    /// friction is free. None where gravity does not show.
+    /// Ratio of recorded to described inertia, divided by the same ratio of gravity. Rotor inertia counts as inertia,
+    /// and friction is free. None where gravity does not show.
     pub inertia: Option<Estimate>,
-    /// Power of friction over the deviations of torque and velocity: positive where friction takes energy.
+    /// Mean power of friction over the product of the standard deviations of torque and velocity. It is positive where
+    /// friction takes energy.
     pub friction: Estimate,
     /// Standard deviation of the described torque, N·m (N).
     pub described: f64,
-    /// Part of that deviation that small errors of the described bodies would make. From 1 on the described torque is
-    /// useless as a measure of scale or sign.
+    /// Part of `described` that small errors of the described centres of mass would make. From 1 on, the described
+    /// torque is no measure of scale or sign.
     pub doubt: f64,
-    /// Ratio of the squared error of |torque| with the model's sign put before it to that of the torque itself.
+    /// Squared error of a fit to |torque| with the model's sign put before it, over that of a fit to the torque itself.
     pub folded: f64,
-    /// Limit at which the torque may be cut.
+    /// Level at which the largest torques may be cut off.
     pub limit: Limit,
 }
 
-/// Limit at which the largest torques of a joint may be cut.
+/// Level at which the largest torques of a joint may be cut off, with the signs of that.
 pub(super) struct Limit {
-    /// Level of the largest torques, in the unit of the recording.
+    /// Level of the largest torques, in the recorded unit.
     pub level: f64,
-    /// Part of the rows at which the torque lies at the level.
+    /// Part of the rows whose torque is at the level.
     pub share: f64,
-    /// Part of the rows at which a model of the smaller torques goes beyond the level, while the torque stays at it.
+    /// Part of the rows at which the torque stays at the level while a model of the smaller torques exceeds it.
     pub beyond: f64,
-    /// Number of separate stretches of such rows.
+    /// Number of separate runs of such rows.
     pub visits: usize,
-    /// Ratio of the rows at the level to the rows in an equally wide band a tenth below the level.
+    /// Number of rows at the level, over that in an equally wide band a tenth below it.
     pub crowd: f64,
-    /// Part of the rows at the level that the model of the smaller torques brings there itself, such as a weight held
-    /// far out.
+    /// Part of the rows at the level that the model of the smaller torques puts there as well. The motion itself makes
+    /// such a level, as with a weight held far out.
     pub made: f64,
 }
 
@@ -104,19 +106,24 @@ pub(super) fn gather(
         .collect()
 }
 
-/// Columns of a joint at a delay, row after row, with their number and the target.
+/// Rows of one joint's regression at a delay.
 struct Rows {
+    /// Values of the columns, row after row; the last column is the described torque.
     values: Vec<f64>,
+    /// Recorded torque of each row.
     target: Vec<f64>,
+    /// Number of columns.
     width: usize,
 }
 
 impl Rows {
+    /// Values of column `c`.
     fn column(&self, c: usize) -> impl Iterator<Item = f64> + '_ {
         self.values.iter().skip(c).step_by(self.width).copied()
     }
 }
 
+/// Rows of a joint with the torque moved by `delay`, s; none where too few are left.
 fn rows(systems: &Systems, joint: &Joint, index: usize, delay: f64) -> Option<Rows> {
     let mut system = systems.system(joint, index);
     // The described torque comes last: it is looked at, not fitted.
@@ -130,6 +137,8 @@ fn rows(systems: &Systems, joint: &Joint, index: usize, delay: f64) -> Option<Ro
     })
 }
 
+/// Fit of a joint's torque, from its systems with and without gravity. `negative` is the part of its samples below
+/// zero.
 fn fit(
     [(with, joint), (without, bare)]: [(&Systems, &Joint); 2],
     index: usize,
@@ -187,8 +196,8 @@ fn fit(
     })
 }
 
-/// Ratio of recorded to described inertia, over the same ratio of gravity: a fit of the described torque's two parts,
-/// offset and friction beside them.
+/// Ratio of recorded to described inertia, divided by the same ratio of gravity. Both parts of the described torque are
+/// fitted with offset and friction. None where either part is only rounding, or gravity does not show.
 fn inertia(rows: &Rows, parts: [&[f64]; 2], offset: usize) -> Option<Estimate> {
     // An axis that is upright up to rounding.
     if parts
@@ -211,8 +220,8 @@ fn inertia(rows: &Rows, parts: [&[f64]; 2], offset: usize) -> Option<Estimate> {
     (gravity.value.abs() > SHOWS * gravity.std).then(|| blocks.estimate(&all, |x| x[1] / x[0]))
 }
 
-/// Deviation of a joint's torque by centres of mass that lie [`MISPLACED`] from where they are described, along each axis of
-/// each link.
+/// Standard deviation of a joint's torque, N·m (N), by errors of [`MISPLACED`] in the described centre of mass of every
+/// link.
 fn doubt(joint: &Joint, parameters: &[f64]) -> f64 {
     let links = joint.standard.chunks(PARAMETERS_PER_LINK);
     let own = links.zip(parameters.chunks(PARAMETERS_PER_LINK));
@@ -223,11 +232,11 @@ fn doubt(joint: &Joint, parameters: &[f64]) -> f64 {
     square.sum::<f64>().sqrt()
 }
 
-/// Rounds in which a sign is found.
+/// Number of rounds in which the sign of a torque without sign is searched.
 const ROUNDS: usize = 10;
 
-/// Ratio of the squared error of |torque| with the model's sign put before it to that of the torque itself. The sign is
-/// that of the model fitted so, found from some first guesses.
+/// Squared error of a fit to |torque| with the model's sign put before it, over the squared error `left` of a fit to
+/// the torque. The sign is that of the fitted model itself, found from several first guesses.
 fn folded(rows: &Rows, model: &[usize], rigid: &[f64], speed: &[f64], left: f64) -> f64 {
     let (r, v) = (
         rms(rigid).max(f64::MIN_POSITIVE),
@@ -256,6 +265,7 @@ fn folded(rows: &Rows, model: &[usize], rigid: &[f64], speed: &[f64], left: f64)
     best / left.max(f64::MIN_POSITIVE)
 }
 
+/// Torque of each row by the coefficients `x` of the columns `model`.
 fn predicted(rows: &Rows, model: &[usize], x: &[f64]) -> Vec<f64> {
     let lines = rows.values.chunks(rows.width);
     lines
@@ -263,20 +273,22 @@ fn predicted(rows: &Rows, model: &[usize], x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Quantile of |torque| that counts as the level of a limit.
+/// Quantile of |torque| that is taken as the level of a limit.
 const TOP: f64 = 0.98;
-/// Part of the limit below which torque is fitted, and the part above which the model counts as beyond the limit.
+/// Part of the level below which torques are fitted as the smaller ones.
 const INSIDE: f64 = 0.95;
+/// Part of the level above which the model counts as beyond it.
 const OUTSIDE: f64 = 1.05;
-/// Range of |torque|, as parts of the limit, in which the torque counts as kept at the limit while the model goes
+/// Range of the torque, as parts of the level, within which it counts as staying at the level while the model is
 /// beyond.
 const KEEPS: [f64; 2] = [0.85, 1.1];
 
-/// Bands of |torque|, as parts of the limit, whose numbers of rows are compared: at the limit, and as wide below it.
+/// Band of |torque|, as parts of the level, that counts as at the level.
 const AT: [f64; 2] = [0.97, 1.03];
+/// Band of |torque|, as parts of the level, of the same width below it, for comparison.
 const BELOW: [f64; 2] = [0.87, 0.93];
 
-/// The limit that the largest torques may show, and how a model fitted to smaller torques alone goes beyond it.
+/// Level of the largest torques, and how a model fitted to the smaller torques alone exceeds it.
 fn limit(rows: &Rows, model: &[usize]) -> Limit {
     let sizes: Vec<f64> = rows.target.iter().map(|t| t.abs()).collect();
     let level = signal::quantile::quantile(sizes.clone(), TOP).unwrap_or(0.0);
@@ -325,10 +337,12 @@ fn limit(rows: &Rows, model: &[usize]) -> Limit {
     }
 }
 
+/// Root mean square of some values.
 fn rms(x: &[f64]) -> f64 {
     (x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64).sqrt()
 }
 
+/// Standard deviation of some values.
 fn deviation(x: &[f64]) -> f64 {
     let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
     (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len().max(1) as f64).sqrt()

@@ -1,11 +1,14 @@
-//! The doctor of the torque channel: what a recorded torque is, before any physics is fitted to it for keeps.
+//! Examination of a recorded torque, before physics is fitted to it: unit, sign, source and faults of the torque
+//! channel.
 //!
-//! For every joint the numbers themselves are looked at (`number`), and what a rigid body with friction, fitted to that
-//! joint alone, says of them (`evidence`): such a fit knows neither the described inertials nor the unit. Described
-//! inertials count for scale, sign and unit alone. The questions come in this order, and an answer ends those that
-//! it makes meaningless: is there a signal (`signal`); has it a sign (`source`); does gravity show; which unit (`unit`) and
-//! which sign (`sign`); is it the columns (`columns`) or the description (`description`) instead; does inertia show, and friction; is it
-//! measured, or filtered; is it cut, or coarse.
+//! For every joint, it looks at the numbers themselves (`number`), and at a fit of a rigid body with friction to that
+//! joint alone (`evidence`). Such a fit needs neither the described inertials nor the unit. Described inertials are
+//! used for scale, sign and unit only.
+//!
+//! The examination goes through questions in an order; an answer ends those that it makes meaningless. First come
+//! whether there is a signal (`signal`), and whether it has a sign and contains gravity (`source`). Then come its unit
+//! (`unit`) and its sign (`sign`). Columns (`columns`) or the description (`description`) may be wrong instead. Last
+//! come inertia, friction, noise, filters, limits and coarse steps (`source`, `signal`).
 
 mod blocks;
 mod columns;
@@ -93,7 +96,7 @@ pub fn examine(
     found
 }
 
-/// Complaints with one line in place of two, where both want `torque_scale`.
+/// Replaces the two lines `torque_scale` of a wrong sign and a wrong scale by one with the product of both.
 fn merged(found: &mut [Complaint]) {
     let scales = |c: &Complaint| -> Option<Vec<f64>> {
         let inside = c.drive.as_ref()?.strip_prefix("torque_scale = [")?;

@@ -1,39 +1,39 @@
-//! What the recorded numbers themselves show, without any model.
+//! Statistics of the recorded numbers themselves, without any model.
 
 use datasets::Recording;
 use datasets::check::{moves, plateau};
 use signal::quantile::{median, quantile};
 use std::ops::Range;
 
-/// Orders of the differences from which the noise is estimated: the higher, the less of the motion passes.
+/// Orders of the differences from which the noise is estimated. Higher orders contain less of the motion.
 const ORDERS: Range<usize> = 3..8;
-/// Order of the differences that show a corner.
+/// Order of the differences that show corners of the torque.
 const CORNER: usize = 6;
-/// Part of the gaps between neighbouring numbers that must be a whole number of steps for a grid …
+/// Part of the gaps between neighbouring values that must be whole numbers of steps, for the values to be on a grid.
 const ON_GRID: f64 = 0.97;
-/// … and the part of a step up to which a gap counts as a whole number of steps.
+/// Part of a step by which a gap may differ from a whole number of steps.
 const OFF_GRID: f64 = 0.02;
-/// Speed above which a joint moves, as a part of its largest speed.
+/// Speed above which a joint counts as moving, as a part of its largest speed.
 const MOVING: f64 = 0.05;
 
-/// The numbers of one joint's torque.
+/// Statistics of the recorded numbers of one joint's torque.
 #[derive(Clone, Debug)]
 pub(super) struct Numbers {
     /// Root mean square of the torque about its mean, in the recorded unit.
     pub spread: f64,
     /// Largest absolute value of the torque, in the recorded unit.
     pub largest: f64,
-    /// Step of the grid that they lie on, where they lie on one.
+    /// Step of the grid that all values are on, in the recorded unit; none where they are on no grid.
     pub step: Option<f64>,
-    /// Standard deviation of the torque's noise: of what a smooth signal does not have.
+    /// Standard deviation of the torque's white noise, in the recorded unit.
     pub noise: f64,
-    /// Largest difference of high order, on the scale of the deviation `noise`: sharpness of the sharpest corner.
+    /// Largest difference of high order, scaled like `noise`: how sharp the sharpest corner of the torque is.
     pub corner: f64,
-    /// Part of the samples at a flat top of |τ|, where there is one.
+    /// Part of the samples in motion at a flat top of |τ|; 0 where there is none.
     pub flat: f64,
-    /// Part of the samples that is below zero by more than a hundredth of the largest.
+    /// Part of the samples below zero by more than a hundredth of the largest magnitude.
     pub negative: f64,
-    /// Longest part of the time in motion in which one value stands, and its seconds.
+    /// Longest run of one constant value during motion: as a part of the time in motion, and in seconds.
     pub frozen: (f64, f64),
 }
 
@@ -62,7 +62,7 @@ impl Numbers {
     }
 }
 
-/// Step of a grid that all values lie on.
+/// Step of the grid that all values are on; none where they are on no grid.
 fn step(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -84,15 +84,15 @@ fn step(values: &[f64]) -> Option<f64> {
     (on >= ON_GRID * gaps.len() as f64).then_some(step)
 }
 
-/// Deviation of white noise by differences of high order, the least over orders: what is smooth, and the few samples
-/// around a reversal, hardly count in their median.
+/// Standard deviation of white noise in some values, from the median of high-order differences; the smallest over
+/// orders. Smooth signals, and the few samples around reversals, hardly change the median.
 fn noise(values: &[f64], parts: &[Range<usize>]) -> f64 {
     let of = |order| median(differences(values, parts, order)).map(|m| m / 0.6745);
     ORDERS.filter_map(of).fold(f64::INFINITY, f64::min)
 }
 
-/// Sizes of the differences of some order over the deviation that white noise of deviation 1 gives them: the binomial
-/// coefficient (2k over k) is its square.
+/// Magnitudes of the differences of an order, divided by the standard deviation that white noise of deviation 1 gives
+/// them. Its square is the binomial coefficient (2k over k).
 fn differences(values: &[f64], parts: &[Range<usize>], order: usize) -> Vec<f64> {
     let gain: f64 = (1..=order).map(|i| (order + i) as f64 / i as f64).product();
     let mut sizes = Vec::with_capacity(values.len());
@@ -123,7 +123,7 @@ fn moving(recording: &Recording, joint: usize) -> Vec<bool> {
         .collect()
 }
 
-/// Part of the samples in motion on a flat top of |τ|: at rest any torque is flat.
+/// Part of the samples in motion at a flat top of |τ|. At rest, any torque is flat.
 fn flat(values: &[f64], moving: &[bool]) -> f64 {
     let both = values.iter().zip(moving);
     let own: Vec<f64> = both.filter(|(_, m)| **m).map(|(v, _)| *v).collect();
@@ -133,7 +133,7 @@ fn flat(values: &[f64], moving: &[bool]) -> f64 {
     plateau(&own).map_or(0.0, |(_, share)| share)
 }
 
-/// The longest stretch of time in motion with one value, over all such time, and its seconds.
+/// Longest run of one constant value during motion: as a part of the time in motion, and in seconds.
 fn frozen(recording: &Recording, moving: &[bool], values: &[f64]) -> (f64, f64) {
     let (mut all, mut longest) = (0.0, 0.0_f64);
     for t in &recording.trajectories {

@@ -1,14 +1,17 @@
-//! What the doctor is shown, and how a complaint is put.
+//! Recording under examination, and the parts of a complaint's text.
 
 use super::evidence::{Evidence, Fitted};
 use datasets::Recording;
 use datasets::check::{Ailment, Complaint, Severity};
 use physics::robot::Robot;
 
-/// A recording of a robot with what is known of each joint's torque.
+/// Recording under examination, with its robot and the evidence on each joint's torque.
 pub(super) struct Patient<'a> {
+    /// Robot as described.
     pub robot: &'a Robot,
+    /// Recording whose torque is examined.
     pub recording: &'a Recording,
+    /// Evidence on the torque of each joint.
     pub joints: &'a [Evidence],
 }
 
@@ -34,7 +37,7 @@ impl Patient<'_> {
     }
 }
 
-/// Complaint without lines of a drive file.
+/// Complaint without lines for the drive file. The texts say what was seen, what it means, and what to do.
 pub(super) fn complaint(
     ailment: Ailment,
     severity: Severity,

@@ -1,18 +1,21 @@
-//! Least squares of coefficients that all joints share, beside what each joint has of its own.
+//! Least squares of coefficients that all joints share, beside coefficients of each joint's own.
 
 use super::blocks::Blocks;
 use nalgebra::{DMatrix, DVector};
 
-/// Coefficients that all joints share, their deviations beside all others, and the squared error of each joint with them.
+/// Result of a fit of coefficients that all joints share.
 pub(super) struct Shared {
+    /// Fitted coefficients.
     pub values: Vec<f64>,
-    /// Deviation of each coefficient if every joint's squared error were its floor, from one number per joint.
+    /// Standard deviation of each coefficient, if every joint had its floor as squared error and counted as one
+    /// observation.
     pub deviations: Vec<f64>,
+    /// Squared error of each joint with the fitted coefficients.
     pub left: Vec<f64>,
 }
 
-/// Fits coefficients to what [`reduce`] leaves of each joint's equations; each joint counts by its own floor. `solve` gives the
-/// coefficients of normal equations.
+/// Fits shared coefficients to the equations of all joints, as [`reduce`] returns them. Each joint is weighted by the
+/// inverse of its floor. `solve` solves normal equations.
 pub(super) fn shared(
     reduced: &[(DMatrix<f64>, DVector<f64>, f64)],
     floors: &[f64],
@@ -47,8 +50,8 @@ pub(super) fn shared(
     }
 }
 
-/// Normal equations of `columns` after `own` columns are fitted beside them: matrix, right-hand side, and squares of
-/// the target.
+/// Normal equations of one joint for the shared `columns`, after elimination of its `own` columns: matrix, right-hand
+/// side, and squared target.
 pub(super) fn reduce(
     blocks: &Blocks,
     columns: &[usize],
@@ -76,8 +79,9 @@ pub(super) fn reduce(
     )
 }
 
-/// Solves normal equations with columns of one size and a little ridge: what does not show gets zero.
+/// Solution of normal equations with columns of unit norm and a small ridge. Coefficients that do not show become zero.
 pub(super) fn solved(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+    /// Ridge on columns of unit norm.
     const RIDGE: f64 = 1e-7;
     let size: Vec<f64> = a
         .diagonal()
@@ -96,8 +100,8 @@ pub(super) fn solved(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     DVector::from_fn(n, |i, _| x[i] / size[i])
 }
 
-/// Solves the same for coefficients of which none is negative, as no mass is: columns leave whose coefficient would be, and come back
-/// where that lessens the error (Lawson and Hanson, "Solving least squares problems", 1974, chapter 23).
+/// Solution of normal equations without negative coefficients, as masses have none (Lawson and Hanson, "Solving least
+/// squares problems", 1974, chapter 23).
 pub(super) fn positive(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let n = b.len();
     let size = |k: usize| a[(k, k)].max(0.0).sqrt().max(1e-150);

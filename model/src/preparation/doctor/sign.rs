@@ -6,10 +6,10 @@ use super::signal::is_dead;
 use super::unit::{CLEAR, scale};
 use datasets::check::{Ailment, Complaint, Severity};
 
-/// Least part of a torque's deviation that friction must make for its sign to count.
+/// Least power of friction, as [`Fitted::friction`](super::evidence::Fitted::friction), for its sign to count.
 const FRICTION: f64 = 0.05;
 
-/// Joints whose torque has the opposite sign of the motion's.
+/// Complaint about joints whose torque has the wrong sign for their motion.
 pub(super) fn turned(patient: &Patient) -> Option<Complaint> {
     let turned: Vec<usize> = (0..patient.joints.len())
         .filter(|&j| !is_dead(&patient.joints[j]) && is_turned(&patient.joints[j]))
@@ -53,8 +53,8 @@ pub(super) fn turned(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// Whether a joint's torque has the wrong sign: by friction where it takes or gives energy for certain, else by the
-/// described torque.
+/// Whether a joint's torque has the wrong sign. Friction decides where it certainly takes or gives energy; otherwise
+/// the described torque does.
 fn is_turned(evidence: &Evidence) -> bool {
     let Some(fitted) = &evidence.fitted else {
         return false;

@@ -1,32 +1,36 @@
-//! What is wrong with the signal of single joints: none, steps, a limit.
+//! Faults of the signal of single joints: no signal, coarse steps, or a limit.
 
 use super::evidence::{Evidence, Limit};
 use super::patient::{Patient, complaint, short};
 use datasets::check::{Ailment, Complaint, Severity};
 
-/// Part of a torque's variance below which a model's explanation means that the channel has no signal.
+/// Explained part of a torque's variance below which the channel counts as without signal.
 const EXPLAINED: f64 = 0.25;
-/// Part of the time in motion, and seconds, over which one constant value means that a channel has no signal …
+/// Least part of the time in motion, and least time in s, with one constant value for a channel to count as without
+/// signal.
 const FROZEN: (f64, f64) = (0.15, 2.0);
-/// … but over these parts where the torque comes in coarse steps (this one) or stands at a limit (the next).
+/// Least part of the time in motion instead of `FROZEN`'s where the torque has coarse steps.
 const FROZEN_COARSE: f64 = 0.6;
+/// Least part of the time in motion instead of `FROZEN`'s where the torque has a flat top.
 const FROZEN_CUT: f64 = 0.25;
-/// Size of the steps, as a part of the torque's deviation, from which they are coarse. They add 3 % to the error of any
-/// model, as their deviation is 1/√12 of a step.
+/// Step, as a part of the torque's standard deviation, from which steps count as coarse. Such steps add 3 % to the
+/// error of any model, as their deviation is 1/√12 of a step.
 const COARSE: f64 = 0.1;
-/// A torque is cut where the model goes beyond its largest values more than once, in this part of the rows, and more of
-/// them lie at the limit than a little below it …
+/// Least part of the rows in which a model of the smaller torques exceeds the level of the largest ones, for a torque
+/// cut off.
 const BEYOND: f64 = 0.02;
+/// Least ratio of the rows at the level to those in an equal band below it, for a torque cut off.
 const CROWD: f64 = 1.1;
-/// … or in this part where the top of |τ| is flat …
+/// Least part of the rows instead of `BEYOND` where the top of |τ| is flat.
 const BEYOND_FLAT: f64 = 0.008;
-/// … or where so large a part of the samples lies on a flat top that no motion makes it, on a joint whose largest torque
-/// is at most so many deviations: where it is a weight that is held, the motion itself stays near the top; nor where the model of the
-/// smaller torques brings most of those samples there itself, within two of its deviations.
+/// Least part of the samples on a flat top for a torque cut off without other signs. The second number is the upper
+/// bound of the largest torque over its standard deviation: a held weight stays near its top by itself.
 const FLAT: (f64, f64) = (0.025, 2.5);
+/// Part of the rows at the level, from which on a flat top counts as made by the motion: the model puts them there as
+/// well.
 const MADE: f64 = 0.5;
 
-/// Whether a joint's torque carries any signal throughout.
+/// Whether a joint's torque carries no signal: it is constant for long, or the model explains little of it.
 pub(super) fn is_dead(evidence: &Evidence) -> bool {
     let (part, seconds) = evidence.numbers.frozen;
     let numbers = &evidence.numbers;
@@ -87,7 +91,7 @@ pub(super) fn dead(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// Joints whose torque comes in coarse steps.
+/// Complaint about joints whose torque comes in coarse steps.
 pub(super) fn quantised(patient: &Patient) -> Option<Complaint> {
     let found: Vec<(usize, f64, f64)> = (0..patient.joints.len())
         .filter_map(|j| {
@@ -125,7 +129,7 @@ pub(super) fn quantised(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// Whether a joint's torque stops at a limit.
+/// Whether a joint's torque is cut off at a limit.
 pub(super) fn is_cut(evidence: &Evidence) -> bool {
     let Some(fitted) = &evidence.fitted else {
         return false;
@@ -145,7 +149,7 @@ pub(super) fn is_cut(evidence: &Evidence) -> bool {
             && limit.made < MADE)
 }
 
-/// Joints whose torque stops at a limit.
+/// Complaint about joints whose torque is cut off at a limit.
 pub(super) fn saturated(patient: &Patient) -> Option<Complaint> {
     let found: Vec<(usize, &Limit)> = patient
         .fitted()

@@ -1,5 +1,5 @@
-//! What the torque of all joints is, if not that of the drives: without sign, without gravity, behind the gear, computed,
-//! filtered.
+//! Sources of the torque of all joints other than the drives: without sign, without gravity, behind the gear, computed,
+//! or filtered.
 
 use super::blocks::Estimate;
 use super::description::{DECIDES, LEAST, MASSES, MOST};
@@ -11,26 +11,27 @@ use datasets::TorqueFilter;
 use datasets::check::{Ailment, Complaint, Severity};
 use signal::quantile::{median, quantile};
 
-/// Largest part of its squared error that a torque without sign leaves when the model's sign is put before it.
+/// Largest ratio [`Fitted::folded`](super::evidence::Fitted::folded) of a torque without sign.
 const FOLDED: f64 = 0.5;
-/// Least part of gravity in a joint's described torque, and over the deviation of the recorded one, from which gravity
-/// must show.
+/// Least gravity, as a part of the described torque's deviation and of the recorded one's, from which gravity must
+/// show.
 const LOADED: (f64, f64) = (0.2, 0.25);
-/// Ratio of the squared error with gravity to that without, from which gravity does not show: of every loaded joint,
-/// and in the median.
+/// Least ratios of the squared error with gravity to that without, for gravity not to show: on every loaded joint, and
+/// in the median.
 const WEIGHTLESS: (f64, f64) = (0.4, 0.75);
-/// Quantile over the joints, just below the median, and the part of friction in the torque below which it is not that
-/// of a motor with its gear.
+/// Quantile over the joints, just below the median, of friction's part of the torque. The second number is the part
+/// below which the torque is not that of a motor with its gear.
 const FRICTIONLESS: (f64, f64) = (0.45, 0.1);
-/// Deviation of friction's part of the torque, in the median of the joints, from which the part is unknown.
+/// Standard deviation of friction's part of the torque, median over the joints, from which that part counts as unknown.
 const UNSURE: f64 = 0.05;
-/// Noise over the torque's deviation, in the median of the joints, that every sensor exceeds.
+/// Noise of a torque over its standard deviation, median over the joints, that every sensor exceeds.
 const NOISELESS: f64 = 2.5e-3;
-/// Sharpness of the sharpest corner over the torque's deviation, of the joint with the sharpest one. Below it a torque
-/// without noise was smoothed: friction turns round, encoders have counts.
+/// Sharpness of the sharpest corner of all joints, over the torque's standard deviation. Below it, a torque was
+/// smoothed: friction at reversals and encoder steps make sharper ones.
 const CORNER: f64 = 3e-3;
 
-/// Complaint about a torque without sign: nowhere below zero, and explained with the model's sign before it.
+/// Complaint about a torque without sign: it is nowhere below zero, and a model explains it better with its own sign
+/// put before it.
 pub(super) fn absolute(patient: &Patient) -> Option<Complaint> {
     let alive = || patient.fitted().filter(|(_, e, _)| !is_dead_number(e));
     let never = alive().all(|(_, e, _)| e.numbers.negative < FEW);
@@ -60,14 +61,14 @@ pub(super) fn absolute(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// Whether a joint's torque keeps one value throughout. A folded torque is judged by that alone: a model hardly
-/// explains it.
+/// Whether a joint's torque has one value throughout. No other sign of a missing signal is used for a torque without
+/// sign, which a model hardly explains.
 fn is_dead_number(evidence: &Evidence) -> bool {
     evidence.numbers.spread == 0.0
 }
 
-/// Complaint about a torque from which gravity's is taken off: on every joint that carries weight a model without
-/// gravity does as well.
+/// Complaint about a torque from which that of gravity was subtracted. On every joint that carries weight, a model
+/// without gravity explains it as well.
 pub(super) fn weightless(patient: &Patient) -> Option<Complaint> {
     let loaded: Vec<(usize, f64)> = patient
         .fitted()
@@ -100,7 +101,7 @@ pub(super) fn weightless(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// Complaint about a torque that holds an arm's weight and does not move it: gravity shows, and inertia does not.
+/// Complaint about a torque that holds the arm's weight but does not move it: gravity shows, and inertia does not.
 pub(super) fn of_weight_alone(patient: &Patient) -> Option<Complaint> {
     let shown: Vec<Estimate> = patient
         .fitted()
@@ -130,11 +131,12 @@ pub(super) fn of_weight_alone(patient: &Patient) -> Option<Complaint> {
     })
 }
 
-/// Log-odds that a joint's torque has no inertia in it over that it has that of the description, which is off by as much as masses
-/// are. Described torques are right to a part of their deviation at best.
+/// Log-odds that a joint's torque contains no inertia rather than the described inertia, which is wrong by as much as
+/// masses usually are. `shown` is the recorded part of the inertia.
 fn weight_alone(shown: &Estimate) -> f64 {
-    /// Deviations of a normal variate, and the step, over which likelihoods are summed.
+    /// Range of a normal variate, ± standard deviations, over which likelihoods are summed.
     const RANGE: f64 = 6.0;
+    /// Step of that sum, standard deviations.
     const STEP: f64 = 0.05;
     let std = shown.std.hypot(LEAST.sqrt());
     let likely = |expected: f64| (-0.5 * ((shown.value - expected) / std).powi(2)).exp();
@@ -152,7 +154,8 @@ fn weight_alone(shown: &Estimate) -> f64 {
         .clamp(-MOST, MOST)
 }
 
-/// Complaint about a torque without the friction of motor and gear: on most joints it takes little energy for certain.
+/// Complaint about a torque without the friction of motor and gear: on most joints friction certainly takes little
+/// energy.
 pub(super) fn behind_the_gear(patient: &Patient) -> Option<Complaint> {
     let alive = || patient.fitted().filter(|(_, e, _)| !is_dead(e));
     let parts = alive().map(|(_, _, f)| f.friction.value).collect();
@@ -209,6 +212,7 @@ pub(super) fn noiseless(patient: &Patient) -> Option<Complaint> {
     }
 }
 
+/// Complaint about a commanded or computed torque, whose part of noise is `noise`.
 fn of_command(patient: &Patient, noise: f64) -> Complaint {
     complaint(
         Ailment::Commanded,
@@ -226,6 +230,7 @@ fn of_command(patient: &Patient, noise: f64) -> Complaint {
     )
 }
 
+/// Complaint about a filtered torque, with the filter where it was recognised.
 fn of_filter(patient: &Patient, filter: Option<TorqueFilter>) -> Complaint {
     let seen = match &filter {
         Some(f) => format!(

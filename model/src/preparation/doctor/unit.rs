@@ -1,4 +1,4 @@
-//! Unit of a torque.
+//! Unit of the torque, from the ratio of recorded to described torque (the scale) of each joint.
 
 use super::evidence::Evidence;
 use super::patient::{Patient, complaint, list, short};
@@ -6,23 +6,24 @@ use super::signal::{is_cut, is_dead};
 use datasets::check::{Ailment, Complaint, Severity};
 use signal::quantile::median;
 
-/// Range of scales, recorded over described torque, that errors of a description and of a nominal torque constant
+/// Range of scales, recorded over described torque, that errors of the description and of a nominal torque constant
 /// explain.
 const USUAL: [f64; 2] = [0.75, 1.3];
-/// Scale, recorded over described torque, below which the unit must be another.
+/// Scale below which the torque must be in another unit.
 const SMALL: f64 = 1.0 / 3.0;
-/// Least part of gravity in a described torque for the joint's scale to have a bound.
+/// Least part of gravity in the described torque for a joint's scale to have an upper bound.
 const LOADED: f64 = 0.2;
-/// Number of deviations by which a scale must be clear of a border.
+/// Number of standard deviations by which a value must be clear of a border.
 pub(super) const CLEAR: f64 = 3.0;
-/// Range of the joints' largest numbers in per cent. In the next two constants: largest ratio of these numbers, and
-/// least ratio of the scales then.
+/// Range of the joints' largest numbers where they are per cents.
 const PER_CENTS: [f64; 2] = [30.0, 400.0];
+/// Largest ratio between these numbers of different joints where they are per cents.
 const ALIKE: f64 = 5.0;
+/// Least ratio between the scales of different joints where the numbers are per cents.
 const UNLIKE: f64 = 1.6;
 
-/// Scale of a joint, recorded over described torque, with its interval, which is wider the more the described torque is
-/// in doubt. None where all of the described torque may be an error.
+/// Scale of a joint with its interval, which errors of the description widen. None where these could make all of the
+/// described torque.
 pub(super) fn scale(evidence: &Evidence) -> Option<(f64, [f64; 2])> {
     let doubt = evidence.fitted.as_ref()?.doubt;
     if doubt >= 1.0 {
@@ -36,21 +37,21 @@ pub(super) fn scale(evidence: &Evidence) -> Option<(f64, [f64; 2])> {
     Some((value, [low, high]))
 }
 
-/// Upper bound of a joint's scale, recorded over described torque. The rotor's inertia would only lower it.
+/// Upper bound of a joint's scale; none where errors of the description could make all of the described torque.
 fn at_most(evidence: &Evidence) -> Option<f64> {
     let fitted = evidence.fitted.as_ref()?;
     let most = fitted.scale.value.abs() + CLEAR * fitted.scale.std;
     (fitted.doubt < 1.0).then(|| most / (1.0 - fitted.doubt))
 }
 
-/// Whether gravity makes enough of a joint's described torque for the scale to have a bound. Where all is acceleration,
-/// its noise makes any scale too small.
+/// Whether gravity makes enough of a joint's described torque for the scale to have an upper bound. Noise of the
+/// acceleration makes scales too small.
 fn is_loaded(evidence: &Evidence) -> bool {
     let fitted = evidence.fitted.as_ref();
     fitted.is_some_and(|f| f.loaded > LOADED)
 }
 
-/// Best guess of a joint's scale without its sign.
+/// Best guess of a joint's scale without its sign; none where nothing is known of it.
 fn size(evidence: &Evidence) -> Option<f64> {
     match scale(evidence) {
         Some((value, _)) => Some(value.abs()),
@@ -60,7 +61,7 @@ fn size(evidence: &Evidence) -> Option<f64> {
     .filter(|s| *s > 0.0)
 }
 
-/// Whether a joint's scale is that of another unit; none where it is unknown.
+/// Whether a joint's scale is that of another unit; none where it is not known.
 fn odd(evidence: &Evidence) -> Option<bool> {
     if is_small(evidence) {
         return Some(true);
@@ -68,7 +69,7 @@ fn odd(evidence: &Evidence) -> Option<bool> {
     is_outside(evidence)
 }
 
-/// Whether a joint's scale is so small that its unit must be another.
+/// Whether a joint's scale is so small that its torque must be in another unit.
 fn is_small(evidence: &Evidence) -> bool {
     at_most(evidence).is_some_and(|most| most < SMALL)
 }
@@ -80,9 +81,9 @@ fn is_outside(evidence: &Evidence) -> Option<bool> {
     Some(low > USUAL[1] || high < USUAL[0])
 }
 
-/// Whether the scale that joints have in common is outside [`USUAL`]: the mean of their scales by the precision of
-/// each, less precise by as much as they differ more than their intervals let expect (Birge, "The calculation of errors
-/// by the method of least squares", Physical Review 40, 1932).
+/// Whether the common scale of the joints is certainly outside [`USUAL`]. It is their mean, weighted by precision. Its
+/// deviation grows where they differ more than their intervals suggest. (Birge, "The calculation of errors by the
+/// method of least squares", Physical Review 40, 1932.)
 fn is_together_outside(patient: &Patient, alive: &[usize]) -> bool {
     let known: Vec<(f64, f64)> = alive
         .iter()
@@ -105,11 +106,11 @@ fn is_together_outside(patient: &Patient, alive: &[usize]) -> bool {
     mean > 0.0 && (mean - half > USUAL[1] || mean + half < USUAL[0])
 }
 
-/// Normal distribution of a logarithm: mean and deviation.
+/// Normal distribution of the logarithm of a quantity: its mean and standard deviation.
 struct Usual(f64, f64);
 
 impl Usual {
-    /// Logarithm of a value around `middle`: one deviation is a factor of `within`.
+    /// Distribution around `middle`, in which one standard deviation is a factor of `within`.
     fn around(middle: f64, within: f64) -> Self {
         Self(middle.ln(), within.ln())
     }
@@ -120,25 +121,29 @@ impl Usual {
     }
 }
 
-/// Sizes of the torque that hint at its unit: medians over the joints, the peaks joint by joint.
+/// Figures of the torque that hint at its unit: medians over the joints, except for the peaks.
 struct Shown {
     /// Torque on the link per unit of the recorded number, N·m.
     per_unit: f64,
-    /// Torque per unit over the gear ratio; in `per_current`, also over the torque constant. None where these are
-    /// unknown.
+    /// Torque at the motor per unit of the recorded number, N·m: `per_unit` over the gear ratio. None where no ratio is
+    /// known.
     at_motor: Option<f64>,
+    /// Current per unit of the recorded number, A: `at_motor` over the torque constant. None where no constant is
+    /// known.
     per_current: Option<f64>,
-    /// Largest number of each joint. Per cents are alike on all joints, torques and currents are not.
+    /// Largest magnitude of the recorded numbers, by joint. Per cents are alike on all joints, torques and currents are
+    /// not.
     peaks: Vec<f64>,
 }
 
 /// Factor within which a data sheet and a described robot agree on a scale.
 const SHEET: f64 = 1.25;
-/// Log-likelihood, of two figures together, below which no unit is named.
+/// Log-likelihood of a unit's two figures below which no unit is named.
 const NO_UNIT: f64 = -9.0;
 
-/// Likeliest unit by what drives of robot arms have: gears of 50 to 160, 0.05 to 0.3 N·m/A, currents of some A, motors
-/// of some N·m, and motions that go to about nine tenths of what is rated.
+/// Likeliest unit of the torque, by what is usual for drives of robot arms: gears of 50 to 160, 0.05 to 0.3 N·m/A,
+/// currents of some A, motors of some N·m. Motions reach about nine tenths of rated values. None where no unit is
+/// likely.
 fn unit(shown: &Shown) -> Option<Ailment> {
     let peak = |middle: f64, within: f64| {
         let usual = Usual::around(middle, within);
@@ -186,9 +191,8 @@ fn alike(patient: &Patient, alive: &[usize]) -> bool {
     inside && ratio(&peaks) < ALIKE && sizes.len() > 1 && ratio(&sizes) > UNLIKE
 }
 
-/// Complaint about a torque in another unit than N·m on the link, on most joints; or another scale of single ones.
-/// Where the torque is `smeared` by a filter that nobody declared, a scale says little: only another order of magnitude
-/// counts.
+/// Complaint about a torque in another unit than N·m on the link, or about a wrong scale of single joints. Where the
+/// torque is `smeared` by an undeclared filter, a scale is uncertain. Only another order of magnitude counts then.
 pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
     let alive: Vec<usize> = (0..patient.joints.len())
         .filter(|&j| !is_dead(&patient.joints[j]))
@@ -198,7 +202,7 @@ pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
         .filter_map(|&j| Some((j, odd(&patient.joints[j])?)))
         .collect();
     let mut far: Vec<usize> = judged.iter().filter(|(_, o)| *o).map(|(j, _)| *j).collect();
-    // What no joint shows alone, all may show together.
+    // Common scale: it can be certain where that of no single joint is.
     let together = is_together_outside(patient, &alive);
     if far.is_empty() && !together {
         return None;
@@ -226,6 +230,7 @@ pub(super) fn of_all(patient: &Patient, smeared: bool) -> Option<Complaint> {
     })
 }
 
+/// Complaint about another unit of all joints, with the unit where one is likely.
 fn of_unit(patient: &Patient, alive: &[usize]) -> Complaint {
     let known: Vec<(usize, f64)> = alive
         .iter()
@@ -306,7 +311,8 @@ fn of_unit(patient: &Patient, alive: &[usize]) -> Complaint {
     }
 }
 
-/// Sentence on the settings of a drive file that a data sheet would give more exactly than the recording shows.
+/// Advice on the settings of a drive file that a data sheet gives more exactly. `guessed` are joints whose factor is a
+/// neighbour's.
 fn sheet(patient: &Patient, ailment: Ailment, guessed: &[usize]) -> String {
     let exact = match ailment {
         Ailment::Motor => "units.torque = \"motor\" and gear_ratio",
@@ -332,6 +338,7 @@ fn sheet(patient: &Patient, ailment: Ailment, guessed: &[usize]) -> String {
     )
 }
 
+/// Complaint about a wrong scale of the joints `far` alone.
 fn of_joints(patient: &Patient, far: Vec<usize>) -> Complaint {
     let factors: Vec<f64> = patient
         .all()
