@@ -90,7 +90,7 @@ impl Default for Training {
 }
 
 impl Training {
-    /// The loop of all units but the published one: small batches of squared error, one cycle of the rate, no dropout, every
+    /// Training loop of all units but the published one: small batches of squared error, one cycle of the rate, no dropout, every
     /// epoch gone through. `share` of the samples are visited by an epoch, at most all.
     pub fn one_cycle(epochs: usize, learning_rate: f32, share: f32) -> Self {
         Self {

@@ -50,7 +50,7 @@ pub struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// The model file, with baselines fitted on the same recordings and the memory of `model`, which was made of the record.
+    /// Model file from these parts, with baselines fitted on the same recordings, and with the memory of `model`.
     ///
     /// # Errors
     /// The linear baseline cannot be fitted.

@@ -13,7 +13,7 @@ use crate::residual::ResidualError;
 use crate::sums::SumsError;
 use physics::robot::RobotError;
 
-/// One line for the user, a hint, and the exit status.
+/// Failure of a command: one line for the user, a hint, and the exit status.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Message for the user, in one line.

@@ -8,7 +8,7 @@ use feedforward::network::Compensator;
 use ndarray::Array2;
 use physics::torque_model::TorqueModel;
 
-/// A model with its compensator, where it has one.
+/// Model with its compensator, where it has one.
 #[derive(Clone, Copy)]
 pub struct Loaded<'a> {
     /// Contents of the model directory.

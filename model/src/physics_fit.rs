@@ -45,10 +45,10 @@ impl FitOptions {
 /// Reason why a model could not be fitted.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
-    /// The cut-off of the motion cannot be chosen.
+    /// Cut-off of the motion that cannot be chosen.
     #[error(transparent)]
     Cutoff(#[from] CutoffError),
-    /// A recording cannot be prepared.
+    /// Recording that cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
         /// Name of the recording that cannot be prepared.
@@ -59,13 +59,13 @@ pub enum FitError {
     /// Failed identification of the physics.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-    /// The linear baseline cannot be fitted.
+    /// Linear baseline that cannot be fitted.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
     /// Tables of different shapes.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// A stored model does not fit together.
+    /// Stored model that does not fit together.
     #[error(transparent)]
     Model(#[from] physics::torque_model::TorqueModelError),
 }

@@ -9,7 +9,7 @@ use physics::robot::Robot;
 use signal::Motion;
 use std::ops::Range;
 
-/// One trajectory of a session, with the state of memory before it.
+/// Trajectory of a session, with the state of memory before it.
 #[derive(Clone, Debug)]
 pub struct Step {
     /// Index of the trajectory's recording in `parts`.
@@ -103,8 +103,8 @@ impl Session {
             .collect()
     }
 
-    /// Memory of one joint's terms at the end of every trajectory of the first `recordings` recordings that is
-    /// on the known clock, in the order of [`Session::clock`].
+    /// Memory of one joint's terms at the end of each trajectory on the known clock, in the order of
+    /// [`Session::clock`]. Only the first `recordings` recordings count.
     pub fn end_states(
         &self,
         joint: usize,

@@ -19,7 +19,7 @@ pub struct TorqueChannel {
 }
 
 impl TorqueChannel {
-    /// A channel of `dof` joints without error.
+    /// Channel of `dof` joints without error.
     pub fn faithful(dof: usize) -> Self {
         Self {
             gain: vec![1.0; dof],

@@ -4,7 +4,7 @@ use crate::physics_fit::Fit;
 use physics::effects::{Sliding, Term};
 use physics::robot::{PARAMETERS_PER_LINK, Robot, to_urdf};
 
-/// The nominal robot with the identified parameters: possible standard parameters whose base parameters are
+/// Nominal robot with the identified parameters: possible standard parameters whose base parameters are
 /// nearest to the identified ones, relative to their deviations, and viscous and Coulomb friction. Directions
 /// that the data leave open keep the nominal values.
 ///

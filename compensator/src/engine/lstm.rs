@@ -69,19 +69,19 @@ impl<T: Real> Lstm<T> {
         self.widths.input + self.widths.hidden
     }
 
-    /// x_t of one row, to be written before [`Self::step`].
+    /// Input x_t of one row, to be written before [`Self::step`].
     pub(crate) fn input_mut(&mut self, t: usize, row: usize) -> &mut [T] {
         let (width, input) = (self.width(), self.widths.input);
         &mut self.joined[(t * self.batch + row) * width..][..input]
     }
 
-    /// x_t of all rows from column `from` on, with the distance from row to row.
+    /// Inputs x_t of all rows from column `from` on, with the number of elements from row to row.
     pub(crate) fn inputs_mut(&mut self, t: usize, from: usize) -> (&mut [T], usize) {
         let width = self.width();
         (&mut self.joined[t * self.batch * width + from..], width)
     }
 
-    /// h_{t−1} of every row as a matrix; h after the last step is `previous(steps)`.
+    /// Hidden state h_{t−1} of every row as a matrix; that after the last step is `previous(steps)`.
     pub(crate) fn previous(&self, t: usize) -> View<'_, T> {
         let width = self.width();
         View::new(

@@ -7,7 +7,7 @@ use super::real::Real;
 use super::recurrent::Recurrent;
 use super::span::{Dropout, Span};
 
-/// Forward and backward pass of any architecture.
+/// Network of any architecture, with its forward and backward pass.
 #[derive(Debug)]
 pub(crate) enum Network<T> {
     Recurrent(Box<Recurrent<T>>),

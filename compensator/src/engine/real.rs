@@ -19,12 +19,18 @@ pub(crate) trait Real:
     + Neg<Output = Self>
     + AddAssign
 {
+    /// Number 0.
     const ZERO: Self;
+    /// Number 1.
     const ONE: Self;
 
+    /// Number from single precision.
     fn from_f32(x: f32) -> Self;
+    /// Exponential function.
     fn exp(self) -> Self;
+    /// Logistic function 1/(1 + exp(−x)).
     fn sigmoid(self) -> Self;
+    /// Hyperbolic tangent.
     fn tanh(self) -> Self;
 }
 

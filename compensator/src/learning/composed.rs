@@ -31,7 +31,7 @@ impl Means {
     /// Gradient of the batch's mean cost, and the cost.
     ///
     /// # Errors
-    /// Cost or gradient left the finite numbers.
+    /// Cost or gradient that is not finite.
     pub(super) fn gradients(
         &self,
         weights: &Weights,

@@ -18,9 +18,9 @@ use super::batch::{Batch, Cost};
 /// Quantity of a training step that is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NotFinite {
-    /// Cost of the batch that is NaN or infinite.
+    /// Cost of the batch, which is NaN or infinite.
     Loss,
-    /// Gradient of the cost, or the gradient's norm.
+    /// Gradient of the cost, or its norm, which is NaN or infinite.
     Gradient,
 }
 

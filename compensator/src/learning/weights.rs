@@ -72,12 +72,12 @@ impl Weights {
         Self::new(values)
     }
 
-    /// The parameters on the device of the tensors.
+    /// Parameters moved to the device of the tensors.
     pub(crate) fn moved(&self, tensors: &Tensors) -> Self {
         Self::on(&tensors.device, self.values())
     }
 
-    /// The parameters in the graph.
+    /// Parameters as a tensor, with automatic differentiation where the device has it.
     pub(super) fn tensor(&self) -> Tensor<1> {
         self.flat.val()
     }
@@ -92,7 +92,7 @@ impl Weights {
         self.num_params()
     }
 
-    /// A copy of the parameters.
+    /// Copy of the parameters.
     pub(crate) fn values(&self) -> Vec<f32> {
         let data = self.tensor().inner().into_data();
         data.iter::<f32>().collect()

@@ -213,7 +213,7 @@ fn node(o: &Operation) -> Node<'_> {
     }
 }
 
-/// A float tensor with a free batch dimension in front.
+/// Description of a float tensor with a free batch dimension in front.
 fn value<'a>(name: &'a str, rest: Vec<Dimension<'a>>) -> ValueInfo<'a> {
     let dim = std::iter::once(Dimension::Param("batch"))
         .chain(rest)

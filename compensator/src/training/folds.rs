@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::samples::Split;
 use crate::Error;
 
-/// One fold: indices of the trajectories for training, validation and test.
+/// Fold: indices of the trajectories for training, validation and test.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fold {
     /// Fitted and validated trajectories.

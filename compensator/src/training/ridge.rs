@@ -24,7 +24,7 @@ pub fn train_ridge(job: &Job) -> Result<Trained, Error> {
     best(job).map(|(_, trained)| trained)
 }
 
-/// The ridge that [`train_ridge`] chooses, relative to the mean diagonal of the normal matrix.
+/// Ridge parameter that [`train_ridge`] chooses, relative to the mean diagonal of the normal matrix.
 ///
 /// # Errors
 /// As [`train_ridge`].

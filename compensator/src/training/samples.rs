@@ -18,12 +18,14 @@ pub struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// `inputs` (samples × input columns), `target` the residual torque in N·m, `weight` ≥ 0 per sample (0
-    /// masks it: it may still serve as history), and the rows of each trajectory, which no window crosses.
+    /// Samples from tables that agree in their rows.
+    ///
+    /// `inputs` has the shape (samples, input columns), `target` is the residual torque in N·m. `weight` is at least 0;
+    /// a sample of weight 0 is not scored but may serve as history. No window crosses the rows of a trajectory.
     ///
     /// # Errors
-    /// [`Error::Samples`] where lengths disagree or a trajectory is empty or out of range,
-    /// [`Error::NotFinite`] for NaN, infinity or a negative weight.
+    /// [`Error::Samples`] where lengths disagree or a trajectory is empty or out of range, [`Error::NotFinite`] for
+    /// NaN, infinity or a negative weight.
     pub fn new(
         inputs: ArrayView2<'a, f32>,
         target: ArrayView1<'a, f32>,

@@ -32,7 +32,7 @@ impl From<f64> for Freedom {
     }
 }
 
-/// The criterion J for one recording, by the sums of products of its columns.
+/// Criterion J for one recording, computed from the sums of products of its columns.
 pub struct Objective<'a> {
     /// Sums of products of the dictionary's columns.
     pub grams: &'a Grams,

@@ -5,7 +5,7 @@ use ::identify::least_squares::{Accumulator, SolveOptions, solve};
 use ndarray::{Array2, ArrayView2};
 use serde::{Deserialize, Serialize};
 
-/// The constant matrix A ∈ ℝ^{N×3N} with the normalisation of its inputs and outputs.
+/// Linear model from motion to torque: a constant matrix A ∈ ℝ^{N×3N} with the normalisation of inputs and outputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinearInverse {
     /// Normalisation of q, q̇, q̈ (3N channels).
@@ -75,7 +75,7 @@ impl LinearInverse {
         Ok(self.output.undo(y.view()))
     }
 
-    /// The part of A on one of q, q̇, q̈ (0, 1, 2) in physical units: N·m per rad, rad/s or rad/s².
+    /// Part of A that acts on one of q, q̇, q̈ (0, 1, 2), in physical units: N·m per rad, rad/s or rad/s².
     pub fn gains(&self, derivative: usize) -> Array2<f64> {
         let n = self.matrix.len();
         let first = derivative.min(2) * n;

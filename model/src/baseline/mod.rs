@@ -16,7 +16,7 @@ use ::identify::least_squares::LeastSquaresError;
 /// Reason why a baseline could not be fitted or applied.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BaselineError {
-    /// A table of the wrong shape.
+    /// Table of the wrong shape.
     #[error("{what} has the shape {found:?} (samples, joints), needed is {needed:?}")]
     Shape {
         /// Name of the table that has the wrong shape.
@@ -43,10 +43,10 @@ pub enum BaselineError {
     /// Settings that describe no model.
     #[error("a state-space model needs at least one state and a horizon of two samples")]
     Settings,
-    /// A matrix decomposition did not converge.
+    /// Matrix decomposition that did not converge.
     #[error("a matrix decomposition did not converge")]
     Decomposition,
-    /// The least-squares problem could not be solved.
+    /// Least-squares problem that cannot be solved.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),
 }

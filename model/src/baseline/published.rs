@@ -22,7 +22,7 @@ pub enum Part {
     Test,
 }
 
-/// A published row; figures are over all samples of the official files.
+/// Published result of a model; its figures are over all samples of the official files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Published {
     /// Task of the published result.
@@ -158,7 +158,7 @@ pub fn beside(robot: Option<Builtin>, parts: &[Part]) -> Vec<&'static Published>
         .collect()
 }
 
-/// Rows of one task and part.
+/// Published results of one task and part of the benchmark.
 pub fn rows(task: Task, part: Part) -> impl Iterator<Item = &'static Published> {
     PUBLISHED
         .iter()

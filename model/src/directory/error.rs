@@ -23,7 +23,7 @@ pub enum DirectoryError {
         /// Reason why it is not a model.
         reason: String,
     },
-    /// The directory was written by `machine identify`.
+    /// Directory that `machine identify` wrote.
     #[error(
         "{path}: a machine of the motion controller's kinds, not a serial arm; machine eval and machine payload read it"
     )]
@@ -31,7 +31,7 @@ pub enum DirectoryError {
         /// Path of the model's file.
         path: PathBuf,
     },
-    /// A file beside the model was written by another version.
+    /// File beside the model that another version wrote.
     #[error("{path}: schema {found:?}, this program reads {read:?}; train the model again")]
     Schema {
         /// Path of the file with another schema.
@@ -41,7 +41,7 @@ pub enum DirectoryError {
         /// Schema that this program reads.
         read: &'static str,
     },
-    /// A file was made with another model than the one beside it.
+    /// File that was made with another model than the one beside it.
     #[error("{path}: made with another model than the model.json beside it (checksum differs)")]
     Other {
         /// Path of the file that was made with another model.
@@ -55,7 +55,7 @@ pub enum DirectoryError {
         /// Reason why its version is not read.
         source: ModelFileError,
     },
-    /// The parts of the model do not fit together.
+    /// Parts of the model that do not fit together.
     #[error("{path}: {source}")]
     Physics {
         /// Path of the model file.
@@ -63,7 +63,7 @@ pub enum DirectoryError {
         /// Reason why its parts do not fit together.
         source: TorqueModelError,
     },
-    /// The directory cannot be created, or an old file in it cannot be removed.
+    /// Directory that cannot be created, or whose old files cannot be removed.
     #[error("{path}: {source}")]
     Folder {
         /// Path of the directory that cannot be created or cleared.
@@ -71,7 +71,7 @@ pub enum DirectoryError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A file cannot be written.
+    /// File that cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
 }

@@ -199,7 +199,7 @@ impl Preprocessing {
 }
 
 impl Preprocessing {
-    /// A recording prepared as for the model's training, or with another cut-off. Positions are corrected where
+    /// Recording prepared as for the model's training, or with another cut-off. Positions are corrected where
     /// a joint zero is known.
     ///
     /// # Errors
@@ -369,7 +369,7 @@ impl ModelFile {
         sha256_of(&path).map_err(|source| DirectoryError::Read { path, source })
     }
 
-    /// The covariance as a table.
+    /// Covariance of the parameters as a table.
     pub fn covariance_table(&self) -> Array2<f64> {
         let n = self.covariance.len();
         Array2::from_shape_fn((n, n), |(i, j)| self.covariance[i][j])

@@ -12,10 +12,10 @@ use physics::torque_model::TorqueModelError;
 /// Reason why an evaluation failed.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
-    /// The model directory cannot be used.
+    /// Model directory that cannot be used.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
-    /// The recording cannot be prepared.
+    /// Recording that cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
         /// Name of the recording that cannot be prepared.
@@ -23,25 +23,25 @@ pub enum EvaluateError {
         /// Reason why it cannot be prepared.
         source: PrepareError,
     },
-    /// The stored model does not fit together.
+    /// Stored model that does not fit together.
     #[error(transparent)]
     Model(#[from] TorqueModelError),
-    /// The compensator cannot be used.
+    /// Compensator that cannot be used.
     #[error(transparent)]
     Residual(#[from] ResidualError),
     /// Positions from torque cannot be computed.
     #[error(transparent)]
     Inversion(#[from] InversionError),
-    /// The linear baseline cannot be applied.
+    /// Linear baseline that cannot be applied.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
     /// Tables of different shapes.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// The recording is in another unit.
+    /// Recording in another unit.
     #[error(transparent)]
     Degrees(#[from] Degrees),
-    /// The model is for another robot.
+    /// Model of another robot.
     #[error(
         "{file} has {found} joints, the model {expected}; give a recording of the model's robot ({robot})"
     )]

@@ -60,7 +60,7 @@ pub struct EvalReport {
     pub notes: Vec<String>,
 }
 
-/// A scored recording with all intermediate results.
+/// Scored recording with all intermediate results.
 pub struct Evaluation {
     /// Report with the scores and notes.
     pub report: EvalReport,

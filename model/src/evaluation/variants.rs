@@ -70,7 +70,7 @@ pub(super) fn rows(
     Ok((rows, notes))
 }
 
-/// The recording with planned instead of measured motion.
+/// Recording with planned instead of measured motion; none where it has no planned motion.
 fn planned(recording: &Recording) -> Option<Recording> {
     Some(Recording {
         q: recording.q_ref.clone()?,

@@ -24,7 +24,7 @@ pub struct Diagnostics {
     pub poorly_determined: Vec<String>,
     /// Tests of each joint's training residual; none where it cannot be tested.
     pub residual_tests: Vec<Option<ResidualTests>>,
-    /// The links of the identified URDF; empty where no possible links were found.
+    /// Links of the identified URDF; empty where no possible links were found.
     pub links: Vec<PossibleLink>,
     /// Largest distance of a base parameter of the possible links from its estimate, in standard deviations.
     pub moved: Option<f64>,
@@ -36,9 +36,9 @@ pub struct Diagnostics {
 /// Root mean squared error on the training rows, each joint's over its residual's standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PossibleCost {
-    /// Error of the estimate without the condition.
+    /// Training error of the estimate without the condition that links be possible.
     pub free: f64,
-    /// Error with the parameters of possible links.
+    /// Training error with the parameters of possible links.
     pub possible: f64,
 }
 
@@ -58,7 +58,7 @@ pub struct Conditioning {
     pub friction: Option<f64>,
 }
 
-/// A link of the identified URDF.
+/// Link of the identified URDF.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PossibleLink {
     /// Name of the link in the URDF.

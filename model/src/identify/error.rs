@@ -7,10 +7,10 @@ use ::identify::least_squares::LeastSquaresError;
 /// Reason why identification failed.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentifyError {
-    /// A recording has no torque.
+    /// Recording without torque.
     #[error("{0} has no torque: nothing can be identified from it")]
     NoTorque(String),
-    /// The recordings have another number of joints than the robot.
+    /// Recordings with another number of joints than the robot.
     #[error("the recordings have {found} joints, the robot has {expected}")]
     Joints {
         /// Number of joints of the recordings.
@@ -21,22 +21,22 @@ pub enum IdentifyError {
     /// Recordings in which no joint moves, so that no sample is left to fit.
     #[error("no joint moves in these recordings: nothing can be identified")]
     NothingMoves,
-    /// The least-squares problem could not be solved.
+    /// Least-squares problem that cannot be solved.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),
-    /// The parts of the model do not fit together.
+    /// Parts of the model that do not fit together.
     #[error(transparent)]
     Model(#[from] physics::torque_model::TorqueModelError),
-    /// The parameters do not fit the robot.
+    /// Parameters that do not fit the robot.
     #[error(transparent)]
     Robot(#[from] physics::robot::RobotError),
-    /// The iterative estimator failed.
+    /// Iterative estimator that failed.
     #[error(transparent)]
     Iterative(#[from] IterativeError),
     /// Failed search for physically possible links.
     #[error(transparent)]
     Feasibility(#[from] FeasibilityError),
-    /// The prior belongs to another robot.
+    /// Prior that belongs to another robot.
     #[error("the model of {prior} given as prior has other base parameters than {robot}")]
     Prior {
         /// Name of the robot that the prior belongs to.

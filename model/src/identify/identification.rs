@@ -81,7 +81,7 @@ pub struct Identified {
     pub folds: usize,
     /// Triangle of the weighted rows of all joints.
     pub triangle: Triangle,
-    /// The possible links behind the estimate, where required.
+    /// Possible links that the estimate is made of; none where these were not required.
     pub feasible: Option<Feasible>,
     /// Report of the estimation.
     pub report: EstimatorReport,

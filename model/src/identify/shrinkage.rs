@@ -32,7 +32,7 @@ pub struct GivenInertias {
 }
 
 impl GivenInertias {
-    /// The rows over `total` parameters, the base parameters first.
+    /// Rows of the prior over `total` parameters, the base parameters first.
     ///
     /// # Errors
     /// Fewer parameters than base parameters.

@@ -28,7 +28,7 @@ pub struct Leaderboard {
     pub rows: Vec<Entry>,
     /// Rows of positions simulated from torque, in the same order; empty where no model does that.
     pub forward: Vec<Entry>,
-    /// The models given, with the conditions of their figures.
+    /// Models that were compared, with the conditions of their figures.
     pub models: Vec<Given>,
     /// Names of figures that another run does not repeat, since they are measured when the page is made.
     pub measured_when_made: [&'static str; 1],
@@ -47,7 +47,7 @@ pub struct Given {
 }
 
 impl Leaderboard {
-    /// A board without rows, for the recording of `scored`.
+    /// Leaderboard without rows, for the recording of `scored`.
     pub(super) fn empty(file: &ModelFile, scored: &Evaluation) -> Self {
         let parts = [Part::Test, Part::Train];
         Self {

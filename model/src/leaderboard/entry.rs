@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Name of the row of a whole model with compensator.
 pub(super) const WHOLE: &str = "physics+compensator";
 
-/// A model, ours or a published one.
+/// Row of a leaderboard: a model of this project, or a published one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
     /// Name of the model: `linear_baseline`, `physics`, `physics+compensator`, `physics+ridge`, `physics+trees`, or the
@@ -59,7 +59,7 @@ pub struct Training {
 }
 
 impl Entry {
-    /// A row of this project with scores alone.
+    /// Row of a model of this project, with scores alone.
     pub(super) fn of(model: &str, directory: &str, [all, moving]: [Judged; 2]) -> Self {
         Self {
             model: model.to_owned(),

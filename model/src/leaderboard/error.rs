@@ -30,28 +30,28 @@ pub enum LeaderboardError {
         /// Robot and joints of the other directory's model.
         of_other: String,
     },
-    /// The recording has no torque.
+    /// Recording without torque.
     #[error("{0} has no torque to score against")]
     NoTorque(String),
-    /// A model directory cannot be used.
+    /// Model directory that cannot be used.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
-    /// The options for reading the recording cannot be made.
+    /// Options for reading the recording that cannot be made.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The recording cannot be read.
+    /// Recording that cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A model cannot be scored on the recording.
+    /// Model that cannot be scored on the recording.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// A model cannot be loaded into a control loop.
+    /// Model that cannot be loaded into a control loop.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A compensator cannot be used.
+    /// Compensator that cannot be used.
     #[error(transparent)]
     Residual(#[from] ResidualError),
-    /// A linear baseline cannot be applied.
+    /// Linear baseline that cannot be applied.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
     /// Tables of different shapes.

@@ -12,7 +12,7 @@ use datasets::metrics::Scope;
 use report::figure::{Ink, Panel, Plot};
 use report::{KeyFigure, Page, Section, Tone};
 
-/// The page: scores, measured against predicted torque, residuals, parameters, provenance.
+/// Page of a model: scores, measured against predicted torque, residuals, parameters, provenance.
 pub fn page(file: &ModelFile, subject: &Subject) -> Page {
     let mut page = Page::new(format!("Torque model of {}", file.physics.robot)).subtitle(format!(
         "{} · {} samples, {} trajectories",

@@ -6,7 +6,7 @@ use datasets::metrics::Row;
 use ndarray::Array2;
 use signal::Motion;
 
-/// A recording with a model's predictions and scores.
+/// Recording with a model's predictions and scores, as a page shows it.
 pub struct Subject<'a> {
     /// Recording that the page shows.
     pub recording: &'a Recording,

@@ -135,7 +135,7 @@ fn ten(unknowns: &[f64]) -> [f64; PARAMETERS_PER_LINK] {
     std::array::from_fn(|i| unknowns[i])
 }
 
-/// The body's parameters with standard deviations; products by linear propagation.
+/// Parameters of the body with standard deviations; those of quotients and products by linear propagation.
 fn figures(
     p: &[f64; PARAMETERS_PER_LINK],
     covariance: &Array2<f64>,

@@ -12,7 +12,7 @@ pub(super) fn direction(qd: f64) -> f64 {
     qd / qd.hypot(SOFT)
 }
 
-/// A constant and two harmonics of the position `q`, rad (m), each once symmetric and once antisymmetric in the
+/// Shapes of a torque error: a constant and two harmonics of the position `q`, rad (m), each once symmetric and once antisymmetric in the
 /// direction of motion; none exceeds 1.
 pub(super) fn shapes(q: f64, qd: f64) -> [f64; SHAPES] {
     let way = direction(qd);

@@ -79,10 +79,10 @@ pub struct Payload {
 /// Reason why no body could be estimated.
 #[derive(Debug, thiserror::Error)]
 pub enum PayloadError {
-    /// The recording and the model do not fit together.
+    /// Recording and model that do not fit together.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// The recording has no torque.
+    /// Recording without torque.
     #[error("{0} holds no torque (tau1 …), which the payload is told from")]
     NoTorque(String),
     /// Recording in which no torque depends on the body.

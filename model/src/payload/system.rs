@@ -166,7 +166,7 @@ impl System {
     }
 }
 
-/// The stored covariance, with the variance of each coefficient of friction raised by a relative change.
+/// Stored covariance, with the variance of each coefficient of friction raised by a relative change.
 fn with_friction_change(file: &ModelFile, model: &TorqueModel, change: f64) -> Array2<f64> {
     let mut covariance = file.covariance_table();
     let lists = model.terms().iter().flatten();

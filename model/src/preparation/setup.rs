@@ -15,10 +15,10 @@ use physics::robot::{
 };
 use std::path::{Path, PathBuf};
 
-/// A robot with the options for reading its recordings.
+/// Robot with the options for reading its recordings.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// The robot, drive data included.
+    /// Robot with the data of its drives.
     pub robot: Robot,
     /// Drive file, if one was given.
     pub drive: Option<Drive>,
@@ -38,16 +38,16 @@ const AS_FAST: f64 = 1.25;
 /// Reason why a robot or a recording cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
-    /// The robot or its drive file cannot be used.
+    /// Robot or its drive file that cannot be used.
     #[error(transparent)]
     Robot(#[from] RobotError),
-    /// A recording cannot be read.
+    /// Recording that cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The positions of a recording are in degrees.
+    /// Recording whose positions are in degrees.
     #[error(transparent)]
     Degrees(#[from] Degrees),
-    /// A recording that is to score the model shares rows with those that are fitted.
+    /// Held-out recording that shares rows with the fitted ones.
     #[error(
         "{heldout}: {rows} of its {of} rows stand in the recordings that are fitted as well: what is measured on them says nothing; give a \
          recording of its own as --heldout, or leave it out"

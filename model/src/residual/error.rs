@@ -9,16 +9,16 @@ pub enum ResidualError {
     /// Training or evaluation failed.
     #[error(transparent)]
     Compensator(#[from] compensator::Error),
-    /// The stored network cannot be loaded.
+    /// Stored network that cannot be loaded.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// The network's file cannot be used.
+    /// Network's file that cannot be used.
     #[error(transparent)]
     Network(#[from] feedforward::network::Error),
-    /// The physical model does not fit together.
+    /// Physical model that does not fit together.
     #[error(transparent)]
     Model(#[from] physics::torque_model::TorqueModelError),
-    /// The yardsticks' files cannot be used.
+    /// Yardsticks' files that cannot be used.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
     /// Training trajectories in fewer than three folds: yardsticks need one to fit, one to choose and one to judge.

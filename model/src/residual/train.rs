@@ -17,7 +17,7 @@ use feedforward::network::Compensator;
 use ndarray::Array2;
 use physics::robot::Builtin;
 
-/// A trained compensator with its record for `model.json`.
+/// Trained compensator with its record for `model.json`.
 pub struct Learned {
     /// Compensator of all units.
     pub compensator: Compensator,

@@ -30,7 +30,7 @@ const TAKEN: ForwardOptions = ForwardOptions {
     ridge: 0.0,
 };
 
-/// One sample of a joint in motion.
+/// Sample of a joint in motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     /// Position of the joint, rad or m.

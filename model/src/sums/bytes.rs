@@ -24,7 +24,7 @@ struct Head {
 }
 
 impl Sums {
-    /// The sums as bytes, without the robot.
+    /// Sums as bytes, without the robot.
     pub fn to_bytes(&self) -> Vec<u8> {
         let known = |s: &[f64; 2]| s[0].is_finite().then_some(*s);
         let rows = |joints: &Vec<Triangle>| joints.iter().map(Triangle::rows).collect();

@@ -8,7 +8,7 @@ use ::identify::least_squares::LeastSquaresError;
 /// Reason why sums cannot be made or joined.
 #[derive(Debug, thiserror::Error)]
 pub enum SumsError {
-    /// A recording cannot be used, or all of them determine nothing.
+    /// Recording that cannot be used, or recordings that determine nothing.
     #[error(transparent)]
     Fit(#[from] FitError),
     /// Sums that belong to two robots.

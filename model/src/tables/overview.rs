@@ -13,7 +13,7 @@ use signal::quantile::quantile;
 const NAMED: usize = 2;
 /// Largest number of models beside each other in the table.
 const MODELS: usize = 5;
-/// Quantile of a joint's speed that counts as its top speed.
+/// Quantile of a joint's speeds that is taken as its top speed.
 const TOP: f64 = 0.99;
 /// Simulation of steady motion: time until friction memory has settled, time over which torque is then averaged, and step, s.
 const STEADY: [f64; 3] = [2.0, 2.0, 0.002];

@@ -4,8 +4,9 @@ use crate::motion::frame::Frame;
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Whether another execution of the motion of a burst (`samples`) shows a part `again` of it as well.
-/// `departure` at the recorded samples, shape (samples, joints); `usual` is the residual's typical size on each joint.
+/// Whether a burst recurs when its motion is repeated: another execution shows at least the part `again` of it at the
+/// same time. `departure` is the residual at the recorded samples, shape (samples, joints), and `usual` its typical
+/// size on each joint.
 pub(super) fn repeats(
     frame: &Frame,
     departure: &Array2<f64>,
@@ -46,7 +47,7 @@ pub(super) fn repeats(
     })
 }
 
-/// Executions of the same motion as execution `of`, without itself. `pairs` link each execution with the next one.
+/// Indices of the other executions of the motion of execution `of`. `pairs` link each execution with the next one.
 fn executions(pairs: &[(usize, usize)], of: usize) -> Vec<usize> {
     let mut found = vec![of];
     let mut k = 0;

@@ -19,7 +19,7 @@ const RATE_HZ: f64 = 10.0;
 /// Largest relative difference at which two sampling rates count as the same.
 const SAME_RATE: f64 = 0.05;
 
-/// A linear state space from torque to position, with the sampling rate of its fit.
+/// Linear state space from torque to position, with the sampling rate of its fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForwardBaseline {
     /// Sampling rate of the model, Hz, about 10.
@@ -40,7 +40,7 @@ pub struct Simulated {
     pub trajectories: Vec<Range<usize>>,
 }
 
-/// A recording thinned to about [`RATE_HZ`].
+/// Recording thinned to about [`RATE_HZ`].
 struct Thinned {
     rate_hz: f64,
     tau: Array2<f64>,

@@ -21,7 +21,7 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// Spectral radius from which A counts as unstable.
 const STABLE_RADIUS: f64 = 1.0;
 
-/// A (n × n, stable) and C (outputs × n).
+/// Dynamics of a state space: A (n × n, stable) and C (outputs × n).
 pub(super) struct Dynamics {
     pub(super) a: Mat<f64>,
     pub(super) c: Mat<f64>,

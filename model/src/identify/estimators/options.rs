@@ -18,7 +18,7 @@ pub enum Estimator {
     Wls,
     /// Weighted least squares as `Wls`, with rows reweighted by their own residual until outliers have no influence.
     Irls,
-    /// The iterative approach of Han et al. (2020): covariance between joints, outliers, and on joints whose friction
+    /// Iterative approach of Han et al. (2020): covariance between joints, outliers, and on joints whose friction
     /// is viscous and Coulomb alone the exponent of speed.
     Iterative,
 }
@@ -46,7 +46,7 @@ const PRIOR_RIDGE: f64 = 0.1;
 /// Options of the estimation.
 #[derive(Clone, Debug)]
 pub struct EstimatorOptions {
-    /// The estimator. Default [`Estimator::Wls`].
+    /// Estimator to use. Default [`Estimator::Wls`].
     pub estimator: Estimator,
     /// Weight function of [`Estimator::Irls`] and [`Estimator::Iterative`]. Default: hard, 3 standard deviations.
     pub weight: Weight,
@@ -74,7 +74,7 @@ impl Default for EstimatorOptions {
 }
 
 impl EstimatorOptions {
-    /// Options with the fastest estimator, for a first estimate.
+    /// Options with weighted least squares and without the condition on links, for a first estimate.
     pub fn quick(&self) -> Self {
         Self {
             estimator: Estimator::Wls,

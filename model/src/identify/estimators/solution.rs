@@ -35,7 +35,7 @@ pub struct EstimatorReport {
     pub every: usize,
 }
 
-/// An estimate of all parameters: base parameters, then each joint's terms.
+/// Solution of an estimation: all parameters (base parameters, then each joint's terms) with their report.
 pub struct Solution {
     /// Estimate of the parameters; that of possible links where these were required.
     pub estimate: Estimate,

@@ -5,7 +5,7 @@ use physics::robot::{Inertia, PARAMETERS_PER_LINK};
 use serde::Serialize;
 use std::str::FromStr;
 
-/// A body on the last link with known mass; with known mass and centre of mass; or with all ten parameters known.
+/// Body on the last link with known mass; with known mass and centre of mass; or with all ten parameters known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct KnownBody {
     /// Standard parameters in the last joint's frame; unknown ones are zero.
@@ -22,7 +22,7 @@ pub enum KnownBodyError {
         "{0:?} is no known body: MASS, MASS,X,Y,Z or MASS,X,Y,Z,Ixx,Ixy,Iyy,Ixz,Iyz,Izz (kg, m, kg·m² about the centre of mass) is needed"
     )]
     Numbers(String),
-    /// The mass is not above zero.
+    /// Mass that is not above zero.
     #[error("a known body of {0} kg: its mass has to be above zero")]
     Mass(String),
     /// Parameters that no possible body has.

@@ -352,7 +352,7 @@ impl Grids {
             .collect()
     }
 
-    /// A column of the fine motion, low-passed, on the rows.
+    /// Column of the fine motion, low-passed, on the rows.
     fn thinned(&self, column: &[f64]) -> Vec<f64> {
         let parts = self.fine.iter();
         parts

@@ -6,7 +6,7 @@ use datasets::prepare::PrepareError;
 /// Reason why no cut-off could be chosen.
 #[derive(Debug, thiserror::Error)]
 pub enum CutoffError {
-    /// A recording cannot be prepared.
+    /// Recording that cannot be prepared.
     #[error("{file}: {source}")]
     Prepare {
         /// Name of the recording that cannot be prepared.
@@ -14,7 +14,7 @@ pub enum CutoffError {
         /// Reason why it cannot be prepared.
         source: PrepareError,
     },
-    /// The basic model cannot be fitted.
+    /// Basic model that cannot be fitted.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
 }

@@ -32,7 +32,7 @@ const SAMPLES: usize = 40_000;
 /// Autocorrelation time of a residual, s: rows closer to a fold are not fitted.
 const MEMORY: f64 = 0.5;
 
-/// One cut-off that was tried.
+/// Cut-off that was tried, with its error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tried {
     /// Cut-off that was tried, Hz.
