@@ -2,7 +2,8 @@
 """Refuses features of burn that would start threads or ask for a GPU: networks are trained one per core.
 
 What the package `gpu` brings may not be in the workspace's tree at all. Features are unified over the workspace, so another crate can turn them on from far away.
-The README's first command compiles no more crates than it may, and neither burn nor boosted trees. Standard library only.
+The README's first command and the control loop's crate compile no more crates than they may, and neither burn nor boosted trees.
+Standard library only.
 
 usage: features.py      in the repository; exit 1 and one line per package that is refused
 """
@@ -13,15 +14,18 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 REFUSED = {"rayon", "cuda", "rocm", "metal", "vulkan", "webgpu", "wgpu", "tch", "fusion", "remote"}
 GPU = ("wgpu", "cubecl-core", "cubecl-wgpu", "burn-cubecl", "burn-wgpu")
-#: What the README's first command builds, what of it no crate may be called, and the most crates.
-FIRST = ["-p", "residyn", "--no-default-features", "--features", "diagnosis"]
+#: What is built, by which packages and features, and the most crates.
+LIMITS = [
+    ("the README's first command", ["-p", "residyn", "--no-default-features", "--features", "diagnosis"], 230),
+    ("the control loop's crate", ["-p", "residyn-feedforward"], 60),
+]
+#: What no crate of these may be called.
 WITHOUT = ("burn", "cubecl", "forust", "candle")
-MOST = 230
 
 
-def first():
-    """Crates that the README's first command compiles on this machine, its own among them."""
-    command = ["cargo", "tree", *FIRST, "--locked", "--edges", "normal,build", "--prefix", "none", "--no-dedupe", "--format", "{p}"]
+def compiled(selection):
+    """Crates that a build of `selection` compiles on this machine, its own among them."""
+    command = ["cargo", "tree", *selection, "--locked", "--edges", "normal,build", "--prefix", "none", "--no-dedupe", "--format", "{p}"]
     tree = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
     return {tuple(line.split()[:2]) for line in tree.splitlines()}
 
@@ -39,15 +43,18 @@ def main():
         for feature in sorted(REFUSED & set(features.split(","))):
             refused += 1
             print(f"{package}: feature `{feature}` is on")
-    crates = first()
-    for name, version in sorted(crates):
-        if name.startswith(WITHOUT):
+    counted = []
+    for what, selection, most in LIMITS:
+        crates = compiled(selection)
+        counted.append(f"{len(crates)} crates of {what}")
+        for name, version in sorted(crates):
+            if name.startswith(WITHOUT):
+                refused += 1
+                print(f"{name} {version}: not for {what}")
+        if len(crates) > most:
             refused += 1
-            print(f"{name} {version}: not for the README's first command")
-    if len(crates) > MOST:
-        refused += 1
-        print(f"the README's first command compiles {len(crates)} crates, at most {MOST} are allowed")
-    print(f"features: {len(burn)} packages of burn, {len(crates)} crates of the first command, {refused} refused")
+            print(f"{what} compiles {len(crates)} crates, at most {most} are allowed")
+    print(f"features: {len(burn)} packages of burn, {', '.join(counted)}, {refused} refused")
     return refused > 0 or not burn
 
 

@@ -13,20 +13,24 @@
 //! ```
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "statistics")]
 pub mod bootstrap;
 pub mod cholesky;
 pub mod correlation;
+#[cfg(feature = "statistics")]
 pub mod delay;
 pub mod differences;
 pub mod filter;
 pub mod harmonics;
 pub mod loess;
 pub mod motion;
+#[cfg(feature = "statistics")]
 pub mod proportion;
 pub mod quantile;
 pub mod resample;
 pub mod smoother;
 pub mod sos;
+#[cfg(feature = "statistics")]
 pub mod spectrum;
 pub mod spline;
 

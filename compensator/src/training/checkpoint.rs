@@ -1,7 +1,6 @@
 //! Checkpoints: one safetensors file per network that holds burn's records as bytes, with settings and hash
 //! beside them; written under a temporary name and renamed.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use burn::tensor::Bytes;
@@ -108,7 +107,7 @@ fn content(origin: &Origin, state: &State) -> Result<Vec<u8>, Box<dyn std::error
         .zip(&records)
         .map(|(name, r)| Ok((*name, TensorView::new(Dtype::U8, vec![r.len()], r)?)))
         .collect::<Result<Vec<_>, safetensors::SafeTensorError>>()?;
-    let metadata = HashMap::from([(KEY.to_owned(), header)]);
+    let metadata = [(KEY.to_owned(), header)].into_iter().collect();
     Ok(safetensors::serialize(views, Some(metadata))?)
 }
 

@@ -1,6 +1,5 @@
 //! Storage: one safetensors file, described in `docs/compensator-format.md`.
 
-use std::collections::HashMap;
 use std::io::Write;
 use std::path::Path;
 
@@ -173,10 +172,8 @@ impl Compensator {
                 ))
             })
             .collect::<Result<Vec<_>, Error>>()?;
-        Ok(safetensors::serialize(
-            views,
-            Some(HashMap::from([(KEY.to_owned(), envelope)])),
-        )?)
+        let metadata = [(KEY.to_owned(), envelope)].into_iter().collect();
+        Ok(safetensors::serialize(views, Some(metadata))?)
     }
 
     /// The compensator from bytes of [`Self::to_bytes`].

@@ -6,7 +6,7 @@ fn with_envelope(bytes: &[u8], edit: impl Fn(&str) -> String) -> Vec<u8> {
     let (_, metadata) = SafeTensors::read_metadata(bytes).unwrap();
     let envelope = edit(&metadata.metadata().as_ref().unwrap()[KEY]);
     let file = SafeTensors::deserialize(bytes).unwrap();
-    let metadata = Some(HashMap::from([(KEY.to_owned(), envelope)]));
+    let metadata = Some([(KEY.to_owned(), envelope)].into_iter().collect());
     safetensors::serialize(file.tensors(), metadata).unwrap()
 }
 
