@@ -85,8 +85,6 @@ pub struct Info {
     pub parameter: bool,
     /// Whether the effect is friction of its own joint.
     pub friction: bool,
-    /// Whether the effect makes the whole prediction late or oscillate, which other effects do in part as well.
-    pub dynamic: bool,
     /// Whether the effect shows at frequencies beyond those of the motion.
     pub vibrates: bool,
     /// Whether free inertial and friction parameters can absorb most of it. Then its share is counted from the model as given.
@@ -135,7 +133,6 @@ impl Info {
         coded: false,
         parameter: false,
         friction: false,
-        dynamic: false,
         vibrates: false,
         absorbable: false,
         outside: false,

@@ -18,7 +18,6 @@ pub(super) const INFO: Info = Info {
     name: "joint_elasticity",
     plain: "elasticity of the transmission",
     confounders: &[Effect::Backlash, Effect::TimeDelay, Effect::RotorInertia],
-    dynamic: true,
     vibrates: true,
     place: Some("MJCF"),
     by_hand: second_joint,

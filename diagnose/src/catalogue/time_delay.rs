@@ -21,7 +21,6 @@ pub(super) const INFO: Info = Info {
     name: "time_delay",
     plain: "a time shift between torque and motion",
     confounders: &[Effect::JointElasticity, Effect::Backlash],
-    dynamic: true,
     place: Some("MJCF"),
     by_hand: of_actuators,
     remedy: "shift the torque in the recording, or delay the actuator ({})",

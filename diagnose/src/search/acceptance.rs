@@ -5,28 +5,6 @@ use crate::algebra::fit::Fit;
 use crate::catalogue::Candidate;
 use crate::catalogue::effect::Effect;
 use crate::settings::{Rule, SearchSettings};
-use signal::quantile::median;
-
-/// Special rules on the acceptance of one trial.
-const RULES: [Rule; 4] = [
-    Rule::GainByEffect,
-    Rule::PartByEffect,
-    Rule::MiddleJoint,
-    Rule::LargeGain,
-];
-
-/// Improvement that a candidate makes when it is added to a fit.
-struct Removed {
-    /// Fall of the criterion J by the candidate's own columns, nats, without evidence from a trace or another sensor.
-    gain: f64,
-    /// Whether the removed error is visible on some joint, and large beside the error that parameters alone leave.
-    misfit: bool,
-    /// Part of the squared error of the candidate's joints that it removes, all of these joints together; see
-    /// [`fraction`].
-    whole: f64,
-    /// Part of the squared error that a delay removes, by [`late_fraction`]: on the median joint where that is more.
-    late: f64,
-}
 
 impl Search<'_> {
     /// Whether a candidate that was tried on top of `fit` explains enough to be accepted. It must lower J by far. A
@@ -52,58 +30,41 @@ impl Search<'_> {
             .map(|(b, a)| b * b - a * a)
             .collect();
         let visible = removed.iter().any(|r| *r > s.visible * s.visible);
-        let trial = Removed {
-            gain,
-            misfit: removed.iter().sum::<f64>() > s.share * self.missing() && visible,
-            whole: fraction(&before, &after, &c.joints),
-            late: late_fraction(&before, &after, &c.joints),
+        let misfit = removed.iter().sum::<f64>() > s.share * self.missing() && visible;
+        let part = fraction(&before, &after, &c.joints);
+        let enough = |least: f64| part >= least;
+        let (own, usual) = (
+            enough(self.least_fraction(c, others)),
+            enough(c.effect.info().least_fraction),
+        );
+        let large = if s.off.applies(Rule::PartByEffect, own != usual) {
+            own
+        } else {
+            usual
         };
-        let on = |rules: usize| {
-            let on = |k: usize| rules & 1 << k != 0 && !s.off.holds(RULES[k]);
-            std::array::from_fn(on)
+        let own = (misfit && !c.effect.info().memory) || gain > self.clear(c, part);
+        let usual = misfit || gain > s.enough_unseen * s.enough;
+        let sure = if s.off.applies(Rule::GainByEffect, own != usual) {
+            own
+        } else {
+            usual
         };
-        let passes = |rules: usize| self.passes(c, &trial, others, on(rules));
-        // A rule decides where it matters beside any choice of the others, so that an ablation may also switch off several.
-        for (k, rule) in RULES.into_iter().enumerate() {
-            let mut beside = (0..1 << RULES.len()).filter(|rules| rules & 1 << k == 0);
-            let differ = beside.any(|rules| passes(rules) != passes(rules | 1 << k));
-            s.off.applies(rule, differ);
-        }
-        passes((1 << RULES.len()) - 1)
+        large && sure
     }
 
-    /// Whether a trial is accepted under the special rules that are `on`, in the order of [`RULES`].
-    fn passes(&self, c: &Candidate, trial: &Removed, others: &[usize], on: [bool; 4]) -> bool {
+    /// Fall of J, nats, from which a candidate that removes `part` of its joints' squared error needs no visible error. A
+    /// wrong velocity sign at reversals looks like friction, but not like effects of load, gravity or inertia.
+    fn clear(&self, candidate: &Candidate, part: f64) -> f64 {
         let s = self.objective.settings;
-        let [by_effect, part_by_effect, middle, large] = on;
-        let memory = by_effect && c.effect.info().memory;
-        let part = if c.effect.info().late && middle {
-            trial.late
-        } else {
-            trial.whole
-        };
-        let sure = large && c.effect.info().dynamic && trial.gain > s.enough_dynamic * s.enough;
-        let least = if part_by_effect {
-            self.least_fraction(c, others)
-        } else {
-            c.effect.info().least_fraction
-        };
-        if part < least && !sure {
-            return false;
-        }
-        // Required gain by effect: a wrong velocity sign at reversals looks like friction, but not like effects of
-        // load, gravity or inertia.
-        let clear = match c.effect {
-            _ if !by_effect => s.enough_unseen * s.enough,
-            effect if effect.info().memory && is_narrow(c, s) && part < s.plainly => {
-                s.enough_narrow * s.enough
+        let info = candidate.effect.info();
+        s.enough
+            * match candidate.effect {
+                _ if info.memory && is_narrow(candidate, s) && part < s.plainly => s.enough_narrow,
+                _ if info.memory => s.enough_memory,
+                Effect::LoadDependentFriction => 1.0,
+                _ if info.absorbable => 1.0,
+                _ => s.enough_unseen,
             }
-            effect if effect.info().memory => s.enough_memory * s.enough,
-            Effect::LoadDependentFriction => s.enough,
-            effect if effect.info().absorbable => s.enough,
-            _ => s.enough_unseen * s.enough,
-        };
-        (trial.misfit && !memory) || trial.gain > clear
     }
 
     /// Whether a trace in the residual identifies a candidate without the criterion J. It does not where `others`, the
@@ -191,33 +152,9 @@ fn fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
     1.0 - squares(after) / squares(before).max(1e-300)
 }
 
-/// Part of the squared error that a delay of several joints removes: of all joints together, or on the median joint
-/// where that is more. One joint with a large error of another cause would hide the delay in the sum.
-fn late_fraction(before: &[f64], after: &[f64], joints: &[usize]) -> f64 {
-    let own = |&j: &usize| fraction(before, after, &[j]);
-    let middle = median(joints.iter().map(own).collect()).unwrap_or(0.0);
-    fraction(before, after, joints).max(middle)
-}
-
 /// Whether the memory of a candidate's friction is over so short a displacement that a wrong velocity sign at reversals
 /// imitates it.
 fn is_narrow(candidate: &Candidate, settings: &SearchSettings) -> bool {
     let shape = candidate.shape.first();
     shape.is_some_and(|s| s.value < settings.narrow)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_joint_that_errs_for_another_reason_does_not_hide_a_delay_of_all() {
-        let late = |after: &[f64]| late_fraction(&[0.1, 0.1, 1.0], after, &[0, 1, 2]);
-        assert!(late(&[0.07, 0.07, 0.99]) > 0.4);
-        // What one joint lacks is no delay of all.
-        assert!(late(&[0.1, 0.1, 0.95]) < 0.1);
-        assert!(late(&[0.02, 0.1, 0.99]) < 0.1);
-        // A single joint is asked for its own error.
-        assert_eq!(late_fraction(&[1.0], &[0.5], &[0]), 0.75);
-    }
 }

@@ -12,10 +12,6 @@ pub enum Rule {
     GainByEffect,
     /// Least part of the error that differs for narrow memory, abrupt Stribeck friction, delays and springs.
     PartByEffect,
-    /// The part of the error that a delay removes is that on the median joint, where that is more.
-    MiddleJoint,
-    /// Effects that make a prediction late or oscillate need no part of the error where their gain is large.
-    LargeGain,
     /// A cause must exceed a part of the gain of earlier ones.
     Leftovers,
     /// A trace names a play by itself, whatever its torque explains.
@@ -26,8 +22,6 @@ pub enum Rule {
     LastLink,
     /// Priors of a suspected link and of a payload.
     LinkPriors,
-    /// Fewer coefficients are tried in the place of a link's full set.
-    FullLink,
     /// A cause whose error a free refit undercuts is barred, and the search runs again.
     Barred,
     /// Causes that halve the error of a short recording are accepted.
@@ -42,17 +36,14 @@ pub enum Rule {
 
 impl Rule {
     /// All rules of the search.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 12] = [
         Self::GainByEffect,
         Self::PartByEffect,
-        Self::MiddleJoint,
-        Self::LargeGain,
         Self::Leftovers,
         Self::Trace,
         Self::Evidence,
         Self::LastLink,
         Self::LinkPriors,
-        Self::FullLink,
         Self::Barred,
         Self::Short,
         Self::Listed,
@@ -77,14 +68,11 @@ impl Rule {
         match self {
             Self::GainByEffect => "gain-by-effect",
             Self::PartByEffect => "part-by-effect",
-            Self::MiddleJoint => "middle-joint",
-            Self::LargeGain => "large-gain",
             Self::Leftovers => "leftovers",
             Self::Trace => "trace",
             Self::Evidence => "evidence",
             Self::LastLink => "last-link",
             Self::LinkPriors => "link-priors",
-            Self::FullLink => "full-link",
             Self::Barred => "barred",
             Self::Short => "short",
             Self::Listed => "listed",

@@ -53,8 +53,6 @@ settings! {
         enough_memory: f64 = 2.0, tuned;
         /// Factor on `enough` for memory shorter than `narrow` that does not remove the part `plainly`.
         enough_narrow: f64 = 3.0, tuned;
-        /// Factor on `enough` above which an effect that makes a prediction late or oscillate needs no least part of the error.
-        enough_dynamic: f64 = 20.0, tuned;
         /// Part of an earlier cause's gain that a further cause must exceed.
         leftover: f64 = 0.12, tuned;
         /// Part of an earlier cause's gain that the same effect on another joint must exceed.
