@@ -34,7 +34,7 @@ pub enum Subject {
     Model(PathBuf),
     /// The robot's own earlier recordings: changes since then are searched.
     Before {
-        /// Built-in robot, URDF or MJCF, for lengths and axes.
+        /// Built-in robot, URDF or MJCF, for lengths, axes and gravity; its masses are a prior.
         source: String,
         /// Names of its joints, where the description has more.
         joints: Vec<String>,

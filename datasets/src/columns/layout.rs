@@ -38,11 +38,13 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Finds the columns: as a drive file names them, by the names of docs/formats.md, or by the meaning of
-    /// their names. Checks that the set is complete.
+    /// Finds the columns: by the names that a drive file gives or those of docs/formats.md; a group with neither by the
+    /// meaning of its columns' names. Time (unless a rate is given), position and, where `torque_needed`, torque must be
+    /// there. Other groups may be absent.
     ///
     /// # Errors
-    /// A name that stands twice, a missing column, another number of joints than the robot has.
+    /// A name that stands twice; a required column missing, or a group that lacks some joints; another number of joints
+    /// than the robot has, unless the robot's joints can be picked from columns of the whole description.
     pub fn resolve(
         header: &[String],
         options: &ReadOptions,

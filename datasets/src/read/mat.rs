@@ -148,7 +148,8 @@ pub(crate) fn read(
     assemble(&layout, columns, &options, file)
 }
 
-/// Degrees to radians, motor torque to link torque.
+/// Conversions of each group's columns, one per joint: position, velocity and acceleration from degrees to radians, torque
+/// from motor to link by [`GEAR_RATIOS`].
 fn units() -> std::collections::BTreeMap<Group, Vec<Affine>> {
     let radians = Affine {
         scale: std::f64::consts::PI / 180.0,

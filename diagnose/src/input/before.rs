@@ -1,6 +1,6 @@
 //! A robot's earlier recordings as the model that a later gap is measured from: no simulator is asked.
 //!
-//! The model is identified from the earlier recordings alone; the description gives lengths and axes. Where the
+//! The model is identified from the earlier recordings alone; the description gives lengths, axes and a prior of the masses. Where the
 //! later recording repeats a motion, its torque is compared with the earlier torque itself.
 
 use crate::error::DiagnoseError;

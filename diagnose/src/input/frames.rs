@@ -35,7 +35,7 @@ pub struct Frames {
     pub heldout: Frame,
     /// Sizes of the fitted recording.
     pub scale: Scale,
-    /// Options with which both recordings were prepared.
+    /// Options with which the fitted and the held-out recording were prepared; the cut-off is lower where a rate is too low for it.
     pub options: PrepareOptions,
     /// Choice of the cut-off; none where it was given or a model's.
     pub cutoff: Option<CutoffChoice>,

@@ -17,7 +17,7 @@ pub struct SubRegressors {
     pub inertial: Option<f64>,
     /// Condition number of the columns of first moments (and masses).
     pub gravity: Option<f64>,
-    /// Condition number of the columns of friction and offset.
+    /// Condition number of the columns of friction and offset, in their own units, not normalised; none without such columns.
     pub friction: Option<f64>,
 }
 

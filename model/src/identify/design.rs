@@ -97,7 +97,8 @@ impl Data<'_> {
         self.target.tau.iter().map(|t| t.nrows()).sum()
     }
 
-    /// Whether one sample of one joint is a row.
+    /// Whether sample `row` of recording `part` is a row of the joint's system: every `every`-th is, with `moving_only` where
+    /// the joint is faster than [`MOVING`].
     pub fn counts(&self, part: usize, row: usize, joint: usize) -> bool {
         row.is_multiple_of(self.every)
             && (!self.moving_only

@@ -21,7 +21,7 @@ pub struct Sample<'a> {
     pub load: &'a [f64],
 }
 
-/// Memory of a [`TermBank`] at one instant.
+/// Memory of a [`TermBank`], the terms of one joint, after a sample: to be stored and restored.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct BankState {
     /// State of each term; zero for terms without memory.

@@ -142,7 +142,8 @@ pub struct Arguments {
     /// An identified model instead: a model directory that `train` wrote.
     #[arg(long, value_name = "DIR", conflicts_with = "gravity")]
     pub model: Option<PathBuf>,
-    /// Earlier recordings of the same robot, to find what has changed since. --robot then gives only lengths and axes.
+    /// Earlier recordings of the same robot, to find what has changed since: the robot is identified from them. --robot then gives lengths,
+    /// axes and gravity; its masses are a prior, used where it lowers the error on rows left out.
     #[arg(long, num_args = 1.., conflicts_with_all = ["model", "learn", "next"])]
     pub before: Vec<PathBuf>,
     /// Recordings of the real robot on which effects are fitted.

@@ -12,7 +12,7 @@ const NINETY: f64 = 1.645;
 pub struct Score {
     /// Name of the case.
     pub id: String,
-    /// Sealed answer of the case.
+    /// Copy of the sealed answer that the report was scored against: withheld effects, true gains and delays of the drives.
     pub sealed: Sealed,
     /// Effect and joints of the report's first cause; empty where there is none.
     pub first: String,

@@ -250,7 +250,7 @@ struct Drive {
     to_smooth: f64,
     /// Rate of change of the step's mean commanded velocity with time, rad/s².
     commanded_velocity_rate: f64,
-    /// Whether the integral of the error changes in the step: the drive has one, and no limit acts.
+    /// Whether the integral of the error changes in the step: the drive has one, and neither `drive_limit` nor `limit` acts.
     integrates: bool,
     /// Part of the Stribeck friction that is left at this velocity, 0 to 1.
     stribeck: f64,

@@ -74,7 +74,7 @@ impl Default for EstimatorOptions {
 }
 
 impl EstimatorOptions {
-    /// Options with weighted least squares and without the condition on links, for a first estimate.
+    /// These options, but with weighted least squares and without the condition on links, for a first estimate.
     pub fn quick(&self) -> Self {
         Self {
             estimator: Estimator::Wls,

@@ -5,7 +5,8 @@ use physics::robot::{Inertia, PARAMETERS_PER_LINK};
 use serde::Serialize;
 use std::str::FromStr;
 
-/// Body on the last link with known mass; with known mass and centre of mass; or with all ten parameters known.
+/// Body on the last link with known mass; with known mass and centre of mass; or with all ten parameters known. It is given
+/// in the last joint's frame with the inertia about the centre of mass, and held with the inertia about the frame's origin.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct KnownBody {
     /// Standard parameters in the last joint's frame; unknown ones are zero.

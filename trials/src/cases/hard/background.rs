@@ -12,7 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Range of the part of its joint's torque that each background effect makes.
+/// Range from which each background effect's share is drawn, log-uniformly: RMS of its torque over that of its joint's whole
+/// torque. [`settle`] accepts from 0.5 times its start to 1.5 times its end.
 const SHARES: Range<f64> = 0.01..0.04;
 /// Probability of each background effect on each joint.
 const CHANCE: f64 = 0.5;
