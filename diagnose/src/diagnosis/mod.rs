@@ -232,6 +232,7 @@ fn diagnosed(
             Masses::Placeholders => Some("the description's masses are placeholders"),
         },
         ladder,
+        by_cause: explanation.by_cause.clone(),
         places: places(model, &frames, &explanation, settings),
         causes,
         resonances: resonances(

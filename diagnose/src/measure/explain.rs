@@ -7,6 +7,7 @@ use crate::input::frames::Frames;
 use crate::ladder::listing::Listing;
 use crate::ladder::rungs::Free;
 use crate::ladder::scores::{Scored, total};
+use crate::measure::by_cause::{Added, by_cause, together};
 use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
 use crate::measure::shares::{Removed, closed, normed};
 use crate::motion::scene::Scene;
@@ -33,6 +34,8 @@ struct Part {
 pub struct Explanation {
     /// Steps of the ladder on the held-out recording.
     pub ladder: Vec<Step>,
+    /// The same way with the causes first: as given, one step per cause in their order, then the other parameters.
+    pub by_cause: Vec<Step>,
     /// Causes, largest share first.
     pub causes: Vec<Cause>,
     /// Held-out gap as given, shape (samples, joints); zero where a joint is not judged.
@@ -150,6 +153,7 @@ pub fn explain(
     let short = frames.data.is_short(&settings.ladder);
     let mut causes = Vec::new();
     let mut values = Vec::new();
+    let mut added = Vec::new();
     for part in parts.iter().filter(|p| listed(p)) {
         let contact = part.effect.info().outside;
         let joints = joints(part, said, here.as_ref());
@@ -191,6 +195,7 @@ pub fn explain(
             without: &alone,
         };
         values.push(removed.value(&deviation));
+        added.push(Added::by(part.effect, part.accepted));
         let cause = part.accepted.map(|c| &found.accepted[c]);
         // Of a trace that names by itself nobody has counted how often it is right.
         let judged = |c: &usize| found.candidate(*c).shown.is_none();
@@ -252,10 +257,19 @@ pub fn explain(
     for (cause, share) in causes.iter_mut().zip(normed(&values)) {
         cause.share_of_gap = share;
     }
-    causes.sort_by(|a, b| b.share_of_gap.total_cmp(&a.share_of_gap));
+    let mut causes: Vec<(Cause, Added)> = causes.into_iter().zip(added).collect();
+    causes.sort_by(|(a, _), (b, _)| b.share_of_gap.total_cmp(&a.share_of_gap));
+    let step = |name: &str, added: &[Added]| {
+        let (structure, free, cut) = together(added);
+        let scored = if cut { &scored } else { &whole };
+        scored.step(name, &left(&structure, free), held)
+    };
+    let by_cause = by_cause(&ladder, &causes, step);
+    let causes: Vec<Cause> = causes.into_iter().map(|(cause, _)| cause).collect();
     let lost = cut.iter().filter(|c| **c).count();
     Explanation {
         ladder,
+        by_cause,
         causes,
         gap: gap_held,
         residual,

@@ -1,6 +1,7 @@
 //! Measured effect of the causes: shares, sizes, intervals, residual, verdict.
 
 pub(crate) mod bounds;
+pub(crate) mod by_cause;
 pub(crate) mod changed_parameters;
 pub mod confidence;
 pub(crate) mod explain;

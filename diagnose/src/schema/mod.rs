@@ -29,6 +29,9 @@ pub struct Diagnosis {
     pub no_gap_as_given: Option<&'static str>,
     /// Error on the held-out recording, step by step of the ladder.
     pub ladder: Vec<Step>,
+    /// The same way with the causes first: `as_given`, one step per cause in the order of `causes`, then `reidentified`,
+    /// the model's other parameters fitted again.
+    pub by_cause: Vec<Step>,
     /// Regions of time, position, speed or frequency where the gap lies.
     #[serde(rename = "where")]
     pub places: Vec<Place>,

@@ -28,6 +28,31 @@ fn alike(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.iter().zip(&b).all(same)
 }
 
+/// The step of the biggest cause takes more away than any other, though free parameters could take a payload's place.
+fn the_chart_counts_causes_as_the_words_do(report: &serde_json::Value) {
+    let list = |key: &str| report[key].as_array().expect("a list").clone();
+    let mean = |step: &serde_json::Value| step["mean_nrmse"].as_f64().expect("a mean");
+    let (steps, causes, ladder) = (list("by_cause"), list("causes"), list("ladder"));
+    assert_eq!(causes[0]["effect"], "payload");
+    for (step, cause) in steps[1..].iter().zip(&causes) {
+        assert_eq!(step["step"], cause["effect"]);
+    }
+    let falls: Vec<f64> = steps
+        .windows(2)
+        .map(|w| mean(&w[0]) - mean(&w[1]))
+        .collect();
+    assert!(falls[1..].iter().all(|f| *f < falls[0]), "{falls:?}");
+    let part = falls[0] / mean(&steps[0]);
+    assert!(part > 0.5, "the payload's step removes {part}");
+    for (own, other) in [
+        (steps.first(), ladder.first()),
+        (steps.last(), ladder.last()),
+    ] {
+        let [own, other] = [own, other].map(|step| mean(step.expect("a step")));
+        assert!((own - other).abs() < 1e-9, "{own} {other}");
+    }
+}
+
 #[test]
 fn the_pages_show_what_the_demo_says() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -55,6 +80,7 @@ fn the_pages_show_what_the_demo_says() {
     let report: serde_json::Value =
         serde_json::from_str(&ended.succeeded().out).expect("a report and nothing else");
     assert_eq!(report["schema"], "diagnosis/1");
+    the_chart_counts_causes_as_the_words_do(&report);
     let ended = run(diagnose.args(["--html", "missing/page.html"]));
     assert_eq!(ended.status, 2, "{}", ended.err);
     assert!(
