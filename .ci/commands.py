@@ -24,8 +24,11 @@ MORE = {
     "feedforward": ["embedding.md", "formats.md"],
     "machine": ["machines.md"],
     "decoupled": ["decoupled.md"],
+    "report": ["formats.md"],
     "simulate": ["architecture.md"],
 }
+#: Commands that are no programs by themselves.
+ALONE = ("demo", "report")
 
 
 def said(program, words):
@@ -56,7 +59,7 @@ def pages(program):
         more = ", ".join(f"[{page.removesuffix('.md')}](../{page})" for page in MORE[name])
         head, *rest = sections(program, [name])
         title, _, body = head.partition("\n")
-        alone = "" if name == "demo" else f", or the program `{name}` by itself"
+        alone = "" if name in ALONE else f", or the program `{name}` by itself"
         text = f"{title}\n\n`residyn {name}`{alone}. More: {more}.\n{body}"
         yield PAGES / f"{name}.md", "\n".join([text, *rest])
 

@@ -12,7 +12,7 @@ mod leaderboard;
 mod sources;
 
 use arguments::{Arguments, WIDTH};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use datasets::{Part, read};
 use leaderboard::Printed;
 use model::baseline::published::{self, Published, beside};
@@ -26,6 +26,11 @@ use sources::SourcesError;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
 
 /// Runs the program `eval` with these arguments, of which the first is its name; returns the exit status.
 /// `--help` and wrong usage end the process here, as clap does.

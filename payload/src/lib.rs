@@ -8,9 +8,14 @@ mod run;
 mod screen;
 
 use arguments::Arguments;
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
 use std::process::ExitCode;
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
 
 /// Runs the program `payload` with these arguments, of which the first is its name; returns the exit status.
 /// `--help` and wrong usage end the process here, as clap does.

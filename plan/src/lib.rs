@@ -11,9 +11,14 @@ mod torque;
 mod unit;
 
 use arguments::Arguments;
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
 use std::process::ExitCode;
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
 
 /// Runs the program `feedforward` and returns its exit status. The first of the arguments is the name by which it was
 /// called. `--help` and wrong usage end the process here, as clap does it.

@@ -7,4 +7,4 @@ mod command_line;
 pub mod motion;
 pub mod prove;
 
-pub use command_line::command_line;
+pub use command_line::{command, command_line};

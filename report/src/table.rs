@@ -133,6 +133,12 @@ impl Cell {
     }
 }
 
+impl std::fmt::Display for Cell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(&self.text)
+    }
+}
+
 /// A table with a header row, an optional caption and marked best numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {

@@ -90,6 +90,10 @@
 //! Ten short programs stand in `examples/`.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "diagnosis")]
+#[doc(hidden)]
+pub mod programs;
+
 pub use {datasets, diagnose, feedforward, identify, model, physics, report, signal, trials};
 
 pub use datasets::{ReadOptions, Recording, Trajectory, read, write};

@@ -3,9 +3,14 @@
 use crate::arguments::{Arguments, Command};
 use crate::run::{Gpu, no_gpu, run_with};
 use crate::{doctor, forward, oracle, runtime, study};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
 use std::process::ExitCode;
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
 
 /// Runs the program `train` and returns its exit status. The first of the arguments is the name by which it was called.
 /// `--help` and wrong usage end the process here, as clap does it.

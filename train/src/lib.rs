@@ -22,6 +22,6 @@ mod taught;
 mod topics;
 mod yardsticks;
 
-pub use command_line::{command_line, command_line_with};
+pub use command_line::{command, command_line, command_line_with};
 pub use compensator::training::Progress;
 pub use run::{Gpu, run, run_with};

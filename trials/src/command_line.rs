@@ -6,7 +6,7 @@ use crate::protocols::changed::{Change, changed};
 use crate::protocols::payload::{LoadedArm, loaded};
 use crate::{Protocol, SimulateError, cases, raw};
 use clap::builder::PossibleValuesParser;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 /// Recordings of simulated robots, with effects that a rigid-body model lacks.
 #[derive(Parser)]
-#[command(name = "simulate", version)]
+#[command(name = "simulate", version = version::TEXT)]
 struct Arguments {
     #[command(subcommand)]
     what: What,
@@ -142,6 +142,11 @@ struct Recordings {
     /// Simulate only what a rigid model with viscous and Coulomb friction describes.
     #[arg(long)]
     plain: bool,
+}
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Arguments::command()
 }
 
 /// Runs the program `simulate` and returns its exit status. The first of the arguments is the name by which it was

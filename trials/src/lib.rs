@@ -17,6 +17,6 @@ mod lag;
 pub mod protocols;
 pub mod raw;
 
-pub use command_line::command_line;
+pub use command_line::{command, command_line};
 pub use error::SimulateError;
 pub use protocols::{Protocol, Simulated, cached};

@@ -7,7 +7,7 @@ mod arguments;
 use crate::prove;
 use crate::prove::thresholds::Trial;
 use arguments::{Arguments, Command, Proof, Sealed};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use diagnose::directory::Directory;
 use diagnose::settings::Rule;
 use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, patch, words};
@@ -17,6 +17,11 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Command::command()
+}
 
 /// Runs the program `diagnose` and returns its exit status. The first of the arguments is the name by which it was
 /// called. `--help` and wrong usage end the process here, as clap does it.

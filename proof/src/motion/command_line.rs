@@ -2,7 +2,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use super::{MotionError, Score, calibration, kinds, misses, prove, rates, score};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use indicatif::ProgressBar;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use std::process::ExitCode;
 /// Replays recorded commands on a robot's simulator: where its motion departs from the recorded one, which effect causes
 /// it, and how far it shrinks once that effect is added. No torque is needed.
 #[derive(Parser)]
-#[command(name = "replay", version, args_conflicts_with_subcommands = true)]
+#[command(name = "replay", version = version::TEXT, args_conflicts_with_subcommands = true)]
 struct Command {
     /// Another job than a diagnosis.
     #[command(subcommand)]
@@ -45,6 +45,11 @@ enum Proof {
         #[arg(required = true)]
         folders: Vec<PathBuf>,
     },
+}
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Command::command()
 }
 
 /// Runs the program `replay` and returns its exit status. The first of the arguments is the name by which it was

@@ -12,7 +12,7 @@ mod score;
 mod tables;
 
 pub use case::{Case, Sealed, kind, make};
-pub use command_line::command_line;
+pub use command_line::{command, command_line};
 pub use score::{Score, judge, tempering};
 pub use tables::{calibration, kinds, misses, rates};
 

@@ -3,13 +3,13 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use crate::command;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Identification of single joints in closed loop: projection, instruments, likelihood; gravity and friction runs.
 #[derive(Debug, Parser)]
-#[command(name = "decoupled", version)]
+#[command(name = "decoupled", version = version::TEXT)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -27,6 +27,11 @@ enum Command {
     Study(command::study::Arguments),
     /// The identified model judged on trapezoids, and in the loop against the controller alone.
     Control(command::control::Arguments),
+}
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Arguments::command()
 }
 
 /// What the program `decoupled` does with these arguments, of which the first is what it was called by; its exit status.

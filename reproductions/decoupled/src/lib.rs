@@ -28,5 +28,5 @@ pub mod simulation;
 pub mod study;
 pub mod validation;
 
-pub use command_line::command_line;
+pub use command_line::{command, command_line};
 pub use error::DecoupledError;

@@ -4,13 +4,13 @@
 
 use crate::MachineError;
 use crate::command;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Torque models of machines as a motion controller knows them: axes, SCARA, Delta, PUMA.
 #[derive(Debug, Parser)]
-#[command(name = "machine", version)]
+#[command(name = "machine", version = version::TEXT)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -28,6 +28,11 @@ enum Command {
     Payload(command::payload::Arguments),
     /// Recordings of a simulated machine: one to identify with, one to judge by.
     Simulate(command::simulate::Arguments),
+}
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Arguments::command()
 }
 
 /// What the program `machine` does with these arguments, of which the first is what it was called by; its exit status.

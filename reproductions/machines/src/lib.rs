@@ -29,7 +29,7 @@ pub mod recorder;
 pub mod recording;
 pub mod store;
 
-pub use command_line::command_line;
+pub use command_line::{command, command_line};
 pub use description::Description;
 pub use error::MachineError;
 pub use machine::Machine;

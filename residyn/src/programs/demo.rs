@@ -1,6 +1,6 @@
 //! `residyn demo`: a simulated arm whose description lacks a body and friction, diagnosed from two recordings.
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use report::{say, warn};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -12,11 +12,16 @@ const SEED: u64 = 1;
 
 /// A first look, in under a minute: simulates a UR5 that carries 1.2 kg and rubs more than its URDF says, and finds both
 #[derive(Parser)]
-#[command(version)]
+#[command(name = "demo", version = version::TEXT)]
 struct Arguments {
     /// Folder for recordings, report and corrected model.
     #[arg(long, default_value = "residyn-demo")]
     out: PathBuf,
+}
+
+/// The command line, as clap takes it.
+pub fn command() -> clap::Command {
+    Arguments::command()
 }
 
 /// Runs the demo and returns its exit status. The first of the arguments is the name by which it was called.

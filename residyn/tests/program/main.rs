@@ -1,5 +1,7 @@
 //! `residyn NAME` is the program NAME: the same help, messages and exit status.
 
+mod compared;
+
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -133,5 +135,11 @@ fn without_a_program_it_says_which_there_are() {
         let code = residyn(odd).status.code();
         assert!(code == Some(2) || code == Some(0), "{odd:?}: {code:?}");
     }
-    assert!(text(&residyn(&["--version"]).stdout).starts_with("residyn "));
+    let version = text(&residyn(&["--version"]).stdout);
+    assert!(version.starts_with("residyn "), "{version}");
+    for name in NAMES {
+        let called = text(&residyn(&[name, "--version"]).stdout);
+        assert_eq!(called.replace(name, "residyn"), version);
+        assert_eq!(text(&alone(name, &["--version"]).stdout), called);
+    }
 }
