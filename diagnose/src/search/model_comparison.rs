@@ -15,6 +15,7 @@ use crate::search::objective::{Freedom, Objective};
 use crate::search::select::{CandidateScore, Search, Selection, without};
 use crate::settings::Rule;
 use crate::simulator::NominalModel;
+use physics::robot::PARAMETERS_PER_LINK;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
@@ -81,7 +82,7 @@ impl<'a> Simplest<'a> {
         // A recording of few joints says little of the tolerance: then the stated one stands.
         let runs = settings.tolerant.map(|links| {
             let friction = self.friction(links);
-            let run = self.run(Freedom { links, friction }, HashSet::new());
+            let run = self.fewer(Freedom { links, friction });
             let widened = links.log2() + friction.log2();
             let surprise = run.surprise() + settings.widening * widened;
             (links, surprise, run)
@@ -150,6 +151,48 @@ impl<'a> Simplest<'a> {
         let each = settings.tolerant.map(|f| (f, surprise(f)));
         let likeliest = each.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         likeliest.map_or(links, |(friction, _)| friction)
+    }
+
+    /// Result of the search without candidates that free all ten parameters of a link. It counts where it needs fewer
+    /// coefficients and is not above the refit's error. Otherwise the result with these candidates.
+    fn fewer(&self, freedom: Freedom) -> Run<'a> {
+        let full = self.run(freedom, HashSet::new());
+        let many = |c: usize| self.is_many(c);
+        let off = &self.objective.settings.off;
+        let freed = full.selection.accepted.iter().any(|&c| many(c));
+        if off.holds(Rule::FullLink) || !freed {
+            return full;
+        }
+        let barred = (0..self.candidates.len()).filter(|&c| many(c)).collect();
+        let few = self.run(freedom, barred);
+        let price = |t: &Run| -> usize {
+            let of = t.selection.accepted.iter();
+            of.map(|&c| self.members[c].len()).sum()
+        };
+        let new = |c: &usize| {
+            let effect = self.candidates[*c].effect;
+            effect.info().absorbable && !full.selection.accepted.contains(c)
+        };
+        let named = few.selection.accepted.iter().any(new);
+        let rivalled = self.objective.settings.rivalled;
+        let low = || {
+            let [few, full] = [&few, &full].map(|t| self.relative(&t.selection.fit));
+            few.iter()
+                .zip(&full)
+                .all(|(few, full)| few <= &(rivalled * full))
+        };
+        let fewer = named && few.stands() && price(&few) < price(&full) && low();
+        if off.applies(Rule::FullLink, fewer) {
+            few
+        } else {
+            full
+        }
+    }
+
+    /// Whether a candidate is the full set of a link's ten parameters.
+    fn is_many(&self, candidate: usize) -> bool {
+        self.candidates[candidate].effect == Effect::LinkParameters
+            && self.members[candidate].len() == PARAMETERS_PER_LINK
     }
 
     /// Indices of the candidates with the same effect and joints as one of `some`.

@@ -22,6 +22,8 @@ pub enum Rule {
     LastLink,
     /// Priors of a suspected link and of a payload.
     LinkPriors,
+    /// Fewer coefficients are tried in the place of a link's full set.
+    FullLink,
     /// A cause whose error a free refit undercuts is barred, and the search runs again.
     Barred,
     /// Causes that halve the error of a short recording are accepted.
@@ -36,7 +38,7 @@ pub enum Rule {
 
 impl Rule {
     /// All rules of the search.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::GainByEffect,
         Self::PartByEffect,
         Self::Leftovers,
@@ -44,6 +46,7 @@ impl Rule {
         Self::Evidence,
         Self::LastLink,
         Self::LinkPriors,
+        Self::FullLink,
         Self::Barred,
         Self::Short,
         Self::Listed,
@@ -73,6 +76,7 @@ impl Rule {
             Self::Evidence => "evidence",
             Self::LastLink => "last-link",
             Self::LinkPriors => "link-priors",
+            Self::FullLink => "full-link",
             Self::Barred => "barred",
             Self::Short => "short",
             Self::Listed => "listed",
