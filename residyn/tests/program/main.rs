@@ -140,6 +140,9 @@ fn without_a_program_it_says_which_there_are() {
     for name in NAMES {
         let called = text(&residyn(&[name, "--version"]).stdout);
         assert_eq!(called.replace(name, "residyn"), version);
-        assert_eq!(text(&alone(name, &["--version"]).stdout), called);
+        // The program by itself may have been built at another commit.
+        let numbered = |said: &str| said.split(" (").next().map(|n| n.trim().to_owned());
+        let own = text(&alone(name, &["--version"]).stdout);
+        assert_eq!(numbered(&own), numbered(&called));
     }
 }
