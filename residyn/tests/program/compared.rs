@@ -101,7 +101,8 @@ fn two_diagnoses_side_by_side() {
     let files = written(folder.path(), &files);
     let (_, out, _) = compared(&files[0], &files[1], &[]);
     assert!(
-        out.contains("Its sizes are the same within 90 %.") && out.contains("+0.050 ± 0.071"),
+        out.contains("The sizes that both state are the same within 90 %.")
+            && out.contains("+0.050 ± 0.071"),
         "{out}"
     );
     let (_, out, _) = compared(&files[0], &files[0], &[]);

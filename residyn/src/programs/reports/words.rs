@@ -97,9 +97,10 @@ fn both(pair: &Pair) -> String {
     let said: Vec<String> = said
         .map(|(what, list)| format!("{what}: {}.", list.join("; ")))
         .collect();
+    let compared = sizes.iter().any(|s| s.change() != Change::Alone);
     match said.is_empty() {
-        true if sizes.is_empty() => head,
-        true => format!("{head} Its sizes are the same within 90 %."),
+        true if !compared => head,
+        true => format!("{head} The sizes that both state are the same within 90 %."),
         false => format!("{head} {}", said.join(" ")),
     }
 }
