@@ -2,7 +2,8 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-use crate::command;
+// The module alone: the function `command` below has its name.
+use crate::command::{self};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -3,7 +3,8 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use crate::MachineError;
-use crate::command;
+// The module alone: the function `command` below has its name.
+use crate::command::{self};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
