@@ -43,8 +43,11 @@ enum ManualError {
 fn main() -> ExitCode {
     let Arguments { prefix } = Arguments::parse();
     match write(&prefix) {
-        Ok(files) => {
-            say!("Written: {files} files below {}", prefix.display());
+        Ok(()) => {
+            say!(
+                "Written below {}: manual pages and completions for bash, zsh and fish",
+                prefix.display()
+            );
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -54,8 +57,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes all files and returns how many there are.
-fn write(prefix: &Path) -> Result<usize, ManualError> {
+/// Writes all files.
+fn write(prefix: &Path) -> Result<(), ManualError> {
     let folder = |path: &Path| {
         fs::create_dir_all(path).map_err(|source| ManualError::Folder {
             path: path.to_owned(),
@@ -71,11 +74,10 @@ fn write(prefix: &Path) -> Result<usize, ManualError> {
     }
     let pages = prefix.join(PAGES);
     folder(&pages)?;
-    let failed = |source| ManualError::Folder {
-        path: pages.clone(),
-        source,
-    };
-    clap_mangen::generate_to(residyn::programs::command(), &pages).map_err(failed)?;
-    let listed = fs::read_dir(&pages).map_err(failed)?;
-    Ok(SHELLS.len() + listed.count())
+    clap_mangen::generate_to(residyn::programs::command(), &pages).map_err(|source| {
+        ManualError::Folder {
+            path: pages.clone(),
+            source,
+        }
+    })
 }

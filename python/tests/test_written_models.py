@@ -14,6 +14,8 @@ from arms import CASES, waves  # noqa: E402
 NEAR = (0.3, 3.0)
 #: Error under a command that was not fitted, over the given model's.
 CLOSED_LOOP = 0.05
+#: Standard deviations within which 90 % of a normal distribution lie.
+NINETY = 1.645
 FORMATS = {".xml": "MJCF", ".urdf": "URDF"}
 
 
@@ -57,7 +59,7 @@ def test_a_written_model_loads_and_moves_as_the_real_arm(diagnosed, arm, payload
     # The payload is a body of its own within its interval.
     found = [p for c in case.report["causes"] if c["effect"] == "payload" for p in c["parameters"] if p["name"] == "mass"]
     assert found, [c["effect"] for c in case.report["causes"]]
-    assert abs(found[0]["value"] - payload) <= 3 * found[0]["std"], found
+    assert abs(found[0]["value"] - payload) <= NINETY * found[0]["std"], found
     assert model.body("payload").mass[0] == pytest.approx(found[0]["value"], rel=1e-9)
     # Under another command.
     command, stiff = waves(n, 7), stiffness(given, n)

@@ -129,8 +129,8 @@ fn ladder(outcome: &Outcome) -> Section {
     };
     Section::new("How far the gap shrinks")
         .figure(waterfall.draw(
-            "Each step adds one thing to the model before it: first the causes, the largest first, at last the model's other parameters, fitted again. \
-             Per cent are of the mean over joints; what a cause closes in the words above is of its own joints, all other causes being in place.",
+            "Each step adds one thing to the model before it: the causes, largest first, then the model's other parameters, fitted again. \
+             Per cent are of the mean over joints. In the words above, a cause closes a part of its own joints' error, with all other causes in place.",
         ))
         .table(table(&steps, false).caption("NRMSE by joint, all samples"))
         .details(

@@ -1,9 +1,7 @@
 //! Two runs of one robot: errors joint by joint, and causes with their sizes.
 
 use super::read::{Cause, Gap, Run, Size};
-
-/// Deviations of a change from zero beyond which it is clear: 90 % of a normal distribution lie within, as in every interval of the reports.
-const CLEAR: f64 = 1.645;
+use model::spread::NINETY;
 
 /// Two runs that cannot be compared.
 #[derive(Debug, thiserror::Error)]
@@ -75,7 +73,7 @@ impl Sizes {
         };
         match a_std.zip(b_std) {
             None => Change::Unsure(b - a),
-            Some((s, t)) if (b - a).abs() > CLEAR * s.hypot(t) => Change::Clear(b - a, s.hypot(t)),
+            Some((s, t)) if (b - a).abs() > NINETY * s.hypot(t) => Change::Clear(b - a, s.hypot(t)),
             Some((s, t)) => Change::Within(b - a, s.hypot(t)),
         }
     }

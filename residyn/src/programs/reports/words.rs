@@ -111,19 +111,10 @@ fn alone(run: &str, cause: &Cause) -> String {
     } else {
         ", not confirmed by the held-out recording"
     };
-    let sizes = cause.parameters.iter();
-    let sizes: Vec<String> = sizes
-        .map(|p| {
-            let value = stated(Some((p.value, p.std)), &p.unit);
-            format!("{}{} {value}", joint(&p.joint), plain(&p.name))
-        })
-        .collect();
-    let mark = if sizes.is_empty() { "" } else { ". " };
     format!(
-        "Only in {run}: {}; closes {}{confirmed}{mark}{}.",
+        "Only in {run}: {}; closes {}{confirmed}.",
         place(cause, &cause.joints.join(", ")),
-        closes(cause),
-        sizes.join("; ")
+        closes(cause)
     )
 }
 
