@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Exit 1 where a page that people read first is too long: lines, width, words of a sentence. Code and tables count as lines alone.
+"""Exit 1 where pages are not as readers need them.
+
+Looked at: lines, width and words of a sentence of the pages that people read first (code and tables count as lines alone); a page
+for every effect of both catalogues, with its five headings; relative links of the documentation.
 
 usage: pages.py      in the repository
 """
@@ -13,6 +16,11 @@ PAGES = [("README.md", 120, 160), ("docs/start.md", 80, 170), ("docs/diagnosis.m
 #: Pages whose sentences are counted, and the most words of one.
 PLAIN = ("README.md", "docs/start.md", "docs/replay.md")
 WORDS = 35
+#: Headings of an effect's page in their order, and its most lines and characters of a line.
+HEADINGS = ["What it is", "How it looks", "Confused with", "What to do", "How well it is found"]
+EFFECT = (40, 160)
+#: Source of the effects that `diagnose` and `replay` name.
+TORQUE, MOTION = Path("diagnose/src/catalogue"), Path("replay/src/catalogue.rs")
 
 
 def sentences(text):
@@ -26,17 +34,60 @@ def sentences(text):
         yield from re.split(r"(?<=[.:;?!])\s+", " ".join(plain.split()))
 
 
+def size(name, most, width):
+    """Faults of a page in its lines and their width."""
+    lines = Path(name).read_text().splitlines()
+    faults = [f"{name}:{n}: {len(line)} characters, at most {width}" for n, line in enumerate(lines, 1) if len(line) > width]
+    return faults + [f"{name}: {len(lines)} lines, at most {most}"] * (len(lines) > most)
+
+
+def catalogue():
+    """Names of all effects in the sources of both catalogues, and faults where they are not all found."""
+    text = "".join(f.read_text() for f in sorted(TORQUE.rglob("*.rs")))
+    torque = re.findall(r": Info = Info \{\s*name: \"(\w+)\"", text)
+    count = re.search(r"const ALL: \[Effect; (\d+)\]", text)
+    text = MOTION.read_text()
+    listed = re.search(r"const ALL: \[Self; \d+\] = \[(.*?)\]", text, flags=re.S)
+    names = dict(re.findall(r"Self::(\w+) => \"(\w+)\"", text))
+    motion = [names.get(variant) for variant in re.findall(r"Self::(\w+)", listed[1])] if listed else [None]
+    faults = [f"{TORQUE}: {len(torque)} names are read, not those of all effects"] * (not count or int(count[1]) != len(torque))
+    faults += [f"{MOTION}: the names of its effects are not read"] * (None in motion)
+    return {name for name in torque + motion if name}, faults
+
+
+def effects():
+    """Faults of the effects' pages and of their index."""
+    names, faults = catalogue()
+    pages = {path.stem: path for path in Path("docs/effects").glob("*.md")}
+    faults += [f"docs/effects/{name}.md is missing" for name in sorted(names - pages.keys())]
+    faults += [f"{pages[name]}: no catalogue has this effect" for name in sorted(pages.keys() - names)]
+    index = re.findall(r"^\| \[`(\w+)`\]\(effects/(\w+)\.md\)", Path("docs/effects.md").read_text(), flags=re.M)
+    faults += [f"docs/effects.md: `{name}` links to another page, {page}" for name, page in index if name != page]
+    if sorted(name for name, _ in index) != sorted(pages):
+        faults.append("docs/effects.md does not list each page of docs/effects once")
+    for path in pages.values():
+        found = re.findall(r"^## (.*)$", path.read_text(), flags=re.M)
+        faults += [f"{path}: headings are {found}, not {HEADINGS}"] * (found != HEADINGS)
+        faults += size(path, *EFFECT)
+    return faults
+
+
+def links():
+    """Relative links of the documentation that lead to no file."""
+    for page in sorted([*Path("docs").glob("*.md"), *Path("docs/effects").glob("*.md")]):
+        text = re.sub(r"```.*?```|`[^`\n]*`", "", page.read_text(), flags=re.S)
+        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+            if not re.match(r"\w+:", target) and not (page.parent / target).exists():
+                yield f"{page}: the link to {target} leads nowhere"
+
+
 def main():
-    faults = []
-    for name, most, width in PAGES:
-        lines = Path(name).read_text().splitlines()
-        if len(lines) > most:
-            faults.append(f"{name}: {len(lines)} lines, at most {most}")
-        faults += [f"{name}:{n}: {len(line)} characters, at most {width}" for n, line in enumerate(lines, 1) if len(line) > width]
+    faults = [fault for page in PAGES for fault in size(*page)]
     for name in PLAIN:
         long = [s for s in sentences(Path(name).read_text()) if len(s.split()) > WORDS]
         faults += [f"{name}: a sentence of {len(s.split())} words, at most {WORDS}: {s[:80]} …" for s in long]
-    print("\n".join(faults) or "the pages that people read first are short enough")
+    faults += [*effects(), *links()]
+    print("\n".join(faults) or "pages are short enough, every effect has its page, every link leads to a file")
     return 1 if faults else 0
 
 
