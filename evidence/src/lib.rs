@@ -8,6 +8,8 @@
 
 mod quadratic;
 mod search;
+mod temper;
 
 pub use quadratic::{Mode, Prior, Quadratic};
-pub use search::{Decision, Family, Hypothesis, Swap, about, decide, log_prior};
+pub use search::{Decision, Family, Hypothesis, Swap, about, decide, log_prior, simplest, weigh};
+pub use temper::tempered;

@@ -41,7 +41,8 @@ impl Family {
         let sets: f64 = (0..k)
             .map(|i| ((self.places - i) as f64 / (i + 1) as f64).ln())
             .sum();
-        self.odds.ln() - (self.places as f64).ln() - sets
+        let all: f64 = (1..=self.places).map(|i| 1.0 / i as f64).sum();
+        self.odds.ln() - (k as f64).ln() - all.ln() - sets
     }
 }
 
@@ -88,6 +89,7 @@ pub fn decide(
         always,
         hypotheses,
         families,
+        shown: shown(quadratic, priors, hypotheses),
     };
     let (mut set, mut best) = space.possible_part(start);
     loop {
@@ -117,12 +119,58 @@ pub fn about(
         always,
         hypotheses,
         families,
+        shown: shown(quadratic, priors, hypotheses),
     };
     let best = space.log_posterior(set);
     space.about(set.to_vec(), best)
 }
 
-/// Natural logarithm of the prior odds of `set` against the empty set: the sum over all families.
+/// Log posterior of each set, nats, up to one constant; −∞ where what a set frees stands at its bound.
+pub fn weigh(
+    quadratic: &Quadratic,
+    priors: &[Prior],
+    always: &[usize],
+    hypotheses: &[Hypothesis],
+    families: &[Family],
+    sets: &[Vec<usize>],
+) -> Vec<f64> {
+    let space = Space {
+        quadratic,
+        priors,
+        always,
+        hypotheses,
+        families,
+        shown: Vec::new(),
+    };
+    sets.iter().map(|set| space.log_posterior(set)).collect()
+}
+
+/// Sets of one hypothesis, and of one family at all of its places, most probable first.
+pub fn simplest(
+    quadratic: &Quadratic,
+    priors: &[Prior],
+    always: &[usize],
+    hypotheses: &[Hypothesis],
+    families: &[Family],
+) -> Vec<Vec<usize>> {
+    let space = Space {
+        quadratic,
+        priors,
+        always,
+        hypotheses,
+        families,
+        shown: shown(quadratic, priors, hypotheses),
+    };
+    let weighed = space
+        .neighbours(&[])
+        .into_iter()
+        .map(|set| (space.log_posterior(&set), set));
+    let mut sets: Vec<(f64, Vec<usize>)> = weighed.filter(|(v, _)| v.is_finite()).collect();
+    sets.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sets.into_iter().map(|(_, set)| set).collect()
+}
+
+/// Logarithm of the prior odds of a set.
 pub fn log_prior(hypotheses: &[Hypothesis], families: &[Family], set: &[usize]) -> f64 {
     let acting = |f: usize| set.iter().filter(|&&h| hypotheses[h].family == f).count();
     families
@@ -144,6 +192,21 @@ struct Space<'a> {
     hypotheses: &'a [Hypothesis],
     /// Families to which the hypotheses belong by their index.
     families: &'a [Family],
+    /// Whether the data could show each hypothesis.
+    shown: Vec<bool>,
+}
+
+/// Information times prior variance from which on the posterior deviation is at most half of the prior's.
+const HALVED: f64 = 3.0;
+
+/// Hypotheses on which the data bear: on at least one of their parameters they could halve the prior's deviation, all others
+/// given. Of others the prior alone would decide, and where a family acts it says that all of its places do.
+fn shown(quadratic: &Quadratic, priors: &[Prior], hypotheses: &[Hypothesis]) -> Vec<bool> {
+    let halved = |&i: &usize| quadratic.information[(i, i)] * priors[i].deviation.powi(2) >= HALVED;
+    hypotheses
+        .iter()
+        .map(|h| h.parameters.iter().any(halved))
+        .collect()
 }
 
 impl Space<'_> {
@@ -170,7 +233,8 @@ impl Space<'_> {
     /// Largest part of `start` under which every hypothesis still frees something, with its log posterior. Hypotheses
     /// whose parameters all stand at the bound zero are dropped.
     fn possible_part(&self, start: &[usize]) -> (Vec<usize>, f64) {
-        let mut set = start.to_vec();
+        let shown = start.iter().copied().filter(|&h| self.shown[h]);
+        let mut set: Vec<usize> = shown.collect();
         set.sort_unstable();
         loop {
             match self.value(&set) {
@@ -186,7 +250,9 @@ impl Space<'_> {
 
     /// Neighbours of a set, each with increasing indices: those that [`decide`] compares with it.
     fn neighbours(&self, set: &[usize]) -> Vec<Vec<usize>> {
-        let all: Vec<usize> = (0..self.hypotheses.len()).collect();
+        let all: Vec<usize> = (0..self.hypotheses.len())
+            .filter(|&h| self.shown[h])
+            .collect();
         let outside = || all.iter().filter(|&&h| !set.contains(&h));
         let mut out: Vec<Vec<usize>> = outside().map(|&h| with(set, h)).collect();
         for &gone in set {
@@ -204,7 +270,7 @@ impl Space<'_> {
             if acting > 1 {
                 out.push(others.clone().collect());
             }
-            if places - acting > 1 {
+            if places > acting + 1 {
                 let mut every: Vec<usize> = others.chain(all.iter().copied().filter(own)).collect();
                 every.sort_unstable();
                 out.push(every);
@@ -221,7 +287,8 @@ impl Space<'_> {
         for &h in &set {
             inclusion[h] += 1.0;
         }
-        let mut swaps = vec![Vec::new(); set.len()];
+        let mut swaps: Vec<Vec<Swap>> = vec![Vec::new(); set.len()];
+        let mut dropped = vec![0.0; set.len()];
         for other in self.neighbours(&set) {
             let weight = (self.log_posterior(&other) - best).exp().min(1.0);
             total += weight;
@@ -231,6 +298,9 @@ impl Space<'_> {
             let gone: Vec<usize> = (0..set.len())
                 .filter(|&k| !other.contains(&set[k]))
                 .collect();
+            if let (&[k], true) = (&gone[..], other.len() < set.len()) {
+                dropped[k] = weight;
+            }
             let came: Vec<usize> = other.iter().copied().filter(|h| !set.contains(h)).collect();
             if let ([gone], [came]) = (&gone[..], &came[..]) {
                 swaps[*gone].push(Swap {
@@ -242,7 +312,9 @@ impl Space<'_> {
         for p in &mut inclusion {
             *p /= total;
         }
-        for list in &mut swaps {
+        for (list, dropped) in swaps.iter_mut().zip(dropped) {
+            // What adds nothing to the set without the member does not stand in its place.
+            list.retain(|swap| swap.weight > dropped);
             list.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         }
         Decision {
@@ -368,21 +440,56 @@ mod tests {
     }
 
     #[test]
+    fn a_set_weighs_what_the_search_says_of_it() {
+        let (quadratic, priors, hypotheses, families) = simple(&[8.0, 0.5, -6.0]);
+        let decision = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
+        let sets = [vec![0, 2], vec![0], vec![0, 1, 2]];
+        let weights = weigh(&quadratic, &priors, &[], &hypotheses, &families, &sets);
+        assert!((weights[0] - decision.log_posterior).abs() < 1e-12);
+        assert!(weights[0] > weights[1] && weights[0] > weights[2]);
+    }
+
+    #[test]
     fn what_acts_everywhere_costs_less_than_as_many_accidents() {
         let shared = Family {
             odds: 0.1,
             places: 4,
             independent: false,
         };
-        // All four places: 0.1 · 1/4 · 1; one place: 0.1 · 1/4 · 1/4.
-        assert!((shared.log_prior(4) - (0.025f64).ln()).abs() < 1e-12);
-        assert!((shared.log_prior(1) - (0.1f64 / 16.0).ln()).abs() < 1e-12);
-        assert!((shared.log_prior(2) - (0.1f64 / 24.0).ln()).abs() < 1e-12);
+        // Four numbers of places with 1 + 1/2 + 1/3 + 1/4 = 25/12. One of four places, two (six sets), all.
+        let of =
+            |k: usize, share: f64| (shared.log_prior(k) - (0.1 * share * 12.0 / 25.0).ln()).abs();
+        assert!(of(1, 1.0 / 4.0) < 1e-12);
+        assert!(of(2, 1.0 / 12.0) < 1e-12);
+        assert!(of(4, 1.0 / 4.0) < 1e-12);
+        let all: f64 = [(1, 4.0), (2, 6.0), (3, 4.0), (4, 1.0)]
+            .map(|(k, sets)| sets * shared.log_prior(k).exp())
+            .iter()
+            .sum();
+        assert!((all - 0.1).abs() < 1e-12);
         let apart = Family {
             independent: true,
             ..shared
         };
         assert!((apart.log_prior(4) - 4.0 * (0.1f64).ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_the_data_do_not_bear_on_is_not_listed() {
+        // One place is shown to act. The prior alone would have all four act.
+        let shared = Family {
+            odds: 0.1,
+            places: 4,
+            independent: false,
+        };
+        let (mut quadratic, priors, mut hypotheses, _) = simple(&[9.0, 0.0, 0.0, 0.0]);
+        hypotheses.iter_mut().for_each(|h| h.family = 0);
+        for i in 1..4 {
+            quadratic.information[(i, i)] = 0.0;
+        }
+        let decision = decide(&quadratic, &priors, &[], &hypotheses, &[shared], &[1]);
+        assert_eq!(decision.set, [0]);
+        assert_eq!(decision.inclusion[1], 0.0);
     }
 
     #[test]

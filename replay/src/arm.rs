@@ -1,8 +1,8 @@
 //! Simulated arm with its drives: every value that a replay depends on. Units hold for rotary joints.
 
 use crate::parameter::{Kind, Parameter};
+use crate::smooth::Smooth;
 use physics::robot::{PARAMETERS_PER_LINK, Robot, RobotError};
-use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Error that a drive integrates (its I part).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -63,18 +63,14 @@ pub struct Joint {
     pub load: f64,
     /// Rotor inertia reflected to the joint, kg·m².
     pub armature: f64,
-    /// Coefficients of the smooth functions that stand for an unknown torque, N·m; see `unknown`.
-    pub unknown: [f64; UNKNOWN],
+    /// Smooth torque that no mechanism explains.
+    pub unknown: Smooth,
 }
 
 /// Longest integration step of a simulation that is scored, s.
 pub const STEP: f64 = 1e-3;
 
-/// Number of smooth functions that stand for an unknown torque on a joint.
-pub const UNKNOWN: usize = 8;
-
-/// Simulated arm: rigid bodies, joints and drives. [`Arm::get`] and [`Arm::set`] reach every parameter that can be
-/// fitted.
+/// A simulated arm: rigid bodies, joints, drives.
 #[derive(Debug, Clone)]
 pub struct Arm {
     /// Robot of the given description. Drives that compensate gravity compute with it.
@@ -89,9 +85,10 @@ pub struct Arm {
     pub delay: f64,
     /// Part of the gravity torque of `given` that each drive adds to its own torque, from 0 (none) to 1 (all).
     pub gravity_compensation: f64,
-    /// Payload at the last link, in that link's joint frame: mass (kg) and first moment along x, y and z (kg·m).
-    pub payload: [f64; 4],
-    /// Factor on all inertial parameters of each link; 1 for the given ones.
+    /// Body at the last link, in its joint frame: mass (kg), first moment (kg·m) and moment of inertia about every axis
+    /// (kg·m²).
+    pub payload: [f64; 5],
+    /// Factors on the links' inertial parameters.
     pub link_scale: Vec<f64>,
     /// Rotation of gravity about the base's x and y axes, rad.
     pub tilt: [f64; 2],
@@ -119,7 +116,7 @@ impl Arm {
                 stribeck_velocity: 0.1,
                 load: 0.0,
                 armature: j.rotor_inertia,
-                unknown: [0.0; UNKNOWN],
+                unknown: Smooth::default(),
             })
             .collect();
         let n = robot.dof();
@@ -130,7 +127,7 @@ impl Arm {
             servos,
             delay: 0.0,
             gravity_compensation: 0.0,
-            payload: [0.0; 4],
+            payload: [0.0; 5],
             link_scale: vec![1.0; n],
             tilt: [0.0; 2],
             zero: vec![0.0; n],
@@ -172,6 +169,7 @@ impl Arm {
             Kind::Damping => j.damping,
             Kind::Coulomb => j.coulomb,
             Kind::Stribeck => j.stribeck,
+            Kind::StribeckVelocity => j.stribeck_velocity,
             Kind::Load => j.load,
             Kind::Armature => j.armature,
             Kind::GravityCompensation => self.gravity_compensation,
@@ -179,7 +177,7 @@ impl Arm {
             Kind::LinkScale => self.link_scale[p.joint],
             Kind::Tilt(k) => self.tilt[k],
             Kind::Zero => self.zero[p.joint],
-            Kind::Unknown(k) => j.unknown[k],
+            Kind::Unknown(k) => j.unknown.coefficients[k],
         }
     }
 
@@ -209,6 +207,7 @@ impl Arm {
                 Kind::Damping => j.damping = value,
                 Kind::Coulomb => j.coulomb = value,
                 Kind::Stribeck => j.stribeck = value,
+                Kind::StribeckVelocity => j.stribeck_velocity = value,
                 Kind::Load => j.load = value,
                 Kind::Armature => j.armature = value,
                 Kind::GravityCompensation => self.gravity_compensation = value,
@@ -216,7 +215,7 @@ impl Arm {
                 Kind::LinkScale => self.link_scale[p.joint] = value,
                 Kind::Tilt(k) => self.tilt[k] = value,
                 Kind::Zero => self.zero[p.joint] = value,
-                Kind::Unknown(k) => j.unknown[k] = value,
+                Kind::Unknown(k) => j.unknown.coefficients[k] = value,
             }
         }
         if bodies {
@@ -249,33 +248,8 @@ impl Arm {
     }
 }
 
-/// Radius of gyration that a payload is given about the joint's origin, m. A payload's inertia hardly shows beside its
-/// weight. With a fixed radius the body is linear in the fitted values.
-const GYRATION: f64 = 0.1;
-
-/// Inertial parameters (mass, first moment, inertia) of a payload, from its mass and first moment.
-pub(crate) fn payload(fitted: &[f64; 4]) -> [f64; PARAMETERS_PER_LINK] {
-    let [m, x, y, z] = *fitted;
-    let i = m * GYRATION * GYRATION;
+/// Inertial parameters of a payload from mass, first moment and moment of inertia.
+pub(crate) fn payload(fitted: &[f64; 5]) -> [f64; PARAMETERS_PER_LINK] {
+    let [m, x, y, z, i] = *fitted;
     [m, x, y, z, i, 0.0, i, 0.0, 0.0, i]
-}
-
-/// Values of the smooth functions of an unknown torque, each of size about one. Arguments are position (rad), velocity
-/// and rate of change of the command (rad/s). The functions are a constant, two harmonics of position, and saturating
-/// functions of velocity and command rate.
-pub(crate) fn unknown(q: f64, qd: f64, command_rate: f64) -> [f64; UNKNOWN] {
-    // Velocity, rad/s, at which the saturating functions reach half of their limit.
-    let slow = 0.2;
-    let v = qd / (qd.abs() + slow);
-    let r = command_rate / (command_rate.abs() + slow);
-    [
-        FRAC_1_SQRT_2,
-        q.sin(),
-        q.cos(),
-        (2.0 * q).sin(),
-        (2.0 * q).cos(),
-        v,
-        v * v.abs(),
-        r,
-    ]
 }

@@ -1,9 +1,10 @@
 //! Catalogue of effects that a simulator may lack, as hypotheses: the parameters that each frees and their prior
 //! deviations.
 
-use crate::arm::UNKNOWN;
+use crate::arm::Arm;
 use crate::given::Given;
 use crate::parameter::{Kind, Parameter};
+use crate::smooth::{FUNCTIONS, Smooth};
 use crate::tracks::Replayed;
 use nalgebra::{DMatrix, DVector};
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix};
@@ -136,6 +137,8 @@ pub struct Sizes {
     pub mass: f64,
     /// Median time between samples of the recording, s, which stands for the period of its commands.
     pub period: f64,
+    /// By joint lowest and highest recorded position, rad.
+    pub range: Vec<[f64; 2]>,
 }
 
 impl Sizes {
@@ -147,10 +150,14 @@ impl Sizes {
         let (mut torque, mut inertia, mut speed) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let (mut tau, mut mass, zero) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n]);
         let (mut count, mut steps) = (0.0, Vec::new());
+        let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; n];
         for track in &replayed.whole {
             for row in 1..track.time.len() {
                 let dt = track.time[row] - track.time[row - 1];
                 steps.push(dt);
+                for (own, q) in range.iter_mut().zip(track.q.row(row)) {
+                    *own = [own[0].min(*q), own[1].max(*q)];
+                }
                 for (j, speed) in speed.iter_mut().enumerate() {
                     *speed += ((track.q[(row, j)] - track.q[(row - 1, j)]) / dt).powi(2);
                 }
@@ -192,7 +199,26 @@ impl Sizes {
                 .step_by(physics::robot::PARAMETERS_PER_LINK)
                 .sum(),
             period,
+            range,
         }
+    }
+
+    /// The arm with its smooth unknown torques scaled by what each joint does.
+    pub fn scaled(&self, arm: &Arm) -> Arm {
+        let mut out = arm.clone();
+        for (j, joint) in out.joints.iter_mut().enumerate() {
+            // What earlier recordings have shown keeps its meaning.
+            if joint.unknown.acts() {
+                continue;
+            }
+            let [low, high] = self.range[j];
+            joint.unknown.low = low;
+            // A joint that holds still gives waves no range.
+            joint.unknown.width = (high - low).max(1e-3);
+            joint.unknown.speed = self.speed[j];
+            joint.unknown.torque = self.torque[j];
+        }
+        out
     }
 }
 
@@ -241,6 +267,7 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
             (Kind::Payload(1), body * arm_length),
             (Kind::Payload(2), body * arm_length),
             (Kind::Payload(3), body * arm_length),
+            (Kind::Payload(4), body * arm_length.powi(2)),
         ],
     );
     add(
@@ -272,7 +299,10 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
         add(
             Effect::StribeckFriction,
             Some(j),
-            &[(Kind::Stribeck, 0.5 * torque)],
+            &[
+                (Kind::Stribeck, 0.5 * torque),
+                (Kind::StribeckVelocity, FACTOR),
+            ],
         );
         add(Effect::LoadDependentFriction, Some(j), &[(Kind::Load, 0.3)]);
         // Delay of the joint: on the way to the drive, or by the drive's own filter.
@@ -291,27 +321,15 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
         if limit.is_finite() {
             add(Effect::EffortLimit, Some(j), &[(given.limit(), FACTOR)]);
         }
+        let unknown: Vec<(Kind, f64)> = (0..FUNCTIONS)
+            .map(|k| (Kind::Unknown(k), torque * Smooth::weight(k)))
+            .collect();
+        add(Effect::Unknown, Some(j), &unknown);
     }
     all
 }
 
-/// Hypothesis of an unknown torque on a joint: a smooth function of position, velocity and command with free
-/// coefficients.
-pub fn unknown(joint: usize, sizes: &Sizes) -> Mechanism {
-    let deviation = sizes.torque[joint] / (UNKNOWN as f64).sqrt();
-    Mechanism {
-        effect: Effect::Unknown,
-        joint: Some(joint),
-        parameters: (0..UNKNOWN)
-            .map(|k| Sized {
-                parameter: Parameter::new(Kind::Unknown(k), joint),
-                deviation,
-            })
-            .collect(),
-    }
-}
-
-/// Correlation matrix of a covariance matrix.
+/// Correlations of a covariance matrix.
 pub fn correlations(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let deviation = DVector::from_iterator(
         covariance.nrows(),

@@ -23,6 +23,7 @@ pub mod place;
 pub mod schema;
 pub mod score;
 pub mod simulate;
+pub mod smooth;
 pub mod tracks;
 pub mod words;
 

@@ -28,7 +28,9 @@ pub enum Kind {
     Coulomb,
     /// Dry friction at standstill beyond Coulomb friction, N·m. It falls off with velocity (Stribeck effect).
     Stribeck,
-    /// Dry friction per torque that the joint's gear transmits, a number without unit.
+    /// Velocity over which that falls.
+    StribeckVelocity,
+    /// Friction per torque.
     Load,
     /// Rotor inertia of the joint's motor, reflected to the joint, kg·m².
     Armature,
@@ -77,7 +79,11 @@ impl Kind {
     /// Coordinate in which a parameter of this kind is fitted.
     pub fn scale(self) -> Scale {
         match self {
-            Self::Gain | Self::DriveLimit | Self::Limit | Self::LinkScale => Scale::Log,
+            Self::Gain
+            | Self::DriveLimit
+            | Self::Limit
+            | Self::LinkScale
+            | Self::StribeckVelocity => Scale::Log,
             Self::ServoDamping
             | Self::Integral
             | Self::Delay
@@ -88,7 +94,7 @@ impl Kind {
             | Self::Stribeck
             | Self::Load
             | Self::Armature
-            | Self::Payload(0) => Scale::Positive,
+            | Self::Payload(0 | 4) => Scale::Positive,
             Self::Offset
             | Self::GravityCompensation
             | Self::Payload(_)

@@ -38,6 +38,10 @@ fn example() -> (Arm, Track) {
         joint.stribeck = 0.5;
         // Coulomb friction stops joints, and what rests has no derivative; it has a test of its own.
         joint.stribeck_velocity = 0.5;
+        (
+            joint.unknown.coefficients[1],
+            joint.unknown.coefficients[25],
+        ) = (3.0, 2.0);
     }
     let time: Vec<f64> = (0..400).map(|k| 0.005 * f64::from(k)).collect();
     let wave =
@@ -76,6 +80,8 @@ fn sensitivities_are_differences_of_replays() {
         Kind::Delay,
         Kind::Zero,
         Kind::LinkScale,
+        Kind::StribeckVelocity,
+        Kind::Unknown(1),
     ];
     let mut parameters: Vec<Parameter> = kinds.iter().map(|k| Parameter::new(*k, 2)).collect();
     parameters.extend(
@@ -95,6 +101,7 @@ fn sensitivities_are_differences_of_replays() {
     .expect("a body");
     parameters.push(Parameter::new(Kind::Payload(0), 0));
     parameters.push(Parameter::new(Kind::Payload(2), 0));
+    parameters.push(Parameter::new(Kind::Payload(4), 0));
     let (n, p) = (arm.dof(), parameters.len());
     let mut last = Vec::new();
     roll(&arm, &track, &parameters, &mut |_, _, dq| {
@@ -149,4 +156,30 @@ fn a_joint_rests_on_a_slope() {
     arm.joints.iter_mut().for_each(|j| j.coulomb = 1.0);
     let fallen = errors(&arm, &track).expect("stable");
     assert!(fallen[99 * n + 1].abs() > 0.5, "without friction it falls");
+}
+
+#[test]
+fn a_long_step_adds_no_inertia() {
+    let (mut arm, track) = example();
+    let ends = |arm: &Arm, step: f64| {
+        let mut arm = arm.clone();
+        arm.step = step;
+        errors(&arm, &track).expect("stable")
+    };
+    let rms = |a: &[f64], b: &[f64]| {
+        let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2));
+        (squares.sum::<f64>() / a.len() as f64).sqrt()
+    };
+    let (short, long) = (ends(&arm, 2.5e-4), ends(&arm, 4e-3));
+    // Damping that acts at a step's end alone adds half of itself over the step: what this much inertia changes.
+    for joint in 0..arm.dof() {
+        let damping = arm.joints[joint].damping + arm.servos[joint].kd;
+        arm.joints[joint].armature += 0.5 * 4e-3 * damping;
+    }
+    let heavier = ends(&arm, 2.5e-4);
+    let (by_step, by_inertia) = (rms(&short, &long), rms(&short, &heavier));
+    assert!(
+        by_step < 0.2 * by_inertia,
+        "the step changes {by_step:.2e} rad, its damping as inertia {by_inertia:.2e} rad"
+    );
 }

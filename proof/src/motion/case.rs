@@ -125,6 +125,7 @@ fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Cas
     }
     let scene = Scene {
         real: &base,
+        stated: &nominal,
         torque: &torque,
         tolerance,
         period,

@@ -108,7 +108,9 @@ impl Shape {
 pub struct Scene<'a> {
     /// Robot without the effect.
     pub real: &'a Real,
-    /// Largest torque of each joint along the commanded motions of the case, N·m.
+    /// Robot as its files state it.
+    pub stated: &'a Real,
+    /// Largest torque of each joint on the case's motions, N·m.
     pub torque: &'a [f64],
     /// Relative tolerance of the stated gains.
     pub tolerance: f64,
@@ -125,6 +127,7 @@ pub fn draw(name: &'static str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<S
     let (torque, inertia) = (scene.torque[j], real.arm.inertia().ok()?[j]);
     let usual = rng.random_range(0.7..1.4);
     let tolerance = scene.tolerance;
+    let (kp, kd) = (scene.stated.kp[j], scene.stated.kd[j]);
     let period = scene.period;
     let on = |change: Box<Change>| {
         Some(Shape {
@@ -143,11 +146,11 @@ pub fn draw(name: &'static str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<S
     match name {
         // Change of a gain beyond the stated tolerance.
         "servo_gain" => on(Box::new(move |r, s| {
-            r.kp[j] *= (side * (0.45 * usual * s + 2.5 * tolerance)).exp();
+            r.kp[j] = kp * (side * (0.45 * usual * s + 2.5 * tolerance)).exp();
             Ok(vec![("kp", r.kp[j])])
         })),
         "servo_damping" if real.rates => on(Box::new(move |r, s| {
-            r.kd[j] *= (side * (0.5 * usual * s + 2.5 * tolerance)).exp();
+            r.kd[j] = kd * (side * (0.5 * usual * s + 2.5 * tolerance)).exp();
             Ok(vec![("kd", r.kd[j])])
         })),
         "command_delay" => whole(Box::new(move |r, s| {

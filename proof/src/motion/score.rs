@@ -2,6 +2,7 @@
 
 use super::case::Sealed;
 use super::effects::Truth;
+use replay::decide::tempered;
 use serde_json::Value;
 
 /// Half width of the 90 % interval of a normal distribution, in standard deviations.
@@ -193,22 +194,16 @@ pub fn tempering(said: &[(f64, bool)]) -> Option<f64> {
         return None;
     }
     let score = |power: f64| -> f64 {
-        let each = said.iter().map(|&(p, was)| tempered(p, power, was).ln());
+        let each = said.iter().map(|&(p, was)| likelihood(p, power, was).ln());
         each.sum()
     };
     let grid = (1..=100).map(|k| 0.01 * f64::from(k));
     grid.max_by(|a, b| score(*a).total_cmp(&score(*b)))
 }
 
-/// Probability of the outcome `was` where the odds of probability `p` are raised to `power`.
-fn tempered(p: f64, power: f64, was: bool) -> f64 {
-    let p = p.clamp(1e-6, 1.0 - 1e-6);
-    let odds = (p / (1.0 - p)).powf(power);
-    if was {
-        odds / (1.0 + odds)
-    } else {
-        1.0 / (1.0 + odds)
-    }
+fn likelihood(p: f64, power: f64, was: bool) -> f64 {
+    let p = tempered(p, power);
+    if was { p } else { 1.0 - p }
 }
 
 #[cfg(test)]

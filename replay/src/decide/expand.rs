@@ -2,12 +2,11 @@
 
 use super::free::Entry;
 use crate::arm::Arm;
-use crate::catalogue::{self, Effect, Mechanism, Sizes};
+use crate::catalogue::{Effect, Mechanism};
 use crate::fit::{Free, Noise, by_trajectory, local, sums};
 use crate::given::Given;
 use crate::parameter::Parameter;
 use crate::simulate::{Track, Unstable};
-use crate::tracks::Replayed;
 use evidence::{Decision, Family, Hypothesis, Prior, Quadratic, decide};
 
 /// Prior odds that an effect acts anywhere on the arm: of the dozen effects in the catalogue, one is expected.
@@ -75,7 +74,27 @@ impl Expanded {
         )
     }
 
-    /// Inclusion probabilities about a given set of mechanisms, without a search.
+    pub(super) fn simplest(&self) -> Vec<Vec<usize>> {
+        evidence::simplest(
+            &self.quadratic,
+            &self.priors,
+            &self.always,
+            &self.hypotheses,
+            &self.families,
+        )
+    }
+
+    pub(super) fn weigh(&self, sets: &[Vec<usize>]) -> Vec<f64> {
+        evidence::weigh(
+            &self.quadratic,
+            &self.priors,
+            &self.always,
+            &self.hypotheses,
+            &self.families,
+            sets,
+        )
+    }
+
     pub(super) fn about(&self, set: &[usize]) -> Decision {
         evidence::about(
             &self.quadratic,
@@ -106,6 +125,7 @@ pub(super) fn hypotheses(mechanisms: &[Mechanism]) -> Vec<Hypothesis> {
 pub(super) fn expand(
     given: &Given,
     mechanisms: &[Mechanism],
+    asked: &[bool],
     always: &[Entry],
     arm: &Arm,
     blocks: &[Track],
@@ -117,7 +137,10 @@ pub(super) fn expand(
     }
     let mut entries: Vec<Entry> = always.to_vec();
     let mut hypotheses = hypotheses(mechanisms);
-    for (m, own) in mechanisms.iter().zip(&mut hypotheses) {
+    for ((m, own), asked) in mechanisms.iter().zip(&mut hypotheses).zip(asked) {
+        if !asked {
+            continue;
+        }
         own.parameters = (entries.len()..entries.len() + m.parameters.len()).collect();
         entries.extend(m.parameters.iter().map(|sized| Entry {
             parameter: sized.parameter,
@@ -180,35 +203,4 @@ pub(super) fn expand(
         hypotheses,
         families: families(given, mechanisms),
     })
-}
-
-/// Joints on which an unknown torque, beside the mechanisms of `set`, has an inclusion probability of at least 0.5,
-/// with that probability.
-///
-/// # Errors
-/// Arm that is unstable.
-#[allow(clippy::too_many_arguments)]
-pub(super) fn beside(
-    given: &Given,
-    mechanisms: &[Mechanism],
-    always: &[Entry],
-    arm: &Arm,
-    replayed: &Replayed,
-    noises: &[Noise],
-    set: &[usize],
-    sizes: &Sizes,
-) -> Result<Vec<(usize, f64)>, Unstable> {
-    let mut with: Vec<Mechanism> = set.iter().map(|&m| mechanisms[m].clone()).collect();
-    let start: Vec<usize> = (0..with.len()).collect();
-    let moving: Vec<usize> = (0..arm.dof()).filter(|&j| replayed.moves[j]).collect();
-    with.extend(moving.iter().map(|&j| catalogue::unknown(j, sizes)));
-    let expanded = expand(given, &with, always, arm, &replayed.blocks, noises)?;
-    let decision = expanded.decide(&start);
-    let own = |k: usize| decision.inclusion[start.len() + k];
-    Ok(moving
-        .iter()
-        .enumerate()
-        .map(|(k, &j)| (j, own(k)))
-        .filter(|(_, p)| *p >= 0.5)
-        .collect())
 }

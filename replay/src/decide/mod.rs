@@ -1,41 +1,31 @@
 //! Decision which effects the motion shows: fits, expansions of the likelihood about them, and posterior probabilities.
 
+mod around;
+mod begin;
+mod effort;
 mod expand;
 mod free;
+mod neighbour;
 mod refit;
+mod visited;
 
-pub use free::RELATIVE;
-pub use refit::refit;
+pub use effort::COARSE;
+pub use evidence::tempered;
+pub use free::{RELATIVE, STANDSTILL};
+pub use refit::{named, refit, refit_finely};
+pub use visited::SMALL;
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::{self, Effect, Mechanism, Sizes};
-use crate::fit::{Effort, Fitted, Free, Noise, descend, fit, noise, objective};
+use crate::fit::{Effort, Fitted, Free, Noise, fit, noise};
 use crate::given::Given;
 use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
+use effort::{LAST, SKETCH};
 use evidence::Decision;
-use expand::{ODDS, beside, expand, families, hypotheses};
-use free::{always, pinned};
-
-/// Integration step, s, of fits that only give start values or measure a cause's share.
-pub const COARSE: f64 = 4e-3;
-
-/// Effort of the first fit, from the given values.
-const FIRST: Effort = Effort {
-    iterations: 25,
-    gain: 0.5,
-    step: COARSE,
-};
-
-/// Effort of a fit that starts at the optimum of a similar set of hypotheses. A tenth of a nat changes no conclusion.
-const NEXT: Effort = Effort {
-    iterations: 10,
-    gain: 0.1,
-    step: STEP,
-};
-
-/// Largest number of rounds of fit and decision; the set is stable after three in most cases.
-const ROUNDS: usize = 5;
+use expand::{Expanded, expand, families, hypotheses};
+use free::{Entry, always, pinned};
+use visited::{Visited, largest};
 
 /// Result of the search: the most probable set of mechanisms, the fit with it, and signs of unknown torques.
 #[derive(Debug, Clone)]
@@ -48,9 +38,38 @@ pub struct Found {
     pub fitted: Fitted,
     /// Free parameters of that fit, in the order of its coordinates.
     pub free: Vec<Free>,
-    /// Joints on which an unknown torque, beside the set, is more probable than not: index of the joint and
-    /// probability.
-    pub unknown: Vec<(usize, f64)>,
+    /// Sets around it that were fitted.
+    pub around: Vec<Neighbour>,
+}
+
+/// A set that was fitted beside the best one.
+#[derive(Debug, Clone)]
+pub struct Neighbour {
+    /// Its mechanisms, indices increasing.
+    pub set: Vec<usize>,
+    /// Its fit.
+    pub arm: Arm,
+    /// Its posterior probability relative to the best set's.
+    pub weight: f64,
+}
+
+impl Found {
+    /// Joints on which something unknown is more probable than not, with its probability.
+    pub fn unknown(&self) -> Vec<(usize, f64)> {
+        let of = |&m: &usize| {
+            let own = &self.mechanisms[m];
+            let probability = self.decision.inclusion[m];
+            let kept = own.effect == Effect::Unknown && probability >= 0.5;
+            own.joint.filter(|_| kept).map(|j| (j, probability))
+        };
+        self.decision.set.iter().filter_map(of).collect()
+    }
+
+    /// The listed mechanisms that have a name.
+    pub fn named(&self) -> Vec<usize> {
+        let named = |m: &usize| self.mechanisms[*m].effect != Effect::Unknown;
+        self.decision.set.iter().copied().filter(named).collect()
+    }
 }
 
 /// Finds the set of effects that explains the motion of `replayed` best. `stage` is called with the name of each step.
@@ -63,206 +82,219 @@ pub fn find(
     mut stage: impl FnMut(&str),
 ) -> Result<Found, Unstable> {
     let sizes = Sizes::of(given, replayed);
-    let mechanisms = catalogue::mechanisms(given, replayed, &sizes);
-    let always = always(given, &sizes);
-    let blocks = &replayed.blocks;
-    let floors: Vec<f64> = replayed
-        .quantum
-        .iter()
-        .map(|q| (q * q / 12.0).max(1e-14))
-        .collect();
-    stage("fitting drives and joints");
-    let mut set: Vec<usize> = (0..mechanisms.len())
-        .filter(|&m| is_core(&mechanisms[m]))
-        .collect();
-    let first: Vec<Noise> = floors
-        .iter()
-        .map(|&floor| Noise {
-            floor,
-            // Autocorrelation time of a quarter of a second, until the first fit's errors show their own.
-            correlation: (0.25 / sizes.period).max(1.0),
-        })
-        .collect();
-    let free = free::free(given, &mechanisms, &set, &always);
-    let (mut about, _) = descend(&given.arm, &free, blocks, &first, FIRST)?;
-    let cut = cut(given, &mut about, &mechanisms, &free, blocks, &first)?;
-    set.extend(&cut);
-    set.sort_unstable();
-    if !cut.is_empty() {
-        let free = free::free(given, &mechanisms, &set, &always);
-        (about, _) = descend(&about, &free, blocks, &first, FIRST)?;
-    }
-    let mut noises = noise(&about, blocks, &floors)?;
-    let mut visited: Vec<Visited> = Vec::new();
-    for _ in 0..ROUNDS {
-        stage("weighing causes");
-        let expanded = expand(given, &mechanisms, &always, &about, blocks, &noises)?;
-        let next = expanded.decide(&set).set;
-        if visited.iter().any(|v| v.set == next) {
-            break;
-        }
-        set = next;
-        stage("fitting with the causes found");
-        let free = free::free(given, &mechanisms, &set, &always);
-        let start = pinned(given, &about, &free);
-        let fitted = fit(&start, &free, blocks, &noises, NEXT)?;
-        noises = noise(&fitted.arm, blocks, &floors)?;
-        about.clone_from(&fitted.arm);
-        visited.push(Visited {
-            set: set.clone(),
-            free,
-            fitted,
-        });
-    }
-    // Comparison of all fitted sets, each by its own fit. Where rounds alternate between sets, their expansions
-    // disagree.
-    let mut best = (f64::NEG_INFINITY, 0);
-    let mut values = Vec::new();
-    let families = families(given, &mechanisms);
-    let hypotheses = hypotheses(&mechanisms);
-    for (k, v) in visited.iter().enumerate() {
-        let prior = evidence::log_prior(&hypotheses, &families, &v.set);
-        let value = v.log_evidence(blocks, &noises)? + prior;
-        values.push(value);
-        if value > best.0 {
-            best = (value, k);
-        }
-    }
-    let others: Vec<(Vec<usize>, f64)> = visited
-        .iter()
-        .zip(&values)
-        .map(|(v, value)| (v.set.clone(), (value - best.0).exp()))
-        .collect();
-    let Visited {
-        set,
-        free,
-        mut fitted,
-    } = visited.swap_remove(best.1);
-    fitted.noise.clone_from(&noises);
-    let expanded = expand(given, &mechanisms, &always, &fitted.arm, blocks, &noises)?;
-    let mut decision = expanded.about(&set);
-    // Inclusion probability from the fits: a fitted set that disagrees about a mechanism counts by its own evidence.
-    for m in 0..mechanisms.len() {
-        let disputed = others
-            .iter()
-            .filter(|(o, _)| o.contains(&m) != set.contains(&m));
-        if let Some(odds) = disputed.map(|(_, w)| *w).reduce(f64::max) {
-            let own = odds / (1.0 + odds);
-            decision.inclusion[m] = if set.contains(&m) { 1.0 - own } else { own };
-        }
-    }
-    // Mechanisms whose parameters stay at their given values are no cause.
-    let acts = |m: usize| {
-        let own = mechanisms[m].parameters.iter();
-        let mut own = own.map(|s| s.parameter);
-        own.any(|p| fitted.arm.get(p) != given.arm.get(p))
-    };
-    let kept: Vec<bool> = set.iter().map(|&m| acts(m)).collect();
-    let mut keep = kept.iter();
-    decision.swaps.retain(|_| *keep.next().unwrap_or(&true));
-    let mut keep = kept.iter();
-    decision.set.retain(|_| *keep.next().unwrap_or(&true));
-    stage("looking for something unknown");
-    let unknown = beside(
-        given,
-        &mechanisms,
-        &always,
-        &fitted.arm,
+    let mut given = given.clone();
+    given.arm = sizes.scaled(&given.arm);
+    let search = Search {
+        mechanisms: catalogue::mechanisms(&given, replayed, &sizes),
+        always: always(&given, &sizes),
+        given: &given,
         replayed,
-        &noises,
-        &decision.set,
-        &sizes,
-    )?;
-    Ok(Found {
-        mechanisms,
-        decision,
-        fitted,
-        free,
-        unknown,
-    })
+        floors: replayed
+            .quantum
+            .iter()
+            .map(|q| (q * q / 12.0).max(1e-14))
+            .collect(),
+        // A quarter of a second, until a fit shows its own.
+        correlation: (0.25 / sizes.period).max(1.0),
+    };
+    // From nothing but tolerances; where that does not explain the motion, from all that every servo has, too.
+    let mut visited = search.bare(&mut stage)?;
+    let few = &visited[search.best(&visited)?];
+    if !few.explains(&replayed.tracking) {
+        visited.extend(search.equipped(&mut stage)?);
+    }
+    let others = search.around(&mut visited, &mut stage)?;
+    search.decide(visited, others)
 }
 
-/// Set of mechanisms that was fitted in a round of the search.
-struct Visited {
-    /// Indices of the mechanisms of the set.
-    set: Vec<usize>,
-    /// Free parameters of the fit.
-    free: Vec<Free>,
-    /// Result of the fit.
-    fitted: Fitted,
+/// What a search needs.
+struct Search<'a> {
+    given: &'a Given,
+    replayed: &'a Replayed,
+    mechanisms: Vec<Mechanism>,
+    always: Vec<Entry>,
+    floors: Vec<f64>,
+    /// Samples that make an independent one, before a fit has shown them.
+    correlation: f64,
 }
 
-impl Visited {
-    /// Log evidence of the set, nats, up to a constant: Laplace approximation at the set's own fit.
-    fn log_evidence(&self, blocks: &[Track], noises: &[Noise]) -> Result<f64, Unstable> {
-        let value = objective(&self.fitted.arm, &self.free, blocks, noises)?;
-        let mut precision = self.fitted.information.clone();
-        let mut log_prior = 0.0;
-        for (i, f) in self.free.iter().enumerate() {
-            if let Some((_, deviation)) = f.prior {
-                precision[(i, i)] += deviation.powi(-2);
-                log_prior -= deviation.ln();
+impl Search<'_> {
+    fn blocks(&self) -> &[Track] {
+        &self.replayed.blocks
+    }
+
+    /// Noise before a fit has shown its own.
+    fn first(&self) -> Vec<Noise> {
+        let of = |&floor: &f64| Noise {
+            floor,
+            correlation: self.correlation,
+        };
+        self.floors.iter().map(of).collect()
+    }
+
+    fn free(&self, set: &[usize]) -> Vec<Free> {
+        free::free(self.given, &self.mechanisms, set, &self.always)
+    }
+
+    /// Noise of the fit that leaves least: under it all sets are compared.
+    fn common(&self, visited: &[Visited]) -> Result<Vec<Noise>, Unstable> {
+        let first = self.first();
+        let closest = visited
+            .iter()
+            .min_by(|a, b| a.misfit(&first).total_cmp(&b.misfit(&first)))
+            .map_or(&self.given.arm, |v| &v.fitted.arm);
+        noise(closest, self.blocks(), &self.floors)
+    }
+
+    /// Log posterior of each set at its own fit, nats, up to a constant.
+    fn values(&self, visited: &[Visited], noises: &[Noise]) -> Vec<f64> {
+        let families = families(self.given, &self.mechanisms);
+        let hypotheses = hypotheses(&self.mechanisms);
+        let of = |v: &Visited| {
+            v.log_evidence(noises) + evidence::log_prior(&hypotheses, &families, &v.set)
+        };
+        visited.iter().map(of).collect()
+    }
+
+    /// A set fitted from `about`.
+    fn visit(
+        &self,
+        set: Vec<usize>,
+        about: &Arm,
+        noises: &[Noise],
+        effort: Effort,
+    ) -> Result<Visited, Unstable> {
+        let free = self.free(&set);
+        let mut start = pinned(self.given, about, &free);
+        start.step = effort.step;
+        let fitted = fit(&start, &free, self.blocks(), noises, effort)?;
+        Ok(Visited { set, free, fitted })
+    }
+
+    /// A set sketched from a fit of its neighbour.
+    fn sketch(&self, set: Vec<usize>, neighbour: &Visited) -> Result<Visited, Unstable> {
+        let free = self.free(&set);
+        let (blocks, all, from) = (self.blocks(), &neighbour.free, &neighbour.fitted);
+        let mut start = neighbour::start(self.given, from, all, &free, blocks, SKETCH);
+        start.step = SKETCH.step;
+        let fitted = fit(&start, &free, blocks, &from.noise, SKETCH)?;
+        Ok(Visited { set, free, fitted })
+    }
+
+    /// Decisions and fits in turn.
+    fn rounds(
+        &self,
+        mut set: Vec<usize>,
+        mut about: Arm,
+        most: usize,
+        stage: &mut impl FnMut(&str),
+    ) -> Result<Vec<Visited>, Unstable> {
+        let mut noises = noise(&about, self.blocks(), &self.floors)?;
+        let mut visited: Vec<Visited> = Vec::new();
+        for _ in 0..most {
+            stage("weighing causes");
+            let next = self.expand(&about, &noises, &set)?.decide(&set).set;
+            if visited.iter().any(|v| v.set == next) {
+                break;
+            }
+            stage("fitting with the causes found");
+            let own = self.visit(next, &about, &noises, SKETCH)?;
+            set.clone_from(&own.set);
+            about.clone_from(&own.fitted.arm);
+            noises = noise(&about, self.blocks(), &self.floors)?;
+            visited.push(own);
+        }
+        Ok(visited)
+    }
+
+    /// Index of the most probable.
+    fn best(&self, visited: &[Visited]) -> Result<usize, Unstable> {
+        let common = self.common(visited)?;
+        Ok(largest(&self.values(visited, &common)))
+    }
+
+    /// Something unknown on the joint that a fit explains least.
+    fn unknown(&self, fit: &Visited) -> Option<usize> {
+        let joint = Some(fit.least_explained(&self.replayed.tracking));
+        let own = |m: &Mechanism| m.effect == Effect::Unknown && m.joint == joint;
+        self.mechanisms.iter().position(own)
+    }
+
+    /// Expansion in all that has a name, and in what of `set` has none: an unknown torque has more parameters than all else
+    /// on its joint, and is looked for only where the others explain least.
+    fn expand(&self, about: &Arm, noises: &[Noise], set: &[usize]) -> Result<Expanded, Unstable> {
+        let asked: Vec<bool> = (0..self.mechanisms.len())
+            .map(|m| self.mechanisms[m].effect != Effect::Unknown || set.contains(&m))
+            .collect();
+        let (mechanisms, always) = (&self.mechanisms, &self.always);
+        expand(
+            self.given,
+            mechanisms,
+            &asked,
+            always,
+            about,
+            self.blocks(),
+            noises,
+        )
+    }
+
+    /// Decides between fitted sets by the evidence of each at its own fit, and weighs what lies around the best.
+    fn decide(
+        self,
+        mut visited: Vec<Visited>,
+        around: Vec<(Visited, f64)>,
+    ) -> Result<Found, Unstable> {
+        let noises = self.common(&visited)?;
+        let values = self.values(&visited, &noises);
+        let best = largest(&values);
+        let fitted = visited.iter().zip(&values);
+        let others: Vec<(Vec<usize>, f64)> = fitted
+            .map(|(v, value)| (v.set.clone(), (value - values[best]).exp()))
+            .chain(around.iter().map(|(v, weight)| (v.set.clone(), *weight)))
+            .collect();
+        let own = visited.swap_remove(best);
+        let Visited { set, free, fitted } = self.visit(own.set, &own.fitted.arm, &noises, LAST)?;
+        let mut decision = self.expand(&fitted.arm, &noises, &set)?.about(&set);
+        // What a set that was fitted has beside this one is as probable as that fit says.
+        for m in 0..self.mechanisms.len() {
+            let disputed = others
+                .iter()
+                .filter(|(o, _)| o.contains(&m) != set.contains(&m));
+            if let Some(odds) = disputed.map(|(_, w)| *w).reduce(f64::max) {
+                let own = odds / (1.0 + odds);
+                decision.inclusion[m] = if set.contains(&m) { 1.0 - own } else { own };
             }
         }
-        let determinant = precision.cholesky().map_or(f64::INFINITY, |c| {
-            c.l_dirty().diagonal().iter().map(|l| l.ln()).sum()
-        });
-        Ok(log_prior - value - determinant)
+        // What the fit leaves at nothing is no cause.
+        let acts = |m: usize| {
+            let own = self.mechanisms[m].parameters.iter();
+            let mut own = own.map(|s| s.parameter);
+            own.any(|p| fitted.arm.get(p) != self.given.arm.get(p))
+        };
+        let kept: Vec<bool> = set.iter().map(|&m| acts(m)).collect();
+        let mut keep = kept.iter();
+        decision.swaps.retain(|_| *keep.next().unwrap_or(&true));
+        let mut keep = kept.iter();
+        decision.set.retain(|_| *keep.next().unwrap_or(&true));
+        Ok(Found {
+            mechanisms: self.mechanisms,
+            decision,
+            fitted,
+            free,
+            around: around
+                .into_iter()
+                .map(|(v, weight)| Neighbour {
+                    set: v.set,
+                    arm: finely(v.fitted.arm),
+                    weight,
+                })
+                .collect(),
+        })
     }
 }
 
-/// Parts of a given torque limit that are tried as lower limits. A limit that is never reached has no derivative, so
-/// that a fit cannot find it.
-const PARTS: [f64; 5] = [0.7, 0.5, 0.35, 0.25, 0.18];
-
-/// Lowers torque limits of the arm `about`, joint by joint, where that improves the objective by more than the prior
-/// odds of the effect cost. Returns the indices of those joints' limit mechanisms.
-fn cut(
-    given: &Given,
-    about: &mut Arm,
-    mechanisms: &[Mechanism],
-    free: &[Free],
-    blocks: &[Track],
-    noise: &[Noise],
-) -> Result<Vec<usize>, Unstable> {
-    let mut out = Vec::new();
-    about.step = COARSE;
-    let mut least = objective(about, free, blocks, noise)?;
-    for (m, own) in mechanisms.iter().enumerate() {
-        if own.effect != Effect::EffortLimit {
-            continue;
-        }
-        let parameter = own.parameters[0].parameter;
-        let whole = given.arm.get(parameter);
-        let mut found = false;
-        for part in PARTS {
-            let mut trial = about.clone();
-            let tried = trial.set(&[(parameter, part * whole)]);
-            let value = tried
-                .ok()
-                .and_then(|()| objective(&trial, free, blocks, noise).ok());
-            if let Some(value) = value.filter(|v| *v < least + ODDS.ln()) {
-                (least, found) = (value, true);
-                *about = trial;
-            }
-        }
-        if found {
-            out.push(m);
-        }
-    }
-    about.step = STEP;
-    Ok(out)
-}
-
-/// Whether the first fit frees the mechanism: gains, friction, rotor inertia, common delay and encoder offsets.
-fn is_core(m: &Mechanism) -> bool {
-    let lag = m.effect == Effect::CommandDelay && m.joint.is_some();
-    let core = [
-        Effect::ServoGain,
-        Effect::FrictionParameters,
-        Effect::RotorInertia,
-        Effect::CommandDelay,
-        Effect::EncoderOffset,
-    ];
-    core.contains(&m.effect) && !lag
+/// The arm as it is scored.
+fn finely(mut arm: Arm) -> Arm {
+    arm.step = STEP;
+    arm
 }

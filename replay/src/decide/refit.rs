@@ -1,14 +1,14 @@
 //! Fit of another set of mechanisms, started from the fit of the found set.
 
 use super::Found;
-use super::free::{free, pinned, tolerated};
+use super::effort::{LAST, NEXT};
+use super::free::{free, tolerated};
+use super::neighbour;
 use crate::arm::Arm;
-use crate::fit::{Effort, Free, descend, objective};
+use crate::fit::{Effort, Fitted, Free, descend, fit};
 use crate::given::Given;
-use crate::parameter::Parameter;
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
-use nalgebra::{DMatrix, DVector};
 
 /// Arm fitted with the mechanisms `set` instead of the found ones. Parameters that are not free in it have their given
 /// values. The fit starts from the found fit's values, or from those that its expansion predicts, whichever has the
@@ -26,62 +26,48 @@ pub fn refit(
     let always = tolerated(given, replayed);
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
-    let start = pinned(given, &found.fitted.arm, &free);
-    let start = match moved(&start, found, &free) {
-        Some(other) => {
-            let value = |arm: &Arm| {
-                let mut arm = arm.clone();
-                arm.step = effort.step;
-                objective(&arm, &free, blocks, noise).unwrap_or(f64::INFINITY)
-            };
-            if value(&other) < value(&start) {
-                other
-            } else {
-                start
-            }
-        }
-        None => start,
-    };
+    let start = neighbour::start(given, &found.fitted, &found.free, &free, blocks, effort);
     Ok(descend(&start, &free, blocks, noise, effort)?.0)
 }
 
-/// Arm `start` with its free parameters moved to the optimum of the found fit's expansion, given those that differ from
-/// that fit. None where the expansion has no optimum.
-pub(super) fn moved(start: &Arm, found: &Found, free: &[Free]) -> Option<Arm> {
-    let all = &found.free;
-    let shift: Vec<f64> = all
-        .iter()
-        .zip(&found.fitted.x)
-        .map(|(f, x)| f.coordinate(start.get(f.parameter)) - x)
-        .collect();
-    let stays = |i: &usize| {
-        let own = free.iter().find(|f| f.parameter == all[*i].parameter);
-        shift[*i] == 0.0 && own.is_some()
+/// The same as thoroughly as what is decided.
+///
+/// # Errors
+/// The simulator as given is unstable.
+pub fn refit_finely(
+    given: &Given,
+    replayed: &Replayed,
+    found: &Found,
+    set: &[usize],
+) -> Result<(Vec<Free>, Fitted), Unstable> {
+    let always = tolerated(given, replayed);
+    let free = free(given, &found.mechanisms, set, &always);
+    let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
+    // The search itself has fitted what lies around its answer.
+    let start = match found.around.iter().find(|n| n.set == set) {
+        Some(neighbour) => neighbour.arm.clone(),
+        None => {
+            let start = neighbour::start(given, &found.fitted, &found.free, &free, blocks, NEXT);
+            descend(&start, &free, blocks, noise, NEXT)?.0
+        }
     };
-    let (kept, gone): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(stays);
-    let information = &found.fitted.information;
-    let mut a = DMatrix::from_fn(kept.len(), kept.len(), |r, c| {
-        information[(kept[r], kept[c])]
-    });
-    let b = DVector::from_iterator(
-        kept.len(),
-        kept.iter().map(|&i| {
-            -gone
-                .iter()
-                .map(|&k| information[(i, k)] * shift[k])
-                .sum::<f64>()
-        }),
-    );
-    for (r, &i) in kept.iter().enumerate() {
-        a[(r, r)] += all[i].prior.map_or(0.0, |p| p.1.powi(-2));
+    let fitted = fit(&start, &free, blocks, noise, LAST)?;
+    Ok((free, fitted))
+}
+
+/// What was found without its unknown torques, fitted again: no simulator can be given a torque without a name.
+///
+/// # Errors
+/// The simulator as given is unstable.
+pub fn named(given: &Given, replayed: &Replayed, found: &Found) -> Result<Found, Unstable> {
+    let set = found.named();
+    let mut out = found.clone();
+    if set == found.decision.set {
+        return Ok(out);
     }
-    let change = a.cholesky()?.solve(&b);
-    let values: Vec<(Parameter, f64)> = kept
-        .iter()
-        .zip(change.iter())
-        .map(|(&i, d)| (all[i].parameter, all[i].value(found.fitted.x[i] + d)))
-        .collect();
-    let mut out = start.clone();
-    out.set(&values).ok()?;
-    Some(out)
+    (out.free, out.fitted) = refit_finely(given, replayed, found, &set)?;
+    let mut kept = found.decision.set.iter().map(|m| set.contains(m));
+    out.decision.swaps.retain(|_| kept.next().unwrap_or(true));
+    out.decision.set = set;
+    Ok(out)
 }

@@ -5,7 +5,7 @@ use super::spread::Spread;
 use super::values::named;
 use crate::catalogue::Effect;
 use crate::decide::Found;
-use crate::parameter::{Parameter, Scale};
+use crate::parameter::{Kind, Parameter, Scale};
 use crate::schema::{Candidate, NotIdentifiable};
 use crate::tracks::Replayed;
 
@@ -36,7 +36,19 @@ pub(super) fn ambiguous(
             names.push(found.mechanisms[swap.other].effect.name());
         }
     }
-    // Drive's damping and viscous friction: without commanded velocities only their sum shows.
+    // What was fitted in the effect's place and is about as probable.
+    let set = &found.decision.set;
+    for other in found.around.iter().filter(|n| n.weight >= AMBIGUOUS) {
+        let gone: Vec<&usize> = set.iter().filter(|m| !other.set.contains(m)).collect();
+        let came = other.set.iter().filter(|m| !set.contains(m));
+        let came: Vec<Effect> = came.map(|&m| found.mechanisms[m].effect).collect();
+        let one = came.iter().all(|e| *e == came[0] && *e != Effect::Unknown);
+        let here = gone.iter().all(|m| members.contains(m));
+        if one && here && !came.is_empty() && !gone.is_empty() {
+            names.push(came[0].name());
+        }
+    }
+    // Without commanded velocities the drive's damping and viscous friction are one number.
     if data.whole.iter().any(|t| t.rates.is_none()) {
         match effect {
             Effect::FrictionParameters => names.push(Effect::ServoDamping.name()),
@@ -109,7 +121,13 @@ pub(super) fn not_identifiable(
             reason: "it never moves, and no command asks it to".to_owned(),
         });
     }
-    for (i, f) in found.free.iter().enumerate() {
+    let has_name = |p: Parameter| !matches!(p.kind, Kind::Unknown(_));
+    for (i, f) in found
+        .free
+        .iter()
+        .enumerate()
+        .filter(|f| has_name(f.1.parameter))
+    {
         let p = f.parameter;
         let bound = p.kind.scale() == Scale::Positive && found.fitted.x[i] <= 0.0;
         if bound && effect_of(p).is_some() {
@@ -125,7 +143,13 @@ pub(super) fn not_identifiable(
         } else if spread.deviation[i] > 0.5 * spread.prior[i] {
             faint.push(p);
         }
-        for (k, other) in found.free.iter().enumerate().take(i) {
+        for (k, other) in found
+            .free
+            .iter()
+            .enumerate()
+            .take(i)
+            .filter(|f| has_name(f.1.parameter))
+        {
             let r = spread.correlation[(i, k)];
             if r.abs() > INSEPARABLE {
                 out.push(NotIdentifiable {

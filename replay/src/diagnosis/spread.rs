@@ -1,7 +1,8 @@
 //! Standard deviations of fitted values.
 
+use crate::arm::STEP;
 use crate::catalogue::correlations;
-use crate::decide::{Found, RELATIVE};
+use crate::decide::{Found, RELATIVE, STANDSTILL};
 use crate::parameter::{Kind, Parameter, Scale};
 use nalgebra::{DMatrix, DVector};
 
@@ -123,5 +124,23 @@ pub(super) fn deviation(found: &Found, spread: &Spread, parameter: Parameter) ->
     } else {
         0.0
     };
-    Some(own.hypot(masses))
+    // What two simulators' laws differ by is no part of the effect.
+    let law = match parameter.kind {
+        Kind::Delay | Kind::CommonDelay => STEP,
+        Kind::Stribeck => STANDSTILL * found.fitted.arm.joints[parameter.joint].coulomb,
+        _ => 0.0,
+    };
+    Some(own.hypot(masses).hypot(law))
+}
+
+/// Standard deviation of a coordinate of the payload's centre of mass, the quotient of a first moment and the mass.
+pub(super) fn centre(found: &Found, spread: &Spread, moment: Parameter) -> Option<f64> {
+    let at = |p: Parameter| found.free.iter().position(|f| f.parameter == p);
+    let mass = Parameter::new(Kind::Payload(0), moment.joint);
+    let (h, m) = (at(moment)?, at(mass)?);
+    let value = found.fitted.arm.get(mass);
+    let centre = found.fitted.arm.get(moment) / value;
+    let (own, by_mass) = (spread.deviation[h], centre * spread.deviation[m]);
+    let square = own * own - 2.0 * spread.correlation[(h, m)] * own * by_mass + by_mass * by_mass;
+    Some(square.max(0.0).sqrt() / value)
 }

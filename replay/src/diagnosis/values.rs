@@ -1,6 +1,6 @@
 //! Values of causes and drives for the report, with their names and units.
 
-use super::spread::{Spread, deviation};
+use super::spread::{Spread, centre, deviation};
 use crate::arm::Arm;
 use crate::decide::Found;
 use crate::given::Given;
@@ -23,13 +23,15 @@ pub(super) fn named(kind: Kind, rotates: bool) -> (&'static str, &'static str) {
         Kind::Damping => ("viscous", unit("N·m·s/rad", "N·s/m")),
         Kind::Coulomb => ("coulomb", unit("N·m", "N")),
         Kind::Stribeck => ("stribeck", unit("N·m", "N")),
+        Kind::StribeckVelocity => ("stribeck_velocity", unit("rad/s", "m/s")),
         Kind::Load => ("load", "1"),
         Kind::Armature => ("inertia", unit("kg·m²", "kg")),
         Kind::GravityCompensation => ("gain", "1"),
         Kind::Payload(0) => ("mass", "kg"),
         Kind::Payload(1) => ("com_x", "m"),
         Kind::Payload(2) => ("com_y", "m"),
-        Kind::Payload(_) => ("com_z", "m"),
+        Kind::Payload(3) => ("com_z", "m"),
+        Kind::Payload(_) => ("inertia", "kg·m²"),
         Kind::LinkScale => ("mass_factor", "1"),
         Kind::Tilt(0) => ("tilt_x", "rad"),
         Kind::Tilt(_) => ("tilt_y", "rad"),
@@ -59,19 +61,24 @@ pub(super) fn values(
             let (name, unit) = named(p.kind, kind != JointKind::Prismatic);
             // Centre of mass, for the reader, from the fitted first moment.
             let mass = found.fitted.arm.payload[0];
-            let per = match p.kind {
-                Kind::Payload(1..) if mass > 0.0 => mass,
-                Kind::Payload(1..) => continue,
-                _ => 1.0,
+            let shared = given.arm.shared[p.joint];
+            let (value, std) = match p.kind {
+                Kind::Payload(1..=3) if mass > 0.0 => (value / mass, centre(found, spread, p)),
+                Kind::Payload(1..=3) => continue,
+                Kind::Damping if shared > 0.0 => {
+                    let drive = given.tolerance(p) * shared;
+                    let std = deviation(found, spread, p).map(|v| v.hypot(drive));
+                    ((value - shared).max(0.0), std)
+                }
+                _ => (value, deviation(found, spread, p)),
             };
+            let shared = if p.kind == Kind::Damping { shared } else { 0.0 };
             out.push(Value {
                 name,
                 joint: (!p.kind.is_common()).then(|| joints[p.joint].clone()),
-                given: given.arm.get(p),
-                value: value / per,
-                std: deviation(found, spread, p)
-                    .map(|v| v / per)
-                    .filter(|v| v.is_finite()),
+                given: given.arm.get(p) - shared,
+                value,
+                std: std.filter(|v| v.is_finite()),
                 unit,
             });
         }

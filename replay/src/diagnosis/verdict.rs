@@ -1,5 +1,6 @@
 //! Verdict of a diagnosis, from the errors that are left.
 
+use crate::decide::SMALL;
 use crate::given::Given;
 use crate::schema::{Cause, UnknownJoint};
 use crate::score::{Errors, figures};
@@ -28,31 +29,34 @@ fn floors(replayed: &Replayed) -> Vec<f64> {
 /// Largest RMS error of a joint without a gap, as a multiple of its noise.
 const AT_FLOOR: f64 = 1.5;
 
-/// Largest ratio of simulation error to tracking error of a joint without a gap.
-const SMALL: f64 = 0.05;
+/// By joint whether more is left than noise and a small part of its departure from the commands. Where the simulator is given by
+/// earlier recordings, what it left of them is small.
+pub(super) fn left(errors: &Errors, heldout: &Replayed, given: &Given) -> Vec<bool> {
+    let floors = floors(heldout);
+    let figures = figures(errors, heldout);
+    let usual = |j: usize| given.earlier.as_ref().and_then(|e| e.unexplained[j]);
+    let joints = figures.rmse.iter().zip(&figures.unexplained).enumerate();
+    joints
+        .map(|(j, figures)| {
+            let (Some(r), Some(u)) = figures else {
+                return false;
+            };
+            let least = usual(j).map_or(SMALL, |usual| SMALL.max(AT_FLOOR * usual));
+            *r > AT_FLOOR * floors[j] && *u > least
+        })
+        .collect()
+}
 
 /// Verdict in one word, from the errors on the held-out recording of the simulator as given and the corrected one.
 /// Where the simulator was fitted to earlier recordings, errors as large as on those count as no gap.
 pub(super) fn verdict(
-    [before, after]: [&Errors; 2],
-    heldout: &Replayed,
-    given: &Given,
+    left: [&[bool]; 2],
     causes: &[Cause],
     unknown: &[UnknownJoint],
 ) -> &'static str {
-    let floors = floors(heldout);
-    let small = |errors: &Errors| {
-        let figures = figures(errors, heldout);
-        let usual = |j: usize| given.earlier.as_ref().and_then(|e| e.unexplained[j]);
-        let joints = figures.rmse.iter().zip(&figures.unexplained).enumerate();
-        let mut done = joints.filter_map(|(j, (r, u))| Some((j, (*r)?, (*u)?)));
-        done.all(|(j, r, u)| {
-            let least = usual(j).map_or(SMALL, |usual| SMALL.max(AT_FLOOR * usual));
-            r <= AT_FLOOR * floors[j] || u <= least
-        })
-    };
-    match (small(after), causes.is_empty(), unknown.is_empty()) {
-        (true, true, _) if small(before) => "no_gap",
+    let [before, after] = left.map(|left| !left.contains(&true));
+    match (after, causes.is_empty(), unknown.is_empty()) {
+        (true, true, _) if before => "no_gap",
         (true, _, _) => "explained",
         (false, _, false) => "unknown_effect",
         (false, false, true) => "partly_explained",

@@ -6,8 +6,8 @@ use physics::dynamics::{inverse_dynamics, regressor_with_gravity};
 use physics::robot::PARAMETERS_PER_LINK;
 
 impl State<'_> {
-    /// Adds the derivatives of the rigid-body torques by encoder offsets, payload, link factors and tilt to the
-    /// right-hand side.
+    /// Rigid bodies by payload, links and tilt.
+    #[inline(always)]
     pub(super) fn bodies_by_parameters(&mut self, h: f64) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         let width = n * PARAMETERS_PER_LINK;
@@ -38,7 +38,7 @@ impl State<'_> {
                     }
                 }
                 Kind::Payload(part) => {
-                    let mut unit = [0.0; 4];
+                    let mut unit = [0.0; 5];
                     unit[part] = 1.0;
                     let change = crate::arm::payload(&unit);
                     let last = width - PARAMETERS_PER_LINK;

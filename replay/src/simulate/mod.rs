@@ -13,6 +13,7 @@ use crate::arm::Arm;
 use crate::command::Command;
 use crate::friction::Friction;
 use crate::parameter::{Kind, Parameter};
+use crate::smooth::FUNCTIONS;
 use nalgebra::{DMatrix, Vector3};
 use ndarray::{Array2, ArrayView1};
 use physics::dynamics::{Derivatives, Workspace, mass_matrix};
@@ -216,6 +217,9 @@ struct State<'a> {
     limits: Vec<f64>,
     /// Torque of each joint's drive in this step, with its derivatives.
     drives: Vec<Drive>,
+    /// By joint whether its smooth torque is needed, and that torque's functions.
+    smooths: Vec<bool>,
+    functions: Vec<[f64; FUNCTIONS]>,
 }
 
 /// Torque of one drive in one step, with its derivatives. The torque is `torque` − `damping`·velocity at the end of the
@@ -227,8 +231,9 @@ struct Drive {
     /// Torque lost per velocity at the step's end, N·m·s/rad: `kd` plus back EMF. Only back EMF counts where
     /// `drive_limit` acts, and it is 0 where `limit` acts.
     damping: f64,
-    /// Torque at the velocity of the step's start, N·m, which the gear transmits: load-dependent friction grows with
-    /// it.
+    /// Share of all damping of the joint that acts on the velocity at the step's end.
+    implicit: f64,
+    /// Torque by the start's velocity: what the gear transmits.
     transmitted: f64,
     /// Derivative of the torque with respect to the command, or to −position; 0 where a limit acts.
     by_error: f64,
@@ -254,6 +259,8 @@ struct Drive {
     integrates: bool,
     /// Part of the Stribeck friction that is left at this velocity, 0 to 1.
     stribeck: f64,
+    /// Derivatives of the smooth torque by position and velocity.
+    smooth_by: [f64; 2],
 }
 
 impl Drive {
@@ -324,6 +331,13 @@ impl<'a> State<'a> {
             b: zeros(),
             limits: zeros(),
             drives: vec![Drive::default(); n],
+            smooths: (0..n)
+                .map(|i| {
+                    let own = |p: &Parameter| matches!(p.kind, Kind::Unknown(_)) && p.joint == i;
+                    arm.joints[i].unknown.acts() || parameters.iter().any(own)
+                })
+                .collect(),
+            functions: vec![[0.0; FUNCTIONS]; n],
         }
     }
 }

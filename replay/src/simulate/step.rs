@@ -1,7 +1,9 @@
 //! One step of the closed-loop simulation.
 
+use super::tangents::Tangents;
 use super::{Drive, State};
-use crate::arm::{Integral, unknown};
+use crate::arm::Integral;
+use crate::smooth::Here;
 use physics::dynamics::{inverse_dynamics, mass_matrix};
 
 impl State<'_> {
@@ -54,7 +56,11 @@ impl State<'_> {
             for j in 0..n {
                 self.b[i] += self.a[i * n + j] * self.v[j];
             }
-            self.a[i * n + i] += h * (joint.damping + drive.damping);
+            let damping = h * (joint.damping + drive.damping);
+            let implicit = implicit(damping / self.a[i * n + i]);
+            self.drives[i].implicit = implicit;
+            self.b[i] -= (1.0 - implicit) * damping * self.v[i];
+            self.a[i * n + i] += implicit * damping;
         }
         // Inconsistent sets of slipping joints, which rounding can cause, are accepted: they differ little from the
         // solution.
@@ -63,7 +69,7 @@ impl State<'_> {
             self.renew(h);
             // Vector instructions of this processor; sums keep their order.
             let arch = self.arch;
-            arch.dispatch(|| self.tangents(h));
+            arch.dispatch(Tangents { state: self, h });
         }
         for i in 0..n {
             let drive = &self.drives[i];
@@ -130,15 +136,28 @@ impl State<'_> {
             }
         }
         out.integrates = servo.integral != Integral::None && out.drive_cut == 0.0 && out.cut == 0.0;
-        let coefficients = &self.arm.joints[i].unknown;
-        if coefficients.iter().any(|&c| c != 0.0) {
-            let shapes = unknown(self.q[i], self.v[i], rate);
-            out.torque += coefficients
-                .iter()
-                .zip(shapes)
-                .map(|(c, s)| c * s)
-                .sum::<f64>();
+        if self.smooths[i] {
+            let smooth = &self.arm.joints[i].unknown;
+            let here = Here {
+                q: self.q[i],
+                v: self.v[i],
+                load: out.transmitted,
+                rate,
+            };
+            self.functions[i] = smooth.values(here);
+            if smooth.acts() {
+                let [torque, by_position, by_velocity] = smooth.torque(here, &self.functions[i]);
+                out.torque += torque;
+                out.smooth_by = [by_position, by_velocity];
+            }
         }
         out
     }
+}
+
+/// Share of a damping that acts on the velocity at a step's end, by the damping over the step and the inertia, both of one joint.
+/// With a half the step is exact to second order: damping that acts wholly at the end adds inertia, half of itself over the step. A
+/// damping so high that its first half would turn the motion round takes as little of the start as stops it.
+fn implicit(relative: f64) -> f64 {
+    (1.0 - 1.0 / relative).max(0.5)
 }

@@ -1,10 +1,26 @@
 //! Sensitivities of the simulated motion to parameters, integrated along with it.
 
 use super::{RENEWED, State};
-use crate::arm::{Integral, UNKNOWN, unknown};
+use crate::arm::Integral;
 use crate::friction::Slip;
 use crate::parameter::Kind;
 use physics::dynamics::inverse_dynamics_derivatives;
+
+/// Sensitivities after a step, with the widest vectors of this processor; the sums keep their order. A closure in its place would
+/// not be compiled for them.
+pub(super) struct Tangents<'s, 'a> {
+    pub(super) state: &'s mut State<'a>,
+    pub(super) h: f64,
+}
+
+impl pulp::NullaryFnOnce for Tangents<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.state.tangents(self.h);
+    }
+}
 
 impl State<'_> {
     /// Computes the step's accelerations, and every few steps the derivatives of the rigid-body dynamics.
@@ -37,7 +53,7 @@ impl State<'_> {
 
     /// Advances the sensitivities by one step. They satisfy the derivative of the step's own equation.
     #[inline(always)]
-    pub(super) fn tangents(&mut self, h: f64) {
+    fn tangents(&mut self, h: f64) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         self.rhs.fill(0.0);
         self.dtau.fill(0.0);
@@ -79,6 +95,12 @@ impl State<'_> {
             let pressed = self.pressed(i);
             let rhs = &mut self.rhs[i * p..][..p];
             axpy(rhs, h * (1.0 - pressed), &self.dtau[i * p..][..p]);
+            // What is unknown does not pass through the drive, and presses on no gear.
+            let [by_position, by_velocity] = drive.smooth_by;
+            if drive.smooth_by != [0.0; 2] {
+                axpy(rhs, h * by_position, &self.dq[i * p..][..p]);
+                axpy(rhs, h * by_velocity, &self.dv[i * p..][..p]);
+            }
             for j in 0..n {
                 let at = i * n + j;
                 let mut mass = self.mass[at] - h * self.derivatives.dqd[at];
@@ -89,7 +111,8 @@ impl State<'_> {
                 }
                 if i == j {
                     mass += joint.armature + h * pressed * drive.damping;
-                    // Fall of the Stribeck friction with velocity.
+                    mass -= h * (1.0 - drive.implicit) * (joint.damping + drive.damping);
+                    // Stribeck's fall with velocity.
                     mass += h * sign * joint.stribeck * drive.stribeck * 2.0 * self.v[i]
                         / joint.stribeck_velocity.powi(2);
                 }
@@ -141,7 +164,8 @@ impl State<'_> {
         }
     }
 
-    /// Adds the derivatives of the drives' torques with respect to their own parameters.
+    /// The drives' torque by their own parameters.
+    #[inline(always)]
     fn drives_by_parameters(&mut self) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
         for (k, parameter) in self.parameters.iter().enumerate() {
@@ -159,34 +183,40 @@ impl State<'_> {
                 Kind::Gain => *by += linear * drive.error,
                 Kind::Damping if !self.arm.damped_by_drive(i) => {}
                 Kind::ServoDamping | Kind::Damping => {
-                    *by += linear * (drive.velocity_error - (self.friction.velocity[i] - self.v[i]))
+                    let change = self.friction.velocity[i] - self.v[i];
+                    *by += linear * (drive.velocity_error - drive.implicit * change)
                 }
                 Kind::Integral => *by += linear * self.integral[i],
                 Kind::DriveLimit => *by += drive.drive_cut * f64::from(drive.cut == 0.0),
                 Kind::Limit => *by += drive.cut,
                 Kind::Offset => *by += drive.by_error,
-                Kind::Unknown(f) if f < UNKNOWN => {
-                    *by += unknown(self.q[i], self.v[i], drive.command_rate)[f];
-                }
                 _ => {}
             }
         }
     }
 
-    /// Adds the derivatives by friction and rotor inertia to the right-hand side. A joint at rest has none.
+    /// Friction, rotor and unknown torque of a joint.
+    #[inline(always)]
     fn joints_by_parameters(&mut self, h: f64) {
         let p = self.parameters.len();
         for (k, parameter) in self.parameters.iter().enumerate() {
             let i = parameter.joint;
             let drive = self.drives[i];
             let slip = self.friction.slip[i];
-            let (sign, v) = (slip.sign(), self.friction.velocity[i]);
+            let sign = slip.sign();
             let by = match parameter.kind {
-                Kind::Damping if !self.arm.damped_by_drive(i) => v,
+                Kind::Damping if !self.arm.damped_by_drive(i) => {
+                    self.v[i] + drive.implicit * (self.friction.velocity[i] - self.v[i])
+                }
                 Kind::Coulomb => sign,
                 Kind::Stribeck => sign * drive.stribeck,
+                Kind::StribeckVelocity => {
+                    let (own, pace) = (&self.arm.joints[i], self.arm.joints[i].stribeck_velocity);
+                    sign * own.stribeck * drive.stribeck * 2.0 * self.v[i].powi(2) / pace.powi(3)
+                }
                 Kind::Load => sign * drive.transmitted.abs(),
                 Kind::Armature => self.acceleration[i],
+                Kind::Unknown(f) => -self.functions[i][f],
                 _ => continue,
             };
             if slip != Slip::Stick {

@@ -1,6 +1,10 @@
 //! Fit of an arm's parameters to recorded motion. It minimises the prediction error of positions, simulated from the
 //! recorded start of each block, with the given values as Gaussian prior.
 
+mod descend;
+
+pub use descend::descend;
+
 use crate::arm::Arm;
 use crate::parameter::{Parameter, Scale};
 use crate::simulate::{Track, Unstable, replay};
@@ -219,11 +223,9 @@ fn integrated(series: &[Vec<f64>]) -> f64 {
     time
 }
 
-/// Negative log likelihood, nats, up to a constant: ½ Σ n ln(mean squared error + floor) over joints and trajectories.
-/// n is the number of independent samples.
-///
-/// Each trajectory has a variance of its own, because model errors are larger in fast motions than in slow ones.
-fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
+/// Negative log likelihood, nats: ½ Σ n ln(mean squared error + floor) over joints and trajectories, n independent samples
+/// each. What the model lacks shows in fast motions more than in slow ones, so that every trajectory has a variance of its own.
+pub(crate) fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
     let of = |total: &Sums| -> f64 {
         let each = total.squared.iter().zip(noise).map(|(s, noise)| {
             0.5 * total.samples / noise.correlation * (s / total.samples + noise.floor).ln()
@@ -233,8 +235,8 @@ fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
     trajectories.iter().map(of).sum()
 }
 
-/// Negative log prior of the coordinates `x`, nats, up to a constant.
-fn prior(free: &[Free], x: &[f64]) -> f64 {
+/// Negative log prior of coordinates, nats, up to a constant.
+pub(crate) fn prior(free: &[Free], x: &[f64]) -> f64 {
     let each = free.iter().zip(x).filter_map(|(f, x)| {
         let (mean, deviation) = f.prior?;
         Some(0.5 * ((x - mean) / deviation).powi(2))
@@ -287,72 +289,7 @@ pub fn objective(
     Ok(likelihood(&total, noise) + prior(free, &x))
 }
 
-/// Arm at the lowest objective that the descent finds, with its coordinates. This is [`fit`] without the expansion.
-///
-/// # Errors
-/// Arm at the start that is unstable.
-pub fn descend(
-    start: &Arm,
-    free: &[Free],
-    blocks: &[Track],
-    noise: &[Noise],
-    effort: Effort,
-) -> Result<(Arm, Vec<f64>), Unstable> {
-    let parameters: Vec<Parameter> = free.iter().map(|f| f.parameter).collect();
-    let mut arm = start.clone();
-    let scored = start.step;
-    arm.step = effort.step;
-    let mut x: Vec<f64> = free
-        .iter()
-        .map(|f| f.coordinate(start.get(f.parameter)))
-        .collect();
-    let mut lambda = 1e-3;
-    let mut iterations = 0;
-    let mut total = by_trajectory(&sums(&arm, blocks, &parameters)?);
-    let mut objective = likelihood(&total, noise) + prior(free, &x);
-    loop {
-        iterations += 1;
-        let (mut slope, mut curved) = local(&total, noise, free, &x);
-        for (i, f) in free.iter().enumerate() {
-            if let Some((mean, deviation)) = f.prior {
-                slope[i] += (x[i] - mean) / deviation.powi(2);
-                curved[(i, i)] += deviation.powi(-2);
-            }
-        }
-        let mut improved = false;
-        let mut gain = 0.0;
-        while lambda < 1e8 {
-            let next = proposal(&curved, &slope, free, &x, lambda);
-            let values: Vec<(Parameter, f64)> = free
-                .iter()
-                .zip(&next)
-                .map(|(f, &x)| (f.parameter, f.value(x)))
-                .collect();
-            let mut trial = arm.clone();
-            let tried = trial.set(&values).ok().and_then(|()| {
-                let sums = sums(&trial, blocks, &[]).ok()?;
-                let total = by_trajectory(&sums);
-                let value = likelihood(&total, noise) + prior(free, &next);
-                value.is_finite().then_some(value)
-            });
-            if let Some(value) = tried.filter(|v| *v < objective) {
-                gain = objective - value;
-                (arm, x, objective) = (trial, next, value);
-                lambda = (lambda / 5.0).max(1e-9);
-                improved = true;
-                break;
-            }
-            lambda *= 4.0;
-        }
-        if !improved || gain < effort.gain || iterations >= effort.iterations {
-            arm.step = scored;
-            return Ok((arm, x));
-        }
-        total = by_trajectory(&sums(&arm, blocks, &parameters)?);
-    }
-}
-
-/// Sums of each trajectory, from those of its blocks.
+/// Sums by trajectory.
 pub fn by_trajectory(blocks: &[Sums]) -> Vec<Sums> {
     let mut totals: Vec<Sums> = Vec::new();
     for block in blocks {
@@ -389,59 +326,4 @@ pub fn local(
         }
     }
     (gradient, information)
-}
-
-/// Coordinates after one Levenberg-Marquardt step with damping `lambda`. `slope` and `curved` are gradient and Hessian
-/// of the objective. A coordinate at its bound zero that would cross it stays there.
-fn proposal(
-    curved: &DMatrix<f64>,
-    slope: &DVector<f64>,
-    free: &[Free],
-    x: &[f64],
-    lambda: f64,
-) -> Vec<f64> {
-    let p = free.len();
-    let bounded = |i: usize| free[i].parameter.kind.scale() == Scale::Positive;
-    let mut fixed: Vec<bool> = (0..p)
-        .map(|i| curved[(i, i)] == 0.0 || (bounded(i) && x[i] <= 0.0 && slope[i] > 0.0))
-        .collect();
-    let mut next = x.to_vec();
-    // Coordinates that would pass their bound are set on it, and the others are solved for again.
-    for _ in 0..=p {
-        let open: Vec<usize> = (0..p).filter(|&i| !fixed[i]).collect();
-        let m = open.len();
-        let mut a = DMatrix::zeros(m, m);
-        let mut b = DVector::zeros(m);
-        for (r, &i) in open.iter().enumerate() {
-            b[r] = -slope[i];
-            for (c, &k) in open.iter().enumerate() {
-                a[(r, c)] = curved[(i, k)];
-            }
-            // Steps of the fixed coordinates to their bound change the right-hand side of the others.
-            for k in (0..p).filter(|&k| fixed[k]) {
-                b[r] -= curved[(i, k)] * (next[k] - x[k]);
-            }
-            a[(r, r)] += lambda * curved[(i, i)];
-        }
-        let Some(factor) = a.cholesky() else { break };
-        let step = factor.solve(&b);
-        let mut passed = false;
-        for (r, &i) in open.iter().enumerate() {
-            next[i] = x[i] + step[r];
-            match free[i].parameter.kind.scale() {
-                // Change of a logarithm by at most 1 in one step, so a factor of e.
-                Scale::Log => next[i] = next[i].clamp(x[i] - 1.0, x[i] + 1.0),
-                Scale::Positive if next[i] < 0.0 => {
-                    next[i] = 0.0;
-                    fixed[i] = true;
-                    passed = true;
-                }
-                _ => {}
-            }
-        }
-        if !passed {
-            break;
-        }
-    }
-    next
 }

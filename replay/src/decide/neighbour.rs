@@ -1,0 +1,74 @@
+//! Where the fit of a set starts from that of its neighbour.
+
+use super::free::pinned;
+use crate::arm::Arm;
+use crate::fit::{Effort, Fitted, Free, objective};
+use crate::given::Given;
+use crate::parameter::Parameter;
+use crate::simulate::Track;
+use nalgebra::{DMatrix, DVector};
+
+/// Where a fit of `free` starts from a fit of `all`: with what is not free at its given value, and what stays free either as it
+/// was or moved as the fit's expansion says, whichever is better.
+pub(super) fn start(
+    given: &Given,
+    fitted: &Fitted,
+    all: &[Free],
+    free: &[Free],
+    blocks: &[Track],
+    effort: Effort,
+) -> Arm {
+    let start = pinned(given, &fitted.arm, free);
+    let Some(other) = moved(&start, fitted, all, free) else {
+        return start;
+    };
+    let value = |arm: &Arm| {
+        let mut arm = arm.clone();
+        arm.step = effort.step;
+        objective(&arm, free, blocks, &fitted.noise).unwrap_or(f64::INFINITY)
+    };
+    if value(&other) < value(&start) {
+        other
+    } else {
+        start
+    }
+}
+
+/// `start`, a fit's arm with some parameters elsewhere, with all others where the fit's expansion then has its optimum.
+fn moved(start: &Arm, fitted: &Fitted, all: &[Free], free: &[Free]) -> Option<Arm> {
+    let shift: Vec<f64> = all
+        .iter()
+        .zip(&fitted.x)
+        .map(|(f, x)| f.coordinate(start.get(f.parameter)) - x)
+        .collect();
+    let stays = |i: &usize| {
+        let own = free.iter().find(|f| f.parameter == all[*i].parameter);
+        shift[*i] == 0.0 && own.is_some()
+    };
+    let (kept, gone): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(stays);
+    let information = &fitted.information;
+    let mut a = DMatrix::from_fn(kept.len(), kept.len(), |r, c| {
+        information[(kept[r], kept[c])]
+    });
+    let b = DVector::from_iterator(
+        kept.len(),
+        kept.iter().map(|&i| {
+            -gone
+                .iter()
+                .map(|&k| information[(i, k)] * shift[k])
+                .sum::<f64>()
+        }),
+    );
+    for (r, &i) in kept.iter().enumerate() {
+        a[(r, r)] += all[i].prior.map_or(0.0, |p| p.1.powi(-2));
+    }
+    let change = a.cholesky()?.solve(&b);
+    let values: Vec<(Parameter, f64)> = kept
+        .iter()
+        .zip(change.iter())
+        .map(|(&i, d)| (all[i].parameter, all[i].value(fitted.x[i] + d)))
+        .collect();
+    let mut out = start.clone();
+    out.set(&values).ok()?;
+    Some(out)
+}

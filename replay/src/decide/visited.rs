@@ -1,0 +1,68 @@
+//! Sets that were fitted, and how probable each is at its own fit.
+
+use crate::fit::{Fitted, Free, Noise, by_trajectory, likelihood, local, prior};
+
+/// Largest part of the departure from the commands that a joint without a gap leaves unexplained.
+pub const SMALL: f64 = 0.05;
+
+/// A set that was fitted.
+pub(super) struct Visited {
+    pub(super) set: Vec<usize>,
+    pub(super) free: Vec<Free>,
+    pub(super) fitted: Fitted,
+}
+
+impl Visited {
+    /// Negative log likelihood, nats, up to a constant.
+    pub(super) fn misfit(&self, noises: &[Noise]) -> f64 {
+        likelihood(&by_trajectory(&self.fitted.blocks), noises)
+    }
+
+    /// Log evidence by Laplace's method, nats, up to a constant.
+    pub(super) fn log_evidence(&self, noises: &[Noise]) -> f64 {
+        let total = by_trajectory(&self.fitted.blocks);
+        let value = likelihood(&total, noises) + prior(&self.free, &self.fitted.x);
+        let (_, mut precision) = local(&total, noises, &self.free, &self.fitted.x);
+        let mut log_prior = 0.0;
+        for (i, f) in self.free.iter().enumerate() {
+            if let Some((_, deviation)) = f.prior {
+                precision[(i, i)] += deviation.powi(-2);
+                log_prior -= deviation.ln();
+            }
+        }
+        let determinant = precision.cholesky().map_or(f64::INFINITY, |c| {
+            c.l_dirty().diagonal().iter().map(|l| l.ln()).sum()
+        });
+        log_prior - value - determinant
+    }
+
+    /// Whether no joint's error is more than a small part of its departure from the commands.
+    pub(super) fn explains(&self, tracking: &[f64]) -> bool {
+        let samples: f64 = self.fitted.blocks.iter().map(|b| b.samples).sum();
+        let least = |j: usize| self.fitted.blocks.iter().map(|b| b.squared[j]).sum::<f64>();
+        (0..tracking.len()).all(|j| least(j) <= samples * (SMALL * tracking[j]).powi(2))
+    }
+
+    /// The joint whose error is the largest part of its departure from the commands.
+    pub(super) fn least_explained(&self, tracking: &[f64]) -> usize {
+        let squared = |j: usize| -> f64 {
+            let all: f64 = self.fitted.blocks.iter().map(|b| b.squared[j]).sum();
+            if tracking[j] > 0.0 {
+                all / tracking[j].powi(2)
+            } else {
+                0.0
+            }
+        };
+        let joints = 0..tracking.len();
+        joints
+            .max_by(|&a, &b| squared(a).total_cmp(&squared(b)))
+            .unwrap_or(0)
+    }
+}
+
+/// Index of the largest value.
+pub(super) fn largest(values: &[f64]) -> usize {
+    let all = 0..values.len();
+    all.max_by(|&a, &b| values[a].total_cmp(&values[b]))
+        .unwrap_or(0)
+}

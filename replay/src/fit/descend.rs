@@ -1,0 +1,160 @@
+//! Descent by Levenberg and Marquardt with bounds at zero.
+
+use super::{Effort, Free, Noise, Sums, by_trajectory, likelihood, local, prior, sums};
+use crate::arm::Arm;
+use crate::parameter::{Parameter, Scale};
+use crate::simulate::{Track, Unstable};
+use nalgebra::{DMatrix, DVector};
+
+/// The arm at the lowest objective that is found, with its coordinates.
+///
+/// # Errors
+/// The arm as given is unstable.
+pub fn descend(
+    start: &Arm,
+    free: &[Free],
+    blocks: &[Track],
+    noise: &[Noise],
+    effort: Effort,
+) -> Result<(Arm, Vec<f64>), Unstable> {
+    let parameters: Vec<Parameter> = free.iter().map(|f| f.parameter).collect();
+    let mut arm = start.clone();
+    let scored = start.step;
+    arm.step = effort.step;
+    let mut x: Vec<f64> = free
+        .iter()
+        .map(|f| f.coordinate(start.get(f.parameter)))
+        .collect();
+    let mut lambda = 1e-3;
+    let mut iterations = 0;
+    let mut total = by_trajectory(&sums(&arm, blocks, &parameters)?);
+    let mut objective = likelihood(&total, noise) + prior(free, &x);
+    loop {
+        iterations += 1;
+        let (mut slope, mut curved) = local(&total, noise, free, &x);
+        for (i, f) in free.iter().enumerate() {
+            if let Some((mean, deviation)) = f.prior {
+                slope[i] += (x[i] - mean) / deviation.powi(2);
+                curved[(i, i)] += deviation.powi(-2);
+            }
+        }
+        // Most first trials are taken, so that theirs have their sensitivities already.
+        let mut next: Option<Step> = None;
+        let mut first = true;
+        while lambda < 1e8 {
+            let coordinates = proposal(&curved, &slope, free, &x, lambda);
+            let asked: &[Parameter] = if first { &parameters } else { &[] };
+            let tried = Step::to(&arm, free, coordinates, blocks, noise, asked);
+            if let Some(step) = tried.filter(|t| t.objective < objective) {
+                lambda = (lambda / 5.0).max(1e-9);
+                next = Some(step);
+                break;
+            }
+            first = false;
+            lambda *= 4.0;
+        }
+        let Some(step) = next else { break };
+        let gain = objective - step.objective;
+        (arm, x, objective) = (step.arm, step.x, step.objective);
+        if gain < effort.gain || iterations >= effort.iterations {
+            break;
+        }
+        total = if first {
+            step.total
+        } else {
+            by_trajectory(&sums(&arm, blocks, &parameters)?)
+        };
+    }
+    arm.step = scored;
+    Ok((arm, x))
+}
+
+/// Where a step of a fit leads.
+struct Step {
+    arm: Arm,
+    x: Vec<f64>,
+    total: Vec<Sums>,
+    objective: f64,
+}
+
+impl Step {
+    /// None where the arm cannot be simulated.
+    fn to(
+        arm: &Arm,
+        free: &[Free],
+        x: Vec<f64>,
+        blocks: &[Track],
+        noise: &[Noise],
+        asked: &[Parameter],
+    ) -> Option<Self> {
+        let mut arm = arm.clone();
+        let values: Vec<(Parameter, f64)> = free
+            .iter()
+            .zip(&x)
+            .map(|(f, &x)| (f.parameter, f.value(x)))
+            .collect();
+        arm.set(&values).ok()?;
+        let total = by_trajectory(&sums(&arm, blocks, asked).ok()?);
+        let objective = likelihood(&total, noise) + prior(free, &x);
+        objective.is_finite().then_some(Self {
+            arm,
+            x,
+            total,
+            objective,
+        })
+    }
+}
+
+/// Damped step; what a bound holds stays there.
+fn proposal(
+    curved: &DMatrix<f64>,
+    slope: &DVector<f64>,
+    free: &[Free],
+    x: &[f64],
+    lambda: f64,
+) -> Vec<f64> {
+    let p = free.len();
+    let bounded = |i: usize| free[i].parameter.kind.scale() == Scale::Positive;
+    let mut fixed: Vec<bool> = (0..p)
+        .map(|i| curved[(i, i)] == 0.0 || (bounded(i) && x[i] <= 0.0 && slope[i] > 0.0))
+        .collect();
+    let mut next = x.to_vec();
+    // What would pass its bound is held there, and the others are solved for again.
+    for _ in 0..=p {
+        let open: Vec<usize> = (0..p).filter(|&i| !fixed[i]).collect();
+        let m = open.len();
+        let mut a = DMatrix::zeros(m, m);
+        let mut b = DVector::zeros(m);
+        for (r, &i) in open.iter().enumerate() {
+            b[r] = -slope[i];
+            for (c, &k) in open.iter().enumerate() {
+                a[(r, c)] = curved[(i, k)];
+            }
+            // Steps to a bound that are part of this proposal bend the others.
+            for k in (0..p).filter(|&k| fixed[k]) {
+                b[r] -= curved[(i, k)] * (next[k] - x[k]);
+            }
+            a[(r, r)] += lambda * curved[(i, i)];
+        }
+        let Some(factor) = a.cholesky() else { break };
+        let step = factor.solve(&b);
+        let mut passed = false;
+        for (r, &i) in open.iter().enumerate() {
+            next[i] = x[i] + step[r];
+            match free[i].parameter.kind.scale() {
+                // A factor of e at most in one step.
+                Scale::Log => next[i] = next[i].clamp(x[i] - 1.0, x[i] + 1.0),
+                Scale::Positive if next[i] < 0.0 => {
+                    next[i] = 0.0;
+                    fixed[i] = true;
+                    passed = true;
+                }
+                _ => {}
+            }
+        }
+        if !passed {
+            break;
+        }
+    }
+    next
+}
