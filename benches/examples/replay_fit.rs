@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             step: a.step,
         };
         let (begun, used) = (Instant::now(), processor()?);
-        let (arm, _) = descend(&start, &free, &data.blocks, &noise, effort)?;
+        let arm = descend(&start, &free, &data.blocks, &noise, effort, None)?.arm;
         let (seconds, used) = (begun.elapsed().as_secs_f64(), processor()? - used);
         let mut values = json!({ "seconds": seconds, "processor": used });
         for (kind, name) in FITTED {

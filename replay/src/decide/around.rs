@@ -1,9 +1,9 @@
 //! Fits of what lies around the best set.
 
-use super::Search;
 use super::effort::NEXT;
 use super::expand::{family, kinds};
 use super::visited::{Visited, largest};
+use super::{Search, Weighed};
 use crate::catalogue::Effect;
 use crate::simulate::Unstable;
 
@@ -13,13 +13,14 @@ const EXCHANGES: usize = 4;
 
 impl Search<'_> {
     /// Adds fits of what lies around the best set and is far from linear: without each effect, and with something unknown on
-    /// the joint that is explained least, beside the named effects of that joint or in their place. Returns those of the last
-    /// round, with their probabilities relative to the best.
+    /// the joint that is explained least, beside the named effects of that joint or in their place, and with exchanges. What
+    /// cannot become as probable as the best is not fitted to its end. Returns those of the last round, with their log posteriors relative
+    /// to the best.
     pub(super) fn around(
         &self,
         visited: &mut Vec<Visited>,
         stage: &mut impl FnMut(&str),
-    ) -> Result<Vec<(Visited, f64)>, Unstable> {
+    ) -> Result<Vec<Weighed>, Unstable> {
         stage("fitting without each cause");
         let mut others = Vec::new();
         let best = visited.swap_remove(self.best(visited)?);
@@ -28,10 +29,13 @@ impl Search<'_> {
         for round in 0..AROUND {
             let best = self.best(visited)?;
             let mut sketches = Vec::new();
-            let mut sets = self.beside(&visited[best]);
-            sets.extend(self.exchanged(&visited[best])?);
+            let near = &visited[best];
+            let least = self.value(near, &near.fitted.noise);
+            let mut sets = self.dropped(near);
+            sets.extend(self.unnamed(near));
+            sets.extend(self.exchanged(near)?);
             for set in sets {
-                sketches.extend(self.sketch(set, &visited[best]).ok());
+                sketches.extend(self.sketch(set, near, least).ok());
             }
             sketches.push(visited.swap_remove(best));
             let common = self.common(&sketches)?;
@@ -39,44 +43,49 @@ impl Search<'_> {
             let next = largest(&values);
             let own = sketches.pop().expect("it was put there");
             visited.push(own);
-            let moves =
-                next < sketches.len() && visited.iter().all(|v| v.set != sketches[next].set);
+            let moves = next < sketches.len();
             if moves {
                 let (set, arm) = (sketches[next].set.clone(), &sketches[next].fitted.arm);
                 visited.push(self.visit(set, arm, &common, NEXT)?);
             }
             if !moves || round + 1 == AROUND {
-                let weights = values.iter().map(|v| (v - values[next]).exp());
-                others = sketches.into_iter().zip(weights).collect();
+                let relative = values.iter().map(|v| v - values[next]);
+                others = sketches.into_iter().zip(relative).collect();
                 break;
             }
         }
         Ok(others)
     }
 
-    /// Sets around a fit that are far from linear: without each effect, and with something unknown on the joint that is
-    /// explained least, beside the named effects of that joint or in their place.
-    fn beside(&self, fit: &Visited) -> Vec<Vec<usize>> {
+    /// A fit's set without each of its effects.
+    fn dropped(&self, fit: &Visited) -> Vec<Vec<usize>> {
         let set = &fit.set;
         let of = |m: usize| family(&self.mechanisms[m]);
         let mut kinds: Vec<(Effect, bool)> = set.iter().map(|&m| of(m)).collect();
         kinds.sort_unstable();
         kinds.dedup();
-        let mut sets: Vec<Vec<usize>> = kinds
+        kinds
             .into_iter()
             .map(|kind| set.iter().copied().filter(|&m| of(m) != kind).collect())
-            .collect();
-        if let Some(unknown) = self.unknown(fit).filter(|u| !set.contains(u)) {
-            let joint = self.mechanisms[unknown].joint;
-            let elsewhere = |m: &usize| self.mechanisms[*m].joint != joint;
-            for kept in [set.clone(), set.iter().copied().filter(elsewhere).collect()] {
-                let mut with: Vec<usize> = kept;
-                with.push(unknown);
-                with.sort_unstable();
-                sets.push(with);
-            }
+            .collect()
+    }
+
+    /// A fit's set with something unknown on the joint that is explained least, beside the named effects of that joint and in
+    /// their place.
+    fn unnamed(&self, fit: &Visited) -> Vec<Vec<usize>> {
+        let set = &fit.set;
+        let Some(unknown) = self.unknown(fit).filter(|u| !set.contains(u)) else {
+            return Vec::new();
+        };
+        let joint = self.mechanisms[unknown].joint;
+        let elsewhere = |m: &usize| self.mechanisms[*m].joint != joint;
+        let mut sets = Vec::new();
+        for kept in [set.clone(), set.iter().copied().filter(elsewhere).collect()] {
+            let mut with: Vec<usize> = kept;
+            with.push(unknown);
+            with.sort_unstable();
+            sets.push(with);
         }
-        sets.sort_unstable();
         sets.dedup();
         sets
     }

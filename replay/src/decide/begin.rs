@@ -1,14 +1,13 @@
 //! Where the rounds of a decision begin: from nothing but tolerances, or from all that every servo has.
 
 use super::Search;
+use super::cut::joined;
 use super::effort::{COARSE, FIRST, SKETCH};
-use super::expand::{ODDS, family};
+use super::expand::family;
 use super::visited::{Visited, largest};
-use crate::arm::Arm;
 use crate::catalogue::{Effect, Mechanism};
-use crate::fit::{Free, Noise, descend, noise, objective};
-use crate::given::Given;
-use crate::simulate::{Track, Unstable};
+use crate::fit::{descend, noise};
+use crate::simulate::Unstable;
 
 /// Single effects, of different kinds, that are fitted before the rounds.
 const SINGLES: usize = 4;
@@ -27,14 +26,13 @@ impl Search<'_> {
         let free = self.free(&[]);
         let mut about = given.arm.clone();
         about.step = COARSE;
-        (about, _) = descend(&about, &free, blocks, &first, FIRST)?;
+        about = descend(&about, &free, blocks, &first, FIRST, None)?.arm;
         let noises = noise(&about, blocks, &self.floors)?;
         let nothing = self.visit(Vec::new(), &about, &noises, SKETCH)?;
         let vague: Vec<usize> = self.unknown(&nothing).into_iter().collect();
         let simplest = self.expand(&about, &noises, &vague)?.simplest();
         let mut sketches = vec![nothing];
-        let mut lower = about.clone();
-        let cut = cut(given, &mut lower, &self.mechanisms, &free, blocks, &first)?;
+        let (cut, lower) = self.cut(&about, &[], &first)?;
         if !cut.is_empty() {
             sketches.push(self.visit(cut, &lower, &noises, SKETCH)?);
         }
@@ -51,8 +49,8 @@ impl Search<'_> {
         let common = self.common(&sketches)?;
         let values = self.values(&sketches, &common);
         let best = largest(&values);
-        let Visited { set, fitted, .. } = sketches.swap_remove(best);
-        let own = self.visit(set, &fitted.arm, &common, SKETCH)?;
+        let Visited { set, fitted, .. } = &sketches[best];
+        let own = self.visit(set.clone(), &fitted.arm, &common, SKETCH)?;
         let most = if own.explains(&self.replayed.tracking) {
             ROUNDS
         } else {
@@ -60,6 +58,7 @@ impl Search<'_> {
         };
         let mut visited = self.rounds(own.set.clone(), own.fitted.arm.clone(), most, stage)?;
         visited.push(own);
+        visited.extend(sketches);
         Ok(visited)
     }
 
@@ -73,54 +72,14 @@ impl Search<'_> {
         let free = self.free(&set);
         let mut about = given.arm.clone();
         about.step = COARSE;
-        (about, _) = descend(&about, &free, blocks, &first, FIRST)?;
-        let cut = cut(given, &mut about, &self.mechanisms, &free, blocks, &first)?;
+        about = descend(&about, &free, blocks, &first, FIRST, None)?.arm;
+        let (cut, lower) = self.cut(&about, &set, &first)?;
         if !cut.is_empty() {
-            set.extend(&cut);
-            set.sort_unstable();
-            (about, _) = descend(&about, &self.free(&set), blocks, &first, FIRST)?;
+            (set, about) = (joined(&set, &cut), lower);
+            about = descend(&about, &self.free(&set), blocks, &first, FIRST, None)?.arm;
         }
         self.rounds(set, about, ROUNDS, stage)
     }
-}
-
-/// Parts of a given limit at which a cut is tried: a limit that is never reached has no derivative.
-const PARTS: [f64; 5] = [0.7, 0.5, 0.35, 0.25, 0.18];
-
-/// Limits, joint by joint, that are set lower where that fits better than by their odds; the mechanisms of those.
-fn cut(
-    given: &Given,
-    about: &mut Arm,
-    mechanisms: &[Mechanism],
-    free: &[Free],
-    blocks: &[Track],
-    noise: &[Noise],
-) -> Result<Vec<usize>, Unstable> {
-    let mut out = Vec::new();
-    let mut least = objective(about, free, blocks, noise)?;
-    for (m, own) in mechanisms.iter().enumerate() {
-        if own.effect != Effect::EffortLimit {
-            continue;
-        }
-        let parameter = own.parameters[0].parameter;
-        let whole = given.arm.get(parameter);
-        let mut found = false;
-        for part in PARTS {
-            let mut trial = about.clone();
-            let tried = trial.set(&[(parameter, part * whole)]);
-            let value = tried
-                .ok()
-                .and_then(|()| objective(&trial, free, blocks, noise).ok());
-            if let Some(value) = value.filter(|v| *v < least + ODDS.ln()) {
-                (least, found) = (value, true);
-                *about = trial;
-            }
-        }
-        if found {
-            out.push(m);
-        }
-    }
-    Ok(out)
 }
 
 /// What the first fit frees: a drive and a joint as every servo has them.

@@ -26,6 +26,13 @@ pub(super) const SKETCH: Effort = Effort {
     step: COARSE,
 };
 
+/// Fits of one limit alone.
+pub(super) const CUT: Effort = Effort {
+    iterations: 3,
+    gain: 0.5,
+    step: COARSE,
+};
+
 /// The fit of what is decided, from its coarse fit: a shorter step moves it by little.
 pub(super) const LAST: Effort = Effort {
     iterations: 2,

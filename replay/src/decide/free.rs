@@ -39,6 +39,9 @@ pub(super) fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {
     };
     for (j, joint) in given.arm.joints.iter().enumerate() {
         add(Kind::Gain, j, RELATIVE);
+        if given.arm.get(Parameter::new(given.limit(), j)).is_finite() {
+            add(given.limit(), j, RELATIVE);
+        }
         add(Kind::LinkScale, j, RELATIVE);
         if given.arm.shared[j] == 0.0 {
             add(Kind::ServoDamping, j, RELATIVE * given.arm.servos[j].kd);

@@ -2,6 +2,7 @@
 
 mod around;
 mod begin;
+mod cut;
 mod effort;
 mod expand;
 mod free;
@@ -17,7 +18,7 @@ pub use visited::SMALL;
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::{self, Effect, Mechanism, Sizes};
-use crate::fit::{Effort, Fitted, Free, Noise, fit, noise};
+use crate::fit::{Effort, Fitted, Free, Noise, fit, noise, objective};
 use crate::given::Given;
 use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
@@ -49,7 +50,7 @@ pub struct Neighbour {
     pub set: Vec<usize>,
     /// Its fit.
     pub arm: Arm,
-    /// Its posterior probability relative to the best set's.
+    /// Its posterior probability relative to the best set's, at most 1.
     pub weight: f64,
 }
 
@@ -104,8 +105,11 @@ pub fn find(
         visited.extend(search.equipped(&mut stage)?);
     }
     let others = search.around(&mut visited, &mut stage)?;
-    search.decide(visited, others)
+    search.decide(visited, others, &mut stage)
 }
+
+/// A fitted set with its log posterior relative to that of the best, nats.
+type Weighed = (Visited, f64);
 
 /// What a search needs.
 struct Search<'a> {
@@ -148,12 +152,16 @@ impl Search<'_> {
 
     /// Log posterior of each set at its own fit, nats, up to a constant.
     fn values(&self, visited: &[Visited], noises: &[Noise]) -> Vec<f64> {
+        visited.iter().map(|v| self.value(v, noises)).collect()
+    }
+
+    fn value(&self, visited: &Visited, noises: &[Noise]) -> f64 {
+        visited.log_evidence(noises) + self.log_prior(&visited.set)
+    }
+
+    fn log_prior(&self, set: &[usize]) -> f64 {
         let families = families(self.given, &self.mechanisms);
-        let hypotheses = hypotheses(&self.mechanisms);
-        let of = |v: &Visited| {
-            v.log_evidence(noises) + evidence::log_prior(&hypotheses, &families, &v.set)
-        };
-        visited.iter().map(of).collect()
+        evidence::log_prior(&hypotheses(&self.mechanisms), &families, set)
     }
 
     /// A set fitted from `about`.
@@ -167,17 +175,23 @@ impl Search<'_> {
         let free = self.free(&set);
         let mut start = pinned(self.given, about, &free);
         start.step = effort.step;
-        let fitted = fit(&start, &free, self.blocks(), noises, effort)?;
+        let fitted = fit(&start, &free, self.blocks(), noises, effort, None)?;
         Ok(Visited { set, free, fitted })
     }
 
-    /// A set sketched from a fit of its neighbour.
-    fn sketch(&self, set: Vec<usize>, neighbour: &Visited) -> Result<Visited, Unstable> {
+    /// A set sketched from a fit of its neighbour, as long as it may reach the log posterior `least`.
+    fn sketch(
+        &self,
+        set: Vec<usize>,
+        neighbour: &Visited,
+        least: f64,
+    ) -> Result<Visited, Unstable> {
         let free = self.free(&set);
         let (blocks, all, from) = (self.blocks(), &neighbour.free, &neighbour.fitted);
         let mut start = neighbour::start(self.given, from, all, &free, blocks, SKETCH);
         start.step = SKETCH.step;
-        let fitted = fit(&start, &free, blocks, &from.noise, SKETCH)?;
+        let least = Some(least - self.log_prior(&set));
+        let fitted = fit(&start, &free, blocks, &from.noise, SKETCH, least)?;
         Ok(Visited { set, free, fitted })
     }
 
@@ -241,26 +255,24 @@ impl Search<'_> {
     /// Decides between fitted sets by the evidence of each at its own fit, and weighs what lies around the best.
     fn decide(
         self,
-        mut visited: Vec<Visited>,
-        around: Vec<(Visited, f64)>,
+        visited: Vec<Visited>,
+        around: Vec<Weighed>,
+        stage: &mut impl FnMut(&str),
     ) -> Result<Found, Unstable> {
+        stage("comparing the likeliest");
         let noises = self.common(&visited)?;
         let values = self.values(&visited, &noises);
-        let best = largest(&values);
-        let fitted = visited.iter().zip(&values);
-        let others: Vec<(Vec<usize>, f64)> = fitted
-            .map(|(v, value)| (v.set.clone(), (value - values[best]).exp()))
-            .chain(around.iter().map(|(v, weight)| (v.set.clone(), *weight)))
-            .collect();
-        let own = visited.swap_remove(best);
-        let Visited { set, free, fitted } = self.visit(own.set, &own.fitted.arm, &noises, LAST)?;
+        let top = values[largest(&values)];
+        let own = visited.into_iter().zip(values).map(|(v, u)| (v, u - top));
+        let (mut rivals, noises) = self.finely(own.chain(around).collect(), &noises)?;
+        let Visited { set, free, fitted } = rivals.remove(0).0;
         let mut decision = self.expand(&fitted.arm, &noises, &set)?.about(&set);
         // What a set that was fitted has beside this one is as probable as that fit says.
         for m in 0..self.mechanisms.len() {
-            let disputed = others
-                .iter()
-                .filter(|(o, _)| o.contains(&m) != set.contains(&m));
-            if let Some(odds) = disputed.map(|(_, w)| *w).reduce(f64::max) {
+            let mut disputed = rivals.iter();
+            if let Some((_, below)) = disputed.find(|(o, _)| o.set.contains(&m) != set.contains(&m))
+            {
+                let odds = below.exp().min(1.0);
                 let own = odds / (1.0 + odds);
                 decision.inclusion[m] = if set.contains(&m) { 1.0 - own } else { own };
             }
@@ -281,20 +293,71 @@ impl Search<'_> {
             decision,
             fitted,
             free,
-            around: around
+            around: rivals
                 .into_iter()
-                .map(|(v, weight)| Neighbour {
+                .map(|(v, below)| Neighbour {
                     set: v.set,
-                    arm: finely(v.fitted.arm),
-                    weight,
+                    arm: scored(v.fitted.arm),
+                    weight: below.exp().min(1.0),
                 })
                 .collect(),
         })
     }
+
+    /// Fitted sets with their log posteriors below that of the best, most probable first, and the noise. The best two are fitted and
+    /// compared at the step of what is scored: a longer one leaves errors of its own, which a cause may remove.
+    fn finely(
+        &self,
+        mut all: Vec<Weighed>,
+        coarse: &[Noise],
+    ) -> Result<(Vec<Weighed>, Vec<Noise>), Unstable> {
+        // Of several fits of a set, the best one.
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mut seen = std::collections::HashSet::new();
+        all.retain(|(v, _)| seen.insert(v.set.clone()));
+        let (first, _) = &all[0];
+        let own = self.visit(first.set.clone(), &first.fitted.arm, coarse, LAST)?;
+        // All of them are fitted under the noise under which they are compared.
+        let noises = noise(&own.fitted.arm, self.blocks(), &self.floors)?;
+        let mut reference: Option<Visited> = None;
+        let mut from = own.fitted.arm.clone();
+        while let Some(k) = (0..all.len().min(2)).find(|&k| all[k].0.fitted.arm.step != STEP) {
+            let set = all[k].0.set.clone();
+            if let Some(first) = &reference {
+                from = self.nearer(&all[k].0.fitted.arm, &set, first, &noises);
+            }
+            let own = self.visit(set, &from, &noises, LAST)?;
+            let value = self.value(&own, &noises);
+            let base = reference.as_ref().map_or(value, |r| self.value(r, &noises));
+            reference.get_or_insert_with(|| own.clone());
+            all[k] = (own, value - base);
+            all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        }
+        let best = all[0].1;
+        all.iter_mut().for_each(|(_, value)| *value -= best);
+        Ok((all, noises))
+    }
+
+    /// Where the fit of a set starts: from an earlier fit of it or from that of a rival, whichever is better.
+    fn nearer(&self, own: &Arm, set: &[usize], rival: &Visited, noises: &[Noise]) -> Arm {
+        let free = self.free(set);
+        let blocks = self.blocks();
+        let other = neighbour::start(self.given, &rival.fitted, &rival.free, &free, blocks, LAST);
+        let value = |arm: &Arm| {
+            let mut arm = pinned(self.given, arm, &free);
+            arm.step = LAST.step;
+            objective(&arm, &free, blocks, noises).unwrap_or(f64::INFINITY)
+        };
+        if value(&other) < value(own) {
+            other
+        } else {
+            own.clone()
+        }
+    }
 }
 
 /// The arm as it is scored.
-fn finely(mut arm: Arm) -> Arm {
+fn scored(mut arm: Arm) -> Arm {
     arm.step = STEP;
     arm
 }

@@ -50,7 +50,7 @@ fn moved(start: &Arm, fitted: &Fitted, all: &[Free], free: &[Free]) -> Option<Ar
     let mut a = DMatrix::from_fn(kept.len(), kept.len(), |r, c| {
         information[(kept[r], kept[c])]
     });
-    let b = DVector::from_iterator(
+    let mut b = DVector::from_iterator(
         kept.len(),
         kept.iter().map(|&i| {
             -gone
@@ -59,8 +59,12 @@ fn moved(start: &Arm, fitted: &Fitted, all: &[Free], free: &[Free]) -> Option<Ar
                 .sum::<f64>()
         }),
     );
+    // The fit's own priors were in balance with the likelihood; those of the new fit take their place.
+    let pull = |prior: Option<(f64, f64)>, x: f64| prior.map_or(0.0, |p| (x - p.0) / p.1.powi(2));
     for (r, &i) in kept.iter().enumerate() {
-        a[(r, r)] += all[i].prior.map_or(0.0, |p| p.1.powi(-2));
+        let own = free.iter().find(|f| f.parameter == all[i].parameter)?;
+        a[(r, r)] += own.prior.map_or(0.0, |p| p.1.powi(-2));
+        b[r] -= pull(own.prior, fitted.x[i]) - pull(all[i].prior, fitted.x[i]);
     }
     let change = a.cholesky()?.solve(&b);
     let values: Vec<(Parameter, f64)> = kept

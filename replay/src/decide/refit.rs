@@ -26,8 +26,26 @@ pub fn refit(
     let always = tolerated(given, replayed);
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
-    let start = neighbour::start(given, &found.fitted, &found.free, &free, blocks, effort);
-    Ok(descend(&start, &free, blocks, noise, effort)?.0)
+    let start = start(given, replayed, found, set, &free, effort);
+    Ok(descend(&start, &free, blocks, noise, effort, None)?.arm)
+}
+
+/// Where the fit of another set starts. The search itself has fitted what lies around its answer, most of it not to the end.
+fn start(
+    given: &Given,
+    replayed: &Replayed,
+    found: &Found,
+    set: &[usize],
+    free: &[Free],
+    effort: Effort,
+) -> Arm {
+    match found.around.iter().find(|n| n.set == set) {
+        Some(neighbour) => neighbour.arm.clone(),
+        None => {
+            let blocks = &replayed.blocks;
+            neighbour::start(given, &found.fitted, &found.free, free, blocks, effort)
+        }
+    }
 }
 
 /// The same as thoroughly as what is decided.
@@ -43,15 +61,9 @@ pub fn refit_finely(
     let always = tolerated(given, replayed);
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
-    // The search itself has fitted what lies around its answer.
-    let start = match found.around.iter().find(|n| n.set == set) {
-        Some(neighbour) => neighbour.arm.clone(),
-        None => {
-            let start = neighbour::start(given, &found.fitted, &found.free, &free, blocks, NEXT);
-            descend(&start, &free, blocks, noise, NEXT)?.0
-        }
-    };
-    let fitted = fit(&start, &free, blocks, noise, LAST)?;
+    let start = start(given, replayed, found, set, &free, NEXT);
+    let start = descend(&start, &free, blocks, noise, NEXT, None)?.arm;
+    let fitted = fit(&start, &free, blocks, noise, LAST, None)?;
     Ok((free, fitted))
 }
 

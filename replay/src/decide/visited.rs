@@ -1,11 +1,12 @@
 //! Sets that were fitted, and how probable each is at its own fit.
 
-use crate::fit::{Fitted, Free, Noise, by_trajectory, likelihood, local, prior};
+use crate::fit::{Fitted, Free, Noise, by_trajectory, evidence, likelihood, local, prior};
 
 /// Largest part of the departure from the commands that a joint without a gap leaves unexplained.
 pub const SMALL: f64 = 0.05;
 
 /// A set that was fitted.
+#[derive(Clone)]
 pub(super) struct Visited {
     pub(super) set: Vec<usize>,
     pub(super) free: Vec<Free>,
@@ -23,17 +24,10 @@ impl Visited {
         let total = by_trajectory(&self.fitted.blocks);
         let value = likelihood(&total, noises) + prior(&self.free, &self.fitted.x);
         let (_, mut precision) = local(&total, noises, &self.free, &self.fitted.x);
-        let mut log_prior = 0.0;
         for (i, f) in self.free.iter().enumerate() {
-            if let Some((_, deviation)) = f.prior {
-                precision[(i, i)] += deviation.powi(-2);
-                log_prior -= deviation.ln();
-            }
+            precision[(i, i)] += f.prior.map_or(0.0, |(_, deviation)| deviation.powi(-2));
         }
-        let determinant = precision.cholesky().map_or(f64::INFINITY, |c| {
-            c.l_dirty().diagonal().iter().map(|l| l.ln()).sum()
-        });
-        log_prior - value - determinant
+        evidence(&self.free, value, &precision)
     }
 
     /// Whether no joint's error is more than a small part of its departure from the commands.

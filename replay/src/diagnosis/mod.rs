@@ -40,7 +40,7 @@ const SHORT: Effort = Effort {
 };
 
 /// Power to which the odds of what is said are taken: the evidence counts errors of the model as noise, and is too sure. With it
-/// the 26 cases of `replay prove --seed 4701 --joints 5` are right as often as is said.
+/// the cases of `replay prove --cases 26 --seed 6007 --joints 5` and of MuJoCo by seed 4711 are right as often as is said.
 const TEMPER: f64 = 0.14;
 
 /// Name of the ladder's step with fitted values of parameters that have a tolerance. It is there only where no cause is
@@ -229,10 +229,6 @@ fn without(
     set: &[usize],
     fast: bool,
 ) -> Result<Arm, Unstable> {
-    // The search itself has fitted what lies around its answer.
-    if let Some(neighbour) = found.around.iter().find(|n| n.set == set) {
-        return Ok(neighbour.arm.clone());
-    }
     refit(given, data, found, set, if fast { SHORT } else { LONG })
 }
 

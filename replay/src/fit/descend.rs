@@ -1,12 +1,23 @@
 //! Descent by Levenberg and Marquardt with bounds at zero.
 
-use super::{Effort, Free, Noise, Sums, by_trajectory, likelihood, local, prior, sums};
+use super::{Effort, Free, Noise, Sums, by_trajectory, evidence, likelihood, local, prior, sums};
 use crate::arm::Arm;
 use crate::parameter::{Parameter, Scale};
 use crate::simulate::{Track, Unstable};
 use nalgebra::{DMatrix, DVector};
 
-/// The arm at the lowest objective that is found, with its coordinates.
+/// Where a descent ends.
+pub struct Descent {
+    /// The arm at the lowest objective that is found.
+    pub arm: Arm,
+    /// Its coordinates.
+    pub x: Vec<f64>,
+    /// Sums of each block there; none where their sensitivities have not been computed.
+    pub(super) blocks: Option<Vec<Sums>>,
+}
+
+/// Descends from the values of the arm `start`. Where the evidence `least` has to be reached, a descent ends early if its
+/// last gain, made in each iteration that is left, would not reach it.
 ///
 /// # Errors
 /// The arm as given is unstable.
@@ -16,7 +27,8 @@ pub fn descend(
     blocks: &[Track],
     noise: &[Noise],
     effort: Effort,
-) -> Result<(Arm, Vec<f64>), Unstable> {
+    least: Option<f64>,
+) -> Result<Descent, Unstable> {
     let parameters: Vec<Parameter> = free.iter().map(|f| f.parameter).collect();
     let mut arm = start.clone();
     let scored = start.step;
@@ -27,11 +39,11 @@ pub fn descend(
         .collect();
     let mut lambda = 1e-3;
     let mut iterations = 0;
-    let mut total = by_trajectory(&sums(&arm, blocks, &parameters)?);
-    let mut objective = likelihood(&total, noise) + prior(free, &x);
-    loop {
+    let mut expanded = sums(&arm, blocks, &parameters)?;
+    let mut objective = likelihood(&by_trajectory(&expanded), noise) + prior(free, &x);
+    let reached = loop {
         iterations += 1;
-        let (mut slope, mut curved) = local(&total, noise, free, &x);
+        let (mut slope, mut curved) = local(&by_trajectory(&expanded), noise, free, &x);
         for (i, f) in free.iter().enumerate() {
             if let Some((mean, deviation)) = f.prior {
                 slope[i] += (x[i] - mean) / deviation.powi(2);
@@ -43,6 +55,10 @@ pub fn descend(
         let mut first = true;
         while lambda < 1e8 {
             let coordinates = proposal(&curved, &slope, free, &x, lambda);
+            // A step that promises less than ends the fit is not tried.
+            if promised(&curved, &slope, &x, &coordinates) < effort.gain {
+                break;
+            }
             let asked: &[Parameter] = if first { &parameters } else { &[] };
             let tried = Step::to(&arm, free, coordinates, blocks, noise, asked);
             if let Some(step) = tried.filter(|t| t.objective < objective) {
@@ -53,27 +69,42 @@ pub fn descend(
             first = false;
             lambda *= 4.0;
         }
-        let Some(step) = next else { break };
+        let Some(step) = next else {
+            break Some(expanded);
+        };
         let gain = objective - step.objective;
         (arm, x, objective) = (step.arm, step.x, step.objective);
-        if gain < effort.gain || iterations >= effort.iterations {
-            break;
+        let own = first.then_some(step.blocks);
+        let left = effort.iterations.saturating_sub(iterations) as f64;
+        let hopeless =
+            least.is_some_and(|least| evidence(free, objective, &curved) + left * gain < least);
+        if gain < effort.gain || left == 0.0 || hopeless {
+            break own;
         }
-        total = if first {
-            step.total
-        } else {
-            by_trajectory(&sums(&arm, blocks, &parameters)?)
+        expanded = match own {
+            Some(own) => own,
+            None => sums(&arm, blocks, &parameters)?,
         };
-    }
+    };
     arm.step = scored;
-    Ok((arm, x))
+    Ok(Descent {
+        arm,
+        x,
+        blocks: reached.filter(|_| scored == effort.step),
+    })
+}
+
+/// Decrease of the objective by a step to `next`, nats, as the expansion about `x` has it.
+fn promised(curved: &DMatrix<f64>, slope: &DVector<f64>, x: &[f64], next: &[f64]) -> f64 {
+    let step = DVector::from_iterator(x.len(), next.iter().zip(x).map(|(n, x)| n - x));
+    -slope.dot(&step) - 0.5 * step.dot(&(curved * &step))
 }
 
 /// Where a step of a fit leads.
 struct Step {
     arm: Arm,
     x: Vec<f64>,
-    total: Vec<Sums>,
+    blocks: Vec<Sums>,
     objective: f64,
 }
 
@@ -94,12 +125,12 @@ impl Step {
             .map(|(f, &x)| (f.parameter, f.value(x)))
             .collect();
         arm.set(&values).ok()?;
-        let total = by_trajectory(&sums(&arm, blocks, asked).ok()?);
-        let objective = likelihood(&total, noise) + prior(free, &x);
+        let blocks = sums(&arm, blocks, asked).ok()?;
+        let objective = likelihood(&by_trajectory(&blocks), noise) + prior(free, &x);
         objective.is_finite().then_some(Self {
             arm,
             x,
-            total,
+            blocks,
             objective,
         })
     }

@@ -3,7 +3,7 @@
 
 mod descend;
 
-pub use descend::descend;
+pub use descend::{Descent, descend};
 
 use crate::arm::Arm;
 use crate::parameter::{Parameter, Scale};
@@ -244,8 +244,19 @@ pub(crate) fn prior(free: &[Free], x: &[f64]) -> f64 {
     each.sum()
 }
 
+/// Log evidence by Laplace's method, nats, up to a constant, from the objective at a fit and its Hessian there.
+pub(crate) fn evidence(free: &[Free], objective: f64, precision: &DMatrix<f64>) -> f64 {
+    let deviations = free.iter().filter_map(|f| f.prior);
+    let log_prior: f64 = deviations.map(|(_, deviation)| -deviation.ln()).sum();
+    let determinant = precision.clone().cholesky().map_or(f64::INFINITY, |c| {
+        c.l_dirty().diagonal().iter().map(|l| l.ln()).sum()
+    });
+    log_prior - objective - determinant
+}
+
 /// Maximum a posteriori fit by Levenberg and Marquardt, from the values of the arm `start`, with the expansion about
-/// its optimum. Parameters of [`Scale::Positive`] stay at zero or above.
+/// its optimum. Parameters of [`Scale::Positive`] stay at zero or above. `least` is the evidence that is worth all of the
+/// effort (see [`descend`]).
 ///
 /// # Errors
 /// Arm at the start that is unstable.
@@ -255,10 +266,18 @@ pub fn fit(
     blocks: &[Track],
     noise: &[Noise],
     effort: Effort,
+    least: Option<f64>,
 ) -> Result<Fitted, Unstable> {
-    let (arm, x) = descend(start, free, blocks, noise, effort)?;
+    let Descent {
+        arm,
+        x,
+        blocks: expanded,
+    } = descend(start, free, blocks, noise, effort, least)?;
     let parameters: Vec<Parameter> = free.iter().map(|f| f.parameter).collect();
-    let per_block = sums(&arm, blocks, &parameters)?;
+    let per_block = match expanded {
+        Some(expanded) => expanded,
+        None => sums(&arm, blocks, &parameters)?,
+    };
     let total = by_trajectory(&per_block);
     let (_, information) = local(&total, noise, free, &x);
     Ok(Fitted {

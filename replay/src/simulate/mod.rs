@@ -1,7 +1,7 @@
 //! Closed-loop forward simulation of the arm under recorded commands, with the sensitivities of its motion to
 //! parameters.
 //!
-//! Steps are semi-implicit. Forces by position act from the start of a step, damping and dry friction at its end, so
+//! Steps are semi-implicit. Forces by position act from the start of a step, damping at its middle and dry friction at its end, so
 //! that a joint can rest exactly. Positions are held at the steps and velocities between them. Commands are taken as
 //! their mean over the step around it, so that no half step of delay arises.
 
@@ -251,6 +251,8 @@ struct Drive {
     command_rate: f64,
     /// Share of the distance to its input that the command filter covers in the step; 1 without a filter.
     take: f64,
+    /// Derivative of the time by which the filter's input is taken earlier by the filter's time constant.
+    late_by_lag: f64,
     /// Change of the filtered command in the step, rad.
     to_smooth: f64,
     /// Rate of change of the step's mean commanded velocity with time, rad/s².

@@ -93,13 +93,9 @@ impl State<'_> {
         let mut out = Drive::default();
         let at = t - self.arm.delay - servo.delay - 0.5 * h;
         let [hint, rate_hint] = &mut self.hints[i];
-        let (mean, rate) = self.track.commands[i].mean(at, h, hint);
-        out.command_rate = rate;
-        out.take = if servo.lag > 0.0 {
-            -(-h / servo.lag).exp_m1()
-        } else {
-            1.0
-        };
+        let (take, late, late_by_lag) = filter(servo.lag, h);
+        let (mean, rate) = self.track.commands[i].mean(at - late, h, hint);
+        (out.take, out.command_rate, out.late_by_lag) = (take, rate, late_by_lag);
         out.to_smooth = out.take * (mean - self.smooth[i]);
         let command = self.smooth[i] + out.to_smooth;
         let (commanded_velocity, later) = match &self.track.rates {
@@ -160,4 +156,15 @@ impl State<'_> {
 /// damping so high that its first half would turn the motion round takes as little of the start as stops it.
 fn implicit(relative: f64) -> f64 {
     (1.0 - 1.0 / relative).max(0.5)
+}
+
+/// Filter of the time constant `lag` over a step of `h`, s: the share of the distance to its input that it covers, how much earlier
+/// that input is taken, so that a ramp is followed exactly `lag` late, and the derivative of that time by `lag`.
+fn filter(lag: f64, h: f64) -> (f64, f64, f64) {
+    if lag == 0.0 {
+        return (1.0, 0.0, 0.0);
+    }
+    let x = h / lag;
+    let (take, grown) = (-(-x).exp_m1(), x.exp_m1());
+    (take, lag - h / grown, 1.0 - x * x / (grown * take))
 }

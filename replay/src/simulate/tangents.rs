@@ -116,8 +116,11 @@ impl State<'_> {
                     mass += h * sign * joint.stribeck * drive.stribeck * 2.0 * self.v[i]
                         / joint.stribeck_velocity.powi(2);
                 }
-                axpy(rhs, mass, &self.dv[j * p..][..p]);
-                axpy(rhs, -h * stiffness, &self.dq[j * p..][..p]);
+                axpy2(
+                    rhs,
+                    [mass, -h * stiffness],
+                    [&self.dv[j * p..][..p], &self.dq[j * p..][..p]],
+                );
             }
         }
         self.bodies_by_parameters(h);
@@ -159,6 +162,7 @@ impl State<'_> {
                     // take = 1 − exp(−h/T), so that its derivative by T is −h/T² exp(−h/T).
                     let change = (1.0 - drive.take).ln() / servo.lag * (1.0 - drive.take);
                     self.dsmooth[at] += change * drive.to_smooth / drive.take;
+                    self.dsmooth[at] -= drive.take * drive.command_rate * drive.late_by_lag;
                 }
             }
         }
@@ -231,5 +235,13 @@ impl State<'_> {
 fn axpy(y: &mut [f64], a: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y += a * x;
+    }
+}
+
+/// Adds `a` times `x`, of two vectors, to `y` in one pass.
+#[inline(always)]
+fn axpy2(y: &mut [f64], a: [f64; 2], x: [&[f64]; 2]) {
+    for ((y, first), second) in y.iter_mut().zip(x[0]).zip(x[1]) {
+        *y += a[0] * first + a[1] * second;
     }
 }
