@@ -100,9 +100,40 @@ fn averaged(x: &[f64], rate_hz: f64, segment: usize, window: impl Fn(f64) -> f64
     }
 }
 
+/// Signal with the spectrum of `x` and the phases, rad, that `phase` gives: one for each frequency between zero and the
+/// highest one, in order. The mean keeps its value.
+pub fn rephased(x: &[f64], mut phase: impl FnMut() -> f64) -> Vec<f64> {
+    let n = x.len();
+    let mut planner = FftPlanner::new();
+    let mut buffer: Vec<Complex<f64>> = x.iter().map(|v| Complex::new(*v, 0.0)).collect();
+    planner.plan_fft_forward(n).process(&mut buffer);
+    for k in 1..n.div_ceil(2) {
+        let turned = Complex::from_polar(buffer[k].norm(), phase());
+        (buffer[k], buffer[n - k]) = (turned, turned.conj());
+    }
+    planner.plan_fft_inverse(n).process(&mut buffer);
+    buffer.into_iter().map(|c| c.re / n as f64).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn other_phases_keep_the_spectrum() {
+        for n in [1, 2, 7, 64] {
+            let x: Vec<f64> = (0..n).map(|i| f64::from(i * i % 11) - 2.0).collect();
+            let mut phase = 0.0;
+            let y = rephased(&x, || {
+                phase += 2.0;
+                phase
+            });
+            let of = |x: &[f64]| periodogram(x, 1.0).density;
+            assert!(of(&x).iter().zip(of(&y)).all(|(a, b)| (a - b).abs() < 1e-9));
+            assert!((x.iter().sum::<f64>() - y.iter().sum::<f64>()).abs() < 1e-9);
+            assert!(n < 7 || x.iter().zip(&y).any(|(a, b)| (a - b).abs() > 0.1));
+        }
+    }
 
     #[test]
     fn a_deep_spectrum_shows_what_lies_far_below_a_line() {

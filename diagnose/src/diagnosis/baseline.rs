@@ -32,9 +32,11 @@ pub(crate) fn options(
 ) -> Options {
     let (share, executions) = model.replay().map_or((0.0, 0.0), |r| r.known(after));
     if share >= REPEATED {
+        let spread = spread(&[before, after]);
         return changes(Earlier::Repeated {
             executions,
-            usual: spread(&[before, after]),
+            single: spread.is_none(),
+            usual: spread.unwrap_or_else(|| of_fit(model, Replay::deviation)),
         });
     }
     let usual = usual(model, before, cutoff_hz, &changes(Earlier::Other(None)));
@@ -99,7 +101,8 @@ fn usual(
         .par_iter()
         .filter_map(|part| of_part(model.sizes(), before, part, cutoff_hz, options).ok())
         .collect();
-    let own = of_whole(model);
+    // The residual of a part may be smaller than that of the whole.
+    let own = of_fit(model, Replay::left);
     each.into_iter().reduce(Baseline::most).map(|u| u.most(own))
 }
 
@@ -144,10 +147,10 @@ fn of_part(
     })
 }
 
-/// Residual of the model on the recordings that it was identified from: that of a part may be smaller. Its
-/// structured part comes from the parts.
-fn of_whole(model: &NominalModel) -> Baseline {
-    let left = model.replay().map_or_else(Vec::new, Replay::left);
+/// Baseline of the recordings that the model was identified from: `left` of the residual there. Its structured part
+/// is seen in parts of the recordings alone.
+fn of_fit(model: &NominalModel, left: impl Fn(&Replay) -> Vec<f64>) -> Baseline {
+    let left = model.replay().map_or_else(Vec::new, left);
     Baseline {
         earned: 0.0,
         structured: vec![0.0; left.len()],

@@ -33,8 +33,11 @@ pub enum Earlier {
     Repeated {
         /// Mean number of earlier executions, whose noise is added.
         executions: f64,
-        /// Repeatability of the robot; none where no motion was executed more than once on one side.
-        usual: Option<Baseline>,
+        /// Repeatability of the robot: the spread of executions on one side. Of single executions, their deviation from
+        /// the model that was identified from them.
+        usual: Baseline,
+        /// Whether no motion was executed more than once on one side.
+        single: bool,
     },
     /// The motion is new: the model's misfit on unknown motions is the least change that shows. None where the
     /// earlier recordings are one trajectory.
@@ -58,17 +61,13 @@ impl Earlier {
     /// Noise floor by joint, N·m (N).
     pub(super) fn floors(&self, floors: Vec<Option<f64>>) -> Vec<Option<f64>> {
         match self {
-            Self::Repeated { executions, usual } => {
-                let both = (1.0 + 1.0 / executions.max(1.0)).sqrt();
-                let least = |j: usize| usual.as_ref().map(|u| u.left[j]);
-                let each = floors.into_iter().enumerate();
-                each.map(|(j, f)| {
-                    f.into_iter()
-                        .chain(least(j))
-                        .reduce(f64::max)
-                        .map(|f| both * f)
-                })
-                .collect()
+            Self::Repeated {
+                executions, usual, ..
+            } => {
+                let both = with_earlier(*executions);
+                let each = floors.into_iter().zip(&usual.left);
+                each.map(|(f, l)| Some(both * f.map_or(*l, |f| f.max(*l))))
+                    .collect()
             }
             Self::Other(Some(usual)) => {
                 let both = floors.into_iter().zip(&usual.left);
@@ -79,35 +78,126 @@ impl Earlier {
         }
     }
 
-    /// Whether the errors (RMS by joint) of the model as given are at the floors, which hold the difference
-    /// between executions of one motion. Then nothing has changed, whatever part of them a cause would explain.
+    /// Whether the errors (RMS by joint) of the model as given are those between executions of one motion. With a
+    /// known spread every joint's error is compared with its floor, and nothing has changed, whatever part of it a
+    /// cause would explain. Of single executions the model's own residual is known by few independent samples a
+    /// joint: the joints' errors over it are judged together.
     pub(super) fn is_usual(
         &self,
         errors: &[Option<f64>],
         floors: &[Option<f64>],
         at_floor: f64,
     ) -> bool {
-        let mut known = errors.iter().zip(floors);
-        matches!(self, Self::Repeated { usual: Some(_), .. })
-            && known.all(|(e, floor)| {
-                let floor = floor.unwrap_or(0.0);
-                e.is_none_or(|e| e <= at_floor * floor)
-            })
+        match self {
+            Self::Repeated { single: false, .. } => errors
+                .iter()
+                .zip(floors)
+                .all(|(e, floor)| e.is_none_or(|e| e <= at_floor * floor.unwrap_or(0.0))),
+            Self::Repeated {
+                executions, usual, ..
+            } => {
+                let each = errors.iter().zip(&usual.left);
+                let squares: Vec<f64> = each
+                    .filter_map(|(e, left)| Some((e.as_ref()? / left).powi(2)))
+                    .collect();
+                let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+                mean.sqrt() <= at_floor * with_earlier(*executions)
+            }
+            Self::Other(_) => false,
+        }
+    }
+
+    /// Whether one motion is compared that was executed once on each side.
+    pub(super) fn is_single(&self) -> bool {
+        matches!(self, Self::Repeated { single: true, .. })
     }
 
     /// Structure of each joint that exceeds `margin` times what the baseline shows where nothing has changed. With an
-    /// unknown baseline of repeated motions all structure is kept; with one of other motions, no structure.
+    /// unknown baseline of other motions, no structure.
     pub(super) fn beyond(&self, left: Vec<Option<Misfit>>, margin: f64) -> Vec<Option<Misfit>> {
         let beyond = |(j, l): (usize, Option<Misfit>)| match self {
-            Self::Repeated { usual: None, .. } => l,
-            Self::Repeated {
-                usual: Some(usual), ..
-            }
-            | Self::Other(Some(usual)) => {
+            Self::Repeated { usual, .. } | Self::Other(Some(usual)) => {
                 l.filter(|l| l.structured() > margin * usual.structured[j])
             }
             Self::Other(None) => None,
         };
         left.into_iter().enumerate().map(beyond).collect()
+    }
+}
+
+/// Error of a difference to the mean of so many earlier executions, over that of one execution.
+fn with_earlier(executions: f64) -> f64 {
+    (1.0 + 1.0 / executions.max(1.0)).sqrt()
+}
+
+/// What of each joint's structure follows the motion beyond `chance`, the learnable part by chance. What lasts beside
+/// the motion is how executions differ.
+pub(super) fn following(left: Vec<Option<Misfit>>, chance: &[Option<f64>]) -> Vec<Option<Misfit>> {
+    let follows = |l: Misfit, chance: Option<f64>| Misfit {
+        lasting: 0.0,
+        learnable: match chance {
+            Some(chance) if l.learnable <= chance => 0.0,
+            _ => l.learnable,
+        },
+        ..l
+    };
+    let each = left.into_iter().zip(chance);
+    each.map(|(l, chance)| Some(follows(l?, *chance))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn earlier(single: bool) -> Earlier {
+        Earlier::Repeated {
+            executions: 1.0,
+            usual: Baseline {
+                earned: 0.0,
+                left: vec![1.0, 2.0],
+                structured: vec![0.0; 2],
+            },
+            single,
+        }
+    }
+
+    #[test]
+    fn single_executions_are_judged_by_all_joints_together() {
+        let usual = |single, errors: [f64; 2]| {
+            let earlier = earlier(single);
+            let floors = earlier.floors(vec![None, Some(0.5)]);
+            earlier.is_usual(&errors.map(Some), &floors, 1.5)
+        };
+        // Twice √2 times the first joint's residual, half of that of the second.
+        let uneven = [2.0, 2.0 * 0.5].map(|x| x * 2f64.sqrt());
+        assert!(usual(true, uneven) && !usual(false, uneven));
+        let even = [1.4, 2.0 * 1.4].map(|x| x * 2f64.sqrt());
+        assert!(usual(true, even) && usual(false, even));
+        let large = [0.1, 2.0 * 2.2].map(|x| x * 2f64.sqrt());
+        assert!(!usual(true, large) && !usual(false, large));
+        // Where no joint has an error nothing is known.
+        assert!(!earlier(true).is_usual(&[None, None], &[None, None], 1.5));
+    }
+
+    #[test]
+    fn what_follows_the_motion_beyond_chance_is_kept() {
+        let misfit = |learnable| {
+            Some(Misfit {
+                error: 0.2,
+                lasting: 0.9,
+                learnable,
+                rows: 1000,
+            })
+        };
+        let left = following(
+            vec![misfit(0.3), misfit(0.3), None],
+            &[Some(0.2), Some(0.4), Some(0.2)],
+        );
+        let structured: Vec<Option<f64>> = left
+            .iter()
+            .map(|l| Some(l.as_ref()?.structured()))
+            .collect();
+        assert!((structured[0].unwrap() - 0.2 * 0.3f64.sqrt()).abs() < 1e-12);
+        assert_eq!(structured[1..], [Some(0.0), None]);
     }
 }

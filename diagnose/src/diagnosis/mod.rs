@@ -12,6 +12,7 @@ mod units;
 
 pub use crate::outcome::Outcome;
 pub(crate) use baseline::options as since;
+use earlier::following;
 pub use earlier::{Baseline, Earlier};
 pub use options::Options;
 
@@ -38,6 +39,7 @@ use crate::search::session::Session;
 use crate::settings::Settings;
 use crate::simulator::{NominalModel, possible};
 use crate::surrogates::Null;
+use crate::traces::unknown::by_chance;
 use datasets::Recording;
 use physics::batch::rigid_torque;
 use physics::robot::{Masses, Robot};
@@ -146,17 +148,26 @@ fn diagnosed(
         &settings.motion,
     );
     let judging = &settings.measure.verdict;
-    let (floors, left, beside) = match &options.earlier {
+    let (floors, mut left, mut beside) = match &options.earlier {
         Some(earlier) => {
             let [left, beside] = [left, beside].map(|l| earlier.beyond(l, judging.beyond));
             (earlier.floors(floors), left, beside)
         }
         None => (floors, left, beside),
     };
-    let unchanged = options.earlier.as_ref().is_some_and(|earlier| {
+    let usual = options.earlier.as_ref().is_some_and(|earlier| {
         let given = explanation.ladder.first();
         given.is_some_and(|step| earlier.is_usual(&step.all.rmse, &floors, judging.at_floor))
     });
+    // Two executions differ by as much as one from its model: only what follows the motion, or is confirmed, counts.
+    let doubtful = usual && options.earlier.as_ref().is_some_and(Earlier::is_single);
+    if doubtful {
+        let rows = frames.data.pick(|i| skipped[i]);
+        let chance = by_chance(&frames.data, &listing.residual, &rows, settings);
+        [left, beside] = [left, beside].map(|l| following(l, &chance));
+    }
+    let counted = explanation.causes.iter();
+    let counted: Vec<&Cause> = counted.filter(|c| c.confirmed || !doubtful).collect();
     let dead = &channels.dead;
     let judged = judged.off_turns(&frames.data, &settings.motion);
     let rest = remainder(&floors, &judged, &skipped, &left, &names, dead, judging);
@@ -167,16 +178,18 @@ fn diagnosed(
         given: listing.given,
         left: &beside,
         rest: &rest,
-        causes: !explanation.causes.is_empty(),
-        pushed: explanation.causes.iter().any(pushed),
+        causes: !counted.is_empty(),
+        pushed: counted.into_iter().any(pushed),
+        usual: doubtful,
         cut: explanation.cut,
         denied: denied(&explanation.ladder, &explanation.causes),
     };
-    let (verdict, reason) = if unchanged {
+    let (verdict, reason) = if usual && !doubtful {
         (Verdict::NoGap, None)
     } else {
         verdict(&evidence, judging)
     };
+    let unchanged = usual && verdict == Verdict::NoGap;
     let rest_of = &listing.residual;
     let other = other_day::changed(model, &frames, &findings, &explanation, rest_of, &skipped);
     let mut quiet = listing.residual;
@@ -302,7 +315,6 @@ fn first(
     Ok((first, prepared))
 }
 
-/// The first search of a diagnosis: recordings, findings and the rows' weights.
 /// Errors on the held-out recording, as given and with all causes, where it confirms no cause and they make it no smaller.
 fn denied(ladder: &[Step], causes: &[Cause]) -> Option<[f64; 2]> {
     let of = |step: Option<&Step>| step.and_then(|s| s.all.mean_nrmse);
@@ -311,6 +323,7 @@ fn denied(ladder: &[Step], causes: &[Cause]) -> Option<[f64; 2]> {
     (open && both[1] >= both[0]).then_some(both)
 }
 
+/// The first search of a diagnosis: recordings, findings and the rows' weights.
 #[cfg(test)]
 pub(crate) fn first_search(
     model: &NominalModel,

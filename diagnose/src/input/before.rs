@@ -31,6 +31,9 @@ pub fn model(
         let left: Array2<f64> = tau - physics;
         replay.add(&part.at_samples, &left);
     }
+    let tests = fit.file.diagnostics.iter().flat_map(|d| &d.residual_tests);
+    let independent = tests.flatten().map(|t| t.serial.effective_samples).sum();
+    replay.fitted(fit.identified.estimate.rank, independent);
     Ok(NominalModel::identified(&fit.file)?.with_replay(replay))
 }
 

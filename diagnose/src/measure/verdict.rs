@@ -30,6 +30,8 @@ pub(crate) struct Evidence<'a> {
     pub pushed: bool,
     /// Part of the held-out samples that pushes cut out.
     pub cut: f64,
+    /// Whether the errors as given are what two executions of one motion differ by.
+    pub usual: bool,
     /// Mean NRMSE on the held-out recording, as given and with all causes. None unless the causes fail to lower it and
     /// none of them is confirmed there.
     pub denied: Option<[f64; 2]>,
@@ -142,10 +144,10 @@ pub(crate) fn verdict(e: &Evidence, settings: &VerdictSettings) -> (Verdict, Opt
         ));
     }
     match (e.causes, floor) {
-        (false, true) => (Verdict::NoGap, None),
+        (false, floor) if floor || e.usual => (Verdict::NoGap, None),
         (true, true) if e.cut <= settings.most_cut => (Verdict::Explained, None),
         (true, _) => (Verdict::PartlyExplained, None),
-        (false, false) => {
+        (false, _) => {
             let rest = worst.map_or("nothing could be judged".to_owned(), |(r, _)| {
                 let number = |x: Option<f64>| x.map_or("unknown".to_owned(), |x| format!("{x:.3}"));
                 format!(
@@ -200,6 +202,7 @@ mod tests {
             causes,
             pushed: false,
             cut,
+            usual: false,
             denied: None,
         };
         verdict(&evidence, settings)
@@ -254,6 +257,7 @@ mod tests {
                 causes: true,
                 pushed,
                 cut: 0.0,
+                usual: false,
                 denied: None,
             };
             verdict(&evidence, &VerdictSettings::default())

@@ -13,7 +13,12 @@ use signal::Motion;
 #[derive(Clone, Debug, Default)]
 pub struct Replay {
     executions: Vec<(Execution, Array2<f64>)>,
+    /// Part of the independent samples of the residual that the fit's parameters spent, 0 to 0.5.
+    spent: f64,
 }
+
+/// Largest part of the independent samples that parameters count as spending: of more of them fewer act.
+const MOST_SPENT: f64 = 0.5;
 
 impl Replay {
     /// Adds a recording: its motion at the recorded stamps, and the residual torque there, N·m (N), shape (samples, joints).
@@ -24,6 +29,17 @@ impl Replay {
             (execution, own)
         });
         self.executions.extend(executions);
+    }
+
+    /// Counts the parameters of the model's fit, whose residual holds so many independent samples.
+    pub fn fitted(&mut self, parameters: usize, independent: f64) {
+        self.spent = (parameters as f64 / independent.max(1.0)).min(MOST_SPENT);
+    }
+
+    /// Deviation of a single execution from the model, by joint, N·m (N): the residual without what the fit took of it.
+    pub fn deviation(&self) -> Vec<f64> {
+        let kept = (1.0 - self.spent).sqrt();
+        self.left().into_iter().map(|left| left / kept).collect()
     }
 
     /// Root mean square of the residual over all earlier recordings, by joint, N·m (N).

@@ -9,7 +9,11 @@ use crate::motion::frame::Frame;
 use crate::motion::scene::soft_sign;
 use crate::settings::Settings;
 use ndarray::{Array1, Array2, Axis};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use signal::spectrum::rephased;
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Lags beyond the autocorrelation of filtered noise, s. Several, because an oscillation is uncorrelated at some of them.
@@ -46,37 +50,32 @@ pub fn examine(
     settings: &Settings,
 ) -> Vec<Option<Misfit>> {
     let r = frame.table_thin(residual);
-    let mut reversal = frame.reversals(&settings.motion);
-    for (mut row, _) in reversal
-        .rows_mut()
-        .into_iter()
-        .zip(skipped)
-        .filter(|r| *r.1)
-    {
-        row.fill(true);
-    }
     let inputs = Inputs::new(frame);
-    let fewest = settings.traces.structure.fewest_rows;
-    (0..frame.dof())
-        .into_par_iter()
-        .map(|j| {
-            let kept: Vec<usize> = (0..r.nrows()).filter(|&i| !reversal[[i, j]]).collect();
-            let own = r.column(j).to_owned();
-            (kept.len() >= fewest).then(|| one(frame, j, &own, &reversal, &kept, &inputs))
-        })
+    let kept = kept(frame, skipped, settings);
+    let each = kept.into_par_iter().enumerate();
+    each.map(|(j, kept)| Some(one(frame, j, &r.column(j).to_owned(), &kept?, &inputs)))
         .collect()
 }
 
-fn one(
-    frame: &Frame,
-    joint: usize,
-    r: &Array1<f64>,
-    reversal: &Array2<bool>,
-    kept: &[usize],
-    inputs: &Inputs,
-) -> Misfit {
+/// Rows of each joint away from reversals and from `skipped` ones; none where they are too few.
+fn kept(frame: &Frame, skipped: &[bool], settings: &Settings) -> Vec<Option<Vec<usize>>> {
+    let reversal = frame.reversals(&settings.motion);
+    let fewest = settings.traces.structure.fewest_rows;
+    let of = |j: usize| -> Vec<usize> {
+        (0..frame.len())
+            .filter(|&i| !reversal[[i, j]] && !skipped[i])
+            .collect()
+    };
+    (0..frame.dof())
+        .map(|j| Some(of(j)).filter(|rows| rows.len() >= fewest))
+        .collect()
+}
+
+fn one(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], inputs: &Inputs) -> Misfit {
     let deviation = frame.tau.column(joint).std(0.0).max(1e-12);
     let square = kept.iter().map(|&i| r[i] * r[i]).sum::<f64>() / kept.len() as f64;
+    let mut is_kept = vec![false; frame.len()];
+    kept.iter().for_each(|&i| is_kept[i] = true);
     let correlation = |lag: f64| {
         let lag = (lag * frame.row_rate()).round().max(1.0) as usize;
         let pairs = frame
@@ -84,7 +83,7 @@ fn one(
             .iter()
             .flat_map(|t| t.start..t.end.saturating_sub(lag));
         let (sum, n) = pairs
-            .filter(|&i| !reversal[[i, joint]] && !reversal[[i + lag, joint]])
+            .filter(|&i| is_kept[i] && is_kept[i + lag])
             .fold((0.0, 0usize), |(s, n), i| (s + r[i] * r[i + lag], n + 1));
         (sum / n.max(1) as f64 / square).abs()
     };
@@ -93,10 +92,12 @@ fn one(
         .map(correlation)
         .fold(0.0, f64::max)
         .min(1.0);
+    let own = r.select(Axis(0), kept).insert_axis(Axis(1));
+    let learner = Learner::new(frame, joint, kept, inputs);
     Misfit {
         error: square.sqrt() / deviation,
         lasting,
-        learnable: learnable(frame, joint, r, kept, inputs),
+        learnable: learner.predicted(&own)[0],
         rows: kept.len(),
     }
 }
@@ -192,61 +193,116 @@ impl Inputs {
     }
 }
 
-/// Part of the squared error that ridge regression predicts on folds left out; below zero where it predicts worse than zero.
-fn learnable(frame: &Frame, joint: usize, r: &Array1<f64>, kept: &[usize], inputs: &Inputs) -> f64 {
-    let mut x = inputs.features(joint, kept);
-    for mut c in x.columns_mut() {
-        let scale = (c.dot(&c) / kept.len() as f64).sqrt().max(1e-9);
-        c.mapv_inplace(|v| v / scale);
+/// The learner of one joint, fitted without each fold in turn.
+struct Learner {
+    x: Array2<f64>,
+    /// Of each fold: its rows among the kept ones, the rows near it, which are not fitted either, and the equations of
+    /// all others.
+    folds: Vec<(Vec<usize>, Vec<usize>, Cholesky)>,
+}
+
+impl Learner {
+    fn new(frame: &Frame, joint: usize, kept: &[usize], inputs: &Inputs) -> Self {
+        let mut x = inputs.features(joint, kept);
+        for mut c in x.columns_mut() {
+            let scale = (c.dot(&c) / kept.len() as f64).sqrt().max(1e-9);
+            c.mapv_inplace(|v| v / scale);
+        }
+        let within = |ranges: &[Range<usize>]| -> Vec<usize> {
+            (0..kept.len())
+                .filter(|&k| ranges.iter().any(|t| t.contains(&kept[k])))
+                .collect()
+        };
+        let squares = |rows: &[usize]| {
+            let x = x.select(Axis(0), rows);
+            x.t().dot(&x)
+        };
+        let all = x.t().dot(&x);
+        let folds = frame.folds().iter().map(|fold| {
+            let (own, near) = (within(&fold.scored), within(&fold.near));
+            let mut a = &all - &squares(&own) - squares(&near);
+            for i in 0..x.ncols() {
+                a[[i, i]] += RIDGE * kept.len() as f64;
+            }
+            (own, near, Cholesky::new(&a))
+        });
+        Self {
+            folds: folds.collect(),
+            x,
+        }
     }
-    let y: Array1<f64> = kept.iter().map(|&i| r[i]).collect();
-    let of = |ranges: &[Range<usize>]| {
-        let rows: Vec<usize> = (0..kept.len())
-            .filter(|&k| ranges.iter().any(|t| t.contains(&kept[k])))
-            .collect();
-        let xf = x.select(Axis(0), &rows);
-        let yf = y.select(Axis(0), &rows);
-        (rows, xf.t().dot(&xf), xf.t().dot(&yf))
+
+    /// Part of the squared error that is predicted on folds left out, for each column of `y`, shape (kept rows,
+    /// residuals). Below zero where the prediction is worse than zero.
+    fn predicted(&self, y: &Array2<f64>) -> Vec<f64> {
+        let products = |rows: &[usize]| {
+            let x = self.x.select(Axis(0), rows);
+            x.t().dot(&y.select(Axis(0), rows))
+        };
+        let all = self.x.t().dot(y);
+        let (mut left, mut size) = (vec![0.0; y.ncols()], vec![0.0; y.ncols()]);
+        for (own, near, equations) in &self.folds {
+            let mut b = &all - &products(own) - products(near);
+            for mut column in b.columns_mut() {
+                let beta = equations.solve(column.view());
+                column.assign(&beta);
+            }
+            let y = y.select(Axis(0), own);
+            let rest = &y - &self.x.select(Axis(0), own).dot(&b);
+            for c in 0..y.ncols() {
+                left[c] += rest.column(c).dot(&rest.column(c));
+                size[c] += y.column(c).dot(&y.column(c));
+            }
+        }
+        let part = |(left, size): (f64, f64)| if size > 0.0 { 1.0 - left / size } else { 0.0 };
+        left.into_iter().zip(size).map(part).collect()
+    }
+}
+
+/// Probability that the learnable part of some joint exceeds the level by chance.
+const RARE: f64 = 0.01;
+/// Seed of the residuals with other phases.
+const SEED: u64 = 0x5EED;
+
+/// Level of the learnable part by chance, by joint: what the learner predicts of residuals with the same spectrum that
+/// do not follow the motion. None as in [`examine`], whose arguments these are.
+pub fn by_chance(
+    frame: &Frame,
+    residual: &Array2<f64>,
+    skipped: &[bool],
+    settings: &Settings,
+) -> Vec<Option<f64>> {
+    let r = frame.table_thin(residual);
+    let inputs = Inputs::new(frame);
+    // The largest of so many is exceeded with the probability, shared among the joints.
+    let draws = (frame.dof() as f64 / RARE).round() as usize - 1;
+    let of = |(j, kept): (usize, Option<Vec<usize>>)| {
+        let kept = kept?;
+        let learner = Learner::new(frame, j, &kept, &inputs);
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        rng.set_stream(j as u64);
+        let own = r.column(j).to_vec();
+        let mut drawn = Array2::zeros((kept.len(), draws));
+        for mut column in drawn.columns_mut() {
+            let mut other = vec![0.0; own.len()];
+            for rows in &frame.rows {
+                let phase = || rng.random_range(0.0..TAU);
+                other[rows.clone()].copy_from_slice(&rephased(&own[rows.clone()], phase));
+            }
+            for (to, &row) in column.iter_mut().zip(&kept) {
+                *to = other[row];
+            }
+        }
+        learner.predicted(&drawn).into_iter().reduce(f64::max)
     };
-    let folds = frame.folds();
-    let parts: Vec<(Vec<usize>, Array2<f64>, Array1<f64>)> =
-        folds.iter().map(|fold| of(&fold.scored)).collect();
-    let (mut left, mut all) = (0.0, 0.0);
-    for (f, (rows, _, _)) in parts.iter().enumerate() {
-        let mut a = Array2::<f64>::zeros((x.ncols(), x.ncols()));
-        let mut b = Array1::<f64>::zeros(x.ncols());
-        for (_, xx, xy) in parts
-            .iter()
-            .enumerate()
-            .filter(|(g, _)| *g != f)
-            .map(|(_, p)| p)
-        {
-            a += xx;
-            b += xy;
-        }
-        if !folds[f].near.is_empty() {
-            let (_, xx, xy) = of(&folds[f].near);
-            a -= &xx;
-            b -= &xy;
-        }
-        for i in 0..x.ncols() {
-            a[[i, i]] += RIDGE * kept.len() as f64;
-        }
-        let beta = Cholesky::new(&a).solve(b.view());
-        for &k in rows {
-            let e = y[k] - x.row(k).dot(&beta);
-            left += e * e;
-            all += y[k] * y[k];
-        }
-    }
-    if all > 0.0 { 1.0 - left / all } else { 0.0 }
+    let kept = kept(frame, skipped, settings);
+    kept.into_par_iter().enumerate().map(of).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use datasets::{PrepareOptions, Recording};
-    use rand::{RngExt, SeedableRng};
 
     /// A minute of two joints at 100 Hz.
     fn frame() -> Frame {
@@ -263,7 +319,7 @@ mod tests {
     #[test]
     fn a_function_of_motion_is_learned_and_noise_is_not() {
         let frame = frame();
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
         let q = &frame.samples().q;
         // A torque over the other joint's position, and uniform noise.
         let residual = Array2::from_shape_fn(q.dim(), |(i, j)| match j {
@@ -279,6 +335,16 @@ mod tests {
         );
         assert!(noise.learnable < 0.02 && noise.lasting < 0.2, "{noise:?}");
         assert!((learned.structured() / learned.error - 1.0).abs() < 0.02);
+        // A slow wave that comes from elsewhere is learned in part by accident, a function of the motion beyond that.
+        let slow = Array2::from_shape_fn(q.dim(), |(i, _)| (0.0021 * i as f64).sin());
+        let level = |r: &Array2<f64>| by_chance(&frame, r, &skipped, &Settings::default());
+        let learnable = |r: &Array2<f64>| {
+            examine(&frame, r, &skipped, &Settings::default())[0]
+                .unwrap()
+                .learnable
+        };
+        assert!(learnable(&residual) > level(&residual)[0].unwrap());
+        assert!(learnable(&slow) < level(&slow)[0].unwrap());
         // Where all rows are left out nothing is said.
         let none = examine(
             &frame,

@@ -14,6 +14,7 @@ mod onnx;
 mod payload;
 mod plan;
 mod refusals;
+mod repeated;
 mod repro;
 mod scores;
 mod unread;
