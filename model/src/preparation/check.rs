@@ -105,7 +105,8 @@ pub fn check_recording(
 }
 
 /// Adds the torque channel of a recording to its report, with findings on it. Findings that the examination of the
-/// torque ([`doctor`]) makes more exactly are left to its complaints.
+/// torque ([`doctor`]) makes more exactly are left to its complaints. Of these the report holds those on exchanged
+/// columns and turned positions, which no physics explains.
 pub fn add_channel(
     report: &mut CheckReport,
     robot: &Robot,
@@ -122,6 +123,8 @@ pub fn add_channel(
     };
     judge(report, found, &complaints);
     report.channel = Some(channel);
+    let columns = |c: &Complaint| matches!(c.ailment, Ailment::Columns | Ailment::Turned);
+    report.doctor = complaints.into_iter().filter(columns).collect();
 }
 
 /// Adds findings, and removes those on scale and limit that the examination of the torque does not confirm.

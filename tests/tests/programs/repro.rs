@@ -1,14 +1,13 @@
-//! Small descriptions and recordings as people have them: what `train --check-only` answers to each.
+//! Small descriptions and recordings as people have them: what the programs answer to each.
 
+use physics::robot::Description;
 use tests::program::{program, run};
 use tests::shared::shared;
 
-/// What the program answers to a robot and a recording of a folder of `repro`, both streams, on one line.
-fn answer(folder: &str, robot: &str, data: &str) -> Option<String> {
+/// What a program answers in a folder of `repro`, both streams, on one line.
+fn answer(folder: &str, name: &str, arguments: &[&str]) -> Option<String> {
     let folder = shared(&format!("repro/{folder}"))?;
-    let mut train = program("train");
-    train.current_dir(&folder);
-    let ended = run(train.args(["--check-only", "--robot", robot, "--data", data]));
+    let ended = run(program(name).current_dir(&folder).args(arguments));
     let said = format!("{}\n{}", ended.out, ended.err);
     Some(said.split_whitespace().collect::<Vec<_>>().join(" "))
 }
@@ -27,7 +26,8 @@ const UNIT: &str = "torque_scale = [|motor current in A.";
 
 fn check(cases: &[Case]) {
     for (folder, robot, data, said, unsaid) in cases {
-        let Some(answer) = answer(folder, robot, data) else {
+        let check = ["--check-only", "--robot", robot, "--data", data];
+        let Some(answer) = answer(folder, "train", &check) else {
             return;
         };
         for part in said.split('|').filter(|p| !p.is_empty()) {
@@ -309,14 +309,6 @@ fn tables_clocks_and_logs() {
     ]);
 }
 
-/// What a program answers in a folder of the field, both streams, on one line.
-fn field(folder: &str, name: &str, arguments: &[&str]) -> Option<String> {
-    let folder = shared(&format!("repro/field/{folder}"))?;
-    let ended = run(program(name).current_dir(&folder).args(arguments));
-    let said = format!("{}\n{}", ended.out, ended.err);
-    Some(said.split_whitespace().collect::<Vec<_>>().join(" "))
-}
-
 #[test]
 fn motions_units_and_angles_of_the_field() {
     let out = tempfile::tempdir().expect("a temporary folder");
@@ -380,9 +372,72 @@ fn motions_units_and_angles_of_the_field() {
             r#"units.angle = "deg""#,
         ),
     ] {
-        let Some(answer) = field(folder, name, &arguments) else {
+        let Some(answer) = answer(&format!("field/{folder}"), name, &arguments) else {
             return;
         };
         assert!(answer.contains(said), "{folder}: no `{said}` in {answer}");
     }
+}
+
+#[test]
+fn masses_as_diagnose_sees_them() {
+    let fast = "--fast --robot robot.urdf --data train.parquet --heldout test.parquet";
+    let fast: Vec<&str> = fast.split(' ').collect();
+    for (folder, said) in [
+        (
+            "no_masses",
+            "the description has no masses, so that there is no gap as given to judge",
+        ),
+        (
+            "placeholders",
+            "the description's masses are placeholders, so that there is no gap as given to judge",
+        ),
+        (
+            "heavy_description",
+            "Biggest cause: inertial parameters of links on joint1, joint2, joint3",
+        ),
+        ("columns_permuted", "columns 1 and 2 look exchanged"),
+    ] {
+        let Some(answer) = answer(folder, "diagnose", &fast) else {
+            return;
+        };
+        assert!(answer.contains(said), "{folder}: no `{said}` in {answer}");
+        assert!(!answer.contains("payload, "), "{folder}: {answer}");
+    }
+}
+
+/// A `<dcmotor>` brakes its joint while its voltage is zero: that is no damping of the joint as well.
+#[test]
+fn back_emf_is_not_written_as_damping() {
+    let Some(given) = shared("repro/field/mjcf-dcmotor") else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    let table = std::fs::read_to_string(given.join("data.csv")).expect("readable");
+    let (head, rows) = table.split_once('\n').expect("a header");
+    let rows: Vec<&str> = rows.lines().collect();
+    let halves = rows.split_at(rows.len() / 2);
+    for (name, rows) in [("a.csv", halves.0), ("b.csv", halves.1)] {
+        let text = format!("{head}\n{}\n", rows.join("\n"));
+        std::fs::write(path(name), text).expect("writable");
+    }
+    let mut diagnose = program("diagnose");
+    diagnose
+        .args(["--fast", "--robot"])
+        .arg(given.join("dc.xml"));
+    diagnose.arg("--data").arg(path("a.csv"));
+    diagnose.arg("--heldout").arg(path("b.csv"));
+    let ended = run(diagnose.arg("--patch").arg(path("patched.xml")));
+    let said = &ended.succeeded().out;
+    assert!(said.contains("Nothing is missing"), "{said}");
+    let [was, now] = [given.join("dc.xml"), path("patched.xml")].map(|file| {
+        let (_, robot) = Description::load(&file, &[]).expect("a model");
+        robot.joints()[0].damping
+    });
+    // K²/R of the motor, N·s/m.
+    assert!(
+        (was - 8.0).abs() < 1e-9 && (now - was).abs() < 0.05,
+        "{now}"
+    );
 }

@@ -10,7 +10,7 @@ use crate::schema::Resonance;
 use crate::schema::value::value;
 use crate::schema::{Cause, Diagnosis, NextExperiment, STRUCK, Simulation, Step, Verdict};
 use cause::{experiment, place};
-use datasets::check::Severity;
+use datasets::check::{CheckReport, Severity};
 
 /// The diagnosis as lines of text, the most important first.
 pub fn lines(d: &Diagnosis) -> Vec<String> {
@@ -164,17 +164,20 @@ fn supposed(d: &Diagnosis) -> Vec<String> {
 
 /// Lines on faults of the recordings, severe ones only: no cause can be trusted before they are corrected.
 pub fn worst_findings(d: &Diagnosis) -> Vec<String> {
-    let mut out: Vec<String> = Vec::new();
-    for report in &d.recordings {
-        for finding in report
-            .findings
-            .iter()
-            .filter(|f| f.severity == Severity::Severe)
-        {
-            out.push(format!("In {}: {}.", report.source, finding.message));
-        }
-    }
-    out
+    let of = |report: &CheckReport| -> Vec<String> {
+        let severe = |s: Severity| s == Severity::Severe;
+        let found = report.findings.iter().filter(|f| severe(f.severity));
+        let found = found.map(|f| f.message.clone());
+        let complaints = report.doctor.iter().filter(|c| severe(c.severity));
+        let complaints = complaints.map(|c| {
+            let mend = "`train --check-only` gives the lines that mend it";
+            format!("{}: {}; {mend}", c.means, c.seen)
+        });
+        let all = found.chain(complaints);
+        all.map(|what| format!("In {}: {what}.", report.source))
+            .collect()
+    };
+    d.recordings.iter().flat_map(of).collect()
 }
 
 /// Lines on effects that the recording cannot show, those with the same reason together.
