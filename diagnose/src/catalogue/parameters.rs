@@ -284,9 +284,10 @@ fn friction(scene: &Scene, j: usize) -> [Candidate; 3] {
     ]
 }
 
-/// Converts a payload's first moments into its centre of mass.
+/// Converts a payload's first moments into its centre of mass. Its deviation has that of the moment and that of the
+/// mass, as if they were independent.
 fn centre_of_mass(parameters: &mut Vec<Parameter>) {
-    let Some((mass, _)) = size(parameters, "mass") else {
+    let Some((mass, of_mass)) = size(parameters, "mass") else {
         return;
     };
     for p in parameters {
@@ -298,7 +299,35 @@ fn centre_of_mass(parameters: &mut Vec<Parameter>) {
         };
         p.name = name.to_owned();
         p.value /= mass;
-        p.std = p.std.map(|s| s / mass.abs());
+        let by_mass = p.value * of_mass.unwrap_or(0.0);
+        p.std = p.std.map(|s| s.hypot(by_mass) / mass.abs());
         p.unit = Unit::Metre;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_centre_of_mass_is_known_no_better_than_the_mass() {
+        let parameter = |name: &str, value, std, unit| Parameter {
+            name: name.to_owned(),
+            joint: None,
+            value,
+            std: Some(std),
+            unit,
+        };
+        let mut all = vec![
+            parameter("mass", 2.0, 0.4, Unit::Kilogram),
+            parameter("first_moment_x", 1.0, 0.15, Unit::KilogramMetre),
+            parameter("first_moment_y", 0.0, 0.15, Unit::KilogramMetre),
+        ];
+        centre_of_mass(&mut all);
+        assert_eq!(all[1].name, "com_x");
+        // A fifth by the mass and 0.15 by the moment, of half a metre.
+        assert!((all[1].value - 0.5).abs() < 1e-12);
+        assert!((all[1].std.unwrap() - 0.5 * 0.25).abs() < 1e-12);
+        assert!((all[2].std.unwrap() - 0.075).abs() < 1e-12);
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::catalogue::{Parameter, Unit};
 
-/// A parameter as text: name, value, standard deviation and unit.
+/// A parameter as text: name, value, standard deviation and unit. A mass that is no larger than its deviation is said
+/// not to be known.
 pub fn value(p: &Parameter) -> String {
     let unit = if p.unit == Unit::One {
         String::new()
@@ -10,6 +11,10 @@ pub fn value(p: &Parameter) -> String {
         format!(" {}", p.unit)
     };
     match p.std {
+        Some(std) if p.unit == Unit::Kilogram && std >= p.value => {
+            let (value, std) = (Short(p.value), Short(std));
+            format!("{} not known ({value:.4} ± {std:.2}{unit})", p.name)
+        }
         Some(std) => format!("{} {:.4} ± {:.2}{unit}", p.name, Short(p.value), Short(std)),
         None => format!("{} {:.4}{unit}", p.name, Short(p.value)),
     }
@@ -29,5 +34,28 @@ impl std::fmt::Display for Short {
             return write!(f, "{:.*e}", (digits - 1).max(0) as usize, self.0);
         }
         write!(f, "{:.*}", (digits - 1 - magnitude).max(0) as usize, self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mass_within_its_deviation_is_not_known() {
+        let said = |value, std, unit| {
+            super::value(&Parameter {
+                name: "mass".to_owned(),
+                joint: None,
+                value,
+                std: Some(std),
+                unit,
+            })
+        };
+        assert_eq!(said(2.0, 0.1, Unit::Kilogram), "mass 2.000 ± 0.10 kg");
+        let unknown = "mass not known (9.242 ± 381 kg)";
+        assert_eq!(said(9.2423, 381.0, Unit::Kilogram), unknown);
+        // A place within its deviation is at zero.
+        assert_eq!(said(0.1, 0.2, Unit::Metre), "mass 0.1000 ± 0.20 m");
     }
 }
