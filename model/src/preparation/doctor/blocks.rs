@@ -125,10 +125,15 @@ impl Blocks {
     /// Function `of` of the coefficients of some columns, with its standard deviation by the jackknife over blocks.
     pub fn estimate(&self, columns: &[usize], of: impl Fn(&[f64]) -> f64) -> Estimate {
         let value = of(&self.coefficients(columns));
-        let others: Vec<f64> = (0..BLOCKS)
-            .map(|b| of(&self.solved(&self.sum(Some(b)), columns)))
-            .collect();
+        let others: Vec<f64> = self.without(columns).iter().map(|x| of(x)).collect();
         Estimate::of_jackknife(value, &others)
+    }
+
+    /// Coefficients of some columns in the fits without each block in turn.
+    pub fn without(&self, columns: &[usize]) -> Vec<Vec<f64>> {
+        (0..BLOCKS)
+            .map(|b| self.solved(&self.sum(Some(b)), columns))
+            .collect()
     }
 }
 

@@ -37,13 +37,12 @@ const ANOTHER: f64 = 1.1;
 /// Complaints in place of one about the size of the torque: that one, one about the description, or both. Other
 /// complaints are returned unchanged.
 pub(super) fn weighed(
-    mut found: Complaint,
+    found: Complaint,
     patient: &Patient,
     prepared: &Prepared,
     channel: &ChannelEstimate,
 ) -> Vec<Complaint> {
-    use Ailment::{Current, Motor, PerMille, Percent, Scale};
-    if !matches!(found.ailment, Current | Motor | PerMille | Percent | Scale) {
+    if !is_of_size(found.ailment) {
         return vec![found];
     }
     if let Some(why) = placeholder(patient.robot) {
@@ -60,19 +59,54 @@ pub(super) fn weighed(
     if total < -DECIDES {
         return vec![description];
     }
-    found.drive = None;
-    found.means = format!(
-        "{}, or a description that is wrong: this recording does not tell which",
-        found.means
+    vec![undecided(found), description]
+}
+
+/// Adds a complaint about the description where that on the torque's size stands alone and the weight shows without the
+/// inertia. Two faults of the channel are no likelier than one description of another robot.
+pub(super) fn doubted(found: Vec<Complaint>, patient: &Patient) -> Vec<Complaint> {
+    let alone = !found.iter().any(|c| c.ailment == Ailment::Description);
+    let Some(at) = found.iter().position(|c| alone && is_of_size(c.ailment)) else {
+        return found;
+    };
+    let mut found = found;
+    let of_size = undecided(found.remove(at));
+    let description = complaint(
+        Ailment::Description,
+        Severity::Severe,
+        patient.all(),
+        [
+            "neither the size of the torque nor how its inertia goes with its weight is as described".to_owned(),
+            "a description of another robot, or a torque with two faults".to_owned(),
+            "check that description and recording are of one robot; keep the torque as it is until you know".to_owned(),
+        ],
     );
-    found.advice =
-        "look up what the column holds; weigh a link, or lift a known mass: a unit scales it, a description does not"
-            .to_owned();
-    vec![found, description]
+    found.extend([of_size, description]);
+    found
+}
+
+/// Whether a complaint is about the size of the torque.
+fn is_of_size(ailment: Ailment) -> bool {
+    use Ailment::{Current, Motor, PerMille, Percent, Scale};
+    matches!(ailment, Current | Motor | PerMille | Percent | Scale)
+}
+
+/// Complaint about the size of the torque beside one about the description: without lines for the drive file.
+fn undecided(found: Complaint) -> Complaint {
+    Complaint {
+        drive: None,
+        means: format!(
+            "{}, or a description that is wrong: this recording does not tell which",
+            found.means
+        ),
+        advice: "look up what the column holds; weigh a link, or lift a known mass: a unit scales it, a description does not"
+            .to_owned(),
+        ..found
+    }
 }
 
 /// Reason why the masses are placeholders that nobody measured; none where they are not.
-fn placeholder(robot: &Robot) -> Option<String> {
+pub(super) fn placeholder(robot: &Robot) -> Option<String> {
     let bodies: Vec<_> = robot.joints().iter().map(|j| &j.link.inertia).collect();
     let first = bodies.first()?;
     let alike = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());

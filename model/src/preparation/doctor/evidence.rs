@@ -302,10 +302,20 @@ fn limit(rows: &Rows, model: &[usize]) -> Limit {
     let blocks = Blocks::new(&values, &target, rows.width);
     let error = (blocks.left(model) / target.len().max(1) as f64).sqrt();
     let modelled = predicted(rows, model, &blocks.coefficients(model));
+    // Beyond the smaller torques the model extrapolates: there its coefficients' errors count as well.
+    let others: Vec<Vec<f64>> = blocks
+        .without(model)
+        .iter()
+        .map(|x| predicted(rows, model, x))
+        .collect();
+    let doubt = |k: usize| {
+        let without: Vec<f64> = others.iter().map(|o| o[k]).collect();
+        error.hypot(Estimate::of_jackknife(modelled[k], &without).std)
+    };
     let (mut beyond, mut visits, mut was) = (0, 0, false);
-    for (t, m) in rows.target.iter().zip(&modelled) {
+    for (k, (t, m)) in rows.target.iter().zip(&modelled).enumerate() {
         let keeps = (KEEPS[0] * level..KEEPS[1] * level).contains(&(t * m.signum()));
-        let is = keeps && m.abs() > OUTSIDE * level + 2.0 * error;
+        let is = keeps && m.abs() > OUTSIDE * level + 2.0 * doubt(k);
         beyond += usize::from(is);
         visits += usize::from(is && !was);
         was = is;

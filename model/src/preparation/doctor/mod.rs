@@ -83,7 +83,10 @@ pub fn examine(
     }
     let mut found = judged;
     match source::of_weight_alone(&patient) {
-        Some(held) => found.push(held),
+        Some(held) => {
+            found = description::doubted(found, &patient);
+            found.push(held);
+        }
         None => {
             found.extend(source::behind_the_gear(&patient));
             found.extend(noiseless);
