@@ -3,6 +3,7 @@
 
 What the package `gpu` brings may not be in the workspace's tree at all. Features are unified over the workspace, so another crate can turn them on from far away.
 The README's first command and the control loop's crate compile no more crates than they may, and neither burn nor boosted trees.
+Dependencies of tests alone turn on no feature of a crate that programs have: building and testing would compile it twice.
 Standard library only.
 
 usage: features.py      in the repository; exit 1 and one line per package that is refused
@@ -30,6 +31,13 @@ def compiled(selection):
     return {tuple(line.split()[:2]) for line in tree.splitlines()}
 
 
+def with_features(edges):
+    """Crates of the workspace's tree, each with its features."""
+    command = ["cargo", "tree", "--workspace", "--locked", "--edges", edges, "--prefix", "none", "--format", "{p} {f}"]
+    tree = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    return {line.removesuffix(" (*)").strip() for line in tree.splitlines()}
+
+
 def main():
     command = ["cargo", "tree", "--workspace", "--locked", "--prefix", "none", "--format", "{p}\t{f}"]
     tree = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
@@ -43,6 +51,9 @@ def main():
         for feature in sorted(REFUSED & set(features.split(","))):
             refused += 1
             print(f"{package}: feature `{feature}` is on")
+    for line in sorted(with_features("normal,build") - with_features("normal,build,dev")):
+        refused += 1
+        print(f"{line}: tests need it with other features; make what asks for them a dependency of `residyn-tests`")
     counted = []
     for what, selection, most in LIMITS:
         crates = compiled(selection)

@@ -55,18 +55,6 @@ pub enum DiagnoseError {
         /// Name of the recording that was filtered differently.
         other: String,
     },
-    /// Too little data for a fit.
-    #[error(
-        "{source_name}: {seconds:.1} s of motion are too little; record at least {needed:.0} s that move every joint"
-    )]
-    TooShort {
-        /// Name of the recording that is too short.
-        source_name: String,
-        /// Duration of motion that it holds, s.
-        seconds: f64,
-        /// Duration of motion that is needed, s.
-        needed: f64,
-    },
     /// Earlier recordings from which nothing can be identified.
     #[error(transparent)]
     Before(Box<FitError>),

@@ -14,7 +14,7 @@ const TO_ACCELERATION: f64 = 0.1;
 
 /// Limits of the joints, and their origin.
 pub struct Given {
-    /// Limits of the motion, one per joint.
+    /// Limits of position, velocity, acceleration and jerk, one entry per joint, before `--share` is applied.
     pub limits: Vec<MotionLimits>,
     /// Whether the limits of acceleration, and of jerk, are assumed values.
     pub assumed: [bool; 2],

@@ -7,7 +7,8 @@ use physics::effects::BankState;
 /// Longer, and joints may have been moved or brakes applied meanwhile.
 pub const LONGEST_PAUSE: f64 = 600.0;
 
-/// Memory at the end of one training trajectory, one state per joint.
+/// Memory of the friction terms at the end of one training trajectory, one state per joint. A later motion on the same
+/// session clock continues from it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Memory {
     /// Memory of the physical terms.

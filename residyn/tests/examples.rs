@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 #[test]
 fn examples_run() {
@@ -21,8 +22,8 @@ fn examples_run() {
     names.sort();
     assert_eq!(names.len(), 10, "{names:?}");
     let elsewhere = tempfile::tempdir().expect("a folder for temporary files");
-    for name in names {
-        let done = Command::new(built.join(&name))
+    let run = |name: &String| {
+        let done = Command::new(built.join(name))
             .current_dir(&elsewhere)
             .output()
             .unwrap_or_else(|e| {
@@ -35,7 +36,18 @@ fn examples_run() {
         println!("\n== {name}\n{out}");
         assert!(done.status.success(), "{name}: {out}\n{err}");
         assert!(!out.is_empty(), "{name} prints what it shows");
-    }
+    };
+    // Two at a time: most use one core.
+    let (next, names) = (AtomicUsize::new(0), &names);
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                while let Some(name) = names.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    run(name);
+                }
+            });
+        }
+    });
     let left = std::fs::read_dir(&elsewhere).expect("readable").count();
     assert_eq!(left, 0, "an example leaves nothing behind");
 }

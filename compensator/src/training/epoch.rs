@@ -16,7 +16,8 @@ pub(super) struct Position {
     pub(super) history: Vec<Epoch>,
     /// Index of the epoch with the smallest validation error, from 0.
     pub(super) best_epoch: usize,
-    /// Number of epochs since the best one.
+    /// Number of epochs since the one with the smallest validation error, 0 right after it. Training ends when it exceeds
+    /// the patience.
     pub(super) stale: usize,
     /// Whether the training has ended.
     pub(super) finished: bool,

@@ -37,7 +37,8 @@ const CROWDED: f64 = 4.0;
 const PLATEAU_SHARE: f64 = 0.002;
 /// Least number of separate stretches in which the torque reaches a plateau: one smooth peak is flat at its top, too.
 const PLATEAU_VISITS: usize = 3;
-/// Longest time for which a torque may keep one value while the joint moves, s.
+/// Longest time for which a torque may keep exactly one value while the joint moves (`MOVING`), s. Beyond it the check
+/// warns.
 const FROZEN_S: f64 = 0.5;
 
 /// One joint of a recording with its smooth motion.

@@ -53,7 +53,8 @@ const CANDIDATES: usize = 80;
 pub struct NoiseFloor {
     /// One-sided density of position noise in rad²/Hz (m²/Hz).
     pub position_density: f64,
-    /// One-sided density of recorded-velocity noise in (rad/s)²/Hz, where velocity was fused in.
+    /// One-sided density of the noise of this joint's recorded velocity, (rad/s)²/Hz ((m/s)²/Hz). None where that velocity
+    /// was not fused with the position; no cut-off depends on it.
     pub velocity_density: Option<f64>,
     /// Cut-off with the smallest expected error of acceleration in Hz; `None` when the joint
     /// shows no motion above its noise.

@@ -220,8 +220,8 @@ impl Bounds {
         self.fade
     }
 
-    /// Mahalanobis distance ‖L⁻¹(x − mean)‖ of a normalised sample by forward substitution; `scratch` has
-    /// one element per column.
+    /// Mahalanobis distance ‖L⁻¹(x − mean)‖ of a normalised sample from the training inputs, without unit. L is `factor`;
+    /// `scratch` has one element per input column.
     pub fn distance(&self, x: &[f32], scratch: &mut [f32]) -> f32 {
         let d = self.columns();
         let mut sum = 0.0;

@@ -9,7 +9,7 @@ use signal::cholesky;
 /// and a fit of k of the columns costs k³/3, which a forward selection over hundreds of candidates needs.
 #[derive(Debug, Clone)]
 pub struct Gram {
-    /// Matrix [[N, h], [hᵀ, Σb²]] of the sums, (p + 1) × (p + 1), symmetric.
+    /// Matrix [[AᵀA, Aᵀb], [bᵀA, bᵀb]] of the rows as weighted, (p + 1) × (p + 1), both triangles stored.
     products: Mat<f64>,
     rows: usize,
 }

@@ -10,7 +10,8 @@ pub const FILE: &str = "timing.json";
 /// Version of the file that this program writes and reads.
 const SCHEMA: &str = "timing/1";
 
-/// Contents of `timing.json`: wall time of the run that wrote the directory.
+/// Contents of `timing.json`: wall times of identification and of the compensator's training, s, with threads and
+/// resumption. Reading input and writing results do not count.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     schema: String,

@@ -52,7 +52,7 @@ pub struct Publication {
 pub struct Training {
     /// Wall time of the training, s.
     pub seconds: f64,
-    /// Number of threads of the training.
+    /// Number of CPU threads of the training's pool, from `timing.json`.
     pub threads: usize,
     /// Whether the time is complete: that of an interrupted and resumed run is not.
     pub whole: bool,

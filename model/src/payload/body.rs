@@ -51,7 +51,8 @@ const TOLD: f64 = 0.05;
 const TOLD_INERTIA: f64 = 0.1;
 /// Radius of gyration of a plausible body: as a part of the distance of its centre of mass, and at least so many m.
 const GYRATION: (f64, f64) = (0.5, 0.1);
-/// Number of passes that take the plausible inertia from the estimated centre of mass.
+/// Number of repeated estimates with a prior about a plausible body's inertia, renewed from the last mass and centre of
+/// mass. Only a body that the first, free estimate leaves undetermined needs them.
 const PLAUSIBLE: usize = 3;
 
 /// Parameters of the body. They are first estimated without constraint. Those that are not determined are then held

@@ -115,8 +115,8 @@ fn inertials_in_a_wrong_frame_are_links() {
     }
 }
 
-#[test]
-fn inertials_of_a_ur10_in_a_wrong_frame_are_links() {
+/// A UR10 whose second and third links' inertials are turned about an axis, diagnosed on its shared recordings.
+fn ur10_with_turned_inertials(axis: Vector3<f64>) {
     let Some(folder) = shared("data/ur10") else {
         return;
     };
@@ -124,8 +124,17 @@ fn inertials_of_a_ur10_in_a_wrong_frame_are_links() {
     let options = ReadOptions::for_robot(robot.dof());
     let data = read(&folder.join("train.csv"), &options).unwrap();
     let heldout = read(&folder.join("test.csv"), &options).unwrap();
-    for axis in [Vector3::y(), Vector3::x()] {
-        let wrong = turned(&robot, &[1, 2], axis);
-        links_are_named(&outcome(wrong, &data, &heldout), &[1, 2]);
-    }
+    let wrong = turned(&robot, &[1, 2], axis);
+    links_are_named(&outcome(wrong, &data, &heldout), &[1, 2]);
+}
+
+#[test]
+fn inertials_of_a_ur10_turned_about_y_are_links() {
+    ur10_with_turned_inertials(Vector3::y());
+}
+
+#[test]
+#[ignore = "long: .ci/release"]
+fn inertials_of_a_ur10_turned_about_x_are_links() {
+    ur10_with_turned_inertials(Vector3::x());
 }

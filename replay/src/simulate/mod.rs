@@ -59,7 +59,8 @@ pub enum Unstable {
         joint: usize,
         /// Proportional gain of its drive, N·m/rad.
         gain: f64,
-        /// Inertia that the joint moves while all others are free, kg·m².
+        /// Inertia of the refused joint at the track's first positions while all others are free, rotor included, kg·m²
+        /// (kg).
         inertia: f64,
     },
     /// Motion that leaves all bounds.
@@ -204,7 +205,8 @@ struct State<'a> {
     acceleration: Vec<f64>,
     /// Torques by gravity, Coriolis and centrifugal forces and passive springs in this step, N values.
     bias: Vec<f64>,
-    /// Gravity torque of the given description, of which the drives add a part, N values.
+    /// Gravity torque at this step's true positions by the given description, N values, N·m (N). Every drive adds
+    /// the same part of it, `arm.gravity_compensation`, from 0 to 1.
     held: Vec<f64>,
     /// Mass matrix without rotor inertias, N × N.
     mass: Vec<f64>,

@@ -48,7 +48,7 @@ impl Waterfall {
         self
     }
 
-    /// Draws the ladder as a figure.
+    /// Figure of the ladder as SVG: one bar for each step, with the error left and the part removed or added.
     pub fn draw(&self, caption: impl Into<String>) -> Figure {
         const WIDTH: f64 = 960.0;
         const ROW: f64 = 30.0;

@@ -132,13 +132,13 @@ fn memory_is_carried() {
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: .ci/release"]
 fn drift_is_carried() {
     round_trip("friction_drift", 2);
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: .ci/release"]
 fn position_and_load_are_carried() {
     round_trip("position_dependent_friction", 3);
     round_trip("load_dependent_friction", 4);

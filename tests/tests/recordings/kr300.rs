@@ -25,7 +25,7 @@ fn at_most(metrics: &Value, name: &str, scope: &str, target: f64) {
 }
 
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: .ci/release"]
 fn reaches_the_targets() {
     let Some(data) = shared("data/kr300") else {
         return;

@@ -37,7 +37,7 @@ fn absent(causes: &[(&str, Vec<&str>)], effects: &[&str]) {
 
 /// A KR300 against a URDF without counterbalance, rotor inertia or friction, and with a guessed payload.
 #[test]
-#[ignore = "long: with --ignored, as CI does"]
+#[ignore = "long: .ci/release"]
 fn counterbalance_memory_and_warm_up_of_a_kr300() {
     let Some(data) = shared("data/kr300") else {
         return;

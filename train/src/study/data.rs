@@ -83,7 +83,8 @@ impl Run {
 pub struct Data {
     /// Names of the joints, base first.
     pub joints: Vec<String>,
-    /// A thousand point-to-point moves: trained and tested on by whole trajectories.
+    /// Simulated recording of a thousand point-to-point moves in 20 trajectories, on which networks are trained and tested.
+    /// Folds hold whole trajectories; only the paper's own way deals single samples.
     pub moves: Run,
     pub verification: Run,
     pub relative_error_identification: f64,

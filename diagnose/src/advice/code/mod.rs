@@ -28,7 +28,8 @@ pub struct Code {
     level: Vec<bool>,
     /// Causes that the code holds, as text.
     held: Vec<String>,
-    /// Causes that neither code nor description holds, as text.
+    /// Causes that neither this generated code nor the corrected description holds, one text each with sizes and reason.
+    /// Generated files list them.
     beyond: Vec<String>,
 }
 

@@ -14,6 +14,7 @@ use crate::search::tables::Tables;
 use crate::simulator::NominalModel;
 use ndarray::Array1;
 use physics::robot::Robot;
+use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 use trials::cases::{draw, generate};
@@ -64,8 +65,8 @@ fn decoy(candidate: &Candidate, trajectories: usize) -> Option<Candidate> {
 #[test]
 fn what_another_trajectory_moved_explains_nothing() {
     const SEED: u64 = 40_962;
-    let mut named = 0;
-    for index in 0..2 {
+    let one = |index: u64| {
+        let mut named = 0;
         let case = generate(&draw(index, SEED), SEED).unwrap();
         let model = NominalModel::new(Robot::from_urdf_str(&case.urdf).unwrap());
         let recordings = [&case.train, &case.test];
@@ -115,6 +116,8 @@ fn what_another_trajectory_moved_explains_nothing() {
             assert!(decoy < own, "case {index}, {effect:?}: {decoy} of {own}");
             named += 1;
         }
-    }
+        named
+    };
+    let named: usize = (0..2u64).into_par_iter().map(one).sum();
     assert!(named > 0);
 }

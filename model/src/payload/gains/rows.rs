@@ -31,7 +31,8 @@ pub(super) struct Rows {
     known: Array2<f64>,
     /// Recorded torque, shape (samples, joints).
     recorded: Array2<f64>,
-    /// Velocity, shape (samples, joints).
+    /// Prepared velocity, rad/s (m/s), shape (samples, joints), the loaded recording last. It tells rows in motion from
+    /// rows at rest.
     pub(super) qd: Array2<f64>,
     /// Number of exact columns of all joints.
     pub(super) width: usize,

@@ -11,7 +11,7 @@ pub fn render(c: &Comparison) -> String {
     let kind = c.runs[0].kind;
     let [a, b] = [0, 1].map(|run: usize| c.runs[run].path.display().to_string());
     let mut page = Page::new("Two runs side by side").subtitle(format!(
-        "Reports of {}. A is {a}, B is {b}. Every figure is of the run's own held-out recording.",
+        "Reports of {}. A is {a}, B is {b}. Every figure is of the recording that the run was scored on.",
         kind.program()
     ));
     for (name, run) in NAMES.iter().zip(&c.runs) {

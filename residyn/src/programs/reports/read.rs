@@ -60,7 +60,9 @@ pub struct Run {
     pub causes: Vec<Cause>,
 }
 
-/// Held-out error of one model.
+/// Gap of one model, as two reports are compared: its name, and its relative error by joint and on average. Reports of
+/// `diagnose` and `replay` measure it on the held-out recording, those of `eval` on the recording scored.
+/// `Kind::measure` names the error: NRMSE, or the unexplained part of motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
     /// Name of the model.

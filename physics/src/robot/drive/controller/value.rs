@@ -81,7 +81,8 @@ pub enum Interpolation {
 pub enum GravityCompensation {
     /// Known state: on or off.
     Known(bool),
-    /// Unknown state, to be found from a recording.
+    /// Gravity compensation of which nobody knows whether it is on or off: `"unknown"` in the drive file. `replay` fits the
+    /// compensated part.
     Unknown(Unknown),
 }
 

@@ -17,7 +17,7 @@ pub(super) struct File {
     pub path: PathBuf,
     /// Index of the file that includes the file; none for the main one.
     pub parent: Option<usize>,
-    /// Text of the file as it is on disk.
+    /// Text of this file alone, every byte as given: edits are made in it. Included files have their own.
     pub text: String,
     /// The text as a parser of XML accepts it, every byte in its place.
     readable: String,
