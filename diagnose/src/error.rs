@@ -126,7 +126,10 @@ impl DiagnoseError {
         match self {
             DiagnoseError::Learn(ResidualError::Compensator(compensator::Error::Networks)) => true,
             DiagnoseError::Write(_) | DiagnoseError::Learn(_) | DiagnoseError::Patch(_) => false,
-            DiagnoseError::Motion(e) => matches!(e.problem, WriteProblem::UnknownFormat(_)),
+            DiagnoseError::Motion(e) => matches!(
+                e.problem,
+                WriteProblem::UnknownFormat(_) | WriteProblem::NoCurves(_)
+            ),
             DiagnoseError::Directory(e) => !matches!(
                 **e,
                 DirectoryError::Write(_) | DirectoryError::Folder { .. }

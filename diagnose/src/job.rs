@@ -8,9 +8,10 @@ use crate::error::DiagnoseError;
 use crate::input::given::Given;
 use crate::input::{before, budget};
 use crate::outcome::Outcome;
-use crate::report::page;
+use crate::report::{page, trace};
 use crate::schema::Compared;
 use datasets::Recording;
+use datasets::write::Curves;
 use model::preparation::setup::refuse_overlap;
 use model::residual::ResidualError;
 use std::path::PathBuf;
@@ -262,6 +263,11 @@ impl Done {
     /// The fitted parameters make no robot.
     pub fn patch(&self) -> Result<Patch, DiagnoseError> {
         patch::patch(&self.given.model, &self.outcome, &self.given.description)
+    }
+
+    /// Torque over time of the held-out recording: measured, as given, corrected and what is left, joint by joint.
+    pub fn trace(&self) -> Curves<'_> {
+        trace::curves(&self.outcome)
     }
 
     /// The report as a self-contained page.

@@ -1,12 +1,15 @@
-//! Writers of CSV and Parquet. A file is written under a temporary name beside its place and then renamed, so
+//! Writers of CSV, Parquet and MCAP. A file is written under a temporary name beside its place and then renamed, so
 //! that no incomplete file stays.
 
 mod columns;
 mod csv;
+mod curves;
+mod mcap;
 mod parquet;
 mod problem;
 mod trajectory;
 
+pub use curves::{Curves, Group, curves_ending, write_curves};
 pub use problem::WriteProblem;
 pub use trajectory::write_trajectories;
 

@@ -24,36 +24,12 @@ pub(super) fn encode(table: &Table, out: impl Write + Send) -> Result<(), WriteP
         None => "none".to_owned(),
         Some(f) => format!("{},{},{}", f.order, f.cutoff_hz, f.ripple_db),
     };
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::ZSTD(ZstdLevel::default()))
-        .set_key_value_metadata(Some(vec![KeyValue::new(
-            TORQUE_FILTER_KEY.to_owned(),
-            filter,
-        )]))
-        .build();
-    let fields = table
-        .header()
-        .iter()
-        .map(|name| {
-            let kind = match name.as_str() {
-                "trajectory" => PhysicalType::BYTE_ARRAY,
-                _ => PhysicalType::DOUBLE,
-            };
-            let field =
-                Type::primitive_type_builder(name, kind).with_repetition(Repetition::REQUIRED);
-            let field = match kind {
-                PhysicalType::BYTE_ARRAY => field.with_converted_type(ConvertedType::UTF8),
-                _ => field,
-            };
-            Ok(Arc::new(field.build()?))
-        })
-        .collect::<Result<Vec<_>, ParquetError>>()?;
-    let schema = Arc::new(
-        Type::group_type_builder("schema")
-            .with_fields(fields)
-            .build()?,
-    );
-    let mut writer = SerializedFileWriter::new(out, schema, Arc::new(properties))?;
+    let fields = table.header().into_iter().map(|name| match name.as_str() {
+        "trajectory" => (name, PhysicalType::BYTE_ARRAY),
+        _ => (name, PhysicalType::DOUBLE),
+    });
+    let filter = KeyValue::new(TORQUE_FILTER_KEY.to_owned(), filter);
+    let mut writer = writer(fields, Some(vec![filter]), out)?;
     let mut group = writer.next_row_group()?;
     let labels: Vec<ByteArray> = table
         .trajectories
@@ -75,6 +51,50 @@ pub(super) fn encode(table: &Table, out: impl Write + Send) -> Result<(), WriteP
     group.close()?;
     writer.close()?;
     Ok(())
+}
+
+/// Encodes named columns of numbers, all of one length.
+pub(super) fn numbered(
+    columns: &[(String, Vec<f64>)],
+    out: impl Write + Send,
+) -> Result<(), WriteProblem> {
+    let fields = columns.iter();
+    let fields = fields.map(|(name, _)| (name.clone(), PhysicalType::DOUBLE));
+    let mut writer = writer(fields, None, out)?;
+    let mut group = writer.next_row_group()?;
+    for (_, values) in columns {
+        numbers(&mut group, values)?;
+    }
+    group.close()?;
+    writer.close()?;
+    Ok(())
+}
+
+/// Writer of a file with these columns, all of them without nulls.
+fn writer<W: Write + Send>(
+    fields: impl Iterator<Item = (String, PhysicalType)>,
+    metadata: Option<Vec<KeyValue>>,
+    out: W,
+) -> Result<SerializedFileWriter<W>, ParquetError> {
+    let field = |(name, kind): (String, PhysicalType)| {
+        let field = Type::primitive_type_builder(&name, kind).with_repetition(Repetition::REQUIRED);
+        let field = match kind {
+            PhysicalType::BYTE_ARRAY => field.with_converted_type(ConvertedType::UTF8),
+            _ => field,
+        };
+        Ok(Arc::new(field.build()?))
+    };
+    let fields = fields
+        .map(field)
+        .collect::<Result<Vec<_>, ParquetError>>()?;
+    let schema = Type::group_type_builder("schema")
+        .with_fields(fields)
+        .build()?;
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_key_value_metadata(metadata)
+        .build();
+    SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))
 }
 
 fn numbers<W: Write + Send>(

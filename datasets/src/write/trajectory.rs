@@ -1,6 +1,7 @@
 //! Planned motions with their effort, as messages of the type trajectory_msgs/JointTrajectory: in an MCAP file, or
 //! as the YAML text that `ros2 topic pub` and `ros2 topic echo` share.
 
+use super::mcap::{Channel, Mcap};
 use super::{WriteError, WriteProblem, atomically};
 use crate::Recording;
 use ndarray::Array2;
@@ -8,7 +9,6 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
 
-const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const KIND: &str = "trajectory_msgs/msg/JointTrajectory";
 const TOPIC: &str = "/joint_trajectory";
 /// Definition of the type with the types that it contains, as ROS 2 writes it into bags.
@@ -65,48 +65,21 @@ fn from_start(recording: &Recording, row: usize) -> (i64, i64) {
 }
 
 fn mcap(recording: &Recording, joints: &[String]) -> Vec<u8> {
-    let mut file = MAGIC.to_vec();
-    record(&mut file, 0x01, &[text("ros2"), text("residyn")]);
-    let one = 1_u16.to_le_bytes().to_vec();
-    record(
-        &mut file,
-        0x03,
-        &[one.clone(), text(KIND), text("ros2msg"), text(DEFINITION)],
-    );
-    let no_metadata = 0_u32.to_le_bytes().to_vec();
-    record(
-        &mut file,
-        0x04,
-        &[
-            one.clone(),
-            one.clone(),
-            text(TOPIC),
-            text("cdr"),
-            no_metadata,
-        ],
-    );
+    let mut file = Mcap::new(&Channel {
+        profile: "ros2",
+        kind: KIND,
+        language: "ros2msg",
+        definition: DEFINITION,
+        topic: TOPIC,
+        encoding: "cdr",
+    });
     for (k, trajectory) in recording.trajectories.iter().enumerate() {
-        let times = [(k as u64).to_le_bytes(); 2].concat();
-        let sequence = (k as u32).to_le_bytes().to_vec();
-        let message = message(recording, joints, trajectory.range.clone());
-        record(&mut file, 0x05, &[one.clone(), sequence, times, message]);
+        file.message(
+            k as u64,
+            &message(recording, joints, trajectory.range.clone()),
+        );
     }
-    // End of the data and footer, without checksums and summary.
-    record(&mut file, 0x0f, &[vec![0; 4]]);
-    record(&mut file, 0x02, &[vec![0; 20]]);
-    file.extend(MAGIC);
-    file
-}
-
-fn record(file: &mut Vec<u8>, opcode: u8, parts: &[Vec<u8>]) {
-    let body = parts.concat();
-    file.push(opcode);
-    file.extend((body.len() as u64).to_le_bytes());
-    file.extend(body);
-}
-
-fn text(text: &str) -> Vec<u8> {
-    [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat()
+    file.finish()
 }
 
 /// One message in little-endian CDR behind its encapsulation.

@@ -1,4 +1,5 @@
 //! The report as text and as a page.
 
 pub mod page;
+pub(crate) mod trace;
 pub mod words;

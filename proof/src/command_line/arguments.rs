@@ -184,6 +184,10 @@ pub struct Arguments {
     /// Write the report as a self-contained page.
     #[arg(long)]
     pub html: Option<PathBuf>,
+    /// Write torque over time of the held-out recording for PlotJuggler or Foxglove (.mcap, .parquet): measured, as given, corrected and
+    /// what is left, joint by joint.
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
     /// Write the model with the accepted causes. Of an MJCF: the whole model, ready for MuJoCo; else a URDF, and beside it a
     /// snippet for MuJoCo and, for rotor inertias, a drive file. With both a table of values.
     #[arg(long)]

@@ -8,6 +8,7 @@ use crate::prove;
 use crate::prove::thresholds::Trial;
 use arguments::{Arguments, Command, Proof, Sealed};
 use clap::{CommandFactory, Parser};
+use datasets::write::{curves_ending, write_curves};
 use diagnose::directory::Directory;
 use diagnose::settings::Rule;
 use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, patch, words};
@@ -58,8 +59,12 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         &arguments.html,
         &arguments.patch,
         &arguments.next,
+        &arguments.trace,
     ];
     report::write::prepare(outputs.into_iter().flatten())?;
+    if let Some(path) = &arguments.trace {
+        curves_ending(path)?;
+    }
     let begun = Instant::now();
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
@@ -94,6 +99,9 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
     for (path, text) in &files {
         report::write_atomic(path, text)?;
     }
+    if let Some(path) = &arguments.trace {
+        write_curves(&done.trace(), path)?;
+    }
     if let (Some(path), Some(directory)) = (&arguments.out, &directory) {
         let weights = directory.compensator.as_deref();
         let (file, metrics) = (&directory.file, &directory.metrics);
@@ -119,7 +127,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
             report::say!("  left out: {line}");
         }
     }
-    for (path, _) in &files {
+    for path in files.iter().map(|(path, _)| path).chain(&arguments.trace) {
         report::say!("Written: {}", path.display());
     }
     Ok(())
