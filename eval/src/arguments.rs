@@ -12,7 +12,7 @@ pub const WIDTH: usize = 100;
 
 /// Scores a model directory on a recording and predicts its torque.
 #[derive(Debug, Parser)]
-#[command(name = "eval", version = version::TEXT)]
+#[command(name = "eval", version = program::VERSION)]
 #[command(group(ArgGroup::new("scored").args(["data", "closed_loop"]).multiple(true)))]
 pub struct Arguments {
     /// Print which systems of the source documents work here, and published figures beside ours (Markdown). With

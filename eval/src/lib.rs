@@ -12,7 +12,7 @@ mod leaderboard;
 mod sources;
 
 use arguments::{Arguments, WIDTH};
-use clap::{CommandFactory, Parser};
+use clap::CommandFactory;
 use datasets::{Part, read};
 use leaderboard::Printed;
 use model::baseline::published::{self, Published, beside};
@@ -29,13 +29,13 @@ use std::process::ExitCode;
 
 /// The command line, as clap takes it.
 pub fn command() -> clap::Command {
-    Arguments::command()
+    program::with_config(Arguments::command())
 }
 
 /// Runs the program `eval` with these arguments, of which the first is its name; returns the exit status.
 /// `--help` and wrong usage end the process here, as clap does.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments = Arguments::parse_from(arguments);
+    let arguments: Arguments = program::parse(arguments);
     match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Designs motions within a robot's limits from which its parameters can be identified, and says what a motion would
 /// show.
 #[derive(Debug, Parser)]
-#[command(name = "excite", version = version::TEXT)]
+#[command(name = "excite", version = program::VERSION)]
 pub struct Arguments {
     /// The robot: a URDF, or the name of a built-in one.
     #[arg(long, default_value = "ur5")]

@@ -21,7 +21,7 @@ const PAGES: &str = "share/man/man1";
 
 /// Writes the manual pages of `residyn` and of each of its commands, and completions for bash, zsh and fish
 #[derive(Parser)]
-#[command(name = "manual", version = version::TEXT)]
+#[command(name = "manual", version = program::VERSION)]
 struct Arguments {
     /// Folder below which `share/man` and the shells' folders lie.
     #[arg(long, value_name = "DIR")]

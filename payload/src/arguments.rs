@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Estimates mass, centre of mass and inertia of a body on the last link, from a recording with the body and a model
 /// without it. With --known and --without: estimates the gains of the drives from a known body.
 #[derive(Debug, Parser)]
-#[command(name = "payload", version = version::TEXT)]
+#[command(name = "payload", version = program::VERSION)]
 pub struct Arguments {
     /// Model directory of the robot without the body.
     #[arg(long, value_name = "DIR")]

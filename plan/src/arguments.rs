@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Adds the torque to a planned motion, for a controller that feeds it forward. A plan that breaks a limit of the robot
 /// is refused; the message says at which speed it would hold.
 #[derive(Debug, Parser)]
-#[command(name = "feedforward", version = version::TEXT)]
+#[command(name = "feedforward", version = program::VERSION)]
 pub struct Arguments {
     /// Model directory of the robot.
     #[arg(long, value_name = "DIR")]

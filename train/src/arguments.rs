@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Identifies a robot's physics from recordings, trains the compensator on what is left, and writes a
 /// model directory. Without arguments: the simulated UR5, end to end.
 #[derive(Debug, Parser)]
-#[command(name = "train", version = version::TEXT, args_conflicts_with_subcommands = true)]
+#[command(name = "train", version = program::VERSION, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
     /// Another job than training.
     #[command(subcommand)]

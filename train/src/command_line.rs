@@ -3,13 +3,13 @@
 use crate::arguments::{Arguments, Command};
 use crate::run::{Gpu, no_gpu, run_with};
 use crate::{doctor, forward, oracle, runtime, study};
-use clap::{CommandFactory, Parser};
+use clap::CommandFactory;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// The command line, as clap takes it.
 pub fn command() -> clap::Command {
-    Arguments::command()
+    program::with_config(Arguments::command())
 }
 
 /// Runs the program `train` and returns its exit status. The first of the arguments is the name by which it was called.
@@ -20,7 +20,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 /// Runs the program as [`command_line`] does, with a GPU for `--gpu`.
 pub fn command_line_with(arguments: impl IntoIterator<Item = OsString>, gpu: Gpu) -> ExitCode {
-    let arguments = Arguments::parse_from(arguments);
+    let arguments: Arguments = program::parse(arguments);
     let result = runtime::interruptible().and_then(|cancel| match &arguments.command {
         None => run_with(&arguments, &cancel, None, gpu),
         Some(Command::Study(study)) => study::run(study, &cancel),

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 /// Recordings of simulated robots, with effects that a rigid-body model lacks.
 #[derive(Parser)]
-#[command(name = "simulate", version = version::TEXT)]
+#[command(name = "simulate", version = program::VERSION)]
 struct Arguments {
     #[command(subcommand)]
     what: What,

@@ -9,7 +9,7 @@ use trials::cases::{EFFECTS, GENERATOR};
 /// Diagnoses the gap between a simulator's torque and a real robot's: where it lies, which unmodelled
 /// effect causes it, and how far it shrinks on held-out data.
 #[derive(Parser)]
-#[command(name = "diagnose", version = version::TEXT, args_conflicts_with_subcommands = true)]
+#[command(name = "diagnose", version = program::VERSION, args_conflicts_with_subcommands = true)]
 pub struct Command {
     /// Another job than a diagnosis.
     #[command(subcommand)]

@@ -7,7 +7,7 @@ mod arguments;
 use crate::prove;
 use crate::prove::thresholds::Trial;
 use arguments::{Arguments, Command, Proof, Sealed};
-use clap::{CommandFactory, Parser};
+use clap::CommandFactory;
 use datasets::write::{curves_ending, write_curves};
 use diagnose::directory::Directory;
 use diagnose::settings::Rule;
@@ -21,13 +21,13 @@ use std::time::{Duration, Instant};
 
 /// The command line, as clap takes it.
 pub fn command() -> clap::Command {
-    Command::command()
+    program::with_config(Command::command())
 }
 
 /// Runs the program `diagnose` and returns its exit status. The first of the arguments is the name by which it was
 /// called. `--help` and wrong usage end the process here, as clap does it.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let command = Command::parse_from(arguments);
+    let command: Command = program::parse(arguments);
     match (command.proof, command.arguments) {
         (Some(proof), _) => match run_proof(proof) {
             Ok(()) => ExitCode::SUCCESS,

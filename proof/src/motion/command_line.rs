@@ -11,7 +11,7 @@ use std::process::ExitCode;
 /// Replays recorded commands on a robot's simulator: where its motion departs from the recorded one, which effect causes
 /// it, and how far it shrinks once that effect is added. No torque is needed.
 #[derive(Parser)]
-#[command(name = "replay", version = version::TEXT, args_conflicts_with_subcommands = true)]
+#[command(name = "replay", version = program::VERSION, args_conflicts_with_subcommands = true)]
 struct Command {
     /// Another job than a diagnosis.
     #[command(subcommand)]
@@ -49,13 +49,13 @@ enum Proof {
 
 /// The command line, as clap takes it.
 pub fn command() -> clap::Command {
-    Command::command()
+    program::with_config(Command::command())
 }
 
 /// Runs the program `replay` and returns its exit status. The first of the arguments is the name by which it was
 /// called. `--help` and wrong usage end the process here, as clap does it.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let command = Command::parse_from(arguments);
+    let command: Command = program::parse(arguments);
     match (command.proof, command.arguments) {
         (Some(proof), _) => match run(proof) {
             Ok(()) => ExitCode::SUCCESS,

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 /// Identification of single joints in closed loop: projection, instruments, likelihood; gravity and friction runs.
 #[derive(Debug, Parser)]
-#[command(name = "decoupled", version = version::TEXT)]
+#[command(name = "decoupled", version = program::VERSION)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 
 /// Torque models of machines as a motion controller knows them: axes, SCARA, Delta, PUMA.
 #[derive(Debug, Parser)]
-#[command(name = "machine", version = version::TEXT)]
+#[command(name = "machine", version = program::VERSION)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -12,7 +12,7 @@ const SEED: u64 = 1;
 
 /// A first look, in under a minute: simulates a UR5 that carries 1.2 kg and rubs more than its URDF says, and finds both
 #[derive(Parser)]
-#[command(name = "demo", version = version::TEXT)]
+#[command(name = "demo", version = program::VERSION)]
 struct Arguments {
     /// Folder for recordings, report and corrected model.
     #[arg(long, default_value = "residyn-demo")]

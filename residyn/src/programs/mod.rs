@@ -138,7 +138,7 @@ pub fn command() -> Command {
 /// `residyn` without its programs.
 fn alone() -> Command {
     Command::new("residyn")
-        .version(version::TEXT)
+        .version(program::VERSION)
         .about("Torque models of robot arms, and what a simulator gets wrong")
         .after_help("Each has its own: residyn diagnose --help")
         .subcommand_required(true)

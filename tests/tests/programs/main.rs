@@ -1,6 +1,7 @@
 //! The programs at work: what they print, write and refuse.
 
 mod bags;
+mod config;
 mod doctor;
 mod first_diagnosis;
 mod first_screen;

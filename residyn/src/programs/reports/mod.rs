@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 /// Reports that `--json` of `diagnose`, `replay` and `eval` has written
 #[derive(Parser)]
-#[command(name = "report", version = version::TEXT)]
+#[command(name = "report", version = program::VERSION)]
 struct Arguments {
     #[command(subcommand)]
     what: What,

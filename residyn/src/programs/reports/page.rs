@@ -28,7 +28,7 @@ pub fn render(c: &Comparison) -> String {
     page.section(Section::new("What changed").list(words::lines(c)))
         .section(errors(c))
         .section(causes(c))
-        .footer(format!("Made by residyn {}.", version::TEXT))
+        .footer(format!("Made by residyn {}.", program::VERSION))
         .render()
 }
 
