@@ -73,13 +73,8 @@ pub fn write_all(
 
 /// Writes a text under a temporary name first.
 pub(crate) fn write_whole(path: &Path, text: &str) -> Result<(), SimulateError> {
-    let fail = |source| SimulateError::Write {
-        path: path.to_owned(),
-        source,
-    };
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let temporary = tempfile::NamedTempFile::new_in(folder).map_err(fail)?;
-    fs::write(temporary.path(), text).map_err(fail)?;
-    temporary.persist(path).map_err(|e| fail(e.error))?;
-    Ok(())
+    report::write_atomic(path, text).map_err(|error| SimulateError::Write {
+        path: error.path,
+        source: error.source,
+    })
 }
