@@ -8,6 +8,17 @@ from pathlib import Path
 import pytest
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "xdist_group(name): tests that one process runs, where there are several")
+
+
+def pytest_collection_modifyitems(items):
+    """A file is run by one process, and so are all that look at the same diagnosed cases."""
+    for item in items:
+        shared = "diagnosed" in item.fixturenames
+        item.add_marker(pytest.mark.xdist_group("diagnosed" if shared else item.module.__name__))
+
+
 @pytest.fixture(autouse=True)
 def interruptible():
     """Ctrl-C is heard, even where the tests were started with it ignored, as in the background of a shell."""
