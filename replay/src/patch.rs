@@ -1,6 +1,7 @@
 //! Corrected simulator as files: the model with its drives, and the values for other simulators.
 
 use crate::arm::Arm;
+use crate::command::Interpolation;
 use crate::given::Given;
 use model::preparation::setup::Setup;
 use physics::robot::{Changed, Description, DriveEdit, Robot, RobotError};
@@ -38,10 +39,15 @@ pub fn patch(setup: &Setup, given: &Given, arm: &Arm, out: &Path) -> Result<Patc
             left_out.extend(edited.left_out().iter().cloned());
             edited.files(out)?
         }
-        Description::Urdf(urdf) => vec![(out.to_owned(), urdf.with(&Changed::of(&robot))?)],
+        Description::Urdf(urdf) => {
+            left_out.extend(outside_urdf(arm));
+            vec![(out.to_owned(), urdf.with(&Changed::of(&robot))?)]
+        }
     };
+    // A URDF has no place for them; an MJCF holds them as `armature`.
+    let rotors = matches!(setup.description, Description::Urdf(_));
     let beside = |ending: &str| out.with_extension(ending);
-    files.push((beside("drive.toml"), drive_file(given, arm)));
+    files.push((beside("drive.toml"), drive_file(given, arm, rotors)));
     files.push((beside("isaaclab.py"), isaac_lab(arm)));
     files.push((beside("newton.json"), newton(arm)));
     Ok(Patch { files, left_out })
@@ -116,16 +122,45 @@ fn outside(given: &Given, arm: &Arm) -> Vec<String> {
     out
 }
 
+/// Corrections in words that a URDF cannot hold: encoder offsets and a tilted base.
+fn outside_urdf(arm: &Arm) -> Vec<String> {
+    let number = crate::words::number;
+    let mut out = Vec::new();
+    for (name, zero) in arm.robot.joint_names().iter().zip(&arm.zero) {
+        if *zero != 0.0 {
+            out.push(format!(
+                "{name}: zero of the encoder {} rad (add it to the recorded positions)",
+                number(*zero)
+            ));
+        }
+    }
+    if arm.tilt != [0.0; 2] {
+        let [x, y, z] = arm.robot.gravity().into();
+        out.push(format!(
+            "tilt of the base: gravity {}, {}, {} m/s² in the base frame (set it in the simulator)",
+            number(x),
+            number(y),
+            number(z)
+        ));
+    }
+    out
+}
+
 /// Numbers as a TOML list.
 fn list(values: impl Iterator<Item = f64>) -> String {
     let words: Vec<String> = values.map(|v| format!("{v:.6}")).collect();
     format!("[{}]", words.join(", "))
 }
 
-/// Drive file with the block `[controller]` and the arm's drives as its values.
-fn drive_file(given: &Given, arm: &Arm) -> String {
+/// Drive file with the block `[controller]` and the arm's drives as its values; with `rotors` the rotor inertias as well.
+fn drive_file(given: &Given, arm: &Arm, rotors: bool) -> String {
     let s = &arm.servos;
-    let mut text = String::from("[controller]\n");
+    let mut text = String::new();
+    if rotors && arm.joints.iter().any(|j| j.armature > 0.0) {
+        let inertias = list(arm.joints.iter().map(|j| j.armature));
+        let _ = writeln!(text, "rotor_inertia = {inertias}\n");
+    }
+    text.push_str("[controller]\n");
     let mut line = |key: &str, value: String| {
         let _ = writeln!(text, "{key} = {value}");
     };
@@ -154,6 +189,9 @@ fn drive_file(given: &Given, arm: &Arm) -> String {
                 line("ki", list(s.iter().map(|s| s.ki)));
             }
         }
+    }
+    if given.interpolation == Interpolation::Linear {
+        line("interpolation", "\"linear\"".to_owned());
     }
     if s.iter().all(|s| s.limit.is_finite()) {
         line("limit", list(s.iter().map(|s| s.limit)));
