@@ -36,7 +36,9 @@ fn of_actuators(joints: &[String], parameters: &[Parameter]) -> Option<String> {
         [joint] => format!("actuator of {joint}"),
         _ => "every actuator".to_owned(),
     };
-    Some(format!("{whose}: delay=\"{delay}\""))
+    Some(format!(
+        "{whose}: delay=\"{delay}\" and nsample, at least delay / timestep (MuJoCo 4)"
+    ))
 }
 
 /// Delays of all joints that are tried, in sampling intervals; the coefficient interpolates between them.
