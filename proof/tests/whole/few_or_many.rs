@@ -129,6 +129,7 @@ fn ur10_with_turned_inertials(axis: Vector3<f64>) {
 }
 
 #[test]
+#[ignore = "long: .ci/release"]
 fn inertials_of_a_ur10_turned_about_y_are_links() {
     ur10_with_turned_inertials(Vector3::y());
 }

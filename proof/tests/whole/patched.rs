@@ -67,24 +67,25 @@ fn round_trip(effect: &str, index: u64) {
 }
 
 #[test]
+#[ignore = "long: .ci/release"]
 fn a_payload() {
     round_trip("payload", 0);
 }
 
 #[test]
-#[ignore = "long: by hand, with --ignored"]
+#[ignore = "long: .ci/release"]
 fn friction() {
     round_trip("friction_parameters", 1);
 }
 
 #[test]
-#[ignore = "long: by hand, with --ignored"]
+#[ignore = "long: .ci/release"]
 fn a_tilted_base() {
     round_trip("base_tilt", 2);
 }
 
 #[test]
-#[ignore = "long: by hand, with --ignored"]
+#[ignore = "long: .ci/release"]
 fn rotor_inertia() {
     round_trip("rotor_inertia", 4);
 }
