@@ -90,7 +90,7 @@ pub struct Arm {
     pub payload: [f64; 5],
     /// Factors on the links' inertial parameters.
     pub link_scale: Vec<f64>,
-    /// Rotation of gravity about the base's x and y axes, rad.
+    /// Rotation of the base about its own x and y axes, rad, as `diagnose` states it: gravity turns the other way.
     pub tilt: [f64; 2],
     /// Encoder offset of each joint, rad: recorded position plus offset is the true position.
     pub zero: Vec<f64>,
@@ -239,7 +239,7 @@ impl Arm {
         }
         let gravity = self.given.gravity();
         let [x, y] = self.tilt;
-        let turn = nalgebra::Rotation3::new(nalgebra::Vector3::new(x, y, 0.0));
+        let turn = nalgebra::Rotation3::new(nalgebra::Vector3::new(-x, -y, 0.0));
         self.robot = self
             .given
             .with_parameters(&parameters)?

@@ -210,7 +210,7 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
         mujoco.mju_axisAngle2Quat(quat, turn / size, size)
         mujoco.mju_quat2Mat(matrix, quat)
         r.model.opt.gravity[:] = matrix.reshape(3, 3) @ r.model.opt.gravity
-        return {"tilt_x": turn[0], "tilt_y": turn[1]}
+        return {"tilt_x": -turn[0], "tilt_y": -turn[1]}
 
     def link(r, s):
         factor = np.exp(side * 0.35 * usual * s)

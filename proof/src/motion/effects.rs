@@ -238,8 +238,7 @@ pub fn draw(name: &'static str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<S
             whole(Box::new(move |r, s| {
                 let tilt = Vector3::new(angle.cos(), angle.sin(), 0.0) * (0.06 * usual * s);
                 r.arm.tilt(tilt);
-                // Turning the arm turns gravity the other way in its base.
-                Ok(vec![("tilt_x", -tilt.x), ("tilt_y", -tilt.y)])
+                Ok(vec![("tilt_x", tilt.x), ("tilt_y", tilt.y)])
             }))
         }
         "link_parameters" => on(Box::new(move |r, s| {

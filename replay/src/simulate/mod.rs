@@ -285,7 +285,7 @@ impl<'a> State<'a> {
                 .any(|p| p.kind == Kind::GravityCompensation);
         let tilt = parameters.iter().any(|p| matches!(p.kind, Kind::Tilt(_)));
         let about = |axis: Vector3<f64>| {
-            let gravity = axis.cross(&arm.robot.gravity());
+            let gravity = arm.robot.gravity().cross(&axis);
             arm.robot.clone().with_gravity(gravity)
         };
         let tilted = if tilt {
