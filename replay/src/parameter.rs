@@ -42,7 +42,7 @@ pub enum Kind {
     Payload(usize),
     /// Factor on all inertial parameters (mass, first moment, inertia) of the joint's link.
     LinkScale,
-    /// Rotation of gravity about the base's x axis (index 0) or y axis (1), rad.
+    /// Rotation of the base about its x axis (index 0) or y axis (1), rad.
     Tilt(usize),
     /// Encoder offset of the joint, rad: recorded position plus offset is the true position.
     Zero,
@@ -94,13 +94,11 @@ impl Kind {
             | Self::Stribeck
             | Self::Load
             | Self::Armature
-            | Self::Payload(0 | 4) => Scale::Positive,
-            Self::Offset
             | Self::GravityCompensation
-            | Self::Payload(_)
-            | Self::Tilt(_)
-            | Self::Zero
-            | Self::Unknown(_) => Scale::Free,
+            | Self::Payload(0 | 4) => Scale::Positive,
+            Self::Offset | Self::Payload(_) | Self::Tilt(_) | Self::Zero | Self::Unknown(_) => {
+                Scale::Free
+            }
         }
     }
 }
