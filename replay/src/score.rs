@@ -4,6 +4,7 @@ use crate::arm::Arm;
 use crate::fit::errors;
 use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
+use model::spread::NINETY;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -108,6 +109,6 @@ pub fn closed(before: &[f64], after: &[f64]) -> (f64, [f64; 2]) {
         .collect();
     let mean = each.iter().sum::<f64>() / m;
     let variance = each.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (m - 1.0) / m;
-    let half = 1.645 * variance.sqrt();
+    let half = NINETY * variance.sqrt();
     (whole, [whole - half, whole + half])
 }

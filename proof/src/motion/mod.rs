@@ -13,7 +13,7 @@ mod tables;
 
 pub use case::{Case, Sealed, kind, make};
 pub use command_line::{command, command_line};
-pub use score::{Score, judge, tempering};
+pub use score::{REFUSED, Score, judge, tempering};
 pub use tables::{calibration, kinds, misses, rates};
 
 use datasets::Part;
@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use replay::diagnosis::diagnose;
 use replay::input::{InputError, Subject};
 use replay::simulate::Unstable;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -166,10 +167,16 @@ fn one(folder: &Path, name: &str) -> Result<Score, MotionError> {
         return Ok(judge(name, &sealed, &report, f64::NAN));
     }
     let started = Instant::now();
-    let report = said(&folder.join("cases").join(name), name)?;
+    let report = match said(&folder.join("cases").join(name), name) {
+        Ok(report) => serde_json::to_value(&report).expect("a report is plain data"),
+        // A recording in order that is refused is a wrong answer, and the proof goes on.
+        Err(MotionError::Refused { error, .. }) => {
+            json!({"verdict": REFUSED, "refusal": error.to_string(), "causes": []})
+        }
+        Err(error) => return Err(error),
+    };
     let text = serde_json::to_string_pretty(&report).expect("a report is plain data");
     report::write_atomic(&kept, text)?;
-    let report = serde_json::to_value(&report).expect("a report is plain data");
     Ok(judge(
         name,
         &sealed,

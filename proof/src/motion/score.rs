@@ -2,11 +2,12 @@
 
 use super::case::Sealed;
 use super::effects::Truth;
+use model::spread::NINETY;
 use replay::decide::tempered;
 use serde_json::Value;
 
-/// Half width of the 90 % interval of a normal distribution, in standard deviations.
-const NINETY: f64 = 1.645;
+/// Verdict of a case whose recording `replay` refuses: no answer is right then.
+pub const REFUSED: &str = "refused";
 
 /// Score of the report on one case.
 #[derive(Debug, Clone)]
@@ -73,11 +74,13 @@ pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
                 .any(|w| listed(c, &w.effect) && on(c, &w.joint))
     });
     let unknown = report["unknown"].as_array().is_some_and(|u| !u.is_empty());
-    let right = match sealed.kind.as_str() {
-        "none" => causes.is_empty(),
-        "outside" => report["verdict"] == "unknown_effect" || unknown,
-        _ => first_right,
-    };
+    let refused = report["verdict"] == REFUSED;
+    let right = !refused
+        && match sealed.kind.as_str() {
+            "none" => causes.is_empty(),
+            "outside" => report["verdict"] == "unknown_effect" || unknown,
+            _ => first_right,
+        };
     let name = |c: &Value| {
         let joints: Vec<String> = c["joints"]
             .as_array()
@@ -209,6 +212,24 @@ fn likelihood(p: f64, power: f64, was: bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_refused_recording_is_no_right_answer() {
+        let sealed = |kind: &str| Sealed {
+            kind: kind.to_owned(),
+            simulator: "plant".to_owned(),
+            withheld: Vec::new(),
+            drives: Vec::new(),
+            tolerance: 0.0,
+            period: 0.01,
+        };
+        for (verdict, right) in [("no_gap", true), (REFUSED, false)] {
+            let report = serde_json::json!({"verdict": verdict, "causes": []});
+            assert_eq!(judge("a", &sealed("none"), &report, 1.0).right, right);
+        }
+        let report = serde_json::json!({"verdict": REFUSED, "causes": []});
+        assert!(!judge("a", &sealed("outside"), &report, 1.0).right);
+    }
 
     #[test]
     fn what_is_said_too_surely_is_tempered() {

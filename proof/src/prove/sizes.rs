@@ -1,5 +1,6 @@
 //! Errors of reported sizes against the true ones.
 
+use model::spread::NINETY;
 use serde_json::Value;
 
 /// Parameters that a mechanism and the detector's form have in common: effect, name in the answer with its factor, name
@@ -18,9 +19,6 @@ const COMMON: [(&str, &str, f64, &str, f64); 11] = [
     // The answer has what the encoder adds, the report what has to be added to it.
     ("encoder_offset", "zero", -1.0, "zero", 0.0),
 ];
-
-/// Half width of the interval that contains 90 % of a normal distribution, in standard deviations.
-const TWO_SIDED: f64 = 1.645;
 
 /// An effect as the recording of a case shows it. Where filters delay the torque, their lag is added to the
 /// withheld delay: nothing separates the two.
@@ -76,7 +74,7 @@ pub fn deviations(effect: &Value, cause: &Value) -> Option<f64> {
 
 /// Whether the 90 % interval of a size holds the true one, which is so many deviations away.
 pub fn covered(deviations: f64) -> bool {
-    deviations.abs() <= TWO_SIDED
+    deviations.abs() <= NINETY
 }
 
 /// Part of the cases that must be found for a share to count as detected.
