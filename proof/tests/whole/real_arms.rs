@@ -85,20 +85,13 @@ fn friction_of_an_xmate() {
     rubs(&found, 0.3, &[9.0, 14.0, 7.0, 10.0, 3.0, 3.5, 1.7], 0.25);
 }
 
+/// No invented cause; no negative friction and no impossible body in words, JSON or URDF, and the same numbers in all of them.
 #[test]
-fn a_panda_has_nothing_extra() {
+fn a_panda_has_nothing_extra_and_its_advice_is_possible_and_written() {
     let Some(found) = outcome("panda") else {
         return;
     };
     nothing_invented(&found);
-}
-
-/// No negative friction and no impossible body in words, JSON or URDF, and the same numbers in all of them.
-#[test]
-fn what_is_advised_of_a_panda_is_possible_and_is_what_is_written() {
-    let Some(found) = outcome("panda") else {
-        return;
-    };
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/panda/robot.urdf");
     let text = std::fs::read_to_string(file).unwrap();
     let model = NominalModel::new(Robot::from_urdf_str(&text).unwrap());

@@ -148,6 +148,7 @@ fn without_effect_torque_is_that_of_the_plant() {
 }
 
 #[test]
+#[ignore = "long: .ci/release"]
 fn hard_cases_keep_their_promises() {
     let kinds = [
         "none",
@@ -290,6 +291,7 @@ fn the_first_generator_makes_what_it_made() {
 
 /// The second generator: the same arm and effect, half as many motions where any is repeated.
 #[test]
+#[ignore = "long: .ci/release"]
 fn the_second_generator_repeats_motions_in_some_cases() {
     for hard in [false, true] {
         let (mut repeated, mut same) = (0, 0);

@@ -63,6 +63,7 @@ fn decoy(candidate: &Candidate, trajectories: usize) -> Option<Candidate> {
 }
 
 #[test]
+#[ignore = "long: .ci/release"]
 fn what_another_trajectory_moved_explains_nothing() {
     const SEED: u64 = 40_962;
     let one = |index: u64| {
