@@ -2,17 +2,18 @@
 
 use super::Found;
 use super::effort::{LAST, NEXT};
-use super::free::{free, tolerated};
+use super::free::{free, pinned, tolerated};
 use super::neighbour;
 use crate::arm::Arm;
 use crate::fit::{Effort, Fitted, Free, descend, fit};
 use crate::given::Given;
+use crate::parameter::Parameter;
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
 
-/// Arm fitted with the mechanisms `set` instead of the found ones. Parameters that are not free in it have their given
-/// values. The fit starts from the found fit's values, or from those that its expansion predicts, whichever has the
-/// lower objective.
+/// Arm fitted with the mechanisms `set`, a part of the found ones. Parameters of the others have their given values, for within
+/// a tolerance a clear effect would still be fitted, and so have all that are not free. The fit starts from the found fit's
+/// values, or from those that its expansion predicts, whichever has the lower objective.
 ///
 /// # Errors
 /// Simulator that is unstable.
@@ -23,10 +24,18 @@ pub fn refit(
     set: &[usize],
     effort: Effort,
 ) -> Result<Arm, Unstable> {
-    let always = tolerated(given, replayed);
+    let of = |m: &usize| {
+        let own = found.mechanisms[*m].parameters.iter();
+        own.map(|entry| entry.parameter)
+    };
+    let kept: Vec<Parameter> = set.iter().flat_map(of).collect();
+    let gone: Vec<Parameter> = found.decision.set.iter().flat_map(of).collect();
+    let mut always = tolerated(given, replayed);
+    always.retain(|e| kept.contains(&e.parameter) || !gone.contains(&e.parameter));
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
     let start = start(given, replayed, found, set, &free, effort);
+    let start = pinned(given, &start, &free);
     Ok(descend(&start, &free, blocks, noise, effort, None)?.arm)
 }
 
