@@ -16,6 +16,7 @@ pub mod columns;
 pub mod error;
 pub mod folds;
 mod held;
+mod mcap;
 pub mod metrics;
 mod overlap;
 pub mod periods;

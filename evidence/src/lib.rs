@@ -11,5 +11,5 @@ mod search;
 mod temper;
 
 pub use quadratic::{Mode, Prior, Quadratic};
-pub use search::{Decision, Family, Hypothesis, Swap, about, decide, log_prior, simplest, weigh};
+pub use search::{Decision, Family, Hypothesis, Problem, Swap, log_prior};
 pub use temper::tempered;

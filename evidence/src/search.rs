@@ -22,8 +22,8 @@ pub struct Family {
     pub odds: f64,
     /// Number of places at which the mechanism can act, which is the number of hypotheses of the family.
     pub places: usize,
-    /// Whether places are independent in the prior. Otherwise every number of places, from one to all, has equal prior
-    /// probability, and so has every set of that many.
+    /// Whether places are independent in the prior. Otherwise the prior probability that k places act goes with 1/k, and all
+    /// sets of k places share it alike.
     pub independent: bool,
 }
 
@@ -69,108 +69,7 @@ pub struct Decision {
     pub log_posterior: f64,
 }
 
-/// Searches all sets of `hypotheses` for the most probable one, from the set `start` on. The parameters `always` are
-/// free under every set.
-///
-/// The neighbours of a set have one hypothesis more, less, or another in its place. Further neighbours have a family at
-/// all of its places or at none. A set of n hypotheses among m has about n·m neighbours. Each costs one Cholesky
-/// factorisation of its free parameters' precision.
-pub fn decide(
-    quadratic: &Quadratic,
-    priors: &[Prior],
-    always: &[usize],
-    hypotheses: &[Hypothesis],
-    families: &[Family],
-    start: &[usize],
-) -> Decision {
-    let space = Space {
-        quadratic,
-        priors,
-        always,
-        hypotheses,
-        families,
-        shown: shown(quadratic, priors, hypotheses),
-    };
-    let (mut set, mut best) = space.possible_part(start);
-    loop {
-        let neighbours = space.neighbours(&set);
-        let weighed = neighbours.into_iter().map(|s| (space.log_posterior(&s), s));
-        match weighed.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            // Margin of 1e-9 nats: differences by rounding must not keep the search going.
-            Some((v, next)) if v > best + 1e-9 => (set, best) = (next, v),
-            _ => return space.about(set, best),
-        }
-    }
-}
-
-/// Inclusion probabilities and alternatives about a `set` that was chosen by other means; nothing is searched. A
-/// neighbour more probable than the set counts only as much as the set.
-pub fn about(
-    quadratic: &Quadratic,
-    priors: &[Prior],
-    always: &[usize],
-    hypotheses: &[Hypothesis],
-    families: &[Family],
-    set: &[usize],
-) -> Decision {
-    let space = Space {
-        quadratic,
-        priors,
-        always,
-        hypotheses,
-        families,
-        shown: shown(quadratic, priors, hypotheses),
-    };
-    let best = space.log_posterior(set);
-    space.about(set.to_vec(), best)
-}
-
-/// Log posterior of each set, nats, up to one constant; −∞ where what a set frees stands at its bound.
-pub fn weigh(
-    quadratic: &Quadratic,
-    priors: &[Prior],
-    always: &[usize],
-    hypotheses: &[Hypothesis],
-    families: &[Family],
-    sets: &[Vec<usize>],
-) -> Vec<f64> {
-    let space = Space {
-        quadratic,
-        priors,
-        always,
-        hypotheses,
-        families,
-        shown: Vec::new(),
-    };
-    sets.iter().map(|set| space.log_posterior(set)).collect()
-}
-
-/// Sets of one hypothesis, and of one family at all of its places, most probable first.
-pub fn simplest(
-    quadratic: &Quadratic,
-    priors: &[Prior],
-    always: &[usize],
-    hypotheses: &[Hypothesis],
-    families: &[Family],
-) -> Vec<Vec<usize>> {
-    let space = Space {
-        quadratic,
-        priors,
-        always,
-        hypotheses,
-        families,
-        shown: shown(quadratic, priors, hypotheses),
-    };
-    let weighed = space
-        .neighbours(&[])
-        .into_iter()
-        .map(|set| (space.log_posterior(&set), set));
-    let mut sets: Vec<(f64, Vec<usize>)> = weighed.filter(|(v, _)| v.is_finite()).collect();
-    sets.sort_by(|a, b| b.0.total_cmp(&a.0));
-    sets.into_iter().map(|(_, set)| set).collect()
-}
-
-/// Logarithm of the prior odds of a set.
+/// Natural logarithm of the prior odds of `set` against the empty set: the sum over all families.
 pub fn log_prior(hypotheses: &[Hypothesis], families: &[Family], set: &[usize]) -> f64 {
     let acting = |f: usize| set.iter().filter(|&&h| hypotheses[h].family == f).count();
     families
@@ -181,35 +80,96 @@ pub fn log_prior(hypotheses: &[Hypothesis], families: &[Family], set: &[usize]) 
 }
 
 /// Problem of the search: the likelihood, the priors and the hypotheses that can be combined.
-struct Space<'a> {
+#[derive(Debug, Clone)]
+pub struct Problem {
     /// Quadratic expansion of the negative log likelihood in P parameters.
-    quadratic: &'a Quadratic,
+    quadratic: Quadratic,
     /// Prior of each of the P parameters.
-    priors: &'a [Prior],
+    priors: Vec<Prior>,
     /// Indices of the parameters that are free under every set.
-    always: &'a [usize],
+    always: Vec<usize>,
     /// Hypotheses that can be combined.
-    hypotheses: &'a [Hypothesis],
+    hypotheses: Vec<Hypothesis>,
     /// Families to which the hypotheses belong by their index.
-    families: &'a [Family],
-    /// Whether the data could show each hypothesis.
+    families: Vec<Family>,
+    /// Whether the data bear on each hypothesis; others are in no set that is searched.
     shown: Vec<bool>,
 }
 
 /// Information times prior variance from which on the posterior deviation is at most half of the prior's.
 const HALVED: f64 = 3.0;
 
-/// Hypotheses on which the data bear: on at least one of their parameters they could halve the prior's deviation, all others
-/// given. Of others the prior alone would decide, and where a family acts it says that all of its places do.
-fn shown(quadratic: &Quadratic, priors: &[Prior], hypotheses: &[Hypothesis]) -> Vec<bool> {
-    let halved = |&i: &usize| quadratic.information[(i, i)] * priors[i].deviation.powi(2) >= HALVED;
-    hypotheses
-        .iter()
-        .map(|h| h.parameters.iter().any(halved))
-        .collect()
-}
+impl Problem {
+    /// Problem with an expansion of the negative log likelihood in P parameters, their priors, the indices of those that are
+    /// free under every set, and the hypotheses with their families.
+    ///
+    /// The data bear on a hypothesis where they could halve the prior deviation of at least one of its parameters, all others
+    /// given. Elsewhere the prior alone would decide. It would say of a family that acts at one place that it acts at all.
+    pub fn new(
+        quadratic: Quadratic,
+        priors: Vec<Prior>,
+        always: Vec<usize>,
+        hypotheses: Vec<Hypothesis>,
+        families: Vec<Family>,
+    ) -> Self {
+        let halved =
+            |&i: &usize| quadratic.information[(i, i)] * priors[i].deviation.powi(2) >= HALVED;
+        let bears = |h: &Hypothesis| h.parameters.iter().any(halved);
+        let shown = hypotheses.iter().map(bears).collect();
+        Self {
+            quadratic,
+            priors,
+            always,
+            hypotheses,
+            families,
+            shown,
+        }
+    }
 
-impl Space<'_> {
+    /// Searches all sets of hypotheses for the most probable one, from the set `start` on.
+    ///
+    /// The neighbours of a set have one hypothesis more, less, or another in its place. Further neighbours have a family at
+    /// all of its places or at none. A set of n hypotheses among m has about n·m neighbours. Each costs one Cholesky
+    /// factorisation of its free parameters' precision.
+    pub fn decide(&self, start: &[usize]) -> Decision {
+        let (mut set, mut best) = self.possible_part(start);
+        loop {
+            match self
+                .weighed_neighbours(&set)
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+            {
+                // Margin of 1e-9 nats: differences by rounding must not keep the search going.
+                Some((v, next)) if v > best + 1e-9 => (set, best) = (next, v),
+                _ => return self.decision(set, best),
+            }
+        }
+    }
+
+    /// Inclusion probabilities and alternatives about a `set` that was chosen by other means; nothing is searched. A
+    /// neighbour more probable than the set counts only as much as the set.
+    pub fn about(&self, set: &[usize]) -> Decision {
+        self.decision(set.to_vec(), self.log_posterior(set))
+    }
+
+    /// Log posterior of each set, nats, up to one constant; −∞ where what a set frees stands at its bound.
+    pub fn weigh(&self, sets: &[Vec<usize>]) -> Vec<f64> {
+        sets.iter().map(|set| self.log_posterior(set)).collect()
+    }
+
+    /// Sets of one hypothesis, and of one family at all of its places, most probable first.
+    pub fn simplest(&self) -> Vec<Vec<usize>> {
+        let possible = self.weighed_neighbours(&[]).filter(|(v, _)| v.is_finite());
+        let mut sets: Vec<(f64, Vec<usize>)> = possible.collect();
+        sets.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sets.into_iter().map(|(_, set)| set).collect()
+    }
+
+    /// Neighbours of a set, each with its log posterior, nats.
+    fn weighed_neighbours(&self, set: &[usize]) -> impl Iterator<Item = (f64, Vec<usize>)> {
+        let neighbours = self.neighbours(set).into_iter();
+        neighbours.map(|other| (self.log_posterior(&other), other))
+    }
+
     /// Log posterior of a set, nats. An error lists positions in `set` of hypotheses whose parameters all stand at the
     /// bound zero; it is empty where the posterior is improper.
     fn value(&self, set: &[usize]) -> Result<f64, Vec<usize>> {
@@ -221,8 +181,8 @@ impl Space<'_> {
         free.dedup();
         let parameters = |&h: &usize| &self.hypotheses[h].parameters[..];
         let listed: Vec<&[usize]> = set.iter().map(parameters).collect();
-        let prior = log_prior(self.hypotheses, self.families, set);
-        possible(self.quadratic, self.priors, free, &listed).map(|log| log + prior)
+        let prior = log_prior(&self.hypotheses, &self.families, set);
+        possible(&self.quadratic, &self.priors, free, &listed).map(|log| log + prior)
     }
 
     /// Log posterior of a set, nats; −∞ where a hypothesis of it frees nothing or the posterior is improper.
@@ -248,7 +208,7 @@ impl Space<'_> {
         }
     }
 
-    /// Neighbours of a set, each with increasing indices: those that [`decide`] compares with it.
+    /// Neighbours of a set, each with increasing indices: those that [`Problem::decide`] compares with it.
     fn neighbours(&self, set: &[usize]) -> Vec<Vec<usize>> {
         let all: Vec<usize> = (0..self.hypotheses.len())
             .filter(|&h| self.shown[h])
@@ -281,7 +241,7 @@ impl Space<'_> {
 
     /// Decision about a set with log posterior `best`: inclusion probabilities and swaps from the set and its
     /// neighbours.
-    fn about(&self, set: Vec<usize>, best: f64) -> Decision {
+    fn decision(&self, set: Vec<usize>, best: f64) -> Decision {
         let mut total = 1.0;
         let mut inclusion = vec![0.0; self.hypotheses.len()];
         for &h in &set {
@@ -289,8 +249,8 @@ impl Space<'_> {
         }
         let mut swaps: Vec<Vec<Swap>> = vec![Vec::new(); set.len()];
         let mut dropped = vec![0.0; set.len()];
-        for other in self.neighbours(&set) {
-            let weight = (self.log_posterior(&other) - best).exp().min(1.0);
+        for (value, other) in self.weighed_neighbours(&set) {
+            let weight = (value - best).exp().min(1.0);
             total += weight;
             for &h in &other {
                 inclusion[h] += weight;
@@ -378,147 +338,4 @@ fn without(set: &[usize], h: usize) -> Vec<usize> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{DMatrix, DVector};
-    use proptest::prelude::*;
-
-    fn simple(estimates: &[f64]) -> (Quadratic, Vec<Prior>, Vec<Hypothesis>, Vec<Family>) {
-        let p = estimates.len();
-        let quadratic = Quadratic {
-            at: estimates.to_vec(),
-            gradient: DVector::zeros(p),
-            information: DMatrix::identity(p, p),
-        };
-        let priors = vec![
-            Prior {
-                mean: 0.0,
-                deviation: 10.0,
-                positive: false
-            };
-            p
-        ];
-        let hypotheses = (0..p)
-            .map(|i| Hypothesis {
-                parameters: vec![i],
-                family: i,
-            })
-            .collect();
-        let alone = Family {
-            odds: 0.1,
-            places: 1,
-            independent: false,
-        };
-        (quadratic, priors, hypotheses, vec![alone; p])
-    }
-
-    #[test]
-    fn what_is_many_deviations_away_is_named() {
-        let (quadratic, priors, hypotheses, families) = simple(&[8.0, 0.5, -6.0]);
-        let decision = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
-        assert_eq!(decision.set, [0, 2]);
-        assert!(decision.inclusion[0] > 0.99 && decision.inclusion[1] < 0.05);
-        // Odds of the second parameter by hand: prior 0.1, evidence ratio of N(0.5; 0, 101) to N(0.5; 0, 1).
-        let log = -0.125 / 101.0 - 0.5 * (101.0f64).ln() + 0.125;
-        let odds = 0.1 * log.exp();
-        assert!((decision.inclusion[1] - odds / (1.0 + odds)).abs() < 1e-3);
-    }
-
-    #[test]
-    fn what_cannot_be_told_apart_stands_in_its_place() {
-        // Two parameters with the same effect on the data.
-        let quadratic = Quadratic {
-            at: vec![6.0, 0.0],
-            gradient: DVector::zeros(2),
-            information: DMatrix::from_element(2, 2, 1.0),
-        };
-        let (_, priors, hypotheses, families) = simple(&[0.0, 0.0]);
-        let decision = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
-        assert_eq!(decision.set.len(), 1);
-        assert!((decision.swaps[0][0].weight - 1.0).abs() < 1e-9);
-        assert!(decision.inclusion.iter().all(|p| (p - 0.5).abs() < 0.05));
-    }
-
-    #[test]
-    fn a_set_weighs_what_the_search_says_of_it() {
-        let (quadratic, priors, hypotheses, families) = simple(&[8.0, 0.5, -6.0]);
-        let decision = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
-        let sets = [vec![0, 2], vec![0], vec![0, 1, 2]];
-        let weights = weigh(&quadratic, &priors, &[], &hypotheses, &families, &sets);
-        assert!((weights[0] - decision.log_posterior).abs() < 1e-12);
-        assert!(weights[0] > weights[1] && weights[0] > weights[2]);
-    }
-
-    #[test]
-    fn what_acts_everywhere_costs_less_than_as_many_accidents() {
-        let shared = Family {
-            odds: 0.1,
-            places: 4,
-            independent: false,
-        };
-        // Four numbers of places with 1 + 1/2 + 1/3 + 1/4 = 25/12. One of four places, two (six sets), all.
-        let of =
-            |k: usize, share: f64| (shared.log_prior(k) - (0.1 * share * 12.0 / 25.0).ln()).abs();
-        assert!(of(1, 1.0 / 4.0) < 1e-12);
-        assert!(of(2, 1.0 / 12.0) < 1e-12);
-        assert!(of(4, 1.0 / 4.0) < 1e-12);
-        let all: f64 = [(1, 4.0), (2, 6.0), (3, 4.0), (4, 1.0)]
-            .map(|(k, sets)| sets * shared.log_prior(k).exp())
-            .iter()
-            .sum();
-        assert!((all - 0.1).abs() < 1e-12);
-        let apart = Family {
-            independent: true,
-            ..shared
-        };
-        assert!((apart.log_prior(4) - 4.0 * (0.1f64).ln()).abs() < 1e-12);
-    }
-
-    #[test]
-    fn what_the_data_do_not_bear_on_is_not_listed() {
-        // One place is shown to act. The prior alone would have all four act.
-        let shared = Family {
-            odds: 0.1,
-            places: 4,
-            independent: false,
-        };
-        let (mut quadratic, priors, mut hypotheses, _) = simple(&[9.0, 0.0, 0.0, 0.0]);
-        hypotheses.iter_mut().for_each(|h| h.family = 0);
-        for i in 1..4 {
-            quadratic.information[(i, i)] = 0.0;
-        }
-        let decision = decide(&quadratic, &priors, &[], &hypotheses, &[shared], &[1]);
-        assert_eq!(decision.set, [0]);
-        assert_eq!(decision.inclusion[1], 0.0);
-    }
-
-    #[test]
-    fn what_cannot_be_negative_is_no_explanation_below_zero() {
-        let (quadratic, mut priors, hypotheses, families) = simple(&[-8.0]);
-        let free = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
-        assert_eq!(free.set, [0]);
-        priors[0].positive = true;
-        let bounded = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
-        assert!(bounded.set.is_empty() && bounded.inclusion[0] == 0.0);
-        // Two such at the start do not stand in the way of a third.
-        let (quadratic, mut priors, hypotheses, families) = simple(&[-8.0, -7.0, 9.0]);
-        priors.iter_mut().for_each(|p| p.positive = true);
-        let all = decide(&quadratic, &priors, &[], &hypotheses, &families, &[0, 1]);
-        assert_eq!(all.set, [2]);
-        assert!(all.inclusion[2] > 0.99);
-    }
-
-    proptest! {
-        /// Independent parameters are decided as if each stood alone.
-        #[test]
-        fn independent_hypotheses_do_not_disturb_each_other(values in prop::collection::vec(-8.0..8.0f64, 1..5)) {
-            let (quadratic, priors, hypotheses, families) = simple(&values);
-            let all = decide(&quadratic, &priors, &[], &hypotheses, &families, &[]);
-            for (i, v) in values.iter().enumerate() {
-                let (q, p, h, f) = simple(&[*v]);
-                let alone = decide(&q, &p, &[], &h, &f, &[]);
-                prop_assert_eq!(all.set.contains(&i), alone.set.contains(&0));
-            }
-        }
-    }
-}
+mod tests;

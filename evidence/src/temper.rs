@@ -1,9 +1,10 @@
 //! Probabilities that are too sure.
 
-/// Odds beyond a million to one are none that anything was checked against.
+/// Smallest probability, and distance from certainty, that is tempered: no check reaches odds beyond a million to one.
 const SUREST: f64 = 1e-6;
 
-/// The probability whose odds are those of `probability` to the `power`: below 1 where what is said is too sure.
+/// Probability whose odds are those of `probability` raised to `power`. A power below 1 is for probabilities that are too
+/// sure.
 pub fn tempered(probability: f64, power: f64) -> f64 {
     let p = probability.clamp(SUREST, 1.0 - SUREST);
     let odds = (p / (1.0 - p)).powf(power);

@@ -178,26 +178,11 @@ fn words(
     Ok(words.into_iter().map(OsString::from).collect())
 }
 
-/// Option of the program whose name takes the fewest changes of letters to become `long`.
+/// Name of the program's option that the fewest changes of letters turn into `long`.
 fn nearest(command: &Command, long: &str) -> String {
     let longs = command.get_arguments().filter_map(Arg::get_long);
-    let nearest = longs.min_by_key(|known| distance(known, long));
+    let nearest = longs.min_by_key(|known| strsim::levenshtein(known, long));
     nearest.unwrap_or_default().to_owned()
-}
-
-/// Number of letters that are put in, left out or exchanged between two words (Levenshtein).
-fn distance(a: &str, b: &str) -> usize {
-    let mut row: Vec<usize> = (0..=b.chars().count()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut before = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.chars().enumerate() {
-            let exchanged = before + usize::from(x != y);
-            before = row[j + 1];
-            row[j + 1] = exchanged.min(row[j] + 1).min(before + 1);
-        }
-    }
-    row[b.chars().count()]
 }
 
 #[cfg(test)]
@@ -251,14 +236,6 @@ mod tests {
         assert!(wrong("config = 'other.toml'").contains("`config`"));
         assert!(wrong("cutoff-hz = 1979-05-27").contains("is a datetime"));
         assert!(wrong("data = [").contains("no TOML"));
-        assert_eq!(
-            (
-                distance("data", "dta"),
-                distance("", "ab"),
-                distance("ab", "ba")
-            ),
-            (1, 2, 2)
-        );
     }
 
     #[test]

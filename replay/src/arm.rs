@@ -63,14 +63,15 @@ pub struct Joint {
     pub load: f64,
     /// Rotor inertia reflected to the joint, kg·m².
     pub armature: f64,
-    /// Smooth torque that no mechanism explains.
+    /// Smooth torque that stands for something unknown on the joint; it does not act in the given arm.
     pub unknown: Smooth,
 }
 
 /// Longest integration step of a simulation that is scored, s.
 pub const STEP: f64 = 1e-3;
 
-/// A simulated arm: rigid bodies, joints, drives.
+/// Simulated arm: rigid bodies, joints and drives. [`Arm::get`] and [`Arm::set`] reach every parameter that can be
+/// fitted.
 #[derive(Debug, Clone)]
 pub struct Arm {
     /// Robot of the given description. Drives that compensate gravity compute with it.
@@ -85,10 +86,10 @@ pub struct Arm {
     pub delay: f64,
     /// Part of the gravity torque of `given` that each drive adds to its own torque, from 0 (none) to 1 (all).
     pub gravity_compensation: f64,
-    /// Body at the last link, in its joint frame: mass (kg), first moment (kg·m) and moment of inertia about every axis
-    /// (kg·m²).
+    /// Payload at the last link, in that link's joint frame: mass (kg), first moment along x, y and z (kg·m), and moment
+    /// of inertia (kg·m²), the same about every axis through the joint's origin.
     pub payload: [f64; 5],
-    /// Factors on the links' inertial parameters.
+    /// Factor on all inertial parameters of each link; 1 for the given ones.
     pub link_scale: Vec<f64>,
     /// Rotation of the base about its own x and y axes, rad, as `diagnose` states it: gravity turns the other way.
     pub tilt: [f64; 2],
@@ -248,7 +249,8 @@ impl Arm {
     }
 }
 
-/// Inertial parameters of a payload from mass, first moment and moment of inertia.
+/// Inertial parameters of a payload (mass, first moment, inertia about the joint's origin), from the five values of
+/// [`Arm::payload`].
 pub(crate) fn payload(fitted: &[f64; 5]) -> [f64; PARAMETERS_PER_LINK] {
     let [m, x, y, z, i] = *fitted;
     [m, x, y, z, i, 0.0, i, 0.0, 0.0, i]

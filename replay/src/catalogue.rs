@@ -137,7 +137,7 @@ pub struct Sizes {
     pub mass: f64,
     /// Median time between samples of the recording, s, which stands for the period of its commands.
     pub period: f64,
-    /// By joint lowest and highest recorded position, rad.
+    /// Lowest and highest recorded position of each joint, rad (m).
     pub range: Vec<[f64; 2]>,
 }
 
@@ -203,7 +203,7 @@ impl Sizes {
         }
     }
 
-    /// The arm with its smooth unknown torques scaled by what each joint does.
+    /// Arm whose smooth unknown torques are scaled by what each joint does: range, usual speed and usual torque.
     pub fn scaled(&self, arm: &Arm) -> Arm {
         let mut out = arm.clone();
         for (j, joint) in out.joints.iter_mut().enumerate() {
@@ -329,7 +329,7 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
     all
 }
 
-/// Correlations of a covariance matrix.
+/// Correlation matrix of a covariance matrix.
 pub fn correlations(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let deviation = DVector::from_iterator(
         covariance.nrows(),

@@ -28,9 +28,9 @@ pub enum Kind {
     Coulomb,
     /// Dry friction at standstill beyond Coulomb friction, N·m. It falls off with velocity (Stribeck effect).
     Stribeck,
-    /// Velocity over which that falls.
+    /// Velocity over which friction at standstill falls to Coulomb friction (Stribeck velocity), rad/s.
     StribeckVelocity,
-    /// Friction per torque.
+    /// Dry friction per torque that the joint's gear transmits, a number without unit.
     Load,
     /// Rotor inertia of the joint's motor, reflected to the joint, kg·m².
     Armature,

@@ -2,36 +2,37 @@
 
 use std::f64::consts::TAU;
 
-/// Waves over the range of positions.
+/// Number of sine and cosine pairs over the range of positions.
 const WAVES: usize = 12;
 
-/// Number of functions.
+/// Number of functions that make up the torque.
 pub const FUNCTIONS: usize = 2 * WAVES + 10;
 
-/// The torque: functions of size one, scaled by what the joint does, with their coefficients.
+/// Smooth torque on a joint: functions of size one, scaled by what the joint does, times their coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smooth {
-    /// Lowest position, rad (m).
+    /// Lowest recorded position of the joint, rad (m).
     pub low: f64,
-    /// Width of the range of positions, rad (m).
+    /// Width of the recorded range of positions, rad (m).
     pub width: f64,
-    /// Usual speed, rad/s (m/s).
+    /// RMS speed of the joint, rad/s (m/s).
     pub speed: f64,
-    /// Usual torque, N·m (N).
+    /// Typical torque of the joint in its motion, N·m (N).
     pub torque: f64,
-    /// N·m (N) each.
+    /// Coefficient of each function, N·m (N).
     pub coefficients: [f64; FUNCTIONS],
 }
 
-/// Where the torque is asked for.
+/// State of the joint at which the torque is asked for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Here {
-    /// Position and velocity.
+    /// Position, rad (m).
     pub(crate) q: f64,
+    /// Velocity, rad/s (m/s).
     pub(crate) v: f64,
-    /// Torque of the drive.
+    /// Torque of the drive, N·m (N).
     pub(crate) load: f64,
-    /// Rate of change of the command.
+    /// Rate of change of the command, rad/s (m/s).
     pub(crate) rate: f64,
 }
 
@@ -48,13 +49,13 @@ impl Default for Smooth {
 }
 
 impl Smooth {
-    /// Whether it is a torque at all.
+    /// Whether any coefficient differs from zero.
     pub(crate) fn acts(&self) -> bool {
         self.coefficients.iter().any(|c| *c != 0.0)
     }
 
-    /// Part of a coefficient in the size of the whole: what changes quickly with position is likely to be small, all squares
-    /// together are one.
+    /// Prior deviation of coefficient `k` as a part of the torque's size. Waves that change quickly with position are
+    /// likely to be small. The squares of all parts add up to one.
     pub fn weight(k: usize) -> f64 {
         let own = |k: usize| {
             if k < 2 * WAVES {
@@ -67,7 +68,7 @@ impl Smooth {
         own(k) / sum.sqrt()
     }
 
-    /// Values of the functions.
+    /// Values of the functions at a state, without unit.
     pub(crate) fn values(&self, here: Here) -> [f64; FUNCTIONS] {
         let mut out = [0.0; FUNCTIONS];
         let (sin, cos) = self.wave(here.q);
@@ -96,7 +97,8 @@ impl Smooth {
         out
     }
 
-    /// Torque by these values, and its derivatives by position and velocity (apart from load and command).
+    /// Torque by the functions' values at a state, and its derivatives by position and velocity with load and command
+    /// held.
     pub(crate) fn torque(&self, here: Here, values: &[f64; FUNCTIONS]) -> [f64; 3] {
         let c = &self.coefficients;
         let torque = c.iter().zip(values).map(|(c, f)| c * f).sum();
@@ -120,7 +122,7 @@ impl Smooth {
         [torque, by_position, by_velocity]
     }
 
-    /// Period of the longest wave: beyond the range, so that its two ends may differ.
+    /// Period of the longest wave, rad (m). It exceeds the range, so that the torque may differ at its two ends.
     fn period(&self) -> f64 {
         1.25 * self.width
     }

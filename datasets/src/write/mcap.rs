@@ -1,19 +1,8 @@
 //! MCAP files with one channel: its messages, and at the end the summary in which plotters look for channels.
 
-const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+use crate::mcap::{MAGIC, op};
 
-/// Kinds of records.
-mod op {
-    pub const HEADER: u8 = 0x01;
-    pub const FOOTER: u8 = 0x02;
-    pub const SCHEMA: u8 = 0x03;
-    pub const CHANNEL: u8 = 0x04;
-    pub const MESSAGE: u8 = 0x05;
-    pub const STATISTICS: u8 = 0x0b;
-    pub const DATA_END: u8 = 0x0f;
-}
-
-/// What a channel carries.
+/// Channel of a file: where its messages belong and how they are written.
 pub(super) struct Channel<'a> {
     /// Conventions that the file follows; empty for none.
     pub profile: &'a str,
@@ -31,10 +20,13 @@ pub(super) struct Channel<'a> {
 
 /// A file that is being put together.
 pub(super) struct Mcap {
+    /// Bytes of the file so far.
     file: Vec<u8>,
     /// Records of the type and the channel, which the summary repeats.
     described: Vec<u8>,
+    /// Number of messages.
     messages: u64,
+    /// Earliest and latest time of a message, ns.
     first: u64,
     last: u64,
 }

@@ -108,9 +108,9 @@ impl Shape {
 pub struct Scene<'a> {
     /// Robot without the effect.
     pub real: &'a Real,
-    /// Robot as its files state it.
+    /// Robot as the handed-out description and drive file state it, with gains within their tolerance of the true ones.
     pub stated: &'a Real,
-    /// Largest torque of each joint on the case's motions, N·m.
+    /// Largest torque of each joint along the commanded motions of the case, N·m.
     pub torque: &'a [f64],
     /// Relative tolerance of the stated gains.
     pub tolerance: f64,

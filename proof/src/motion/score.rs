@@ -204,6 +204,7 @@ pub fn tempering(said: &[(f64, bool)]) -> Option<f64> {
     grid.max_by(|a, b| score(*a).total_cmp(&score(*b)))
 }
 
+/// Probability of the outcome `was` where the odds of probability `p` are raised to `power`.
 fn likelihood(p: f64, power: f64, was: bool) -> f64 {
     let p = tempered(p, power);
     if was { p } else { 1.0 - p }

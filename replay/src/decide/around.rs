@@ -7,8 +7,9 @@ use super::{Search, Weighed};
 use crate::catalogue::Effect;
 use crate::simulate::Unstable;
 
-/// Rounds of fits around the best set, and the exchanges that are fitted in each.
+/// Largest number of rounds of fits around the best set.
 const AROUND: usize = 2;
+/// Number of exchanges that are fitted in each of them.
 const EXCHANGES: usize = 4;
 
 impl Search<'_> {
@@ -57,7 +58,7 @@ impl Search<'_> {
         Ok(others)
     }
 
-    /// A fit's set without each of its effects.
+    /// Sets that a fit's set becomes without one of its effects, effect by effect.
     fn dropped(&self, fit: &Visited) -> Vec<Vec<usize>> {
         let set = &fit.set;
         let of = |m: usize| family(&self.mechanisms[m]);
@@ -70,7 +71,7 @@ impl Search<'_> {
             .collect()
     }
 
-    /// A fit's set with something unknown on the joint that is explained least, beside the named effects of that joint and in
+    /// Sets with something unknown on the joint that a fit explains least: beside the named effects of that joint, and in
     /// their place.
     fn unnamed(&self, fit: &Visited) -> Vec<Vec<usize>> {
         let set = &fit.set;
@@ -90,8 +91,8 @@ impl Search<'_> {
         sets
     }
 
-    /// Sets in which another effect, at one place or at all, stands in place of one of a fit's: the likeliest by the expansion about
-    /// the fit. What explains the same in another way may be far from it.
+    /// Sets in which another effect, at one place or at all, stands in the place of one of the fit's. They are the
+    /// likeliest by the expansion about the fit, because what explains the same in another way may be far from it.
     fn exchanged(&self, fit: &Visited) -> Result<Vec<Vec<usize>>, Unstable> {
         let kinds = kinds(&self.mechanisms);
         let of = |m: usize| family(&self.mechanisms[m]);

@@ -9,17 +9,17 @@ use crate::catalogue::{Effect, Mechanism};
 use crate::fit::{descend, noise};
 use crate::simulate::Unstable;
 
-/// Single effects, of different kinds, that are fitted before the rounds.
+/// Largest number of single effects, each of another kind, that are fitted before the rounds.
 const SINGLES: usize = 4;
 
-/// Rounds of fit and decision; the set is stable after three in most cases. From a single effect that leaves more than it
-/// should, a second one is found in one.
+/// Largest number of rounds of decision and fit; the set is stable after three in most cases.
 const ROUNDS: usize = 5;
+/// Number of rounds from a single effect that leaves more than it should: a second effect is found in one.
 const FEW: usize = 1;
 
 impl Search<'_> {
-    /// Sets that are found from nothing but tolerances. About it a large effect is far from linear, so that the likeliest single
-    /// effects are fitted each for itself; the best of them is where the rounds begin.
+    /// Sets that are found from nothing but tolerances. A large effect is far from linear there. The likeliest single
+    /// effects are therefore fitted each for itself, and the rounds begin at the best of them.
     pub(super) fn bare(&self, stage: &mut impl FnMut(&str)) -> Result<Vec<Visited>, Unstable> {
         stage("fitting single causes");
         let (given, blocks, first) = (self.given, self.blocks(), self.first());
@@ -62,7 +62,7 @@ impl Search<'_> {
         Ok(visited)
     }
 
-    /// Sets that are found from all that every servo has.
+    /// Sets that are found from a fit of all that every servo has; see [`is_core`].
     pub(super) fn equipped(&self, stage: &mut impl FnMut(&str)) -> Result<Vec<Visited>, Unstable> {
         stage("fitting drives and joints");
         let (given, blocks, first) = (self.given, self.blocks(), self.first());
@@ -82,7 +82,8 @@ impl Search<'_> {
     }
 }
 
-/// What the first fit frees: a drive and a joint as every servo has them.
+/// Whether the first fit of all that every servo has frees the mechanism: gains, friction, rotor inertia, common delay
+/// and encoder offsets.
 fn is_core(m: &Mechanism) -> bool {
     let lag = m.effect == Effect::CommandDelay && m.joint.is_some();
     let core = [

@@ -8,12 +8,12 @@ use crate::catalogue::Effect;
 use crate::fit::{Free, Noise, descend, objective};
 use crate::simulate::Unstable;
 
-/// Parts of a given limit from which a lower one is fitted.
+/// Parts of the given limit that are tried as start of a fit of a lower one.
 const PARTS: [f64; 5] = [0.7, 0.5, 0.35, 0.25, 0.18];
 
 impl Search<'_> {
-    /// Mechanisms of limits, joint by joint, that explain more than by their odds where they are lower than in `about`, a fit
-    /// with the mechanisms `set`, and the arm with them.
+    /// Limits, as mechanisms, that explain more than their prior odds cost where they are lower than in `about`, and the
+    /// arm with them. `about` is a fit with the mechanisms `set`; joints follow one another.
     pub(super) fn cut(
         &self,
         about: &Arm,
@@ -57,7 +57,7 @@ impl Search<'_> {
     }
 }
 
-/// Both sets, indices increasing.
+/// Union of two sets that share nothing, indices increasing.
 pub(super) fn joined(set: &[usize], other: &[usize]) -> Vec<usize> {
     let mut out = [set, other].concat();
     out.sort_unstable();

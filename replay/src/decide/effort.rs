@@ -3,37 +3,39 @@
 use crate::arm::STEP;
 use crate::fit::Effort;
 
-/// Step of fits whose values are a start for others, or stand for what a cause removes, s.
+/// Integration step, s, of fits that only give start values or measure a cause's share.
 pub const COARSE: f64 = 4e-3;
 
-/// The first fit from the given values, and fits from a neighbouring set. A tenth of a nat changes nothing that is said.
+/// Effort of the first fit, from the given values.
 pub(super) const FIRST: Effort = Effort {
     iterations: 25,
     gain: 0.5,
     step: COARSE,
 };
 
+/// Effort of a fit from that of a neighbouring set. A tenth of a nat changes nothing that is said.
 pub(super) const NEXT: Effort = Effort {
     iterations: 10,
     gain: 0.1,
     step: COARSE,
 };
 
-/// Fits that only choose where the rounds begin.
+/// Effort of fits that only choose where the rounds begin.
 pub(super) const SKETCH: Effort = Effort {
     iterations: 5,
     gain: 0.5,
     step: COARSE,
 };
 
-/// Fits of one limit alone.
+/// Effort of a fit of one limit with all else held.
 pub(super) const CUT: Effort = Effort {
     iterations: 3,
     gain: 0.5,
     step: COARSE,
 };
 
-/// The fit of what is decided, from its coarse fit: a shorter step moves it by little.
+/// Effort of the last fit of what is decided, at the step of what is scored. It starts from the coarse fit, which a
+/// shorter step moves by little.
 pub(super) const LAST: Effort = Effort {
     iterations: 2,
     gain: 0.1,

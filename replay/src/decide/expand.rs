@@ -7,7 +7,7 @@ use crate::fit::{Free, Noise, by_trajectory, local, sums};
 use crate::given::Given;
 use crate::parameter::Parameter;
 use crate::simulate::{Track, Unstable};
-use evidence::{Decision, Family, Hypothesis, Prior, Quadratic, decide};
+use evidence::{Family, Hypothesis, Prior, Problem, Quadratic};
 
 /// Prior odds that an effect acts anywhere on the arm: of the dozen effects in the catalogue, one is expected.
 pub(super) const ODDS: f64 = 0.1;
@@ -46,67 +46,6 @@ pub(super) fn families(given: &Given, mechanisms: &[Mechanism]) -> Vec<Family> {
     kinds(mechanisms).into_iter().map(of).collect()
 }
 
-/// Expansion of the likelihood about an arm, with the hypotheses to be compared on it.
-pub(super) struct Expanded {
-    /// Negative log likelihood about the arm, in P entries. A physical parameter has one entry for each reason to
-    /// differ.
-    pub(super) quadratic: Quadratic,
-    /// Prior of each of the P entries.
-    pub(super) priors: Vec<Prior>,
-    /// Indices of the entries that are free under every set.
-    pub(super) always: Vec<usize>,
-    /// One hypothesis for each mechanism, in their order.
-    pub(super) hypotheses: Vec<Hypothesis>,
-    /// Families of the hypotheses.
-    pub(super) families: Vec<Family>,
-}
-
-impl Expanded {
-    /// Most probable set of mechanisms, searched from the set `start` on.
-    pub(super) fn decide(&self, start: &[usize]) -> Decision {
-        decide(
-            &self.quadratic,
-            &self.priors,
-            &self.always,
-            &self.hypotheses,
-            &self.families,
-            start,
-        )
-    }
-
-    pub(super) fn simplest(&self) -> Vec<Vec<usize>> {
-        evidence::simplest(
-            &self.quadratic,
-            &self.priors,
-            &self.always,
-            &self.hypotheses,
-            &self.families,
-        )
-    }
-
-    pub(super) fn weigh(&self, sets: &[Vec<usize>]) -> Vec<f64> {
-        evidence::weigh(
-            &self.quadratic,
-            &self.priors,
-            &self.always,
-            &self.hypotheses,
-            &self.families,
-            sets,
-        )
-    }
-
-    pub(super) fn about(&self, set: &[usize]) -> Decision {
-        evidence::about(
-            &self.quadratic,
-            &self.priors,
-            &self.always,
-            &self.hypotheses,
-            &self.families,
-            set,
-        )
-    }
-}
-
 /// One hypothesis for each mechanism with its family; the entries that it frees are left empty.
 pub(super) fn hypotheses(mechanisms: &[Mechanism]) -> Vec<Hypothesis> {
     let kinds = kinds(mechanisms);
@@ -117,8 +56,9 @@ pub(super) fn hypotheses(mechanisms: &[Mechanism]) -> Vec<Hypothesis> {
     mechanisms.iter().map(of).collect()
 }
 
-/// Expansion of the likelihood about `arm` in the parameters of `mechanisms` and of `always`. `noises` is the noise
-/// model of each joint.
+/// Comparison of `mechanisms` on an expansion of the likelihood about `arm`, with one hypothesis for each in their order. It
+/// has the parameters of `always` and of those that `asked` marks; a physical parameter has an entry for each reason to
+/// differ. `noises` is the noise model of each joint.
 ///
 /// # Errors
 /// Arm that is unstable.
@@ -130,7 +70,7 @@ pub(super) fn expand(
     arm: &Arm,
     blocks: &[Track],
     noises: &[Noise],
-) -> Result<Expanded, Unstable> {
+) -> Result<Problem, Unstable> {
     let mut arm = arm.clone();
     for servo in &mut arm.servos {
         servo.lag = servo.lag.max(LEAST_LAG);
@@ -196,11 +136,9 @@ pub(super) fn expand(
         gradient: nalgebra::DVector::from_iterator(p, place.iter().map(|&k| gradient[k])),
         information: nalgebra::DMatrix::from_fn(p, p, |i, k| information[(place[i], place[k])]),
     };
-    Ok(Expanded {
-        quadratic,
-        priors,
-        always: (0..always.len()).collect(),
-        hypotheses,
-        families: families(given, mechanisms),
-    })
+    let always = (0..always.len()).collect();
+    let families = families(given, mechanisms);
+    Ok(Problem::new(
+        quadratic, priors, always, hypotheses, families,
+    ))
 }

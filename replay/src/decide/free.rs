@@ -22,7 +22,8 @@ pub struct Entry {
 /// to some per cent. Another integrator changes the effect of a gain by as much.
 pub const RELATIVE: f64 = 0.03;
 
-/// Part of Coulomb friction by which two simulators' laws of friction at standstill differ (a soft constraint creeps).
+/// Prior deviation of friction at standstill, as a part of Coulomb friction. Simulators differ by so much there, because
+/// a soft constraint creeps.
 pub const STANDSTILL: f64 = 0.1;
 
 /// Parameters that are free under every set of hypotheses, with their prior deviations. They are small model errors,

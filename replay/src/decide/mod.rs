@@ -23,8 +23,8 @@ use crate::given::Given;
 use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
 use effort::{LAST, SKETCH};
-use evidence::Decision;
-use expand::{Expanded, expand, families, hypotheses};
+use evidence::{Decision, Problem};
+use expand::{expand, families, hypotheses};
 use free::{Entry, always, pinned};
 use visited::{Visited, largest};
 
@@ -39,23 +39,23 @@ pub struct Found {
     pub fitted: Fitted,
     /// Free parameters of that fit, in the order of its coordinates.
     pub free: Vec<Free>,
-    /// Sets around it that were fitted.
+    /// Other sets that were fitted, most probable first.
     pub around: Vec<Neighbour>,
 }
 
-/// A set that was fitted beside the best one.
+/// Set of mechanisms that was fitted beside the most probable one.
 #[derive(Debug, Clone)]
 pub struct Neighbour {
-    /// Its mechanisms, indices increasing.
+    /// Mechanisms of the set, indices increasing.
     pub set: Vec<usize>,
-    /// Its fit.
+    /// Arm at the set's fit, with the step of what is scored.
     pub arm: Arm,
-    /// Its posterior probability relative to the best set's, at most 1.
+    /// Posterior probability of the set, divided by that of the most probable one; at most 1.
     pub weight: f64,
 }
 
 impl Found {
-    /// Joints on which something unknown is more probable than not, with its probability.
+    /// Joints on which something unknown is more probable than not, each with its inclusion probability.
     pub fn unknown(&self) -> Vec<(usize, f64)> {
         let of = |&m: &usize| {
             let own = &self.mechanisms[m];
@@ -66,7 +66,7 @@ impl Found {
         self.decision.set.iter().filter_map(of).collect()
     }
 
-    /// The listed mechanisms that have a name.
+    /// Mechanisms of the set that have a name: all but unknown torques.
     pub fn named(&self) -> Vec<usize> {
         let named = |m: &usize| self.mechanisms[*m].effect != Effect::Unknown;
         self.decision.set.iter().copied().filter(named).collect()
@@ -108,17 +108,19 @@ pub fn find(
     search.decide(visited, others, &mut stage)
 }
 
-/// A fitted set with its log posterior relative to that of the best, nats.
+/// Fitted set with its log posterior relative to that of the most probable one, nats.
 type Weighed = (Visited, f64);
 
-/// What a search needs.
+/// Search for the set of effects on one recording: what all its fits share.
 struct Search<'a> {
     given: &'a Given,
     replayed: &'a Replayed,
     mechanisms: Vec<Mechanism>,
+    /// Parameters that are free under every set.
     always: Vec<Entry>,
+    /// Error variance of each joint by its encoder's count, rad².
     floors: Vec<f64>,
-    /// Samples that make an independent one, before a fit has shown them.
+    /// Integrated autocorrelation time of the errors, samples, before a fit has shown it.
     correlation: f64,
 }
 
@@ -127,7 +129,7 @@ impl Search<'_> {
         &self.replayed.blocks
     }
 
-    /// Noise before a fit has shown its own.
+    /// Noise of each joint before a fit has shown its own.
     fn first(&self) -> Vec<Noise> {
         let of = |&floor: &f64| Noise {
             floor,
@@ -140,7 +142,7 @@ impl Search<'_> {
         free::free(self.given, &self.mechanisms, set, &self.always)
     }
 
-    /// Noise of the fit that leaves least: under it all sets are compared.
+    /// Noise of each joint in the fit with the lowest misfit. All sets are compared under it.
     fn common(&self, visited: &[Visited]) -> Result<Vec<Noise>, Unstable> {
         let first = self.first();
         let closest = visited
@@ -150,7 +152,7 @@ impl Search<'_> {
         noise(closest, self.blocks(), &self.floors)
     }
 
-    /// Log posterior of each set at its own fit, nats, up to a constant.
+    /// Log posterior of each fitted set under common noise, nats, up to a constant.
     fn values(&self, visited: &[Visited], noises: &[Noise]) -> Vec<f64> {
         visited.iter().map(|v| self.value(v, noises)).collect()
     }
@@ -164,7 +166,7 @@ impl Search<'_> {
         evidence::log_prior(&hypotheses(&self.mechanisms), &families, set)
     }
 
-    /// A set fitted from `about`.
+    /// Fit of `set` that starts from the values of the arm `about`.
     fn visit(
         &self,
         set: Vec<usize>,
@@ -179,7 +181,8 @@ impl Search<'_> {
         Ok(Visited { set, free, fitted })
     }
 
-    /// A set sketched from a fit of its neighbour, as long as it may reach the log posterior `least`.
+    /// Short fit of `set` that starts from the fit of a neighbour. It ends early where it cannot reach the log posterior
+    /// `least`, nats.
     fn sketch(
         &self,
         set: Vec<usize>,
@@ -195,7 +198,8 @@ impl Search<'_> {
         Ok(Visited { set, free, fitted })
     }
 
-    /// Decisions and fits in turn.
+    /// Sets that are found by deciding on an expansion and fitting what was decided in turn, at most `most` times, from
+    /// the set `set` with the arm `about`.
     fn rounds(
         &self,
         mut set: Vec<usize>,
@@ -221,22 +225,22 @@ impl Search<'_> {
         Ok(visited)
     }
 
-    /// Index of the most probable.
+    /// Index of the most probable fitted set.
     fn best(&self, visited: &[Visited]) -> Result<usize, Unstable> {
         let common = self.common(visited)?;
         Ok(largest(&self.values(visited, &common)))
     }
 
-    /// Something unknown on the joint that a fit explains least.
+    /// Mechanism of an unknown torque on the joint that a fit explains least.
     fn unknown(&self, fit: &Visited) -> Option<usize> {
         let joint = Some(fit.least_explained(&self.replayed.tracking));
         let own = |m: &Mechanism| m.effect == Effect::Unknown && m.joint == joint;
         self.mechanisms.iter().position(own)
     }
 
-    /// Expansion in all that has a name, and in what of `set` has none: an unknown torque has more parameters than all else
-    /// on its joint, and is looked for only where the others explain least.
-    fn expand(&self, about: &Arm, noises: &[Noise], set: &[usize]) -> Result<Expanded, Unstable> {
+    /// Comparison about an arm of all mechanisms with a name, and of the unknown torques in `set`. An unknown torque has
+    /// more parameters than all else on its joint, so that others are left out.
+    fn expand(&self, about: &Arm, noises: &[Noise], set: &[usize]) -> Result<Problem, Unstable> {
         let asked: Vec<bool> = (0..self.mechanisms.len())
             .map(|m| self.mechanisms[m].effect != Effect::Unknown || set.contains(&m))
             .collect();
@@ -252,7 +256,8 @@ impl Search<'_> {
         )
     }
 
-    /// Decides between fitted sets by the evidence of each at its own fit, and weighs what lies around the best.
+    /// Result of the search: the most probable of the fitted sets by the evidence of each at its own fit, with what lies
+    /// around it.
     fn decide(
         self,
         visited: Vec<Visited>,
@@ -304,8 +309,9 @@ impl Search<'_> {
         })
     }
 
-    /// Fitted sets with their log posteriors below that of the best, most probable first, and the noise. The best two are fitted and
-    /// compared at the step of what is scored: a longer one leaves errors of its own, which a cause may remove.
+    /// Fitted sets with their log posteriors relative to the best, most probable first, and the noise of each joint. The
+    /// best two are fitted again and compared at the step of what is scored: a longer step leaves errors of its own,
+    /// which a cause may remove.
     fn finely(
         &self,
         mut all: Vec<Weighed>,
@@ -338,7 +344,7 @@ impl Search<'_> {
         Ok((all, noises))
     }
 
-    /// Where the fit of a set starts: from an earlier fit of it or from that of a rival, whichever is better.
+    /// Arm from which a fit of `set` starts: its earlier fit `own` or that of a rival, whichever has the lower objective.
     fn nearer(&self, own: &Arm, set: &[usize], rival: &Visited, noises: &[Noise]) -> Arm {
         let free = self.free(set);
         let blocks = self.blocks();
@@ -356,7 +362,7 @@ impl Search<'_> {
     }
 }
 
-/// The arm as it is scored.
+/// Arm with the step of what is scored.
 fn scored(mut arm: Arm) -> Arm {
     arm.step = STEP;
     arm

@@ -8,8 +8,8 @@ use crate::parameter::Parameter;
 use crate::simulate::Track;
 use nalgebra::{DMatrix, DVector};
 
-/// Where a fit of `free` starts from a fit of `all`: with what is not free at its given value, and what stays free either as it
-/// was or moved as the fit's expansion says, whichever is better.
+/// Arm from which a fit of `free` starts, after the fit of `all`. What is not free has its given value. What stays free
+/// is as it was, or moved as the fit's expansion says, whichever has the lower objective.
 pub(super) fn start(
     given: &Given,
     fitted: &Fitted,
@@ -34,7 +34,8 @@ pub(super) fn start(
     }
 }
 
-/// `start`, a fit's arm with some parameters elsewhere, with all others where the fit's expansion then has its optimum.
+/// Arm `start`, in which some parameters of a fit were set to other values, with all others at the optimum that the fit's
+/// expansion then has. None where it has none.
 fn moved(start: &Arm, fitted: &Fitted, all: &[Free], free: &[Free]) -> Option<Arm> {
     let shift: Vec<f64> = all
         .iter()

@@ -39,7 +39,8 @@ pub fn refit(
     Ok(descend(&start, &free, blocks, noise, effort, None)?.arm)
 }
 
-/// Where the fit of another set starts. The search itself has fitted what lies around its answer, most of it not to the end.
+/// Arm from which the fit of another set starts: the search's own fit of that set, or one that is predicted from the
+/// found fit.
 fn start(
     given: &Given,
     replayed: &Replayed,
@@ -57,7 +58,8 @@ fn start(
     }
 }
 
-/// The same as thoroughly as what is decided.
+/// Fit with the mechanisms `set` instead of the found ones, with its free parameters, as thorough as that of what is
+/// decided. All tolerances stay free.
 ///
 /// # Errors
 /// The simulator as given is unstable.
@@ -76,7 +78,7 @@ pub fn refit_finely(
     Ok((free, fitted))
 }
 
-/// What was found without its unknown torques, fitted again: no simulator can be given a torque without a name.
+/// Result of the search without its unknown torques, fitted again. No simulator can be given a torque without a name.
 ///
 /// # Errors
 /// The simulator as given is unstable.

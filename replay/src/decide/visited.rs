@@ -2,24 +2,27 @@
 
 use crate::fit::{Fitted, Free, Noise, by_trajectory, evidence, likelihood, local, prior};
 
-/// Largest part of the departure from the commands that a joint without a gap leaves unexplained.
+/// Largest ratio of simulation error to tracking error of a joint without a gap.
 pub const SMALL: f64 = 0.05;
 
-/// A set that was fitted.
+/// Set of mechanisms that was fitted in the search.
 #[derive(Clone)]
 pub(super) struct Visited {
+    /// Mechanisms of the set, indices increasing.
     pub(super) set: Vec<usize>,
+    /// Free parameters of the fit, in the order of its coordinates.
     pub(super) free: Vec<Free>,
+    /// Fit in which the mechanisms of the set are free.
     pub(super) fitted: Fitted,
 }
 
 impl Visited {
-    /// Negative log likelihood, nats, up to a constant.
+    /// Negative log likelihood of the fit, nats, up to a constant.
     pub(super) fn misfit(&self, noises: &[Noise]) -> f64 {
         likelihood(&by_trajectory(&self.fitted.blocks), noises)
     }
 
-    /// Log evidence by Laplace's method, nats, up to a constant.
+    /// Log evidence of the set, nats, up to a constant: Laplace approximation at the set's own fit.
     pub(super) fn log_evidence(&self, noises: &[Noise]) -> f64 {
         let total = by_trajectory(&self.fitted.blocks);
         let value = likelihood(&total, noises) + prior(&self.free, &self.fitted.x);
@@ -30,14 +33,14 @@ impl Visited {
         evidence(&self.free, value, &precision)
     }
 
-    /// Whether no joint's error is more than a small part of its departure from the commands.
+    /// Whether every joint's RMS error is at most [`SMALL`] of its tracking error (`tracking`, rad).
     pub(super) fn explains(&self, tracking: &[f64]) -> bool {
         let samples: f64 = self.fitted.blocks.iter().map(|b| b.samples).sum();
         let least = |j: usize| self.fitted.blocks.iter().map(|b| b.squared[j]).sum::<f64>();
         (0..tracking.len()).all(|j| least(j) <= samples * (SMALL * tracking[j]).powi(2))
     }
 
-    /// The joint whose error is the largest part of its departure from the commands.
+    /// Index of the joint whose error is the largest part of its tracking error (`tracking`, rad).
     pub(super) fn least_explained(&self, tracking: &[f64]) -> usize {
         let squared = |j: usize| -> f64 {
             let all: f64 = self.fitted.blocks.iter().map(|b| b.squared[j]).sum();

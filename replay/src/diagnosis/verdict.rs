@@ -29,8 +29,8 @@ fn floors(replayed: &Replayed) -> Vec<f64> {
 /// Largest RMS error of a joint without a gap, as a multiple of its noise.
 const AT_FLOOR: f64 = 1.5;
 
-/// By joint whether more is left than noise and a small part of its departure from the commands. Where the simulator is given by
-/// earlier recordings, what it left of them is small.
+/// Whether each joint's error exceeds both its noise and a small part of its tracking error. Where the simulator was
+/// fitted to earlier recordings, errors as large as on those are small.
 pub(super) fn left(errors: &Errors, heldout: &Replayed, given: &Given) -> Vec<bool> {
     let floors = floors(heldout);
     let figures = figures(errors, heldout);

@@ -6,18 +6,19 @@ use crate::parameter::{Parameter, Scale};
 use crate::simulate::{Track, Unstable};
 use nalgebra::{DMatrix, DVector};
 
-/// Where a descent ends.
+/// End of a descent.
 pub struct Descent {
-    /// The arm at the lowest objective that is found.
+    /// Arm at the lowest objective that was found.
     pub arm: Arm,
-    /// Its coordinates.
+    /// Coordinates of that arm, in the order of the free parameters.
     pub x: Vec<f64>,
-    /// Sums of each block there; none where their sensitivities have not been computed.
+    /// Sums of each block at that arm; none where their sensitivities were not computed.
     pub(super) blocks: Option<Vec<Sums>>,
 }
 
-/// Descends from the values of the arm `start`. Where the evidence `least` has to be reached, a descent ends early if its
-/// last gain, made in each iteration that is left, would not reach it.
+/// Descent to a lower objective from the values of the arm `start`: [`super::fit`] without the expansion. Where the log
+/// evidence `least`, nats, has to be reached, it ends early once its last gain, repeated in every iteration left, would
+/// not reach it.
 ///
 /// # Errors
 /// The arm as given is unstable.
@@ -100,7 +101,7 @@ fn promised(curved: &DMatrix<f64>, slope: &DVector<f64>, x: &[f64], next: &[f64]
     -slope.dot(&step) - 0.5 * step.dot(&(curved * &step))
 }
 
-/// Where a step of a fit leads.
+/// Trial step of a descent.
 struct Step {
     arm: Arm,
     x: Vec<f64>,
@@ -109,7 +110,8 @@ struct Step {
 }
 
 impl Step {
-    /// None where the arm cannot be simulated.
+    /// Trial step to the coordinates `x`, with sensitivities for the parameters `asked`. None where that arm cannot be
+    /// simulated.
     fn to(
         arm: &Arm,
         free: &[Free],
@@ -136,7 +138,8 @@ impl Step {
     }
 }
 
-/// Damped step; what a bound holds stays there.
+/// Coordinates after one Levenberg-Marquardt step with damping `lambda`. `slope` and `curved` are gradient and Hessian of
+/// the objective. A coordinate at its bound zero that would cross it stays there.
 fn proposal(
     curved: &DMatrix<f64>,
     slope: &DVector<f64>,

@@ -223,8 +223,9 @@ fn integrated(series: &[Vec<f64>]) -> f64 {
     time
 }
 
-/// Negative log likelihood, nats: ½ Σ n ln(mean squared error + floor) over joints and trajectories, n independent samples
-/// each. What the model lacks shows in fast motions more than in slow ones, so that every trajectory has a variance of its own.
+/// Negative log likelihood, nats, up to a constant: ½ Σ n ln(mean squared error + floor) over joints and trajectories. n
+/// is the number of independent samples. Each trajectory has a variance of its own, because model errors are larger in
+/// fast motions than in slow ones.
 pub(crate) fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
     let of = |total: &Sums| -> f64 {
         let each = total.squared.iter().zip(noise).map(|(s, noise)| {
@@ -235,7 +236,7 @@ pub(crate) fn likelihood(trajectories: &[Sums], noise: &[Noise]) -> f64 {
     trajectories.iter().map(of).sum()
 }
 
-/// Negative log prior of coordinates, nats, up to a constant.
+/// Negative log prior of the coordinates `x`, nats, up to a constant.
 pub(crate) fn prior(free: &[Free], x: &[f64]) -> f64 {
     let each = free.iter().zip(x).filter_map(|(f, x)| {
         let (mean, deviation) = f.prior?;
@@ -244,7 +245,7 @@ pub(crate) fn prior(free: &[Free], x: &[f64]) -> f64 {
     each.sum()
 }
 
-/// Log evidence by Laplace's method, nats, up to a constant, from the objective at a fit and its Hessian there.
+/// Log evidence, nats, up to a constant: Laplace approximation from the objective at a fit and its Hessian there.
 pub(crate) fn evidence(free: &[Free], objective: f64, precision: &DMatrix<f64>) -> f64 {
     let deviations = free.iter().filter_map(|f| f.prior);
     let log_prior: f64 = deviations.map(|(_, deviation)| -deviation.ln()).sum();
@@ -308,7 +309,7 @@ pub fn objective(
     Ok(likelihood(&total, noise) + prior(free, &x))
 }
 
-/// Sums by trajectory.
+/// Sums of each trajectory, from those of its blocks.
 pub fn by_trajectory(blocks: &[Sums]) -> Vec<Sums> {
     let mut totals: Vec<Sums> = Vec::new();
     for block in blocks {

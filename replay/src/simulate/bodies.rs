@@ -6,7 +6,8 @@ use physics::dynamics::{inverse_dynamics, regressor_with_gravity};
 use physics::robot::PARAMETERS_PER_LINK;
 
 impl State<'_> {
-    /// Rigid bodies by payload, links and tilt.
+    /// Adds the derivatives of the rigid-body torques by encoder offsets, payload, link factors and tilt to the right-
+    /// hand side.
     #[inline(always)]
     pub(super) fn bodies_by_parameters(&mut self, h: f64) {
         let (n, p) = (self.arm.dof(), self.parameters.len());

@@ -205,8 +205,8 @@ struct State<'a> {
     acceleration: Vec<f64>,
     /// Torques by gravity, Coriolis and centrifugal forces and passive springs in this step, N values.
     bias: Vec<f64>,
-    /// Gravity torque at this step's true positions by the given description, N values, N·m (N). Every drive adds
-    /// the same part of it, `arm.gravity_compensation`, from 0 to 1.
+    /// Gravity torque at this step's true positions by the given description, N values, N·m (N). Every drive adds the
+    /// same part of it, `arm.gravity_compensation`.
     held: Vec<f64>,
     /// Mass matrix without rotor inertias, N × N.
     mass: Vec<f64>,
@@ -219,8 +219,9 @@ struct State<'a> {
     limits: Vec<f64>,
     /// Torque of each joint's drive in this step, with its derivatives.
     drives: Vec<Drive>,
-    /// By joint whether its smooth torque is needed, and that torque's functions.
+    /// Whether each joint's smooth unknown torque acts or is fitted.
     smooths: Vec<bool>,
+    /// Values of the functions of each joint's smooth unknown torque in this step.
     functions: Vec<[f64; FUNCTIONS]>,
 }
 
@@ -235,7 +236,7 @@ struct Drive {
     damping: f64,
     /// Share of all damping of the joint that acts on the velocity at the step's end.
     implicit: f64,
-    /// Torque by the start's velocity: what the gear transmits.
+    /// Torque at the velocity of the step's start, N·m, which the gear transmits: load-dependent friction grows with it.
     transmitted: f64,
     /// Derivative of the torque with respect to the command, or to −position; 0 where a limit acts.
     by_error: f64,
@@ -263,7 +264,7 @@ struct Drive {
     integrates: bool,
     /// Part of the Stribeck friction that is left at this velocity, 0 to 1.
     stribeck: f64,
-    /// Derivatives of the smooth torque by position and velocity.
+    /// Derivatives of the smooth unknown torque by position (N·m/rad) and velocity (N·m·s/rad).
     smooth_by: [f64; 2],
 }
 

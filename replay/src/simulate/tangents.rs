@@ -6,8 +6,8 @@ use crate::friction::Slip;
 use crate::parameter::Kind;
 use physics::dynamics::inverse_dynamics_derivatives;
 
-/// Sensitivities after a step, with the widest vectors of this processor; the sums keep their order. A closure in its place would
-/// not be compiled for them.
+/// One step of the sensitivities as a call that [`pulp`] compiles for the widest vectors of this processor; a closure
+/// would not be. Sums keep their order.
 pub(super) struct Tangents<'s, 'a> {
     pub(super) state: &'s mut State<'a>,
     pub(super) h: f64,
@@ -168,7 +168,7 @@ impl State<'_> {
         }
     }
 
-    /// The drives' torque by their own parameters.
+    /// Adds the derivatives of the drives' torques with respect to their own parameters.
     #[inline(always)]
     fn drives_by_parameters(&mut self) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
@@ -199,7 +199,8 @@ impl State<'_> {
         }
     }
 
-    /// Friction, rotor and unknown torque of a joint.
+    /// Adds the derivatives by friction, rotor inertia and unknown torque to the right-hand side. A joint at rest has
+    /// none.
     #[inline(always)]
     fn joints_by_parameters(&mut self, h: f64) {
         let p = self.parameters.len();

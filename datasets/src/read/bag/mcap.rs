@@ -6,27 +6,17 @@
 use super::bytes::Bytes;
 use super::source::{Channel, Definition, Sink, short};
 use crate::Problem;
+use crate::mcap::{MAGIC, op};
 use crc32fast::Hasher;
 use std::collections::HashMap;
 use std::io::{Read, Take};
 
-const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 /// Length of a record's head, bytes: opcode and length.
 const HEAD: usize = 9;
 /// Largest chunk once unpacked, bytes: guards against one that claims to be huge.
 const LARGEST: u64 = 1 << 30;
 /// Number of bytes skipped at a time.
 const PIECE: u64 = 1 << 20;
-
-/// Opcodes of the records that are looked into.
-mod op {
-    pub const FOOTER: u8 = 0x02;
-    pub const SCHEMA: u8 = 0x03;
-    pub const CHANNEL: u8 = 0x04;
-    pub const MESSAGE: u8 = 0x05;
-    pub const CHUNK: u8 = 0x06;
-    pub const DATA_END: u8 = 0x0f;
-}
 
 /// Reads a whole file.
 ///
