@@ -238,7 +238,8 @@ pub(crate) fn assemble(
             return Err(place(problem.in_file(file), row_of[t.range.start]));
         }
     }
-    if let Some(tau) = tables.get(&Group::Tau) {
+    // A torque that nothing needs may be as it is.
+    if let Some(tau) = tables.get(&Group::Tau).filter(|_| options.torque_needed) {
         let ranges: Vec<Range<usize>> = labelled.iter().map(|t| t.range.clone()).collect();
         if let Some((second, row)) = sources::second(tau, &ranges) {
             let zeros = second == sources::Second::Zeros;
@@ -257,6 +258,7 @@ pub(crate) fn assemble(
         qdd: tables.remove(&Group::Qdd),
         q_ref: tables.remove(&Group::QRef),
         qd_ref: tables.remove(&Group::QdRef),
+        tau_ff: tables.remove(&Group::TauFf),
         temp: tables.remove(&Group::Temp),
         ..Recording::new(
             &file.display().to_string(),

@@ -45,6 +45,8 @@ pub struct Recording {
     pub q_ref: Option<Array2<f64>>,
     /// Commanded velocity, rad/s (m/s), samples × joints.
     pub qd_ref: Option<Array2<f64>>,
+    /// Torque that the controller adds to its own law, N·m (N) at the joint, samples × joints.
+    pub tau_ff: Option<Array2<f64>>,
     /// Joint temperature, °C, samples × joints.
     pub temp: Option<Array2<f64>>,
     /// Low-pass that `tau` went through before it was stored.
@@ -88,6 +90,7 @@ impl Recording {
             tau,
             q_ref: None,
             qd_ref: None,
+            tau_ff: None,
             temp: None,
             torque_filter: None,
             notes: Vec::new(),
@@ -134,7 +137,7 @@ impl Recording {
     }
 
     /// The optional tables by name.
-    pub(crate) fn optional_tables(&self) -> [(&'static str, &Option<Array2<f64>>); 7] {
+    pub(crate) fn optional_tables(&self) -> [(&'static str, &Option<Array2<f64>>); 8] {
         [
             ("ql", &self.ql),
             ("qd", &self.qd),
@@ -142,6 +145,7 @@ impl Recording {
             ("tau", &self.tau),
             ("q_ref", &self.q_ref),
             ("qd_ref", &self.qd_ref),
+            ("tau_ff", &self.tau_ff),
             ("temp", &self.temp),
         ]
     }
@@ -238,6 +242,7 @@ impl Recording {
             tau: some(&self.tau),
             q_ref: some(&self.q_ref),
             qd_ref: some(&self.qd_ref),
+            tau_ff: some(&self.tau_ff),
             temp: some(&self.temp),
             torque_filter: self.torque_filter,
             notes: self.notes.clone(),
@@ -274,6 +279,7 @@ impl Recording {
             out.ql = some(&out.ql, &next.ql);
             out.q_ref = some(&out.q_ref, &next.q_ref);
             out.qd_ref = some(&out.qd_ref, &next.qd_ref);
+            out.tau_ff = some(&out.tau_ff, &next.tau_ff);
             out.temp = some(&out.temp, &next.temp);
             out.source = format!("{}, {}", out.source, next.source);
         }

@@ -16,7 +16,7 @@ from . import _residyn
 #: A recording as most functions take it: a path, or arrays.
 RecordingLike = Union[str, os.PathLike, "Recording"]
 
-_TABLES = ("q", "tau", "qd", "qdd", "ql", "q_ref", "qd_ref", "temp")
+_TABLES = ("q", "tau", "qd", "qdd", "ql", "q_ref", "qd_ref", "tau_ff", "temp")
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,7 @@ class Recording:
     ql: Optional[np.ndarray] = None
     q_ref: Optional[np.ndarray] = None
     qd_ref: Optional[np.ndarray] = None
+    tau_ff: Optional[np.ndarray] = None
     temp: Optional[np.ndarray] = None
     starts: Sequence[int] = (0,)
     labels: Optional[Sequence[str]] = None

@@ -38,8 +38,10 @@ class Law:
             raise InputError(f"the controller has no {', '.join(missing)}: {kind} needs it")
         return cls(kind, values)
 
-    def torque(self, error: np.ndarray, rate: np.ndarray, qd: np.ndarray, integral: np.ndarray, step: float) -> np.ndarray:
-        """Torque at an error of position and a commanded velocity; `integral` goes on by `step` s."""
+    def torque(
+        self, error: np.ndarray, rate: np.ndarray, qd: np.ndarray, integral: np.ndarray, step: float, added: Union[np.ndarray, float] = 0.0
+    ) -> np.ndarray:
+        """Torque at an error of position and a commanded velocity, with what the controller adds; `integral` goes on by `step` s."""
         v = self.values
         if self.kind == "pd":
             torque = v["kp"] * error + v["kd"] * (rate - qd)
@@ -51,8 +53,9 @@ class Law:
             integral += off * step
             torque = v["kp_velocity"] * off + v["ki_velocity"] * integral
         else:
-            torque = np.clip(v["torque_per_error"] * error, -v["voltage"], v["voltage"]) - v["back_emf"] * qd
-        return np.clip(torque, -v["limit"], v["limit"])
+            torque = np.clip(v["torque_per_error"] * error + added, -v["voltage"], v["voltage"]) - v["back_emf"] * qd
+            added = 0.0
+        return np.clip(torque + added, -v["limit"], v["limit"])
 
 
 def by_joint(controller: Mapping[str, Any], key: str, joints: int, default: float) -> np.ndarray:
@@ -120,7 +123,9 @@ class Replayed:
         own = np.zeros(count)
         driven = self.actuator[self.actuator >= 0]
         if hasattr(self.model, "actuator_delay"):
-            own[self.actuator >= 0] += self.model.actuator_delay[driven]
+            # MuJoCo keeps so many past controls and no more, whatever the time step.
+            kept = self.model.actuator_history[driven, 0] * self.model.opt.timestep
+            own[self.actuator >= 0] += np.minimum(self.model.actuator_delay[driven], kept)
         own[self.actuator >= 0] += np.where(self.model.actuator_dyntype[driven] > 0, self.model.actuator_dynprm[driven, 0], 0.0)
         self.delay = np.maximum(by_joint(controller, "delay", count, 0.0) - own, 0.0)
         #: What was set free or lost on the way; one line each.
@@ -154,7 +159,8 @@ class Replayed:
             part = slice(first, last)
             rates = None if recording.qd_ref is None else recording.qd_ref[part]
             start = np.zeros(recording.dof) if recording.qd is None else recording.qd[first]
-            simulated = self._roll(recording.time[part], recording.q[first], start, recording.q_ref[part], rates)
+            added = None if recording.tau_ff is None else recording.tau_ff[part]
+            simulated = self._roll(recording.time[part], recording.q[first], start, recording.q_ref[part], rates, added)
             out[part] = simulated - recording.q[part]
         return out
 
@@ -162,7 +168,8 @@ class Replayed:
         """Frees the controls of motors whose range the law along the recorded motion exceeds."""
         known = recording.qd is not None and recording.qd_ref is not None
         rate, qd = (recording.qd_ref, recording.qd) if known else (0.0, 0.0)
-        demand = np.abs(self.law.torque(recording.q_ref - recording.q, rate, qd, np.zeros(recording.dof), 0.0)).max(0)
+        added = 0.0 if recording.tau_ff is None else recording.tau_ff
+        demand = np.abs(self.law.torque(recording.q_ref - recording.q, rate, qd, np.zeros(recording.dof), 0.0, added)).max(0)
         for k, i in enumerate(self.actuator):
             if i < 0 or self.servo[k] or not self.model.actuator_ctrllimited[i]:
                 continue
@@ -181,7 +188,9 @@ class Replayed:
                 out[:, k] = table[np.maximum(np.searchsorted(time, at - delay, side="right") - 1, 0), k]
         return out
 
-    def _roll(self, time: np.ndarray, q: np.ndarray, qd: np.ndarray, q_ref: np.ndarray, qd_ref: Optional[np.ndarray]) -> np.ndarray:
+    def _roll(
+        self, time: np.ndarray, q: np.ndarray, qd: np.ndarray, q_ref: np.ndarray, qd_ref: Optional[np.ndarray], tau_ff: Optional[np.ndarray]
+    ) -> np.ndarray:
         """Positions at the instants `time` after a start at q, qd."""
         import mujoco
 
@@ -189,13 +198,24 @@ class Replayed:
         data = mujoco.MjData(model)
         data.time, data.qpos[self.qpos], data.qvel[self.dof] = time[0], q, qd
         count = int(np.ceil((time[-1] - time[0]) / step)) + 1
-        # A step has the command of its middle: none is half a step late.
-        middles = time[0] + (np.arange(count) + 0.5) * step
+        servo = self.actuator[self.servo]
+        kept = model.actuator_history[servo, 0] if hasattr(model, "actuator_history") else np.zeros(len(servo), dtype=int)
+        lead = int(kept.max(initial=0))
+        # A step has the command of its middle: none is half a step late. `lead` steps before the first one fill the delays of the model.
+        middles = time[0] + (np.arange(-lead, count) + 0.5) * step
         target = self._commands(time, q_ref, middles)
         rate = np.zeros_like(target) if qd_ref is None else self._commands(time, qd_ref, middles)
-        servo = self.actuator[self.servo]
+        added = np.zeros_like(target) if tau_ff is None else self._commands(time, tau_ff, middles)
         target += self.zero
         controls = target[:, self.servo] * model.actuator_gear[servo, 0]
+        if tau_ff is not None:
+            # A torque beside the servo's own, inside of its range of force: as much control as makes it.
+            controls += added[:, self.servo] / (model.actuator_gainprm[servo, 0] * model.actuator_gear[servo, 0])
+            model.actuator_ctrllimited[servo] = 0
+        for k in np.flatnonzero(kept):
+            times = time[0] + np.arange(-kept[k], 0) * step
+            mujoco.mj_initCtrlHistory(model, data, servo[k], times, controls[lead - kept[k] : lead, k : k + 1])
+        controls, target, rate, added = (table[lead:] for table in (controls, target, rate, added))
         motors = np.flatnonzero(~self.servo & (self.actuator >= 0))
         motor = self.actuator[motors]
         per_control = model.actuator_gainprm[motor, 0] * model.actuator_gear[motor, 0]
@@ -208,7 +228,7 @@ class Replayed:
             data.ctrl[servo] = controls[i]
             held = np.zeros(len(q)) if weight is None else self.held * self._weight(weight, data.qpos)
             drive = data.qfrc_actuator[self.dof] if self.law is None else self.law.torque(
-                target[i] - data.qpos[self.qpos], rate[i], data.qvel[self.dof], integral, step
+                target[i] - data.qpos[self.qpos], rate[i], data.qvel[self.dof], integral, step, added[i]
             )
             if self.law is not None:
                 data.ctrl[motor] = drive[motors] / per_control

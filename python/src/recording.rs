@@ -38,6 +38,7 @@ pub fn read_recording<'py>(
         ("ql", recording.ql),
         ("q_ref", recording.q_ref),
         ("qd_ref", recording.qd_ref),
+        ("tau_ff", recording.tau_ff),
         ("temp", recording.temp),
     ] {
         out.set_item(name, table.map(|t| t.into_pyarray(py)))?;
@@ -82,6 +83,7 @@ pub fn write_recording(
         ql: table("ql")?,
         q_ref: table("q_ref")?,
         qd_ref: table("qd_ref")?,
+        tau_ff: table("tau_ff")?,
         temp: table("temp")?,
         ..Recording::new("arrays", time, q, table("tau")?)
     };

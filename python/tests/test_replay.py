@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import residyn
-from test_verify_replay import JOINTS, SERVOS, model
+from residyn import verify_replay
+from test_verify_replay import JOINTS, SERVOS, model, recording
 
 
 @pytest.fixture(scope="module")
@@ -101,6 +102,66 @@ def day(path, seed, delay=0.02):
         for name, table in (("time", time + 20.0 * run), ("q", q), ("q_ref", q_ref)):
             tables[name].append(table)
     return residyn.Recording(**{name: np.concatenate(parts) for name, parts in tables.items()}, starts=[0, 600, 1200])
+
+
+def test_a_torque_that_the_controller_adds_is_replayed(tmp_path):
+    """With `tau_ff` the simulator as given is right, and without it is not; a measured torque beside it changes nothing."""
+    given = model(tmp_path / "given.xml", SERVOS.format(25, 1))
+    added = lambda time: np.stack([3.0 * np.sin(2.0 * time), 1.5 * np.sign(np.cos(3.0 * time))], axis=1)
+    whole = recording(given, 0.0, added=added)
+    # Rows of a second source, as no diagnosis of torque would take them.
+    whole = dataclasses.replace(whole, tau=np.where(np.arange(len(whole))[:, None] % 2, 0.0, 5.0) * np.ones((1, 2)))
+    robot = residyn.Robot(str(given), joints=JOINTS)
+    halves = [residyn.Recording(**{k: getattr(whole, k)[part] for k in ("time", "q", "q_ref", "tau", "tau_ff")}) for part in (slice(0, 300), slice(300, 600))]
+    known = residyn.replay(robot, *halves, fast=True)
+    assert known.verdict == "no_gap" and known.ladder[0].mean_unexplained < 0.03
+    bare = [dataclasses.replace(half, tau_ff=None) for half in halves]
+    assert residyn.replay(robot, *bare, fast=True).ladder[0].mean_unexplained > 0.3
+    mixed = residyn.replay(robot, halves[0], bare[1], fast=True)
+    assert any("tau_ff is in some recordings only" in note for note in mixed.notes)
+
+
+def test_a_delay_is_part_of_the_corrected_file(tmp_path):
+    """MuJoCo delays by itself, and comes to the report's figure without shifted commands."""
+    mujoco = pytest.importorskip("mujoco", reason="PyPI mujoco is not installed: nothing can be loaded in it")
+    given = model(tmp_path / "given.xml", SERVOS.format(40, 1))
+    # Encoders so noisy that what is left is theirs, but for the starts of the roll-outs: MuJoCo's friction creeps by a tenth of it otherwise.
+    heldout = day(given, 2, 0.047)
+    noise = np.random.default_rng(4).normal(0.0, 0.005, heldout.q.shape)
+    noise[np.arange(1800) % 600 < 10] = 0.0
+    heldout = dataclasses.replace(heldout, q=heldout.q + noise)
+    report = residyn.replay(residyn.Robot(str(given), joints=JOINTS), day(given, 1, 0.047), heldout, fast=True)
+    assert [c.effect for c in report.causes] == ["command_delay"]
+    written, left_out = report.patch(tmp_path / "corrected.xml")
+    assert not any("delay" in line for line in left_out), left_out
+    corrected = mujoco.MjModel.from_xml_path(str(written[0]))
+    np.testing.assert_allclose(corrected.actuator_delay, 0.047, atol=0.001)
+    _, (row,) = verify_replay.verify(written[0], heldout, report=report.raw)
+    said = report.raw["file_alone"]["mean_unexplained"]
+    for column in row.columns:
+        assert abs(column.unexplained.mean() / said - 1.0) < 0.05, (column, said)
+
+
+def test_executions_of_one_motion_are_the_floor(tmp_path):
+    """Two runs under the same commands: the last step of the ladder is how far they differ, and no simulator."""
+    given = model(tmp_path / "given.xml", SERVOS.format(40, 1))
+    noisy = np.random.default_rng(5).normal(0.0, 0.01, (600, 2))
+    # Roll-outs start from the recorded state.
+    noisy[np.arange(600) % 300 < 10] = 0.0
+    once = recording(given, 0.0)
+    rows = np.r_[0:300, 0:300]
+    twice = residyn.Recording(
+        time=np.r_[once.time[:300], once.time[:300] + 10.0], q=once.q[rows] + noisy, q_ref=once.q_ref[rows], starts=[0, 300]
+    )
+    fitted = residyn.Recording(time=once.time[300:], q=once.q[300:], q_ref=once.q_ref[300:])
+    report = residyn.replay(residyn.Robot(str(given), joints=JOINTS), fitted, twice, fast=True)
+    assert [step.step for step in report.ladder] == ["as_given", "repeatability"]
+    floor = report.ladder[-1]
+    np.testing.assert_allclose(floor.rmse, np.sqrt(0.5 * ((noisy[:300] - noisy[300:]) ** 2).mean(axis=0)), rtol=1e-9)
+    np.testing.assert_allclose(floor.unexplained, np.divide(floor.rmse, floor.tracking), rtol=1e-9)
+    # The simulator as given is as near as one execution is to another.
+    assert report.verdict == "no_gap" and report.ladder[0].mean_unexplained < 1.5 * floor.mean_unexplained
+    assert "Executions of one motion differ by" in str(report) and "repeatability" in report.to_html()
 
 
 def test_what_has_changed_between_two_days(tmp_path):

@@ -1,5 +1,6 @@
 """Commands replayed in MuJoCo: a recording by MuJoCo's own servos of another model, and the figures as given and corrected."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -30,14 +31,16 @@ def model(path, actuators, friction=0.3, damping=0.4):
     return path
 
 
-def recording(path, delay, control=None, rates=False):
-    """Two runs of 6 s at 50 Hz on one clock: the servos of `path` at 0.5 ms, each command held and `delay` s late, the finger in its place."""
+def recording(path, delay, control=None, rates=False, added=None):
+    """Two runs of 6 s at 50 Hz on one clock: the servos of `path` at 0.5 ms, each command held and `delay` s late, the finger in its place.
+    `added` (N·m, a function of time) is the torque that the controller adds, as late."""
     loaded = mujoco.MjModel.from_xml_path(str(path))
     loaded.opt.timestep = 5e-4
-    tables = {name: [] for name in ("time", "q", "qd", "q_ref", "qd_ref")}
+    tables = {name: [] for name in ("time", "q", "qd", "q_ref", "qd_ref", "tau_ff")}
     for run in range(2):
         time = np.arange(300) / 50.0
         angle = 2.0 * np.pi * np.array([[0.31, 0.53]]) * time[:, None] + run
+        tau_ff = np.zeros((300, 2)) if added is None else added(time)
         q_ref, qd_ref = 0.4 * np.sin(angle), 0.4 * 2.0 * np.pi * np.array([[0.31, 0.53]]) * np.cos(angle)
         # Steps, in which a delay is seen apart from damping.
         q_ref = q_ref + 0.2 * np.sign(np.sin(2.0 * np.pi * 0.4 * time))[:, None]
@@ -49,12 +52,15 @@ def recording(path, delay, control=None, rates=False):
             for k in range(40):
                 row = max(int(np.floor((i / 50.0 + (k + 0.5) * 5e-4 - delay) * 50.0)), 0)
                 data.ctrl[:] = q_ref[row] if control is None else control(q_ref[row], qd_ref[row], data)
+                data.qfrc_applied[:2] = tau_ff[row]
                 mujoco.mj_step(loaded, data)
                 data.qpos[2], data.qvel[2] = 0.0, 0.0
-        for name, table in (("time", time + 10.0 * run), ("q", q), ("qd", qd), ("q_ref", q_ref), ("qd_ref", qd_ref)):
+        for name, table in (("time", time + 10.0 * run), ("q", q), ("qd", qd), ("q_ref", q_ref), ("qd_ref", qd_ref), ("tau_ff", tau_ff)):
             tables[name].append(table)
     if not rates:
         del tables["qd_ref"]
+    if added is None:
+        del tables["tau_ff"]
     return residyn.Recording(**{name: np.concatenate(parts) for name, parts in tables.items()}, starts=[0, 300])
 
 
@@ -113,6 +119,38 @@ def test_motors_follow_the_drive_file(tmp_path, capsys):
     truth.write(data)
     assert verify.main(["--replay", "--robot", str(limited), "--data", str(data)]) == 2
     assert "no servo of position for lift, bend" in capsys.readouterr().err
+
+
+def test_a_delay_of_the_file_acts_there_alone(tmp_path):
+    """However many controls MuJoCo keeps: what the file does not delay, the commands are shifted by."""
+    servos = SERVOS.format(25, 1)
+    truth = recording(model(tmp_path / "truth.xml", servos), 0.0314)
+    said = {"delay": [0.0314, 0.0314]}
+    shifted = Replayed(tmp_path / "truth.xml", JOINTS, said, 1e-3)
+    assert (shifted.delay == 0.0314).all()
+    figure = unexplained(truth, shifted.errors(truth))
+    for kept, left in ((33, 0.0), (17, 0.0), (5, 0.0264)):
+        late = servos.replace("<position ", f'<position delay="0.0314" nsample="{kept}" interp="linear" ')
+        file = model(tmp_path / f"late{kept}.xml", late)
+        by_file = Replayed(file, JOINTS, said, 2e-3 if kept == 17 else 1e-3)
+        np.testing.assert_allclose(by_file.delay, left, atol=1e-12)
+        np.testing.assert_allclose(unexplained(truth, by_file.errors(truth)), figure, atol=0.004)
+    assert figure.max() < 0.02
+    # Without either of them the motion is another.
+    assert unexplained(truth, Replayed(tmp_path / "truth.xml", JOINTS, {}, 1e-3).errors(truth)).min() > 0.1
+
+
+def test_a_torque_that_the_controller_adds(tmp_path):
+    """By servos of the model, and by a law outside of it, as late as the commands."""
+    added = lambda time: np.stack([3.0 * np.sin(2.0 * time), 1.5 * np.sign(np.cos(3.0 * time))], axis=1)
+    servos = model(tmp_path / "servos.xml", SERVOS.format(25, 1))
+    truth = recording(servos, 0.02, added=added)
+    without = dataclasses.replace(truth, tau_ff=None)
+    motors = model(tmp_path / "motors.xml", MOTORS.replace("ctrlrange", 'ctrllimited="false" ctrlrange'))
+    law = {"kind": "pd", "kp": [25.0, 25.0], "kd": [1.0, 1.0], "delay": [0.02, 0.02]}
+    for path, controller in ((servos, {"delay": [0.02, 0.02]}), (motors, law)):
+        figures = [unexplained(r, Replayed(path, JOINTS, controller, 1e-3).errors(r)) for r in (truth, without)]
+        assert figures[0].max() < 0.03 and figures[1].min() > 0.2, figures
 
 
 def test_friction_that_holds(tmp_path):

@@ -18,8 +18,8 @@ pub enum Integral {
 
 /// Drive of one joint: a controller that turns commands into torque, with its limits.
 ///
-/// With e = command + offset − q and e_v = commanded velocity − q̇, the control output is u = kp·e + kd·e_v + ki·z,
-/// limited to ±`drive_limit`. The torque is u + gravity compensation − back_emf·q̇, limited to ±`limit`.
+/// With e = command + offset − q, e_v = commanded velocity − q̇ and τ_ff the torque that the controller adds where one is
+/// recorded, the control output is u = kp·e + kd·e_v + ki·z + τ_ff, limited to ±`drive_limit`. The torque is u + gravity compensation − back_emf·q̇, limited to ±`limit`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Servo {
     /// Proportional gain: torque per position error, N·m/rad (N/m). In a cascade it is the product of both loops'

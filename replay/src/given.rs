@@ -3,6 +3,7 @@
 use crate::arm::Arm;
 use crate::command::Interpolation;
 use crate::parameter::{Kind, Parameter};
+use model::spread::NINETY;
 
 /// Simulator as given: model, controller and how well each of their values is known.
 #[derive(Debug, Clone)]
@@ -74,6 +75,26 @@ impl Given {
         out
     }
 
+    /// Longest time, s, by which each joint follows a ramp of commands late by the given values: delays, and damping over
+    /// the proportional gain. Gains are at the ends of the 90 % intervals that their tolerances make. `rates`: the drives get
+    /// commanded velocities, so that their own damping does not slow a ramp.
+    pub fn lags(&self, rates: bool) -> Vec<f64> {
+        let arm = &self.arm;
+        let of = |j: usize| {
+            let (servo, joint) = (&arm.servos[j], &arm.joints[j]);
+            let reach = |kind: Kind| NINETY * self.tolerance(Parameter::new(kind, j));
+            let own = if rates {
+                0.0
+            } else {
+                servo.kd * (1.0 + reach(Kind::ServoDamping))
+            };
+            let back_emf = servo.back_emf * (1.0 + reach(Kind::Damping));
+            let damping = own + back_emf + joint.damping;
+            arm.late(j) + damping / servo.kp * reach(Kind::Gain).exp()
+        };
+        (0..arm.dof()).map(of).collect()
+    }
+
     /// Kind of the parameter that limits the torque of these drives: the voltage limit for `dc_servo`, else the torque
     /// limit.
     pub fn limit(&self) -> Kind {
@@ -82,5 +103,49 @@ impl Given {
         } else {
             Kind::Limit
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arm::{Integral, Servo};
+    use physics::robot::Robot;
+
+    #[test]
+    fn a_soft_drive_is_late_by_its_damping_over_its_gain() {
+        let robot = Robot::builtin("ur5").expect("built in");
+        let servo = Servo {
+            kp: 100.0,
+            kd: 20.0,
+            ki: 0.0,
+            integral: Integral::None,
+            back_emf: 0.0,
+            drive_limit: f64::INFINITY,
+            limit: f64::INFINITY,
+            delay: 0.01,
+            lag: 0.0,
+            offset: 0.0,
+        };
+        let mut arm = Arm::new(robot, vec![servo; 6]);
+        for joint in &mut arm.joints {
+            joint.damping = 5.0;
+        }
+        let mut given = Given {
+            arm,
+            tolerances: Vec::new(),
+            free: Vec::new(),
+            stated: true,
+            interpolation: Interpolation::Hold,
+            controller: "pd",
+            notes: Vec::new(),
+            earlier: None,
+        };
+        assert!((given.lags(false)[3] - 0.26).abs() < 1e-12);
+        assert!((given.lags(true)[3] - 0.06).abs() < 1e-12);
+        given.tolerances = vec![(Parameter::new(Kind::Gain, 3), 0.3)];
+        let late = 0.01 + 0.25 * (0.3 * NINETY).exp();
+        assert!((given.lags(false)[3] - late).abs() < 1e-12);
+        assert!((given.lags(false)[2] - 0.26).abs() < 1e-12);
     }
 }

@@ -102,7 +102,8 @@ impl Subject {
         let mut out: Option<Replayed> = None;
         let mut first = 0;
         for recording in recordings {
-            let replayed = prepare(recording, self.given.interpolation, first)?;
+            let lags = self.given.lags(recording.qd_ref.is_some());
+            let replayed = prepare(recording, self.given.interpolation, first, &lags)?;
             first += recording.trajectories.len();
             match &mut out {
                 Some(all) => all.join(replayed),

@@ -96,9 +96,15 @@ impl Job {
         for rows in [&fitted, &past] {
             refuse_overlap(rows, &measured[0]).map_err(InputError::from)?;
         }
-        if !past.is_empty() {
-            let mut before = subject.prepared(&past)?;
-            alike([&mut before, &mut data, &mut heldout]);
+        let mut before = match &past[..] {
+            [] => None,
+            past => Some(subject.prepared(past)?),
+        };
+        let mut all = vec![&mut data, &mut heldout];
+        all.extend(&mut before);
+        alike(&mut all);
+        subject.given.notes.extend(added_in_some(&all));
+        if let Some(before) = before {
             subject.given = earlier(&subject.given, &before, &mut stage)?;
         }
         let mut outcome = diagnose(&subject.given, &data, &heldout, self.fast, stage)?;
@@ -151,17 +157,22 @@ impl Done {
 
 /// Removes the commanded velocities of all recordings unless every one has them. A drive's damping would otherwise
 /// differ between them, as without commanded velocities it includes viscous friction.
-fn alike(all: [&mut Replayed; 3]) {
-    if all
-        .iter()
-        .all(|r| r.whole.iter().all(|t| t.rates.is_some()))
-    {
+fn alike(all: &mut [&mut Replayed]) {
+    let have = |r: &&mut Replayed| r.whole.iter().all(|t| t.rates.is_some());
+    if all.iter().all(have) {
         return;
     }
-    for track in all
-        .into_iter()
-        .flat_map(|r| r.whole.iter_mut().chain(&mut r.blocks))
-    {
-        track.rates = None;
+    for replayed in all {
+        let tracks = replayed.whole.iter_mut().chain(&mut replayed.blocks);
+        tracks.for_each(|track| track.rates = None);
     }
+}
+
+/// Note for the reader where only some recordings have the torque that the controller adds.
+fn added_in_some(all: &[&mut Replayed]) -> Option<String> {
+    let tracks = || all.iter().flat_map(|r| &r.whole);
+    let have = |t: &crate::simulate::Track| t.added.is_some();
+    (tracks().any(have) && !tracks().all(have)).then(|| {
+        "tau_ff is in some recordings only; the others are replayed as if the controller had added no torque".to_owned()
+    })
 }

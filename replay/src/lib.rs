@@ -11,6 +11,7 @@ mod command_line;
 pub mod decide;
 pub mod diagnosis;
 pub mod fit;
+mod floor;
 pub mod friction;
 pub mod given;
 pub mod input;

@@ -32,14 +32,18 @@ pub struct Patch {
 /// Corrected robot that the format cannot hold.
 pub fn patch(setup: &Setup, given: &Given, arm: &Arm, out: &Path) -> Result<Patch, PatchError> {
     let robot = corrected(arm)?;
-    let mut left_out = outside(given, arm);
+    let mut left_out = Vec::new();
     let mut files = match &setup.description {
         Description::Mjcf(mjcf) => {
-            let edited = mjcf.with_drives(&robot, &arm.zero, &edits(arm, mjcf)?)?;
+            let edits = edits(arm, mjcf)?;
+            let late: Vec<bool> = edits.iter().map(|e| e.delay.is_none()).collect();
+            left_out.extend(outside(given, arm, &late));
+            let edited = mjcf.with_drives(&robot, &arm.zero, &edits)?;
             left_out.extend(edited.left_out().iter().cloned());
             edited.files(out)?
         }
         Description::Urdf(urdf) => {
+            left_out.extend(outside(given, arm, &vec![true; arm.dof()]));
             left_out.extend(outside_urdf(arm));
             vec![(out.to_owned(), urdf.with(&Changed::of(&robot))?)]
         }
@@ -63,7 +67,7 @@ fn corrected(arm: &Arm) -> Result<Robot, RobotError> {
         .with_rotor_inertia(&each(|j| j.armature))
 }
 
-/// New gains and force limit of each joint's actuator in the MJCF. It is empty for actuators without gains (motors),
+/// New gains, force limit and delay of each joint's actuator in the MJCF. It is empty for actuators without gains (motors),
 /// whose gains stand in the drive file.
 fn edits(arm: &Arm, mjcf: &physics::robot::Mjcf) -> Result<Vec<DriveEdit>, RobotError> {
     let actuators = mjcf.actuators()?;
@@ -71,23 +75,26 @@ fn edits(arm: &Arm, mjcf: &physics::robot::Mjcf) -> Result<Vec<DriveEdit>, Robot
         .servos
         .iter()
         .zip(actuators)
-        .map(|(s, actuator)| {
-            if actuator.is_none_or(|a| a.gains().is_none()) {
+        .enumerate()
+        .map(|(j, (s, actuator))| {
+            let Some(actuator) = actuator.filter(|a| a.gains().is_some()) else {
                 return DriveEdit::default();
-            }
+            };
             let limit = s.limit.min(s.drive_limit);
             DriveEdit {
                 kp: Some(s.kp),
                 kv: Some(s.kd),
                 force: limit.is_finite().then_some([-limit, limit]),
+                // What the actuator smooths, it delays itself.
+                delay: Some((arm.late(j) - actuator.lag.unwrap_or(0.0)).max(0.0)),
             }
         })
         .collect())
 }
 
-/// Corrections in words that neither the model nor its actuators can hold: delays, command offsets, friction by load or
-/// at standstill, gravity compensation.
-fn outside(given: &Given, arm: &Arm) -> Vec<String> {
+/// Corrections in words that neither the model nor its actuators can hold: command offsets, friction by load or at
+/// standstill, gravity compensation, and the delays of those joints that `late` marks.
+fn outside(given: &Given, arm: &Arm, late: &[bool]) -> Vec<String> {
     let mut out = Vec::new();
     let names = arm.robot.joint_names();
     for (j, name) in names.iter().enumerate() {
@@ -100,11 +107,13 @@ fn outside(given: &Given, arm: &Arm) -> Vec<String> {
                 ));
             }
         };
-        say(
-            "delay of commands",
-            arm.late(j) - given.arm.late(j),
-            "s (shift the commands)",
-        );
+        if late[j] {
+            say(
+                "delay of commands",
+                arm.late(j) - given.arm.late(j),
+                "s (shift the commands)",
+            );
+        }
         say(
             "zero of the command",
             s.offset,

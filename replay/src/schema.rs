@@ -21,8 +21,8 @@ pub struct Report {
     /// Earlier recordings to which the simulator was fitted first. None where the simulator as given was diagnosed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
-    /// Errors on the held-out recording as the causes are added one by one: first the simulator as given, last with all
-    /// causes.
+    /// Errors on the held-out recording as the causes are added one by one: first the simulator as given, then with each
+    /// cause. The last step is [`REPEATABILITY`] where the recording repeats a motion.
     pub ladder: Vec<Step>,
     /// Errors and drives of the corrected model file alone, whose format holds no friction by load or at standstill.
     pub file_alone: FileAlone,
@@ -47,6 +47,16 @@ pub struct Report {
     pub notes: Vec<String>,
 }
 
+/// Name of the ladder's step that is no simulator: one execution of a motion stands for another.
+pub const REPEATABILITY: &str = "repeatability";
+
+impl Report {
+    /// Step of the corrected simulator: the ladder's last one that is a simulator.
+    pub fn corrected(&self) -> Option<&Step> {
+        self.ladder.iter().rfind(|s| s.step != REPEATABILITY)
+    }
+}
+
 /// Comparison of the robot with itself at an earlier time.
 #[derive(Debug, Clone, Serialize)]
 pub struct Compared {
@@ -57,8 +67,8 @@ pub struct Compared {
 /// Step of the ladder: the simulator with one more cause than at the step before.
 #[derive(Debug, Clone, Serialize)]
 pub struct Step {
-    /// Name of the step: `as_given` for the first, `tolerances` where only values within their tolerance changed, else
-    /// the added effect.
+    /// Name of the step: `as_given` for the first, `tolerances` where only values within their tolerance changed,
+    /// [`REPEATABILITY`], else the added effect.
     pub step: String,
     /// Errors of this step's simulator on the held-out recording.
     #[serde(flatten)]

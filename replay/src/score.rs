@@ -41,16 +41,24 @@ pub fn roll_out(arm: &Arm, replayed: &Replayed) -> Result<Errors, Unstable> {
 pub fn figures(all: &Errors, replayed: &Replayed) -> Figures {
     let n = replayed.tracking.len();
     let samples: usize = all.iter().map(|e| e.len() / n).sum();
-    let squared = by_joint(all, n);
+    let rmse: Vec<f64> = by_joint(all, n)
+        .iter()
+        .map(|squared| (squared / samples as f64).sqrt())
+        .collect();
+    of_rmse(&rmse, replayed)
+}
+
+/// Figures of an RMS error of each joint, rad (m).
+pub fn of_rmse(rmse: &[f64], replayed: &Replayed) -> Figures {
+    let n = replayed.tracking.len();
     let kept = |j: usize| replayed.moves[j] && replayed.tracking[j] > 0.0;
     let some = |j: usize, v: f64| kept(j).then_some(v);
-    let rmse = |j: usize| (squared[j] / samples as f64).sqrt();
     let unexplained: Vec<Option<f64>> = (0..n)
-        .map(|j| some(j, rmse(j) / replayed.tracking[j]))
+        .map(|j| some(j, rmse[j] / replayed.tracking[j]))
         .collect();
     let count = unexplained.iter().flatten().count();
     Figures {
-        rmse: (0..n).map(|j| some(j, rmse(j))).collect(),
+        rmse: (0..n).map(|j| some(j, rmse[j])).collect(),
         tracking: (0..n).map(|j| some(j, replayed.tracking[j])).collect(),
         mean_unexplained: (count > 0)
             .then(|| unexplained.iter().flatten().sum::<f64>() / count as f64),

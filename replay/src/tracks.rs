@@ -2,6 +2,7 @@
 
 use crate::check::{Unusable, check, range};
 use crate::command::{Command, Interpolation};
+use crate::floor::repeatability;
 use crate::simulate::Track;
 use datasets::Recording;
 use ndarray::{Array2, Axis, Slice};
@@ -28,6 +29,8 @@ pub struct Replayed {
     pub quantum: Vec<f64>,
     /// Whether the position or the command of each joint changes at all.
     pub moves: Vec<bool>,
+    /// RMS difference of one execution of a motion from another over √2, by joint, rad (m); none where no motion is repeated.
+    pub repeats: Option<Vec<f64>>,
 }
 
 impl Replayed {
@@ -41,6 +44,11 @@ impl Replayed {
             self.quantum[j] = self.quantum[j].max(other.quantum[j]);
             self.moves[j] |= other.moves[j];
         }
+        let larger = |(a, b): (&f64, &f64)| a.max(*b);
+        self.repeats = match (self.repeats.take(), other.repeats) {
+            (Some(a), Some(b)) => Some(a.iter().zip(&b).map(larger).collect()),
+            (one, more) => one.or(more),
+        };
         self.whole.extend(other.whole);
         let mut blocks = std::mem::take(&mut self.blocks);
         blocks.extend(other.blocks);
@@ -49,7 +57,7 @@ impl Replayed {
 }
 
 /// Checks a recording and prepares it. Its trajectories are numbered from `first` on, so that several recordings can be
-/// fitted together.
+/// fitted together. `lags` says how late each joint follows by what is given of its drive, s.
 ///
 /// # Errors
 /// Fault of the recording that makes a replay impossible or meaningless.
@@ -57,6 +65,7 @@ pub fn prepare(
     recording: &Recording,
     interpolation: Interpolation,
     first: usize,
+    lags: &[f64],
 ) -> Result<Replayed, Unusable> {
     let Some(command) = &recording.q_ref else {
         let source_name = recording.source.clone();
@@ -64,7 +73,7 @@ pub fn prepare(
     };
     let n = recording.dof();
     let quantum: Vec<f64> = (0..n).map(|j| quantum(recording, j)).collect();
-    check(recording, command, &quantum)?;
+    check(recording, command, &quantum, lags)?;
     let moves = (0..n)
         .map(|j| range(&recording.q, j) > 0.0 || range(command, j) > 0.0)
         .collect();
@@ -93,10 +102,12 @@ pub fn prepare(
             blocks.push(of(from..to));
         }
     }
+    let tracking: Vec<f64> = squared.iter().map(|s| (s / rows).sqrt()).collect();
     Ok(Replayed {
         whole,
         blocks: thinned(blocks),
-        tracking: squared.iter().map(|s| (s / rows).sqrt()).collect(),
+        repeats: repeatability(recording, command, &tracking),
+        tracking,
         quantum,
         moves,
     })
@@ -147,6 +158,7 @@ fn track(
             .collect(),
         commands: commands(command),
         rates: recording.qd_ref.as_ref().map(commands),
+        added: recording.tau_ff.as_ref().map(commands),
     }
 }
 

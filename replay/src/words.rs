@@ -1,18 +1,19 @@
 //! Report in words, for a terminal and for the page.
 
-use crate::schema::{Cause, Report, Step, Value};
+use crate::schema::{Cause, REPEATABILITY, Report, Step, Value};
 
 /// Verdict of the report in one sentence, with the error as given and as corrected.
 pub fn verdict(report: &Report) -> String {
     let part = |step: Option<&Step>| step.and_then(|s| s.figures.mean_unexplained);
-    let (first, last) = (part(report.ladder.first()), part(report.ladder.last()));
+    let (first, last) = (part(report.ladder.first()), part(report.corrected()));
+    let changed = report.corrected().is_some_and(|s| s.step != "as_given");
     let model = if report.compared.is_some() {
         "The robot as it was before"
     } else {
         "The simulator as given"
     };
     let figures = match (first, last) {
-        (Some(a), Some(b)) if report.ladder.len() > 1 => format!(
+        (Some(a), Some(b)) if changed => format!(
             "{model} leaves {:.0} % of the departure from the commands unexplained, the corrected one {:.0} %",
             100.0 * a,
             100.0 * b
@@ -102,6 +103,13 @@ pub fn lines(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<Strin
             let others: Vec<&str> = c.ambiguous_with.iter().map(|n| words(n)).collect();
             out.push(format!("     could also be: {}", others.join(", ")));
         }
+    }
+    let floor = report.ladder.iter().find(|s| s.step == REPEATABILITY);
+    if let Some(part) = floor.and_then(|s| s.figures.mean_unexplained) {
+        out.push(format!(
+            "Executions of one motion differ by {:.1} % of the departure from the commands.",
+            100.0 * part
+        ));
     }
     for unknown in &report.unknown {
         out.push(format!(

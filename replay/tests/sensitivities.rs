@@ -61,6 +61,7 @@ fn example() -> (Arm, Track) {
         start_velocity: (0..n).map(|j| rate(0.0, j)).collect(),
         commands: table(&wave),
         rates: Some(table(&rate)),
+        added: Some(table(&|t, j| 4.0 * (3.0 * t + j as f64).cos())),
         time,
     };
     (arm, track)
@@ -149,6 +150,7 @@ fn a_joint_rests_on_a_slope() {
         start_velocity: vec![0.0; n],
         commands: (0..n).map(|_| hold()).collect(),
         rates: None,
+        added: None,
         time: time.clone(),
     };
     let held = errors(&arm, &track).expect("stable");
@@ -156,6 +158,46 @@ fn a_joint_rests_on_a_slope() {
     arm.joints.iter_mut().for_each(|j| j.coulomb = 1.0);
     let fallen = errors(&arm, &track).expect("stable");
     assert!(fallen[99 * n + 1].abs() > 0.5, "without friction it falls");
+}
+
+#[test]
+fn an_added_torque_acts_late_and_inside_the_limit() {
+    let robot = Robot::builtin("ur5").expect("built in");
+    let n = robot.dof();
+    let mut own = servo();
+    (own.kp, own.kd, own.lag, own.delay, own.offset) = (500.0, 100.0, 0.0, 0.1, 0.0);
+    own.limit = 200.0;
+    let mut arm = Arm::new(robot, vec![own; n]);
+    arm.gravity_compensation = 1.0;
+    for joint in &mut arm.joints {
+        joint.armature = 1.0;
+    }
+    let time: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
+    let held = |value: &dyn Fn(f64) -> f64| {
+        let values = time.iter().map(|t| value(*t)).collect();
+        Command::new(&time, values, Interpolation::Hold)
+    };
+    let with = |torque: f64| {
+        let added = |j: usize| move |t: f64| if j == 1 && t >= 1.0 { torque } else { 0.0 };
+        let track = Track {
+            trajectory: 0,
+            q: Array2::zeros((time.len(), n)),
+            start_velocity: vec![0.0; n],
+            commands: (0..n).map(|_| held(&|_| 0.0)).collect(),
+            rates: None,
+            added: Some((0..n).map(|j| held(&added(j))).collect()),
+            time: time.clone(),
+        };
+        errors(&arm, &track).expect("stable")
+    };
+    let moved = with(5.0);
+    // Nothing before the delay is over, and at rest the drive's own law holds against it.
+    assert!(moved[109 * n + 1].abs() < 1e-12 && moved[112 * n + 1] > 1e-6);
+    let end = moved[499 * n + 1];
+    assert!((end - 5.0 / 500.0).abs() < 1e-5, "{end}");
+    // Beyond the limit of the drive more torque changes nothing.
+    let (much, more) = (with(1e4), with(2e4));
+    assert!((much[130 * n + 1] - more[130 * n + 1]).abs() < 1e-12);
 }
 
 #[test]

@@ -30,6 +30,12 @@ impl ColumnMap {
         torque: Vec<Affine>,
         time_scale: f64,
     ) -> Self {
+        // A torque that a controller adds is in SI units at the joint, so that only its direction may differ.
+        let direction = |c: &Affine| Affine {
+            scale: c.scale.signum(),
+            offset: 0.0,
+        };
+        let added = rate.iter().map(direction).collect();
         let units = [
             (Group::Q, &position),
             (Group::Ql, &position),
@@ -38,6 +44,7 @@ impl ColumnMap {
             (Group::Qdd, &rate),
             (Group::QdRef, &rate),
             (Group::Tau, &torque),
+            (Group::TauFf, &added),
         ];
         Self {
             names,

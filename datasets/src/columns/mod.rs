@@ -29,13 +29,15 @@ pub enum Group {
     QRef,
     /// Commanded joint velocity.
     QdRef,
+    /// Torque that a controller adds to its own law.
+    TauFf,
     /// Joint temperature.
     Temp,
 }
 
 impl Group {
     /// All groups, in the order in which they are written.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Q,
         Self::Ql,
         Self::Qd,
@@ -43,6 +45,7 @@ impl Group {
         Self::Tau,
         Self::QRef,
         Self::QdRef,
+        Self::TauFf,
         Self::Temp,
     ];
 
@@ -56,6 +59,7 @@ impl Group {
             Self::Tau => "tau",
             Self::QRef => "q_ref",
             Self::QdRef => "qd_ref",
+            Self::TauFf => "tau_ff",
             Self::Temp => "temp",
         }
     }

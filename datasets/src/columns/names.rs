@@ -159,6 +159,8 @@ enum Meaning {
     Unit(Unit),
     /// Makes a command of a measured quantity.
     Command,
+    /// Makes of a torque the part that a controller adds to its own law.
+    Added,
     /// Makes a rate of a position.
     Rate,
     Current,
@@ -194,6 +196,7 @@ fn meaning(word: &str) -> Meaning {
         "ref" | "reference" | "command" | "commands" | "commanded" | "cmd" | "target"
         | "targets" | "desired" | "des" | "goal" | "goals" | "setpoint" | "setpoints"
         | "action" | "actions" => M::Command,
+        "ff" | "feedforward" => M::Added,
         "dot" => M::Rate,
         "current" | "currents" => M::Current,
         "amp" | "amps" | "ampere" | "ma" => M::Unit(Unit::Current),
@@ -228,7 +231,7 @@ pub(super) fn said(name: &str, chain: &Chain) -> Option<Said> {
         .filter(|(i, w)| !own.contains(i) && w.number().is_none());
     let mut quantity = None;
     let mut unit = Unit::Usual;
-    let [mut command, mut rate, mut current, mut state] = [false; 4];
+    let [mut command, mut added, mut rate, mut current, mut state] = [false; 5];
     let [mut sec, mut nano] = [false; 2];
     let mut unknown = 0;
     for (_, word) in rest {
@@ -238,6 +241,7 @@ pub(super) fn said(name: &str, chain: &Chain) -> Option<Said> {
             Meaning::Quantity(_) | Meaning::Other => return None,
             Meaning::Unit(u) => unit = u,
             Meaning::Command => command = true,
+            Meaning::Added => added = true,
             Meaning::Rate => rate = true,
             Meaning::Current => current = true,
             Meaning::State => state = true,
@@ -272,6 +276,8 @@ pub(super) fn said(name: &str, chain: &Chain) -> Option<Said> {
         Quantity::Of(Group::Q) if rate && command => Quantity::Of(Group::QdRef),
         Quantity::Of(Group::Q) if rate => Quantity::Of(Group::Qd),
         _ if rate => return None,
+        Quantity::Of(Group::Tau) if added => Quantity::Of(Group::TauFf),
+        _ if added => return None,
         Quantity::Of(Group::Q) if command => Quantity::Of(Group::QRef),
         Quantity::Of(Group::Qd) if command => Quantity::Of(Group::QdRef),
         Quantity::Of(Group::Tau) if command => Quantity::CommandedTorque,
@@ -353,6 +359,8 @@ mod tests {
             ("goal_position_2", Group::QRef, 2),
             ("Torque J3 [Nm]", Group::Tau, 3),
             ("current_position_1", Group::Q, 1),
+            ("tau_ff_2", Group::TauFf, 2),
+            ("feedforward_torque[4]", Group::TauFf, 4),
         ] {
             assert_eq!(of(name, &none), (group, None, Some(number)), "{name}");
         }
@@ -362,6 +370,7 @@ mod tests {
             "position_x",
             "comment",
             "pos_err_1",
+            "q_ff_1",
             "tcp_speed_0",
         ] {
             assert_eq!(said(name, &none), None, "{name}");

@@ -56,6 +56,7 @@ impl ReadOptions {
             // Nothing else of such a file is read.
             (Group::QRef, "-{}"),
             (Group::QdRef, "-{}"),
+            (Group::TauFf, "-{}"),
         ];
         let mut options = Self {
             torque_needed: false,

@@ -23,6 +23,7 @@ impl<'a> Table<'a> {
             Group::Tau => recording.tau.as_ref(),
             Group::QRef => recording.q_ref.as_ref(),
             Group::QdRef => recording.qd_ref.as_ref(),
+            Group::TauFf => recording.tau_ff.as_ref(),
             Group::Temp => recording.temp.as_ref(),
         };
         Self {

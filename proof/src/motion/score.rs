@@ -4,6 +4,7 @@ use super::case::Sealed;
 use super::effects::Truth;
 use model::spread::NINETY;
 use replay::decide::tempered;
+use replay::schema::REPEATABILITY;
 use serde_json::Value;
 
 /// Verdict of a case whose recording `replay` refuses: no answer is right then.
@@ -103,6 +104,7 @@ pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
     let covered = covered(sealed, causes, report, &was);
     let gaps = report["ladder"].as_array().into_iter().flatten();
     let mean: Vec<f64> = gaps
+        .filter(|s| s["step"] != REPEATABILITY)
         .filter_map(|s| s["mean_unexplained"].as_f64())
         .collect();
     Score {

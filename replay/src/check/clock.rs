@@ -12,23 +12,31 @@ const PARTS: usize = 6;
 const PART: f64 = 5.0;
 
 /// Refuses commands whose clock is shifted against that of the positions, or runs at another rate. The delay is the
-/// median over the listed joints.
+/// median over the listed joints. `lags` says how late each joint follows by what is given of its drive, s.
 ///
 /// # Errors
-/// Delay that no drive has, or that grows evenly with time.
+/// Delay that no drive has, or not one of these, or that grows evenly with time.
 pub(super) fn clock(
     recording: &Recording,
     command: &Array2<f64>,
     joints: &[usize],
+    lags: &[f64],
 ) -> Result<(), Unusable> {
     let source_name = || recording.source.clone();
     let step = recording.median_step().max(FINEST);
-    let late = |rows: &Range<usize>| {
-        let all = joints.iter();
-        let all = all.map(|&j| Follows::over(recording, command, [j, j], rows).best);
-        let follow = all.filter(|(_, correlation)| *correlation > FOLLOWED);
-        signal::quantile::median(follow.map(|(late, _)| late).collect())
+    // Delay of each joint that follows, as it is and beyond what is given.
+    let delays = |rows: &Range<usize>| -> Vec<[f64; 2]> {
+        let of = |&j: &usize| {
+            let follows = Follows::over(recording, command, [j, j], rows, SLOWEST + lags[j]);
+            let (late, correlation) = follows.best;
+            (correlation > FOLLOWED).then_some([late, late - lags[j]])
+        };
+        joints.iter().filter_map(of).collect()
     };
+    let middle = |all: &[[f64; 2]], k: usize| {
+        signal::quantile::median(all.iter().map(|one| one[k]).collect())
+    };
+    let late = |rows: &Range<usize>| middle(&delays(rows), 0);
     let Some(longest) = recording.trajectories.iter().max_by_key(|t| t.range.len()) else {
         return Ok(());
     };
@@ -49,11 +57,14 @@ pub(super) fn clock(
             });
         }
     }
-    match late(&rows) {
-        Some(late) if late > SLOWEST || late < -2.0 * step => Err(Unusable::Clock {
-            source_name: source_name(),
-            late,
-        }),
+    let all = delays(&rows);
+    match (middle(&all, 0), middle(&all, 1)) {
+        (Some(late), Some(beyond)) if beyond > SLOWEST || late < -2.0 * step => {
+            Err(Unusable::Clock {
+                source_name: source_name(),
+                late,
+            })
+        }
         _ => Ok(()),
     }
 }
@@ -80,6 +91,29 @@ fn drift(parts: &[f64], step: f64) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Forty seconds at 50 Hz of a joint that follows a wave by `late` s.
+    fn followed(late: f64) -> (Recording, Array2<f64>) {
+        let time: Vec<f64> = (0..2000).map(|k| 0.02 * f64::from(k)).collect();
+        let wave = |t: f64| (0.9 * t).sin() + 0.4 * (2.1 * t).sin();
+        let table = |late: f64| Array2::from_shape_fn((2000, 1), |(r, _)| wave(time[r] - late));
+        let (q, command) = (table(late), table(0.0));
+        (Recording::new("made", time, q, None), command)
+    }
+
+    #[test]
+    fn a_drive_may_be_as_late_as_what_is_given_of_it() {
+        let (recording, command) = followed(0.64);
+        let checked = |lag: f64| clock(&recording, &command, &[0], &[lag]);
+        assert!(checked(0.3).is_ok());
+        let Err(Unusable::Clock { late, .. }) = checked(0.05) else {
+            panic!("0.64 s is more than 0.5 s beyond 0.05 s");
+        };
+        assert!((late - 0.64).abs() < 0.01, "{late}");
+        // Positions before their commands are no drive's, however slow it is.
+        let (recording, command) = followed(-0.2);
+        assert!(clock(&recording, &command, &[0], &[2.0]).is_err());
+    }
 
     #[test]
     fn even_growth_is_drift_and_a_jump_is_not() {

@@ -4,7 +4,7 @@ use datasets::Recording;
 use ndarray::Array2;
 use std::ops::Range;
 
-/// Longest delay from command to position that a drive is believed to have, s.
+/// Longest delay from command to position that a drive is believed to have beyond what is given of it, s.
 pub(super) const SLOWEST: f64 = 0.5;
 
 /// Largest delay that is tried in either direction, s.
@@ -23,17 +23,22 @@ pub(super) const FOLLOWED: f64 = 0.8;
 pub(super) struct Follows {
     /// Delay of the positions after the commands (s) at the largest correlation, and that correlation.
     pub(super) best: (f64, f64),
-    /// Largest and smallest correlation at the delays that a drive may have, 0 to `SLOWEST`.
+    /// Largest and smallest correlation at the delays that the drive may have, from 0 on.
     pub(super) drive: [f64; 2],
 }
 
 impl Follows {
     /// Correlation over the longest trajectory, for a pair of joints: the commanded one and the one whose position is
-    /// taken.
-    pub(super) fn of(recording: &Recording, command: &Array2<f64>, pair: [usize; 2]) -> Self {
+    /// taken. `slowest` is the longest delay that its drive may have, s.
+    pub(super) fn of(
+        recording: &Recording,
+        command: &Array2<f64>,
+        pair: [usize; 2],
+        slowest: f64,
+    ) -> Self {
         let longest = recording.trajectories.iter().max_by_key(|t| t.range.len());
         let range = longest.map_or(0..0, |t| t.range.clone());
-        Self::over(recording, command, pair, &range)
+        Self::over(recording, command, pair, &range, slowest)
     }
 
     /// Correlation of the positions of joint `moved` with the commands of joint `commanded`, over some rows.
@@ -42,6 +47,7 @@ impl Follows {
         command: &Array2<f64>,
         [commanded, moved]: [usize; 2],
         rows: &Range<usize>,
+        slowest: f64,
     ) -> Self {
         let step = recording.median_step();
         let every = (FINEST / step).round().max(1.0) as usize;
@@ -57,7 +63,7 @@ impl Follows {
         let best = (0..all.len())
             .max_by(|&a, &b| all[a].total_cmp(&all[b]))
             .unwrap_or(0);
-        let by_drive = |i: &usize| (0.0..=SLOWEST).contains(&lag(*i));
+        let by_drive = |i: &usize| (0.0..=slowest).contains(&lag(*i));
         let by_drive: Vec<f64> = (0..all.len()).filter(by_drive).map(|i| all[i]).collect();
         Self {
             best: (

@@ -6,7 +6,7 @@ mod unusable;
 
 use clock::clock;
 use datasets::Recording;
-use follows::{FOLLOWED, Follows, RELATED};
+use follows::{FOLLOWED, Follows, RELATED, SLOWEST};
 use ndarray::Array2;
 use std::f64::consts::PI;
 pub use unusable::Unusable;
@@ -27,7 +27,7 @@ pub(crate) fn range(table: &Array2<f64>, joint: usize) -> f64 {
 const HELD: f64 = 0.1;
 
 /// Refuses recordings whose replay is impossible or meaningless. `quantum` is the quantisation step of each joint's
-/// positions, rad; 0 for none.
+/// positions, rad; 0 for none. `lags` says how late each joint follows by what is given of its drive, s.
 ///
 /// # Errors
 /// First fault found, with what to do about it.
@@ -35,6 +35,7 @@ pub(crate) fn check(
     recording: &Recording,
     command: &Array2<f64>,
     quantum: &[f64],
+    lags: &[f64],
 ) -> Result<(), Unusable> {
     let source_name = || recording.source.clone();
     let n = recording.dof();
@@ -66,13 +67,13 @@ pub(crate) fn check(
             });
         }
     }
-    let own = |&j: &usize| Follows::of(recording, command, [j, j]);
+    let own = |&j: &usize| Follows::of(recording, command, [j, j], SLOWEST + lags[j]);
     let known: Vec<Follows> = both.iter().map(own).collect();
-    order(recording, command, &both, &known)?;
+    order(recording, command, &both, &known, lags)?;
     for (&j, follows) in both.iter().zip(&known) {
         unit_and_sign(recording, command, j, follows)?;
     }
-    clock(recording, command, &both)?;
+    clock(recording, command, &both, lags)?;
     let each = known.iter().map(|f| f.drive[0]).collect();
     if let Some(correlation) = signal::quantile::median(each).filter(|c| *c < RELATED) {
         return Err(Unusable::Unrelated {
@@ -122,6 +123,7 @@ fn order(
     command: &Array2<f64>,
     joints: &[usize],
     own: &[Follows],
+    lags: &[f64],
 ) -> Result<(), Unusable> {
     let apart = |a: usize, b: usize| {
         let pairs = command.column(a).into_iter().zip(recording.q.column(b));
@@ -139,7 +141,8 @@ fn order(
         if own.drive[0] > RELATED {
             return None;
         }
-        let (less, followed) = best(&|b| -Follows::of(recording, command, [a, b]).drive[0])?;
+        let follows = |b: usize| Follows::of(recording, command, [a, b], SLOWEST + lags[b]);
+        let (less, followed) = best(&|b| -follows(b).drive[0])?;
         (-less > FOLLOWED).then_some(followed)
     };
     let whose: Vec<(usize, Option<usize>)> = joints

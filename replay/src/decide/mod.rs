@@ -14,7 +14,6 @@ pub use effort::COARSE;
 pub use evidence::tempered;
 pub use free::{RELATIVE, STANDSTILL};
 pub use refit::{named, refit, refit_finely};
-pub use visited::SMALL;
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::{self, Effect, Mechanism, Sizes};

@@ -1,9 +1,7 @@
 //! Sets that were fitted, and how probable each is at its own fit.
 
 use crate::fit::{Fitted, Free, Noise, by_trajectory, evidence, likelihood, local, prior};
-
-/// Largest ratio of simulation error to tracking error of a joint without a gap.
-pub const SMALL: f64 = 0.05;
+use crate::floor::SMALL;
 
 /// Set of mechanisms that was fitted in the search.
 #[derive(Clone)]

@@ -18,8 +18,8 @@ use crate::catalogue::Effect;
 use crate::decide::{COARSE, Found, find, named, refit, refit_finely, tempered};
 use crate::fit::Effort;
 use crate::given::Given;
-use crate::schema::{Cause, FileAlone, JointParameters, Report, Step, UnknownJoint};
-use crate::score::{Errors, by_stretch, closed, figures, roll_out};
+use crate::schema::{Cause, FileAlone, JointParameters, REPEATABILITY, Report, Step, UnknownJoint};
+use crate::score::{Errors, by_stretch, closed, figures, of_rmse, roll_out};
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
 use physics::robot::JointKind;
@@ -177,6 +177,12 @@ pub fn diagnose(
         ladder.push(Step {
             step: TOLERANCES.to_owned(),
             figures: figures(&after, heldout),
+        });
+    }
+    if let Some(rmse) = &heldout.repeats {
+        ladder.push(Step {
+            step: REPEATABILITY.to_owned(),
+            figures: of_rmse(rmse, heldout),
         });
     }
     let report = Report {

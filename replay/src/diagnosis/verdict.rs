@@ -1,6 +1,6 @@
 //! Verdict of a diagnosis, from the errors that are left.
 
-use crate::decide::SMALL;
+use crate::floor::SMALL;
 use crate::given::Given;
 use crate::schema::{Cause, UnknownJoint};
 use crate::score::{Errors, figures};
@@ -29,10 +29,11 @@ fn floors(replayed: &Replayed) -> Vec<f64> {
 /// Largest RMS error of a joint without a gap, as a multiple of its noise.
 const AT_FLOOR: f64 = 1.5;
 
-/// Whether each joint's error exceeds both its noise and a small part of its tracking error. Where the simulator was
+/// Whether each joint's error exceeds both its floor and a small part of its tracking error. The floor is the difference
+/// between repeated motions, or else the noise. Where the simulator was
 /// fitted to earlier recordings, errors as large as on those are small.
 pub(super) fn left(errors: &Errors, heldout: &Replayed, given: &Given) -> Vec<bool> {
-    let floors = floors(heldout);
+    let floors = heldout.repeats.clone().unwrap_or_else(|| floors(heldout));
     let figures = figures(errors, heldout);
     let usual = |j: usize| given.earlier.as_ref().and_then(|e| e.unexplained[j]);
     let joints = figures.rmse.iter().zip(&figures.unexplained).enumerate();

@@ -230,6 +230,7 @@ mod tests {
                 Interpolation::Hold,
             )],
             rates: None,
+            added: None,
             time,
         };
         let found = steps(&track, 0);

@@ -4,7 +4,7 @@ mod following;
 
 use crate::catalogue::Effect;
 use crate::diagnosis::Outcome;
-use crate::schema::Report;
+use crate::schema::{REPEATABILITY, Report};
 use crate::simulate::Track;
 use crate::tracks::Replayed;
 use crate::words;
@@ -24,7 +24,7 @@ pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
     let mut page = Page::new(title).subtitle(words::verdict(report));
     for (label, step) in [
         ("as given", report.ladder.first()),
-        ("corrected", report.ladder.last()),
+        ("corrected", report.corrected()),
     ] {
         if let Some(part) = step.and_then(|s| s.figures.mean_unexplained) {
             let figure = KeyFigure::new(
@@ -186,7 +186,11 @@ fn ladder(report: &Report) -> Section {
             words => words.to_owned(),
         };
         if let Some(mean) = step.figures.mean_unexplained {
-            waterfall = waterfall.step(name.clone(), mean);
+            waterfall = if step.step == REPEATABILITY {
+                waterfall.floor(name.clone(), mean)
+            } else {
+                waterfall.step(name.clone(), mean)
+            };
         }
         let mut row = vec![
             Cell::text(name),

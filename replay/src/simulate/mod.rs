@@ -44,6 +44,8 @@ pub struct Track {
     pub commands: Vec<Command>,
     /// Commanded velocities of each joint; none where they are not recorded.
     pub rates: Option<Vec<Command>>,
+    /// Torque that the controller adds to its own law on each joint, N·m (N); none where it is not recorded.
+    pub added: Option<Vec<Command>>,
 }
 
 /// Reason why a simulation ended early.
@@ -193,8 +195,8 @@ struct State<'a> {
     rhs: Vec<f64>,
     /// Sensitivities of the drives' torques, N rows of P values.
     dtau: Vec<f64>,
-    /// Index of the last used command of each joint, for position and velocity.
-    hints: Vec<[usize; 2]>,
+    /// Index of the last used command of each joint, for position, velocity and added torque.
+    hints: Vec<[usize; 3]>,
     /// True positions of the bodies in this step, `q` plus encoder offsets, N values.
     body: Vec<f64>,
     /// Buffer for joint torques by a tilt, N values.
@@ -258,8 +260,8 @@ struct Drive {
     late_by_lag: f64,
     /// Change of the filtered command in the step, rad.
     to_smooth: f64,
-    /// Rate of change of the step's mean commanded velocity with time, rad/s².
-    commanded_velocity_rate: f64,
+    /// Rate of change with time of the torque by the step's mean commanded velocity and added torque, N·m/s.
+    torque_rate: f64,
     /// Whether the integral of the error changes in the step: the drive has one, and neither `drive_limit` nor `limit` acts.
     integrates: bool,
     /// Part of the Stribeck friction that is left at this velocity, 0 to 1.
@@ -324,7 +326,7 @@ impl<'a> State<'a> {
             dintegral: tangents(),
             rhs: tangents(),
             dtau: tangents(),
-            hints: vec![[0; 2]; n],
+            hints: vec![[0; 3]; n],
             body: zeros(),
             zero: zeros(),
             still: zeros(),

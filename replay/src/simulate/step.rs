@@ -92,7 +92,7 @@ impl State<'_> {
         let servo = &self.arm.servos[i];
         let mut out = Drive::default();
         let at = t - self.arm.delay - servo.delay - 0.5 * h;
-        let [hint, rate_hint] = &mut self.hints[i];
+        let [hint, rate_hint, added_hint] = &mut self.hints[i];
         let (take, late, late_by_lag) = filter(servo.lag, h);
         let (mean, rate) = self.track.commands[i].mean(at - late, h, hint);
         (out.take, out.command_rate, out.late_by_lag) = (take, rate, late_by_lag);
@@ -102,10 +102,14 @@ impl State<'_> {
             Some(rates) => rates[i].mean(at, h, rate_hint),
             None => (0.0, 0.0),
         };
-        out.commanded_velocity_rate = later;
+        let (added, added_later) = match &self.track.added {
+            Some(added) => added[i].mean(at, h, added_hint),
+            None => (0.0, 0.0),
+        };
+        out.torque_rate = servo.kd * later + added_later;
         out.error = command + servo.offset - self.q[i];
         out.velocity_error = commanded_velocity - self.v[i];
-        let fixed = servo.kp * out.error + servo.ki * self.integral[i];
+        let fixed = servo.kp * out.error + servo.ki * self.integral[i] + added;
         let wanted = fixed + servo.kd * out.velocity_error;
         if wanted.abs() > servo.drive_limit {
             out.drive_cut = wanted.signum();

@@ -139,8 +139,8 @@ impl State<'_> {
         sign * self.arm.joints[i].load * self.drives[i].transmitted.signum()
     }
 
-    /// Adds the derivatives of the filtered commands, and of the torques by commanded velocity, by delays and filter
-    /// time constants.
+    /// Adds the derivatives of the filtered commands, and of the torques by commanded velocity and added torque, by delays
+    /// and filter time constants.
     #[inline(always)]
     fn commands_by_parameters(&mut self) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
@@ -155,7 +155,7 @@ impl State<'_> {
                 if common || (parameter.kind == Kind::Delay && parameter.joint == i) {
                     self.dsmooth[at] -= drive.take * drive.command_rate;
                     if drive.drive_cut == 0.0 && drive.cut == 0.0 {
-                        self.dtau[at] -= servo.kd * drive.commanded_velocity_rate;
+                        self.dtau[at] -= drive.torque_rate;
                     }
                 }
                 if parameter.kind == Kind::Lag && parameter.joint == i && servo.lag > 0.0 {

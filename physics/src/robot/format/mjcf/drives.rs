@@ -1,4 +1,4 @@
-//! New gains and force ranges in the actuators of an MJCF.
+//! New gains, force ranges and delays in the actuators of an MJCF.
 
 use super::actuators::{self, Found, through};
 use super::chain::Chain;
@@ -18,7 +18,12 @@ pub struct DriveEdit {
     pub kv: Option<f64>,
     /// Range of the torque, N·m (N).
     pub force: Option<[f64; 2]>,
+    /// Delay with which the control of a servo of position reaches it, s.
+    pub delay: Option<f64>,
 }
+
+/// Shortest time step for which a written delay is kept whole, s: MuJoCo keeps controls by number, not by time.
+const SHORTEST: f64 = 1e-3;
 
 /// Writes `drives`, one per chosen joint, to the actuators' own elements; defaults stay as they are.
 pub(super) fn changes(
@@ -42,6 +47,9 @@ pub(super) fn changes(
                 gains(found, edit, joint, changes)?;
                 if let Some(range) = edit.force {
                     force(found, through(range, 1.0 / found.actuator.gear), changes);
+                }
+                if let Some(seconds) = edit.delay {
+                    delay(found, seconds, scene.settings.step, changes);
                 }
             }
             _ if *edit == DriveEdit::default() => {}
@@ -141,6 +149,19 @@ fn gains(
     Ok(())
 }
 
+/// Writes the delay of the actuator's control, s. MuJoCo takes it from past controls: from the line through them where
+/// `interp` says so, or else the next whole step is taken. `step` is the file's time step, s.
+fn delay(found: &Found<'_, '_, '_>, seconds: f64, step: f64, changes: &mut Changes) {
+    if found.actuator.delay.unwrap_or(0.0) == seconds {
+        return;
+    }
+    let kept = (seconds / step.min(SHORTEST)).ceil() + 1.0;
+    let element = found.attributes.element;
+    changes.set(element, "delay", &seconds.to_string());
+    changes.set(element, "nsample", &kept.to_string());
+    changes.set(element, "interp", "linear");
+}
+
 /// Writes the range of the actuator's force; that of a motor where it has it, in its control.
 fn force(found: &Found<'_, '_, '_>, range: [f64; 2], changes: &mut Changes) {
     let actuator = &found.actuator;
@@ -198,6 +219,7 @@ mod tests {
             kp: Some(kp),
             kv: Some(kv),
             force: Some([-force, force]),
+            delay: None,
         }
     }
 
@@ -300,6 +322,31 @@ mod tests {
             let (edit, text) = edited(&with(given), &[drive(5.0, 1.0, 3.0)]);
             assert_eq!((text, edit.left_out()), (with(written), &[] as &[String]));
         }
+    }
+
+    /// MuJoCo 4.0 loads these attributes and delays by them (`python/tests/test_verify_replay.py`).
+    #[test]
+    fn a_delay_keeps_enough_controls() {
+        let late = |delay: f64| DriveEdit {
+            delay: Some(delay),
+            ..DriveEdit::default()
+        };
+        let (edit, text) = edited(SERVOS, &[late(0.0154), late(0.0)]);
+        assert_eq!(edit.left_out(), &[] as &[String]);
+        assert!(
+            text.contains(r#"ctrlrange="-1.9 1.9" delay="0.0154" nsample="17" interp="linear"/>"#),
+            "{text}"
+        );
+        let read = actuators(&text);
+        let delays = read.iter().flatten().map(|a| a.delay);
+        assert_eq!(delays.collect::<Vec<_>>(), [Some(0.0154), None]);
+        // Of a file that has one already, and a finer step.
+        let fine = text.replace("<default>", r#"<option timestep="0.0005"/><default>"#);
+        let (_, text) = edited(&fine, &[late(0.01), late(0.0)]);
+        assert!(
+            text.contains(r#"delay="0.01" nsample="21" interp="linear"/>"#),
+            "{text}"
+        );
     }
 
     /// As the Z1's authors have it: motors, whose limits are those of their controls.

@@ -45,6 +45,8 @@ pub(super) struct Settings {
     pub gravity: Vector3<f64>,
     /// Whether a flag switches gravity off, whatever its vector.
     pub weightless: bool,
+    /// Time step of the simulation, s.
+    pub step: f64,
     /// Density and viscosity of the medium.
     pub medium: [f64; 2],
     /// Whether springs, dampers and dry friction act.
@@ -68,6 +70,7 @@ impl Settings {
             least_mass: 0.0,
             least_inertia: 0.0,
             gravity: STANDARD_GRAVITY,
+            step: 0.002,
             weightless: false,
             medium: [0.0, 0.0],
             springs: true,
@@ -150,6 +153,7 @@ impl Settings {
                 )));
             }
         }
+        self.step = a.number("timestep")?.unwrap_or(self.step);
         self.medium[0] = a.number("density")?.unwrap_or(self.medium[0]);
         self.medium[1] = a.number("viscosity")?.unwrap_or(self.medium[1]);
         Ok(())
