@@ -93,6 +93,9 @@ pub struct Arm {
     pub link_scale: Vec<f64>,
     /// Rotation of the base about its own x and y axes, rad, as `diagnose` states it: gravity turns the other way.
     pub tilt: [f64; 2],
+    /// Turn of each joint's link per turn of another joint's motor, N rows of N values: row of the link, column of the
+    /// motor. The link turns by so much less than its own motor, at which its encoder, drive and friction are.
+    pub coupling: Vec<f64>,
     /// Encoder offset of each joint, rad: recorded position plus offset is the true position.
     pub zero: Vec<f64>,
     /// Given damping gain of each joint's drive where only its sum with viscous friction can be fitted, else 0. Of that
@@ -131,6 +134,7 @@ impl Arm {
             payload: [0.0; 5],
             link_scale: vec![1.0; n],
             tilt: [0.0; 2],
+            coupling: vec![0.0; n * n],
             zero: vec![0.0; n],
             shared: vec![0.0; n],
             step: STEP,
@@ -177,6 +181,7 @@ impl Arm {
             Kind::Payload(k) => self.payload[k],
             Kind::LinkScale => self.link_scale[p.joint],
             Kind::Tilt(k) => self.tilt[k],
+            Kind::Coupling(motor) => self.coupling[p.joint * self.dof() + motor],
             Kind::Zero => self.zero[p.joint],
             Kind::Unknown(k) => j.unknown.coefficients[k],
         }
@@ -188,6 +193,7 @@ impl Arm {
     /// Inertial parameters that make no valid robot.
     pub fn set(&mut self, values: &[(Parameter, f64)]) -> Result<(), RobotError> {
         let mut bodies = false;
+        let n = self.dof();
         for &(p, value) in values {
             bodies |= p.kind.is_body();
             let (s, j) = (&mut self.servos[p.joint], &mut self.joints[p.joint]);
@@ -215,6 +221,7 @@ impl Arm {
                 Kind::Payload(k) => self.payload[k] = value,
                 Kind::LinkScale => self.link_scale[p.joint] = value,
                 Kind::Tilt(k) => self.tilt[k] = value,
+                Kind::Coupling(motor) => self.coupling[p.joint * n + motor] = value,
                 Kind::Zero => self.zero[p.joint] = value,
                 Kind::Unknown(k) => j.unknown.coefficients[k] = value,
             }

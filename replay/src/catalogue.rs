@@ -38,13 +38,15 @@ pub enum Effect {
     EncoderOffset,
     /// Direction of gravity in the base frame differs, because the base is tilted.
     BaseTilt,
+    /// Link of the joint turns with the motor of a neighbouring joint, too.
+    JointCoupling,
     /// Smooth torque on the joint that no other effect explains.
     Unknown,
 }
 
 impl Effect {
     /// All effects but the unknown torque: those that the search compares by name.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::ServoGain,
         Self::ServoDamping,
         Self::CommandDelay,
@@ -58,6 +60,7 @@ impl Effect {
         Self::Payload,
         Self::EncoderOffset,
         Self::BaseTilt,
+        Self::JointCoupling,
     ];
 
     /// Name of the effect in the report, such as `servo_gain`.
@@ -76,6 +79,7 @@ impl Effect {
             Self::Payload => "payload",
             Self::EncoderOffset => "encoder_offset",
             Self::BaseTilt => "base_tilt",
+            Self::JointCoupling => "joint_coupling",
             Self::Unknown => "unknown",
         }
     }
@@ -96,6 +100,7 @@ impl Effect {
             Self::Payload => "payload at the last link",
             Self::EncoderOffset => "zero of the joint or of its command",
             Self::BaseTilt => "tilt of the base",
+            Self::JointCoupling => "coupling to another joint's motor",
             Self::Unknown => "an effect that the catalogue lacks",
         }
     }
@@ -120,6 +125,17 @@ pub struct Mechanism {
     pub joint: Option<usize>,
     /// Parameters that the hypothesis frees, each with its prior standard deviation.
     pub parameters: Vec<Sized>,
+}
+
+impl Mechanism {
+    /// Index of the joint whose motor turns this mechanism's link, too; none but for a coupling.
+    pub fn driver(&self) -> Option<usize> {
+        let of = |sized: &Sized| match sized.parameter.kind {
+            Kind::Coupling(motor) => Some(motor),
+            _ => None,
+        };
+        self.parameters.iter().find_map(of)
+    }
 }
 
 /// Typical torque, inertia and speed of each joint in the recorded motion. Prior deviations of effects are multiples of
@@ -317,6 +333,16 @@ pub fn mechanisms(given: &Given, replayed: &Replayed, sizes: &Sizes) -> Vec<Mech
             &[(Kind::Offset, 0.05), (Kind::Zero, 0.05)],
         );
         add(Effect::LinkParameters, Some(j), &[(Kind::LinkScale, 0.3)]);
+        // Wheels of one size would make a whole turn per turn. Motors are coupled along the arm, from a joint to the next.
+        for motor in [j.wrapping_sub(1), j + 1] {
+            if motor < n && replayed.moves[motor] {
+                add(
+                    Effect::JointCoupling,
+                    Some(j),
+                    &[(Kind::Coupling(motor), 0.3)],
+                );
+            }
+        }
         let limit = arm.get(Parameter::new(given.limit(), j));
         if limit.is_finite() {
             add(Effect::EffortLimit, Some(j), &[(given.limit(), FACTOR)]);

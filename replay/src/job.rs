@@ -151,7 +151,8 @@ impl Done {
     /// Corrected robot that the format cannot hold.
     pub fn patch(&self, out: &Path) -> Result<Patch, PatchError> {
         let subject = &self.subject;
-        patch(&subject.setup, &subject.given, &self.outcome.held, out)
+        let arms = [&self.outcome.held, &self.outcome.corrected];
+        patch(&subject.setup, &subject.given, arms, out)
     }
 }
 

@@ -44,6 +44,9 @@ pub enum Kind {
     LinkScale,
     /// Rotation of the base about its x axis (index 0) or y axis (1), rad.
     Tilt(usize),
+    /// Turn of the joint's link per turn of the motor of another joint, whose index this is: by so much less than its own
+    /// motor the link turns.
+    Coupling(usize),
     /// Encoder offset of the joint, rad: recorded position plus offset is the true position.
     Zero,
     /// Coefficient, N·m, of one of the smooth functions that stand for an unknown torque on the joint; the index
@@ -96,9 +99,12 @@ impl Kind {
             | Self::Armature
             | Self::GravityCompensation
             | Self::Payload(0 | 4) => Scale::Positive,
-            Self::Offset | Self::Payload(_) | Self::Tilt(_) | Self::Zero | Self::Unknown(_) => {
-                Scale::Free
-            }
+            Self::Offset
+            | Self::Payload(_)
+            | Self::Tilt(_)
+            | Self::Coupling(_)
+            | Self::Zero
+            | Self::Unknown(_) => Scale::Free,
         }
     }
 }

@@ -25,25 +25,31 @@ pub struct Patch {
     pub left_out: Vec<String>,
 }
 
-/// Files of the corrected arm: the description with its values, a drive file, and the values for Isaac Lab and Newton.
-/// `out` is the path of the description, and the others are named after it. Nothing is written here.
+/// Files of the corrected arm `arm`: the description with its values, a drive file, and the values for Isaac Lab and Newton.
+/// `out` is the path of the description, and the others are named after it. `whole` has every cause, also what no file
+/// holds. Nothing is written here.
 ///
 /// # Errors
 /// Corrected robot that the format cannot hold.
-pub fn patch(setup: &Setup, given: &Given, arm: &Arm, out: &Path) -> Result<Patch, PatchError> {
+pub fn patch(
+    setup: &Setup,
+    given: &Given,
+    [arm, whole]: [&Arm; 2],
+    out: &Path,
+) -> Result<Patch, PatchError> {
     let robot = corrected(arm)?;
     let mut left_out = Vec::new();
     let mut files = match &setup.description {
         Description::Mjcf(mjcf) => {
             let edits = edits(arm, mjcf)?;
             let late: Vec<bool> = edits.iter().map(|e| e.delay.is_none()).collect();
-            left_out.extend(outside(given, arm, &late));
+            left_out.extend(outside(given, [arm, whole], &late));
             let edited = mjcf.with_drives(&robot, &arm.zero, &edits)?;
             left_out.extend(edited.left_out().iter().cloned());
             edited.files(out)?
         }
         Description::Urdf(urdf) => {
-            left_out.extend(outside(given, arm, &vec![true; arm.dof()]));
+            left_out.extend(outside(given, [arm, whole], &vec![true; arm.dof()]));
             left_out.extend(outside_urdf(arm));
             vec![(out.to_owned(), urdf.with(&Changed::of(&robot))?)]
         }
@@ -93,12 +99,12 @@ fn edits(arm: &Arm, mjcf: &physics::robot::Mjcf) -> Result<Vec<DriveEdit>, Robot
 }
 
 /// Corrections in words that neither the model nor its actuators can hold: command offsets, friction by load or at
-/// standstill, gravity compensation, and the delays of those joints that `late` marks.
-fn outside(given: &Given, arm: &Arm, late: &[bool]) -> Vec<String> {
+/// standstill and couplings of the arm `whole`, gravity compensation, and the delays of those joints that `late` marks.
+fn outside(given: &Given, [arm, whole]: [&Arm; 2], late: &[bool]) -> Vec<String> {
     let mut out = Vec::new();
     let names = arm.robot.joint_names();
     for (j, name) in names.iter().enumerate() {
-        let (s, joint) = (&arm.servos[j], &arm.joints[j]);
+        let (s, joint) = (&arm.servos[j], &whole.joints[j]);
         let mut say = |what: &str, value: f64, unit: &str| {
             if value != 0.0 {
                 out.push(format!(
@@ -121,6 +127,10 @@ fn outside(given: &Given, arm: &Arm, late: &[bool]) -> Vec<String> {
         );
         say("Stribeck friction", joint.stribeck, "N·m");
         say("friction per torque", joint.load, "");
+        for (driver, motor) in names.iter().enumerate() {
+            let ratio = whole.coupling[j * names.len() + driver];
+            say(&format!("turn of its motor per turn of {motor}"), ratio, "");
+        }
     }
     if arm.gravity_compensation != given.arm.gravity_compensation {
         out.push(format!(

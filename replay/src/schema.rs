@@ -121,6 +121,9 @@ pub struct Cause {
     pub kind: &'static str,
     /// Names of the joints that the effect acts on; all joints for an effect of the whole arm.
     pub joints: Vec<String>,
+    /// Name of the joint whose motor turns these joints' links, too; none but for a coupling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driver: Option<String>,
     /// Posterior inclusion probability of the effect, 0 to 1; that of the least probable joint where there are several.
     pub confidence: f64,
     /// Share, 0 to 1, of this cause in the squared error that the causes remove on the held-out recording. Each cause's

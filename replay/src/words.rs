@@ -50,8 +50,12 @@ pub fn cause(cause: &Cause, words: &str) -> String {
     } else {
         ", not confirmed on held-out data"
     };
+    let driver = cause
+        .driver
+        .as_ref()
+        .map_or(String::new(), |j| format!(", driven by {j}"));
     format!(
-        "{words} on {}: removes {:.0} % of the squared error there ({:.0} to {:.0} %), probability {:.2}{confirmed}",
+        "{words} on {}{driver}: removes {:.0} % of the squared error there ({:.0} to {:.0} %), probability {:.2}{confirmed}",
         cause.joints.join(", "),
         100.0 * cause.gap_closed,
         100.0 * low,

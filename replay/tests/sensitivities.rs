@@ -81,6 +81,8 @@ fn sensitivities_are_differences_of_replays() {
         Kind::Delay,
         Kind::Zero,
         Kind::LinkScale,
+        Kind::Coupling(1),
+        Kind::Coupling(3),
         Kind::StribeckVelocity,
         Kind::Unknown(1),
     ];
@@ -98,6 +100,8 @@ fn sensitivities_are_differences_of_replays() {
     arm.set(&[
         (Parameter::new(Kind::Payload(0), 0), 1.0),
         (Parameter::new(Kind::Payload(1), 0), 0.1),
+        (Parameter::new(Kind::Coupling(1), 2), 0.2),
+        (Parameter::new(Kind::Coupling(4), 5), -0.3),
     ])
     .expect("a body");
     parameters.push(Parameter::new(Kind::Payload(0), 0));

@@ -26,7 +26,7 @@ SEEN = 0.1  # part of the departure from the commands that an effect changes at 
 FARTHEST = 1.5  # from its command, rad (m)
 SINGLES = (
     "servo_gain", "command_delay", "joint_delay", "effort_limit", "gravity_compensation", "friction_parameters", "stribeck_friction",
-    "load_dependent_friction", "rotor_inertia", "encoder_offset", "payload", "base_tilt", "link_parameters",
+    "load_dependent_friction", "rotor_inertia", "encoder_offset", "payload", "base_tilt", "link_parameters", "joint_coupling",
 )  # fmt: skip
 OUTSIDE = ("detent", "cross_drag")
 
@@ -80,6 +80,13 @@ class Real:
         # MuJoCo compensates gravity where a body asked for it when the model was compiled.
         for body in spec.bodies[1:]:
             body.gravcomp = 1e-9
+        # A motor that another joint turns, too, pulls a tendon over both; without a ratio its own joint alone.
+        for driven, name in enumerate(arm.names):
+            for driver in (driven - 1, driven + 1):
+                if 0 <= driver < arm.n:
+                    tendon = spec.add_tendon(name=f"{driven} {driver}")
+                    tendon.wrap_joint(name, 1.0)
+                    tendon.wrap_joint(arm.names[driver], 0.0)
         spec.option.timestep = STEP
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
         self.model = spec.compile()
@@ -94,11 +101,18 @@ class Real:
         m.actuator_forcelimited[:], m.actuator_ctrllimited[:] = 1, 0
         m.actuator_forcerange[:] = np.column_stack([-limit, limit])
         self.late, self.zero = np.zeros(self.n), np.zeros(self.n)
+        self.turns = np.eye(self.n)  # motors by joints
         self.acts = []
 
     def set(self, joint, kp):
         self.model.actuator_gainprm[joint, 0] = kp
         self.model.actuator_biasprm[joint, 1] = -kp
+
+    def couple(self, driven, driver, ratio):
+        m = self.model
+        tendon = m.tendon(f"{driven} {driver}").id
+        m.wrap_prm[m.tendon_adr[tendon] + 1] = self.turns[driven, driver] = ratio
+        m.actuator_trntype[driven], m.actuator_trnid[driven] = mujoco.mjtTrn.mjTRN_TENDON, [tendon, -1]
 
     def run(self, commands, period):
         """Commands and positions at the stamps, or None where it does not follow."""
@@ -113,10 +127,10 @@ class Real:
         ctrl = sent[row, np.arange(n)] - self.zero
         q_ref = sent[before:]
         q = np.empty_like(q_ref)
-        d.qpos[self.at] = ctrl[0]
+        d.qpos[self.at] = np.linalg.solve(self.turns, ctrl[0])
         for k in range(len(now)):
             if k % every == 0 and k >= before * every:
-                q[k // every - before] = d.qpos[self.at] + self.zero
+                q[k // every - before] = self.turns @ d.qpos[self.at] + self.zero
             d.ctrl[:] = ctrl[k]
             d.qfrc_applied[:] = 0
             for act in self.acts:
@@ -137,6 +151,7 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
     angle, order, reach = rng.uniform(0, 2 * np.pi), rng.uniform(8, 24), rng.uniform(0.03, 0.12)
     v_s, other = rng.uniform(0.1, 0.25), int(rng.choice([k for k in range(n) if k != j]))
     viscous = rng.random() < 0.5
+    beside = j + 1 if j == 0 or (j + 1 < n and viscous) else j - 1
 
     def gain(r, s):
         # Beyond what the stated tolerance makes of it.
@@ -219,6 +234,11 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
         r.model.body_inertia[r.links[j]] *= factor
         return {"mass_factor": factor}
 
+    def coupling(r, s):
+        ratio = side * 0.25 * usual * s
+        r.couple(j, beside, ratio)
+        return {"ratio": ratio}
+
     def detent(r, s):
         size = 0.25 * torque[j] * usual * s
 
@@ -240,10 +260,10 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
     change = {
         "servo_gain": gain, "command_delay": delay, "joint_delay": own_delay, "effort_limit": limit, "gravity_compensation": compensation,
         "friction_parameters": friction, "stribeck_friction": stribeck, "load_dependent_friction": load, "rotor_inertia": rotor,
-        "encoder_offset": zero, "payload": payload, "base_tilt": tilt, "link_parameters": link, "detent": detent, "cross_drag": cross_drag,
+        "encoder_offset": zero, "joint_coupling": coupling, "payload": payload, "base_tilt": tilt, "link_parameters": link, "detent": detent, "cross_drag": cross_drag,
     }[name]  # fmt: skip
     whole = name in ("command_delay", "gravity_compensation", "payload", "base_tilt")
-    return None if whole else j, change
+    return None if whole else j, beside if name == "joint_coupling" else None, change
 
 
 def attempt(case, rng):
@@ -269,7 +289,7 @@ def attempt(case, rng):
     base = [Real(arm, true_kp, true_kd, limit).run(c, period) for c in all_commands[:2]]
     if any(b is None for b in base):
         return None
-    for name, joint, change in shapes:
+    for name, joint, _, change in shapes:
         for size in (1.0, 1.6, 2.5):
             real = Real(arm, true_kp, true_kd, limit)
             change(real, size)
@@ -284,11 +304,13 @@ def attempt(case, rng):
             return None
         sizes.append(size)
     real = Real(arm, true_kp, true_kd, limit)
-    for (name, joint, change), size in zip(shapes, sizes):
+    for (name, joint, driver, change), size in zip(shapes, sizes):
         values, own = change(real, size), None if joint is None else arm.names[joint]
         parameters = [{"name": k, "joint": own, "value": float(v)} for k, v in values.items()]
         effect = "command_delay" if name == "joint_delay" else name
         withheld.append({"effect": effect, "joint": own, "parameters": parameters})
+        if driver is not None:
+            withheld[-1]["driver"] = arm.names[driver]
     runs = [real.run(c, period) for c in all_commands]
     if any(r is None for r in runs):
         return None

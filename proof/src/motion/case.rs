@@ -106,6 +106,7 @@ fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Cas
         gravity_compensation: if rng.random_bool(0.3) { 1.0 } else { 0.0 },
         stated,
         zero: vec![0.0; n],
+        coupling: None,
         extras: Vec::new(),
         arm,
     };

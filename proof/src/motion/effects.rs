@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// Names of the effects that are withheld one at a time. `joint_delay` appears as `command_delay` of a joint in the
 /// report.
-pub const SINGLES: [&str; 14] = [
+pub const SINGLES: [&str; 15] = [
     "servo_gain",
     "servo_damping",
     "command_delay",
@@ -27,6 +27,7 @@ pub const SINGLES: [&str; 14] = [
     "payload",
     "base_tilt",
     "link_parameters",
+    "joint_coupling",
 ];
 
 /// Names of effects that are outside the catalogue, so that the report can only call them unknown.
@@ -50,6 +51,9 @@ pub struct Withheld {
     pub effect: String,
     /// Name of the joint; none for an effect of the whole arm.
     pub joint: Option<String>,
+    /// Name of the joint whose motor turns the effect's joint, too; none but for a coupling.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub driver: Option<String>,
     /// Parameters that the effect changes, with their true values.
     pub parameters: Vec<Truth>,
 }
@@ -93,6 +97,10 @@ impl Shape {
         let withheld = Withheld {
             effect: effect.to_owned(),
             joint,
+            driver: out
+                .coupling
+                .filter(|_| self.name == "joint_coupling")
+                .map(|(_, driver, _)| real.arm.joints[driver].name.clone()),
             parameters,
         };
         Ok((out, withheld))
@@ -247,6 +255,18 @@ pub fn draw(name: &'static str, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<S
             *own = scaled(own, factor);
             Ok(vec![("mass_factor", factor)])
         })),
+        "joint_coupling" => {
+            let driver = if j == 0 || (j + 1 < n && rng.random_bool(0.5)) {
+                j + 1
+            } else {
+                j - 1
+            };
+            on(Box::new(move |r, s| {
+                let ratio = side * 0.25 * usual * s;
+                r.coupling = Some((j, driver, ratio));
+                Ok(vec![("ratio", ratio)])
+            }))
+        }
         "detent" => {
             let (order, phase) = (rng.random_range(8.0..24.0), rng.random_range(0.0..6.0));
             on(Box::new(move |r, s| {

@@ -231,3 +231,38 @@ pub fn write(case: &Case, id: &str, folder: &Path) -> Result<(), MotionError> {
     report::write_atomic(&sealed.join(format!("{id}.json")), text)?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The plant's motors and those of the fit are coupled in different ways: its friction stays at the joints.
+    #[test]
+    fn a_withheld_coupling_is_found_with_its_driver() {
+        let case = make(24, 704, 5).expect("a case");
+        let withheld = &case.sealed.withheld[0];
+        assert_eq!(withheld.effect, "joint_coupling");
+        let folder = tempfile::tempdir().expect("a folder");
+        write(&case, "coupled", folder.path()).expect("writable");
+        let report = said(&folder.path().join("cases").join("coupled"), "coupled");
+        let report = report.expect("a report");
+        let cause = &report.causes[0];
+        assert_eq!(
+            (cause.effect, &cause.driver),
+            ("joint_coupling", &withheld.driver)
+        );
+        assert_eq!(cause.joints[..], [withheld.joint.clone().expect("a joint")]);
+        let (found, truth) = (cause.parameters[0].value, withheld.parameters[0].value);
+        assert!(
+            (found - truth).abs() < 0.05 * truth.abs(),
+            "{found}, {truth}"
+        );
+        assert!(report.places.len() > 1 && cause.gap_closed > 0.5);
+        // Its page and words say what drives it.
+        let text = replay::words::lines(&report, |_| "coupling").join("\n");
+        assert!(text.contains(&format!(
+            "driven by {}",
+            withheld.driver.as_deref().expect("a driver")
+        )));
+    }
+}

@@ -70,6 +70,9 @@ pub struct Real {
     pub stated: Robot,
     /// Error of each encoder's zero, rad: shown less true position.
     pub zero: Vec<f64>,
+    /// Coupling: a joint, the joint that drives its transmission, too, and the turn of the first one's motor per turn of the
+    /// second. What motors see and give is theirs; friction stays at the joints.
+    pub coupling: Option<(usize, usize, f64)>,
     /// Further mechanisms that only some robots have.
     pub extras: Vec<Extra>,
 }
@@ -121,15 +124,23 @@ impl Real {
                 }
             }
         }
-        let at: Vec<f64> = (0..n).map(|j| sent[0][(0, j)] - self.zero[j]).collect();
+        let mut at: Vec<f64> = (0..n).map(|j| sent[0][(0, j)] - self.zero[j]).collect();
+        if let Some((joint, driver, ratio)) = self.coupling {
+            at[joint] -= ratio * at[driver];
+        }
         let (mut plant, axes) = self.build().plant(&at)?;
         let mut u = vec![0.0; plant.dof()];
-        let (mut held, mut seen) = (vec![0.0; n], vec![0.0; n]);
+        let (mut held, mut seen, mut turning) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let still = vec![0.0; n];
         let mut workspace = Workspace::new(&self.stated);
         for k in 0..(before + rows) * every {
             for (j, &axis) in axes.iter().enumerate() {
                 seen[j] = plant.q[axis] + self.zero[j];
+                turning[j] = plant.v[axis];
+            }
+            if let Some((joint, driver, ratio)) = self.coupling {
+                seen[joint] += ratio * plant.q[axes[driver]];
+                turning[joint] += ratio * plant.v[axes[driver]];
             }
             let recorded = (k / every).checked_sub(before).filter(|_| k % every == 0);
             if let Some(row) = recorded {
@@ -157,11 +168,14 @@ impl Real {
                 let row = row.min(before + rows - 1);
                 let rate = if self.rates { sent[1][(row, j)] } else { 0.0 };
                 let wanted = self.kp[j] * (sent[0][(row, j)] - seen[j])
-                    + self.kd[j] * (rate - plant.v[axis])
+                    + self.kd[j] * (rate - turning[j])
                     + self.gravity_compensation * held[j];
                 let wound = self.wound(j, wanted);
                 out.cut |= now > BEFORE && wound.abs() > self.limit[j];
                 u[axis] = wound.clamp(-self.limit[j], self.limit[j]);
+            }
+            if let Some((joint, driver, ratio)) = self.coupling {
+                u[axes[driver]] += ratio * u[axes[joint]];
             }
             plant.step(now, STEP, &u);
         }

@@ -1,7 +1,7 @@
 //! Score of a report of `replay` against the sealed answer of its case.
 
 use super::case::Sealed;
-use super::effects::Truth;
+use super::effects::{Truth, Withheld};
 use model::spread::NINETY;
 use replay::decide::tempered;
 use replay::schema::REPEATABILITY;
@@ -50,9 +50,9 @@ pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
     let none = Vec::new();
     let causes = report["causes"].as_array().unwrap_or(&none);
     let text = |v: &Value| v.as_str().unwrap_or("").to_owned();
-    let listed = |cause: &Value, name: &str| {
-        let ambiguous = cause["ambiguous_with"].as_array().into_iter().flatten();
-        cause["effect"] == name || ambiguous.into_iter().any(|a| a == name)
+    let ambiguous = |cause: &Value, name: &str| {
+        let mut names = cause["ambiguous_with"].as_array().into_iter().flatten();
+        names.any(|a| a == name)
     };
     let on = |cause: &Value, joint: &Option<String>| match joint {
         Some(joint) => cause["joints"]
@@ -60,11 +60,12 @@ pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
             .is_some_and(|all| all.iter().any(|j| j == joint.as_str())),
         None => true,
     };
+    let by = |cause: &Value, w: &Withheld| cause["driver"].as_str() == w.driver.as_deref();
     let was = |cause: &Value| {
         sealed
             .withheld
             .iter()
-            .any(|w| cause["effect"] == w.effect.as_str() && on(cause, &w.joint))
+            .any(|w| cause["effect"] == w.effect.as_str() && on(cause, &w.joint) && by(cause, w))
     };
     // Ambiguous effects: the first cause is right where the report names the withheld effect as ambiguous with it.
     let first_right = causes.first().is_some_and(|c| {
@@ -72,7 +73,7 @@ pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
             || sealed
                 .withheld
                 .iter()
-                .any(|w| listed(c, &w.effect) && on(c, &w.joint))
+                .any(|w| ambiguous(c, &w.effect) && on(c, &w.joint))
     });
     let unknown = report["unknown"].as_array().is_some_and(|u| !u.is_empty());
     let refused = report["verdict"] == REFUSED;

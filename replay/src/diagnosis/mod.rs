@@ -56,7 +56,7 @@ pub struct Outcome {
     pub given: Arm,
     /// Simulator with every listed cause, fitted.
     pub corrected: Arm,
-    /// Simulator that a model file can hold: without friction by load or at standstill, fitted again without it.
+    /// Simulator that a model file can hold: without couplings and friction by load or at standstill, fitted again without.
     pub held: Arm,
     /// Errors on the held-out recording of the simulator as given and of the corrected one, in this order.
     pub errors: [Errors; 2],
@@ -98,7 +98,7 @@ pub fn diagnose(
     stage("measuring each cause");
     let mut causes = Vec::new();
     let mut losses = Vec::new();
-    for (effect, members) in &groups {
+    for (effect, driver, members) in &groups {
         let others = listed.iter().copied().filter(|m| !members.contains(m));
         let others: Vec<usize> = others.collect();
         let arm = without(given, data, &plain, &others, fast)?;
@@ -113,6 +113,7 @@ pub fn diagnose(
             effect: effect.name(),
             kind: kind(*effect),
             joints: touched.iter().map(|&j| joints[j].clone()).collect(),
+            driver: driver.map(|j| joints[j].clone()),
             confidence: confidence(&found, members),
             share_of_gap: 0.0,
             gap_closed: whole,
@@ -142,7 +143,7 @@ pub fn diagnose(
     }];
     let mut set: Vec<usize> = Vec::new();
     for (k, &i) in order.iter().enumerate() {
-        set.extend(&groups[i].1);
+        set.extend(&groups[i].2);
         let errors = if k + 1 == order.len() {
             after.clone()
         } else {
@@ -238,14 +239,14 @@ fn without(
     refit(given, data, found, set, if fast { SHORT } else { LONG })
 }
 
-/// Arm with the causes that a model file can hold. Friction by load or at standstill is replaced by Coulomb and viscous
-/// friction of the same joints.
+/// Arm with the causes that a model file can hold. Couplings are left out. Friction by load or at standstill is replaced by
+/// Coulomb and viscous friction of the same joints.
 fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> {
     let outside = |m: usize| {
         let effect = found.mechanisms[m].effect;
         matches!(
             effect,
-            Effect::LoadDependentFriction | Effect::StribeckFriction
+            Effect::LoadDependentFriction | Effect::StribeckFriction | Effect::JointCoupling
         )
     };
     let set = &found.decision.set;
@@ -254,7 +255,7 @@ fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> 
     }
     let joints: Vec<Option<usize>> = set
         .iter()
-        .filter(|&&m| outside(m))
+        .filter(|&&m| outside(m) && found.mechanisms[m].effect != Effect::JointCoupling)
         .map(|&m| found.mechanisms[m].joint)
         .collect();
     let stands_in = |m: &usize| {
@@ -270,15 +271,19 @@ fn held(given: &Given, data: &Replayed, found: &Found) -> Result<Arm, Unstable> 
     Ok(refit_finely(given, data, found, &kept)?.1.arm)
 }
 
-/// Mechanisms of the found set with an inclusion probability of at least 0.5, by effect. Each group becomes one cause.
-fn groups(found: &Found) -> Vec<(Effect, Vec<usize>)> {
-    let mut out: BTreeMap<Effect, Vec<usize>> = BTreeMap::new();
+/// Mechanisms of the found set with an inclusion probability of at least 0.5, by effect and, of couplings, by driving joint.
+/// Each group becomes one cause.
+fn groups(found: &Found) -> Vec<(Effect, Option<usize>, Vec<usize>)> {
+    let mut out: BTreeMap<(Effect, Option<usize>), Vec<usize>> = BTreeMap::new();
     for m in found.named() {
         if found.decision.inclusion[m] >= 0.5 {
-            out.entry(found.mechanisms[m].effect).or_default().push(m);
+            let own = &found.mechanisms[m];
+            out.entry((own.effect, own.driver())).or_default().push(m);
         }
     }
-    out.into_iter().collect()
+    out.into_iter()
+        .map(|((effect, driver), members)| (effect, driver, members))
+        .collect()
 }
 
 /// Indices of the joints that these mechanisms act on; all `n` where one acts on the whole arm.

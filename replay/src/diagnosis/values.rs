@@ -35,6 +35,7 @@ pub(super) fn named(kind: Kind, rotates: bool) -> (&'static str, &'static str) {
         Kind::LinkScale => ("mass_factor", "1"),
         Kind::Tilt(0) => ("tilt_x", "rad"),
         Kind::Tilt(_) => ("tilt_y", "rad"),
+        Kind::Coupling(_) => ("ratio", "1"),
         Kind::Zero => ("zero", unit("rad", "m")),
         Kind::Unknown(_) => ("unknown", unit("N·m", "N")),
     }

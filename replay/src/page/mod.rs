@@ -215,7 +215,7 @@ fn ladder(report: &Report) -> Section {
 fn file_alone(report: &Report) -> String {
     let part = report.file_alone.figures.mean_unexplained.unwrap_or(0.0);
     format!(
-        "A model file holds no friction by load or at standstill. Written for itself, it leaves {:.1} %.",
+        "A model file holds no coupling and no friction by load or at standstill. Written for itself, it leaves {:.1} %.",
         100.0 * part
     )
 }

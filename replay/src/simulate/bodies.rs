@@ -17,18 +17,19 @@ impl State<'_> {
                 &self.arm.robot,
                 &mut self.workspace,
                 &self.arm.robot.gravity(),
-                &self.body,
-                &self.v,
-                &self.acceleration,
+                &self.link[0],
+                &self.link[1],
+                &self.link[2],
                 &mut self.regressor,
             );
         }
-        for (k, parameter) in self.parameters.iter().enumerate() {
+        for k in 0..p {
+            let parameter = self.parameters[k];
             match parameter.kind {
                 Kind::Zero => {
                     for i in 0..n {
                         let at = i * n + parameter.joint;
-                        let mut stiffness = self.derivatives.dq[at];
+                        let mut stiffness = self.by_motion[0][at];
                         if let Some(gravity) = &self.gravity {
                             let part = self.arm.gravity_compensation
                                 * self.drives[i].free()
@@ -46,30 +47,30 @@ impl State<'_> {
                     for i in 0..n {
                         let row = &self.regressor[i * width + last..][..PARAMETERS_PER_LINK];
                         let torque: f64 = row.iter().zip(&change).map(|(y, c)| y * c).sum();
-                        self.rhs[i * p + k] -= h * torque;
+                        self.resist(i, k, torque, h);
                     }
                 }
                 Kind::LinkScale => {
                     let link = parameter.joint;
-                    let own = &self.given[link * PARAMETERS_PER_LINK..][..PARAMETERS_PER_LINK];
                     for i in 0..=link {
                         let row = &self.regressor[i * width + link * PARAMETERS_PER_LINK..]
                             [..PARAMETERS_PER_LINK];
+                        let own = &self.given[link * PARAMETERS_PER_LINK..];
                         let torque: f64 = row.iter().zip(own).map(|(y, c)| y * c).sum();
-                        self.rhs[i * p + k] -= h * torque;
+                        self.resist(i, k, torque, h);
                     }
                 }
                 Kind::Tilt(axis) => {
                     inverse_dynamics(
                         &self.tilted[axis],
                         &mut self.workspace,
-                        &self.body,
+                        &self.link[0],
                         &self.still,
                         &self.still,
                         &mut self.zero,
                     );
                     for i in 0..n {
-                        self.rhs[i * p + k] -= h * self.zero[i];
+                        self.resist(i, k, self.zero[i], h);
                     }
                 }
                 _ => {}

@@ -6,6 +6,7 @@
 //! their mean over the step around it, so that no half step of delay arises.
 
 mod bodies;
+mod coupling;
 mod step;
 mod tangents;
 
@@ -119,8 +120,11 @@ pub fn replay(
 fn longest_step(arm: &Arm, q: &ArrayView1<'_, f64>) -> Result<f64, Unstable> {
     let n = arm.dof();
     let mut mass = vec![0.0; n * n];
-    let q: Vec<f64> = q.iter().zip(&arm.zero).map(|(q, z)| q + z).collect();
+    let motors: Vec<f64> = q.iter().zip(&arm.zero).map(|(q, z)| q + z).collect();
+    let mut q = motors.clone();
+    arm.links(&motors, &mut q);
     mass_matrix(&arm.robot, &mut Workspace::new(&arm.robot), &q, &mut mass);
+    arm.of_motors(&mut mass);
     let mut m = DMatrix::from_row_slice(n, n, &mass);
     for i in 0..n {
         m[(i, i)] += arm.joints[i].armature;
@@ -153,8 +157,10 @@ struct State<'a> {
     parameters: &'a [Parameter],
     /// Buffers of the rigid-body dynamics.
     workspace: Workspace,
-    /// Derivatives of the inverse dynamics with respect to positions and velocities, renewed every few steps.
+    /// Derivatives of the links' inverse dynamics with respect to their positions and velocities, renewed every few steps.
     derivatives: Derivatives,
+    /// The same derivatives by positions and by velocities on and by the motors, N × N each.
+    by_motion: [Vec<f64>; 2],
     /// Derivatives of the compensated gravity torque with respect to positions; none where drives compensate no
     /// gravity.
     gravity: Option<Derivatives>,
@@ -166,6 +172,8 @@ struct State<'a> {
     arch: pulp::Arch,
     /// Solver for velocities and dry friction of a step.
     friction: Friction,
+    /// Whether links turn with other joints' motors.
+    coupled: bool,
     /// Whether some parameter changes the rigid bodies or gravity.
     bodies: bool,
     /// Robot under the derivative of gravity with respect to a tilt about the base's x and y axes; empty where no tilt
@@ -197,8 +205,11 @@ struct State<'a> {
     dtau: Vec<f64>,
     /// Index of the last used command of each joint, for position, velocity and added torque.
     hints: Vec<[usize; 3]>,
-    /// True positions of the bodies in this step, `q` plus encoder offsets, N values.
+    /// True positions of the motors in this step, `q` plus encoder offsets, N values.
     body: Vec<f64>,
+    /// Positions, velocities and accelerations of the links in this step, N values each. They are those of the motors but
+    /// for couplings.
+    link: [Vec<f64>; 3],
     /// Buffer for joint torques by a tilt, N values.
     zero: Vec<f64>,
     /// Zeros, N values: velocity and acceleration of a robot at rest.
@@ -307,11 +318,13 @@ impl<'a> State<'a> {
             parameters,
             workspace: Workspace::new(&arm.robot),
             derivatives: Derivatives::new(&arm.robot),
+            by_motion: [vec![0.0; n * n], vec![0.0; n * n]],
             gravity: (arm.gravity_compensation != 0.0).then(|| Derivatives::new(&arm.robot)),
             compensates,
             count: 0,
             arch: pulp::Arch::new(),
             friction: Friction::new(n),
+            coupled: arm.is_coupled(),
             bodies: parameters.iter().any(|p| p.kind.is_body()),
             tilted,
             given: arm.given.parameters(),
@@ -328,6 +341,7 @@ impl<'a> State<'a> {
             dtau: tangents(),
             hints: vec![[0; 3]; n],
             body: zeros(),
+            link: [zeros(), zeros(), zeros()],
             zero: zeros(),
             still: zeros(),
             acceleration: zeros(),

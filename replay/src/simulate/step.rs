@@ -13,19 +13,26 @@ impl State<'_> {
         for i in 0..n {
             self.body[i] = self.q[i] + self.arm.zero[i];
         }
+        self.arm.links(&self.body, &mut self.link[0]);
+        self.arm.links(&self.v, &mut self.link[1]);
+        let [position, velocity, _] = &self.link;
         let robot = &self.arm.robot;
-        mass_matrix(robot, &mut self.workspace, &self.body, &mut self.mass);
+        mass_matrix(robot, &mut self.workspace, position, &mut self.mass);
         inverse_dynamics(
             robot,
             &mut self.workspace,
-            &self.body,
-            &self.v,
+            position,
+            velocity,
             &self.still,
             &mut self.bias,
         );
         for passive in robot.passive() {
             let joint = passive.joint();
-            self.bias[joint] += passive.torque(self.body[joint]);
+            self.bias[joint] += passive.torque(position[joint]);
+        }
+        if self.coupled {
+            self.arm.of_motors(&mut self.mass);
+            self.arm.on_motors(&mut self.bias);
         }
         if self.compensates {
             // The drive knows the given description, not the payload that it carries.

@@ -28,18 +28,27 @@ impl State<'_> {
         for i in 0..self.arm.dof() {
             self.acceleration[i] = (self.friction.velocity[i] - self.v[i]) / h;
         }
+        self.arm.links(&self.acceleration, &mut self.link[2]);
         self.count += 1;
         if self.count % RENEWED != 1 {
             return;
         }
         let robot = &self.arm.robot;
+        let [position, velocity, acceleration] = &self.link;
         inverse_dynamics_derivatives(
             robot,
-            &self.body,
-            &self.v,
-            &self.acceleration,
+            position,
+            velocity,
+            acceleration,
             &mut self.derivatives,
         );
+        let [by_position, by_velocity] = &mut self.by_motion;
+        by_position.copy_from_slice(&self.derivatives.dq);
+        by_velocity.copy_from_slice(&self.derivatives.dqd);
+        if self.coupled {
+            self.arm.of_motors(by_position);
+            self.arm.of_motors(by_velocity);
+        }
         if let Some(gravity) = &mut self.gravity {
             inverse_dynamics_derivatives(
                 &self.arm.given,
@@ -103,8 +112,8 @@ impl State<'_> {
             }
             for j in 0..n {
                 let at = i * n + j;
-                let mut mass = self.mass[at] - h * self.derivatives.dqd[at];
-                let mut stiffness = self.derivatives.dq[at];
+                let mut mass = self.mass[at] - h * self.by_motion[1][at];
+                let mut stiffness = self.by_motion[0][at];
                 if let Some(gravity) = &self.gravity {
                     let part = self.arm.gravity_compensation * drive.free();
                     stiffness -= part * (1.0 - pressed) * gravity.dq[at];
@@ -124,6 +133,7 @@ impl State<'_> {
             }
         }
         self.bodies_by_parameters(h);
+        self.couplings_by_parameters(h);
         self.joints_by_parameters(h);
         self.friction.back_substitute(&mut self.rhs, p);
         std::mem::swap(&mut self.rhs, &mut self.dv);
