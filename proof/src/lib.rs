@@ -3,6 +3,7 @@
 //! The diagnoses themselves are the libraries `diagnose` and `replay`, which do not depend on the origin of their proof's cases.
 #![forbid(unsafe_code)]
 
+pub mod attainable;
 mod command_line;
 pub mod motion;
 pub mod prove;

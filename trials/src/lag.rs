@@ -42,6 +42,31 @@ impl Lag {
         }
     }
 
+    /// Change of the filter's output y and of its rate v in a tick (s), for an input x: (y, v) becomes the rows' products with
+    /// (y, v, x). None for a filter with a longer memory.
+    pub fn per_tick(self, tick: f64) -> Option<[[f64; 3]; 2]> {
+        match self {
+            Self::None => Some([[0.0, 0.0, 1.0], [0.0; 3]]),
+            Self::First { corner_hz } => {
+                let pass = 1.0 - (-TAU * corner_hz * tick).exp();
+                Some([[1.0 - pass, 0.0, pass], [0.0; 3]])
+            }
+            Self::Second { corner_hz, damping } => {
+                let (w, h) = (TAU * corner_hz, tick / SUBSTEPS as f64);
+                let (mut y, mut v) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+                for _ in 0..SUBSTEPS {
+                    for i in 0..3 {
+                        let x = if i == 2 { 1.0 } else { 0.0 };
+                        v[i] += h * (w * w * (x - y[i]) - 2.0 * damping * w * v[i]);
+                        y[i] += h * v[i];
+                    }
+                }
+                Some([y, v])
+            }
+            Self::MovingAverage { .. } => None,
+        }
+    }
+
     /// The filtered signal; the filter starts settled at the first value. `tick` is the step of `x`, s.
     pub fn apply(self, x: &[f64], tick: f64) -> Vec<f64> {
         let first = x.first().copied().unwrap_or(0.0);
@@ -110,6 +135,16 @@ mod tests {
             let y = lag.apply(&x, 1e-3);
             assert!((x[2999] - y[2999] - expected).abs() < 6e-4, "{lag:?}");
             assert!((lag.first_moment() - expected).abs() < 1e-12, "{lag:?}");
+            let Some([by_y, by_v]) = lag.per_tick(1e-3) else {
+                continue;
+            };
+            let (mut at, mut rate) = (x[0], 0.0);
+            for (x, y) in x.iter().zip(&y) {
+                let state = [at, rate, *x];
+                let of = |by: [f64; 3]| by.iter().zip(state).map(|(b, s)| b * s).sum::<f64>();
+                (at, rate) = (of(by_y), of(by_v));
+                assert!((at - y).abs() < 1e-9, "{lag:?}");
+            }
         }
     }
 }

@@ -13,7 +13,7 @@ pub mod channels;
 mod command_line;
 mod effects;
 mod error;
-mod lag;
+pub mod lag;
 pub mod protocols;
 pub mod raw;
 

@@ -11,6 +11,8 @@ pub enum Choice {
     All,
     /// All effects but one, for the proof.
     Without(Effect),
+    /// One effect beside changes of parameters, for the proof.
+    Only(Effect),
     /// Effects that may change between two days of one robot: load, which may also be removed, friction, torque
     /// channel, mount, joint zeros and pushes.
     Changes,
@@ -22,6 +24,7 @@ impl Choice {
         match self {
             Self::All => true,
             Self::Without(other) => effect != other,
+            Self::Only(other) => effect == other || effect.info().parameter,
             Self::Changes => matches!(
                 effect,
                 Effect::Payload

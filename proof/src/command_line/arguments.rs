@@ -106,6 +106,10 @@ pub struct Sealed {
     /// Also diagnose each case with its effect removed from the catalogue, and say what is named instead.
     #[arg(long)]
     pub leave_one_out: bool,
+    /// Also say what can be known of the same cases at all: the Bayes choice of an observer who is told the true motion and the torque's
+    /// channel, beside the diagnosis.
+    #[arg(long, conflicts_with_all = ["link_encoders", "temperatures", "without"])]
+    pub attainable: bool,
     /// Also fit the weights of the confidence to these cases, print them, and say how reliable they are on cases left
     /// out.
     #[arg(long)]

@@ -4,8 +4,8 @@
 
 mod arguments;
 
-use crate::prove;
 use crate::prove::thresholds::Trial;
+use crate::{attainable, prove};
 use arguments::{Arguments, Command, Proof, Sealed};
 use clap::CommandFactory;
 use datasets::write::{curves_ending, write_curves};
@@ -279,6 +279,7 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
         without,
         generator,
         leave_one_out,
+        attainable: with_observer,
         calibrate,
         with,
         fast,
@@ -307,6 +308,25 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
     let scores = prove::prove(&draw, &options, out, || bar.inc(1))?;
     bar.finish_and_clear();
     say_scores(&scores);
+    if *with_observer {
+        let bar = ProgressBar::new(*cases);
+        let known = attainable::attainable(&draw, out, || bar.inc(1))?;
+        bar.finish_and_clear();
+        report::say!("What can be known of these cases, beside the diagnosis:");
+        let pairs: Vec<_> = scores.iter().zip(&known).collect();
+        report::say!("{}", attainable::rates(&pairs).to_text());
+        let bar = ProgressBar::new(*cases);
+        let lost = attainable::lost::lost(&draw, &options, &pairs, || bar.inc(1))?;
+        bar.finish_and_clear();
+        let tables = [
+            attainable::by_kind(&pairs),
+            attainable::by_drawn(&pairs),
+            attainable::lost::table(&lost),
+        ];
+        for table in tables.into_iter().flatten() {
+            report::say!("{}", table.to_text());
+        }
+    }
     let said = prove::said(&scores, &options.settings.measure.confidence);
     if !said.is_empty() {
         report::say!("{}", prove::reliability_table(&said).to_text());

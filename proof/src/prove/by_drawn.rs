@@ -8,7 +8,7 @@ use report::{Cell, Column, Table};
 const SHARES: [f64; 2] = [0.08, 0.15];
 
 /// Groups of a case, one for each property that was drawn.
-fn groups(score: &Score) -> Vec<String> {
+pub(crate) fn groups(score: &Score) -> Vec<String> {
     let Some(drawn) = score.drawn else {
         return Vec::new();
     };

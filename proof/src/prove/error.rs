@@ -3,6 +3,14 @@
 /// A proof that cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum ProveError {
+    /// The observer of what can be known has no answer to a case.
+    #[error("case {case}: the observer has no answer: {reason}")]
+    Observer {
+        /// Name of the case.
+        case: String,
+        /// Reason.
+        reason: String,
+    },
     /// A case cannot be made or written.
     #[error(transparent)]
     Simulate(#[from] trials::SimulateError),

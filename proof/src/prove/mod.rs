@@ -1,7 +1,7 @@
 //! The proof: sealed simulated cases with a withheld effect, diagnosed and scored.
 
 mod answer;
-mod by_drawn;
+pub(crate) mod by_drawn;
 mod calibration;
 pub mod changed;
 mod drawn;
@@ -9,9 +9,9 @@ mod error;
 mod faults;
 pub mod given;
 mod headline;
-mod missed;
+pub(crate) mod missed;
 mod named;
-mod rates;
+pub(crate) mod rates;
 mod reliability;
 mod score;
 mod sizes;
@@ -81,38 +81,8 @@ pub fn prove(
     out: Option<&Path>,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Score>, ProveError> {
-    let Draw {
-        cases,
-        seed,
-        hard,
-        only,
-        without,
-        generator,
-        sensors,
-    } = *wanted;
-    let draw = |index| match hard {
-        true => draw_hard(index, seed),
-        false => draw_without(index, seed, without),
-    };
-    let kinds: &[&str] = if hard {
-        &["none", "outside", "two_same_joint", "contact_at_rest"]
-    } else {
-        &["none", "outside", "two"]
-    };
-    let drawn = EFFECTS.iter().enumerate();
-    let drawn = drawn.filter(|(i, _)| Some(*i) != without);
-    let kinds = drawn.map(|(_, effect)| effect).chain(kinds).copied();
-    if let Some(name) = only.filter(|name| !kinds.clone().any(|k| k == *name)) {
-        return Err(ProveError::Kind {
-            name: name.to_owned(),
-            kinds: kinds.collect::<Vec<_>>().join(", "),
-        });
-    }
-    let specs: Vec<CaseSpec> = (0..)
-        .map(|index| draw(index).by(generator))
-        .filter(|spec| only.is_none_or(|name| spec.kind.name() == name))
-        .take(cases as usize)
-        .collect();
+    let (seed, sensors) = (wanted.seed, wanted.sensors);
+    let specs = specs(wanted)?;
     if let Some(out) = out {
         folder_of(&out.join("reports"))?;
     }
@@ -139,6 +109,45 @@ pub fn prove(
         .collect()
 }
 
+/// Cases of a draw.
+///
+/// # Errors
+/// A kind that does not exist.
+pub(crate) fn specs(wanted: &Draw) -> Result<Vec<CaseSpec>, ProveError> {
+    let Draw {
+        cases,
+        seed,
+        hard,
+        only,
+        without,
+        generator,
+        ..
+    } = *wanted;
+    let draw = |index| match hard {
+        true => draw_hard(index, seed),
+        false => draw_without(index, seed, without),
+    };
+    let kinds: &[&str] = if hard {
+        &["none", "outside", "two_same_joint", "contact_at_rest"]
+    } else {
+        &["none", "outside", "two"]
+    };
+    let drawn = EFFECTS.iter().enumerate();
+    let drawn = drawn.filter(|(i, _)| Some(*i) != without);
+    let kinds = drawn.map(|(_, effect)| effect).chain(kinds).copied();
+    if let Some(name) = only.filter(|name| !kinds.clone().any(|k| k == *name)) {
+        return Err(ProveError::Kind {
+            name: name.to_owned(),
+            kinds: kinds.collect::<Vec<_>>().join(", "),
+        });
+    }
+    Ok((0..)
+        .map(|index| draw(index).by(generator))
+        .filter(|spec| only.is_none_or(|name| spec.kind.name() == name))
+        .take(cases as usize)
+        .collect())
+}
+
 /// Score of a case, by the report that an earlier run has left in a folder, or else by the answer and report that are `made`, which is written
 /// into its `reports`.
 fn scored(
@@ -161,7 +170,12 @@ fn scored(
 }
 
 /// Refuses a folder whose case of that name is of another kind or by another generator: other draws deal other cases under the same names.
-fn same_draw(truth: &Value, folder: &Path, id: &str, spec: &CaseSpec) -> Result<(), ProveError> {
+pub(crate) fn same_draw(
+    truth: &Value,
+    folder: &Path,
+    id: &str,
+    spec: &CaseSpec,
+) -> Result<(), ProveError> {
     let generator = truth["generator"].as_u64().unwrap_or(1);
     if truth["kind"] == spec.kind.name() && generator == u64::from(spec.generator) {
         return Ok(());
@@ -175,7 +189,7 @@ fn same_draw(truth: &Value, folder: &Path, id: &str, spec: &CaseSpec) -> Result<
 }
 
 /// A folder that is there from now on.
-fn folder_of(path: &Path) -> Result<PathBuf, ProveError> {
+pub(crate) fn folder_of(path: &Path) -> Result<PathBuf, ProveError> {
     let made = std::fs::create_dir_all(path).map_err(|error| ProveError::Folder {
         path: path.display().to_string(),
         error,
@@ -184,7 +198,7 @@ fn folder_of(path: &Path) -> Result<PathBuf, ProveError> {
 }
 
 /// Answer of a case and report on it, where an earlier run has left both: the report is written last.
-fn stored(folder: &Path, id: &str) -> Option<(Value, Value)> {
+pub(crate) fn stored(folder: &Path, id: &str) -> Option<(Value, Value)> {
     let read = |kind: &str| {
         let path = folder.join(kind).join(format!("{id}.json"));
         serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
@@ -247,13 +261,13 @@ pub fn leave_one_out(
     Ok(all?.into_iter().flatten().collect())
 }
 
-fn single(kind: Kind) -> Option<Effect> {
+pub(crate) fn single(kind: Kind) -> Option<Effect> {
     let Kind::Single(e) = kind else { return None };
     Effect::ALL.into_iter().find(|x| x.name() == EFFECTS[e])
 }
 
 /// Report of a diagnosis of one case, as JSON.
-fn report_of(case: &Case, options: &Options) -> Result<Value, ProveError> {
+pub(crate) fn report_of(case: &Case, options: &Options) -> Result<Value, ProveError> {
     let fail = |error| ProveError::Diagnose {
         case: case.id.clone(),
         error: Box::new(error),

@@ -6,9 +6,10 @@ use report::{Cell, Column, Table};
 use signal::proportion;
 
 /// Rate in a table: its name, the cases that it counts, and the score of each.
-type Rate = (&'static str, fn(&Score) -> bool, fn(&Score) -> Option<f64>);
+pub(crate) type Rate = (&'static str, fn(&Score) -> bool, fn(&Score) -> Option<f64>);
 
-const RATES: [Rate; 12] = [
+/// Rates of a proof.
+pub(crate) const RATES: [Rate; 12] = [
     ("top-1*, single", single, |s| s.top1),
     ("lenient, single", single, |s| s.lenient),
     ("top-3, single", single, |s| s.top3),
@@ -40,7 +41,7 @@ fn any(_: &Score) -> bool {
 }
 
 /// Whether a case withholds one listed effect.
-pub(super) fn single(score: &Score) -> bool {
+pub(crate) fn single(score: &Score) -> bool {
     !NO_SINGLE.contains(&score.kind.as_str())
 }
 
@@ -50,7 +51,7 @@ fn of(kind: &str, score: &Score) -> bool {
 }
 
 /// Clopper-Pearson interval of a share. Half a hit counts as no hit for the lower end, as a whole one for the upper.
-pub(super) fn interval(hits: f64, cases: usize) -> [f64; 2] {
+pub(crate) fn interval(hits: f64, cases: usize) -> [f64; 2] {
     let [low, _] = proportion::interval(hits.floor() as usize, cases, OUTSIDE);
     let [_, high] = proportion::interval(hits.ceil() as usize, cases, OUTSIDE);
     [low, high]

@@ -1,5 +1,6 @@
 //! Whole diagnoses, each of which runs mostly on one thread: one program of tests runs two of them at a time.
 
+mod attainable;
 mod before_after;
 mod blows;
 mod few_or_many;

@@ -1,7 +1,7 @@
 //! Simulation of a case's robot, and separation of the effect's torque from the whole.
 
 use super::oracle::frictions;
-use crate::effects::{Place, Withheld};
+use crate::effects::{Place, Source, Withheld};
 use physics::dynamics::{Workspace, inverse_dynamics};
 use physics::robot::RobotError;
 use plant::arm::Arm;
@@ -29,6 +29,8 @@ pub struct Chosen {
     pub at: usize,
     /// Share of that joint's torque that the effect was meant to make.
     pub share: f64,
+    /// Draw that gave its shape.
+    pub source: Option<Source>,
 }
 
 /// A run and its torque as noted.

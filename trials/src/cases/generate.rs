@@ -5,16 +5,18 @@ use super::case::Case;
 use super::experiment::{Chosen, Experiment, Run, together};
 use super::hard;
 use super::kind::{CaseSpec, Kind};
+use super::nearly::nearly;
 use super::oracle::oracle;
 use super::rehearsal::Rehearsal;
 use super::sensors::{Sensors, link_and_warmth};
 use super::size::{ROUNDS, Sized, column_rms, shares, sized, without_vibration};
 use super::truth::Truth;
+use super::witness::{Around, Telling, TorqueLog, Witness, drawn};
 use crate::SimulateError;
 use crate::effects::{EFFECTS, Effect, Scene, Shape};
-use nalgebra::Vector3;
+use crate::lag::Lag;
 use physics::robot::{RobotError, to_urdf};
-use plant::arm::{Arm, altered};
+use plant::arm::Arm;
 use plant::families::relative;
 use plant::measure::{Errors, record};
 use plant::random::log_uniform;
@@ -68,6 +70,19 @@ pub fn generate(spec: &CaseSpec, seed: u64) -> Result<Case, SimulateError> {
 /// # Errors
 /// As [`generate`].
 pub fn generate_with(spec: &CaseSpec, seed: u64, sensors: Sensors) -> Result<Case, SimulateError> {
+    make(spec, seed, sensors).map(|(case, _)| case)
+}
+
+/// A case with what an observer may be told of it.
+///
+/// # Errors
+/// As [`generate`].
+pub fn witnessed(spec: &CaseSpec, seed: u64) -> Result<(Case, Witness), SimulateError> {
+    let (case, telling) = make(spec, seed, Sensors::default())?;
+    Ok((case, telling.witness()?))
+}
+
+fn make(spec: &CaseSpec, seed: u64, sensors: Sensors) -> Result<(Case, Telling), SimulateError> {
     let begun = Instant::now();
     let (key, id) = (key(spec, seed), name(spec, seed));
     let again = Again::draw(spec, key);
@@ -84,13 +99,13 @@ pub fn generate_with(spec: &CaseSpec, seed: u64, sensors: Sensors) -> Result<Cas
             Err(SimulateError::Robot(_)) => None,
             case => case?,
         };
-        if let Some(mut case) = case {
+        if let Some((mut case, telling)) = case {
             case.truth.seed = [seed, spec.index, attempt];
             case.truth.generator = spec.generator;
             case.truth.repeats = again.is_some();
             case.truth.seconds = begun.elapsed().as_secs_f64();
             sensors.record(&mut case, key);
-            return Ok(case);
+            return Ok((case, telling));
         }
     }
     Err(SimulateError::NoCase {
@@ -104,7 +119,7 @@ fn attempt_case(
     id: &str,
     again: Option<Again>,
     rng: &mut ChaCha8Rng,
-) -> Result<Option<Case>, SimulateError> {
+) -> Result<Option<(Case, Telling)>, SimulateError> {
     let nominal = relative(rng);
     let plain = nearly(&nominal, rng);
     let n = nominal.dof();
@@ -164,7 +179,7 @@ fn attempt_case(
             withheld: &withheld,
             ..bare
         };
-        return finish(spec.kind, id, &experiment, &run, &found, rng).map(Some);
+        return finish(spec.kind, id, &experiment, run, &found, rng).map(Some);
     }
     Ok(None)
 }
@@ -194,6 +209,7 @@ fn effects(
             effect,
             joint,
             share,
+            source,
         }) = one.draw(scene, rng)
         else {
             return Ok(None);
@@ -210,6 +226,7 @@ fn effects(
             size,
             at,
             share,
+            source,
         });
     }
     // With two, the last must be one whose torque the simulation notes by itself; the other is the rest.
@@ -222,20 +239,6 @@ fn effects(
         }
     }
     Ok(Some(chosen))
-}
-
-/// A robot slightly different from `nominal`: inertials by up to 3 %, friction by up to 10 %.
-fn nearly(nominal: &Arm, rng: &mut ChaCha8Rng) -> Arm {
-    let mut arm = nominal.clone();
-    for joint in &mut arm.joints {
-        let body = &joint.link.inertia;
-        let shift = Vector3::from_fn(|_, _| rng.random_range(-0.017..0.017)) * body.com().norm();
-        let (mass, inertia) = (rng.random_range(0.97..1.03), rng.random_range(0.97..1.03));
-        joint.link.inertia = altered(body, mass, shift, inertia);
-        joint.damping *= rng.random_range(0.9..1.1);
-        joint.friction *= rng.random_range(0.9..1.1);
-    }
-    arm
 }
 
 fn session(arm: &Arm, again: Option<Again>, rng: &mut ChaCha8Rng) -> Session {
@@ -266,10 +269,10 @@ fn finish(
     kind: Kind,
     id: &str,
     experiment: &Experiment,
-    run: &Run,
+    run: Run,
     found: &[Vec<f64>],
     rng: &mut ChaCha8Rng,
-) -> Result<Case, SimulateError> {
+) -> Result<(Case, Telling), SimulateError> {
     let (nominal, trace) = (experiment.nominal, &run.trace);
     let n = nominal.dof();
     let torque_rms = column_rms(&run.noted, n);
@@ -298,11 +301,37 @@ fn finish(
         vibrates,
         &held_out(&noise),
     )?;
-    Ok(Case {
+    let case = Case {
         id: id.to_owned(),
         urdf: to_urdf(&nominal.robot()?),
         train,
         test,
-        truth: Truth::of(kind, id, experiment, run, found, &noise, oracle)?,
-    })
+        truth: Truth::of(kind, id, experiment, &run, found, &noise, oracle)?,
+    };
+    let log = TorqueLog {
+        torque: run.noted.iter().zip(&noise).map(|(t, e)| t + e).collect(),
+        rms: torque_rms,
+        bounds: trace.bounds(),
+        tick: 1.0 / RATE,
+        every: 1,
+        lag: vec![Lag::None; n],
+        noise: scaled.torque,
+        colour: 0.0,
+        quantum: vec![0.0; n],
+        outlier: vec![false; noise.len()],
+        bias: None,
+    };
+    let telling = Telling {
+        nominal: nominal.clone(),
+        given: nominal.clone(),
+        plain: experiment.plain.clone(),
+        session: experiment.session.clone(),
+        log,
+        background: Vec::new(),
+        withheld: drawn(experiment.withheld),
+        around: Around::Nearly,
+        rests: Vec::new(),
+        trace: run.trace,
+    };
+    Ok((case, telling))
 }

@@ -145,6 +145,30 @@ pub fn draw_hard(index: u64, seed: u64) -> CaseSpec {
     }
 }
 
+/// Kinds that a run deals, hard or plain, and the part of its cases that each has on average.
+pub fn frequencies(hard: bool) -> Vec<(Kind, f64)> {
+    // As many rounds as there are effects: each effect is dealt as often as any other of its class.
+    let (rounds, round) = match hard {
+        true => (1, HARD_ROUND),
+        false => (EFFECTS.len() as u64, ROUND),
+    };
+    let mut counts: Vec<(Kind, f64)> = Vec::new();
+    for index in 0..rounds * round {
+        let kind = if hard {
+            draw_hard(index, 0)
+        } else {
+            draw(index, 0)
+        }
+        .kind;
+        match counts.iter_mut().find(|(k, _)| *k == kind) {
+            Some((_, count)) => *count += 1.0,
+            None => counts.push((kind, 1.0)),
+        }
+    }
+    let all = (rounds * round) as f64;
+    counts.into_iter().map(|(k, c)| (k, c / all)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

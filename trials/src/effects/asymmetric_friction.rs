@@ -5,8 +5,7 @@ use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism, soft_sign};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Friction that is higher forwards than backwards by the same amounts, as in a worm gear with a preloaded
@@ -45,7 +44,7 @@ pub struct Asymmetry {
 }
 
 /// Random asymmetry, mostly dry or mostly viscous.
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let (joint, sign) = (pick.any, pick.sign);
     let (coulomb, viscous) = if rng.random_bool(0.35) {
         (sign, 0.0)

@@ -5,8 +5,7 @@ use super::withheld::{Description, Place, Withheld, Yielding};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::f64::consts::TAU;
 
@@ -55,7 +54,7 @@ struct Play {
 }
 
 /// Random play in a gear of a joint whose rotor is separate from its link.
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.geared?;
     let stiffness = scene.inertia[joint] * (TAU * rng.random_range(25.0..40.0)).powi(2);
     let effect = Play { joint, stiffness };

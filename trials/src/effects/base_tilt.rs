@@ -5,8 +5,7 @@ use super::withheld::{Description, Withheld};
 use nalgebra::Vector3;
 use physics::robot::RobotError;
 use plant::build::Build;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::f64::consts::TAU;
 
@@ -16,7 +15,7 @@ struct Tilt {
     direction: f64,
 }
 
-pub(super) fn draw(_scene: &Scene, _pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(_scene: &Scene, _pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let direction = rng.random_range(0.0..TAU);
     Some(Shape::anywhere(Tilt { direction }, 0.04..0.15, rng))
 }

@@ -5,8 +5,7 @@ use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{CoilSpring, GasStrut, Pins};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Counterbalance of a joint. Its size is that of its spring: see [`Spring`].
@@ -26,7 +25,7 @@ enum Spring {
 }
 
 /// Random counterbalance of a turning joint that gravity loads.
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.heavy.filter(|&j| scene.turns(j))?;
     let base = rng.random_range(0.3..0.7);
     let pins = Pins {

@@ -9,8 +9,7 @@ use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
 use plant::random::{log_uniform, unit_vector};
 use plant::reference::Session;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// One contact: from `start` to `end` (s) a spring and damper hold the tool where it was when touched, and
@@ -100,7 +99,7 @@ struct Contact {
     grabs: Vec<Grab>,
 }
 
-pub(super) fn draw(scene: &Scene, _pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, _pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let com = scene.arm.joints[scene.arm.dof() - 1].link.inertia.com();
     let effect = Contact {
         point: com + unit_vector(rng) * 0.05,
@@ -110,7 +109,7 @@ pub(super) fn draw(scene: &Scene, _pick: &Pick, rng: &mut ChaCha8Rng) -> Option<
 }
 
 /// Contacts in about half of the trajectories, of training and test alike.
-fn grabs(session: &Session, rng: &mut ChaCha8Rng) -> Vec<Grab> {
+fn grabs(session: &Session, rng: &mut dyn Rng) -> Vec<Grab> {
     let mut grabs = Vec::new();
     for (i, (start, length)) in session.starts.iter().zip(&session.lengths).enumerate() {
         // The third and every other test trajectory, and the first, are always touched.

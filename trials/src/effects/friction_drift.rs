@@ -5,8 +5,7 @@ use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::WarmingGrease;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Friction that fades as a gear warms up. Its size is the cold gear's extra friction over the warm gear's friction.
@@ -23,7 +22,7 @@ struct WarmUp {
     power: f64,
 }
 
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.any;
     let effect = WarmUp {
         joint,

@@ -4,8 +4,7 @@ use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld, joint_name};
 use physics::robot::RobotError;
 use plant::build::Build;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::{Value, json};
 
 /// Wrong friction of some joints. The size is a relative error; each joint has a part of it in Coulomb and a part in
@@ -18,7 +17,7 @@ struct FrictionError {
 /// Least remaining part of either friction.
 const LEAST: f64 = 0.05;
 
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let (any, sign) = (pick.any, pick.sign);
     let other = rng.random_range(0..scene.arm.dof());
     let mut joints = vec![(any, sign, sign * rng.random_range(0.2..1.0))];

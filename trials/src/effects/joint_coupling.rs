@@ -5,9 +5,8 @@ use super::withheld::{Description, Withheld, joint_name};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism, soft_sign};
-use rand::RngExt;
 use rand::seq::IndexedRandom;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Shared part of the two joints.
@@ -59,7 +58,7 @@ struct Coupling {
 }
 
 /// Random coupling between two joints that both turn or both slide.
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let driven = pick.any;
     let drivers: Vec<usize> = (0..scene.arm.dof())
         .filter(|&j| j != driven && scene.turns(j) == scene.turns(driven))

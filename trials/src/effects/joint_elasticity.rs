@@ -5,8 +5,7 @@ use super::withheld::{Description, Place, Withheld, Yielding};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::GearSpring;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Elastic gear; its size is the compliance, rad/(N·m).
@@ -20,7 +19,7 @@ struct Elasticity {
 }
 
 /// Random elastic gear of a joint whose rotor is separate from its link.
-pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.geared?;
     let effect = Elasticity {
         joint,

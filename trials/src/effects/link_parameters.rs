@@ -7,8 +7,7 @@ use physics::robot::RobotError;
 use plant::arm::altered;
 use plant::build::Build;
 use plant::random::unit_vector;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Wrong inertial parameters of a link. The size is a factor on the relative errors of mass and inertia and on the
@@ -22,7 +21,7 @@ struct LinkError {
 }
 
 /// Random errors of any link but the first, whose mass most arms cannot feel.
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let n = scene.arm.dof();
     let link = rng.random_range(n.min(2) - 1..n);
     let size = scene.arm.joints[link].link.inertia.com().norm().max(0.05);

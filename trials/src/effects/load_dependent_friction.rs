@@ -5,7 +5,7 @@ use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::GearMesh;
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 use serde_json::json;
 
 /// Friction of a gear that grows with the load. Its size is the lost share of the transmitted torque.
@@ -16,7 +16,7 @@ pub struct LoadFriction {
 }
 
 /// Random load-dependent friction of a joint that gravity loads, if there is one.
-pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.heavy.unwrap_or(pick.any);
     Some(Shape::on(joint, LoadFriction { joint }, 0.05..0.2, rng))
 }

@@ -30,6 +30,7 @@ mod torque_gain;
 mod torque_offset;
 mod torque_ripple;
 mod withheld;
+mod words;
 mod worn_gear;
 
 pub use asymmetric_friction::Asymmetry;
@@ -37,16 +38,18 @@ pub use load_dependent_friction::LoadFriction;
 pub use nonlinear_viscous_friction::FluidFriction;
 pub use presliding_hysteresis::Presliding;
 pub use pushes::pushes_at_rest;
-pub use scene::{Demand, Scene, Shape};
+pub use scene::{Demand, Origin, Scene, Shape, Source};
 pub use stribeck_friction::StartingFriction;
 pub use torque_ripple::CoggingWaves;
 pub use withheld::{Place, Withheld, joint_name};
+pub use words::Words;
 
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 use scene::Pick;
+use std::ops::Range;
 
 /// Function that draws an effect's random shape; none where the arm has no joint for the effect.
-type Draw = fn(&Scene, &Pick, &mut ChaCha8Rng) -> Option<Shape>;
+type Draw = fn(&Scene, &Pick, &mut dyn Rng) -> Option<Shape>;
 
 /// The effects of the catalogue with their names in reports. Their order determines which cases a seed gives.
 const CATALOGUE: &[(&str, Draw)] = &[
@@ -92,11 +95,24 @@ pub const EFFECTS: [&str; CATALOGUE.len()] = {
     names
 };
 
+impl Origin {
+    /// Random shape by this function; none where the arm or its rests (s) have no place for it.
+    pub fn draw(self, scene: &Scene, rests: &[Range<f64>], rng: &mut dyn Rng) -> Option<Shape> {
+        match self {
+            Self::Listed(index) => Effect::listed(index).draw(scene, rng),
+            Self::Worn(index) => Effect::WORN[index].draw(scene, rng),
+            Self::Outside => Effect::OUTSIDE.draw(scene, rng),
+            Self::AtRest => pushes_at_rest(scene, rests, rng),
+        }
+    }
+}
+
 /// Something that can be drawn: an effect of the catalogue, or any one outside it.
 #[derive(Clone, Copy)]
 pub struct Effect {
     /// Name in the answers; `unknown` outside the catalogue.
     pub name: &'static str,
+    origin: Origin,
     draw: Draw,
 }
 
@@ -104,6 +120,7 @@ impl Effect {
     /// Effect outside the catalogue: a random mechanism that it does not list.
     pub const OUTSIDE: Self = Self {
         name: "unknown",
+        origin: Origin::Outside,
         draw: outside::draw,
     };
 
@@ -111,10 +128,12 @@ impl Effect {
     pub const WORN: [Self; 2] = [
         Self {
             name: "joint_elasticity",
+            origin: Origin::Worn(0),
             draw: worn_gear::wind_up,
         },
         Self {
             name: "backlash",
+            origin: Origin::Worn(1),
             draw: worn_gear::play,
         },
     ];
@@ -122,12 +141,24 @@ impl Effect {
     /// The effect at this place of [`EFFECTS`].
     pub fn listed(index: usize) -> Self {
         let (name, draw) = CATALOGUE[index];
-        Self { name, draw }
+        Self {
+            name,
+            origin: Origin::Listed(index),
+            draw,
+        }
     }
 
     /// Random shape of this effect; none where the arm has no joint for it.
-    pub fn draw(&self, scene: &Scene, rng: &mut ChaCha8Rng) -> Option<Shape> {
-        let pick = Pick::draw(scene, rng);
-        (self.draw)(scene, &pick, rng)
+    pub fn draw(&self, scene: &Scene, rng: &mut dyn Rng) -> Option<Shape> {
+        let mut words = Words::new(&[], rng);
+        let pick = Pick::draw(scene, &mut words);
+        let shape = (self.draw)(scene, &pick, &mut words)?;
+        Some(Shape {
+            source: Some(Source {
+                origin: self.origin,
+                words: words.used,
+            }),
+            ..shape
+        })
     }
 }

@@ -5,9 +5,8 @@ use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Drag, DragKind};
-use rand::RngExt;
 use rand::seq::IndexedRandom;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Fluid friction of a joint. Its size is the drag at top speed, N·m.
@@ -23,7 +22,7 @@ pub struct FluidFriction {
     pub law: DragKind,
 }
 
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.any;
     let speed = scene.demand.velocity[joint];
     let law = *[DragKind::Eyring, DragKind::Churning, DragKind::Carreau].choose(rng)?;

@@ -6,8 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use physics::robot::{Inertia, RobotError};
 use plant::build::Build;
 use plant::random::unit_vector;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Body on the last link. Its size is the mass, kg. Centre of mass (last joint's frame) and radius of gyration are in
@@ -18,7 +17,7 @@ struct Payload {
     gyration: f64,
 }
 
-pub(super) fn draw(scene: &Scene, _pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, _pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let tool = scene.arm.joints[scene.arm.dof() - 1].link.inertia.com();
     let scale = tool.norm().max(0.05);
     let aside = Vector3::new(1.0, 1.0, 0.0).component_mul(&unit_vector(rng)) * scale;

@@ -5,8 +5,7 @@ use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism, soft_sign};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::f64::consts::TAU;
 
@@ -62,7 +61,7 @@ struct Runout {
     cause: Cause,
 }
 
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.any;
     // A part turns at least once over the range, with the joint or a stage of its gear.
     let once = (0.5 * TAU / scene.arm.reach[joint]).ceil();

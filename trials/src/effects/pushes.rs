@@ -1,16 +1,16 @@
 //! Pushes of a person who leans on the arm while it stands.
 
-use super::scene::{Scene, Shape};
+use super::scene::{Origin, Scene, Shape, Source};
 use super::withheld::{Description, Withheld};
+use super::words::Words;
 use nalgebra::Vector3;
 use physics::dynamics::{Workspace, point_jacobian};
 use physics::robot::{Robot, RobotError};
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
 use plant::random::unit_vector;
-use rand::RngExt;
 use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::ops::Range;
 
@@ -66,7 +66,19 @@ struct Leans {
 }
 
 /// Pushes of 0.5 to 1.5 s in up to ten of the stretches in which the arm rests (s); none where there are fewer than two.
-pub fn pushes_at_rest(scene: &Scene, rests: &[Range<f64>], rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub fn pushes_at_rest(scene: &Scene, rests: &[Range<f64>], rng: &mut dyn Rng) -> Option<Shape> {
+    let mut words = Words::new(&[], rng);
+    let shape = draw(scene, rests, &mut words)?;
+    Some(Shape {
+        source: Some(Source {
+            origin: Origin::AtRest,
+            words: words.used,
+        }),
+        ..shape
+    })
+}
+
+fn draw(scene: &Scene, rests: &[Range<f64>], rng: &mut dyn Rng) -> Option<Shape> {
     let last = scene.arm.joints.last()?;
     let mut chosen: Vec<&Range<f64>> = rests.iter().collect();
     chosen.shuffle(rng);

@@ -4,7 +4,7 @@ use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 use serde_json::json;
 
 /// Rotor inertia that the description lacks. Its size is the inertia seen at the joint, kg·m².
@@ -13,7 +13,7 @@ struct Rotor {
     joint: usize,
 }
 
-pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.any;
     Some(Shape::on(joint, Rotor { joint }, 0.06..0.3, rng))
 }

@@ -4,7 +4,7 @@ use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 use serde_json::json;
 
 /// Saturated torque of a joint. Its size is the part of the joint's greatest torque (N·m) that is cut off.
@@ -20,7 +20,7 @@ impl Saturation {
     }
 }
 
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.any;
     let greatest = scene.demand.greatest[joint];
     let effect = Saturation { joint, greatest };

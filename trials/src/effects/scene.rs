@@ -4,9 +4,8 @@ use super::withheld::Withheld;
 use plant::arm::Arm;
 use plant::random::log_uniform;
 use plant::reference::Session;
-use rand::RngExt;
 use rand::seq::IndexedRandom;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use std::ops::Range;
 
 /// Robot and motion for which a shape is drawn.
@@ -62,7 +61,7 @@ pub struct Pick {
 
 impl Pick {
     /// Random joints and sign for a scene.
-    pub fn draw(scene: &Scene, rng: &mut ChaCha8Rng) -> Self {
+    pub fn draw(scene: &Scene, rng: &mut dyn Rng) -> Self {
         let (n, demand) = (scene.arm.dof(), scene.demand);
         let loaded: Vec<usize> = (0..n)
             .filter(|&j| demand.gravity[j] > 0.3 * demand.torque[j])
@@ -89,6 +88,30 @@ pub struct Shape {
     pub joint: Option<usize>,
     /// Share of the joint's torque that the effect makes.
     pub share: f64,
+    /// Draw that gave it; none where it was not noted.
+    pub source: Option<Source>,
+}
+
+/// Draw of a shape.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// Function that drew the shape.
+    pub origin: Origin,
+    /// Random words of the draw; the last sets the share.
+    pub words: Vec<u64>,
+}
+
+/// Function that draws a shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// Effect of the catalogue: an index into [`super::EFFECTS`].
+    Listed(usize),
+    /// Worn gear: an index into [`super::Effect::WORN`].
+    Worn(usize),
+    /// Mechanism outside the catalogue.
+    Outside,
+    /// Pushes while the arm stands.
+    AtRest,
 }
 
 impl Shape {
@@ -97,7 +120,7 @@ impl Shape {
         j: usize,
         effect: impl Withheld + 'static,
         shares: Range<f64>,
-        rng: &mut ChaCha8Rng,
+        rng: &mut dyn Rng,
     ) -> Self {
         Self {
             joint: Some(j),
@@ -109,12 +132,13 @@ impl Shape {
     pub fn anywhere(
         effect: impl Withheld + 'static,
         shares: Range<f64>,
-        rng: &mut ChaCha8Rng,
+        rng: &mut dyn Rng,
     ) -> Self {
         Self {
             effect: Box::new(effect),
             joint: None,
             share: log_uniform(rng, shares.start, shares.end),
+            source: None,
         }
     }
 }

@@ -5,8 +5,7 @@ use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Stribeck, StribeckKind};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Extra friction of a joint that starts. Its size is the torque at standstill, N·m.
@@ -20,7 +19,7 @@ pub struct StartingFriction {
     pub law: StribeckKind,
 }
 
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.any;
     let law = match rng.random_range(0..3) {
         0 => StribeckKind::Lorentz,

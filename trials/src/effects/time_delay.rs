@@ -4,8 +4,7 @@ use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Time shift; its size is the delay, s.
@@ -15,7 +14,7 @@ struct Delay {
 }
 
 /// Draws a shift, in three of four cases a late torque.
-pub(super) fn draw(_scene: &Scene, _pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(_scene: &Scene, _pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let sign = if rng.random_bool(0.75) { 1.0 } else { -1.0 };
     Some(Shape::anywhere(Delay { sign }, 0.04..0.15, rng))
 }

@@ -4,7 +4,7 @@ use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 use serde_json::json;
 
 /// Wrong gain; its size is the deviation from 1.
@@ -20,7 +20,7 @@ impl Gain {
     }
 }
 
-pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let (joint, sign) = (pick.any, pick.sign);
     Some(Shape::on(joint, Gain { joint, sign }, 0.05..0.25, rng))
 }

@@ -4,7 +4,7 @@ use super::scene::{Pick, Scene, Shape};
 use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 use serde_json::json;
 
 /// Torque bias; its size is the offset, N·m.
@@ -14,7 +14,7 @@ struct Offset {
     sign: f64,
 }
 
-pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(_scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let (joint, sign) = (pick.any, pick.sign);
     Some(Shape::on(joint, Offset { joint, sign }, 0.04..0.2, rng))
 }

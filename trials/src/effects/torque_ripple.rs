@@ -5,8 +5,7 @@ use super::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::Ripple;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::f64::consts::TAU;
 
@@ -20,7 +19,7 @@ pub struct CoggingWaves {
 }
 
 /// Random ripple of a joint: two or three waves over its position.
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.any;
     let first = rng.random_range(5.0..28.0) / scene.reach(joint);
     let mut waves = vec![[first, 1.0, rng.random_range(0.0..TAU)]];

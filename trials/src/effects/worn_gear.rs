@@ -6,8 +6,7 @@ use super::withheld::{Description, Place, Withheld, Yielding};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::f64::consts::TAU;
 
@@ -103,7 +102,7 @@ struct Worn {
 const PLENTY: f64 = 1e6;
 
 /// A gear that winds up: with friction between its teeth, with damping that grows with the load, or with some play.
-pub(super) fn wind_up(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn wind_up(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.geared?;
     let plain = Worn {
         joint,
@@ -137,7 +136,7 @@ pub(super) fn wind_up(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Optio
 }
 
 /// A gear with play whose flanks wind up more than stiff ones, or have friction.
-pub(super) fn play(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn play(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let joint = pick.geared?;
     let soft = rng.random_bool(0.5);
     let frequency = if soft { 14.0..22.0 } else { 25.0..40.0 };

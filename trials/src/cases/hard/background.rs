@@ -55,6 +55,7 @@ pub fn draw(
                 size,
                 at,
                 share,
+                source: None,
             });
         }
     }

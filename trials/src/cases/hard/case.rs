@@ -11,6 +11,7 @@ use crate::cases::experiment::{Chosen, Experiment};
 use crate::cases::kind::Kind;
 use crate::cases::rehearsal::Rehearsal;
 use crate::cases::size::{self, ROUNDS, Sized, sized, without_vibration};
+use crate::cases::witness::Telling;
 use crate::effects::{EFFECTS, Effect, Scene, Shape, pushes_at_rest};
 use physics::robot::RobotError;
 use plant::families::relative;
@@ -22,7 +23,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
 /// Effects of which two can be on one joint.
-const OF_A_GEAR: [&str; 8] = [
+pub const OF_A_GEAR: [&str; 8] = [
     "asymmetric_friction",
     "stribeck_friction",
     "nonlinear_viscous_friction",
@@ -45,7 +46,7 @@ pub fn attempt(
     id: &str,
     again: Option<Again>,
     rng: &mut ChaCha8Rng,
-) -> Result<Option<Case>, SimulateError> {
+) -> Result<Option<(Case, Telling)>, SimulateError> {
     let nominal = relative(rng);
     let drawn = robot::draw(&nominal, rng);
     let n = nominal.dof();
@@ -126,6 +127,12 @@ pub fn attempt(
                 ..bare
             },
             pushed,
+            nominal: &nominal,
+            rests: if resting {
+                days[0].rests(pushed, REST)
+            } else {
+                Vec::new()
+            },
         };
         return recorded.finish(run, &found, &torques, rng);
     }
@@ -168,6 +175,7 @@ fn effects(
             effect,
             joint,
             share,
+            source,
         } = shape;
         let Some((size, at)) = rehearsal.size_for(effect.as_ref(), joint, share)? else {
             return Ok(None);
@@ -178,6 +186,7 @@ fn effects(
             size,
             at,
             share,
+            source,
         });
     }
     Ok(Some(chosen))

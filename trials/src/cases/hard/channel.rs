@@ -1,11 +1,16 @@
 //! The torque as a drive's log has it: a filtered, quantised current with coloured noise, outliers and a bias.
 
 use super::TRACE_HZ;
+use super::sensors::Log;
+use crate::cases::witness::TorqueLog;
 use crate::lag::Lag;
 use plant::random::log_uniform;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+
+/// Largest bias, as a part of its joint's root mean square torque.
+const BIAS: f64 = 0.03;
 
 /// Torque channel between torque and log, by joint.
 pub struct Channel {
@@ -64,7 +69,7 @@ pub fn draw(rms: &[f64], rng: &mut ChaCha8Rng) -> Channel {
         noise: scaled(0.008, 0.03, rng),
         colour: rng.random_range(0.3..0.85),
         quantum: scaled(0.003, 0.02, rng),
-        bias: (biased, rms[biased] * rng.random_range(-0.03..0.03)),
+        bias: (biased, rms[biased] * rng.random_range(-BIAS..BIAS)),
         outliers: log_uniform(rng, 3.0, 30.0),
         spike: scaled(0.5, 3.0, rng),
     }
@@ -98,6 +103,36 @@ impl Channel {
             }
         }
         Logged { clean, recorded }
+    }
+
+    /// Torque log on the clock of the trace, and what an observer may be told of this channel. What is off by more than five deviations
+    /// of the noise and a step is an outlier.
+    pub fn witnessed(
+        &self,
+        logged: Logged,
+        rms: Vec<f64>,
+        bounds: Vec<usize>,
+        log: &Log,
+    ) -> TorqueLog {
+        let (joint, _) = self.bias;
+        let n = self.lag.len();
+        let numbers = logged.recorded.iter().zip(&logged.clean).enumerate();
+        let outlier = numbers
+            .map(|(i, (r, c))| (r - c).abs() > 5.0 * self.noise[i % n] + self.quantum[i % n])
+            .collect();
+        TorqueLog {
+            torque: logged.recorded,
+            outlier,
+            bounds,
+            tick: 1.0 / TRACE_HZ,
+            every: (TRACE_HZ / log.rate).round() as usize,
+            lag: self.lag.clone(),
+            noise: self.noise.clone(),
+            colour: self.colour,
+            quantum: self.quantum.clone(),
+            bias: Some((joint, rms[joint] * BIAS / 3f64.sqrt())),
+            rms,
+        }
     }
 
     /// Lateness of a slow torque behind each joint's filter, s: the filter's first moment.

@@ -11,10 +11,11 @@ mod case;
 mod channel;
 mod motion;
 mod recorded;
-mod robot;
+pub(super) mod robot;
 mod sensors;
 mod truth;
 
+pub use case::OF_A_GEAR;
 pub(super) use case::attempt;
 pub use truth::{HardTruth, NamedShare};
 

@@ -12,6 +12,7 @@ use crate::cases::oracle::{Oracle, oracle};
 use crate::cases::sensors::warmth;
 use crate::cases::size::column_rms;
 use crate::cases::truth::Truth;
+use crate::cases::witness::{Around, Telling, drawn};
 use crate::effects::joint_name;
 use datasets::Recording;
 use physics::robot::{RobotError, to_urdf};
@@ -36,6 +37,10 @@ pub struct Recorded<'a> {
     pub experiment: Experiment<'a>,
     /// Role of the file that holds the pushes while the arm stands.
     pub pushed: Role,
+    /// Robot around which both were drawn.
+    pub nominal: &'a Arm,
+    /// Stretches of time in which a standing arm can be pushed, s.
+    pub rests: Vec<Range<f64>>,
 }
 
 impl Recorded<'_> {
@@ -50,7 +55,7 @@ impl Recorded<'_> {
         found: &[Vec<f64>],
         background: &[Vec<f64>],
         rng: &mut ChaCha8Rng,
-    ) -> Result<Option<Case>, SimulateError> {
+    ) -> Result<Option<(Case, Telling)>, SimulateError> {
         let torque_rms = column_rms(&first.noted, first.trace.dof);
         first.trace.warmth = warmth(&first.trace, &self.drawn.plain);
         let channel = channel::draw(&torque_rms, rng);
@@ -96,7 +101,7 @@ impl Recorded<'_> {
             best,
         )?;
         let besides = self.besides(&channel, &log, background, &torque_rms);
-        Ok(Some(Case {
+        let case = Case {
             id: self.id.to_owned(),
             urdf: to_urdf(&self.drawn.given.robot()?),
             train,
@@ -105,7 +110,20 @@ impl Recorded<'_> {
                 hard: Some(besides),
                 ..answer
             },
-        }))
+        };
+        let telling = Telling {
+            nominal: self.nominal.clone(),
+            given: self.drawn.given.clone(),
+            plain: self.drawn.plain.clone(),
+            session: self.days[0].session.clone(),
+            log: channel.witnessed(first_log, torque_rms, first.trace.bounds(), &log),
+            background: background.to_vec(),
+            withheld: drawn(self.experiment.withheld),
+            around: Around::Widths(self.drawn.inertial_width, self.drawn.friction_width),
+            rests: self.rests.clone(),
+            trace: first.trace,
+        };
+        Ok(Some((case, telling)))
     }
 
     /// Run of the same experiment on another day, with the arm and the session of that day.

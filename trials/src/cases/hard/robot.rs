@@ -1,6 +1,7 @@
 //! The described robot and the real one.
 
 use nalgebra::Vector3;
+use physics::robot::Joint;
 use plant::arm::{Arm, altered};
 use plant::mechanism::RestLaw;
 use plant::random::log_uniform;
@@ -31,16 +32,7 @@ pub fn draw(nominal: &Arm, rng: &mut ChaCha8Rng) -> Drawn {
     let sometimes = rng.random_bool(0.3);
     let mut no_friction = Vec::new();
     for (j, joint) in plain.joints.iter_mut().enumerate() {
-        // One link in ten is described worse than the rest.
-        let width = inertial_width * if rng.random_bool(0.1) { 2.0 } else { 1.0 };
-        let body = &joint.link.inertia;
-        let shift =
-            Vector3::from_fn(|_, _| rng.random_range(-0.57..0.57)) * (width * body.com().norm());
-        let mut factor = || log_uniform(rng, 1.0 / (1.0 + width), 1.0 + width);
-        let (mass, inertia) = (factor(), factor());
-        joint.link.inertia = altered(body, mass, shift, inertia);
-        joint.damping *= log_uniform(rng, 1.0 / friction_width, friction_width);
-        joint.friction *= log_uniform(rng, 1.0 / friction_width, friction_width);
+        alter(joint, inertial_width, friction_width, rng);
         if sometimes && rng.random_bool(0.5) {
             (given.joints[j].damping, given.joints[j].friction) = (0.0, 0.0);
             no_friction.push(j);
@@ -53,6 +45,20 @@ pub fn draw(nominal: &Arm, rng: &mut ChaCha8Rng) -> Drawn {
         friction_width,
         no_friction,
     }
+}
+
+/// Gives a joint and its link errors of up to these widths.
+pub fn alter(joint: &mut Joint, inertial_width: f64, friction_width: f64, rng: &mut ChaCha8Rng) {
+    // One link in ten is described worse than the rest.
+    let width = inertial_width * if rng.random_bool(0.1) { 2.0 } else { 1.0 };
+    let body = &joint.link.inertia;
+    let shift =
+        Vector3::from_fn(|_, _| rng.random_range(-0.57..0.57)) * (width * body.com().norm());
+    let mut factor = || log_uniform(rng, 1.0 / (1.0 + width), 1.0 + width);
+    let (mass, inertia) = (factor(), factor());
+    joint.link.inertia = altered(body, mass, shift, inertia);
+    joint.damping *= log_uniform(rng, 1.0 / friction_width, friction_width);
+    joint.friction *= log_uniform(rng, 1.0 / friction_width, friction_width);
 }
 
 /// The robot on another day: friction up to 10 % different.

@@ -6,8 +6,7 @@ use crate::effects::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// A cable over two joints that is slack in part of the region and pulls on both in the other part.
@@ -46,7 +45,7 @@ struct Cable {
     slack: f64,
 }
 
-pub(super) fn draw(scene: &Scene, joints: [usize; 2], rng: &mut ChaCha8Rng) -> Shape {
+pub(super) fn draw(scene: &Scene, joints: [usize; 2], rng: &mut dyn Rng) -> Shape {
     let effect = Cable {
         joints,
         centre: joints.map(|j| inside(scene, j, rng)),

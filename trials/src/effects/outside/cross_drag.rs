@@ -6,7 +6,7 @@ use crate::effects::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 use serde_json::json;
 
 /// Each joint is braked in proportion to its own speed times the other's.
@@ -35,7 +35,7 @@ struct Drag {
     ratio: f64,
 }
 
-pub(super) fn draw(scene: &Scene, joints: [usize; 2], rng: &mut ChaCha8Rng) -> Shape {
+pub(super) fn draw(scene: &Scene, joints: [usize; 2], rng: &mut dyn Rng) -> Shape {
     let [first, second] = joints.map(|j| scene.demand.torque[j]);
     let ratio = first / second;
     Shape::on(joints[0], Drag { joints, ratio }, SHARES, rng)

@@ -6,8 +6,7 @@ use crate::effects::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// The losses of one joint's drive.
@@ -37,7 +36,7 @@ struct Drive {
     times: Vec<(f64, f64)>,
 }
 
-pub(super) fn draw(scene: &Scene, [joint, _]: [usize; 2], rng: &mut ChaCha8Rng) -> Shape {
+pub(super) fn draw(scene: &Scene, [joint, _]: [usize; 2], rng: &mut dyn Rng) -> Shape {
     let (start, end) = scene.session.span();
     let mut times = Vec::new();
     let mut t = start;
@@ -50,7 +49,7 @@ pub(super) fn draw(scene: &Scene, [joint, _]: [usize; 2], rng: &mut ChaCha8Rng) 
     Shape::on(joint, Drive { joint, times }, SHARES, rng)
 }
 
-fn exponential(rng: &mut ChaCha8Rng, mean: f64) -> f64 {
+fn exponential(rng: &mut dyn Rng, mean: f64) -> f64 {
     -mean * (1.0 - rng.random::<f64>()).ln()
 }
 

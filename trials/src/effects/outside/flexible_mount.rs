@@ -7,8 +7,7 @@ use nalgebra::Vector3;
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::f64::consts::PI;
 
@@ -50,7 +49,7 @@ struct Mount {
     ratio: f64,
 }
 
-pub(super) fn draw(scene: &Scene, _joints: [usize; 2], rng: &mut ChaCha8Rng) -> Shape {
+pub(super) fn draw(scene: &Scene, _joints: [usize; 2], rng: &mut dyn Rng) -> Shape {
     let (s, c) = rng.random_range(0.0..PI).sin_cos();
     let first = scene.arm.joints[0].translation.norm().max(0.1);
     let effect = Mount {

@@ -6,8 +6,7 @@ use crate::effects::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::f64::consts::TAU;
 
@@ -39,7 +38,7 @@ struct Hum {
     swell: f64,
 }
 
-pub(super) fn draw(_scene: &Scene, [joint, _]: [usize; 2], rng: &mut ChaCha8Rng) -> Shape {
+pub(super) fn draw(_scene: &Scene, [joint, _]: [usize; 2], rng: &mut dyn Rng) -> Shape {
     let effect = Hum {
         joint,
         frequency: rng.random_range(2.5..9.0),

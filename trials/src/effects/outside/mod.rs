@@ -11,11 +11,10 @@ mod wandering;
 mod worn_sector;
 
 use super::scene::{Pick, Scene, Shape};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 
 /// Draws a shape on the first of two joints, or on both.
-type Draw = fn(&Scene, [usize; 2], &mut ChaCha8Rng) -> Shape;
+type Draw = fn(&Scene, [usize; 2], &mut dyn Rng) -> Shape;
 
 /// All mechanisms, equally likely.
 const MECHANISMS: [Draw; 8] = [
@@ -30,7 +29,7 @@ const MECHANISMS: [Draw; 8] = [
 ];
 
 /// Random mechanism among those outside the catalogue, with a random shape.
-pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut ChaCha8Rng) -> Option<Shape> {
+pub(super) fn draw(scene: &Scene, pick: &Pick, rng: &mut dyn Rng) -> Option<Shape> {
     let n = scene.arm.dof();
     let other = (pick.any + rng.random_range(1..n)) % n;
     let draw = MECHANISMS[rng.random_range(0..MECHANISMS.len())];

@@ -6,8 +6,7 @@ use crate::effects::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 use std::f64::consts::TAU;
 
@@ -55,7 +54,7 @@ struct Tank {
     damping: f64,
 }
 
-pub(super) fn draw(_scene: &Scene, [joint, _]: [usize; 2], rng: &mut ChaCha8Rng) -> Shape {
+pub(super) fn draw(_scene: &Scene, [joint, _]: [usize; 2], rng: &mut dyn Rng) -> Shape {
     let effect = Tank {
         joint,
         frequency: rng.random_range(0.8..2.0),

@@ -6,8 +6,7 @@ use crate::effects::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::json;
 use std::f64::consts::PI;
@@ -49,7 +48,7 @@ struct Wander {
 /// Part of a knot's value that the next one keeps.
 const MEMORY: f64 = 0.75;
 
-pub(super) fn draw(scene: &Scene, [joint, _]: [usize; 2], rng: &mut ChaCha8Rng) -> Shape {
+pub(super) fn draw(scene: &Scene, [joint, _]: [usize; 2], rng: &mut dyn Rng) -> Shape {
     let step = rng.random_range(0.6..1.5);
     let (_, end) = scene.session.span();
     let mut value = 0.0;

@@ -6,8 +6,7 @@ use crate::effects::withheld::{Description, Withheld};
 use physics::robot::RobotError;
 use plant::build::Build;
 use plant::mechanism::{Instant, Mechanism, soft_sign};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use serde_json::json;
 
 /// Friction within part of a joint's range.
@@ -44,7 +43,7 @@ struct Worn {
     half: f64,
 }
 
-pub(super) fn draw(scene: &Scene, [joint, _]: [usize; 2], rng: &mut ChaCha8Rng) -> Shape {
+pub(super) fn draw(scene: &Scene, [joint, _]: [usize; 2], rng: &mut dyn Rng) -> Shape {
     let effect = Worn {
         joint,
         centre: inside(scene, joint, rng),
