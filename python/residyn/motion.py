@@ -44,6 +44,8 @@ class ReplayReport:
     reason: Optional[str]
     joints: list[str]
     causes: list[Cause]
+    #: First the simulator as given, then with each cause. Where the held-out recording repeats a motion, the last step is
+    #: `repeatability`: how far one execution is from another, which is no simulator.
     ladder: list[ReplayStep]
     places: list[Place]
     #: What this motion cannot show: `effect` (or None), `joints` and `reason`.
@@ -95,7 +97,7 @@ def replay(
     """Diagnoses the gap in motion between a simulator and a real robot under the same commands.
 
     `given` is the simulator's model, a `Robot` (or its name or path); a URDF needs a drive file with the block [controller]. Recordings
-    have commanded positions (`q_ref`) beside `q`, and need no torque. Effects are fitted on `data`; every figure is measured on
+    have commanded positions (`q_ref`) beside `q`, and need no torque; `tau_ff` is what the controller adds to its own law. Effects are fitted on `data`; every figure is measured on
     `heldout`. With `before`, earlier recordings of the same robot, the report says what has changed since then.
     `drive` stands in place of the robot's own drive file. `fast` shortens the fits by which shares are measured.
     Raises `InputError` with the words of the command line; Ctrl-C returns at once.
