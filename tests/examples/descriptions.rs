@@ -40,7 +40,8 @@ fn main() {
         "# Descriptions in the style of real ones\nWhat the programs make of {} descriptions, each with the `--joints` that \
          it is asked for. The files are in `physics/tests/fixtures/descriptions`.\n\n    cargo build --release --bins\n    \
          cargo run --release -p residyn-tests --example descriptions\n\nThe recording is of an arm with the description's \
-         geometry and masses. It has friction that the description lacks. Where masses are missing or cannot be relied on, \
+         geometry and masses. It has friction that the description lacks, and a ripple \
+         of the torque on every joint. Where masses are missing or cannot be relied on, \
          the recorded arm has other ones. The first result is that of `diagnose --fast`: the verdict, mean NRMSE on \
          held-out trajectories as given → with the causes, and the causes, the biggest first.\n",
         rows.len()

@@ -21,7 +21,7 @@ pub(super) const INFO: Info = Info {
     ],
     vibrates: true,
     least_fraction: 0.06,
-    place: Some("MJCF"),
+    place: Some("comment in the MJCF"),
     by_hand: second_joint,
     needs: &[Need::Reversals],
     remedy: "add a joint with this range between motor and link ({})",

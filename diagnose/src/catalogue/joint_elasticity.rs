@@ -19,7 +19,7 @@ pub(super) const INFO: Info = Info {
     plain: "elasticity of the transmission",
     confounders: &[Effect::Backlash, Effect::TimeDelay, Effect::RotorInertia],
     vibrates: true,
-    place: Some("MJCF"),
+    place: Some("comment in the MJCF"),
     by_hand: second_joint,
     needs: &[Need::Rate],
     remedy: "split the joint into motor and link with a spring ({})",

@@ -85,6 +85,12 @@ impl Serialize for Effect {
     }
 }
 
+/// Whether a recording separates an effect from the links of the description. Without `masses` it separates neither a
+/// payload nor a torque gain. A payload has the columns of the last link, so that it also needs that link's (`tool`).
+pub fn told_from_links(effect: Effect, masses: bool, tool: bool) -> bool {
+    (masses || !effect.info().by_mass) && (tool || effect != Effect::Payload)
+}
+
 /// All candidates that do not depend on the residual. `links` are the findings of the joints' link encoders, where there are any.
 pub fn catalogue(scene: &Scene, links: &[Link]) -> Vec<Candidate> {
     let mut all = Vec::new();

@@ -21,7 +21,7 @@ pub(super) const INFO: Info = Info {
     name: "time_delay",
     plain: "a time shift between torque and motion",
     confounders: &[Effect::JointElasticity, Effect::Backlash],
-    place: Some("MJCF"),
+    place: Some("comment in the MJCF"),
     by_hand: of_actuators,
     remedy: "shift the torque in the recording, or delay the actuator ({})",
     late: true,

@@ -2,16 +2,24 @@
 
 use crate::catalogue::{Parameter, Unit};
 
+/// Deviation of a length from which it is said not to be known, m: a centre of mass anywhere within a metre is no finding.
+const ANYWHERE: f64 = 1.0;
+
 /// A parameter as text: name, value, standard deviation and unit. A mass that is no larger than its deviation is said
-/// not to be known.
+/// not to be known, and so is a length known to no better than [`ANYWHERE`].
 pub fn value(p: &Parameter) -> String {
     let unit = if p.unit == Unit::One {
         String::new()
     } else {
         format!(" {}", p.unit)
     };
+    let unknown = |std: f64| match p.unit {
+        Unit::Kilogram => std >= p.value,
+        Unit::Metre => std >= ANYWHERE,
+        _ => false,
+    };
     match p.std {
-        Some(std) if p.unit == Unit::Kilogram && std >= p.value => {
+        Some(std) if unknown(std) => {
             let (value, std) = (Short(p.value), Short(std));
             format!("{} not known ({value:.4} ± {std:.2}{unit})", p.name)
         }
@@ -55,6 +63,8 @@ mod tests {
         assert_eq!(said(2.0, 0.1, Unit::Kilogram), "mass 2.000 ± 0.10 kg");
         let unknown = "mass not known (9.242 ± 381 kg)";
         assert_eq!(said(9.2423, 381.0, Unit::Kilogram), unknown);
+        let anywhere = "mass not known (0.1000 ± 1.1e5 m)";
+        assert_eq!(said(0.1, 108_198.0, Unit::Metre), anywhere);
         // A place within its deviation is at zero.
         assert_eq!(said(0.1, 0.2, Unit::Metre), "mass 0.1000 ± 0.20 m");
     }

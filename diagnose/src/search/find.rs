@@ -171,7 +171,7 @@ pub fn find(
                 data,
                 weight,
                 effects,
-                model.has_masses(),
+                model,
             ))
         }
     };

@@ -2,11 +2,12 @@
 
 use crate::catalogue::choice::Choice;
 use crate::catalogue::gear::{Link, links};
-use crate::catalogue::{Candidate, catalogue};
+use crate::catalogue::{Candidate, catalogue, told_from_links};
 use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
 use crate::search::dictionary::Dictionary;
 use crate::search::tables::Tables;
+use crate::simulator::NominalModel;
 use ndarray::Array2;
 use physics::robot::Robot;
 
@@ -23,19 +24,20 @@ pub struct Session {
 }
 
 impl Session {
-    /// Session of a scene with derivatives. `weight` of the fitted rows, shape (rows, joints). Without masses
-    /// in the description, payload and torque gain are left out: no recording separates them from the links.
+    /// Session of a scene with derivatives. `weight` of the fitted rows, shape (rows, joints). Effects that no recording
+    /// separates from links which `model` does not know are left out.
     pub fn new(
         scene: &Scene,
         frame: &Frame,
         weight: &Array2<f64>,
         effects: Choice,
-        masses: bool,
+        model: &NominalModel,
     ) -> Self {
         let links = links(scene, frame, weight);
         let mut candidates = catalogue(scene, &links);
         effects.retain(&mut candidates);
-        candidates.retain(|c| masses || !c.effect.info().by_mass);
+        let tool = model.is_identified() || model.robot.doubtful_links().last() != Some(&true);
+        candidates.retain(|c| told_from_links(c.effect, model.has_masses(), tool));
         let dictionary = Dictionary::new(scene.dof(), &candidates);
         Self {
             present: scene.robot.clone(),
