@@ -166,13 +166,7 @@ pub fn find(
         Some(known) => known,
         None => {
             scene = scene.with_tangents();
-            Arc::new(Session::new(
-                &scene,
-                data,
-                weight,
-                effects,
-                model,
-            ))
+            Arc::new(Session::new(&scene, data, weight, effects, model))
         }
     };
     let mut candidates = session.candidates.clone();

@@ -147,8 +147,8 @@ impl<'a> Objective<'a> {
 
     /// Base variables: changes of the model's parameters, whose prior deviations are the tolerances times `freedom`. A
     /// friction coefficient that is zero in the model counts as missing and is free. One that was identified as zero
-    /// counts as zero. Links that the check of the description doubts get wide priors. A description without masses
-    /// gets priors by torque.
+    /// counts as zero. A description without masses gets priors by
+    /// torque. Links that the check of the description doubts get wide ones: by torque, too, where their own numbers are small.
     pub fn base(&self, model: &NominalModel, freedom: impl Into<Freedom>) -> Vec<Variable> {
         let (s, freedom) = (self.settings, freedom.into());
         let sizes = model.sizes();
@@ -158,11 +158,13 @@ impl<'a> Objective<'a> {
         for (joint, doubtful) in joints.iter().zip(doubtful) {
             let given = freedom.links * s.inertial_tolerance;
             let tolerance = if doubtful { given.max(s.freed) } else { given };
-            deviations.extend(link_sizes(joint).map(|x| tolerance * x));
-        }
-        if !model.has_masses() {
-            for (column, deviation) in deviations.iter_mut().enumerate() {
-                *deviation = self.wide(column).precision.sqrt().recip();
+            let wide = |column| self.wide(column).precision.sqrt().recip();
+            for size in link_sizes(joint) {
+                deviations.push(match (model.has_masses(), doubtful) {
+                    (false, _) => wide(deviations.len()),
+                    (true, true) => (tolerance * size).max(wide(deviations.len())),
+                    (true, false) => tolerance * size,
+                });
             }
         }
         let guessed = sizes.doubtful_friction();
