@@ -88,10 +88,11 @@ def pack(tree, archive, time):
 
 
 def try_out(archive, name):
-    """Unpacks the archive into an empty root and runs the demo there: nothing but the program is in it."""
+    """Unpacks the archive into an empty root and runs the demo there, with devices and a temporary folder as a container has them."""
     with tempfile.TemporaryDirectory() as root, tarfile.open(archive) as tar:
         tar.extractall(root, filter="data")
-        inside = ["unshare", "--user", "--map-root-user", "chroot", root, f"/{name}/bin/residyn"]
+        enter = 'mkdir -p "$0/dev" "$0/tmp" && mount --rbind /dev "$0/dev" && exec chroot "$0" "$@"'
+        inside = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", enter, root, f"/{name}/bin/residyn"]
         print(run(*inside, "--version").strip())
         print(run(*inside, "demo").splitlines()[0])
         if not (Path(root) / "residyn-demo/gap.html").is_file():
