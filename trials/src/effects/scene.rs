@@ -106,7 +106,7 @@ pub struct Source {
 pub enum Origin {
     /// Effect of the catalogue: an index into [`super::EFFECTS`].
     Listed(usize),
-    /// Worn gear: an index into [`super::Effect::WORN`].
+    /// Worn gear: an index into `Effect::WORN`.
     Worn(usize),
     /// Mechanism outside the catalogue.
     Outside,
