@@ -107,10 +107,9 @@ fn outside(given: &Given, [arm, whole]: [&Arm; 2], late: &[bool]) -> Vec<String>
         let (s, joint) = (&arm.servos[j], &whole.joints[j]);
         let mut say = |what: &str, value: f64, unit: &str| {
             if value != 0.0 {
-                out.push(format!(
-                    "{name}: {what} {} {unit}",
-                    crate::words::number(value)
-                ));
+                let line = format!("{name}: {what} {} {unit}", crate::words::number(value));
+                // A part has no unit.
+                out.push(line.trim_end().to_owned());
             }
         };
         if late[j] {

@@ -147,8 +147,8 @@ impl<'a> Objective<'a> {
 
     /// Base variables: changes of the model's parameters, whose prior deviations are the tolerances times `freedom`. A
     /// friction coefficient that is zero in the model counts as missing and is free. One that was identified as zero
-    /// counts as zero. A description without masses gets priors by
-    /// torque. Links that the check of the description doubts get wide ones: by torque, too, where their own numbers are small.
+    /// counts as zero. A description without masses gets priors by torque. Links that the check of the description doubts
+    /// get wide ones: by torque, too, where their own numbers are small.
     pub fn base(&self, model: &NominalModel, freedom: impl Into<Freedom>) -> Vec<Variable> {
         let (s, freedom) = (self.settings, freedom.into());
         let sizes = model.sizes();

@@ -115,13 +115,12 @@ pub fn table(lost: &[(String, Lost)]) -> Option<Table> {
             .collect();
         let count = kinds.len();
         kinds.sort_unstable();
-        let mut told: Vec<String> = kinds
-            .chunk_by(|a, b| a == b)
-            .map(|same| format!("{} {}", same.len(), same[0]))
-            .collect();
-        told.sort_by_key(|t| {
-            std::cmp::Reverse(t.split(' ').next().and_then(|n| n.parse::<usize>().ok()))
-        });
+        let mut alike: Vec<&[&str]> = kinds.chunk_by(|a, b| a == b).collect();
+        alike.sort_by_key(|same| std::cmp::Reverse(same.len()));
+        let told = alike
+            .iter()
+            .map(|same| format!("{} {}", same.len(), same[0]));
+        let told: Vec<String> = told.collect();
         table.push([
             Cell::text(name),
             Cell::number(count as f64, 0),

@@ -67,11 +67,14 @@ pub fn attainable(
                     same_draw(truth, out.unwrap_or(Path::new("")), &id, &spec)?;
                     answer
                 }
-                None => answered(&spec, wanted.seed)?,
+                None => {
+                    let answer = answered(&spec, wanted.seed)?;
+                    if let Some(path) = path {
+                        report::write_atomic(&path, format!("{answer:#}"))?;
+                    }
+                    answer
+                }
             };
-            if let Some(path) = path {
-                report::write_atomic(&path, format!("{answer:#}"))?;
-            }
             done();
             Ok(Known {
                 score: judge(&answer["truth"], &answer["report"]),

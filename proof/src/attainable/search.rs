@@ -122,10 +122,8 @@ pub fn hypotheses(witness: &Witness, hard: bool, part: &Window, whole: &Window) 
     let mut places = Vec::new();
     let mut true_one = None;
     if let [(mechanism, _)] = &truth[..] {
-        let own = scanned
-            .iter()
-            .find(|s| is_place(&s.point.parts[0].0, mechanism));
-        let prior = own.map_or(0.0, |s| s.prior + s.place);
+        let own = priors.single.iter().find(|p| p.0 == mechanism.origin);
+        let prior = own.map_or(f64::NEG_INFINITY, |p| p.1) + place(&scanned, mechanism);
         if let Some(point) = part.at(again(witness, &truth)) {
             true_one = Some((part.refined(point, STEPS[0]), prior));
         }
@@ -282,10 +280,10 @@ fn pairs(
     refined
 }
 
-/// Logarithm of the chance of a mechanism's place.
+/// Logarithm of the chance of a mechanism's place; that of a place which none of the draws had is at most one draw's.
 fn place(scanned: &[Scanned], mechanism: &Mechanism) -> f64 {
     let own = scanned
         .iter()
         .find(|s| is_place(&s.point.parts[0].0, mechanism));
-    own.map_or(0.0, |s| s.place)
+    own.map_or(-(DRAWS as f64).ln(), |s| s.place)
 }

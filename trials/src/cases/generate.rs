@@ -323,7 +323,6 @@ fn finish(
     };
     let telling = Telling {
         nominal: nominal.clone(),
-        given: nominal.clone(),
         plain: experiment.plain.clone(),
         session: experiment.session.clone(),
         log,

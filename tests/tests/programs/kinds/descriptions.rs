@@ -2,6 +2,7 @@
 
 use super::{Made, UNIT, Urdf, recorded, robot, says};
 use physics::robot::Description;
+use tests::program::{json, program, run};
 use tests::synthetic::friction;
 
 fn side(name: &str, kind: &str, parent: &str, mimic: &str) -> String {
@@ -114,6 +115,48 @@ fn masses_that_are_none_or_placeholders() {
             &[said, "2001 samples"],
             &UNIT,
         );
+    }
+}
+
+/// A last link that weighs nearly nothing on paper: what it weighs is said of the link, and not of a payload, which has the
+/// same columns. As much is explained as of the description in order.
+#[test]
+fn a_last_link_that_cannot_be() {
+    for (arm, scale) in [
+        (0, &[1.0, 1.0, 0.002][..]),
+        (1, &[1.0, 1.0, 1.0, 0.005]),
+        (2, &[1.0, 1.0, 0.004]),
+    ] {
+        let diagnosed = |scale: &[f64]| {
+            let text = Urdf {
+                arm,
+                scale,
+                ..Urdf::default()
+            }
+            .text();
+            let made = Made::new("arm.urdf", &text);
+            let path = |name: &str| made.folder.path().join(name);
+            for (name, seed) in [("data.csv", 1), ("heldout.csv", 2)] {
+                datasets::write(&recorded(&robot(arm), seed), &path(name)).expect("writable");
+            }
+            let mut diagnose = program("diagnose");
+            diagnose.args(["--fast", "--robot"]).arg(&made.robot);
+            diagnose.arg("--data").arg(path("data.csv"));
+            diagnose.arg("--heldout").arg(path("heldout.csv"));
+            let ended = run(diagnose.arg("--json").arg(path("report.json")));
+            let report = json(&path("report.json"));
+            let last = report["ladder"].as_array().and_then(|steps| steps.last());
+            let left = last.and_then(|step| step["mean_nrmse"].as_f64());
+            (ended.out, report, left.expect("a ladder"))
+        };
+        let (said, report, left) = diagnosed(scale);
+        says(&said, &["less than a hundredth of the link before it"], &[]);
+        let causes = report["causes"].as_array().into_iter().flatten();
+        let named: Vec<&str> = causes.filter_map(|c| c["effect"].as_str()).collect();
+        assert!(named.contains(&"link_parameters"), "{named:?}");
+        assert!(!named.contains(&"payload"), "{named:?}");
+        let (.., in_order) = diagnosed(&[]);
+        assert!(left < 1.1 * in_order, "{left} {in_order}");
     }
 }
 

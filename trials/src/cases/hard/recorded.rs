@@ -113,7 +113,6 @@ impl Recorded<'_> {
         };
         let telling = Telling {
             nominal: self.nominal.clone(),
-            given: self.drawn.given.clone(),
             plain: self.drawn.plain.clone(),
             session: self.days[0].session.clone(),
             log: channel.witnessed(first_log, torque_rms, first.trace.bounds(), &log),

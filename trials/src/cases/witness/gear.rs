@@ -124,6 +124,26 @@ fn surroundings(
     Ok(made)
 }
 
+/// Instant of a part's step: time and length of the step, positions and velocities, and zeros for what the surroundings hold.
+fn instant<'a>([t, dt]: [f64; 2], q: &'a [f64], v: &'a [f64], zero: &'a [f64]) -> Instant<'a> {
+    Instant {
+        t,
+        dt,
+        q,
+        v,
+        a: zero,
+        load: zero,
+    }
+}
+
+/// Forces of all mechanisms together.
+fn push(build: &mut Build, now: &Instant, force: &mut [f64]) {
+    force.fill(0.0);
+    for m in &mut build.mechanisms {
+        m.push(now, force);
+    }
+}
+
 /// Lets the part swing from rest over rows `first` to `end` of the grid, by the plant's own step.
 fn swing(
     motion: &Motion,
@@ -165,18 +185,8 @@ fn swing(
             let middle = x + 0.5 * h * rate;
             q[at] = middle;
             v[at] = rate + 0.5 * h * a;
-            let now = Instant {
-                t: motion.time[k],
-                dt: h,
-                q: &q,
-                v: &v,
-                a: &zero,
-                load: &zero,
-            };
-            force.fill(0.0);
-            for m in &mut build.mechanisms {
-                m.push(&now, &mut force);
-            }
+            let now = instant([motion.time[k], h], &q, &v, &zero);
+            push(build, &now, &mut force);
             let mechanisms = &build.mechanisms;
             let resist = |v: f64| mechanisms.iter().map(|m| m.resist(&now, v)).sum::<f64>();
             let still = resist(0.0);
@@ -194,16 +204,9 @@ fn swing(
                 }
             }
             v[at] = ends;
+            let ended = instant([motion.time[k], h], &q, &zero, &zero);
             for m in &mut build.mechanisms {
-                let now = Instant {
-                    t: motion.time[k],
-                    dt: h,
-                    q: &q,
-                    v: &zero,
-                    a: &zero,
-                    load: &zero,
-                };
-                m.advance(&now, &v);
+                m.advance(&ended, &v);
             }
             x += 0.5 * h * (rate + ends);
             rate = ends;
@@ -212,18 +215,8 @@ fn swing(
         if k + 1 < end {
             let sampled = motion.state(k + 1)[2];
             q[at] = x;
-            let now = Instant {
-                t: motion.time[k + 1],
-                dt: h,
-                q: &q,
-                v: &zero,
-                a: &zero,
-                load: &zero,
-            };
-            force.fill(0.0);
-            for m in &mut build.mechanisms {
-                m.push(&now, &mut force);
-            }
+            let now = instant([motion.time[k + 1], h], &q, &zero, &zero);
+            push(build, &now, &mut force);
             let mechanisms = &build.mechanisms;
             let resist: f64 = mechanisms.iter().map(|m| m.resist(&now, rate)).sum();
             let pushed = force[at] - resist - bias - stiff * x - drag * rate;

@@ -72,8 +72,6 @@ pub struct Drawn {
 
 /// What an observer may be told of a case, and the withheld effects as drawn, from which the observer's own search starts.
 pub struct Witness {
-    /// Robot as the simulator's model has it.
-    pub given: Arm,
     /// The torque log.
     pub log: TorqueLog,
     /// Torque of each background effect before the filter, by row of the trace and joint, N·m.
@@ -92,7 +90,6 @@ pub struct Witness {
 /// Parts of a witness before anything is computed from them.
 pub(super) struct Telling {
     pub nominal: Arm,
-    pub given: Arm,
     pub plain: Arm,
     pub session: Session,
     pub trace: Trace,
@@ -130,7 +127,6 @@ impl Telling {
                 Motion::new(&self.plain, &self.session, &self.trace)?,
             ),
             nominal: self.nominal,
-            given: self.given,
             session: self.session,
             log: self.log,
             background: self.background,
