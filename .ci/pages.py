@@ -12,9 +12,27 @@ import sys
 from pathlib import Path
 
 #: Page, most lines, most characters of a line.
-PAGES = [("README.md", 120, 160), ("docs/start.md", 80, 170), ("docs/diagnosis.md", 250, 400), ("docs/replay.md", 250, 400)]
+PAGES = [
+    ("README.md", 120, 160),
+    ("docs/start.md", 80, 170),
+    ("docs/diagnosis.md", 170, 200),
+    ("docs/diagnosis-method.md", 120, 200),
+    ("docs/diagnosis-limits.md", 60, 200),
+    ("docs/diagnosis-proof.md", 335, 200),
+    ("docs/replay.md", 250, 400),
+]
+#: Pages of which rows of tables may be wider.
+WIDE = ("docs/diagnosis.md", "docs/diagnosis-limits.md", "docs/diagnosis-proof.md")
 #: Pages whose sentences are counted, and the most words of one.
-PLAIN = ("README.md", "docs/start.md", "docs/replay.md")
+PLAIN = (
+    "README.md",
+    "docs/start.md",
+    "docs/diagnosis.md",
+    "docs/diagnosis-method.md",
+    "docs/diagnosis-limits.md",
+    "docs/diagnosis-proof.md",
+    "docs/replay.md",
+)
 WORDS = 35
 #: Headings of an effect's page in their order, and its most lines and characters of a line.
 HEADINGS = ["What it is", "How it looks", "Confused with", "What to do", "How well it is found"]
@@ -37,7 +55,8 @@ def sentences(text):
 def size(name, most, width):
     """Faults of a page in its lines and their width."""
     lines = Path(name).read_text().splitlines()
-    faults = [f"{name}:{n}: {len(line)} characters, at most {width}" for n, line in enumerate(lines, 1) if len(line) > width]
+    wide = [(n, line) for n, line in enumerate(lines, 1) if len(line) > width and not (name in WIDE and line.startswith("|"))]
+    faults = [f"{name}:{n}: {len(line)} characters, at most {width}" for n, line in wide]
     return faults + [f"{name}: {len(lines)} lines, at most {most}"] * (len(lines) > most)
 
 
