@@ -11,10 +11,13 @@ import re
 import sys
 from pathlib import Path
 
+#: Pages of docs/tutorials.
+TUTORIALS = ("first-diagnosis", "so101-without-torque", "ur5e-ros2-bag", "feedforward-cpp")
 #: Page, most lines, most characters of a line.
 PAGES = [
     ("README.md", 120, 160),
     ("docs/start.md", 80, 170),
+    *((f"docs/tutorials/{name}.md", 80, 200) for name in TUTORIALS),
     ("docs/diagnosis.md", 170, 200),
     ("docs/diagnosis-method.md", 120, 200),
     ("docs/diagnosis-limits.md", 60, 200),
@@ -27,6 +30,7 @@ WIDE = ("docs/diagnosis.md", "docs/diagnosis-limits.md", "docs/diagnosis-proof.m
 PLAIN = (
     "README.md",
     "docs/start.md",
+    *(f"docs/tutorials/{name}.md" for name in TUTORIALS),
     "docs/diagnosis.md",
     "docs/diagnosis-method.md",
     "docs/diagnosis-limits.md",
@@ -93,7 +97,7 @@ def effects():
 
 def links():
     """Relative links of the documentation that lead to no file."""
-    for page in sorted([*Path("docs").glob("*.md"), *Path("docs/effects").glob("*.md")]):
+    for page in sorted(path for folder in ("docs", "docs/effects", "docs/tutorials") for path in Path(folder).glob("*.md")):
         text = re.sub(r"```.*?```|`[^`\n]*`", "", page.read_text(), flags=re.S)
         for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
             if not re.match(r"\w+:", target) and not (page.parent / target).exists():
