@@ -61,6 +61,7 @@ def size(name, most, width):
     lines = Path(name).read_text().splitlines()
     wide = [(n, line) for n, line in enumerate(lines, 1) if len(line) > width and not (name in WIDE and line.startswith("|"))]
     faults = [f"{name}:{n}: {len(line)} characters, at most {width}" for n, line in wide]
+    faults += [f"{name}: it is empty"] * (not any(lines))
     return faults + [f"{name}: {len(lines)} lines, at most {most}"] * (len(lines) > most)
 
 
