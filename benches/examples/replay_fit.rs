@@ -7,9 +7,11 @@
 
 use clap::Parser;
 use datasets::Part;
-use replay::fit::{Effort, Free, Noise, descend};
+use replay::arm::Arm;
+use replay::fit::{Effort, Free, Noise, descend, sums};
 use replay::input::Subject;
 use replay::parameter::{Kind, Parameter};
+use replay::simulate::Unstable;
 use serde_json::json;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -36,6 +38,9 @@ struct Arguments {
     /// Iterations.
     #[arg(long, default_value_t = 20)]
     iterations: usize,
+    /// Blocks that are fitted, the first ones of the recording; all of them without it.
+    #[arg(long)]
+    blocks: Option<usize>,
     /// Where the iterates are written.
     #[arg(long)]
     out: PathBuf,
@@ -54,8 +59,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .num_threads(a.threads)
         .build_global()?;
     let subject = Subject::read(&a.robot, &a.joints, None, None)?;
-    let data =
+    let mut data =
         subject.prepared(&subject.recordings(std::slice::from_ref(&a.data), Part::Train)?)?;
+    data.blocks.truncate(a.blocks.unwrap_or(usize::MAX));
     // The drive's damping and viscous friction are one number where no velocity is commanded.
     let start = subject.given.without_rates().arm;
     let n = start.dof();
@@ -66,17 +72,29 @@ fn main() -> Result<(), Box<dyn Error>> {
             prior: None,
         })
         .collect();
+    // Noise far above every error: what is minimised is then the sum of squared errors in units of the tracking error, as the peer
+    // has it.
     let noise: Vec<Noise> = data
-        .quantum
+        .tracking
         .iter()
-        .map(|q| Noise {
-            floor: q * q / 12.0,
+        .map(|t| Noise {
+            floor: 1e4 * t * t,
             correlation: 1.0,
         })
         .collect();
-    let mut iterates = Vec::new();
+    // Sum over samples and joints of squared errors in units of the tracking error, in this simulator.
+    let cost = |arm: &Arm| -> Result<f64, Unstable> {
+        let mut arm = arm.clone();
+        arm.step = a.step;
+        let blocks = sums(&arm, &data.blocks, &[])?;
+        let each = blocks
+            .iter()
+            .flat_map(|b| b.squared.iter().zip(&data.tracking));
+        Ok(each.map(|(s, t)| s / (t * t)).sum())
+    };
+    let mut iterates = vec![values(&start, 0.0, 0.0, cost(&start)?)];
     // The same path every time, cut one iteration later.
-    for iterations in 0..=a.iterations {
+    for iterations in 1..=a.iterations {
         let effort = Effort {
             iterations,
             gain: 0.0,
@@ -85,13 +103,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (begun, used) = (Instant::now(), processor()?);
         let arm = descend(&start, &free, &data.blocks, &noise, effort, None)?.arm;
         let (seconds, used) = (begun.elapsed().as_secs_f64(), processor()? - used);
-        let mut values = json!({ "seconds": seconds, "processor": used });
-        for (kind, name) in FITTED {
-            let all: Vec<f64> = (0..n).map(|j| arm.get(Parameter::new(kind, j))).collect();
-            values[name] = json!(all);
-        }
         println!("{iterations} iterations: {seconds:.2} s, {used:.2} s of processor time");
-        iterates.push(values);
+        iterates.push(values(&arm, seconds, used, cost(&arm)?));
     }
     let blocks = data
         .blocks
@@ -103,6 +116,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     std::fs::write(&a.out, serde_json::to_string_pretty(&out)?)?;
     Ok(())
+}
+
+/// An iterate: the fitted values of an arm, the seconds until it, and its cost.
+fn values(arm: &Arm, seconds: f64, processor: f64, cost: f64) -> serde_json::Value {
+    let mut out = json!({ "seconds": seconds, "processor": processor, "cost": cost });
+    for (kind, name) in FITTED {
+        let of = |j: usize| arm.get(Parameter::new(kind, j));
+        let all: Vec<f64> = (0..arm.dof()).map(of).collect();
+        out[name] = json!(all);
+    }
+    out
 }
 
 /// Processor time of this process, s: of all threads, in ticks of a hundredth of a second.

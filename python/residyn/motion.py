@@ -93,13 +93,15 @@ def replay(
     before: Union[RecordingLike, Sequence[RecordingLike]] = (),
     drive: Union[str, os.PathLike, None] = None,
     fast: bool = False,
+    ceiling: bool = False,
 ) -> ReplayReport:
     """Diagnoses the gap in motion between a simulator and a real robot under the same commands.
 
     `given` is the simulator's model, a `Robot` (or its name or path); a URDF needs a drive file with the block [controller]. Recordings
     have commanded positions (`q_ref`) beside `q`, and need no torque; `tau_ff` is what the controller adds to its own law. Effects are fitted on `data`; every figure is measured on
     `heldout`. With `before`, earlier recordings of the same robot, the report says what has changed since then.
-    `drive` stands in place of the robot's own drive file. `fast` shortens the fits by which shares are measured.
+    `drive` stands in place of the robot's own drive file. `fast` shortens the fits by which shares are measured. `ceiling`
+    fits the same effects to `heldout` itself, too (`raw["ceiling"]`).
     Raises `InputError` with the words of the command line; Ctrl-C returns at once.
     """
     drive = None if drive is None else Path(drive)
@@ -108,7 +110,7 @@ def replay(
     data, before = several(data), several(before)
     with paths(*data, *before, heldout) as files:
         earlier = files[len(data) : -1]
-        done = _residyn.replay(given, files[: len(data)], files[-1], before=earlier, drive=drive or given.drive, fast=fast)
+        done = _residyn.replay(given, files[: len(data)], files[-1], before=earlier, drive=drive or given.drive, fast=fast, ceiling=ceiling)
     raw = json.loads(done.json())
     return ReplayReport(
         verdict=raw["verdict"],

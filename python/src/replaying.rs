@@ -3,6 +3,7 @@
 use crate::error::unreplayed;
 use crate::interrupt::{self, OnInterrupt};
 use crate::robot::Robot;
+use ::replay::diagnosis::Options;
 use ::replay::job::{Done, Job};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
@@ -15,7 +16,8 @@ pub struct Replay(Done);
 
 /// Replays the commands of `data` and `heldout` on a robot's simulator and diagnoses the gap in motion.
 #[pyfunction]
-#[pyo3(signature = (robot, data, heldout, *, before, drive, fast))]
+#[pyo3(signature = (robot, data, heldout, *, before, drive, fast, ceiling))]
+#[allow(clippy::too_many_arguments)] // one each of the command line's
 pub fn replay(
     py: Python,
     robot: &Robot,
@@ -24,6 +26,7 @@ pub fn replay(
     before: Vec<PathBuf>,
     drive: Option<PathBuf>,
     fast: bool,
+    ceiling: bool,
 ) -> PyResult<Replay> {
     let (robot, joints, gravity) = robot.asked();
     let job = Job {
@@ -34,7 +37,7 @@ pub fn replay(
         before,
         drive,
         gravity,
-        fast,
+        options: Options { fast, ceiling },
     };
     let done = interrupt::run(py, OnInterrupt::Abandon, move |_| job.run(|_| ()))?;
     done.map(Replay).map_err(|e| unreplayed(&e))

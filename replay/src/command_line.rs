@@ -2,6 +2,7 @@
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+use crate::diagnosis::Options;
 use crate::job::{Job, ReplayError};
 use clap::Args;
 use indicatif::ProgressBar;
@@ -47,6 +48,9 @@ pub struct Arguments {
     /// Measure the causes' shares by shorter fits (each leaves one cause out): faster.
     #[arg(long)]
     fast: bool,
+    /// Fit the same effects to the held-out recording itself, too: no values of them leave much less there.
+    #[arg(long)]
+    ceiling: bool,
 }
 
 /// Makes the diagnosis that the arguments ask for, prints it and writes its files. Returns the exit status: 2 for input
@@ -72,7 +76,10 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
         before: arguments.before.clone(),
         drive: arguments.drive.clone(),
         gravity: arguments.gravity,
-        fast: arguments.fast,
+        options: Options {
+            fast: arguments.fast,
+            ceiling: arguments.ceiling,
+        },
     };
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));

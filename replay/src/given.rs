@@ -49,6 +49,11 @@ impl Given {
         self.free.contains(&parameter)
     }
 
+    /// Whether the parameter's value is given with a tolerance, or not at all.
+    pub(crate) fn doubts(&self, parameter: Parameter) -> bool {
+        self.tolerance(parameter) > 0.0 || self.is_free(parameter)
+    }
+
     /// Simulator for recordings without commanded velocities. The drive's damping and the viscous friction of a joint
     /// then only show as their sum, which is fitted as viscous friction. Joints under a cascade controller keep both.
     pub fn without_rates(&self) -> Self {

@@ -1,7 +1,7 @@
 //! Diagnosis of motion from files, as the program and the Python package both run it.
 
 use crate::catalogue::Effect;
-use crate::diagnosis::{Outcome, diagnose, earlier};
+use crate::diagnosis::{Options, Outcome, diagnose, earlier};
 use crate::input::{InputError, Subject};
 use crate::patch::{Patch, PatchError, patch};
 use crate::schema::Compared;
@@ -31,8 +31,8 @@ pub struct Job {
     pub drive: Option<PathBuf>,
     /// Gravity in the base frame, m/s²; none for that of the description.
     pub gravity: Option<[f64; 3]>,
-    /// Whether fits that leave one cause out, which measure the causes' shares, end early.
-    pub fast: bool,
+    /// What is asked for beyond the causes.
+    pub options: Options,
 }
 
 /// Reason why there is no diagnosis.
@@ -107,7 +107,7 @@ impl Job {
         if let Some(before) = before {
             subject.given = earlier(&subject.given, &before, &mut stage)?;
         }
-        let mut outcome = diagnose(&subject.given, &data, &heldout, self.fast, stage)?;
+        let mut outcome = diagnose(&subject.given, &data, &heldout, self.options, stage)?;
         outcome.report.compared = (!self.before.is_empty()).then(|| Compared {
             before: self
                 .before

@@ -26,6 +26,10 @@ pub struct Report {
     pub ladder: Vec<Step>,
     /// Errors and drives of the corrected model file alone, whose format holds no friction by load or at standstill.
     pub file_alone: FileAlone,
+    /// Errors of the corrected simulator on the held-out recording where its parameters are fitted to that recording itself. None
+    /// where this was not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ceiling: Option<Figures>,
     /// Regions of motion that hold more than their part of the squared error of the simulator as given, largest share
     /// first.
     #[serde(rename = "where")]
@@ -165,6 +169,35 @@ pub struct NotIdentifiable {
     /// Reason in words: too little motion, a value at its bound, or two values that only their sum or difference is
     /// known of.
     pub reason: String,
+    /// Reason as a word for programs.
+    pub finding: Finding,
+    /// Values that it is about; none of a joint that never moves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub values: Vec<Named>,
+}
+
+/// Why a quantity is not determined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Finding {
+    /// The joint never moves.
+    Still,
+    /// The value is not told from zero.
+    Zero,
+    /// Two values are known by their sum or difference alone.
+    Inseparable,
+    /// What was assumed of the values is not halved.
+    Little,
+}
+
+/// Parameter by its name in the report.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Named {
+    /// Name of the parameter.
+    pub name: &'static str,
+    /// Name of the joint; none for a parameter of the whole arm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
 }
 
 /// Joint on which an unknown effect acts: a torque that no effect of the catalogue explains.

@@ -1,6 +1,7 @@
 //! Report in words, for a terminal and for the page.
 
 use crate::schema::{Cause, REPEATABILITY, Report, Step, Value};
+use crate::score::Figures;
 
 /// Verdict of the report in one sentence, with the error as given and as corrected.
 pub fn verdict(report: &Report) -> String {
@@ -95,6 +96,15 @@ pub fn number(v: f64) -> String {
     }
 }
 
+/// What the corrected simulator leaves where its values are fitted to the held-out recording itself, in one sentence.
+pub fn ceiling(figures: &Figures) -> Option<String> {
+    let part = figures.mean_unexplained?;
+    Some(format!(
+        "Fitted to the held-out recording itself, the same effects leave {:.1} %.",
+        100.0 * part
+    ))
+}
+
 /// Report as lines for a terminal. `words` turns an effect's name into plain words.
 pub fn lines(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<String> {
     let mut out = vec![verdict(report)];
@@ -115,6 +125,7 @@ pub fn lines(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<Strin
             100.0 * part
         ));
     }
+    out.extend(report.ceiling.as_ref().and_then(ceiling));
     for unknown in &report.unknown {
         out.push(format!(
             "Something unknown on {}, probability {:.2}.",

@@ -24,6 +24,8 @@ LENGTH = 12.0  # of a trajectory, s
 BEFORE = 2.0  # under the drive before it, s
 SEEN = 0.1  # part of the departure from the commands that an effect changes at least
 FARTHEST = 1.5  # from its command, rad (m)
+STATED = 0.03  # deviation of a stated value, relative
+INSEPARABLE = 0.95  # correlation beyond which two values cannot be told apart
 SINGLES = (
     "servo_gain", "command_delay", "joint_delay", "effort_limit", "gravity_compensation", "friction_parameters", "stribeck_friction",
     "load_dependent_friction", "rotor_inertia", "encoder_offset", "payload", "base_tilt", "link_parameters", "joint_coupling",
@@ -102,6 +104,7 @@ class Real:
         m.actuator_forcerange[:] = np.column_stack([-limit, limit])
         self.late, self.zero = np.zeros(self.n), np.zeros(self.n)
         self.turns = np.eye(self.n)  # motors by joints
+        self.more = np.zeros(self.n)  # dry friction beside that of an effect which sets it at every step
         self.acts = []
 
     def set(self, joint, kp):
@@ -186,7 +189,7 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
         size, loss = 0.2 * torque[j] * usual * s, r.model.dof_frictionloss[r.at[j]]
 
         def act(m, d, at):
-            m.dof_frictionloss[at[j]] = loss + size / (1 + (d.qvel[at[j]] / v_s) ** 2)
+            m.dof_frictionloss[at[j]] = loss + r.more[j] + size / (1 + (d.qvel[at[j]] / v_s) ** 2)
 
         r.acts.append(act)
         return {"stribeck": size}
@@ -195,7 +198,7 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
         part, loss = min(0.2 * usual * s, 0.45), r.model.dof_frictionloss[r.at[j]]
 
         def act(m, d, at):
-            m.dof_frictionloss[at[j]] = loss + part * abs(d.qfrc_actuator[at[j]])
+            m.dof_frictionloss[at[j]] = loss + r.more[j] + part * abs(d.qfrc_actuator[at[j]])
 
         r.acts.append(act)
         return {"load": part}
@@ -252,7 +255,7 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
         size, loss = 0.3 * torque[j] * usual * s, r.model.dof_frictionloss[r.at[j]]
 
         def act(m, d, at):
-            m.dof_frictionloss[at[j]] = loss + size * d.qvel[at[other]] ** 2
+            m.dof_frictionloss[at[j]] = loss + r.more[j] + size * d.qvel[at[other]] ** 2
 
         r.acts.append(act)
         return {}
@@ -264,6 +267,75 @@ def shape(name, arm, kp, torque, tolerance, period, rng):
     }[name]  # fmt: skip
     whole = name in ("command_delay", "gravity_compensation", "payload", "base_tilt")
     return None if whole else j, beside if name == "joint_coupling" else None, change
+
+
+def vary(name, real, j, change):
+    """Adds a change to one value of a robot."""
+    m, dof = real.model, real.at[j]
+    if name == "kp":
+        real.set(j, m.actuator_gainprm[j, 0] + change)
+    elif name == "viscous":
+        m.dof_damping[dof] += change
+    elif name == "coulomb":
+        m.dof_frictionloss[dof] += change
+        real.more[j] += change
+    elif name == "inertia":
+        m.dof_armature[dof] += change
+    elif name == "mass_factor":
+        # The change is that of the factor on the description's masses, here a thousandth of it.
+        m.body_mass[real.links[j]] *= 1 + 1e-3
+        m.body_inertia[real.links[j]] *= 1 + 1e-3
+    elif name == "zero":
+        real.zero[j] -= change
+    else:
+        real.late[j if j is not None else slice(None)] += change
+
+
+def information(build, names, runs, commands, period, kd, tolerance, withheld, sigma):
+    """What the motion to fit shows of the true values: differences of MuJoCo's own roll-outs, as `proof/src/motion/shown.rs` has them.
+
+    `build` makes the real robot, `runs` are its motions. None where a robot with a value varied does not follow its commands.
+    """
+    known = {(p["name"], p["joint"]): p["value"] for w in withheld for p in w["parameters"]}
+    real, gain, late = build(), np.hypot(tolerance, STATED), max(2 * period, 0.02)
+    m, values = real.model, []  # name, joint, value, prior, change
+    for j, name in enumerate(names):
+        dof = real.at[j]
+        for what, value, stated in (
+            ("kp", m.actuator_gainprm[j, 0], gain),
+            # Without commanded velocities the motion shows the sum of the joint's damping and the drive's.
+            ("viscous", m.dof_damping[dof] + kd[j], gain),
+            ("coulomb", m.dof_frictionloss[dof], STATED),
+            ("inertia", m.dof_armature[dof], STATED),
+        ):
+            if value > 0:
+                values.append((what, j, value, value * (1 if (what, name) in known else stated), 1e-3 * value))
+        factor = known.get(("mass_factor", name), 1)
+        values.append(("mass_factor", j, factor, factor if ("mass_factor", name) in known else STATED, 1e-3 * factor))
+        if ("zero", name) in known:
+            values.append(("zero", j, -real.zero[j], 0.05, 1e-4))
+        if ("delay", name) in known:
+            values.append(("delay", j, real.late[j], late, 2 * STEP))
+    values.append(("delay", None, real.late.min(), late if ("delay", None) in known else 1e-3, 2 * STEP))
+    columns = []
+    for what, j, _, prior, change in values:
+        other = build()
+        vary(what, other, j, change)
+        moved = [other.run(c, period) for c in commands]
+        if any(o is None for o in moved):
+            return None
+        columns.append(np.concatenate([((o[1] - r[1]) / change * prior / sigma).ravel() for o, r in zip(moved, runs)]))
+    changes = np.array(columns)
+    covariance = np.linalg.inv(changes @ changes.T + np.eye(len(values)))
+    deviation = np.sqrt(np.diag(covariance))
+    correlated = abs(covariance / np.outer(deviation, deviation)) > INSEPARABLE
+    return {
+        "values": [
+            {"name": what, "joint": None if j is None else names[j], "value": float(value), "prior": float(prior), "deviation": float(prior * d)}
+            for (what, j, value, prior, _), d in zip(values, deviation)
+        ],
+        "inseparable": [[int(i), int(k)] for i, k in zip(*np.nonzero(np.triu(correlated, 1)))],
+    }
 
 
 def attempt(case, rng):
@@ -339,6 +411,16 @@ def attempt(case, rng):
         "kind": case, "simulator": "mujoco", "withheld": [] if case == "outside" else withheld, "drives": drives,
         "tolerance": tolerance, "period": period,
     }  # fmt: skip
+
+    def build():
+        again = Real(arm, true_kp, true_kd, limit)
+        for (_, _, _, change), size in zip(shapes, sizes):
+            change(again, size)
+        return again
+
+    shown = information(build, arm.names, runs[:2], all_commands[:2], period, true_kd, tolerance, truth["withheld"], np.hypot(noise, count / 12**0.5))
+    if shown is not None:
+        truth["information"] = shown
     return arm.xml, drive, tables, truth
 
 

@@ -4,6 +4,7 @@ use super::MotionError;
 use super::effects::{OUTSIDE, SINGLES, Scene, Shape, Truth, Withheld, draw};
 use super::files::{drive_file, drives, record};
 use super::real::{LENGTH, Moved, Real};
+use super::shown::{Information, Known, information};
 use datasets::Recording;
 use physics::dynamics::{Workspace, inverse_dynamics, mass_matrix};
 use physics::robot::to_urdf;
@@ -37,6 +38,9 @@ pub struct Sealed {
     pub tolerance: f64,
     /// Time between two commands, s.
     pub period: f64,
+    /// What the motion to fit shows of the true values, by the simulator that made it; none where it was not worked out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub information: Option<Information>,
 }
 
 /// Case of the proof: the files handed out, and the sealed answer.
@@ -172,14 +176,18 @@ fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Cas
         moved.push(m);
     }
     let outside = kind == "outside";
-    let recordings = [
-        record(&moved[..2], period, real.rates, rng)?,
-        record(&moved[2..], period, real.rates, rng)?,
-    ];
+    let (train, sigma) = record(&moved[..2], period, real.rates, rng)?;
+    let (test, _) = record(&moved[2..], period, real.rates, rng)?;
+    let known = Known {
+        tolerance,
+        period,
+        sigma,
+    };
+    let information = information(&real, &sessions[..2], &moved[..2], &withheld, known)?;
     Ok(Some(Case {
         urdf: to_urdf(&nominal.arm.robot()?),
         drive: drive_file(&nominal, tolerance, period),
-        recordings,
+        recordings: [train, test],
         sealed: Sealed {
             kind: kind.to_owned(),
             simulator: "plant".to_owned(),
@@ -187,6 +195,7 @@ fn attempt(kind: &str, joints: usize, rng: &mut ChaCha8Rng) -> Result<Option<Cas
             drives: drives(&real),
             tolerance,
             period,
+            information,
         },
     }))
 }

@@ -12,13 +12,13 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 /// Recording of some trajectories as a logger would make it: positions with noise and quantisation, and times with
-/// jitter. `rates`: whether commanded velocities are recorded.
+/// jitter. `rates`: whether commanded velocities are recorded. Beside it the standard deviation of noise and quantisation, rad.
 pub(super) fn record(
     moved: &[Moved],
     period: f64,
     rates: bool,
     rng: &mut ChaCha8Rng,
-) -> Result<Recording, MotionError> {
+) -> Result<(Recording, f64), MotionError> {
     let count = TAU / f64::from(1u32 << rng.random_range(12..18));
     let noise = count * rng.random_range(0.1..0.5);
     let jitter = period * rng.random_range(0.0..0.05);
@@ -56,7 +56,7 @@ pub(super) fn record(
             }
         })
         .collect();
-    Ok(recording)
+    Ok((recording, noise.hypot(count / 12f64.sqrt())))
 }
 
 /// Drive file as TOML text, with the gains of the robot `nominal` and their tolerance.

@@ -9,16 +9,18 @@ mod effects;
 mod files;
 mod real;
 mod score;
+mod shown;
 mod tables;
 
 pub use case::{Case, Sealed, kind, make};
 pub use command_line::{command, command_line};
 pub use score::{REFUSED, Score, judge, tempering};
+pub use shown::{Information, Shown};
 pub use tables::{calibration, kinds, misses, rates};
 
 use datasets::Part;
 use rayon::prelude::*;
-use replay::diagnosis::diagnose;
+use replay::diagnosis::{Options, diagnose};
 use replay::input::{InputError, Subject};
 use replay::simulate::Unstable;
 use serde_json::json;
@@ -202,7 +204,11 @@ fn said(case: &Path, name: &str) -> Result<replay::schema::Report, MotionError> 
     };
     let data = recording("train.parquet", Part::Train).map_err(refused)?;
     let heldout = recording("test.parquet", Part::Test).map_err(refused)?;
-    let outcome = diagnose(&subject.given, &data, &heldout, true, |_| ());
+    let options = Options {
+        fast: true,
+        ..Options::default()
+    };
+    let outcome = diagnose(&subject.given, &data, &heldout, options, |_| ());
     let outcome = outcome.map_err(|error| MotionError::Unstable {
         case: name.to_owned(),
         error,

@@ -2,6 +2,7 @@
 
 use super::case::Sealed;
 use super::effects::{Truth, Withheld};
+use super::shown::{Information, Shown};
 use model::spread::NINETY;
 use replay::decide::tempered;
 use replay::schema::REPEATABILITY;
@@ -36,6 +37,14 @@ pub struct Score {
     pub delay_error: f64,
     /// Largest relative error of a drive's proportional gain; none where the report or the answer has no gains.
     pub gain_error: Option<f64>,
+    /// Of each gain that the motion itself shows within 2 %: whether it is found within 5 %.
+    pub shown_gains: Vec<bool>,
+    /// Of each statement that two values cannot be told apart (`inseparable`), or that a value is hardly shown (`little`): which of
+    /// the two it is, and whether that is so by the simulator that made the motion. Statements about values that it did not vary are
+    /// left out.
+    pub doubts: Vec<(&'static str, bool)>,
+    /// Of each pair of values that cannot be told apart by the simulator that made the motion: whether the report says so.
+    pub pairs: Vec<bool>,
     /// Mean ratio of simulation error to tracking error on the held-out recording: at the first and the last step of
     /// the ladder.
     pub unexplained: [f64; 2],
@@ -121,6 +130,9 @@ pub fn judge(id: &str, sealed: &Sealed, report: &Value, seconds: f64) -> Score {
         covered,
         delay_error: drive_error(sealed, report, "delay").map_or(f64::NAN, |e| e.0),
         gain_error: drive_error(sealed, report, "kp").map(|e| e.1),
+        shown_gains: shown_gains(sealed, report),
+        doubts: doubts(sealed, report),
+        pairs: pairs(sealed, report),
         unexplained: [mean.first(), mean.last()].map(|v| v.copied().unwrap_or(f64::NAN)),
         verdict: text(&report["verdict"]),
         sealed: sealed.clone(),
@@ -192,6 +204,79 @@ fn drive_error(sealed: &Sealed, report: &Value, name: &str) -> Option<(f64, f64)
     each.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
 }
 
+/// Largest part of a gain that its deviation by the motion itself may be, so that the gain must be found.
+const SHOWN: f64 = 0.02;
+
+/// Largest relative error of a gain that is found.
+const FOUND: f64 = 0.05;
+
+/// Of each gain that the motion itself shows well: whether the report has it.
+fn shown_gains(sealed: &Sealed, report: &Value) -> Vec<bool> {
+    let Some(information) = &sealed.information else {
+        return Vec::new();
+    };
+    let shown = information.values.iter();
+    let shown = shown.filter(|v| v.name == "kp" && v.deviation <= SHOWN * v.value);
+    let error = |v: &Shown| {
+        let j = joint_index(report, v.joint.as_deref()?)?;
+        Some((report["controller"]["kp"][j].as_f64()? / v.value - 1.0).abs())
+    };
+    shown
+        .map(|v| error(v).is_some_and(|e| e <= FOUND))
+        .collect()
+}
+
+/// Values that a statement of the report is about, by index. Those that were not varied are left out.
+fn about(information: &Information, statement: &Value) -> Vec<usize> {
+    let values = statement["values"].as_array().into_iter().flatten();
+    let of = |v: &Value| information.index(v["name"].as_str()?, v["joint"].as_str());
+    values.filter_map(of).collect()
+}
+
+/// Of each statement of the report about values that are not determined: whether it is right.
+fn doubts(sealed: &Sealed, report: &Value) -> Vec<(&'static str, bool)> {
+    let Some(information) = &sealed.information else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    for statement in report["not_identifiable"].as_array().into_iter().flatten() {
+        let values = about(information, statement);
+        match (statement["finding"].as_str(), &values[..]) {
+            (Some("inseparable"), [a, b]) => {
+                out.push(("inseparable", information.is_inseparable(*a, *b)));
+            }
+            (Some("little"), all) => {
+                let right = |&i: &usize| ("little", !information.values[i].is_halved());
+                out.extend(all.iter().map(right));
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+/// Of each pair that cannot be told apart: whether the report says so, or says that it knows little of one of the two.
+fn pairs(sealed: &Sealed, report: &Value) -> Vec<bool> {
+    let Some(information) = &sealed.information else {
+        return Vec::new();
+    };
+    let statements = report["not_identifiable"].as_array().into_iter().flatten();
+    let said: Vec<(bool, Vec<usize>)> = statements
+        .map(|s| (s["finding"] == "inseparable", about(information, s)))
+        .collect();
+    let says = |[a, b]: &[usize; 2]| {
+        said.iter().any(|(pair, values)| {
+            let (first, second) = (values.contains(a), values.contains(b));
+            if *pair {
+                first && second
+            } else {
+                first || second
+            }
+        })
+    };
+    information.inseparable.iter().map(says).collect()
+}
+
 /// Exponent for the odds of the causes' confidences that maximises their log score; below 1, the confidences were too
 /// high. `said` holds the confidence of each cause and whether it is right. None where all of them or none are right.
 pub fn tempering(said: &[(f64, bool)]) -> Option<f64> {
@@ -226,6 +311,7 @@ mod tests {
             drives: Vec::new(),
             tolerance: 0.0,
             period: 0.01,
+            information: None,
         };
         for (verdict, right) in [("no_gap", true), (REFUSED, false)] {
             let report = serde_json::json!({"verdict": verdict, "causes": []});

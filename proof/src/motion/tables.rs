@@ -110,6 +110,18 @@ pub fn rates(scores: &[Score]) -> Table {
         );
         let gains = own.iter().filter_map(|s| s.gain_error);
         add("every kp within 5 %", gains.map(|e| e <= 0.05).collect());
+        let all = |of: &dyn Fn(&Score) -> Vec<bool>| own.iter().flat_map(|s| of(s)).collect();
+        add(
+            "a kp within 5 % that the motion shows to 2 %",
+            all(&|s| s.shown_gains.clone()),
+        );
+        let of_doubt = |kind: &str| {
+            let each = own.iter().flat_map(|s| &s.doubts);
+            each.filter(|d| d.0 == kind).map(|d| d.1).collect()
+        };
+        add("said to be inseparable that is", of_doubt("inseparable"));
+        add("said to be hardly shown that is", of_doubt("little"));
+        add("inseparable pairs that are said", all(&|s| s.pairs.clone()));
     }
     table
 }

@@ -13,7 +13,7 @@ mod visited;
 pub use effort::COARSE;
 pub use evidence::tempered;
 pub use free::{RELATIVE, STANDSTILL};
-pub use refit::{named, refit, refit_finely};
+pub use refit::{finely, named, refit, refit_finely};
 
 use crate::arm::{Arm, STEP};
 use crate::catalogue::{self, Effect, Mechanism, Sizes};

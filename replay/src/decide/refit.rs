@@ -5,10 +5,10 @@ use super::effort::{LAST, NEXT};
 use super::free::{free, pinned, tolerated};
 use super::neighbour;
 use crate::arm::Arm;
-use crate::fit::{Effort, Fitted, Free, descend, fit};
+use crate::fit::{Effort, Fitted, Free, Noise, descend, fit};
 use crate::given::Given;
 use crate::parameter::Parameter;
-use crate::simulate::Unstable;
+use crate::simulate::{Track, Unstable};
 use crate::tracks::Replayed;
 
 /// Arm fitted with the mechanisms `set`, a part of the found ones. Parameters of the others have their given values, for within
@@ -73,9 +73,22 @@ pub fn refit_finely(
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
     let start = start(given, replayed, found, set, &free, NEXT);
-    let start = descend(&start, &free, blocks, noise, NEXT, None)?.arm;
-    let fitted = fit(&start, &free, blocks, noise, LAST, None)?;
+    let fitted = finely(&start, &free, blocks, noise)?;
     Ok((free, fitted))
+}
+
+/// Fit of these parameters as thorough as that of what is decided: at a long step first, then at that of what is scored.
+///
+/// # Errors
+/// Arm at the start that is unstable.
+pub fn finely(
+    start: &Arm,
+    free: &[Free],
+    blocks: &[Track],
+    noise: &[Noise],
+) -> Result<Fitted, Unstable> {
+    let start = descend(start, free, blocks, noise, NEXT, None)?.arm;
+    fit(&start, free, blocks, noise, LAST, None)
 }
 
 /// Result of the search without its unknown torques, fitted again. No simulator can be given a torque without a name.

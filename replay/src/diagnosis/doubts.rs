@@ -5,8 +5,9 @@ use super::spread::Spread;
 use super::values::named;
 use crate::catalogue::Effect;
 use crate::decide::Found;
+use crate::given::Given;
 use crate::parameter::{Kind, Parameter, Scale};
-use crate::schema::{Candidate, NotIdentifiable};
+use crate::schema::{Candidate, Finding, Named, NotIdentifiable};
 use crate::tracks::Replayed;
 
 /// Magnitude of the posterior correlation of two values beyond which they are reported as inseparable.
@@ -80,8 +81,10 @@ pub(super) fn candidates(found: &Found, joints: &[String]) -> Vec<Candidate> {
 }
 
 /// Quantities that this motion does not determine, each with its reason: joints that never move, values not told from
-/// zero, inseparable values, and values whose prior deviation is not halved.
+/// zero, inseparable values, and values whose prior deviation is not halved. Values that were in no doubt before are left out of the
+/// last: those of no listed cause that are given without a tolerance.
 pub(super) fn not_identifiable(
+    given: &Given,
     found: &Found,
     spread: &Spread,
     data: &Replayed,
@@ -111,6 +114,10 @@ pub(super) fn not_identifiable(
             format!("{name} of {}", joints[p.joint])
         }
     };
+    let own = |p: Parameter| Named {
+        name: named(p.kind, true).0,
+        joint: (!p.kind.is_common()).then(|| joints[p.joint].clone()),
+    };
     let mut out = Vec::new();
     // Parameters whose prior deviation is not halved; those of one name are reported together.
     let mut faint: Vec<Parameter> = Vec::new();
@@ -119,6 +126,8 @@ pub(super) fn not_identifiable(
             effect: None,
             joints: vec![joints[j].clone()],
             reason: "it never moves, and no command asks it to".to_owned(),
+            finding: Finding::Still,
+            values: Vec::new(),
         });
     }
     let has_name = |p: Parameter| !matches!(p.kind, Kind::Unknown(_));
@@ -139,8 +148,12 @@ pub(super) fn not_identifiable(
                     say(p),
                     2.0 * spread.deviation[i]
                 ),
+                finding: Finding::Zero,
+                values: vec![own(p)],
             });
-        } else if spread.deviation[i] > 0.5 * spread.prior[i] {
+        } else if spread.deviation[i] > 0.5 * spread.prior[i]
+            && (effect_of(p).is_some() || given.doubts(p))
+        {
             faint.push(p);
         }
         for (k, other) in found
@@ -165,6 +178,8 @@ pub(super) fn not_identifiable(
                             "only their sum is known"
                         }
                     ),
+                    finding: Finding::Inseparable,
+                    values: vec![own(other.parameter), own(p)],
                 });
             }
         }
@@ -173,6 +188,7 @@ pub(super) fn not_identifiable(
         let of_one = |p: &Parameter| p.kind == first.kind && effect_of(*p) == effect_of(first);
         let (same, others): (Vec<Parameter>, Vec<Parameter>) = faint.into_iter().partition(of_one);
         faint = others;
+        let values = same.iter().map(|p| own(*p)).collect();
         let joints: Vec<String> = same.iter().flat_map(|p| place(*p)).collect();
         let (name, _) = named(first.kind, true);
         let on = if first.kind.is_common() {
@@ -186,6 +202,8 @@ pub(super) fn not_identifiable(
                 "this motion says little of {name}{on}: what was assumed is not halved; move faster, with load and with reversals"
             ),
             joints,
+            finding: Finding::Little,
+            values,
         });
     }
     out

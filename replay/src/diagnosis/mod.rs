@@ -1,5 +1,6 @@
 //! Diagnosis of motion from the simulator as given, a recording to fit and a held-out one.
 
+mod ceiling;
 mod doubts;
 mod earlier;
 mod spread;
@@ -8,6 +9,7 @@ mod verdict;
 
 pub use earlier::earlier;
 
+use ceiling::ceiling;
 use doubts::{ambiguous, candidates, not_identifiable};
 use spread::Spread;
 use values::{controller, values};
@@ -47,6 +49,15 @@ const TEMPER: f64 = 0.14;
 /// listed.
 pub const TOLERANCES: &str = "tolerances";
 
+/// What is asked for beyond the causes and their shares.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options {
+    /// Whether fits that leave one cause out end early.
+    pub fast: bool,
+    /// Whether the corrected simulator is fitted to the held-out recording itself, too, as `ceiling` of the report.
+    pub ceiling: bool,
+}
+
 /// Outcome of a diagnosis: the report, and the simulators that it compares.
 #[derive(Debug, Clone)]
 pub struct Outcome {
@@ -62,8 +73,8 @@ pub struct Outcome {
     pub errors: [Errors; 2],
 }
 
-/// Diagnoses the motion. Effects are found on `data`, and all figures are measured on `heldout`. `fast` shortens the
-/// fits that leave one cause out. `stage` is called with the name of each step.
+/// Diagnoses the motion. Effects are found on `data`, and all figures are measured on `heldout`. `stage` is called with the
+/// name of each step.
 ///
 /// # Errors
 /// Simulator as given that is unstable.
@@ -71,9 +82,10 @@ pub fn diagnose(
     given: &Given,
     data: &Replayed,
     heldout: &Replayed,
-    fast: bool,
+    options: Options,
     mut stage: impl FnMut(&str),
 ) -> Result<Outcome, Unstable> {
+    let fast = options.fast;
     stage("replaying the simulator as given");
     let joints = given.arm.robot.joint_names();
     let rotates: Vec<bool> = given
@@ -186,6 +198,12 @@ pub fn diagnose(
             figures: of_rmse(rmse, heldout),
         });
     }
+    let ceiling = if options.ceiling {
+        stage("fitting to the held-out recording itself");
+        Some(ceiling(&plain, heldout)?)
+    } else {
+        None
+    };
     let report = Report {
         schema: "replay/1",
         verdict,
@@ -195,9 +213,10 @@ pub fn diagnose(
         }),
         ladder,
         file_alone: alone,
+        ceiling,
         places,
         candidates: candidates(&found, &joints),
-        not_identifiable: not_identifiable(&found, &spread, data, &joints),
+        not_identifiable: not_identifiable(given, &found, &spread, data, &joints),
         unknown,
         controller: controller(given, &found.fitted.arm, Some((&found, &spread))),
         joint_parameters: JointParameters {

@@ -204,11 +204,13 @@ fn ladder(report: &Report) -> Section {
         );
         table.push(row);
     }
-    Section::new("Step by step")
+    let section = Section::new("Step by step")
         .paragraph("Unexplained is RMS(simulated − measured) over RMS(command − measured): 1 knows nothing of how the robot departs from its commands, 0 is perfect.")
         .figure(waterfall.draw("Unexplained part on the held-out recording, mean over joints"))
         .table(table)
-        .paragraph(file_alone(report))
+        .paragraph(file_alone(report));
+    let ceiling = report.ceiling.as_ref().and_then(words::ceiling);
+    ceiling.into_iter().fold(section, Section::paragraph)
 }
 
 /// Sentence on the error that the model file alone leaves.

@@ -1,0 +1,277 @@
+//! What the recorded motion shows of a robot's values, by the simulator that made it: differences of its own roll-outs.
+
+use super::MotionError;
+use super::effects::Withheld;
+use super::real::{Moved, Real};
+use nalgebra::{DMatrix, DVector};
+use plant::arm::scaled;
+use plant::reference::Session;
+use serde::{Deserialize, Serialize};
+
+/// Deviation of a stated value relative to it, where nothing is withheld: no description is known better.
+const STATED: f64 = 0.03;
+
+/// Magnitude of a posterior correlation beyond which two values cannot be told apart.
+const INSEPARABLE: f64 = 0.95;
+
+/// Change by which a value is varied, relative to it.
+const CHANGE: f64 = 1e-3;
+
+/// Change by which a delay is varied, s: whole steps of the simulator, which delays commands by such.
+const LATER: f64 = 1e-3;
+
+/// Change by which the zero of an encoder is varied, rad.
+const TURNED: f64 = 1e-4;
+
+/// Value of the real robot, and how well the motion shows it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shown {
+    /// Name of the parameter in the report.
+    pub name: String,
+    /// Name of the joint; none for a parameter of the whole arm.
+    pub joint: Option<String>,
+    /// True value, in the parameter's unit.
+    pub value: f64,
+    /// Standard deviation with which it is known before the motion: wide where it is withheld.
+    pub prior: f64,
+    /// Standard deviation with which the motion leaves it, all listed values being fitted together.
+    pub deviation: f64,
+}
+
+impl Shown {
+    /// Whether the motion halves what was not known of it before.
+    pub fn is_halved(&self) -> bool {
+        self.deviation <= 0.5 * self.prior
+    }
+}
+
+/// What a motion shows of the values of drives, friction, rotors, delays, zeros and masses. All else of the robot counts as known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Information {
+    /// Each value that is not known exactly.
+    pub values: Vec<Shown>,
+    /// Pairs of them, by index, that cannot be told apart: magnitude of their posterior correlation above 0.95.
+    pub inseparable: Vec<[usize; 2]>,
+}
+
+impl Information {
+    /// Index of a value.
+    pub fn index(&self, name: &str, joint: Option<&str>) -> Option<usize> {
+        let mut all = self.values.iter();
+        all.position(|v| v.name == name && v.joint.as_deref() == joint)
+    }
+
+    /// Whether two values, by index, cannot be told apart, or one of them is hardly shown at all.
+    pub fn is_inseparable(&self, a: usize, b: usize) -> bool {
+        let pair = [a.min(b), a.max(b)];
+        let faint = |i: usize| !self.values[i].is_halved();
+        self.inseparable.contains(&pair) || faint(a) || faint(b)
+    }
+
+    /// Information of white noise with the deviation `sigma` (rad) on every sample, from the change of the motion by each value.
+    /// `changes` has a column for each of `values`, divided by the change of the value. None where it has no inverse.
+    fn of(mut values: Vec<Shown>, changes: &[DVector<f64>], sigma: f64) -> Option<Self> {
+        let p = values.len();
+        let mut precision = DMatrix::from_fn(p, p, |i, k| {
+            // In units of the prior deviations, in which the matrix is well scaled.
+            let scale = values[i].prior * values[k].prior / (sigma * sigma);
+            changes[i].dot(&changes[k]) * scale
+        });
+        for i in 0..p {
+            precision[(i, i)] += 1.0;
+        }
+        let covariance = precision.cholesky()?.inverse();
+        for (i, value) in values.iter_mut().enumerate() {
+            value.deviation = value.prior * covariance[(i, i)].sqrt();
+        }
+        let correlation = |i: usize, k: usize| {
+            covariance[(i, k)] / (covariance[(i, i)] * covariance[(k, k)]).sqrt()
+        };
+        let pairs = (0..p).flat_map(|i| (i + 1..p).map(move |k| [i, k]));
+        let inseparable = pairs.filter(|[i, k]| correlation(*i, *k).abs() > INSEPARABLE);
+        Some(Self {
+            inseparable: inseparable.collect(),
+            values,
+        })
+    }
+}
+
+/// Value that is varied: what is known of it, its change, and the robot with that change.
+struct Varied {
+    shown: Shown,
+    change: f64,
+    real: Real,
+}
+
+/// What the motions of `real` along `sessions`, which are `moved`, show of its values, where `withheld` is not known. None where a
+/// robot with a value varied does not follow its commands.
+///
+/// # Errors
+/// Bodies that make no robot.
+pub fn information(
+    real: &Real,
+    sessions: &[Session],
+    moved: &[Moved],
+    withheld: &[Withheld],
+    known: Known,
+) -> Result<Option<Information>, MotionError> {
+    let mut values = Vec::new();
+    let mut changes = Vec::new();
+    for varied in varied(real, withheld, known) {
+        let mut column = Vec::new();
+        for (session, base) in sessions.iter().zip(moved) {
+            let Some(other) = varied.real.run(session, known.period)? else {
+                return Ok(None);
+            };
+            let pairs = other.q.iter().zip(&base.q);
+            column.extend(pairs.map(|(a, b)| (a - b) / varied.change));
+        }
+        values.push(varied.shown);
+        changes.push(DVector::from_vec(column));
+    }
+    Ok(Information::of(values, &changes, known.sigma))
+}
+
+/// What is known of a case beside its motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Known {
+    /// Relative deviation of the stated gains.
+    pub tolerance: f64,
+    /// Time between two commands, s.
+    pub period: f64,
+    /// Standard deviation of a recorded position: noise and quantisation, rad (m).
+    pub sigma: f64,
+}
+
+/// Values that are not known exactly, each with the robot in which it is a little larger.
+fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
+    let mut out = Vec::new();
+    let of = |name: &str, joint: Option<&String>| {
+        let mut all = withheld.iter().flat_map(|w| &w.parameters);
+        all.any(|p| p.name == name && p.joint.as_ref() == joint)
+    };
+    let gain = known.tolerance.hypot(STATED);
+    let late = (2.0 * known.period).max(0.02);
+    for (j, own) in real.arm.joints.iter().enumerate() {
+        let joint = &own.name;
+        let mut add = |name: &str, value: f64, stated: f64, put: &dyn Fn(&mut Real, f64)| {
+            let prior = if of(name, Some(joint)) {
+                value.abs()
+            } else {
+                stated * value.abs()
+            };
+            if prior <= 0.0 {
+                return;
+            }
+            let change = CHANGE * value.abs();
+            let mut real = real.clone();
+            put(&mut real, change);
+            let shown = Shown {
+                name: name.to_owned(),
+                joint: Some(joint.clone()),
+                value,
+                prior,
+                deviation: prior,
+            };
+            out.push(Varied {
+                shown,
+                change,
+                real,
+            });
+        };
+        add("kp", real.kp[j], gain, &|r, d| r.kp[j] += d);
+        if real.rates {
+            add("kd", real.kd[j], gain, &|r, d| r.kd[j] += d);
+            add("viscous", own.damping, STATED, &|r, d| {
+                r.arm.joints[j].damping += d
+            });
+        } else {
+            // Without commanded velocities the motion shows the sum of both.
+            let sum = own.damping + real.kd[j];
+            add("viscous", sum, gain, &|r, d| r.kd[j] += d);
+        }
+        add("coulomb", own.friction, STATED, &|r, d| {
+            r.arm.joints[j].friction += d
+        });
+        add("inertia", real.armature[j], STATED, &|r, d| {
+            r.armature[j] += d
+        });
+        let factor = withheld.iter().flat_map(|w| &w.parameters);
+        let mut factor =
+            factor.filter(|p| p.name == "mass_factor" && p.joint.as_ref() == Some(joint));
+        let factor = factor.next().map_or(1.0, |p| p.value);
+        add("mass_factor", factor, STATED, &|r, d| {
+            let own = &mut r.arm.joints[j].link.inertia;
+            *own = scaled(own, 1.0 + d / factor);
+        });
+        let mut shift =
+            |name: &str, value: f64, prior: f64, change: f64, put: &dyn Fn(&mut Real)| {
+                if !of(name, Some(joint)) {
+                    return;
+                }
+                let mut real = real.clone();
+                put(&mut real);
+                let shown = Shown {
+                    name: name.to_owned(),
+                    joint: Some(joint.clone()),
+                    value,
+                    prior,
+                    deviation: prior,
+                };
+                out.push(Varied {
+                    shown,
+                    change,
+                    real,
+                });
+            };
+        shift("zero", -real.zero[j], 0.05, TURNED, &|r| {
+            r.zero[j] -= TURNED
+        });
+        shift("delay", real.late[j], late, LATER, &|r| r.late[j] += LATER);
+    }
+    let mut later = real.clone();
+    later.late.iter_mut().for_each(|l| *l += LATER);
+    let prior = if of("delay", None) { late } else { LATER };
+    out.push(Varied {
+        shown: Shown {
+            name: "delay".to_owned(),
+            joint: None,
+            value: real.late.iter().copied().fold(f64::INFINITY, f64::min),
+            prior,
+            deviation: prior,
+        },
+        change: LATER,
+        real: later,
+    });
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(name: &str) -> Shown {
+        Shown {
+            name: name.to_owned(),
+            joint: None,
+            value: 1.0,
+            prior: 1.0,
+            deviation: 1.0,
+        }
+    }
+
+    #[test]
+    fn values_that_change_the_motion_alike_cannot_be_told_apart() {
+        let wave = |w: f64| DVector::from_fn(100, |k, _| (w * k as f64).sin());
+        let values = ["a", "b", "c", "d", "e"].map(value).to_vec();
+        let changes = [wave(0.3), wave(0.3), wave(1.1), 1e-6 * wave(2.0), wave(1.7)];
+        let shows = Information::of(values, &changes, 0.1).expect("an inverse");
+        assert_eq!(shows.inseparable, vec![[0, 1]]);
+        assert!(shows.is_inseparable(1, 0) && !shows.is_inseparable(2, 4));
+        // The squares of a hundred samples of a sine add up to fifty.
+        let own = shows.values[2].deviation;
+        assert!((own - 0.1 / 50f64.sqrt()).abs() < 0.1 * own, "{own}");
+        assert!(!shows.values[3].is_halved() && shows.is_inseparable(2, 3));
+        assert_eq!(shows.index("c", None), Some(2));
+    }
+}
