@@ -6,7 +6,7 @@ use std::process::Command;
 use compensator::onnx::export;
 use compensator::training::{Samples, predict};
 use feedforward::network::{
-    Architecture, Bounds, Compensator, Fade, Memory, Normaliser, Recurrent, Unit,
+    Architecture, Bounds, Compensator, Fade, Memory, Normaliser, Recurrent, Unit, Weights,
 };
 use ndarray::{Array1, Array2};
 
@@ -71,6 +71,7 @@ fn compensator() -> Compensator {
                 )
                 .unwrap(),
                 members: vec![member(i), member(i + 40)],
+                weights: Weights::default(),
             }
         });
     Compensator {

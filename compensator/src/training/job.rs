@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use feedforward::network::{Bounds, Normaliser, Unit};
+use feedforward::network::{Bounds, Normaliser, Unit, Weights};
 use sha2::{Digest, Sha256};
 
 use super::batches::{Item, Layout};
@@ -175,6 +175,7 @@ impl<'a, 'd> Prepared<'a, 'd> {
             target: self.target.clone(),
             bounds: self.bounds.clone(),
             members,
+            weights: Weights::default(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Predictions for whole recordings: the same numbers as the streaming run-time, in large products.
 
-use feedforward::network::{Unit, UnitStream};
+use feedforward::network::{Unit, UnitStream, Weights};
 
 use super::batches::{Gatherer, Layout};
 use super::samples::Samples;
@@ -10,8 +10,8 @@ use crate::engine::{Network, Span};
 
 /// Residual torque, N·m, of every sample in the given trajectories; 0 in the others.
 ///
-/// Each trajectory starts from a reset. Windows are evaluated in batches; carried state runs through the
-/// streaming run-time itself.
+/// Each trajectory starts from a reset. Windows are evaluated in batches; carried state, and weights in another form than
+/// single precision, run through the streaming run-time itself.
 ///
 /// # Errors
 /// [`Error::Unit`] where the unit contradicts itself.
@@ -23,8 +23,10 @@ pub fn predict(unit: &Unit, samples: &Samples, trajectories: &[usize]) -> Result
         return Ok(torque);
     }
     match Layout::new(&unit.architecture, &Training::default()) {
-        layout @ Layout::Windows(_) => windows(unit, samples, trajectories, layout, &mut torque)?,
-        Layout::Chunks { .. } => {
+        layout @ Layout::Windows(_) if unit.weights == Weights::F32 => {
+            windows(unit, samples, trajectories, layout, &mut torque)?;
+        }
+        _ => {
             let mut stream =
                 UnitStream::new(unit, unit.joint + 1, samples.columns()).map_err(Error::Unit)?;
             let all: Vec<usize> = (0..samples.columns()).collect();

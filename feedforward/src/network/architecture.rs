@@ -4,6 +4,9 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+/// Most samples or states that an output looks back on: a file that asks for more would take the memory of the loop's machine.
+const LONGEST: usize = 4096;
+
 /// Memory of a recurrent unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind", deny_unknown_fields)]
@@ -103,9 +106,10 @@ impl Architecture {
     /// Parameter tensors in their order in the flat vector, for `inputs` input columns.
     ///
     /// LSTM weights act on [x; h] and give the gates in the order input, forget, cell, output. Returns
-    /// `None` where a width is zero or the sizes overflow.
+    /// `None` where a width is zero, the sizes overflow, or an output looks back on more than 4096 samples.
     pub fn tensors(&self, inputs: usize) -> Option<Vec<Tensor>> {
-        if inputs == 0 || self.timestep() == 0 || self.attended() == 0 {
+        let looked_at = [self.timestep(), self.attended()];
+        if inputs == 0 || looked_at.iter().any(|n| !(1..=LONGEST).contains(n)) {
             return None;
         }
         let mut shapes: Vec<(String, [usize; 2])> = Vec::new();
@@ -201,13 +205,12 @@ mod tests {
             timestep: 1,
         };
         assert_eq!(empty.parameter_count(3), None);
-        assert_eq!(
-            Architecture::Perceptron {
-                hidden: vec![],
-                timestep: 0
-            }
-            .parameter_count(3),
-            None
-        );
+        let linear = |timestep| {
+            let hidden = vec![];
+            Architecture::Perceptron { hidden, timestep }.parameter_count(3)
+        };
+        assert_eq!(linear(0), None);
+        assert_eq!(linear(4097), None);
+        assert_eq!(linear(4096), Some(3 * 4096 + 1));
     }
 }

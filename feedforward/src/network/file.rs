@@ -8,7 +8,7 @@ use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::{Architecture, Bounds, Compensator, Error, Fade, Normaliser, Unit};
+use super::{Architecture, Bounds, Compensator, Error, Fade, Normaliser, Unit, Weights};
 
 /// Name of the format in the metadata.
 pub const FORMAT: &str = "residyn/compensator";
@@ -45,6 +45,8 @@ struct UnitHeader {
     radius: f32,
     limit: f32,
     fade: Fade,
+    #[serde(default, skip_serializing_if = "Weights::is_f32")]
+    weights: Weights,
 }
 
 /// A tensor in the form of the file.
@@ -140,6 +142,7 @@ impl Compensator {
                 radius: b.radius(),
                 limit: b.limit(),
                 fade: b.fade(),
+                weights: u.weights,
             });
         }
         let header = Header {
@@ -328,6 +331,7 @@ fn read_unit(file: &SafeTensors, i: usize, u: &UnitHeader) -> Result<Unit, Strin
         target,
         bounds,
         members,
+        weights: u.weights,
     })
 }
 

@@ -1,6 +1,8 @@
 //! Small compensator for the tests of this folder.
 
-use super::{Architecture, Bounds, Compensator, Fade, Memory, Normaliser, Recurrent, Unit};
+use super::{
+    Architecture, Bounds, Compensator, Fade, Memory, Normaliser, Recurrent, Unit, Weights,
+};
 
 /// Two joints, three inputs, one unit of every kind, weights from a fixed sequence.
 pub(super) fn compensator() -> Compensator {
@@ -62,6 +64,7 @@ pub(super) fn compensator() -> Compensator {
                 )
                 .unwrap(),
                 members: vec![member(i), member(i + 50)],
+                weights: Weights::default(),
             }
         });
     Compensator {

@@ -21,6 +21,7 @@ mod perceptron;
 mod recurrent;
 mod stream;
 mod unit;
+mod weights;
 
 pub use activation::{exp, sigmoid, tanh};
 pub use architecture::{Architecture, Memory, Recurrent, Tensor};
@@ -30,3 +31,4 @@ pub use file::{FORMAT, VERSION};
 pub use normaliser::{Normalisation, Normaliser};
 pub use stream::{Stream, UnitStream};
 pub use unit::{Compensator, Unit};
+pub use weights::Weights;

@@ -2,9 +2,10 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::Weights;
 use super::activation::tanh;
 use super::architecture::Tensor;
-use super::packed::Packed;
+use super::packed::{Packed, starts};
 
 /// tanh of every element, in place.
 struct Bend<'a>(&'a mut [f32]);
@@ -23,19 +24,31 @@ impl WithSimd for Bend<'_> {
 /// Packed layers with their activations.
 #[derive(Debug, Clone)]
 pub(super) struct Perceptron {
-    layers: Vec<(Packed, Vec<f32>)>,
+    layers: Vec<Layer>,
+}
+
+/// Layer with its bias, where its sums start, and their place.
+#[derive(Debug, Clone)]
+struct Layer {
+    matrix: Packed,
+    start: Vec<f32>,
+    out: Vec<f32>,
 }
 
 impl Perceptron {
     pub(super) fn new(tensors: &[Tensor], parameters: &[f32]) -> Self {
         let layers = tensors.chunks_exact(2).map(|pair| {
-            let packed = Packed::new(
+            let matrix = Packed::new(
                 &parameters[pair[0].range.clone()],
-                &parameters[pair[1].range.clone()],
                 pair[0].shape[0],
+                Weights::F32,
             );
-            let out = vec![0.0; packed.padded()];
-            (packed, out)
+            let start = starts(&parameters[pair[1].range.clone()], matrix.padded(), 1);
+            Layer {
+                out: start.clone(),
+                start,
+                matrix,
+            }
         });
         Self {
             layers: layers.collect(),
@@ -47,13 +60,14 @@ impl Perceptron {
         let last = self.layers.len() - 1;
         for i in 0..self.layers.len() {
             let (before, rest) = self.layers.split_at_mut(i);
-            let (layer, out) = &mut rest[0];
-            let x = before.last().map_or(window, |(_, y)| y);
-            layer.apply(arch, &x[..layer.inputs()], out);
+            let Layer { matrix, start, out } = &mut rest[0];
+            let x = before.last().map_or(window, |layer| &layer.out);
+            out.copy_from_slice(start);
+            matrix.add(arch, &x[..matrix.inputs()], out);
             if i < last {
                 arch.dispatch(Bend(out));
             }
         }
-        self.layers[last].1[0]
+        self.layers[last].out[0]
     }
 }

@@ -49,6 +49,7 @@ impl UnitStream {
                     &tensors,
                     parameters,
                     unit.architecture.attended(),
+                    unit.weights,
                 ))),
                 Architecture::Perceptron { .. } => {
                     Net::Perceptron(Perceptron::new(&tensors, parameters))
@@ -213,6 +214,7 @@ impl Compensator {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Weights;
     use super::super::fixture::{compensator, samples};
     use super::*;
 
@@ -262,6 +264,32 @@ mod tests {
             let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| f64::from(units[i].step(&x)));
             assert_eq!(b, 0.0);
             assert_eq!(torque, [1.0 + a + c + e, -1.0 + d]);
+        }
+    }
+
+    #[test]
+    fn narrow_weights_change_the_torque_little() {
+        let c = compensator();
+        let all = samples(40);
+        for unit in &c.units {
+            let torques = |weights| {
+                let unit = Unit {
+                    weights,
+                    ..unit.clone()
+                };
+                let mut stream = UnitStream::new(&unit, 2, 3).unwrap();
+                all.iter().map(|x| stream.step(x)).collect::<Vec<_>>()
+            };
+            let whole = torques(Weights::F32);
+            let size = whole.iter().fold(0.0_f32, |m, t| m.max(t.abs()));
+            for form in [Weights::Bf16, Weights::Int8] {
+                let narrow = torques(form);
+                let pairs = whole.iter().zip(&narrow);
+                let worst = pairs.fold(0.0_f32, |m, (a, b)| m.max((a - b).abs()));
+                assert!(worst < 0.02 * size, "{form:?}: {worst} of {size}");
+                let stays = matches!(unit.architecture, Architecture::Perceptron { .. });
+                assert_eq!(worst == 0.0, stays, "{form:?}, {:?}", unit.architecture);
+            }
         }
     }
 }

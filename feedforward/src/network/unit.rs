@@ -1,6 +1,6 @@
 //! A unit with everything needed to evaluate it, and the set of units of one robot.
 
-use super::{Architecture, Bounds, Error, Normaliser};
+use super::{Architecture, Bounds, Error, Normaliser, Weights};
 
 /// One error-learning unit: predicts the residual torque of one joint, N·m (N for a prismatic joint).
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,8 @@ pub struct Unit {
     pub bounds: Bounds,
     /// Flat parameter vectors (see [`Architecture::tensors`]) whose outputs are averaged: one per seed.
     pub members: Vec<Vec<f32>>,
+    /// How the run-time keeps the weights; `members` has them in single precision.
+    pub weights: Weights,
 }
 
 impl Unit {

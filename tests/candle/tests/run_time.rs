@@ -3,7 +3,7 @@
 use candle_core::{DType, Device, Tensor};
 use compensator_candle::Compensator as OnCandle;
 use feedforward::network::{
-    Architecture, Bounds, Compensator, Fade, Memory, Normaliser, Recurrent, Unit,
+    Architecture, Bounds, Compensator, Fade, Memory, Normaliser, Recurrent, Unit, Weights,
 };
 
 /// One unit of every kind, each on a joint of its own, with limits and fades that the samples reach.
@@ -69,6 +69,7 @@ fn compensator() -> Compensator {
                 )
                 .unwrap(),
                 members: vec![member(i), member(i + 40)],
+                weights: Weights::default(),
             }
         })
         .collect();

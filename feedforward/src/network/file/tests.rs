@@ -114,3 +114,13 @@ fn a_unit_that_contradicts_itself_is_not_written() {
     c.units[2].columns[0] = 9;
     assert!(matches!(c.to_bytes(), Err(Error::Unit { unit: 2, .. })));
 }
+
+#[test]
+fn the_form_of_the_weights_is_stored_and_single_precision_is_left_unsaid() {
+    let mut c = compensator();
+    let plain = c.to_bytes().unwrap();
+    assert!(!String::from_utf8_lossy(&plain).contains("weights\\"));
+    c.units[1].weights = Weights::Int8;
+    let bytes = c.to_bytes().unwrap();
+    assert_eq!(Compensator::from_bytes(&bytes).unwrap(), c);
+}
