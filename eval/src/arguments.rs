@@ -5,6 +5,7 @@
 use clap::{ArgGroup, Parser};
 #[cfg(feature = "reproductions")]
 use control::demonstration::Withheld;
+use feedforward::network::Weights;
 use std::path::PathBuf;
 
 /// Width of a line of output, characters.
@@ -68,6 +69,13 @@ pub struct Arguments {
     /// Write the compensator of all joints as one ONNX graph, with its inputs in a JSON file beside it (NAME.json).
     #[arg(long, value_name = "NAME", conflicts_with_all = ["closed_loop", "collision"])]
     pub onnx: Option<PathBuf>,
+    /// Choose how a control loop keeps the compensator's weights, and write a model directory with that choice to --out. Refused
+    /// where a joint's torque error on --data, a recording that the model has not seen, grows by more than 1 %.
+    #[arg(long, value_enum, value_name = "FORM", requires = "data", requires = "out", conflicts_with_all = ["closed_loop", "collision", "leaderboard"])]
+    pub weights: Option<Form>,
+    /// With --weights: the model directory to write; it holds what a loop needs.
+    #[arg(long, value_name = "DIR", requires = "weights")]
+    pub out: Option<PathBuf>,
     /// Drive file: names and units of the recording's columns, gear ratios, torque constants.
     #[arg(long)]
     pub drive: Option<PathBuf>,
@@ -83,6 +91,27 @@ pub struct Arguments {
     /// Print nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// How a control loop keeps weights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Form {
+    /// Single precision.
+    F32,
+    /// The upper half of single precision: half as much memory.
+    Bf16,
+    /// Whole numbers of eight bits with a scale for each output: a quarter.
+    Int8,
+}
+
+impl From<Form> for Weights {
+    fn from(form: Form) -> Self {
+        match form {
+            Form::F32 => Self::F32,
+            Form::Bf16 => Self::Bf16,
+            Form::Int8 => Self::Int8,
+        }
+    }
 }
 
 /// What a simulated robot has that its model may not know.

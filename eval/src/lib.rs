@@ -14,10 +14,11 @@ mod sources;
 use arguments::{Arguments, WIDTH};
 use clap::CommandFactory;
 use datasets::{Part, read};
+use feedforward::network::Weights;
 use leaderboard::Printed;
 use model::baseline::published::{self, Published, beside};
 use model::directory::{ModelFile, json};
-use model::evaluation::{EvaluateOptions, Evaluation, evaluate, read_options};
+use model::evaluation::{EvaluateOptions, Evaluation, GROWTH, evaluate, form, read_options};
 use model::failure::Failure;
 use model::leaderboard::Contest;
 use model::{page, residual, tables};
@@ -110,6 +111,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.collision {
         return collision::run(arguments, model, &file, &evaluation);
     }
+    if let (Some(form), Some(out)) = (arguments.weights, &arguments.out) {
+        choose_weights(arguments, &file, &evaluation, form.into(), out)?;
+    }
     // Pages first: nothing is printed of a run whose files cannot be written.
     if let Some(path) = &arguments.json {
         report::write_atomic(path, json(&evaluation.report))?;
@@ -147,6 +151,54 @@ fn export(model: &Path, file: &ModelFile, path: &Path, quiet: bool) -> Result<()
         let (graph, inputs) = (path.display(), beside.display());
         let joints = file.joints.len();
         say!("{graph}: compensator of {joints} joints; inputs: {inputs}");
+    }
+    Ok(())
+}
+
+/// Writes the model with weights in another form, where that costs little on the recording.
+fn choose_weights(
+    arguments: &Arguments,
+    file: &ModelFile,
+    evaluation: &Evaluation,
+    weights: Weights,
+    out: &Path,
+) -> Result<(), Failure> {
+    let none = || {
+        Failure::input(
+            "weights are chosen for a model with a compensator, on a recording with torque",
+            "Train without --physics-only; give --data a recording with tau columns.",
+        )
+    };
+    let Some(model) = &arguments.model else {
+        return Err(none());
+    };
+    let formed = form(model, file, evaluation, weights)?.ok_or_else(none)?;
+    let grown = |joint: usize| {
+        let [whole, narrow] = formed.errors[joint];
+        let percent = 100.0 * (narrow / whole - 1.0);
+        format!("{} {percent:+.2} %", file.joints[joint])
+    };
+    let worse = formed.worse();
+    if !worse.is_empty() {
+        let joints: Vec<String> = worse.into_iter().map(grown).collect();
+        return Err(Failure::input(
+            format!(
+                "the torque's error grows by more than {} %: {}",
+                100.0 * GROWTH,
+                joints.join(", ")
+            ),
+            "Nothing was written. Take a wider form: bf16, or f32.",
+        ));
+    }
+    formed.write(out)?;
+    if !arguments.quiet {
+        let joints: Vec<String> = (0..formed.errors.len()).map(grown).collect();
+        let line = format!(
+            "{}: growth of the torque's error by joint: {}",
+            out.display(),
+            joints.join(", ")
+        );
+        say_text!(report::wrapped(&line, WIDTH, ""));
     }
     Ok(())
 }

@@ -1,11 +1,13 @@
 //! `eval`: scores and predictions of a model directory on a recording.
 
 mod error;
+mod form;
 mod share;
 mod variants;
 mod worth;
 
 pub use error::EvaluateError;
+pub use form::{Formed, GROWTH, form};
 pub use share::Share;
 
 use crate::baseline::published::Published;
