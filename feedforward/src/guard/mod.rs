@@ -219,7 +219,7 @@ impl Guard {
                 *status |= Status::STOPPING;
                 (part(*passed), false)
             }
-            Phase::Starting(_) | Phase::Running if !usable => return,
+            Phase::Starting(_) | Phase::Running if !usable => return self.limit(status),
             Phase::Starting(passed) => {
                 *passed += period;
                 *status |= Status::STARTING;
@@ -232,24 +232,30 @@ impl Guard {
             let target = if up { self.asked[joint] } else { 0.0 };
             let wanted = target * share + self.from[joint] * (1.0 - share);
             let step = self.settings.rate[joint] * period;
-            let limit = self.settings.torque[joint];
-            let mut torque = wanted;
-            if (torque - *sent).abs() > step {
+            if (wanted - *sent).abs() > step {
                 *status |= Status::RATE_LIMITED;
-                torque = *sent + step.copysign(torque - *sent);
+                *sent += step.copysign(wanted - *sent);
                 settled = false;
+            } else {
+                *sent = wanted;
             }
-            if torque.abs() > limit {
-                *status |= Status::TORQUE_LIMITED;
-                torque = torque.clamp(-limit, limit);
-            }
-            *sent = torque;
         }
+        self.limit(status);
         self.phase = match self.phase {
             Phase::Starting(passed) if passed >= ramp => Phase::Running,
             Phase::Stopping(passed) if passed >= ramp && settled => Phase::Stopped,
             same => same,
         };
+    }
+
+    /// Cuts what is sent at the limits of the torque. One that is held may lie above them: they can be lowered at any time.
+    fn limit(&mut self, status: &mut Status) {
+        for (sent, limit) in self.sent.iter_mut().zip(&self.settings.torque) {
+            if sent.abs() > *limit {
+                *status |= Status::TORQUE_LIMITED;
+                *sent = sent.clamp(-limit, *limit);
+            }
+        }
     }
 }
 

@@ -289,3 +289,17 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_held_torque_obeys_limits_that_were_lowered() {
+    let mut guard = guard();
+    guard.start();
+    ticks(&mut guard, &[1.0, 2.0, 3.0, 4.0].map(|t| (t, 0.0)));
+    let settings = Settings {
+        torque: vec![3.0],
+        ..guard.settings().clone()
+    };
+    guard.set(settings).unwrap();
+    let held = ticks(&mut guard, &[(5.0, f64::NAN)]);
+    same(&held, &[(3.0, Status::BAD_INPUT | Status::TORQUE_LIMITED)]);
+}
