@@ -120,6 +120,9 @@ pub struct Sealed {
     /// Skip all that is computed from surrogate recordings (p-values, evidence for a cause's name): much faster.
     #[arg(long)]
     pub fast: bool,
+    /// Name causes by their posterior probability, instead of the rules of the search. On trial.
+    #[arg(long)]
+    pub by_evidence: bool,
     /// Folder for cases, answers and reports. A case whose report is there already is scored by it,
     /// whatever sensors it had.
     #[arg(long)]
