@@ -33,7 +33,7 @@ def test_a_form_is_written_where_the_error_hardly_grows(program, tmp_path):
     for form in ["bf16", "int8"]:
         narrow = tmp_path / form
         said = program("eval", "--model", plain, "--data", held_out, "--weights", form, "--out", narrow)
-        assert "growth of the torque's error" in said.stdout
+        assert "growth of the torque's error" in " ".join(said.stdout.split())
         assert all(unit["weights"] == form for unit in header(narrow)["units"])
         torque = predicted(program, narrow, held_out, tmp_path / f"{form}.csv")
         changed = np.sqrt(np.mean((torque - whole) ** 2))

@@ -282,9 +282,9 @@ def vary(name, real, j, change):
     elif name == "inertia":
         m.dof_armature[dof] += change
     elif name == "mass_factor":
-        # The change is that of the factor on the description's masses, here a thousandth of it.
-        m.body_mass[real.links[j]] *= 1 + 1e-3
-        m.body_inertia[real.links[j]] *= 1 + 1e-3
+        # The change is that of the factor on the description's masses, here a thousandth of it up or down.
+        m.body_mass[real.links[j]] *= 1 + np.copysign(1e-3, change)
+        m.body_inertia[real.links[j]] *= 1 + np.copysign(1e-3, change)
     elif name == "zero":
         real.zero[j] -= change
     else:
@@ -319,12 +319,16 @@ def information(build, names, runs, commands, period, kd, tolerance, withheld, s
     values.append(("delay", None, real.late.min(), late if ("delay", None) in known else 1e-3, 2 * STEP))
     columns = []
     for what, j, _, prior, change in values:
-        other = build()
-        vary(what, other, j, change)
-        moved = [other.run(c, period) for c in commands]
-        if any(o is None for o in moved):
+        sides = []
+        # A delay can hardly be less.
+        for by in (change, 0 if what == "delay" else -change):
+            other = build()
+            vary(what, other, j, by)
+            sides.append([other.run(c, period) for c in commands] if by else runs)
+        if any(o is None for side in sides for o in side):
             return None
-        columns.append(np.concatenate([((o[1] - r[1]) / change * prior / sigma).ravel() for o, r in zip(moved, runs)]))
+        span = change if what == "delay" else 2 * change
+        columns.append(np.concatenate([((a[1] - b[1]) / span * prior / sigma).ravel() for a, b in zip(*sides)]))
     changes = np.array(columns)
     covariance = np.linalg.inv(changes @ changes.T + np.eye(len(values)))
     deviation = np.sqrt(np.diag(covariance))

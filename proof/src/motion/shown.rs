@@ -96,11 +96,15 @@ impl Information {
     }
 }
 
-/// Value that is varied: what is known of it, its change, and the robot with that change.
+/// Value that is varied: what is known of it, and the robots with a larger and a smaller value.
 struct Varied {
     shown: Shown,
-    change: f64,
-    real: Real,
+    /// Difference of the value between the two robots, in its unit.
+    span: f64,
+    /// Robot with the larger value.
+    more: Real,
+    /// Robot with the smaller value; none where it is the true one, because the value can hardly be less.
+    less: Option<Real>,
 }
 
 /// What the motions of `real` along `sessions`, which are `moved`, show of its values, where `withheld` is not known. None where a
@@ -120,11 +124,19 @@ pub fn information(
     for varied in varied(real, withheld, known) {
         let mut column = Vec::new();
         for (session, base) in sessions.iter().zip(moved) {
-            let Some(other) = varied.real.run(session, known.period)? else {
+            let Some(more) = varied.more.run(session, known.period)? else {
                 return Ok(None);
             };
-            let pairs = other.q.iter().zip(&base.q);
-            column.extend(pairs.map(|(a, b)| (a - b) / varied.change));
+            let less = match &varied.less {
+                None => None,
+                Some(real) => match real.run(session, known.period)? {
+                    None => return Ok(None),
+                    less => less,
+                },
+            };
+            let less = less.as_ref().unwrap_or(base);
+            let pairs = more.q.iter().zip(&less.q);
+            column.extend(pairs.map(|(a, b)| (a - b) / varied.span));
         }
         values.push(varied.shown);
         changes.push(DVector::from_vec(column));
@@ -143,7 +155,7 @@ pub struct Known {
     pub sigma: f64,
 }
 
-/// Values that are not known exactly, each with the robot in which it is a little larger.
+/// Values that are not known exactly, each with the robots in which it is a little larger and smaller.
 fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
     let mut out = Vec::new();
     let of = |name: &str, joint: Option<&String>| {
@@ -164,8 +176,11 @@ fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
                 return;
             }
             let change = CHANGE * value.abs();
-            let mut real = real.clone();
-            put(&mut real, change);
+            let [more, less] = [change, -change].map(|d| {
+                let mut real = real.clone();
+                put(&mut real, d);
+                real
+            });
             let shown = Shown {
                 name: name.to_owned(),
                 joint: Some(joint.clone()),
@@ -175,8 +190,9 @@ fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
             };
             out.push(Varied {
                 shown,
-                change,
-                real,
+                span: 2.0 * change,
+                more,
+                less: Some(less),
             });
         };
         add("kp", real.kp[j], gain, &|r, d| r.kp[j] += d);
@@ -205,12 +221,10 @@ fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
             *own = scaled(own, 1.0 + d / factor);
         });
         let mut shift =
-            |name: &str, value: f64, prior: f64, change: f64, put: &dyn Fn(&mut Real)| {
+            |name: &str, value: f64, prior: f64, span: f64, more: Real, less: Option<Real>| {
                 if !of(name, Some(joint)) {
                     return;
                 }
-                let mut real = real.clone();
-                put(&mut real);
                 let shown = Shown {
                     name: name.to_owned(),
                     joint: Some(joint.clone()),
@@ -220,14 +234,20 @@ fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
                 };
                 out.push(Varied {
                     shown,
-                    change,
-                    real,
+                    span,
+                    more,
+                    less,
                 });
             };
-        shift("zero", -real.zero[j], 0.05, TURNED, &|r| {
-            r.zero[j] -= TURNED
+        let [more, less] = [TURNED, -TURNED].map(|d| {
+            let mut real = real.clone();
+            real.zero[j] -= d;
+            real
         });
-        shift("delay", real.late[j], late, LATER, &|r| r.late[j] += LATER);
+        shift("zero", -real.zero[j], 0.05, 2.0 * TURNED, more, Some(less));
+        let mut later = real.clone();
+        later.late[j] += LATER;
+        shift("delay", real.late[j], late, LATER, later, None);
     }
     let mut later = real.clone();
     later.late.iter_mut().for_each(|l| *l += LATER);
@@ -240,8 +260,9 @@ fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
             prior,
             deviation: prior,
         },
-        change: LATER,
-        real: later,
+        span: LATER,
+        more: later,
+        less: None,
     });
     out
 }
