@@ -39,6 +39,17 @@ pub struct Shown {
 }
 
 impl Shown {
+    /// Value as it is known before the motion.
+    fn before(name: &str, joint: Option<&String>, value: f64, prior: f64) -> Self {
+        Self {
+            name: name.to_owned(),
+            joint: joint.cloned(),
+            value,
+            prior,
+            deviation: prior,
+        }
+    }
+
     /// Whether the motion halves what was not known of it before.
     pub fn is_halved(&self) -> bool {
         self.deviation <= 0.5 * self.prior
@@ -181,15 +192,8 @@ fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
                 put(&mut real, d);
                 real
             });
-            let shown = Shown {
-                name: name.to_owned(),
-                joint: Some(joint.clone()),
-                value,
-                prior,
-                deviation: prior,
-            };
             out.push(Varied {
-                shown,
+                shown: Shown::before(name, Some(joint), value, prior),
                 span: 2.0 * change,
                 more,
                 less: Some(less),
@@ -225,15 +229,8 @@ fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
                 if !of(name, Some(joint)) {
                     return;
                 }
-                let shown = Shown {
-                    name: name.to_owned(),
-                    joint: Some(joint.clone()),
-                    value,
-                    prior,
-                    deviation: prior,
-                };
                 out.push(Varied {
-                    shown,
+                    shown: Shown::before(name, Some(joint), value, prior),
                     span,
                     more,
                     less,
@@ -252,14 +249,9 @@ fn varied(real: &Real, withheld: &[Withheld], known: Known) -> Vec<Varied> {
     let mut later = real.clone();
     later.late.iter_mut().for_each(|l| *l += LATER);
     let prior = if of("delay", None) { late } else { LATER };
+    let earliest = real.late.iter().copied().fold(f64::INFINITY, f64::min);
     out.push(Varied {
-        shown: Shown {
-            name: "delay".to_owned(),
-            joint: None,
-            value: real.late.iter().copied().fold(f64::INFINITY, f64::min),
-            prior,
-            deviation: prior,
-        },
+        shown: Shown::before("delay", None, earliest, prior),
         span: LATER,
         more: later,
         less: None,
@@ -272,13 +264,7 @@ mod tests {
     use super::*;
 
     fn value(name: &str) -> Shown {
-        Shown {
-            name: name.to_owned(),
-            joint: None,
-            value: 1.0,
-            prior: 1.0,
-            deviation: 1.0,
-        }
+        Shown::before(name, None, 1.0, 1.0)
     }
 
     #[test]

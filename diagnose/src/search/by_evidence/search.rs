@@ -15,6 +15,9 @@ use std::collections::HashSet;
 /// Number of candidates of each screen whose evidence is computed with their own noise.
 const CONTENDERS: usize = 5;
 
+/// Least rise of the log posterior, nats: rounding must not keep the search going.
+const RISE: f64 = 1e-6;
+
 /// Candidate with its size.
 pub(super) type Member = (usize, Size);
 
@@ -166,7 +169,7 @@ impl<'a> ByEvidence<'a> {
     fn added(&self, best: &Found) -> Option<Found> {
         let each = self.contenders(best, &best.set).into_iter();
         let mut found = self.weighed(best, each.map(|m| with(best.set.clone(), m)));
-        found.retain(|f| f.value > best.value + 1e-6);
+        found.retain(|f| f.value > best.value + RISE);
         found.sort_by(|a, b| b.value.total_cmp(&a.value));
         // Hypotheses on different joints are added together.
         let mut joints: Vec<usize> = Vec::new();
@@ -224,7 +227,7 @@ impl<'a> ByEvidence<'a> {
         let next = found
             .into_iter()
             .max_by(|a, b| a.value.total_cmp(&b.value))?;
-        (next.value > best.value + 1e-6).then_some(next)
+        (next.value > best.value + RISE).then_some(next)
     }
 
     /// Some sets with their posteriors.
