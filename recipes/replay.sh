@@ -9,7 +9,7 @@ if [ $# -lt 5 ]; then
     sed -n 's/^# \{0,1\}//; 5,6p' "$0" >&2
     exit 2
 fi
-name=$1 robot=$2 train=$3 heldout=$4 out=$5
+name=$1 robot=$2 train=$3 heldout=$4 out=${5%/}
 shift 5
 here=$(dirname "$0")/replay
 drive=$here/$name.toml

@@ -6,8 +6,6 @@ The recordings are of simulated arms with as many joints, written as the robot's
 import json
 import math
 import subprocess
-import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,16 +14,13 @@ import residyn
 pa = pytest.importorskip("pyarrow", reason="PyPI pyarrow is not installed: recipes are not run")
 pytest.importorskip("mcap", reason="PyPI mcap is not installed: recipes are not run")
 typesys = pytest.importorskip("rosbags.typesys", reason="PyPI rosbags is not installed: recipes are not run")
+from bags import JOINT_STATE, RECIPES, T, bag, current, header, stamps, state, store, ur5e  # noqa: E402
 
-RECIPES = Path(__file__).resolve().parents[2] / "recipes"
-JOINT_STATE = "sensor_msgs/msg/JointState"
 FRANKA = "franka_msgs/msg/FrankaRobotState"
 LBR = "lbr_fri_idl/msg/LBRState"
 #: Seed of `simulate cases` whose first case is an arm with so many joints.
 SEEDS = {5: 1, 6: 11, 7: 8}
-START = 1_790_000_000_000_000_000
 
-store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
 store.register(typesys.get_types_from_msg("std_msgs/Header header\nsensor_msgs/JointState measured_joint_state\nfloat64[7] ddq_d\n", FRANKA))
 store.register(
     typesys.get_types_from_msg(
@@ -34,7 +29,6 @@ store.register(
         LBR,
     )
 )
-T = store.types
 
 
 @pytest.fixture(scope="session")
@@ -55,49 +49,6 @@ def arm(program, tmp_path_factory):
         return folder / "robot.urdf", both
 
     return make
-
-
-def stamps(recording):
-    """Of each sample, ns; trajectories lie apart on one clock."""
-    return [START + round(t * 1e9) for t in recording.time]
-
-
-def header(ns):
-    return T["std_msgs/msg/Header"](stamp=T["builtin_interfaces/msg/Time"](sec=ns // 10**9, nanosec=ns % 10**9), frame_id="base")
-
-
-def state(ns, names, order, *columns):
-    return T[JOINT_STATE](header(ns), [names[i] for i in order], *(np.ascontiguousarray(c[order]) for c in columns))
-
-
-def bag(path, topic, kind, messages):
-    from mcap.writer import Writer
-
-    with open(path, "wb") as file:
-        writer = Writer(file)
-        writer.start("ros2", "test_recipes.py")
-        schema = writer.register_schema(kind, "ros2msg", store.generate_msgdef(kind, ros_version=2)[0].encode())
-        channel = writer.register_channel(topic, "cdr", schema)
-        for ns, message in messages:
-            writer.add_message(channel, ns, bytes(store.serialize_cdr(message, kind)), ns)
-        writer.finish()
-
-
-def drive(robot):
-    return tomllib.loads((RECIPES / f"{robot}.toml").read_text())
-
-
-def current(robot, tau):
-    """What a drive with the recipe's constants records of a joint's torque."""
-    said = drive(robot)
-    return tau / (np.array(said["gear_ratio"]) * np.array(said["torque_constant"]))
-
-
-def ur5e(path, recording, names):
-    order = [2, 1, 0, 3, 4, 5]  # as the driver publishes them
-    effort = current("ur5e", recording.tau)
-    rows = zip(stamps(recording), recording.q, recording.qd, effort)
-    bag(path, "/joint_states", JOINT_STATE, ((ns, state(ns, names, order, q, qd, e)) for ns, q, qd, e in rows))
 
 
 def xarm(path, recording, names):
