@@ -6,13 +6,16 @@ import json
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 
-from . import _residyn
+from . import _residyn, plots
 from .model import Model
 from .recording import RecordingLike, paths, several
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -132,6 +135,15 @@ class Report:
         """In a notebook: the page in a frame of its own."""
         return framed(self._diagnosis.html())
 
+    def plot(self, joints: Optional[Sequence[str]] = None) -> "Figure":
+        """Torque over time of the held-out recording: measured, as given, corrected, joint by joint. Needs matplotlib.
+
+        `joints` are those to draw, by name (default: all). Trajectories follow each other on one axis of time.
+        """
+        motion = self.motion()
+        curves = {"measured": motion["tau"], "as given": motion["given"], "corrected": motion["explained"]}
+        return plots.over_time(motion["time"], plots.trajectories(motion["time"]), curves, self.joints, joints, "N·m (N)")
+
     def patch(self, path: Union[str, os.PathLike]) -> list[Path]:
         """Writes the corrected description to `path` and beside it what a URDF cannot hold; returns all paths."""
         return [Path(p) for p in self._diagnosis.patch(Path(path))]
@@ -171,10 +183,18 @@ def diagnose(
 ) -> Report:
     """Diagnoses the gap between a simulator's torque and a real robot's.
 
-    `given` is the simulator's model, a `Robot` (or its name or path), or an identified `Model`. Effects are fitted on `data`;
-    every figure is measured on `heldout`. With `before`, earlier recordings of the same robot, the report says what has changed since
-    then; of `given`, a `Robot`, lengths and axes are used, and without `heldout` every third trajectory of `data` is held out.
-    `drive` is needed for a `Model` alone, a `Robot` has its own. Ctrl-C returns at once.
+    given: the simulator's model, a `Robot` (or its name or path), or an identified `Model`
+    data: recordings on which effects are fitted: files, `Recording`s, or frames of pandas or polars
+    heldout: recording on which every figure is measured
+    before: earlier recordings of the same robot; the report then says what has changed since. Of `given`, a `Robot`, lengths and axes
+        are used, and without `heldout` every third trajectory of `data` is held out
+    drive: drive file; needed for a `Model` alone, a `Robot` has its own
+    cutoff_hz: of the motion's low-pass (default: chosen from the data)
+    fast: skip all that is computed from surrogate recordings (p-values, evidence for a cause's name)
+    learn: also train a compensator, and say how much of the rest of the gap it would close
+    next_motion: also plan the motion that tells ambiguous causes apart, for `Report.next_motion`
+
+    Raises `InputError` with the words of the command line; Ctrl-C returns at once.
     """
     if isinstance(given, (str, os.PathLike)):
         given = _residyn.Robot(os.fspath(given))

@@ -6,15 +6,22 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Literal, Optional, Sequence, Union
 
 import numpy as np
 
-from . import _residyn
+from . import _residyn, plots
 from .recording import RecordingLike, paths, several
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Called with joint, network, epoch, most epochs, and the error on held-back groups in N·m where there are some.
 Progress = Callable[[int, int, int, int, Optional[float]], None]
+Estimator = Literal["ols", "wls", "irls", "iterative"]
+Weight = Literal["hard", "huber", "tukey"]
+Lmi = Literal["off", "last", "every"]
+Preset = Literal["default", "ucm"]
 
 
 @dataclass(frozen=True)
@@ -30,6 +37,15 @@ class Prediction:
     std: np.ndarray
     #: What `eval --json` writes: scores by model and scope, notes.
     report: dict[str, Any]
+
+    def plot(self, joints: Optional[Sequence[str]] = None) -> "Figure":
+        """Torque over time: of the physics, and of the whole model with its standard deviation, joint by joint. Needs matplotlib.
+
+        `joints` are those to draw, by name (default: all). Trajectories follow each other on one axis of time.
+        """
+        curves = {"physics": self.physics, "model": self.torque}
+        names = self.report["joints"]
+        return plots.over_time(self.time, plots.trajectories(self.time), curves, names, joints, "N·m (N)", band=self.std)
 
     def nrmse(self, name: str = "physics+compensator", scope: str = "all") -> list[Optional[float]]:
         """Error over the torque's standard deviation by joint; without a compensator, that of the physics."""
@@ -96,14 +112,46 @@ def identify(
     out: Union[str, os.PathLike],
     *,
     heldout: Optional[RecordingLike] = None,
-    **options: Any,
+    seed: int = 0,
+    basic: bool = False,
+    estimator: Optional[Estimator] = None,
+    weight: Optional[Weight] = None,
+    lmi: Optional[Lmi] = None,
+    prior: Union[str, os.PathLike, None] = None,
+    ridge: Optional[float] = None,
+    moving_only: bool = False,
+    average: Union[bool, float] = False,
+    harmonics: Optional[int] = None,
+    rloess: Optional[int] = None,
+    cutoff_hz: Optional[float] = None,
+    rate: Optional[float] = None,
+    threads: Optional[int] = None,
 ) -> Model:
     """Identifies the physics alone and writes a model directory: `train --physics-only`.
 
-    `heldout` is scored and nothing else. `options` are those of `train`, with underscores: `cutoff_hz=8`, `basic=True`,
-    `estimator="iterative"`, …
+    robot: a `Robot`, or its name or path
+    data: recordings to learn from: files, `Recording`s, or frames of pandas or polars
+    out: model directory to write
+    heldout: recording that is scored and nothing else
+    seed: of all random numbers
+    basic: fit viscous and Coulomb friction, offset and rotor inertia, and select no further terms
+    estimator: of the parameters: "wls" (default), "ols", "irls", "iterative"
+    weight: of a row by its residual, for "irls" and "iterative": "hard" (default), "huber", "tukey"
+    lmi: steps in which every link must be a possible body: "off" (default), "last", "every"
+    prior: parameters that the ridge pulls towards: "nominal", or an older model directory
+    ridge: its strength, relative to each column's norm (default: 3e-5, with `prior` 0.1)
+    moving_only: fit only samples in motion
+    average: average the runs of each motion of `data`: trajectories that repeat and, of a number, periods of so many seconds
+    harmonics: with `average`: fit the motion by a Fourier series with so many harmonics
+    rloess: smooth the torque of `data` by robust local regression over so many samples
+    cutoff_hz: of the motion's low-pass (default: chosen from the data)
+    rate: rows per second of tables without a column of time
+    threads: number of threads; the result does not depend on it (default: all cores)
+
+    Raises `InputError` with the words of the command line; Ctrl-C stops it.
     """
-    return train(robot, data, out, heldout=heldout, physics_only=True, **options)
+    options = {name: value for name, value in locals().items() if name not in ("robot", "data", "out", "heldout")}
+    return _trained(robot, data, out, heldout, None, {"physics_only": True, **options})
 
 
 def train(
@@ -113,12 +161,52 @@ def train(
     *,
     heldout: Optional[RecordingLike] = None,
     progress: Optional[Progress] = None,
-    **options: Any,
+    preset: Optional[Preset] = None,
+    members: Optional[int] = None,
+    epochs: Optional[int] = None,
+    yardsticks: bool = False,
+    resume: bool = False,
+    physics_only: bool = False,
+    seed: int = 0,
+    basic: bool = False,
+    estimator: Optional[Estimator] = None,
+    weight: Optional[Weight] = None,
+    lmi: Optional[Lmi] = None,
+    prior: Union[str, os.PathLike, None] = None,
+    ridge: Optional[float] = None,
+    moving_only: bool = False,
+    average: Union[bool, float] = False,
+    harmonics: Optional[int] = None,
+    rloess: Optional[int] = None,
+    cutoff_hz: Optional[float] = None,
+    rate: Optional[float] = None,
+    threads: Optional[int] = None,
 ) -> Model:
     """Identifies the physics, trains the compensator on what is left, and writes a model directory: `train`.
 
-    Ctrl-C stops it; with `resume=True` the same call goes on, where its recordings are files: arrays are written to new ones.
+    progress: called while networks train
+    preset: kind of compensator: "default", or "ucm", the published unit
+    members: networks that are averaged for each joint
+    epochs: passes over the training data
+    yardsticks: also fit ridge regression and boosted trees, for `eval --leaderboard`
+    resume: go on with an interrupted run of the same arguments, where its recordings are files: arrays are written to new ones
+    physics_only: train no compensator
+
+    All else is as in `identify`. Ctrl-C stops it; with `resume=True` the same call goes on.
     """
+    options = {name: value for name, value in locals().items() if name not in ("robot", "data", "out", "heldout", "progress")}
+    return _trained(robot, data, out, heldout, progress, options)
+
+
+def _trained(
+    robot: Union[_residyn.Robot, str, os.PathLike],
+    data: Union[RecordingLike, Sequence[RecordingLike]],
+    out: Union[str, os.PathLike],
+    heldout: Optional[RecordingLike],
+    progress: Optional[Progress],
+    options: dict[str, Any],
+) -> Model:
+    """Runs `train` with options by its names."""
     if not isinstance(robot, _residyn.Robot):
         robot = _residyn.Robot(os.fspath(robot))
     arguments = ["--quiet", "--robot", robot.source, "--out", os.fspath(out)]

@@ -6,13 +6,16 @@ import json
 import os
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 
-from . import _residyn
+from . import _residyn, plots
 from .diagnosis import Cause, Place, framed
 from .recording import RecordingLike, paths, several
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,18 @@ class ReplayReport:
         """In a notebook: the page in a frame of its own."""
         return framed(self._replay.html())
 
+    def plot(self, joints: Optional[Sequence[str]] = None) -> "Figure":
+        """Position over time of the held-out recording: command, measured, as given, corrected, joint by joint. Needs matplotlib.
+
+        `joints` are those to draw, by name (default: all). Trajectories follow each other on one axis of time.
+        """
+        trajectories = self.motion()
+        ends = np.cumsum([len(t["time"]) for t in trajectories])
+        parts = [slice(end - len(t["time"]), end) for end, t in zip(ends, trajectories)]
+        of = {"command": "q_ref", "measured": "q", "as given": "given", "corrected": "corrected"}
+        curves = {name: np.concatenate([t[key] for t in trajectories]) for name, key in of.items()}
+        return plots.over_time(np.concatenate([t["time"] for t in trajectories]), parts, curves, self.joints, joints, "rad (m)")
+
     def patch(self, path: Union[str, os.PathLike]) -> tuple[list[Path], list[str]]:
         """Writes the corrected model to `path`, and beside it a drive file and values for Isaac Lab and Newton; returns all paths, and
         what the model's format cannot hold."""
@@ -97,11 +112,15 @@ def replay(
 ) -> ReplayReport:
     """Diagnoses the gap in motion between a simulator and a real robot under the same commands.
 
-    `given` is the simulator's model, a `Robot` (or its name or path); a URDF needs a drive file with the block [controller]. Recordings
-    have commanded positions (`q_ref`) beside `q`, and need no torque; `tau_ff` is what the controller adds to its own law. Effects are fitted on `data`; every figure is measured on
-    `heldout`. With `before`, earlier recordings of the same robot, the report says what has changed since then.
-    `drive` stands in place of the robot's own drive file. `fast` shortens the fits by which shares are measured. `ceiling`
-    fits the same effects to `heldout` itself, too (`raw["ceiling"]`).
+    given: the simulator's model, a `Robot` (or its name or path); a URDF needs a drive file with the block [controller]
+    data: recordings to fit: files, `Recording`s, or frames of pandas or polars, with commanded positions (`q_ref`) beside `q` and no
+        torque; `tau_ff` is what the controller adds to its own law
+    heldout: recording on which every figure is measured
+    before: earlier recordings of the same robot; the report then says what has changed since
+    drive: in place of the robot's own drive file
+    fast: measure the causes' shares by shorter fits
+    ceiling: fit the same effects to `heldout` itself, too (`raw["ceiling"]`)
+
     Raises `InputError` with the words of the command line; Ctrl-C returns at once.
     """
     drive = None if drive is None else Path(drive)

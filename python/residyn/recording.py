@@ -7,14 +7,24 @@ import os
 import tempfile
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Iterator, Optional, Sequence, Union
+from typing import Any, Iterator, Optional, Protocol, Sequence, Union
 
 import numpy as np
 
 from . import _residyn
 
-#: A recording as most functions take it: a path, or arrays.
-RecordingLike = Union[str, os.PathLike, "Recording"]
+
+class Frame(Protocol):
+    """A table of pandas or polars, with the columns of a recording's file."""
+
+    @property
+    def columns(self) -> Any: ...
+    @property
+    def shape(self) -> tuple[int, int]: ...
+
+
+#: A recording as most functions take it: a path, arrays, or a frame.
+RecordingLike = Union[str, os.PathLike, "Recording", Frame]
 
 _TABLES = ("q", "tau", "qd", "qdd", "ql", "q_ref", "qd_ref", "tau_ff", "temp")
 
@@ -105,16 +115,38 @@ def paths(*recordings: RecordingLike) -> Iterator[list[Path]]:
     with tempfile.TemporaryDirectory(prefix="residyn-") as folder:
         out = []
         for number, one in enumerate(recordings):
-            if not isinstance(one, Recording):
-                out.append(Path(one))
-            elif one.source is not None:
-                out.append(one.source)
+            if isinstance(one, Recording):
+                out.append(one.source or Path(folder) / f"arrays-{number + 1}.parquet")
+                if one.source is None:
+                    one.write(out[-1])
+            elif is_frame(one):
+                out.append(_written(one, Path(folder) / f"frame-{number + 1}"))
             else:
-                out.append(Path(folder) / f"arrays-{number + 1}.parquet")
-                one.write(out[-1])
+                out.append(Path(one))
         yield out
+
+
+def is_frame(data: Any) -> bool:
+    """Whether it is a table of pandas or polars."""
+    return hasattr(data, "columns") and (hasattr(data, "to_parquet") or hasattr(data, "write_parquet"))
+
+
+def _written(frame: Any, stem: Path) -> Path:
+    """A frame as a file that programs read: Parquet, or CSV where pandas has nothing to write Parquet with. A named index is a column."""
+    parquet = stem.with_suffix(".parquet")
+    if hasattr(frame, "write_parquet"):
+        frame.write_parquet(parquet)
+        return parquet
+    if any(name is not None for name in frame.index.names):
+        frame = frame.reset_index()
+    try:
+        frame.to_parquet(parquet, index=False)
+    except ImportError:
+        frame.to_csv(stem.with_suffix(".csv"), index=False)
+        return stem.with_suffix(".csv")
+    return parquet
 
 
 def several(data: Union[RecordingLike, Sequence[RecordingLike]]) -> list[RecordingLike]:
     """One recording or several, as a list."""
-    return [data] if isinstance(data, (str, os.PathLike, Recording)) else list(data)
+    return [data] if isinstance(data, (str, os.PathLike, Recording)) or is_frame(data) else list(data)

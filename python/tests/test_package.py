@@ -2,6 +2,7 @@
 
 import _thread
 import dataclasses
+import importlib.util
 import json
 import threading
 import time
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import residyn
+from residyn import plots
 from residyn.in_mujoco import ROLLOUT, _starts
 
 
@@ -113,6 +115,11 @@ def test_diagnose_is_the_program(program, case, tmp_path):
     assert report._repr_html_().startswith("<iframe srcdoc=")
     assert report.verdict in str(report) or str(report)
     assert report.ladder[0].step == "as_given" and len(report.causes) == len(report.raw["causes"])
+    if importlib.util.find_spec("matplotlib"):
+        figure = report.plot(report.joints[:2])
+        for j, axis in enumerate(figure.axes):
+            measured = np.concatenate([line.get_ydata() for line in axis.lines if line.get_color() == plots.COLOURS["measured"]])
+            assert np.array_equal(measured, report.motion()["tau"][:, j])
     for written in report.patch(tmp_path / "py.urdf"):
         twin = tmp_path / written.name.replace("py.", "cli.")
         assert written.read_bytes() == twin.read_bytes()
@@ -148,7 +155,9 @@ def test_wrong_input_has_the_words_of_the_programs(raw, tmp_path):
         residyn.Robot("ur55")
     with pytest.raises(residyn.InputError, match="missing.csv"):
         residyn.identify(raw / "robot.urdf", tmp_path / "missing.csv", tmp_path / "m")
-    with pytest.raises(residyn.InputError, match="--cutof"):
+    with pytest.raises(residyn.InputError, match="--weight"):
+        residyn.identify(raw / "robot.urdf", raw / "train.csv", tmp_path / "m", weight="soft")
+    with pytest.raises(TypeError, match="cutof"):
         residyn.identify(raw / "robot.urdf", raw / "train.csv", tmp_path / "m", cutof=8)
     with pytest.raises(residyn.InputError, match="dimensions"):
         residyn.Recording(np.arange(3.0), np.zeros(3))

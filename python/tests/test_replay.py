@@ -1,13 +1,14 @@
 """`residyn.replay` against the program: the same numbers, the same words."""
 
 import dataclasses
+import importlib.util
 import json
 
 import numpy as np
 import pytest
 
 import residyn
-from residyn import verify_replay
+from residyn import plots, verify_replay
 from test_verify_replay import JOINTS, SERVOS, model, recording
 
 
@@ -32,6 +33,10 @@ def test_replay_is_the_program(program, case, report, tmp_path):
     assert report.to_html(tmp_path / "own.html") == (tmp_path / "page.html").read_text() == (tmp_path / "own.html").read_text()
     assert report._repr_html_().startswith("<iframe srcdoc=")
     assert report.ladder[0].step == "as_given" and len(report.causes) == len(report.raw["causes"])
+    if importlib.util.find_spec("matplotlib"):
+        (axis,) = report.plot(report.joints[-1:]).axes
+        drawn = np.concatenate([line.get_ydata() for line in axis.lines if line.get_color() == plots.COLOURS["corrected"]])
+        assert np.array_equal(drawn, np.concatenate([t["corrected"][:, -1] for t in report.motion()]))
     written, left_out = report.patch(tmp_path / "py.urdf")
     assert len(written) >= 4 and all(isinstance(line, str) for line in left_out)
     for path in written:
