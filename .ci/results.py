@@ -162,7 +162,7 @@ def made(name):
 
 def filled(text):
     """A page with its tables made again."""
-    return re.sub(r"(<!-- results: (\w+) -->\n).*?(\n<!-- end -->)", lambda m: m[1] + made(m[2]) + m[3], text, flags=re.S)
+    return re.sub(r"(<!-- results: (\w+) -->\n+).*?(\n<!-- end -->)", lambda m: m[1] + made(m[2]) + m[3], text, flags=re.S)
 
 
 def check():
